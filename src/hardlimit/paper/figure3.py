@@ -73,9 +73,8 @@ def _tips(data: xr.Dataset, prefix: str) -> list[float]:
 def meaning(data: xr.Dataset) -> str:
     n = data["outline_n_contacts"].values
     return (
-        f"An event-driven simulation has one contact on every line; Newton’s equations have {n.min()} to "
-        f"{n.max()}, and the number changes by jumps, so that a small error of ε can change the course of "
-        f"a drop altogether."
+        f"An event-driven simulation has one contact on every line. Newton’s equations have {n.min()} to {n.max()}; "
+        f"the number changes in jumps, so a small error of ε can change the whole motion."
     )
 
 

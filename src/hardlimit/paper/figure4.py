@@ -74,9 +74,9 @@ def meaning(data: xr.Dataset) -> str:
     close = np.abs(data["restitution_ratio_over_gap"].values - 1.0) < 0.05
     right = 100.0 * fraction(single & close, *axes(data, "gap")) / fraction(single, *axes(data, "gap"))
     return (
-        f"Wherever the count is not 1 an event-driven simulation has the wrong sequence, and a count of 1 "
-        f"is no guarantee: in the upper map its effective restitution is within 5 % in only {right:.0f} % "
-        f"of the area with one contact."
+        f"Where the count is not 1, an event-driven simulation has the wrong sequence of contacts. Where it is 1, the "
+        f"result may be wrong as well: in the upper map, the effective restitution is right to 5 % in only {right:.0f} "
+        f"% of the area with one contact."
     )
 
 

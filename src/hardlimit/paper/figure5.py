@@ -56,9 +56,9 @@ def safe_gap(data: xr.Dataset, within: float = 0.01) -> float:
 
 def meaning(data: xr.Dataset) -> str:
     return (
-        f"With ε = {RESTITUTION} an event-driven simulation has the right relative velocity, to one per "
-        f"cent of ε, only where the gap is larger than {safe_gap(data) * 1e3:.1f} mm; at smaller gaps the "
-        f"effective restitution varies by jumps, down to almost nothing."
+        f"With ε = {RESTITUTION} an event-driven simulation has the right relative velocity, to one per cent of ε, "
+        f"only for gaps above {safe_gap(data) * 1e3:.1f} mm; at smaller gaps the effective restitution jumps, down to "
+        f"almost 0."
     )
 
 

@@ -58,9 +58,9 @@ def meaning(data: xr.Dataset) -> str:
     first_bad = int(np.argmin(good)) if not good.all() else good.size - 1
     at_ten = float(np.interp(RADIUS_RATIO, data["radius_ratio"], data["restitution_ratio"]))
     return (
-        f"Event-driven simulations of unequal balls go wrong first: at this gap they are right to one per "
-        f"cent only up to R1/R2 = {float(data.radius_ratio[first_bad]):.2f}, and at R1/R2 = "
-        f"{RADIUS_RATIO:g} the balls part as if ε were {at_ten:.2f} of what was specified."
+        f"Event-driven simulations are least accurate for unequal balls: at this gap they are right to one per cent "
+        f"only up to R1/R2 = {float(data.radius_ratio[first_bad]):.2f}, and at R1/R2 = {RADIUS_RATIO:g} the effective "
+        f"restitution is {at_ten:.2f} times the specified one."
     )
 
 
@@ -152,7 +152,7 @@ def _reduced(paper: Paper) -> Outcome:
     return (shown if top > 1.0 else "nowhere above 1", top > 1.0, high - low < 1.0)
 
 
-@STATEMENTS.add("Only in that interval is ε_eff > ε", "Sec. IV B", 4, 5, 6)
+@STATEMENTS.add("Only in that interval near R1 = R2 is ε_eff > ε", "Sec. IV B", 4, 5, 6)
 def _only_there(paper: Paper) -> Outcome:
     figure, maps = paper.figure(5), paper.figure(4)
     ratio, gap = figure["restitution_ratio"].values, figure["gap"].values

@@ -60,8 +60,8 @@ def compute(paper: Paper) -> xr.Dataset:
 def meaning(data: xr.Dataset) -> str:
     n = int(data["outline_n_contacts"].max())
     return (
-        f"A more realistic contact force does not make event-driven simulation valid: viscoelastic spheres "
-        f"have up to {n} contacts in one drop, where it has one."
+        f"A more realistic contact force does not make event-driven simulation valid: viscoelastic spheres have up to "
+        f"{n} contacts in one drop, and an event-driven simulation has one."
     )
 
 

@@ -51,8 +51,8 @@ def compute(paper: Paper) -> xr.Dataset:
 def meaning(data: xr.Dataset) -> str:
     n = int(data["outline_n_contacts"].max())
     return (
-        f"Giving both contacts one material instead of one ε changes little: up to {n} contacts in one "
-        f"drop, so the failure of the event-driven picture does not hinge on how dissipation is specified."
+        f"One material for both contacts instead of one ε changes little: there are up to {n} contacts in one drop, "
+        f"so event-driven simulation fails however the dissipation is specified."
     )
 
 
