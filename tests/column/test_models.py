@@ -5,14 +5,13 @@ import re
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import hardlimit as hl
+from command_line import run
 from conftest import columns, free_columns
 from hardlimit import plots
-from hardlimit.cli import main
 from hardlimit.column.models import MODELS
 
 CORE = Path(__file__).resolve().parents[2] / "core"
@@ -91,6 +90,6 @@ def test_labels_are_those_of_the_description():
     (legend,) = plots.heights(*found.results).legends
     labels = [text.get_text() for text in legend.get_texts()]
     assert all(any(model.label in label for label in labels) for model in MODELS.values())
-    shown = CliRunner().invoke(main, ["drop"], env={"COLUMNS": "200"}).stdout
+    shown = run("drop").stdout
     assert any(set(line.split()) == {model.short for model in MODELS.values()} for line in shown.splitlines())
     assert all(f"<th>{model.short}</th>" in found._repr_html_() for model in MODELS.values())

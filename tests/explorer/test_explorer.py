@@ -38,9 +38,10 @@ def address() -> Iterator[tuple[str, int]]:
         yield (server.HOST, running.server_address[1])
 
 
-def get(
-    address: tuple[str, int], path: str, method: str = "GET"
-) -> tuple[int, http.client.HTTPMessage, bytes]:
+Address = tuple[str, int]
+
+
+def get(address: Address, path: str, method: str = "GET") -> tuple[int, http.client.HTTPMessage, bytes]:
     connection = http.client.HTTPConnection(*address, timeout=10)
     connection.request(method, path)
     response = connection.getresponse()

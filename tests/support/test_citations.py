@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 from click import Context
-from click.testing import CliRunner
 
 import hardlimit as hl
+from command_line import run
 from hardlimit import _core
 from hardlimit.boxes.engines import NEWTON
 from hardlimit.boxes.rules import RULES
@@ -49,9 +49,8 @@ def test_every_publication_is_used() -> None:
 
 
 def test_the_command_prints_the_publications() -> None:
-    printed = CliRunner().invoke(main, ["cite", "tc", "newton"]).stdout
-    assert printed == citations.bibtex("tc", "newton")
-    table = CliRunner().invoke(main, ["cite"]).stdout
+    assert run("cite", "tc", "newton").stdout == citations.bibtex("tc", "newton")
+    table = run("cite").stdout
     assert all(name in table for name in every_topic())
 
 

@@ -2,14 +2,13 @@
 
 import numpy as np
 import pytest
+import test_linear_kernel
 import xarray as xr
 from numpy.typing import NDArray
 
 import hardlimit as hl
 from conftest import number, table
 from hardlimit import _core
-from hardlimit.sweep.plan import MODELS, make_plan
-from hardlimit.sweep.variables import OF_POINT
 
 Results = dict[str, NDArray]
 
@@ -17,15 +16,7 @@ Results = dict[str, NDArray]
 def compute(
     column: hl.Column, instruction_set: str, tolerance: float | None = None, **swept: NDArray | xr.DataArray
 ) -> Results:
-    """All variables of a sweep; ``"scalar"`` solves each point by the general solver."""
-    plan = make_plan(column, "newton", list(OF_POINT), swept, tolerance)
-    out = {name: np.empty(plan.size, OF_POINT[name].dtype) for name in plan.variables}
-    where = (*plan.densities, plan.restitution_at, list(plan.values), list(plan.strides))
-    model = MODELS.index(plan.model)
-    how = (plan.size, 1, plan.tolerance, out, None, instruction_set)
-    large = _core.run_map(plan.law, model, plan.alternative, *where, 0, *how)
-    assert not large
-    return out
+    return test_linear_kernel.compute(swept, instruction_set, column=column, tolerance=tolerance)
 
 
 def points(**values: NDArray) -> dict[str, xr.DataArray]:
