@@ -18,7 +18,7 @@ from ..contact.contact import Contact, Law
 from ..contact.laws import LinearDashpot
 from ..support import html, validation
 
-#: Density that reproduces the facts stated in the paper [kg/m³]. It is inferred; the paper gives none.
+#: Density that reproduces the facts stated in the paper [kg/m³]. It is inferred; the paper states none.
 PAPER_DENSITY: Final = 840.0
 
 STANDARD_GRAVITY: Final = 9.81
@@ -218,7 +218,7 @@ class Column:
     ) -> Column:
         """A column with the given parameters changed.
 
-        If the number of balls changes, a law, gap or velocity that all share is kept for all.
+        If the number of balls changes, a law, gap or velocity that is the same for all is kept for all.
 
         Raises
         ------

@@ -116,7 +116,7 @@ def draw(data: xr.Dataset) -> Figure:
 
 def _label_spikes(ax: Axes, tips: Array) -> None:
     """The ε of the spike tips at the right border; tips too close for two lines share a label."""
-    inches = 0.75 * HEIGHT  # of the axes, about
+    inches = 0.75 * HEIGHT  # approximate height of the axes
     height = 13.0 / 72.0 / inches * abs(float(np.diff(ax.get_ylim())[0]))
     groups: list[list[float]] = []
     for tip in sorted((float(t) for t in tips), reverse=True):
@@ -131,7 +131,7 @@ def _label_spikes(ax: Axes, tips: Array) -> None:
         ax.annotate(
             rf"{'spikes' if several else 'spike'}, $\varepsilon<{names}$",
             (right, group[-1] if several else group[0]),
-            (-14, -4 if several else 3),  # clear of the ticks; several: below the lowest
+            (-14, -4 if several else 3),  # clear of the ticks; a common label is below the lowest
             textcoords="offset points",
             ha="right",
             va="top" if several else "bottom",

@@ -27,7 +27,7 @@ AGREE: Final = "Statements that agree"
 class Row:
     """A row of the table: one statement of the paper, and the result obtained here."""
 
-    statement: str  #: in our words
+    statement: str  #: a summary of the text
     where: str  #: place in the paper
     result: str  #: result obtained here
     agrees: Agreement

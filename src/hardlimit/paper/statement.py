@@ -15,7 +15,7 @@ Check = Callable[[Paper], Outcome]
 
 
 class Statement(NamedTuple):
-    """A statement in our words, its place in the paper, the figures whose data it needs, and its check."""
+    """A summary of a statement, its place in the paper, the figures whose data it needs, and its check."""
 
     text: str
     where: str

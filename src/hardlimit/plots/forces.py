@@ -121,7 +121,7 @@ def draw_forces(axes: list[Axes], result: Result, ghost: Result | None) -> None:
                 _draw_instants(ax, contacts_of(ghost, pair)[0] * factor, GREY)
     end = result.t_end if len(result.column.balls) > 1 else math.nan
     _mark_end(axes, end, span, factor)
-    # The title is on the other side than the label of t_f.
+    # The title must not overlap the label of t_f.
     side: Any = "right" if end < 0.5 * (span[0] + span[1]) else "left"
     for ax, pair in zip(axes, pairs, strict=True):
         ax.set_title(_bodies_and_contacts(result, pair), loc=side, fontsize="medium", pad=3.0)

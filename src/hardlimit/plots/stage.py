@@ -262,7 +262,7 @@ def _make_balls(ax: Axes, radii: list[float], ghost: bool) -> list[Ellipse]:
         if ghost:
             inch = radius * ax.get_window_extent().height / abs(np.diff(ax.get_ylim())[0]) / ax.figure.dpi
             ball.set(facecolor="white", edgecolor=colour, linewidth=1.6)
-            if inch > 0.1:  # dashes need room
+            if inch > 0.1:  # dashes would not be visible on a smaller ball
                 ball.set_linestyle("--")
         ax.add_patch(ball)
         balls.append(ball)

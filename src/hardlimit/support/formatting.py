@@ -11,7 +11,7 @@ PREFIXES: Final = (
     *((1e15, "P"), (1e12, "T"), (1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, "")),
     *((1e-3, "m"), (1e-6, "µ"), (1e-9, "n")),
 )
-#: Percentages below this are not written out.
+#: Smaller percentages are shown as "less than" this.
 SMALLEST_PERCENTAGE: Final = 0.001
 
 
