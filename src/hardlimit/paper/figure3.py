@@ -148,10 +148,8 @@ def _either_order(paper: Paper) -> Outcome:
     epsilon = figure["restitution_outline"].values
     late = figure["outline_t_end"].values > figure["outline_t_floor_end"].values
     after = fraction(late, (epsilon, False))
-    return (
-        f"after it for {100 * after:.1f} % of the ε from {epsilon[0]:g} to {epsilon[-1]:g}",
-        0.0 < after < 1.0,
-    )
+    text = f"after it for {100 * after:.1f} % of the ε from {epsilon[0]:g} to {epsilon[-1]:g}"
+    return text, 0.0 < after < 1.0
 
 
 @STATEMENTS.add("3 contacts at ε = 1", "Sec. IV A, Fig. 3")
@@ -191,12 +189,11 @@ def _one_maximum_everywhere(paper: Paper) -> Outcome:
     single = float(np.mean(by_gap == 1)), float(np.mean(by_ratio == 1))
     most = f"{by_gap.max()} maxima at Δh = {gaps[int(np.argmax(by_gap))] * 1e6:.2f} µm"
     hertz = maxima(paper.figure(7)["outline_n_contacts"].values)
-    return (
+    text = (
         f"linear: one maximum for {about(single[0])} of the Δh (logarithmic) and {about(single[1])} "
-        f"of the R1/R2 of Fig. 4; {most}; viscoelastic (Fig. 7): {hertz} maxima",
-        min(single) == 1.0 and hertz == 1,
-        min(single) > 0.5,
+        f"of the R1/R2 of Fig. 4; {most}; viscoelastic (Fig. 7): {hertz} maxima"
     )
+    return text, min(single) == 1.0 and hertz == 1, min(single) > 0.5
 
 
 @STATEMENTS.add("The duration of a contact depends only weakly on ε", "Sec. IV A")
@@ -228,12 +225,11 @@ def _adiabatic(paper: Paper) -> Outcome:
     tips = paper.figure(3)
     both_tips = tips["spike"].values[:1], tips["adiabatic_spike"].values[:1]
     shift = float(np.abs(both_tips[0] - both_tips[1]).max(initial=0.0))
-    return (
+    text = (
         f"equal counts for {100 * same:.1f} % of the ε from 0.1 to 1; contacts that begin during the floor "
-        f"contact within {100 * worst:.2f} % of its duration; first spike shifted by {shift:.4f} in ε",
-        worst < 0.01,
-        same > 0.999,
+        f"contact within {100 * worst:.2f} % of its duration; first spike shifted by {shift:.4f} in ε"
     )
+    return text, worst < 0.01, same > 0.999
 
 
 @STATEMENTS.add("The adiabatic solution becomes exact for R1 ≫ R2", "App. A")
@@ -264,8 +260,5 @@ def _order(paper: Paper) -> Outcome:
 def _spikes(paper: Paper) -> Outcome:
     tips = paper.figure(3)["spike"].values
     shown = ", ".join(f"{tip:.4f}" for tip in tips)
-    return (
-        f"tips at {shown or 'no ε'}",
-        tips.size > 0 and near(tips[0], 0.78, 0.005),
-        tips.size > 1 and near(tips[1], 0.67, 0.005),
-    )
+    text = f"tips at {shown or 'no ε'}"
+    return text, tips.size > 0 and near(tips[0], 0.78, 0.005), tips.size > 1 and near(tips[1], 0.67, 0.005)

@@ -192,13 +192,12 @@ def _maximum_over_gap(paper: Paper) -> Outcome:
         grows.append(bool(np.all(np.diff(column[at_most[-1] :]) <= 0)))
         single.append(bool(at_most[-1] - at_most[0] + 1 == at_most.size))
     i, j = np.unravel_index(int(np.argmax(counts)), counts.shape)
-    return (
+    text = (
         f"growing from 10 mm down to the maximum for {about(float(np.mean(grows)))} of the ε of Fig. 4, the "
         f"maximum in one interval of Δh for {about(float(np.mean(single)))}; most contacts: {counts.max()}, at ε = "
-        f"{epsilon[i]:.3f}, Δh = {gaps[j] * 1e6:.1f} µm",
-        all(grows),
-        all(single),
+        f"{epsilon[i]:.3f}, Δh = {gaps[j] * 1e6:.1f} µm"
     )
+    return text, all(grows), all(single)
 
 
 @STATEMENTS.add("t_c,01/t_c,12 grows with m1/m2", "Sec. IV A")
@@ -220,9 +219,8 @@ def _grows_with_ratio(paper: Paper) -> Outcome:
     counts = counts_over(paper.linear(), restitution=epsilon, radius_ratio=ratios)
     never_falls = float(np.mean(np.all(np.diff(counts, axis=1) >= 0, axis=1)))
     ends_higher = float(np.mean(counts[:, -1] > counts[:, 0]))
-    return (
+    text = (
         f"higher at {ratios[-1]:g} than at {ratios[0]:g} for {about(ends_higher)} of the ε of Fig. 4; "
-        f"without falling in between for {about(never_falls)}",
-        ends_higher > 0.9,
-        never_falls > 0.5,
+        f"without falling in between for {about(never_falls)}"
     )
+    return text, ends_higher > 0.9, never_falls > 0.5

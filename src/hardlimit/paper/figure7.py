@@ -102,14 +102,12 @@ def _same_structure(paper: Paper) -> Outcome:
     counts = figure["outline_n_contacts"].values
     late = late_contacts("restitution_outline", figure, "outline_")
     rises = counts.max() > counts[-1] and counts[0] < counts[-1]
-    return (
+    text = (
         f"{counts[-1]} contacts at ε = 1, up to {counts.max()}, {counts[0]} at ε = 0.1; {len(late)} "
         f"intervals of ε with a contact after the floor contact; {maxima(counts)} maxima over ε instead of "
-        f"one",
-        bool(rises),
-        bool(late),
-        maxima(counts) == 1,
+        f"one"
     )
+    return text, bool(rises), bool(late), maxima(counts) == 1
 
 
 @STATEMENTS.add("Y = 6e9 N/m² matches the linear force at an overlap of (R1 + R2)/10", "App. B")
@@ -122,10 +120,8 @@ def _matched(paper: Paper) -> Outcome:
     pair, floor = (
         linear / unit.between(*bodies).force(overlap) for bodies in ((upper, lower), (lower, FLOOR))
     )
-    return (
-        f"Y = {pair:.3g} N/m² for the two balls, {floor:.3g} for ball and floor",
-        near(pair, YOUNGS_MODULUS_INSET, 0.05e9),
-    )
+    text = f"Y = {pair:.3g} N/m² for the two balls, {floor:.3g} for ball and floor"
+    return text, near(pair, YOUNGS_MODULUS_INSET, 0.05e9)
 
 
 @STATEMENTS.add(

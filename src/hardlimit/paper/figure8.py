@@ -110,19 +110,16 @@ def _one_material(paper: Paper) -> Outcome:
     )
     path_one, path_both = successive(one[::-1]), successive(both)
     same_path = bool(np.array_equal(path_one, path_both))
-    return (
+    text = (
         f"Fig. 8: {', '.join(map(str, path_both))} contacts as A grows, Fig. 7 "
         f"{'the same' if same_path else ', '.join(map(str, path_one))}; late contacts in {late_both} "
-        f"intervals (Fig. 7: {late_one})",
-        both.max() > 1 and late_both > 0,
-        abs(int(both.max()) - int(one.max())) <= 1,
+        f"intervals (Fig. 7: {late_one})"
     )
+    return text, both.max() > 1 and late_both > 0, abs(int(both.max()) - int(one.max())) <= 1
 
 
 @STATEMENTS.add("One material means ε01 ≠ ε12", "App. C")
 def _two_restitutions(paper: Paper) -> Outcome:
     floor, pair = (float(c.restitution(INPUT_SPEED)) for c in paper.same_material(1e-5).contacts)
-    return (
-        f"A = 10 µs: ε01 = {floor:.4f}, ε12 = {pair:.4f} at {INPUT_SPEED:g} m/s",
-        not near(floor, pair, 1e-3),
-    )
+    text = f"A = 10 µs: ε01 = {floor:.4f}, ε12 = {pair:.4f} at {INPUT_SPEED:g} m/s"
+    return text, not near(floor, pair, 1e-3)
