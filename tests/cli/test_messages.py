@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -42,9 +43,8 @@ def test_a_bound_in_a_message_is_accepted_and_short() -> None:
         told = float(re.search(r">= (\S+)", below)[1])
         assert validation.number("x", told, bound, lowest_allowed=True) == pytest.approx(bound, rel=1e-5)
         told = float(re.search(r"<= (\S+)", above)[1])
-        assert validation.number("x", told, -np.inf, bound, highest_allowed=True) == pytest.approx(
-            bound, rel=1e-5
-        )
+        found = validation.number("x", told, -np.inf, bound, highest_allowed=True)
+        assert found == pytest.approx(bound, rel=1e-5)
 
 
 @pytest.mark.parametrize(
@@ -100,15 +100,17 @@ def test_a_position_in_a_message_is_accepted(boundary: str, seed: int) -> None:
 
 
 def test_alternatives_are_named() -> None:
-    assert refusal(lambda: hl.LinearDashpot(stiffness=1e6)) == (
-        "restitution | damping: got neither, must be restitution or damping"
+    linear, viscoelastic = (
+        partial(hl.LinearDashpot, stiffness=1e6),
+        partial(hl.Viscoelastic, poisson_ratio=0.3),
     )
-    assert refusal(lambda: hl.LinearDashpot(stiffness=1e6, restitution=0.5, damping=1.0)).endswith(
-        "got restitution and damping, must be restitution or damping"
+    need = "must be restitution or damping"
+    assert refusal(linear) == f"restitution | damping: got neither, {need}"
+    assert refusal(partial(linear, restitution=0.5, damping=1.0)).endswith(
+        f"got restitution and damping, {need}"
     )
-    assert refusal(lambda: hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, impact_speed=1.0)).endswith(
-        "restitution | impact_speed: got impact_speed, must be restitution + impact_speed"
-    )
+    refused_speed = refusal(partial(viscoelastic, youngs_modulus=1e8, impact_speed=1.0))
+    assert refused_speed.endswith("impact_speed: got impact_speed, must be restitution + impact_speed")
     assert "got both, must be exactly one" in refusal(lambda: hl.Ball(0.1, density=1.0, mass=1.0))
     assert "got neither, must be exactly one" in refusal(lambda: hl.Ball(0.1))
 
@@ -164,13 +166,11 @@ def test_messages_name_the_option_that_was_typed(
 
 
 def test_messages_name_options_that_differ_from_the_parameter() -> None:
-    assert (
-        refused("stack", "--balls", 1) == "hardlimit stack: --balls: got 1, must be a whole number in [2, 20]"
-    )
+    said = "hardlimit stack: --balls: got 1, must be a whole number in [2, 20]"
+    assert refused("stack", "--balls", 1) == said
     assert "--gap: got -1, must be >= 0" in refused("drop", "--gap=-1")
-    assert "--gap[1]: got -1" in refused(
-        "drop", *["--radius", 0.1] * 3, "--density", 900, "--gap", 1, "--gap=-1"
-    )
+    three = [*["--radius", 0.1] * 3, "--density", 900]
+    assert "--gap[1]: got -1" in refused("drop", *three, "--gap", 1, "--gap=-1")
     assert "--speed: got 0, must be > 0" in refused("stack", "--speed", 0)
     assert "--density | --mass: got both" in refused("drop", "--density", 1, "--mass", 1)
 

@@ -56,9 +56,7 @@ def last_contacts(result: hl.Result) -> tuple[np.ndarray, float, int]:
     floor = np.flatnonzero(pair == 0)
     again, radius = math.inf, result.column.balls[0].radius
     for first, then in itertools.pairwise(floor):
-        middle = 0.5 * (
-            end[first] + begin[then]
-        )  # a force that sets in again within a contact is not a second contact
+        middle = 0.5 * (end[first] + begin[then])  # within a contact the gap stays closed
         opened = result.model == "independent" or result.trajectory(middle).position.values[0, 0] > radius
         if opened and math.isinf(again):
             again, floor_again = begin[then], then
@@ -123,12 +121,9 @@ def overlapping(result: hl.Result) -> int:
 def check(found: hl.Comparison) -> None:
     answer, sentence = found.verdict
     outcomes = [hl.OUTCOMES[r.outcome_code] for r in (found.newton, found.independent)]
-    assert sentence.startswith(
-        {"yes": "Yes: ", "no": "No: ", "by luck": "Only by luck: ", "undecided": "No verdict: "}[answer]
-    )
-    assert (
-        sentence.endswith(".") and "nan" not in sentence and "inf " not in sentence and "\n" not in sentence
-    )
+    first = {"yes": "Yes: ", "no": "No: ", "by luck": "Only by luck: ", "undecided": "No verdict: "}
+    assert sentence.startswith(first[answer]) and sentence.endswith(".")
+    assert not any(bad in sentence for bad in ("nan", "inf ", "\n"))
     one_ball = len(found.newton.column.balls) == 1
     if answer == "undecided":
         assert set(outcomes) & {"unresolved", "invalid", "never_lands", "too_deep"} or (

@@ -89,9 +89,8 @@ def test_figure_5_levels_off_where_the_floor_contact_is_over_first():
 
 def test_figure_6_exceeds_one_up_to_a_ratio_of_1_51():
     ratios = np.arange(1.0, 2.0, 0.01)
-    values = np.array(
-        [hl.newton(hl.Column.paper(0.8, radius_ratio=float(r))).restitution_ratio for r in ratios]
-    )
+    columns = [hl.Column.paper(0.8, radius_ratio=float(r)) for r in ratios]
+    values = np.array([hl.newton(column).restitution_ratio for column in columns])
     assert values.max() == pytest.approx(1.0020, abs=5e-5)
     assert ratios[values.argmax()] == pytest.approx(1.42, abs=0.011)
     assert ratios[values > 1.0].max() == pytest.approx(1.505, abs=0.006)
@@ -369,9 +368,8 @@ def test_a_gap_that_closes_as_the_third_power_of_time(gap, speed):
 
     Closed form with 40 digits: the lower ball oscillates on the floor, the upper one falls freely.
     """
-    column = falling(
-        [0.3, 2e-3], [gap], hl.LinearDashpot(stiffness=3e4, restitution=1.0), speed=speed, gravity=9.81
-    )
+    law = hl.LinearDashpot(stiffness=3e4, restitution=1.0)
+    column = falling([0.3, 2e-3], [gap], law, speed=speed, gravity=9.81)
     with mpmath.workdps(40):
         m, k, v, g = (mpmath.mpf(x) for x in (column.balls[0].mass, 3e4, speed, 9.81))
         omega = mpmath.sqrt(k / m)
@@ -411,9 +409,8 @@ def test_until_continues_the_run_and_changes_nothing_before(method):
         assert longer.relative_velocity == pytest.approx(plain.relative_velocity, rel=1e-12)
         assert (longer.contacts.begin.values <= until).all()
         both = min(len(longer.contacts.begin), int((plain.contacts.begin <= until).sum()))
-        assert longer.contacts.begin.values[:both] == pytest.approx(
-            plain.contacts.begin.values[:both], rel=1e-11
-        )
+        begins = plain.contacts.begin.values[:both]
+        assert longer.contacts.begin.values[:both] == pytest.approx(begins, rel=1e-11)
         sample = longer.trajectory([until])
         assert longer.positions == pytest.approx(sample.position.values[0], rel=1e-14)
         assert longer.velocities == pytest.approx(sample.velocity.values[0], rel=1e-12)
@@ -464,9 +461,8 @@ def test_one_damping_constant_for_all_contacts():
     assert result.relative_velocity == pytest.approx(general.relative_velocity, abs=1e-9)
     # With one ε each contact gets its own γ.
     floor, pair = hl.Column.paper(0.7).contacts
-    assert floor.damping / pair.damping == pytest.approx(
-        math.sqrt(floor.effective_mass / pair.effective_mass), rel=1e-14
-    )
+    ratio = math.sqrt(floor.effective_mass / pair.effective_mass)
+    assert floor.damping / pair.damping == pytest.approx(ratio, rel=1e-14)
 
 
 # ---- light lower balls, creep, long flights and very long contacts ---------------------------------------------
@@ -637,11 +633,9 @@ def test_times_after_a_long_flight_keep_their_digits():
     column = hl.Column(balls, [1e-6], 2e-5, law, velocities=[20.0, 10.0])
     result = hl.newton(column)
     assert float(result.contacts.begin[0]) < -1.0  # the pair meets in flight
-    floor = np.stack([result.contacts.begin.values, result.contacts.end.values], 1)[
-        result.contacts.pair.values == 0
-    ]
-    assert floor[0, 0] == 0.0
-    assert floor[0, 1] == pytest.approx(column.contacts[0].duration(), rel=1e-13)
+    floor = result.contacts.where(result.contacts.pair == 0, drop=True)
+    assert floor.begin[0] == 0.0
+    assert float(floor.end[0]) == pytest.approx(column.contacts[0].duration(), rel=1e-13)
 
 
 @pytest.mark.parametrize("stiffness", [5e-324, 1e-310, 1e-300])

@@ -80,10 +80,10 @@ def test_trajectory(kind):
     assert t.force.dims == ("time", "pair")
     assert t.kinetic_energy.dims == ("time",)
     units = {name: t[name].attrs["units"] for name in t.data_vars}
-    assert units == {
-        "position": "m", "velocity": "m/s", "force": "N", "kinetic_energy": "J", "potential_energy": "J",
-        "contact_energy": "J", "dissipated_energy": "J",
-    }  # fmt: skip
+    energies = dict.fromkeys(
+        (f"{kind}_energy" for kind in ("kinetic", "potential", "contact", "dissipated")), "J"
+    )
+    assert units == {"position": "m", "velocity": "m/s", "force": "N"} | energies
     assert t.time.attrs["units"] == "s"
     for name in t.data_vars:
         assert np.isfinite(t[name].values).all(), name
@@ -547,11 +547,8 @@ def test_final_velocities_are_those_after_the_last_contact(kind):
 def test_a_floor_contact_that_was_not_followed_leaves_final_velocities():
     """A run of three balls stops at the second floor contact, which then has no end; the column is not at rest."""
     balls = [hl.Ball(1e-3, mass=1e-5), hl.Ball(0.05, mass=1.0), hl.Ball(4e-3, mass=1e-4)]
-    result = hl.newton(
-        hl.Column(
-            balls, [1e-6, 0.1], 2e-3, law_of("viscoelastic", 0.9).replace(youngs_modulus=1e13), gravity=1000.0
-        )
-    )
+    law = law_of("viscoelastic", 0.9).replace(youngs_modulus=1e13)
+    result = hl.newton(hl.Column(balls, [1e-6, 0.1], 2e-3, law, gravity=1000.0))
     end = result.contacts.end.values
     assert result.outcome == "ok" and math.isnan(end[-1]) and result.contacts.pair.values[-1] == 0
     # The lowest ball is in flight until then; a contact above it lasts longer.

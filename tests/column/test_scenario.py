@@ -116,9 +116,8 @@ def test_equality_is_that_of_the_numbers():
         hl.Column((BALL, BALL), 0, 1.0, (LINEAR, LINEAR)),
     ):
         assert other == still and hash(other) == hash(still)
-    assert hl.Ball(1, mass=2) == hl.Ball(1.0, mass=2.0) and hash(hl.Ball(1, mass=2)) == hash(
-        hl.Ball(1.0, mass=2.0)
-    )
+    one, other = hl.Ball(1, mass=2), hl.Ball(1.0, mass=2.0)
+    assert one == other and hash(one) == hash(other)
     moving = hl.Column.cradle([BALL] * 2, [1.0, 0.0], LINEAR)
     assert moving != hl.Column([BALL] * 2, 0.0, moving.height, LINEAR, velocities=[-1.0, 0.0], gravity=0.0)
     assert still != repr(still)

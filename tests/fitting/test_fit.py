@@ -238,10 +238,7 @@ GOOD = hl.Impacts.of_restitution([1.0, 2.0, 3.0], [0.8, 0.79, 0.78], 0.01)
     [
         ({"free": ["stiffness", "restitution"], "law": "linear"}, "stiffness: cannot be determined"),
         ({"free": ["stiffness"], "law": "linear"}, "stiffness: cannot be determined"),
-        (
-            {"free": ["youngs_modulus", "dissipative_time"]},
-            "youngs_modulus | dissipative_time: only a combination",
-        ),
+        ({"free": ["youngs_modulus", "dissipative_time"]}, "youngs_modulus | dissipative_time: only a"),
         ({"free": ["restitution", "impact_speed"]}, "impact_speed: cannot be determined from"),
         ({"free": ["stiffness"]}, "fixed | free: got stiffness, must be parameters of Viscoelastic"),
         ({"fixed": {"restitution": 1.5}}, "restitution: got 1.5, must be in (0, 1]"),
@@ -271,20 +268,14 @@ def test_what_cannot_be_fitted_is_refused(arguments: dict, message: str) -> None
         (lambda: hl.fit(GOOD, fixed={"dissipative_time": 1e-6}), "ball: missing"),
         (lambda: hl.Impacts.of_restitution([1.0, 0.0], [0.8, 0.8]), "speed[1]: got 0, must be > 0"),
         (lambda: hl.Impacts.of_restitution([1.0, 2.0], [0.8]), "restitution: got 1 values, must be 2"),
-        (
-            lambda: hl.Impacts.of_restitution([1.0], [0.8], 0.01, 0.5),
-            "speed_error[0]: got 0.5 for a value of 1",
-        ),
+        (lambda: hl.Impacts.of_restitution([1.0], [0.8], 0.01, 0.5), "speed_error[0]: got 0.5 for a value"),
         (lambda: hl.Impacts.of_heights([1.0, 0.5]), "heights[0]: got 1 values, must be 2 or more"),
         (lambda: hl.Impacts.of_heights(3.0), "heights: got 3.0, must be a list of drops"),
         (lambda: hl.Impacts.of_heights([[1.0, -0.5]]), "heights[0]: got -0.5, must be > 0"),
         (lambda: hl.Impacts.of_heights([[1.0, 0.5]], [0.1, 0.1]), "height_error: got 2 drops, must be 1"),
         (lambda: hl.Impacts.of_times([[0.0, 1.0]]), "times[0]: got 2 values, must be 3 or more"),
         (lambda: hl.Impacts.of_times([[0.0, 1.0, 0.9]]), "times[0][2]: got 0.9 s after 1 s, must be later"),
-        (
-            lambda: hl.Impacts.of_times([[0.0, 0.5, 1.3]]),
-            "times[0][2]: got a flight of 0.8 s after one of 0.5",
-        ),
+        (lambda: hl.Impacts.of_times([[0.0, 0.5, 1.3]]), "times[0][2]: got a flight of 0.8 s after one"),
         (lambda: hl.Rebounds.of_column(3, "top_velocity", [1.0]), "column: got 3, must be a Column of two"),
         (lambda: hl.Rebounds.of_column(hl.Column.paper(), "mass", [1.0]), "observable: got 'mass'"),
         (
@@ -316,14 +307,8 @@ run, printed = partial(command_line.run, "fit"), partial(command_line.printed, "
         ("speed,mass\n1,2\n", "line 1: got columns 'speed, mass', must hold speed, restitution |"),
         ("speed restitution\n1 0.8\n", "with comma, semicolon or tab between cells"),
         ("speed,restitution\n1,0.8\n2,1.2\n", "line 3, column restitution: got 1.2, must be in (0, 1]"),
-        (
-            "speed;restitution;restitution_error\n1;1.2;0.03\n",
-            "line 2, column restitution: got 1.2, must be in",
-        ),
-        (
-            "drop_height,rebound_height\n1,0.8\n1,1.5\n",
-            "line 3, column rebound_height: got a rebound of 1.5 m",
-        ),
+        ("speed;restitution;restitution_error\n1;1.2;0.03\n", "line 2, column restitution: got 1.2, must be"),
+        ("drop_height,rebound_height\n1,0.8\n1,1.5\n", "line 3, column rebound_height: got a rebound of 1.5"),
         ("drop\theight\n1\t1\n1\t0.5\n2\t1\n2\t1.5\n", "line 5, column height: got a rebound of 1.5 m"),
         ("time\n0\n1\n2.1\n", "line 4, column time: got a flight of 1.1 s after one of 1 s, must be shorter"),
         ("speed,speed\n1,2\n", "line 1: got column speed twice"),
@@ -356,11 +341,8 @@ def test_files_are_read_with_their_units(tmp_path: Path) -> None:
 @pytest.mark.parametrize("extra", [False, True])
 def test_separators_are_told_and_other_columns_ignored(tmp_path: Path, separator: str, extra: bool) -> None:
     file = tmp_path / "data.csv"
-    rows = [
-        ("speed [cm/s]", "restitution", "restitution_error"),
-        ("100", "0.8", "0.01"),
-        ("200", "1.01", "0.01"),
-    ]
+    head = ("speed [cm/s]", "restitution", "restitution_error")
+    rows = [head, ("100", "0.8", "0.01"), ("200", "1.01", "0.01")]
     more = [("my note, or two" if separator.strip() != "," else "note", "gap"), ("first", "1"), ("", "x")]
     rows = [(*row[:1], *other, *row[1:]) for row, other in zip(rows, more, strict=True)] if extra else rows
     file.write_text("\r\n".join(separator.join(row) for row in rows), encoding="utf-8")
@@ -381,15 +363,9 @@ def test_values_above_their_limit_by_an_error_are_data() -> None:
     hl.Impacts.of_heights([[1.0, 1.0, 1.05]], 0.01)
     of = hl.Impacts
     for make, message in (
-        (
-            lambda: of.of_restitution([1.0, 2.0], [1.0, 1.06], 0.01),
-            "restitution[1]: got 1.06, must be in (0, 1]",
-        ),
+        (lambda: of.of_restitution([1.0, 2.0], [1.0, 1.06], 0.01), "restitution[1]: got 1.06, must be in"),
         (lambda: of.of_restitution([1.0], [1.000001]), "restitution[0]: got 1"),
-        (
-            lambda: of.of_rebound_heights([1.0] * 2, [0.8, 1.06], 0.01),
-            "rebound_height[1]: got a rebound of 1.06",
-        ),
+        (lambda: of.of_rebound_heights([1.0] * 2, [0.8, 1.06], 0.01), "rebound_height[1]: got a rebound of"),
         (lambda: of.of_heights([[1.0, 0.9], [1.0, 1.08]], 0.01), "heights[1][1]: got a rebound of 1.08 m"),
         (lambda: of.of_times([[0.0, 1.0, 2.2]], 0.01), "times[0][2]: got a flight of 1.2 s"),
     ):

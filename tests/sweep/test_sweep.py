@@ -249,9 +249,7 @@ def test_a_range_of_points_is_part_of_the_map(first: int, count: int) -> None:
 
 def test_progress_ends_with_all_points() -> None:
     told: list[tuple[int, int]] = []
-    hl.sweep(
-        SLOW, progress=lambda done, total: told.append((done, total)), gap=np.geomspace(1e-6, 1e-2, 3000)
-    )
+    hl.sweep(SLOW, progress=lambda *args: told.append(args), gap=np.geomspace(1e-6, 1e-2, 3000))
     assert told[-1] == (3000, 3000)
     assert len(told) > 2 and told == sorted(told)
     assert {total for _, total in told} == {3000}
@@ -271,9 +269,8 @@ def test_an_error_in_progress_ends_the_sweep() -> None:
 
 def plan_of_shape(shape: tuple[int, ...]) -> Plan:
     starts = {"gap": 1e-5, "restitution": 0.4, "height": 0.5, "gravity": 5.0}
-    swept = {
-        name: start * np.linspace(1, 2, n) for (name, start), n in zip(starts.items(), shape, strict=False)
-    }
+    sizes = zip(starts.items(), shape, strict=False)
+    swept = {name: start * np.linspace(1, 2, n) for (name, start), n in sizes}
     return make_plan(PAPER, "independent", None, swept)
 
 
@@ -370,11 +367,8 @@ def random_law(random: np.random.Generator, kind: str) -> Law:
         return hl.LinearDashpot(stiffness=float(10 ** random.uniform(6, 8)), restitution=restitution)
     if kind == "tsuji":
         return hl.Tsuji(elastic_prefactor=float(10 ** random.uniform(7, 9)), restitution=restitution)
-    return hl.Viscoelastic(
-        youngs_modulus=float(10 ** random.uniform(7, 9)),
-        poisson_ratio=0.3,
-        dissipative_time=float(10 ** random.uniform(-7, -4)),
-    )
+    modulus, time = float(10 ** random.uniform(7, 9)), float(10 ** random.uniform(-7, -4))
+    return hl.Viscoelastic(youngs_modulus=modulus, poisson_ratio=0.3, dissipative_time=time)
 
 
 def random_column(random: np.random.Generator, balls: int, kind: str) -> hl.Column:
@@ -493,20 +487,14 @@ def test_every_parameter_of_three_balls_is_tried_above() -> None:
 
 def test_other_columns_than_two_balls_have_variables_of_their_own() -> None:
     ds = hl.sweep(three_balls(), height=[0.3, 0.4], gap_2=[1e-4, 1e-3, 1e-2])
-    assert (
-        list(ds)
-        == list(default_variables(3))
-        == ["n_contacts", "rebound_height", "final_velocity", "t_end", "outcome"]
-    )
+    assert tuple(ds) == default_variables(3) and "rebound_height" in ds and "separation_velocity" not in ds
     assert ds.rebound_height.dims == ("height", "gap_2", "ball")
     assert ds.ball.values.tolist() == [1, 2, 3]
     assert bool((ds.outcome == 0).all())
-    with pytest.raises(
-        ValueError, match="variables: got 'relative_velocity' for 3 balls, must be among n_cont"
-    ):
-        hl.sweep(three_balls(), variables=["relative_velocity"])
-    with pytest.raises(ValueError, match="model: got 'adiabatic', must be newton or independent unless"):
-        hl.sweep(three_balls(), model="adiabatic")
+    refused = refusal(lambda: hl.sweep(three_balls(), variables=["relative_velocity"]))
+    assert refused.startswith("variables: got 'relative_velocity' for 3 balls, must be among n_contacts, ")
+    refused = refusal(lambda: hl.sweep(three_balls(), model="adiabatic"))
+    assert refused.startswith("model: got 'adiabatic', must be newton or independent unless")
 
 
 def test_more_variables_do_not_change_the_others() -> None:
@@ -551,10 +539,8 @@ def labelled(values: list[float], labels: list[float] | None) -> xr.DataArray:
 
 def test_arrays_that_share_a_dimension_must_have_the_same_labels() -> None:
     gap, restitution = labelled([1e-4, 1e-3], [1.0, 2.0]), labelled([0.5, 0.6], [2.0, 1.0])
-    with pytest.raises(
-        ValueError, match="restitution: got other coordinates, must have the coordinates of gap"
-    ):
-        hl.sweep(PAPER, gap=gap, restitution=restitution)
+    refused = refusal(lambda: hl.sweep(PAPER, gap=gap, restitution=restitution))
+    assert refused.startswith("restitution: got other coordinates, must have the coordinates of gap")
     for other in (labelled([0.5, 0.6], [1.0, 2.0]), labelled([0.5, 0.6], None)):
         ds = hl.sweep(PAPER, gap=gap, restitution=other)
         assert ds.p.values.tolist() == [1.0, 2.0]
