@@ -259,10 +259,10 @@ def test_control_c_ends_with_130_and_leaves_a_checkpoint(start: Path, tmp_path: 
 BAD = {
     "fraction": (["--packing-fraction", 0.7], "--packing-fraction: got 0.7, must be in (0, 0.62]"),
     "number": (["--n", 0], "n: got 0, must be a whole number"),
-    "too many": (["--n", 2**31 - 1], "n: got 2147483647, which take 644 GB, must fit in"),
+    "too many": (["--n", 2**31 - 1], "n: got 2147483647, must fit into the free memory: needs 644 GB"),
     "few": (["--n", 3], "--n | --packing-fraction: got 3 particles, too few"),
     "side": (["--boundary", "open"], "boundary: got 'open', must be one of periodic, wall"),
-    "sides": (["--boundary", "wall", "--boundary", "wall"], "boundary: got 2 words, must be one or 3"),
+    "sides": (["--boundary", "wall", "--boundary", "wall"], "boundary: got 2 words, must be 1, or 3"),
     "rule": (["--rule", "soft"], "rule: got 'soft' with restitution, must be one of constant, tc"),
     "restitution": (["--restitution", 2], "restitution: got 2, must be in [0, 1]"),
     "law": (["--law", "linear"], "stiffness: missing, must be > 0"),

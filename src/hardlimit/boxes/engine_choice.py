@@ -107,7 +107,7 @@ def typical_contact(system: ParticleSystem, law: Law) -> tuple[float, float, flo
 
 def lasting_contacts(system: ParticleSystem) -> float:
     """Number of open contacts per particle in this state; in a gas its mean is t_c ν."""
-    if system._overlap_share <= 2.0 * ROUNDING:
+    if system._deepest_relative_overlap <= 2.0 * ROUNDING:
         return 0.0
     at_rest = engine_arguments(system.replace(velocities=np.zeros_like(system.velocities)))
     law = ("linear", 0, [1.0, 1.0])

@@ -32,7 +32,7 @@ class Store:
     """
 
     def __init__(self, path: Any, facts: Mapping[str, Any]) -> None:
-        self.path = None if path is None else _checked(path)
+        self.path = None if path is None else checkpoint.checked_path(path, "store")
         self.facts = dict(facts)
         self.replicas: dict[int, Arrays] = {}
         if self.path is not None:
@@ -82,13 +82,6 @@ class Store:
 def _short(fact: Any) -> str:
     text = str(fact)
     return text if len(text) <= validation.LONGEST else f"{text[: validation.LONGEST - 1]}…"
-
-
-def _checked(path: Any) -> Path:
-    try:
-        return checkpoint.checked_path(path)
-    except ValueError as error:
-        raise ValueError(str(error).replace("checkpoint:", "store:", 1)) from None
 
 
 def facts_of(plan: Any, start: str, seed: int) -> dict[str, Any]:

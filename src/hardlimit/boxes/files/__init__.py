@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -23,15 +22,11 @@ FORMATS: Final[dict[str, ModuleType]] = {
 }
 
 
-def format_of(path: str | Path, parameter: str = "path") -> tuple[Path, Any]:
+def format_of(path: str | Path) -> tuple[Path, Any]:
     """The path, and the module of the format that belongs to its ending."""
-    if not isinstance(path, str | os.PathLike):
-        raise ValueError(f"{parameter}: got {validation.shown(path)}, must be a path")
-    target = Path(path)
+    target = validation.path("path", path)
     if target.suffix.lower() not in FORMATS:
-        raise ValueError(
-            f"{parameter}: got {validation.shown(str(path))}, must end in {listed([*FORMATS], 'or')}"
-        )
+        raise ValueError(f"path: got {validation.shown(str(path))}, must end in {listed([*FORMATS], 'or')}")
     return target, FORMATS[target.suffix.lower()]
 
 
@@ -49,7 +44,7 @@ def read(path: str | Path, frame: int = -1) -> tuple[dict[str, Any], float]:
     except OSError as error:
         raise ValueError(f"{path}: cannot be read: {error.strerror or error}") from None
     except MemoryError:
-        raise ValueError(f"{path}: cannot be read: more than fits in memory") from None
+        raise ValueError(f"{path}: cannot be read: larger than the memory") from None
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from None
     return found.arguments, found.rounding

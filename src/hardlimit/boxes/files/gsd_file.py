@@ -27,7 +27,7 @@ def _library() -> Any:
     try:
         import gsd.hoomd
     except ImportError:
-        raise ValueError("a .gsd file needs the library gsd: pip install 'hardlimit[files]'") from None
+        raise ValueError("a .gsd file requires the library gsd: pip install 'hardlimit[files]'") from None
     return gsd.hoomd
 
 
@@ -60,7 +60,7 @@ def _single(values: Floats) -> Any:
     with np.errstate(over="ignore"):
         found = values.astype(np.float32)
     if not np.isfinite(found).all():
-        raise ValueError("gsd: got a value beyond single precision, must be below 3.4e38 in every unit")
+        raise ValueError("got a value too large for GSD, must be below 3.4e38 (single precision)")
     return found
 
 
@@ -89,7 +89,9 @@ def read(path: Path, frame: int) -> Found:
         raise ValueError(f"not a GSD file of particles, or damaged: {_line(error)}") from None
     tilted = np.any(found.configuration.box[3:])
     if found.particles.N == 0 or tilted:
-        raise ValueError("the box is tilted" if tilted else "the file holds no particles")
+        raise ValueError(
+            f"got {'a tilted box' if tilted else 'no particles'}, must be particles in a box along the axes"
+        )
     if OF_PARTICLES["positions"] in found.log:
         return _in_double(found)
     return _of_another_program(found)
@@ -103,7 +105,7 @@ def _check_counts(file: Any, frame: int, size: int) -> None:
             count = file.read_chunk(frame=frame, name=name)
             if count.size != 1 or not 0 <= int(count.flat[0]) <= size // 4:
                 raise ValueError(
-                    f"{name}: got {count.flat[0] if count.size else 'nothing'}, more than the file holds"
+                    f"{name}: got {count.flat[0] if count.size else 'nothing'}, must fit into the size of the file"
                 )
 
 
@@ -115,7 +117,7 @@ def _in_double(found: Any) -> Found:
     """The values under ``log``; refused if the values in single precision differ from them."""
     missing = [key for key in (*OF_PARTICLES.values(), *OF_BOX.values()) if key not in found.log]
     if missing:
-        raise ValueError(f"log: {missing[0]} is missing")
+        raise ValueError(f"log: must contain {missing[0]}")
     values = {name: found.log[key] for name, key in (OF_PARTICLES | OF_BOX).items()}
     try:
         single = _in_single(values)
@@ -124,7 +126,7 @@ def _in_double(found: Any) -> Found:
         same = False
     if not same:
         raise ValueError(
-            "log: differs from the values in single precision, which another program has changed"
+            "log: must equal the values in single precision; another program has changed one of them"
         )
     values.pop("time")
     return Found(values | {"boundary": boundary_of(values.pop("periodic"))})
@@ -137,10 +139,8 @@ def _of_another_program(found: Any) -> Found:
     box = found.configuration.box[:d].astype(np.float64)
     positions = p.position[:, :d].astype(np.float64) + 0.5 * box
     rounding = float(np.finfo(np.float32).eps) * box
-    beyond = (positions < 0.0) & (positions > -rounding)
-    positions[beyond] = 0.0
-    beyond = (positions > box) & (positions < box + rounding)
-    positions[beyond] = np.broadcast_to(box, positions.shape)[beyond]
+    just_outside = (positions > -rounding) & (positions < box + rounding)
+    positions = np.where(just_outside, np.clip(positions, 0.0, box), positions)
     arguments = {
         "positions": positions,
         "velocities": p.velocity[:, :d].astype(np.float64),
