@@ -6,7 +6,7 @@ import pytest
 import hardlimit as hl
 from hardlimit.boxes import hard_spheres, newton, rules
 from hardlimit.boxes.engines import NewtonSettings
-from hardlimit.boxes.run import Keeping
+from hardlimit.boxes.run import Output
 from same_samples import same_samples
 
 LAW = hl.LinearDashpot(stiffness=1e4, restitution=0.8)
@@ -79,11 +79,11 @@ def events_of(name, until):
     system = grains(4, gravity=[0.0, 0.0, -9.81])
     if name in ("events", "steps"):
         step = RUNS[name][1].get("time_step")
-        whole = newton.start(name, system, NewtonSettings(LAW), until, Keeping(1), step)
+        whole = newton.start(name, system, NewtonSettings(LAW), until, Output(1), step)
     else:
         given = dict.fromkeys(("law", "restitution", "rule", "contact_duration")) | RUNS[name][1]
         settings = rules.checked_settings(**given)
-        whole = hard_spheres.start(system, settings, hard_spheres.End(until, None), Keeping(1))
+        whole = hard_spheres.start(system, settings, hard_spheres.End(until, None), Output(1))
     whole.run(lambda done, total: None)
     return whole.engine.compiled.statistics()["n_lists" if name == "steps" else "n_events"]
 

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 import hardlimit as hl
 from conftest import DATA, damped, draws, lattice, law_of, laws, log_floats, restitutions, slow
 from hardlimit import _core
-from hardlimit.boxes import time_step
+from hardlimit.boxes import contacts, time_step
 from hardlimit.boxes.falling_frame import engine_arguments, law_arguments, present
 
 molecular_dynamics = functools.partial(hl.molecular_dynamics, engine="steps")
@@ -40,7 +40,7 @@ def law_of_case(case):
 
 
 def shortest_contact(system, law, speed):
-    return min(c.duration(np.array([speed]))[0] for c in time_step.contacts(system, law))
+    return min(c.duration(np.array([speed]))[0] for c in contacts.of_kinds(system, law))
 
 
 def by_steps(system, law, until, per_contact, samples=1, **options):
@@ -605,7 +605,10 @@ def test_the_step_is_found_for_the_system():
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ({"time_step": 1e-3}, r"time_step: got 0\.001 s, must be <= .* s, with which .* stable"),
+        (
+            {"time_step": 1e-3},
+            r"time_step: got 0\.001 s, must be <= .* s, the longest step with which .* stable",
+        ),
         ({"time_step": 0.0}, r"time_step: got 0, must be > 0"),
         ({"time_step": 1e-7, "restitution_error": 1e-3}, "restitution_error | time_step: got both"),
         ({"restitution_error": 0.2}, r"restitution_error: got 0\.2, must be in \[1e-09, 0\.05\]"),

@@ -144,9 +144,7 @@ def test_a_checkpoint_needs_its_function_again(tmp_path):
     with_one, without = tmp_path / "a", tmp_path / "b"
     run("events", grains(), checkpoint=with_one, observe=look)
     run("constant", grains(), checkpoint=without, observe=lambda time, system: {})
-    with pytest.raises(
-        ValueError, match=r"^observe: missing, must be given again: the run of this checkpoint"
-    ):
+    with pytest.raises(ValueError, match=r"^observe: missing, must be the function with which"):
         hl.resume(with_one)
     with pytest.raises(
         ValueError, match=r"^observe: at \S+ s got the names 'at', .* must be those before: none"
@@ -159,6 +157,6 @@ def test_a_checkpoint_needs_its_function_again(tmp_path):
 
 def test_lammps_calls_no_function():
     with pytest.raises(
-        ValueError, match=r"must be left out: only engines 'events' and 'steps' take observe$"
+        ValueError, match=r"must be left out with engine 'lammps'; 'events' or 'steps' accepts it$"
     ):
         hl.molecular_dynamics(grains(), law=LAW, until=0.1, engine="lammps", observe=look)

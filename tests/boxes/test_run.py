@@ -227,11 +227,11 @@ BAD = {
     "collisions": ({"max_collisions": -1}, "max_collisions: got -1, must be a whole number"),
     "half a collision": ({"max_collisions": 0.5}, "max_collisions: got 0.5, must be a whole number"),
     "another rule": ({"rule": "hard"}, "rule: got 'hard', must be one of constant, law, soft, tc"),
-    "law without a law": ({"rule": "law"}, "rule: got 'law' with restitution, must be one of constant, tc"),
-    "soft without a law": ({"rule": "soft"}, "rule: got 'soft' with restitution, must be one of constant, tc"),
-    "tc without": ({"rule": "tc"}, "contact_duration: missing, must be given for the rule tc"),
+    "law without a law": ({"rule": "law"}, "rule: got 'law', must be one of constant, tc with restitution"),
+    "soft without a law": ({"rule": "soft"}, "rule: got 'soft', must be one of constant, tc with restitution"),
+    "tc without": ({"rule": "tc"}, "contact_duration: missing, must be >= 0 for the rule tc"),
     "tc negative": ({"rule": "tc", "contact_duration": -1.0}, "contact_duration: got -1, must be >= 0"),
-    "duration of another": ({"contact_duration": 1.0}, "contact_duration: got 1.0, must be left out unless"),
+    "duration of another": ({"contact_duration": 1.0}, "contact_duration: got 1.0, must be left out"),
     "no samples": ({"samples": 0}, "samples: got 0, must be a whole number"),
     "log": ({"log": 1}, "log: got 1, must be True or False"),
     "progress": ({"progress": 1}, "progress: got 1, must be True, False or callable"),
@@ -720,6 +720,8 @@ def test_a_run_that_goes_on_for_too_many_samples_is_refused(newton: bool, tmp_pa
         hl.molecular_dynamics(system, law=law, until=1e-9, samples=100, checkpoint=path)
     else:
         hl.event_driven(system, restitution=1.0, until=1e-9, samples=100, checkpoint=path)
-    with pytest.raises(ValueError, match=r"^until: got 1, must be <= 0.0001, up to which the samples"):
+    with pytest.raises(
+        ValueError, match=r"^until: got 1, must be <= 0.0001: the interval between samples is fixed"
+    ):
         hl.resume(path, until=1.0)
     assert hl.resume(path, until=2e-9).time == 2e-9

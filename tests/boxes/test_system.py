@@ -158,7 +158,9 @@ def test_bad_input_is_refused_in_one_line(which):
 
 
 def test_an_overlap_names_the_particles():
-    with pytest.raises(ValueError, match=r"^positions: particles 0 and 1 overlap, gap -0.0001 m, must be >= -"):
+    with pytest.raises(
+        ValueError, match=r"^positions: particles 0 and 1 overlap, gap -0.0001 m, must be >= -"
+    ):
         pair(gap=-1e-4)
     assert pair(gap=-1e-4, allowed_overlap=0.06).n == 2
     assert pair(gap=0.0).n == 2

@@ -379,7 +379,7 @@ def test_what_is_not_resolved_is_no_agreement(resolution: float) -> None:
     needed = f.dataset.replicas_needed.sel(quantity="cooling", model="law").item()
     assert report.half_width(f.final_difference("cooling", "law")) == pytest.approx(bar)
     assert (needed <= 3) is bool(bar <= resolution) and f.dataset.attrs["resolution"] == resolution
-    if f.told_apart("cooling", "law") or bar <= resolution:
+    if f.is_significant("cooling", "law") or bar <= resolution:
         assert "not resolved" not in str(f)
         return
     said = re.search(r"not resolved by cooling: ± ([\d.]+) % with 3 replicas .99 % confidence.; for ± ([\d.]+) % "
@@ -401,7 +401,7 @@ def test_a_rule_that_ended_before_the_first_sample_has_no_number() -> None:
     )
     for name in replica.QUANTITIES:
         assert math.isnan(f.final_difference(name, "constant").value)
-        assert math.isnan(f.replicas_needed(name, "constant")) and not f.told_apart(name, "constant")
+        assert math.isnan(f.replicas_needed(name, "constant")) and not f.is_significant(name, "constant")
     _, rows = report.table(f)
     assert [row[1] for row in rows] == ["–"] * len(rows)
     both = compare(partial(gas, n=40, phi=0.7, dimension=2), law, models=("newton", "constant", "tc"), replicas=2,
@@ -625,13 +625,13 @@ REFUSED = {
     "store: got": {"store": "/nowhere/at/all"},
     "scheduler | workers": {"scheduler": "tcp://127.0.0.1:1", "workers": 2},
     "progress: got 3": {"progress": 3},
-    "system | replicas: got one start under gravity": {"system": heap(0), "replicas": 2},
-    "system | replicas: got one start without motion": {
+    "system | replicas: got a system under gravity": {"system": heap(0), "replicas": 2},
+    "system | replicas: got a system without relative motion": {
         "system": gas().replace(velocities=np.zeros((60, 3))), "replicas": 2,
     },
-    "system: the function returned 1": {"system": lambda seed: seed + 1},
+    "system: got 1 from the function": {"system": lambda seed: seed + 1},
     "system: got <function": {"system": lambda seed: gas(seed), "replicas": 2, "workers": 2},
-    "system: replicas 0 and 1 start the same": {"system": lambda seed: gas(3), "replicas": 2},
+    "system: got the same start for replicas 0 and 1": {"system": lambda seed: gas(3), "replicas": 2},
     "box: got": {
         "system": hl.ParticleSystem([[0, 0], [2e-3, 2e-3]], np.zeros((2, 2)), 1e-3, 1.0, box=4.1e-3),
         "engine": "events",
@@ -672,7 +672,7 @@ def test_a_store_of_other_arguments_is_refused(what: str, tmp_path: Path) -> Non
 def test_files_that_are_no_stores(tmp_path: Path) -> None:
     other = tmp_path / "other"
     hl.event_driven(gas(), restitution=0.9, until=1e-5, checkpoint=other)
-    with pytest.raises(ValueError, match=r"store: .* is a checkpoint of a run"):
+    with pytest.raises(ValueError, match=r"store: .* is the checkpoint of a run"):
         compare(store=other)
     other.write_bytes(b"nothing")
     with pytest.raises(ValueError, match=r"store: .* damaged"):

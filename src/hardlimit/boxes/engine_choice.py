@@ -12,7 +12,9 @@ from .. import _core
 from ..contact.contact import Law
 from ..support import validation
 from . import time_step
-from .falling_frame import engine_arguments, law_arguments
+from .box import AXES
+from .contacts import mean_contact
+from .falling_frame import engine_arguments
 from .system import ROUNDING, ParticleSystem
 from .theory import Gas
 
@@ -33,8 +35,8 @@ class Choice(NamedTuple):
     reason: str
 
 
-class Touch(NamedTuple):
-    """t_c ν, the number of contacts that a particle makes during one contact, and the part of the run it is for."""
+class Overlap(NamedTuple):
+    """t_c ν, the number of contacts that a particle makes during one contact, and the part of the run it holds for."""
 
     tc_nu: float
     when: str
@@ -45,7 +47,7 @@ def chosen(system: ParticleSystem, law: Law, until: float, of_steps: Mapping[str
     :func:`estimated` to be cheaper."""
     for name, value in of_steps.items():
         if value is not None:
-            return Choice("steps", f"{name} is given, which only engine steps takes")
+            return Choice("steps", f"only engine steps accepts {name}")
     return estimated(system, law, until)
 
 
@@ -64,12 +66,11 @@ def estimated(
         return Choice("steps", str(error))
     duration, restitution, temperature = typical_contact(system, law)
     rate = _collision_rate(system, temperature)
-    touches = [
-        Touch(rate * duration if rate > 0.0 else 0.0, "at the start"),
-        Touch(lasting_contacts(system), "by the contacts that last at the start"),
+    most = max(
+        Overlap(rate * duration if rate > 0.0 else 0.0, "at the start"),
+        Overlap(open_contacts(system), "by the contacts that are open at the start"),
         of_bed(system, duration, restitution, until),
-    ]
-    most = max(touches)
+    )
     if most.tc_nu == 0.0:
         return Choice("events", "no contacts are expected")
     if not most.tc_nu < 2.0 * system.dimension:  # contacts per particle of an isostatic packing
@@ -94,28 +95,23 @@ def typical_contact(system: ParticleSystem, law: Law) -> tuple[float, float, flo
     if "wall" in system.boundary:
         temperature = 2.0 * system.kinetic_energy / (system.dimension * float(system.mass.sum()))
     hottest = max(temperature, _bed_temperature(system))
-    mass, radius = float(system.mass.mean()), float(system.radius.mean())
-    contact = _core.make_contact(*law_arguments(law), 0.5 * mass, 0.5 * radius)
+    contact = mean_contact(system, law)
     speed = np.array([math.sqrt(math.pi * hottest) or 1.0])
     duration, restitution = float(contact.duration(speed)[0]), float(contact.restitution(speed)[0])
-    return (
-        duration if duration >= 0.0 else math.inf,
-        restitution if restitution >= 0.0 else 0.0,
-        temperature,
-    )
+    return duration if duration >= 0.0 else math.inf, restitution if restitution >= 0.0 else 0.0, temperature
 
 
-def lasting_contacts(system: ParticleSystem) -> float:
+def open_contacts(system: ParticleSystem) -> float:
     """Number of open contacts per particle in this state; in a gas its mean is t_c ν."""
     if system._deepest_relative_overlap <= 2.0 * ROUNDING:
         return 0.0
     at_rest = engine_arguments(system.replace(velocities=np.zeros_like(system.velocities)))
     law = ("linear", 0, [1.0, 1.0])
-    touching = _core.make_engine("newton_steps", *at_rest, law=law, time_step=1.0).observe()["n_in_contact"]
-    return 2.0 * float(touching) / system.n
+    found = _core.make_engine("newton_steps", *at_rest, law=law, time_step=1.0).observe()["n_in_contact"]
+    return 2.0 * float(found) / system.n
 
 
-def of_bed(system: ParticleSystem, duration: float, restitution: float, until: float) -> Touch:
+def of_bed(system: ParticleSystem, duration: float, restitution: float, until: float) -> Overlap:
     """t_c ν at the end of a run in which gravity g pulls the particles to a wall.
 
     The particles are modelled as an isothermal atmosphere of temperature T over a floor of area A, with
@@ -126,7 +122,7 @@ def of_bed(system: ParticleSystem, duration: float, restitution: float, until: f
     """
     axis, pull = _pull(system)
     if pull == 0.0:
-        return Touch(0.0, "")
+        return Overlap(0.0, "")
     pull, d = abs(pull), system.dimension
     base = float(np.prod(np.delete(system.box, axis)))
     layers = float(np.sum((2.0 * system.radius) ** (d - 1))) / base
@@ -136,9 +132,9 @@ def of_bed(system: ParticleSystem, duration: float, restitution: float, until: f
     start = math.sqrt(_bed_temperature(system))
     at_rest = math.sqrt(2.0 * _fall(system) / pull) + (start / slows if slows > 0.0 else math.inf)
     if until >= at_rest or start == 0.0:
-        return Touch(math.inf, f"in a bed that is at rest after about {at_rest if start else 0.0:.2g} s")
+        return Overlap(math.inf, f"in a bed that is at rest after about {at_rest if start else 0.0:.2g} s")
     end = start * (1.0 - until / at_rest)
-    return Touch(duration * pull * (pairs + floor / (d + 2)) / end, "at the end, in a bed that settles")
+    return Overlap(duration * pull * (pairs + floor / (d + 2)) / end, "at the end, in a bed that settles")
 
 
 def check_box(system: ParticleSystem) -> None:
@@ -147,8 +143,8 @@ def check_box(system: ParticleSystem) -> None:
     for axis, side in enumerate(system.boundary):
         if side == "periodic" and not system.box[axis] >= least:
             raise ValueError(
-                f"box: got {system.box[axis]:.6g} m along periodic axis {axis}, must be >= "
-                f"{validation.at_least(least)} m, {SMALLEST_EDGE:g} largest radii, for engine 'events'"
+                f"box: got {system.box[axis]:.6g} m along {AXES[axis]} (periodic), must be >= "
+                f"{validation.at_least(least)} m for engine 'events', {SMALLEST_EDGE:g} times the largest radius"
             )
 
 

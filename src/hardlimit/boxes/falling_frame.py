@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 
 from .. import _core
-from ..contact.contact import Law
 from .box import Floats
 from .system import ParticleSystem
 
@@ -25,11 +24,6 @@ def engine_arguments(system: ParticleSystem) -> tuple[_core.Box, Floats, Floats,
         np.ascontiguousarray(system.radius),
         np.ascontiguousarray(system.mass),
     )
-
-
-def law_arguments(law: Law) -> tuple[str, int, list[float]]:
-    """A law as arguments of a compiled engine: name, alternative, parameters."""
-    return law.record["name"], law.alternative, list(law.parameters.values())
 
 
 def state(system: ParticleSystem, time: float, falling: tuple[Floats, Floats]) -> tuple[Floats, Floats]:

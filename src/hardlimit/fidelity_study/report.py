@@ -64,7 +64,7 @@ def sentence(f: Fidelity) -> str:
     unresolved: list[str] = []
     for rule in _defined(f, measure, rules):
         found = f.final_difference(measure, rule)
-        if f.told_apart(measure, rule):
+        if f.is_significant(measure, rule):
             size = percent_with_error(abs(found.value), found.error)
             subject = rule if differing else f"the rule {rule} {verb}"
             differing.append(f"{subject} {size} {more if found.value > 0.0 else less}")
@@ -156,7 +156,7 @@ def table(f: Fidelity) -> tuple[list[str], list[list[str]]]:
 
 def _cell(f: Fidelity, name: str, rule: str) -> str:
     found = f.final_difference(name, rule)
-    mark = "*" if f.told_apart(name, rule) else "?" if half_width(found) > f.resolution else ""
+    mark = "*" if f.is_significant(name, rule) else "?" if half_width(found) > f.resolution else ""
     return _bare(percent_with_error(found.value, found.error)) + mark
 
 

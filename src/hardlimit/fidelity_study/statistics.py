@@ -17,7 +17,7 @@ from ..support.estimate import Estimate
 LEVEL: Final = 0.01
 #: Smallest half-width of an interval of relative differences: Newton's equations are solved to 1e-9.
 SMALLEST: Final = 1e-8
-MOST_REPLICAS: Final = 1_000_000
+MAX_REPLICAS: Final = 1_000_000
 
 
 def mean(values: Floats) -> Estimate[Floats]:
@@ -87,7 +87,7 @@ def replicas_needed(error: float, replicas: int, resolution: float) -> float:
     """
     if not math.isfinite(error):
         return math.nan
-    scatter, counts = error * math.sqrt(replicas), range(2, MOST_REPLICAS + 1)
+    scatter, counts = error * math.sqrt(replicas), range(2, MAX_REPLICAS + 1)
     enough = bisect_left(counts, True, key=lambda n: student(n - 1) * scatter / math.sqrt(n) <= resolution)
     return float(counts[enough]) if enough < len(counts) else math.inf
 

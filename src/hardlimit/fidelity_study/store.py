@@ -15,20 +15,13 @@ from .replica import Arrays
 KIND: Final = "fidelity"
 
 #: Time to wait while another process writes [s]; longer than the largest store takes.
-PATIENCE: Final = 60.0
+TIMEOUT: Final = 60.0
 
 
 class Store:
     """Finished replicas by number, in memory and, with a path, in a file.
 
     ``facts`` is everything that a replica depends on. A file with other facts is refused.
-
-    Raises
-    ------
-    ValueError
-        If the file is not a store, is damaged, or is of another version or other facts; names it.
-    OSError
-        If it cannot be written; names it.
     """
 
     def __init__(self, path: Any, facts: Mapping[str, Any]) -> None:
@@ -39,18 +32,18 @@ class Store:
             if self.path.exists():
                 self.replicas = self._read(self.path)
             else:
-                self._keep()
+                self._write()
 
     def add(self, replica: int, arrays: Arrays) -> None:
         """Add a replica, and write it to the file."""
         self.replicas[replica] = arrays
-        self._keep()
+        self._write()
 
-    def _keep(self) -> None:
+    def _write(self) -> None:
         """Write all replicas, including those that other processes have added to the file."""
         if self.path is None:
             return
-        with saving.locked(self.path, PATIENCE):
+        with saving.locked(self.path, TIMEOUT):
             if self.path.exists():
                 self.replicas = self._read(self.path) | self.replicas
             flat = {
@@ -65,7 +58,7 @@ class Store:
             raise ValueError(f"store: {error}") from None
         if header.get("kind") != KIND:
             raise ValueError(
-                f"store: {path} is a checkpoint of a run, must be a store of hl.fidelity or a new file"
+                f"store: {path} is the checkpoint of a run, must be a store of hl.fidelity or a new file"
             )
         for name, wanted in self.facts.items():
             kept = header["facts"].get(name)
