@@ -227,7 +227,7 @@ BAD = {".xyz": {
     "sides": ('pbc="T T T"', 'pbc="T T"', "pbc: got 'T T', must be T or F for each axis"),
     "dimension": ("dimension=3", "dimension=5", "dimension: got '5', must be 2 or 3"),
     "plane": ("dimension=3", "dimension=2", "dimension: got 2, must be 3 for particles with z ≠ 0"),
-    "more": ("8\n", "9\n", "number of particles: got 9, must be >= 1 and that of the lines, 8"),
+    "more": ("8\n", "9\n", "number of particles: got 9, must be >= 1 and the number of its lines, 8"),
     "fewer": ("8\n", "7\n", "number of particles: got 'X "),
     "no count": ("8\n", "eight\n", "number of particles: got 'eight', must be a whole number"),
     "a huge count": ("8\n", "999999999999\n", "number of particles: got 999999999999, must be"),

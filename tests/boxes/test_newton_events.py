@@ -15,7 +15,8 @@ from hypothesis import strategies as st
 import hardlimit as hl
 from conftest import DATA, draws
 from hardlimit import _core
-from hardlimit.boxes.falling_frame import engine_arguments, law_arguments
+from hardlimit.boxes.contacts import law_arguments
+from hardlimit.boxes.falling_frame import engine_arguments
 from hardlimit.boxes.theory import Gas
 
 REFERENCE = json.loads((DATA / "grains.json").read_text(encoding="utf-8"))

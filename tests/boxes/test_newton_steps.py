@@ -14,7 +14,8 @@ import hardlimit as hl
 from conftest import DATA, damped, draws, lattice, law_of, laws, log_floats, restitutions, slow
 from hardlimit import _core
 from hardlimit.boxes import contacts, time_step
-from hardlimit.boxes.falling_frame import engine_arguments, law_arguments, present
+from hardlimit.boxes.contacts import law_arguments
+from hardlimit.boxes.falling_frame import engine_arguments, present
 
 molecular_dynamics = functools.partial(hl.molecular_dynamics, engine="steps")
 

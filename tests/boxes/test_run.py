@@ -348,7 +348,12 @@ def test_what_the_soft_rule_cannot_describe_ends_the_run():
             "at_rest",
             "at rest: gravity holds particle 1 and the wall y = 0 together at 0.0100964 s",
         ),
-        (1.5e-3, 1e4, "unresolved", "too many steps, particle 1 and the wall y = 0 at 0.0100964 s"),
+        (
+            1.5e-3,
+            1e4,
+            "unresolved",
+            "a contact of particle 1 and the wall y = 0 takes too many steps, at 0.0100964 s",
+        ),
     ],
     ids=["lies", "creeps to rest", "too many steps"],
 )

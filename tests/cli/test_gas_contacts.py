@@ -76,7 +76,7 @@ def test_a_run_goes_on(start, tmp_path):
 
 REFUSED = {
     "--ranks: must be left out without --engine": ["--ranks", 2],
-    "--law: missing, must be given with --engine": ["--engine", "steps"],
+    "--law: missing, must be given with its parameters for --engine": ["--engine", "steps"],
     "rule: must be left out with --engine": ["--engine", "events", *LAW, "--rule", "tc"],
     "--plot: must be left out with --engine": ["--engine", "events", *LAW, "--plot", "a.png"],
     "--write-input: must be left out with --engine steps": ["--engine", "steps", *LAW, "--write-input", "a"],

@@ -43,7 +43,7 @@ class EarlyEnd(NamedTuple):
     wall: int | None  #: wall of the contact, −1 − 2·axis at 0, −2 − 2·axis at the edge; None without one
 
     def who(self) -> str:
-        """The particles and the wall as text, such as ``particle 0 and the wall y = 0``."""
+        """The particles and the wall as text."""
         names = [str(i) for i in self.particles]
         if self.wall is not None:
             return f"particle {names[0]} and the wall {wall_name(self.wall)}"

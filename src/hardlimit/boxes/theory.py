@@ -71,7 +71,9 @@ class Gas:
             "n": validation.whole("n", self.n, 1, MAX_PARTICLES),
             "dimension": validation.whole("dimension", self.dimension, 2, 3),
         }
-        checked |= {name: validation.number(name, getattr(self, name), 0.0) for name in ("radius", "mass", "volume")}
+        checked |= {
+            name: validation.number(name, getattr(self, name), 0.0) for name in ("radius", "mass", "volume")
+        }
         for name, value in checked.items():
             object.__setattr__(self, name, value)
 
@@ -198,7 +200,9 @@ def gas(system: ParticleSystem) -> Gas:
     """
     reason = why_not(system)
     if reason is not None:
-        raise ValueError(f"system: {reason}, must be a gas of equal particles in a periodic box without gravity")
+        raise ValueError(
+            f"system: {reason}, must be a gas of equal particles in a periodic box without gravity"
+        )
     radius, mass = float(system.radius[0]), float(system.mass[0])
     return Gas(system.n, radius, mass, system.domain.volume, system.dimension)
 

@@ -84,7 +84,7 @@ def _frames(file: BinaryIO) -> Iterator[int]:
         lines = sum(1 for _ in islice(file, n + 1))
         if n == 0 or lines != n + 1:
             raise ValueError(
-                f"number of particles: got {n}, must be >= 1 and that of the lines, {max(lines - 1, 0)}"
+                f"number of particles: got {n}, must be >= 1 and the number of its lines, {max(lines - 1, 0)}"
             )
         yield start
 
