@@ -110,7 +110,7 @@ def changing(first, then):
 REFUSED = {
     "no function": (3, "observe: got 3, must be a function of time and system"),
     "no mapping": (lambda t, s: 1.0, "observe: at 0 s got 1.0, must return a mapping of names to numbers"),
-    "no name": (lambda t, s: {1: 1.0}, "observe: at 0 s got the name 1, must be a text that is not empty"),
+    "no name": (lambda t, s: {1: 1.0}, "observe: at 0 s got the name 1, must be a non-empty text"),
     "a text": (lambda t, s: {"a": "b"}, "observe: at 0 s got 'b' for 'a', must be a number or numbers"),
     "nothing": (lambda t, s: {"a": None}, "observe: at 0 s got None for 'a', must be a number or numbers"),
     "complex": (lambda t, s: {"a": 1j}, "observe: at 0 s got 1j for 'a', must be a number or numbers"),
@@ -123,11 +123,11 @@ REFUSED = {
     "a dimension": (lambda t, s: {"a": [1.0], "a_0": 2.0}, "must be another one: the series has 'a_0'"),
     "other names": (
         changing({"a": 1.0}, {"b": 1.0}),
-        "observe: at 0.1 s got the names 'b', must be those before: 'a'",
+        "observe: at 0.1 s got the names 'b', must be those of the previous sample: 'a'",
     ),
     "another shape": (
         changing({"a": 1.0}, {"a": [1.0]}),
-        r"observe: at 0.1 s got 'a' of shape \(1,\), must be \(\) as before",
+        r"observe: at 0.1 s got 'a' of shape \(1,\), must be \(\) as at the previous",
     ),
 }
 
@@ -147,7 +147,8 @@ def test_a_checkpoint_needs_its_function_again(tmp_path):
     with pytest.raises(ValueError, match=r"^observe: missing, must be the function with which"):
         hl.resume(with_one)
     with pytest.raises(
-        ValueError, match=r"^observe: at \S+ s got the names 'at', .* must be those before: none"
+        ValueError,
+        match=r"^observe: at \S+ s got the names 'at', .* must be those of the previous sample: none",
     ):
         hl.resume(without, until=0.4, observe=look)
     assert hl.resume(without, until=0.4).observed == {}

@@ -396,7 +396,7 @@ def test_a_rule_that_ended_before_the_first_sample_has_no_number() -> None:
                 until=2e-2, samples=1)  # fmt: skip
     assert f.outcomes("constant") == ["collapse"] * 2 and f.last_common("constant") == 0
     assert str(f) == (
-        "No verdict: no rule reached a sample. The rule constant met inelastic collapse in 2 of 2 replicas; "
+        "No verdict: no rule reached a sample. The rule constant ended with inelastic collapse in 2 of 2 replicas; "
         "it ended before the first sample."
     )
     for name in replica.QUANTITIES:
@@ -454,7 +454,7 @@ def test_a_collapse_is_an_outcome() -> None:
     dense = partial(gas, n=40, phi=0.7, dimension=2)
     f = compare(dense, law, models=("newton", "constant", "tc"), replicas=2, until=2e-4, samples=20)
     assert "collapse" in f.outcomes("constant")
-    assert "The rule constant met inelastic collapse in" in str(f) and "tc" in str(f)
+    assert "The rule constant ended with inelastic collapse in" in str(f) and "tc" in str(f)
     ended = f.replicas.sel(model="constant")
     for k in range(2):
         gone = ended.granular_temperature.isel(replica=k)

@@ -124,8 +124,7 @@ def of_bed(system: ParticleSystem, duration: float, restitution: float, until: f
     if pull == 0.0:
         return Overlap(0.0, "")
     pull, d = abs(pull), system.dimension
-    base = float(np.prod(np.delete(system.box, axis)))
-    layers = float(np.sum((2.0 * system.radius) ** (d - 1))) / base
+    layers = float(np.sum((2.0 * system.radius) ** (d - 1))) / float(np.prod(np.delete(system.box, axis)))
     pairs = (d - 1) * math.sqrt(math.pi) * layers
     floor = 0.5 * math.sqrt(d + 2.0)
     slows = pull * (1.0 - restitution) * (0.5 * (1.0 + restitution) * pairs + floor) / (d + 2)
@@ -151,14 +150,9 @@ def check_box(system: ParticleSystem) -> None:
 def _collision_rate(system: ParticleSystem, temperature: float) -> float:
     """Enskog's collision rate [1/s] for particles of mean size, with the density limited to that of a packing."""
     n, d = system.n, system.dimension
-    packed = float(_solid(system) / DENSEST[d])
+    packed = system.packing_fraction * system.domain.volume / DENSEST[d]
     gas = Gas(n, float(system.radius.mean()), 1.0, max(system.domain.volume, packed), d)
     return (n - 1) / n * float(gas.collision_rate(temperature))
-
-
-def _solid(system: ParticleSystem) -> float:
-    """Volume of the particles [m³], in 2-D their area [m²]."""
-    return system.packing_fraction * system.domain.volume
 
 
 def _pull(system: ParticleSystem) -> tuple[int, float]:
@@ -182,5 +176,6 @@ def _fall(system: ParticleSystem) -> float:
     axis, pull = _pull(system)
     height = float(system.mass @ system.positions[:, axis]) / float(system.mass.sum())
     above = height if pull < 0.0 else float(system.box[axis]) - height
-    packed = _solid(system) / (DENSEST[system.dimension] * float(np.prod(np.delete(system.box, axis))))
+    area = float(np.prod(np.delete(system.box, axis)))
+    packed = system.packing_fraction * system.domain.volume / (DENSEST[system.dimension] * area)
     return max(0.0, above - max(0.5 * packed, float(system.radius.mean())))

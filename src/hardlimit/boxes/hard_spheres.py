@@ -126,12 +126,11 @@ def checked_end(until: Any, max_collisions: Any, run: Run | None = None) -> End:
     """Check the end of a new run, or the new end of a ``run`` that is continued."""
     end = most = None
     if until is not None:
-        new = run is None
         end = (
-            validation.number("until", until, 0.0, lowest_allowed=True) if new else checked_until(run, until)
+            checked_until(run, until) if run else validation.number("until", until, 0.0, lowest_allowed=True)
         )
     if max_collisions is not None:
-        done = 0 if run is None else run.engine.n_contacts
+        done = run.engine.n_contacts if run else 0
         most = validation.whole("max_collisions", max_collisions, done, MAX_COLLISIONS)
     return End(end, most)
 

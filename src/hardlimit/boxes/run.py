@@ -231,21 +231,14 @@ class Run:
 
     # --- results --------------------------------------------------------------------------------------------
 
-    def current(self) -> ParticleSystem:
-        """The current system, with positions in the box."""
-        return self.engine.current()
-
     def result(self) -> ParticleResult | ContactResult:
         """The result so far."""
         samples, schedule = self._sampled
         if not samples or not self.engine.is_at(samples[-1].records):
             samples = [*samples, self._present_sample()]
-        return self.engine.result(
-            _stacked(samples),
-            self._taken_log(),
-            observing.collected([sample.observed for sample in samples]),
-            schedule.idle > MAX_DOUBLINGS,
-        )
+        seen = observing.collected([sample.observed for sample in samples])
+        idle = schedule.idle > MAX_DOUBLINGS
+        return self.engine.result(_stacked(samples), self._taken_log(), seen, idle)
 
 
 def _stacked(samples: Sequence[Sample]) -> dict[str, NDArray[Any]]:

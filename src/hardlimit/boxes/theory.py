@@ -48,16 +48,6 @@ class Gas:
     ------
     ValueError
         If a value is not positive and finite, or the dimension is neither 2 nor 3.
-
-    Examples
-    --------
-    >>> from hardlimit.boxes.theory import Gas
-    >>> air = Gas(n=1000, radius=1e-3, mass=1e-5, volume=4e-5, dimension=3)
-    >>> round(air.packing_fraction, 4), round(air.contact_value, 3)
-    (0.1047, 1.321)
-    >>> cooled = air.cooling(1.0, temperature=0.01, restitution=0.9)  # in 1 s
-    >>> round(float(cooled), 5)
-    0.00064
     """
 
     n: int

@@ -105,7 +105,7 @@ def digest(system: ParticleSystem) -> NDArray[np.uint8]:
 
 
 def compute(plan: Plan, system: ParticleSystem, sampled: Call, alive: Call) -> Arrays:
-    """Observables (model, time), and statistics of the contacts of each model; NaN after an early end.
+    """Observables (model, time) and statistics of the contacts of each model; NaN after an early end.
 
     ``sampled`` is called at every sample of a model, ``alive`` about every 0.2 s in between.
     """
@@ -133,26 +133,20 @@ def compute(plan: Plan, system: ParticleSystem, sampled: Call, alive: Call) -> A
         for name, values in _series(system, ended, reached[i]).items():
             found[name][i, : reached[i]] = values
         totals.append(_totals(plan, system, ended))
-    return {
-        **found,
-        **{name: np.array([total[name] for total in totals]) for name in totals[0]},
-        "start": digest(system),
-    }
+    found |= {name: np.array([total[name] for total in totals]) for name in totals[0]}
+    return {**found, "start": digest(system)}
 
 
 def _start(plan: Plan, model: str, system: ParticleSystem) -> Run:
     """The run of one model, not yet advanced."""
     output = Output(plan.samples, log=True)
     if model == NEWTON:
-        step = None
-        if plan.engine == "steps":
-            step = time_step.chosen(system, plan.law, RESTITUTION_ERROR, None)
+        steps = plan.engine == "steps"
+        step = time_step.chosen(system, plan.law, RESTITUTION_ERROR, None) if steps else None
         return newton.start(plan.engine, system, NewtonSettings(plan.law), plan.until, output, step)
+    settings = Settings(model, None, plan.law, None)
     if model in ("constant", "tc"):
-        duration = plan.contact_duration if model == "tc" else None
-        settings = Settings(model, plan.restitution, None, duration)
-    else:
-        settings = Settings(model, None, plan.law, None)
+        settings = Settings(model, plan.restitution, None, plan.contact_duration if model == "tc" else None)
     return hard_spheres.start(system, settings, hard_spheres.End(plan.until, None), output)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,7 +37,7 @@ def contacts(begins: Sequence[Change], ends: Sequence[Change]) -> Contacts:
     end, separation = np.full(n, np.nan), np.full(n, np.nan)
     end[closed], separation[closed] = ended.time, ended.speed
     order = np.lexsort((begun.second, begun.first, begun.time))
-    columns = begun.time, end, begun.first, begun.second, begun.speed, separation
+    columns: tuple[Any, ...] = begun.time, end, begun.first, begun.second, begun.speed, separation
     begin, end, first, second, impact, separation = (column[order] for column in columns)
     return Contacts(begin, end, first, second, impact, separation, overlapped(begin, end, first, second))
 

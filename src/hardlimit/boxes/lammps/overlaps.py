@@ -168,7 +168,8 @@ class Rows:
 
     def __init__(self, pairs: Pairs, dt: float, found: Overlaps) -> None:
         order = np.lexsort((found.step, found.second, found.first))
-        step, first, second, depth, _ = (column[order] for column in found)
+        columns: tuple[Any, ...] = found
+        step, first, second, depth, _ = (column[order] for column in columns)
         self.step, self._first, self._second, self._depth, self._dt = step, first, second, depth, dt
         same = (np.diff(first) == 0) & (np.diff(second) == 0) & (np.diff(step) == 1)
         self._has_before = np.append(False, same)[: len(step)]

@@ -70,10 +70,9 @@ def run(
         failed = False
     finally:
         for pipe in pipes:
-            if failed:
-                with contextlib.suppress(Exception):  # the dump is incomplete
-                    pipe.close()
-            else:
+            with contextlib.suppress(
+                *([Exception] if failed else [])
+            ):  # after a failure the dump is incomplete
                 pipe.close()
 
 
@@ -101,16 +100,12 @@ def _started(
         errors="replace",
         start_new_session=True,
     )
-    try:
-        with child:
-            try:
-                yield child
-            except BaseException:
+    with child:
+        try:
+            yield child
+        finally:
+            if child.poll() is None:
                 _end(child)
-                raise
-    finally:
-        if child.poll() is None:
-            _end(child)
 
 
 def _end(child: subprocess.Popen[str]) -> None:
