@@ -15,6 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import hardlimit as hl
+from box_engines import core_contact
 from conftest import lattice, law_of, laws, log_floats
 from hardlimit import _core
 from hardlimit.boxes import contacts, time_step
@@ -36,17 +37,12 @@ def by_lammps(system, law, until, **options):
     return hl.molecular_dynamics(system, law=law, until=until, engine="lammps", **options)
 
 
-def contact_of(law, mass=1e-5, radius=1e-3):
-    parameters = list(law.parameters.values())
-    return _core.make_contact(law.record["name"], law.alternative, parameters, mass, radius)
-
-
 # --- the step -----------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", sorted(hl.LAWS))
 def test_the_scheme_of_lammps_is_of_first_order(name):
-    contact = contact_of(law_of(name, 0.7))
+    contact = core_contact(law_of(name, 0.7))
     duration = contact.duration(np.array([1.0]))[0]
     steps = np.array([100, 200, 400, 800])
     errors = [integration_error.restitution_error(contact, 1.0, duration / n) for n in steps]
@@ -57,7 +53,7 @@ def test_the_scheme_of_lammps_is_of_first_order(name):
 @given(law=laws(), speed=log_floats(0.03, 30.0), error=log_floats(1e-4, 3e-2))
 @settings(max_examples=4)
 def test_the_longest_step_keeps_to_the_error(law, speed, error):
-    contact = contact_of(law)
+    contact = core_contact(law)
     step = integration_error.longest_step(contact, speed, error)
     duration = contact.duration(np.array([speed]))[0]
     if duration / step < 5000:
@@ -90,7 +86,7 @@ def test_a_contact_is_found_in_its_overlaps(law, phase, cuts):
     """Its speeds to rounding, its times to a fraction of a step, however the output is divided into chunks."""
     system, speed = two_balls(), 0.7
     pairs = forces.Pairs(system, law)
-    contact = contact_of(law, float(system.mass[0]) / 2.0, 5e-4)
+    contact = core_contact(law, float(system.mass[0]) / 2.0, 5e-4)
     duration = contact.duration(np.array([speed]))[0]
     step = duration / 150.0
     depth = leapfrog(contact, (3.0 + phase) * step * speed, speed, step)

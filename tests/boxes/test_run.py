@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 import hardlimit as hl
+from box_engines import interrupt_at
 from conftest import lattice, slow, wait_until
 from hardlimit.boxes import theory
 from hardlimit.boxes.box import wall_name
@@ -475,17 +476,10 @@ def test_a_run_may_be_resumed_anywhere(tmp_path):
 
 def test_an_open_ended_run_is_resumed(tmp_path):
     system, path = lattice(64), tmp_path / "run.checkpoint"
-    told = []
-
-    def stop(done, total):
-        told.append(done)
-        if len(told) == 12:
-            raise KeyboardInterrupt
-
     whole = hl.event_driven(system, restitution=0.9, max_collisions=5000, log=True)
     with pytest.raises(KeyboardInterrupt):
         hl.event_driven(
-            system, restitution=0.9, max_collisions=5000, log=True, checkpoint=path, progress=stop
+            system, restitution=0.9, max_collisions=5000, log=True, checkpoint=path, progress=interrupt_at(12)
         )
     assert same(hl.resume(path), whole)
 
