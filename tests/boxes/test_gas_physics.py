@@ -264,11 +264,7 @@ def test_barometric_profile() -> None:
         if np.all(np.sum(r * r, axis=1) > 4.0):
             kept.append(place)
     run = engine(
-        np.array(kept),
-        maxwell(rng, n, 3),
-        edge,
-        periodic=[True, True, False],
-        gravity=[0.0, 0.0, -gravity],
+        np.array(kept), maxwell(rng, n, 3), edge, periodic=[True, True, False], gravity=[0.0, 0.0, -gravity]
     )
     first = run.observe()
     heights, temperatures = [], []

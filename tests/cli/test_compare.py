@@ -121,14 +121,7 @@ def test_bad_input_is_refused_in_one_line(message: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "given",
-    [
-        {},
-        {"replicas": 1},
-        {"models": ("newton",)},
-        {"until": 0.0},
-        {"law": ELASTIC},
-    ],
+    "given", [{}, {"replicas": 1}, {"models": ("newton",)}, {"until": 0.0}, {"law": ELASTIC}]
 )
 def test_pictures_can_be_read(given: dict) -> None:
     law = hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, dissipative_time=2e-5)

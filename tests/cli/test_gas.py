@@ -144,11 +144,7 @@ def test_a_film(tmp_path: Path, dimension: int, suffix: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "which",
-    [
-        "disks",
-        *(slow(which) for which in ("walls", "nothing", "cooling", "elastic", "law")),
-    ],
+    "which", ["disks", *(slow(which) for which in ("walls", "nothing", "cooling", "elastic", "law"))]
 )
 def test_plots_are_legible(tmp_path: Path, which: str) -> None:
     system = {"walls": lattice(27, boundary="wall"), "disks": lattice(49, 2)}.get(which, lattice(64))
