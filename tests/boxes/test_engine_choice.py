@@ -9,9 +9,10 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import hardlimit as hl
+from box_engines import interrupt_at, linear_law, mean_free_time
 from command_line import printed, run
 from conftest import draws, lattice
-from hardlimit.boxes import engine_choice, theory, time_step
+from hardlimit.boxes import engine_choice, time_step
 from same_samples import same_samples
 
 LAW = hl.LinearDashpot(stiffness=1e5, restitution=0.9)
@@ -31,9 +32,7 @@ def bed(**given: Any) -> hl.ParticleSystem:
 
 def softened(system: hl.ParticleSystem, tc_nu: float, restitution: float = 0.9) -> hl.LinearDashpot:
     """The law softened to this initial t_c ν."""
-    rate = float(theory.gas(system).collision_rate(system.granular_temperature))
-    unit = hl.LinearDashpot(stiffness=1.0, restitution=restitution)
-    return unit.replace(stiffness=(unit.between(GRAIN, GRAIN).duration() * rate / tc_nu) ** 2)
+    return linear_law(system, tc_nu * mean_free_time(system), restitution)
 
 
 # --- choices ------------------------------------------------------------------------------------------------
@@ -293,20 +292,12 @@ def test_a_checkpoint_goes_on_with_the_same_engine(tmp_path: Any) -> None:
     """A resumed run keeps its engine even if its current state would choose the other one; also after Ctrl-C."""
     start, law, path = bed(n=100), hl.LinearDashpot(stiffness=1e4, restitution=0.7), tmp_path / "run"
     whole = hl.molecular_dynamics(start, law=law, until=0.1, samples=10)
-    told = []
-
-    def interrupt(done: int, total: int) -> None:
-        told.append(done)
-        if len(told) == 3:
-            raise KeyboardInterrupt
-
     with pytest.raises(KeyboardInterrupt):
-        hl.molecular_dynamics(start, law=law, until=0.1, samples=10, checkpoint=path, progress=interrupt)
+        hl.molecular_dynamics(
+            start, law=law, until=0.1, samples=10, checkpoint=path, progress=interrupt_at(3)
+        )
     found = hl.resume(path)
-    assert (found.engine, found.engine_reason) == (
-        whole.engine,
-        whole.engine_reason,
-    ) and whole.engine == "steps"
+    assert found.engine == whole.engine == "steps" and found.engine_reason == whole.engine_reason
     assert same_samples(found, whole)
     first = hl.molecular_dynamics(start, law=law, until=1e-3, samples=10, checkpoint=path)
     later = hl.resume(path, until=2e-3)

@@ -117,10 +117,13 @@ REFUSED = {
     "ragged": (lambda t, s: {"a": [[1], [1, 2]]}, "for 'a', must be a number or numbers"),
     "an observable": (
         lambda t, s: {"pressure": 1.0},
-        "observe: at 0 s got the name 'pressure', must be another one: the series has 'pressure'",
+        "observe: at 0 s got the name 'pressure', must be another one: 'pressure' is in the series already",
     ),
-    "a coordinate": (lambda t, s: {"time": t}, "must be another one: the series has 'time'"),
-    "a dimension": (lambda t, s: {"a": [1.0], "a_0": 2.0}, "must be another one: the series has 'a_0'"),
+    "a coordinate": (lambda t, s: {"time": t}, "must be another one: 'time' is in the series already"),
+    "a dimension": (
+        lambda t, s: {"a": [1.0], "a_0": 2.0},
+        "must be another one: 'a_0' is in the series already",
+    ),
     "other names": (
         changing({"a": 1.0}, {"b": 1.0}),
         "observe: at 0.1 s got the names 'b', must be those of the previous sample: 'a'",

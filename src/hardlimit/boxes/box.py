@@ -40,12 +40,10 @@ class Box:
 
     @property
     def dimension(self) -> int:
-        """The dimension d."""
         return len(self.edges)
 
     @property
     def periodic(self) -> list[bool]:
-        """Whether each axis is periodic."""
         return [side == "periodic" for side in self.boundary]
 
     @property
@@ -120,6 +118,5 @@ def checked_gravity(gravity: Any, d: int) -> Floats:
 
 
 def read_only(array: NDArray[Any]) -> NDArray[Any]:
-    """Make an array read-only and return it."""
     array.flags.writeable = False
     return array

@@ -35,7 +35,6 @@ def checked_path(path: Any, parameter: str = "checkpoint") -> Path:
 
 
 def write(path: Path, header: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> None:
-    """Replace the checkpoint."""
     facts = {"format": FORMAT, "hardlimit_version": _core.version, **header}
     content: dict[str, Any] = {HEADER: np.frombuffer(json.dumps(facts).encode(), np.uint8), **arrays}
     with saving.whole(path) as unfinished, open(unfinished, "wb") as file:
@@ -45,7 +44,6 @@ def write(path: Path, header: Mapping[str, Any], arrays: Mapping[str, NDArray[An
 
 
 def read(path: Any) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
-    """Header and arrays of a checkpoint."""
     source = validation.path("path", path)
     try:
         with open(source, "rb") as file, np.load(file, allow_pickle=False) as content:

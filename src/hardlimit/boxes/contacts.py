@@ -23,14 +23,12 @@ MAX_KINDS: Final = 6
 
 
 def checked_law(law: Any) -> Law:
-    """Check that the argument is a contact law."""
     if not isinstance(law, Law):
         raise ValueError(f"law: got {validation.shown(law)}, must be a contact law such as LinearDashpot")
     return law
 
 
 def checked_system(system: Any) -> ParticleSystem:
-    """Check that the argument is a system."""
     if not isinstance(system, ParticleSystem):
         raise ValueError(f"system: got {validation.shown(system)}, must be a ParticleSystem")
     return system

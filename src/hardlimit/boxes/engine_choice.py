@@ -29,8 +29,6 @@ DENSEST: Final = {2: 0.84, 3: 0.64}
 
 
 class Choice(NamedTuple):
-    """The chosen engine, and the reason."""
-
     engine: str
     reason: str
 

@@ -246,7 +246,6 @@ class Engine:
     # --- checkpoints ----------------------------------------------------------------------------------------
 
     def saved(self) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
-        """Header and arrays of a checkpoint."""
         law = self.settings.law
         header = {
             "engine": self.record.name,
@@ -271,7 +270,6 @@ class Engine:
 
 
 def joined(parts: Sequence[Log]) -> Log:
-    """Concatenate consecutive logs."""
     return tuple(np.concatenate(columns) for columns in zip(*parts, strict=True))
 
 
@@ -281,5 +279,4 @@ def law_entry(law: Law) -> list[Any]:
 
 
 def law_from(entry: Sequence[Any]) -> Law:
-    """The law of an entry."""
     return LAWS[entry[0]](**entry[1])

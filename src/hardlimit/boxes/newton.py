@@ -181,7 +181,6 @@ def refuse_options(engine: str, given: dict[str, Any]) -> None:
 
 
 def checked_threads(threads: Any, n: int) -> int:
-    """The number of threads for n particles."""
     if threads is not None:
         return validation.whole("threads", threads, 1, MAX_THREADS)
     return max(1, min(machine.processors(), n // PARTICLES_PER_THREAD, MAX_THREADS))

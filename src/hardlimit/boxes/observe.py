@@ -82,7 +82,6 @@ def collected(values: Sequence[Values]) -> Values:
 
 
 def variables(values: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
-    """The data variables for a Dataset."""
     return {name: (["time", *dims(name, array[0])], array.copy()) for name, array in values.items()}
 
 

@@ -27,8 +27,6 @@ MIN_STEPS, MAX_STEPS = 16, 1000
 
 
 class ProgressNote:
-    """The note, updated at intervals."""
-
     def __init__(self) -> None:
         self._last: tuple[float, float, float] | None = None  #: wall clock, time, time in clusters [s]
         self._by_steps = math.nan  #: estimated wall time of the whole run by steps [s]

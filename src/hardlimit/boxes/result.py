@@ -80,8 +80,6 @@ NEWTON_OUTCOMES: Final = {
 
 
 class Column(NamedTuple):
-    """A column of a log."""
-
     name: str
     unit: str  #: empty if it has none
     meaning: str

@@ -70,7 +70,6 @@ class Settings:
 
 
 def checked_settings(law: Any, restitution: Any, rule: Any, contact_duration: Any) -> Settings:
-    """Check the rule of a run and its parameters."""
     given = validation.exactly_one(law=law, restitution=restitution)
     if given == "law":
         checked_law(law)

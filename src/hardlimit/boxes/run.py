@@ -41,7 +41,6 @@ class Output(NamedTuple):
 
 
 def checked_output(samples: Any, log: Any, checkpoint: Any, every: Any, observe: Any = None) -> Output:
-    """Check the arguments of the output of a run."""
     return Output(
         checked_samples(samples),
         validation.flag("log", log),
@@ -52,7 +51,6 @@ def checked_output(samples: Any, log: Any, checkpoint: Any, every: Any, observe:
 
 
 def checked_samples(samples: Any) -> int:
-    """Check the number of intervals between samples."""
     return validation.whole("samples", samples, 1, MAX_SAMPLES)
 
 
@@ -71,7 +69,6 @@ class Schedule:
         return self.span * (k / self.samples)
 
     def is_over(self, engine: Engine) -> bool:
-        """Whether the run has ended."""
         if engine.outcome != "ok" or self.idle > MAX_DOUBLINGS:
             return True
         if self.max_collisions is not None and engine.n_contacts >= self.max_collisions:
@@ -232,7 +229,6 @@ class Run:
     # --- results --------------------------------------------------------------------------------------------
 
     def result(self) -> ParticleResult | ContactResult:
-        """The result so far."""
         samples, schedule = self._sampled
         if not samples or not self.engine.is_at(samples[-1].records):
             samples = [*samples, self._present_sample()]
@@ -252,7 +248,6 @@ def _observe_again(time: float, system: ParticleSystem) -> Mapping[str, Any]:
 
 
 def load(path: Any) -> Run:
-    """Load a run from a checkpoint."""
     header, arrays = checkpoints.read(path)
     try:
         engine = Engine.load(header, arrays)
@@ -272,7 +267,6 @@ def load(path: Any) -> Run:
 
 
 def checked_until(run: Run, until: Any) -> float:
-    """Check the new end [s] of a run that is continued."""
     end, schedule, reached = validation.number("until", until), run.schedule, run.engine.time
     if end < reached:
         raise ValueError(

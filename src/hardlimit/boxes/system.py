@@ -138,7 +138,6 @@ class ParticleSystem:
         return self
 
     def _values(self) -> dict[str, Any]:
-        """The fields by name."""
         return {field.name: getattr(self, field.name) for field in fields(self)}
 
     def _moved(self, positions: Floats, velocities: Floats) -> ParticleSystem:

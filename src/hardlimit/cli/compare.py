@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
@@ -17,7 +17,7 @@ from ..fidelity_study import ENGINES, MODELS
 from ..fidelity_study import report as texts
 from ..support import machine, validation
 from ..support.formatting import digits
-from .gas_job import RESTITUTION, SAMPLES, START, UNTIL, GasJob, default, default_end, make_job
+from .gas_job import RESTITUTION, SAMPLES, START, UNTIL, GasJob, default_end, entry_of, make_job
 from .job import Entry, entry_options
 from .options import dpi_option, json_option, law_options, law_text, output_option, picture, writable
 from .printing import console, plain, print_files, print_json, show, table
@@ -31,27 +31,23 @@ REPLICAS: Final = 8
 ARGUMENTS: Final = (
     Entry(
         "models",
-        f"Model: {' | '.join(MODELS)}; repeat it for more. newton is always included.  [default: all]",
+        f"Model: {' | '.join(MODELS)}; may be repeated, always with newton.  [default: all]",
         many=True,
     ),
     Entry("contact_duration", "Contact duration of the rule tc [s].  [default: that of the law]", unit="s"),
     UNTIL,
     SAMPLES,
     Entry("engine", f"Engine for Newton’s equations: {' | '.join(ENGINES)}.  [default: auto]"),
-    Entry(
-        "replicas", f"Number of initial states, which give the error bars.  [default: {REPLICAS}]", kind=int
-    ),
-    Entry(
+    Entry("replicas", f"Number of initial states, for the error bars.  [default: {REPLICAS}]", kind=int),
+    entry_of(
+        hl.fidelity,
         "resolution",
-        f"Relative difference to be resolved; the output gives the number of replicas needed for it."
-        f"{default(hl.fidelity, 'resolution')}",
-        unit="1",
+        "Relative difference to resolve; the output says how many replicas it needs.",
+        "1",
     ),
     Entry("workers", "Number of processes.  [default: one for each processor]", kind=int),
     Entry("scheduler", "Address of a dask.distributed scheduler, instead of processes on this machine."),
-    Entry(
-        "store", "File that keeps finished replicas, from which the same command continues.", metavar="FILE"
-    ),
+    Entry("store", "File of finished replicas, from which the same command continues.", metavar="FILE"),
 )
 #: Entries of a job's table [event_driven] that this command uses.
 OF_A_JOB: Final = ("until", "samples", "contact_duration")
@@ -97,14 +93,9 @@ def compare(
         print_report(start, law, found, written)
 
 
-@dataclass(frozen=True)
-class RandomStarts:
-    """A random start for each seed."""
-
-    job: GasJob
-
-    def __call__(self, seed: int) -> hl.ParticleSystem:
-        return self.job.start(seed=seed)
+def random_start(job: GasJob, seed: int) -> hl.ParticleSystem:
+    """The random start of a job with another seed."""
+    return job.start(seed=seed)
 
 
 def compared(job: GasJob, law: hl.Law, arguments: dict[str, Any]) -> tuple[hl.ParticleSystem, hl.Fidelity]:
@@ -115,7 +106,7 @@ def compared(job: GasJob, law: hl.Law, arguments: dict[str, Any]) -> tuple[hl.Pa
     system: hl.ParticleSystem | Callable[[int], hl.ParticleSystem]
     if job.file is None:
         run["seed"] = validation.whole("seed", job.random.get("seed", 0), 0, 2**62)
-        system = RandomStarts(job)
+        system = partial(random_start, job)
         start = system(run["seed"])
     else:
         system = start = job.start()

@@ -236,7 +236,6 @@ def newton_arguments(
 
 
 def write_lammps_input(job: GasJob, newton: dict[str, Any]) -> Path:
-    """Write the input of LAMMPS."""
     if newton["engine"] != "lammps":
         raise ValueError(f"--write-input: must be left out with --engine {newton['engine']}")
     run_only = {"save": job.outputs["save"], **{name: newton[name] for name in ("threads", "ranks")}}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
@@ -27,20 +28,15 @@ RESTITUTION: Final = 0.9
 COLLISIONS: Final = 20
 
 
-def default(function: Any, name: str) -> str:
-    """The default of an argument of a function, as help shows it."""
-    return _shown(inspect.signature(function).parameters[name].default)
+def entry_of(function: Any, name: str, text: str, unit: str | None = None, **more: Any) -> Entry:
+    """The entry of an argument of a function. Its help ends with the default; that of a start is a glass bead."""
+    value = GLASS_BEADS.get(name, inspect.signature(function).parameters[name].default)
+    shown = f"{value:g}" if isinstance(value, float) else value
+    return Entry(name, f"{text}  [default: {shown}]", unit, **more)
 
 
-def _shown(value: Any) -> str:
-    return f"  [default: {value:g}]" if isinstance(value, float) else f"  [default: {value}]"
-
-
-def _start(name: str, text: str, unit: str | None = None, **more: Any) -> Entry:
-    """An entry of the start; its help ends with the default."""
-    value = GLASS_BEADS.get(name)
-    shown = default(hl.ParticleSystem.random, name) if value is None else _shown(value)
-    return Entry(name, text + shown, unit, **more)
+_start = partial(entry_of, hl.ParticleSystem.random)
+_run = partial(entry_of, hl.event_driven)
 
 
 #: Entries of the table [random]: a random start, or changes of the box if the start is from a file.
@@ -57,13 +53,9 @@ START: Final = (
 )
 OF_THE_BOX: Final = ("boundary", "gravity")
 
-SAMPLES: Final = Entry(
-    "samples",
-    f"Number of equal time intervals between samples.{default(hl.event_driven, 'samples')}",
-    kind=int,
-)
+SAMPLES: Final = _run("samples", "Number of equal time intervals between samples.", kind=int)
 UNTIL: Final = Entry(
-    "until", f"End of the run [s].  [default: about {COLLISIONS} collisions per particle]", unit="s"
+    "until", f"End of the run [s].  [default: about {COLLISIONS} collisions per particle]", "s"
 )
 #: Entries of the table [event_driven], which also has the restitution of all collisions.
 RUN: Final = (
@@ -73,11 +65,7 @@ RUN: Final = (
     Entry("max_collisions", "Number of collisions after which the run ends.", kind=int),
     SAMPLES,
     Entry("checkpoint", "Checkpoint for --resume, written at intervals and at Ctrl-C.", metavar="FILE"),
-    Entry(
-        "checkpoint_every",
-        f"Wall-clock time between checkpoints [s].{default(hl.event_driven, 'checkpoint_every')}",
-        unit="s",
-    ),
+    _run("checkpoint_every", "Wall-clock time between checkpoints [s].", "s"),
 )
 #: Entries of the table [output].
 OUTPUT: Final = (
@@ -85,9 +73,7 @@ OUTPUT: Final = (
     Entry("save", "Series, collisions or contacts, and final state as NetCDF.", metavar="FILE.nc"),
     Entry("plot", "Temperature, rate and pressure over time, with theory (png, pdf, …).", metavar="FILE"),
     Entry(
-        "animate",
-        "Film (gif; mp4 with the extra hardlimit[film]); spheres are shown in cross section.",
-        metavar="FILE",
+        "animate", "Film (gif; mp4 with the extra hardlimit[film]); spheres in cross section.", metavar="FILE"
     ),
 )
 #: The keys of a job file.

@@ -29,7 +29,6 @@ class Starts:
     engine: str = "events"  #: engine for Newton's equations
 
     def start(self, replica: int, report: Report) -> ParticleSystem:
-        """The initial state of one replica."""
         if isinstance(self.source, ParticleSystem):
             return self.source if replica == 0 else equilibrated(self.source, self.seed + replica, report)
         made = self.source(self.seed + replica)

@@ -35,7 +35,6 @@ class Store:
                 self._write()
 
     def add(self, replica: int, arrays: Arrays) -> None:
-        """Add a replica, and write it to the file."""
         self.replicas[replica] = arrays
         self._write()
 

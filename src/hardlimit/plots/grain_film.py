@@ -40,7 +40,6 @@ class Snapshot:
 
     @classmethod
     def of(cls, time: float, system: ParticleSystem) -> Snapshot:
-        """The snapshot of a system at ``time`` [s]."""
         return cls(time, shown(system), root_mean_square(system), system.granular_temperature)
 
 
@@ -65,7 +64,6 @@ def film(
 def pictures(
     system: ParticleSystem, frames: Iterable[tuple[Snapshot, int]], end: float, width: int
 ) -> Iterator[Frame]:
-    """The pictures in order."""
     with style(**STYLE):
         stage = Stage(system, end, width)
         for snapshot, collisions in frames:
@@ -114,7 +112,6 @@ class Stage(Canvas):
             self.ax.plot([a[0], b[0]], [a[1], b[1]], color="black", zorder=3, clip_on=False, **line)
 
     def picture(self, snapshot: Snapshot, collisions: int) -> Frame:
-        """The picture of one state."""
         at, radius, speed = snapshot.circles
         size, rms = 2.0 * radius, snapshot.rms_speed
         relative = speed / (rms or 1.0)

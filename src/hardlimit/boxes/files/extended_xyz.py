@@ -31,7 +31,6 @@ _ENTRY: Final = re.compile(r'([^\s="]+)=(?:"([^"]*)"|(\S+))')
 
 @contextmanager
 def appender(path: Path) -> Iterator[Append]:
-    """Create a file to which frames can be appended."""
     with open(path, "wb") as file:
         yield lambda frame: _append(file, frame)
 
@@ -56,7 +55,6 @@ def _comment(frame: Frame) -> str:
 
 
 def read(path: Path, frame: int) -> Found:
-    """Read one frame of a file."""
     with open(path, "rb") as file:
         starts = list(_frames(file))
         if not -len(starts) <= frame < len(starts):
@@ -65,7 +63,7 @@ def read(path: Path, frame: int) -> Found:
         n = int(file.readline())
         entries = _entries(_text(file.readline()))
         table, where = _table(file, n, entries)
-    return Found(_arguments(table, where, entries))
+    return _arguments(table, where, entries), 0.0
 
 
 def _frames(file: BinaryIO) -> Iterator[int]:

@@ -32,12 +32,8 @@ Append = Callable[[Frame], None]
 BLOCK: Final = 65536  #: number of rows formatted at a time
 
 
-@dataclass(frozen=True)
-class Found:
-    """The arguments of ParticleSystem read from a file, unchecked."""
-
-    arguments: dict[str, Any]
-    rounding: float = 0.0  #: rounding error of distances, relative to a radius
+#: Unchecked arguments of ParticleSystem from a file, and the rounding error of distances over the smallest radius.
+Found = tuple[dict[str, Any], float]
 
 
 def three(values: Floats, last: float = 0.0) -> Floats:

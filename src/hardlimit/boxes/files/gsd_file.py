@@ -33,7 +33,6 @@ def _library() -> Any:
 
 @contextmanager
 def appender(path: Path) -> Iterator[Append]:
-    """Create a file to which frames can be appended."""
     library = _library()
     with library.open(str(path), "w") as file:
         yield lambda frame: file.append(_made(library.Frame(), len(file), frame))
@@ -75,7 +74,6 @@ def _in_single(values: dict[str, Any]) -> dict[str, Any]:
 
 
 def read(path: Path, frame: int) -> Found:
-    """Read one frame of a file."""
     library = _library()
     try:
         with library.open(str(path), "r") as file:
@@ -129,7 +127,7 @@ def _in_double(found: Any) -> Found:
             "log: must equal the values in single precision; another program has changed one of them"
         )
     values.pop("time")
-    return Found(values | {"boundary": boundary_of(values.pop("periodic"))})
+    return values | {"boundary": boundary_of(values.pop("periodic"))}, 0.0
 
 
 def _of_another_program(found: Any) -> Found:
@@ -149,4 +147,4 @@ def _of_another_program(found: Any) -> Found:
         "box": box,
     }
     smallest = max(float(arguments["radius"].min()), np.finfo(np.float64).tiny)
-    return Found(arguments, min(2.0 * float(rounding.max()) / smallest, 1e-2))
+    return arguments, min(2.0 * float(rounding.max()) / smallest, 1e-2)

@@ -88,7 +88,6 @@ def densities(mass: Floats, radius: Floats) -> Floats:
 
 
 def read(path: Path, frame: int) -> Found:
-    """Read the system from a file."""
     if frame not in (0, -1):
         raise ValueError(f"frame: got {frame}, must be 0 or -1, because the format holds one frame")
     try:
@@ -104,17 +103,14 @@ def read(path: Path, frame: int) -> Found:
     speeds = _table("Velocities", sections, n, (7, 4))
     if np.any(atoms[:, 4 + d : 7]) or np.any(speeds[:, 1 + d : 4]):
         raise ValueError("dimension: got 2, must be 3 for particles with z ≠ 0")
-    radius = 0.5 * atoms[:, 2]
-    return Found(
-        {
-            "positions": atoms[:, 4 : 4 + d] - limits[:d, 0],
-            "velocities": speeds[:, 1 : 1 + d],
-            "radius": radius,
-            "density": atoms[:, 3],
-            "box": limits[:d, 1] - limits[:d, 0],
-            **_from_mark(mark, d),
-        }
-    )
+    arguments = {
+        "positions": atoms[:, 4 : 4 + d] - limits[:d, 0],
+        "velocities": speeds[:, 1 : 1 + d],
+        "radius": 0.5 * atoms[:, 2],
+        "density": atoms[:, 3],
+        "box": limits[:d, 1] - limits[:d, 0],
+    }
+    return arguments | _from_mark(mark, d), 0.0
 
 
 def _parts(lines: list[str]) -> tuple[list[str], dict[str, tuple[str, list[str]]]]:

@@ -17,6 +17,7 @@ from ..result import ContactResult
 from . import job as jobs
 from . import output, process
 from .contact_log import Contacts, contacts
+from .forces import Pairs
 from .job import Job
 from .overlaps import DumpReader, Finder, PairDump, WallDump
 from .program import find
@@ -27,7 +28,6 @@ COUNTS: Final = ("n_contacts", "n_pairs", "n_ended", "n_overlapped")
 
 
 def checked_ranks(ranks: Any) -> int:
-    """The number of processes."""
     return 1 if ranks is None else validation.whole("ranks", ranks, 1, MAX_RANKS)
 
 
@@ -51,10 +51,9 @@ def run(job: Job, ranks: int, report: Report) -> ContactResult:
 
 
 def dump_readers(job: Job) -> dict[str, DumpReader]:
-    """A reader for each dump of contacts."""
-    pairs, plan = job.pairs, job.plan
+    pairs, plan = Pairs(job.system, job.law), job.plan
     dumps: dict[str, PairDump | WallDump] = {jobs.PAIRS: PairDump(pairs)}
-    if jobs.WALLS in job.streams:
+    if "wall" in job.system.boundary:
         dumps[jobs.WALLS] = WallDump(pairs, job.system)
 
     def finder() -> Finder | None:

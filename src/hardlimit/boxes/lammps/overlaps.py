@@ -44,7 +44,6 @@ class PairDump:
         self._pairs = pairs
 
     def overlaps(self, step: Integers, table: Floats) -> Overlaps:
-        """The pairs that overlap."""
         both = np.sort(table[:, :2].astype(np.int64), axis=1) - 1
         first, second = both[:, 0], both[:, 1]
         compression = self._pairs.apart(first, second) - table[:, 2]
@@ -60,7 +59,6 @@ class WallDump:
         self._pairs, self._system = pairs, system
 
     def overlaps(self, step: Integers, table: Floats) -> Overlaps:
-        """The particles and walls that overlap."""
         sides = zip(*self._sides(step, table), strict=True)
         step, first, second, compression, rate = (np.concatenate(part) for part in sides)
         force = self._pairs.force(first, second, compression, rate)
@@ -92,7 +90,6 @@ class DumpReader:
         self.sums: dict[int, Sums] = {}  #: by step
 
     def read(self, lines: Iterable[str]) -> None:
-        """Read a whole dump."""
         unread: list[Snapshot] = []
         n_lines = 0
         for snapshot in snapshots(lines):
@@ -113,7 +110,6 @@ class DumpReader:
             self.finder.add(found, int(steps[-1]))
 
     def _sum(self, samples: Integers, found: Overlaps) -> None:
-        """Compute the sums at these samples."""
         now = found.step % self._per_sample == 0
         energies = self._pairs.energy(found.first[now], found.second[now], found.compression[now])
         at, n = np.searchsorted(samples, found.step[now]), len(samples)

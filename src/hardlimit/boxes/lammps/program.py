@@ -38,7 +38,6 @@ class Program:
         return found
 
     def command(self, ranks: int, *arguments: str) -> list[str]:
-        """The command line."""
         alone = [self.path, *arguments]
         return alone if ranks == 1 or self.mpiexec is None else [self.mpiexec, "-n", str(ranks), *alone]
 
