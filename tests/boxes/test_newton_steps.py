@@ -14,7 +14,7 @@ from box_engines import REFERENCE, core_contact, core_engine, interrupt_at, refe
 from conftest import damped, draws, lattice, law_of, laws, log_floats, restitutions, slow
 from hardlimit import _core
 from hardlimit.boxes import contacts, time_step
-from hardlimit.boxes.falling_frame import present
+from hardlimit.boxes.falling_frame import system_at
 
 molecular_dynamics = functools.partial(hl.molecular_dynamics, engine="steps")
 
@@ -334,7 +334,7 @@ def test_no_contact_is_missed(system, name, stiff):
         engine.advance(k * 2e-4)
         open_now = engine.open_contacts()
         listed = set(zip(open_now["first"].tolist(), open_now["second"].tolist(), strict=True))
-        now = present(system, engine.time, engine.state())
+        now = system_at(system, engine.time, engine.state())
         assert listed == overlaps(now)
         assert engine.observe()["n_in_contact"] == len(listed)
 

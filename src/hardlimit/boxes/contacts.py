@@ -79,17 +79,16 @@ def of_pairs(
             yield rows, contact(law, m, r)
 
 
-def mean_impact_speed(system: ParticleSystem) -> float:
-    """Mean impact speed √(πT) [m/s] in a gas; if there are walls, T includes the mean motion."""
-    if "wall" not in system.boundary:
-        return math.sqrt(math.pi * system.granular_temperature)
-    squares = np.einsum("ij,ij->i", system.velocities, system.velocities)
-    return math.sqrt(math.pi * float(np.average(squares, weights=system.mass)) / system.dimension)
+def impact_temperature(system: ParticleSystem) -> float:
+    """Granular temperature T [m²/s²], with the mean motion if there are walls. The mean impact speed is √(πT)."""
+    if "wall" in system.boundary:
+        return 2.0 * system.kinetic_energy / (system.dimension * float(system.mass.sum()))
+    return system.granular_temperature
 
 
 def refuse_too_soft(system: ParticleSystem, law: Law | None) -> None:
     """Refuse a law under which every impact at the mean speed would exceed the largest allowed compression."""
-    speed = mean_impact_speed(system)
+    speed = math.sqrt(math.pi * impact_temperature(system))
     if law is None or not 0.0 < speed < math.inf:
         return
     impact: Floats = np.array([speed])

@@ -13,7 +13,7 @@ from ..contact.contact import Law
 from ..support import validation
 from . import time_step
 from .box import AXES
-from .contacts import mean_contact
+from .contacts import impact_temperature, mean_contact
 from .falling_frame import engine_arguments
 from .system import ROUNDING, ParticleSystem
 from .theory import Gas
@@ -89,9 +89,7 @@ def typical_contact(system: ParticleSystem, law: Law) -> tuple[float, float, flo
     The contact is that of two particles of mean mass and radius at the mean impact speed √(πT), where T is the initial
     temperature or that of the atmosphere that settles, whichever is larger.
     """
-    temperature = system.granular_temperature
-    if "wall" in system.boundary:
-        temperature = 2.0 * system.kinetic_energy / (system.dimension * float(system.mass.sum()))
+    temperature = impact_temperature(system)
     hottest = max(temperature, _bed_temperature(system))
     contact = mean_contact(system, law)
     speed = np.array([math.sqrt(math.pi * hottest) or 1.0])

@@ -15,7 +15,7 @@ from ..contact.contact import Law
 from ..contact.laws import LAWS
 from .box import Floats
 from .contacts import law_arguments
-from .falling_frame import engine_arguments, laboratory_sums, present, state
+from .falling_frame import engine_arguments, laboratory_sums, state, system_at
 from .pace import ProgressNote
 from .result import COLLISIONS, CONTACTS, Column, ContactResult, EarlyEnd, Log, ParticleResult
 from .rules import Settings
@@ -163,7 +163,7 @@ class Engine:
 
     def current(self) -> ParticleSystem:
         """The current system, with positions in the box."""
-        return present(self.system, self.time, self.compiled.state())
+        return system_at(self.system, self.time, self.compiled.state())
 
     def sample(self) -> dict[str, Any]:
         """The quantities recorded at a sample."""

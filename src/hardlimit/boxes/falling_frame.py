@@ -39,7 +39,7 @@ def state(system: ParticleSystem, time: float, falling: tuple[Floats, Floats]) -
     return positions, velocities
 
 
-def present(system: ParticleSystem, time: float, falling: tuple[Floats, Floats]) -> ParticleSystem:
+def system_at(system: ParticleSystem, time: float, falling: tuple[Floats, Floats]) -> ParticleSystem:
     """The system at ``time`` [s], with positions in the box; ``falling`` as for :func:`state`."""
     positions, velocities = state(system, time, falling)
     system.domain.fold(positions)

@@ -157,7 +157,11 @@ class Run:
                 work = min(work, schedule.max_collisions - engine.n_contacts)
             begun = clock.monotonic()
             engine.advance(stop, work)
-            self._adapt_work(clock.monotonic() - begun)
+            took = clock.monotonic() - begun
+            if took < 0.5 * CALL_DURATION:
+                self._work = min(2 * self._work, 2**40)
+            elif took > 2.0 * CALL_DURATION:
+                self._work = max(self._work // 2, 1)
             if clock.monotonic() - self._saved_at > self._output.every:
                 self.save()
             report(*engine.done_and_total(schedule.until, schedule.max_collisions))
@@ -165,19 +169,12 @@ class Run:
                 report.note = engine.note(schedule.until)
         return engine.time == at and engine.outcome == "ok"
 
-    def _adapt_work(self, took: float) -> None:
-        """Adapt the work per call of the engine so that a call takes about ``CALL_DURATION``."""
-        if took < 0.5 * CALL_DURATION:
-            self._work = min(2 * self._work, 2**40)
-        elif took > 2.0 * CALL_DURATION:
-            self._work = max(self._work // 2, 1)
-
     # --- samples, log and checkpoints -----------------------------------------------------------------------
 
     def _sample(self) -> None:
         """Take a sample. In a run without ``until``, drop every second sample and double the interval if there are
         too many."""
-        new = self._present_sample()
+        new = self._new_sample()
         samples, schedule = self._sampled
         samples.append(new)
         if schedule.until is None and len(samples) > 2 * schedule.samples:
@@ -185,7 +182,7 @@ class Run:
             idle = schedule.idle + 1 if middle == last else 0
             self._sampled = samples[::2], replace(schedule, span=2.0 * schedule.span, idle=idle)
 
-    def _present_sample(self) -> Sample:
+    def _new_sample(self) -> Sample:
         observe, samples = self._output.observe, self._sampled[0]
         if observe is None:
             return Sample(self.engine.sample(), {})
@@ -231,7 +228,7 @@ class Run:
     def result(self) -> ParticleResult | ContactResult:
         samples, schedule = self._sampled
         if not samples or not self.engine.is_at(samples[-1].records):
-            samples = [*samples, self._present_sample()]
+            samples = [*samples, self._new_sample()]
         seen = observing.collected([sample.observed for sample in samples])
         idle = schedule.idle > MAX_DOUBLINGS
         return self.engine.result(_stacked(samples), self._taken_log(), seen, idle)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import operator
 from collections.abc import Sequence
 from typing import Any, Final
 
@@ -47,10 +48,7 @@ def count(n: Any) -> int:
 def radii(radius: Any, n: int, generators: Generators) -> Floats:
     """N radii [m]: one for all, one for each particle, or uniformly distributed between two limits."""
     limits: dict[str, Any] = {"lowest": 0.0, "highest": LARGEST}
-    is_range = (
-        n != 2 and hasattr(radius, "__len__") and not isinstance(radius, str | bytes) and np.size(radius) == 2
-    )
-    if not is_range:
+    if n == 2 or isinstance(radius, str | bytes) or operator.length_hint(radius, -1) != 2:
         return validation.each("radius", radius, n, **limits)
     smallest, largest = validation.numbers("radius", radius, 2, **limits)
     if smallest > largest:

@@ -114,9 +114,8 @@ class Fidelity:
         """Half-width of the confidence intervals, in words."""
         if self.n_replicas < 2:
             return "none: one replica"
-        return (
-            f"{statistics.student(self.n_replicas - 1):.3g} standard errors (99 % of Student’s distribution)"
-        )
+        half = statistics.student(self.n_replicas - 1)
+        return f"{half:.3g} standard errors (99 % of Student’s distribution)"
 
     def outcomes(self, model: str) -> list[str]:
         """Outcome of each replica, a name from ``hardlimit.OUTCOMES``.
@@ -295,18 +294,14 @@ class Fidelity:
         }
 
     def _global_attributes(self, what: str) -> dict[str, Any]:
+        own = ("system", "contact_duration", "tc_nu", "n_replicas", "bars", "resolution")
         return {
             "title": f"{what} of a comparison of rules for hard spheres with Newton’s equations",
             "source": f"hardlimit {_core.version}",
-            "system": self.system,
             "law": repr(self.plan.law),
             "engine": self.plan.engine,
             "restitution": self.plan.restitution,
-            "contact_duration": self.contact_duration,
-            "tc_nu": self.tc_nu,
-            "n_replicas": self.n_replicas,
-            "bars": self.bars,
-            "resolution": self.resolution,
+            **{name: getattr(self, name) for name in own},
             "summary": self.summary(),
             "hardlimit_version": _core.version,
         }

@@ -78,15 +78,5 @@ def _short(fact: Any) -> str:
 
 def facts_of(plan: Any, start: str, seed: int) -> dict[str, Any]:
     """Everything that a replica depends on, except its number."""
-    return {
-        "hardlimit_version": _core.version,
-        "models": list(plan.models),
-        "law": repr(plan.law),
-        "until": plan.until,
-        "samples": plan.samples,
-        "restitution": plan.restitution,
-        "contact_duration": plan.contact_duration,
-        "engine": plan.engine,
-        "seed": seed,
-        "start": start,
-    }
+    facts = vars(plan) | {"models": list(plan.models), "law": repr(plan.law)}
+    return {"hardlimit_version": _core.version, **facts, "seed": seed, "start": start}

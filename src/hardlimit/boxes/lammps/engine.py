@@ -12,7 +12,7 @@ from ...support import validation
 from ...support.progress import Report
 from ..box import Floats
 from ..engines import ENGINES
-from ..falling_frame import laboratory_sums, present
+from ..falling_frame import laboratory_sums, system_at
 from ..result import ContactResult
 from . import job as jobs
 from . import output, process
@@ -70,7 +70,7 @@ def result(job: Job, folder: Path, readers: list[DumpReader]) -> ContactResult:
     kept = _samples(job, output.thermo(folder / jobs.LOG), readers, found)
     counts: dict[str, Any] = {name: None if found is None else int(kept[name][-1]) for name in COUNTS}
     return ContactResult(
-        system=present(job.system, plan.until, falling),
+        system=system_at(job.system, plan.until, falling),
         time=plan.until,
         law=job.law,
         engine="lammps",
