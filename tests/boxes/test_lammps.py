@@ -375,12 +375,8 @@ def test_lammps_agrees_with_our_steps_to_first_order(box, law_name):
     )
     assert exact.n_contacts > 8
     steps = np.array([60, 120, 240] if (box, law_name) in SHORT else [60, 85, 120, 240, 340, 480])
-    errors = [
-        differences(
-            by_lammps(system, law, until, time_step=duration / n, log=True, samples=4), exact, duration
-        )
-        for n in steps
-    ]
+    runs = (by_lammps(system, law, until, time_step=duration / n, log=True, samples=4) for n in steps)
+    errors = [differences(run, exact, duration) for run in runs]
     order = -np.polyfit(np.log(steps), np.log(np.array(errors) + 1e-12).mean(axis=1), 1)[0]
     assert 0.75 < order < 2.6 and np.array(errors)[-1].max() < 0.1
     if law.parameters.get("restitution") != 1.0:
@@ -398,17 +394,11 @@ def test_series_and_counts_are_those_of_our_engines():
     assert run.series.time.values.tolist() == ours.series.time.values.tolist()
     for name in ("n_contacts", "n_in_contact", "overlapped_share", "collision_rate"):
         assert run.series[name].values == pytest.approx(ours.series[name].values, nan_ok=True)
-    for name in (
-        "kinetic_energy",
-        "potential_energy",
-        "granular_temperature",
-        "pressure",
-        "dissipated_energy",
-    ):
-        scale = np.nanmax(np.abs(ours.series[name].values))
-        assert run.series[name].values == pytest.approx(
-            ours.series[name].values, abs=5e-3 * scale, nan_ok=True
-        )
+    energies = ("kinetic_energy", "potential_energy", "dissipated_energy")
+    for name in (*energies, "granular_temperature", "pressure"):
+        wanted = ours.series[name].values
+        scale = np.nanmax(np.abs(wanted))
+        assert run.series[name].values == pytest.approx(wanted, abs=5e-3 * scale, nan_ok=True)
     assert (run.n_pairs, run.n_ended, run.n_overlapped) == (ours.n_pairs, ours.n_ended, ours.n_overlapped)
     bare = by_lammps(system, SOFT, 6e-4, samples=5)
     assert bare.n_contacts is bare.n_ended is bare.log is None and math.isnan(bare.overlapped_share)
@@ -454,13 +444,8 @@ def test_a_folder_taken_elsewhere_comes_back(tmp_path):
     with pytest.raises(ValueError, match=r"cannot be read"):
         hl.lammps_result(tmp_path)
     here = program.find(1)
-    subprocess.run(
-        here.command(1, "-in", "in.hardlimit"),
-        cwd=tmp_path,
-        env=here.environment(),
-        check=True,
-        stdout=subprocess.DEVNULL,
-    )
+    command, environment = here.command(1, "-in", "in.hardlimit"), here.environment()
+    subprocess.run(command, cwd=tmp_path, env=environment, check=True, stdout=subprocess.DEVNULL)
     found, run = hl.lammps_result(tmp_path), by_lammps(system, SOFT, 3e-4, **options)
     assert same_samples(found, run) and found.contacts.identical(run.contacts)
     assert np.array_equal(found.system.positions, run.system.positions)

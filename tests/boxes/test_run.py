@@ -7,8 +7,8 @@ import random
 import signal
 import subprocess
 import sys
-import threading
 import zipfile
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -297,27 +297,20 @@ def test_a_body_that_just_reaches_a_ceiling(speed, away):
     radius, law = 1e-4, hl.LinearDashpot(stiffness=1e8, damping=100.0)
     height, down = 8e-4, 3.5 * (1 if away else -1)
     start = radius if away else height - radius  # gravity leads away from the wall that it touches
+    velocities, shape = [[0.0, -speed if away else speed]], {"box": [8e-4, height], "gravity": (0.0, down)}
     system = hl.ParticleSystem(
-        positions=[[4e-4, start]],
-        velocities=[[0.0, -speed if away else speed]],
-        radius=radius,
-        mass=1.0,
-        box=[8e-4, height],
-        boundary=("periodic", "wall"),
-        gravity=(0.0, down),
+        [[4e-4, start]], velocities, radius, mass=1.0, boundary=("periodic", "wall"), **shape
     )
-    until = 0.8 * (
-        math.sqrt(2.0 * (height - 2.0 * radius) / abs(down) + (speed / down) ** 2) - speed / abs(down)
-    )
+    g = abs(down)
+    until = 0.8 * (math.sqrt(2.0 * (height - 2.0 * radius) / g + (speed / g) ** 2) - speed / g)
     soft = hl.event_driven(system, law=law, rule="soft", until=until, log=True)
     newton = hl.molecular_dynamics(system, law=law, engine="events", until=until, log=True)
     assert soft.outcome_name == "ok" and soft.n_collisions == newton.n_contacts == 1
     assert not math.isnan(float(newton.contacts.end[0])) and float(newton.contacts.end[0]) < until
     assert soft.system.positions == pytest.approx(newton.system.positions, abs=1e-9 * height)
     assert soft.system.velocities == pytest.approx(newton.system.velocities, abs=1e-9)
-    lost = (
-        system.kinetic_energy - soft.system.kinetic_energy + down * float(soft.system.positions[0, 1] - start)
-    )
+    lost = system.kinetic_energy - soft.system.kinetic_energy
+    lost += down * float(soft.system.positions[0, 1] - start)
     assert float(soft.series.dissipated_energy[-1]) == pytest.approx(lost, abs=1e-12)
 
 
@@ -343,12 +336,7 @@ def test_what_the_soft_rule_cannot_describe_ends_the_run():
     ("height", "damping", "name", "said"),
     [
         (1e-3, 0.1, "at_rest", "at rest: gravity holds particle 1 and the wall y = 0 together at 0 s"),
-        (
-            1.5e-3,
-            10.0,
-            "at_rest",
-            "at rest: gravity holds particle 1 and the wall y = 0 together at 0.0100964 s",
-        ),
+        (1.5e-3, 10.0, "at_rest", "gravity holds particle 1 and the wall y = 0 together at 0.0100964 s"),
         (
             1.5e-3,
             1e4,
@@ -621,18 +609,9 @@ def reached(path):
 def test_runs_in_threads_are_those_of_one():
     system = lattice(64)
     alone = hl.event_driven(system, restitution=0.9, until=0.05, log=True)
-    found = []
-    threads = [
-        threading.Thread(
-            target=lambda: found.append(hl.event_driven(system, restitution=0.9, until=0.05, log=True))
-        )
-        for _ in range(4)
-    ]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert len(found) == 4 and all(same(run, alone) for run in found)
+    with ThreadPoolExecutor(4) as pool:
+        found = pool.map(lambda _: hl.event_driven(system, restitution=0.9, until=0.05, log=True), range(4))
+        assert all(same(run, alone) for run in found)
 
 
 # --- theory -------------------------------------------------------------------------------------------------

@@ -166,10 +166,8 @@ def test_bars_hold_as_often_as_they_say() -> None:
     assert found.error.mean() == pytest.approx(0.05 * math.sqrt(2.0) / 5.0 / math.sqrt(6.0), rel=0.06)
     assert np.mean(statistics.significant(found, 6)) == pytest.approx(statistics.LEVEL, rel=0.25)
     shifted = statistics.relative_difference(values * 1.1, reference)
-    assert (
-        shifted.value.mean() == pytest.approx(0.1, abs=1e-3)
-        and statistics.significant(shifted, 6).mean() > 0.9
-    )
+    assert shifted.value.mean() == pytest.approx(0.1, abs=1e-3)
+    assert statistics.significant(shifted, 6).mean() > 0.9
 
 
 def test_a_departure_is_large_or_lasts() -> None:
@@ -183,9 +181,7 @@ def test_a_departure_is_large_or_lasts() -> None:
     assert departure(0.0, 4.5, 0.0, 4.5, 4.5) == 3
     assert departure(0.0, 4.5, 4.5, 0.0) is None and departure(0.0, 9.0, 0.0) == 1
     assert departure(0.0, 0.0, 4.5) == 2 and departure(0.0, 0.0, 3.9) is None
-    assert (
-        departure(*[0.0] * 50, 6.5, 0.0) is None and departure(0.0, 6.5, 0.0) == 1
-    )  # one of few, one of many
+    assert departure(*[0.0] * 50, 6.5, 0.0) is None and departure(0.0, 6.5, 0.0) == 1  # of many, of few
     assert departure(9.0, 9.0) == 0 and departure(9.0, 9.0, replicas=1) is None
     assert departure(math.nan, 0.0, 4.5, 4.5, math.nan) == 2  # an early end
     assert departure(math.nan, math.nan) is None and departure() is None
@@ -420,20 +416,14 @@ def test_one_replica_gives_no_verdict() -> None:
     assert f.dataset.departure_time.isnull().all()
 
 
-def test_one_model() -> None:
-    f = compare(models=("newton",), replicas=2)
-    assert "no rule to compare with" in str(f) and f.dataset.sizes["model"] == 1
-
-
-def test_no_time() -> None:
-    f = compare(until=0.0, replicas=2)
-    assert "no contact" in str(f) and f.dataset.time.values.tolist() == [0.0]
-    assert math.isnan(f.tc_nu)
-
-
-def test_no_contact() -> None:
-    f = compare(partial(gas, n=2, phi=1e-6), replicas=2, until=1e-6)
-    assert "no contact" in str(f) and f.dataset.departure_time.isnull().all()
+def test_one_model_no_time_and_no_contact() -> None:
+    alone = compare(models=("newton",), replicas=2)
+    assert "no rule to compare with" in str(alone) and alone.dataset.sizes["model"] == 1
+    at_once = compare(until=0.0, replicas=2)
+    assert "no contact" in str(at_once) and at_once.dataset.time.values.tolist() == [0.0]
+    assert math.isnan(at_once.tc_nu)
+    free = compare(partial(gas, n=2, phi=1e-6), replicas=2, until=1e-6)
+    assert "no contact" in str(free) and free.dataset.departure_time.isnull().all()
 
 
 def test_elastic_particles_are_judged_by_their_rate() -> None:

@@ -94,9 +94,10 @@ def _samples(job: Job, thermo: Floats, readers: list[DumpReader], log: Contacts 
     """The quantities recorded at the samples."""
     plan, system = job.plan, job.system
     seen = dict(zip(output.THERMO, thermo.T, strict=True))
-    if len(thermo) != (plan.samples if plan.n_steps else 0) + 1 or seen["step"][-1] != plan.n_steps:
+    expected = (plan.samples if plan.n_steps else 0) + 1
+    if len(thermo) != expected or seen["step"][-1] != plan.n_steps:
         raise ValueError(
-            f"{jobs.LOG}: got {len(thermo)} samples, must be those of a run that ended at step {plan.n_steps}"
+            f"{jobs.LOG}: got {len(thermo)} samples, must be {expected}, the last at step {plan.n_steps}"
         )
     time = plan.until * (np.arange(len(thermo)) / plan.samples)
     seen["momentum"] = np.stack([seen[name] for name in ("px", "py", "pz")[: system.dimension]], axis=1)
