@@ -2,7 +2,9 @@
 
 import json
 import math
+import subprocess
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -57,6 +59,33 @@ def linear_law(system: hl.ParticleSystem, duration: float, restitution: float) -
     soft = hl.LinearDashpot(stiffness=1.0, restitution=restitution)
     ball = hl.Ball(float(system.radius.mean()), mass=float(system.mass.mean()))
     return soft.replace(stiffness=(soft.between(ball, ball).duration() / duration) ** 2)
+
+
+def compiled(name: str, folder: Path) -> Path:
+    """The program made from the headers and tests/boxes/NAME.cpp."""
+    root, program = Path(__file__).resolve().parents[1], folder / name
+    flags = ["-std=c++20", "-O2", "-ffp-contract=off", "-Wno-psabi", "-pthread", f"-I{root / 'core'}"]
+    subprocess.run(["g++", *flags, str(root / f"tests/boxes/{name}.cpp"), "-o", str(program)], check=True)
+    return program
+
+
+#: Each rule of hard spheres and each engine of ours: the function and its arguments.
+LAW = hl.LinearDashpot(stiffness=1e4, restitution=0.8)
+RUNS: dict[str, tuple[Any, dict[str, Any]]] = {
+    "elastic": (hl.event_driven, {"restitution": 1.0}),
+    "constant": (hl.event_driven, {"restitution": 0.9}),
+    "tc": (hl.event_driven, {"restitution": 0.6, "rule": "tc", "contact_duration": 1e-3}),
+    "law": (hl.event_driven, {"law": LAW}),
+    "soft": (hl.event_driven, {"law": LAW, "rule": "soft"}),
+    "events": (hl.molecular_dynamics, {"law": LAW, "engine": "events"}),
+    "steps": (hl.molecular_dynamics, {"law": LAW, "engine": "steps", "time_step": 5e-5}),
+}
+
+
+def run(name: str, system: hl.ParticleSystem, until: float = 0.2, **options: Any) -> Any:
+    """The result of one of ``RUNS``."""
+    function, settings = RUNS[name]
+    return function(system, until=until, **settings, **options)
 
 
 def interrupt_at(call: int) -> Callable[[int, int], None]:

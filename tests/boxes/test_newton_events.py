@@ -12,7 +12,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import hardlimit as hl
-from box_engines import REFERENCE, core_engine, linear_law, mean_free_time, reference_law, reference_system
+from box_engines import (
+    REFERENCE,
+    compiled,
+    core_engine,
+    linear_law,
+    mean_free_time,
+    reference_law,
+    reference_system,
+)
 from conftest import draws
 from hardlimit import _core
 from hardlimit.boxes.contacts import law_arguments
@@ -252,10 +260,8 @@ def test_energy_over_many_contacts(phi: float) -> None:
 
 def printed_by(name: str, folder: Path) -> list[str]:
     """Output of a program compiled from the headers."""
-    root, program = Path(__file__).resolve().parents[2], folder / name
-    flags = ["-std=c++20", "-O2", "-ffp-contract=off", "-Wno-psabi", f"-I{root / 'core'}"]
-    subprocess.run(["g++", *flags, str(root / f"tests/boxes/{name}.cpp"), "-o", str(program)], check=True)
-    return subprocess.run([str(program)], capture_output=True, text=True, check=True).stdout.split()
+    program = str(compiled(name, folder))
+    return subprocess.run([program], capture_output=True, text=True, check=True).stdout.split()
 
 
 @pytest.mark.slow

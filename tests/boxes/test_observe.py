@@ -6,28 +6,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import hardlimit as hl
+from box_engines import LAW, run
 from conftest import draws
 from same_samples import same_samples
 
-LAW = hl.LinearDashpot(stiffness=1e4, restitution=0.8)
-RUNS = {
-    "constant": (hl.event_driven, {"restitution": 0.9}),
-    "soft": (hl.event_driven, {"law": LAW, "rule": "soft"}),
-    "events": (hl.molecular_dynamics, {"law": LAW, "engine": "events"}),
-    "steps": (hl.molecular_dynamics, {"law": LAW, "engine": "steps", "time_step": 5e-5}),
-}
-every_run = pytest.mark.parametrize("name", RUNS)
+NAMES = ("constant", "soft", "events", "steps")
+every_run = pytest.mark.parametrize("name", NAMES)
 
 
 def grains(seed=1, dimension=3, boundary="periodic", gravity=0.0):
     return hl.ParticleSystem.random(
         10, 0.1, (0.006, 0.01), 2500.0, 0.5, dimension=dimension, seed=seed, boundary=boundary, gravity=gravity
     )  # fmt: skip
-
-
-def run(name, system, until=0.2, **options):
-    function, settings = RUNS[name]
-    return function(system, until=until, **settings, **options)
 
 
 def look(time, system):
@@ -44,7 +34,7 @@ def look(time, system):
 
 @draws(20)
 @given(
-    name=st.sampled_from(sorted(RUNS)),
+    name=st.sampled_from(NAMES),
     seed=st.integers(0, 99),
     dimension=st.sampled_from([2, 3]),
     boundary=st.sampled_from(["periodic", "wall"]),

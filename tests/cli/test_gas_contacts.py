@@ -60,16 +60,14 @@ def test_a_run_goes_on(start, tmp_path):
     assert "--plot: must be left out" in refused("gas", "--resume", path, "--plot", tmp_path / "a.png")
 
 
+LAMMPS = ["--engine", "lammps", *LAW]
 REFUSED = {
     "--ranks: must be left out without --engine": ["--ranks", 2],
     "--law: missing, must be given with its parameters for --engine": ["--engine", "steps"],
     "rule: must be left out with --engine": ["--engine", "events", *LAW, "--rule", "tc"],
     "--plot: must be left out with --engine": ["--engine", "events", *LAW, "--plot", "a.png"],
     "--write-input: must be left out with --engine steps": ["--engine", "steps", *LAW, "--write-input", "a"],
-    "--ranks: must be left out with --write-input": [
-        *("--engine", "lammps", *LAW),
-        *("--write-input", "a", "--ranks", 2),
-    ],
+    "--ranks: must be left out with --write-input": [*LAMMPS, "--write-input", "a", "--ranks", 2],
     "--time-step: got 0.001, must be left out": ["--engine", "events", *LAW, "--time-step", "1ms"],
     "--n: must be left out with --resume": ["--engine", "events", *LAW, "--resume", "a"],
 }

@@ -24,7 +24,8 @@ from .system import ParticleSystem
 ENERGIES: Final = ("kinetic_energy", "potential_energy", "dissipated_energy")
 #: Quantities that every engine records at a sample.
 COMMON: Final = ("time", *ENERGIES, "granular_temperature", "momentum", "virial", "n_pairs")
-#: Those of engines for Newton's equations.
+#: Those of hard spheres, and those of engines for Newton's equations.
+OF_COLLISIONS: Final = (*COMMON, "kinetic_integral", "n_collisions")
 OF_CONTACTS: Final = (*COMMON, "contact_energy", "n_contacts", "n_ended", "n_overlapped", "n_in_contact")
 #: Arrays of a system in a checkpoint. Positions and velocities are in the saved state of the engine.
 FIXED: Final = ("radius", "mass", "box", "gravity")
@@ -38,28 +39,18 @@ class EngineRecord:
     kind: str  #: name in the core; empty for an external program
     task: str  #: title of the progress bar
     counts: str  #: unit of the progress bar
-    records: tuple[str, ...] = (
-        OF_CONTACTS  #: quantities recorded at each sample; observables are computed from them
-    )
+    records: tuple[str, ...] = OF_CONTACTS  #: recorded at each sample; observables are made from them
     columns: tuple[Column, ...] = CONTACTS  #: columns of the log
-    options: tuple[
-        str, ...
-    ] = ()  #: arguments of molecular_dynamics that this engine accepts and others may not
+    options: tuple[str, ...] = ()  #: arguments of molecular_dynamics that some engines do not accept
 
 
 _NEWTON: Final = "molecular dynamics"
+_OURS, _STEPS = ("checkpoint", "observe"), ("restitution_error", "time_step")  #: options
 _RECORDS: Final = (
-    EngineRecord(
-        *("hard_spheres", "hard_spheres", "event-driven", "collisions"),
-        records=(*COMMON, "kinetic_integral", "n_collisions"),
-        columns=COLLISIONS,
-    ),
-    EngineRecord("events", "newton_events", _NEWTON, "contacts", options=("checkpoint", "observe")),
-    EngineRecord(
-        *("steps", "newton_steps", _NEWTON, "steps"),
-        options=("checkpoint", "observe", "restitution_error", "time_step", "threads"),
-    ),
-    EngineRecord("lammps", "", _NEWTON, "steps", options=("restitution_error", "time_step", "ranks")),
+    EngineRecord("hard_spheres", "hard_spheres", "event-driven", "collisions", OF_COLLISIONS, COLLISIONS),
+    EngineRecord("events", "newton_events", _NEWTON, "contacts", options=_OURS),
+    EngineRecord("steps", "newton_steps", _NEWTON, "steps", options=(*_OURS, *_STEPS, "threads")),
+    EngineRecord("lammps", "", _NEWTON, "steps", options=(*_STEPS, "ranks")),
 )
 #: Engines by name.
 ENGINES: Final = {record.name: record for record in _RECORDS}

@@ -30,10 +30,8 @@ class ProgressNote:
     def __init__(self) -> None:
         self._last: tuple[float, float, float] | None = None  #: wall clock, time, time in clusters [s]
         self._by_steps = math.nan  #: estimated wall time of the whole run by steps [s]
-        self._trial_at, self._delay = (
-            0.0,
-            WINDOW,
-        )  #: clock of the next trial; delay after it, doubled each time
+        self._trial_at = 0.0  #: clock of the next trial
+        self._delay = WINDOW  #: delay after it, doubled each time
         self._note = ""
 
     def note(

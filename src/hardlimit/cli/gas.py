@@ -61,13 +61,12 @@ newton_options = options(
 HARD_SPHERES_ONLY = ("rule", "contact_duration", "max_collisions")
 PICTURES = ("out", "plot", "animate")
 #: Numbers in the JSON output, with the attributes of the result.
-HARD_SPHERES_NUMBERS = {
-    **{"n_collisions": "n_collisions", "n_pair_collisions": "n_pairs", "n_wall_collisions": "n_walls"},
-    **{name: name for name in ("n_elastic_by_tc", "n_soft", "n_soft_third_body")},
-}
-_NEWTON = "engine engine_reason n_contacts n_pairs n_ended n_overlapped overlapped_share"
-_NEWTON += " energy_error time_step n_steps largest_cluster cluster_share"
-NEWTON_NUMBERS = {name: name for name in _NEWTON.split()}
+_NAMES = ("n_collisions", "n_elastic_by_tc", "n_soft", "n_soft_third_body")
+HARD_SPHERES_NUMBERS = {name: name for name in _NAMES}
+HARD_SPHERES_NUMBERS |= {"n_pair_collisions": "n_pairs", "n_wall_collisions": "n_walls"}
+_CONTACTS = ("n_contacts", "n_pairs", "n_ended", "n_overlapped", "overlapped_share", "energy_error")
+_ENGINE = ("engine", "engine_reason", "time_step", "n_steps", "largest_cluster", "cluster_share")
+NEWTON_NUMBERS = {name: name for name in (*_ENGINE, *_CONTACTS)}
 
 
 class WithCompare(Command):

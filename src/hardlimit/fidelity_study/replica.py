@@ -46,7 +46,9 @@ _COMPARED: Final = (
         ("dissipated_energy",),
     ),
     Observable(
-        *("dissipation_rate", "W", "energy lost in contacts per time, mean since the start"),
+        "dissipation_rate",
+        "W",
+        "energy lost in contacts per time, mean since the start",
         ("dissipated_energy",),
     ),
     _mean("collision_rate"),
@@ -55,7 +57,9 @@ _COMPARED: Final = (
         "pair_correlation", "1", "g near contact, up to 1.1 sums of radii, overlaps included", ("state",)
     ),
     Observable(
-        *("density_variance", "1", "variance over mean of the number of particles in cells of about 8"),
+        "density_variance",
+        "1",
+        "variance over mean of the number of particles in cells of about 8",
         ("state",),
     ),
 )

@@ -69,10 +69,9 @@ def run(
             raise RuntimeError(f"engine: LAMMPS failed: {_reason(lines, code)}")
         failed = False
     finally:
+        ignored = [Exception] if failed else []  # after a failure the dump is incomplete
         for pipe in pipes:
-            with contextlib.suppress(
-                *([Exception] if failed else [])
-            ):  # after a failure the dump is incomplete
+            with contextlib.suppress(*ignored):
                 pipe.close()
 
 
@@ -100,12 +99,16 @@ def _started(
         errors="replace",
         start_new_session=True,
     )
-    with child:
-        try:
-            yield child
-        finally:
-            if child.poll() is None:
+    try:
+        with child:
+            try:
+                yield child
+            except BaseException:
                 _end(child)
+                raise
+    finally:
+        if child.poll() is None:
+            _end(child)
 
 
 def _end(child: subprocess.Popen[str]) -> None:
