@@ -54,9 +54,7 @@ def estimated(
 ) -> Choice:
     """The engine with the lower cost per contact, for a time step with this error of ε.
 
-    A contact costs about 1.6 µs + 35 µs·t_c ν by events and 9 µs + 4.5 ns/(ν Δt) by steps of Δt. t_c ν is the largest
-    of three values: Enskog's rate times the duration of a typical contact; the number of open contacts per particle at
-    the start; and t_c ν at the end of a run in which particles settle in a bed (:func:`of_bed`).
+    The costs and the three values of t_c ν are described in the notes of :func:`hardlimit.molecular_dynamics`.
     """
     try:
         check_box(system)

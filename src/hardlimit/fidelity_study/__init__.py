@@ -68,7 +68,8 @@ def fidelity(
         Contact law of Newton's equations and of the rules law and soft.
     until : float [s]
     models : sequence of {"newton", "constant", "law", "tc", "soft"}
-        Must include ``"newton"``. :func:`event_driven` describes the rules.
+        Must include ``"newton"``. :func:`event_driven` describes the rules (Luding & McNamara 1998, Müller & Pöschel
+        2013).
     replicas : int
         Number of initial states.
     samples : int
@@ -110,11 +111,6 @@ def fidelity(
         If ``scheduler`` is given without dask.distributed.
     RuntimeError
         If a process dies or the connection to the scheduler is lost.
-
-    Notes
-    -----
-    Sources of the rules: Luding & McNamara, Granular Matter 1, 113 (1998); Müller & Pöschel, Phys. Rev. E 87, 033301
-    (2013).
 
     Examples
     --------

@@ -62,14 +62,10 @@ def significant(difference: Estimate[Floats], replicas: int, level: float = LEVE
 
 
 def departure(difference: Estimate[Floats], replicas: int) -> int | None:
-    """The first sample at which the difference is significant, corrected for the number of samples; None if there is
-    none.
+    """The first sample at which the difference is significant by the tests of :meth:`Fidelity.departure`, or None.
 
-    Half of the level of 1 % is divided equally among all samples (Bonferroni). The other half is for differences that
-    last: samples are tested backwards from the last one until one is not significant, and tests in a fixed sequence all
-    have the level of the first (Maurer, Hothorn & Lehmacher, Biometrie in der chemisch-pharmazeutischen Industrie 6, 3
-    (1995)). The probability that the returned sample, or an earlier one, is a false positive is at most 1 %, whatever
-    the correlation between samples.
+    The probability that this sample, or an earlier one, is a false positive is at most 1 %, whatever the correlation
+    between samples: each of the two tests has half of this level.
     """
     known = np.flatnonzero(np.isfinite(difference.value))
     if not len(known):
