@@ -282,8 +282,8 @@ def help_of(name: str, typed: str) -> str:
 
 
 def test_help_tells_how_many_threads_there_are() -> None:
-    from hardlimit.boxes.newton import LEAST_SHARE, checked_threads
+    from hardlimit.boxes.newton import PARTICLES_PER_THREAD, checked_threads
 
-    assert checked_threads(None, LEAST_SHARE) == 1
-    assert f"one for each {LEAST_SHARE} particles" in help_of("gas", "--threads")
+    assert checked_threads(None, PARTICLES_PER_THREAD) == 1
+    assert f"one for each {PARTICLES_PER_THREAD} particles" in help_of("gas", "--threads")
     assert "1 with the engine dask" in help_of("sweep", "--threads")

@@ -139,7 +139,7 @@ def test_a_run_by_events_logs_the_time_that_steps_would_take(monkeypatch, capfd)
     lines = capfd.readouterr().err.splitlines()
     form = (
         r"molecular dynamics: \d+%, after \S+ \S+, \S+ k?contacts/s; \d+% of the time in clusters; the rest "
-        r"takes about [^,]+, the whole run by engine='steps' about [^,]+(, which is advised)?"
+        r"takes about [^,]+, the whole run by engine='steps' about [^,]+( \(recommended\))?"
     )
     assert len(lines) >= 2 and all(re.fullmatch(form, line) for line in lines), lines
     assert same_samples(run, settle("events"))  # it changes no bit
@@ -170,7 +170,7 @@ def test_the_note_is_about_the_last_seconds(monkeypatch):
     clock, run, tried = Clock(), Run(), []
     monkeypatch.setattr(pace, "clock", clock)
     monkeypatch.setattr(pace, "seconds_by_steps", lambda *given: tried.append(clock.now) or 100.0)
-    said = pace.Pace()
+    said = pace.ProgressNote()
 
     def note() -> str:
         return said.note(run.time, run.cluster_share, None, lambda: None, 10.0)
@@ -189,7 +189,7 @@ def test_the_note_is_about_the_last_seconds(monkeypatch):
         "100% of the time in clusters; the rest takes about 80 s, the whole run by engine='steps' about 100 s"
     )
     clock.now, run.time = clock.now + 1000.0, 3.0
-    assert "the rest takes about 117 min, " in note() and note().endswith("about 100 s, which is advised")
+    assert "the rest takes about 117 min, " in note() and note().endswith("about 100 s (recommended)")
     clock.now += 2.0  # it hangs
     assert note().startswith("75% of the time in clusters; the rest takes about decades, ")
     assert [at - 1000.0 for at in tried] == [2.0, 12.0, 1012.0]
@@ -202,4 +202,4 @@ def test_the_time_that_steps_would_take_is_measured(monkeypatch):
     law = hl.LinearDashpot(stiffness=1e4, restitution=0.5)
     step = time_step.chosen(DISKS, law, None, None)
     found = pace.seconds_by_steps(DISKS, law, 2.0)  # the trial takes one second on this clock
-    assert found == pytest.approx(2.0 / step / pace.MOST, rel=2e-3)
+    assert found == pytest.approx(2.0 / step / pace.MAX_STEPS, rel=2e-3)

@@ -9,10 +9,12 @@ from __future__ import annotations
 
 import math
 import operator
+import os
 from collections.abc import Sequence
 from contextlib import suppress
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from numbers import Real
+from pathlib import Path
 from typing import Any, Final, TypeVar
 
 import numpy as np
@@ -270,6 +272,19 @@ def one_of(name: str, value: Any, choices: Sequence[str]) -> str:
     if not isinstance(value, str) or value not in choices:
         raise ValueError(f"{name}: got {shown(value)}, must be one of {', '.join(choices)}")
     return str(value)
+
+
+def path(name: str, value: Any) -> Path:
+    """``value`` as a path.
+
+    Raises
+    ------
+    ValueError
+        If it is neither a text nor a path.
+    """
+    if not isinstance(value, str | os.PathLike):
+        raise ValueError(f"{name}: got {shown(value)}, must be a path")
+    return Path(value)
 
 
 def flag(name: str, value: Any) -> bool:
