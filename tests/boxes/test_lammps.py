@@ -409,6 +409,7 @@ def test_series_and_counts_are_those_of_our_engines():
         "potential_energy",
         "granular_temperature",
         "pressure",
+        "pressure_tensor",
         "dissipated_energy",
     ):
         scale = np.nanmax(np.abs(ours.series[name].values))

@@ -60,7 +60,15 @@ void HardSpheres<d, motion, mixed>::contact(u32 i, u32 j, const double (&r)[d], 
     const double after =
         end.normal_velocity * end.normal_velocity + end.tangential_velocity * end.tangential_velocity;
     const double lost = 0.5 * pair.effective_mass * (before - after);
-    accumulators_.virial.add(pair.effective_mass * distance * (end.normal_velocity + speed));
+    // The virial W = ∫ r⊗F dt of a contact follows from d/dt (m r⊗v) = m v⊗v + r⊗F, m the effective mass. The equivalent
+    // collision takes the pair from r⊗v to (r + shift)⊗v' at the instant of touch, and later states are exact. So with
+    //   W = m ((r + shift)⊗v' − r⊗v),
+    // kinetic part (of the straight paths) and virial together are exact after the contact. W is symmetric, as the
+    // angular momentum is conserved. With a third body it is as wrong as the rule itself.
+    double departing[d];
+    for (int k = 0; k < d; ++k) departing[k] = v[k] + change[k];
+    accumulators_.add_virial(pair.effective_mass, r, change);
+    accumulators_.add_virial(pair.effective_mass, shift, departing);
     accumulators_.advance(now_);
     accumulators_.kinetic -= lost;
     const double whole = mass(i) + mass(j);

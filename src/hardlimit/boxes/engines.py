@@ -22,7 +22,15 @@ from .system import ParticleSystem
 
 ENERGIES: Final = ("kinetic_energy", "potential_energy", "dissipated_energy")
 #: Quantities that every engine records at a sample.
-COMMON: Final = ("time", *ENERGIES, "granular_temperature", "momentum", "virial", "n_pairs")
+COMMON: Final = (
+    "time",
+    *ENERGIES,
+    "granular_temperature",
+    "momentum",
+    "kinetic_tensor",
+    "virial_tensor",
+    "n_pairs",
+)
 OF_CONTACTS: Final = (*COMMON, "contact_energy", "n_contacts", "n_ended", "n_overlapped", "n_in_contact")
 #: Arrays of a system in a checkpoint. Positions and velocities are in the saved state of the engine.
 FIXED: Final = ("radius", "mass", "box", "gravity")
