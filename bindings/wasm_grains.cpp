@@ -167,8 +167,8 @@ int box_advance(double until, double most_rows) {
 }
 
 // Returns: time; numbers of collisions of pairs, with walls, made elastic by the TC rule, soft, and soft with a third
-// body; kinetic and potential energy, momentum (3), dissipated energy, trace of the virial, ∫ Σ m v'² dt; time, first and second
-// particle of an early end.
+// body; kinetic and potential energy, momentum (3), dissipated energy, trace of the virial, ∫ Σ m v'² dt; time, first
+// and second particle of an early end.
 double* box_observe() {
     const box::Engine& engine = *run().engine;
     const box::Observation o = engine.observe();

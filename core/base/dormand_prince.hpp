@@ -141,8 +141,8 @@ private:
         }
     }
 
-    // out = y + h Σ a_ij k_j for a stage i, with b_j for i = `stages`, of the first `used` of n components; several at a
-    // time, whose sums stay in registers.
+    // out = y + h Σ a_ij k_j for a stage i, with b_j for i = `stages`, of the first `used` of n components. Several are
+    // computed at a time, whose sums stay in registers.
     template <int i>
     HL_FN static void combine(const double* y, double h, int n, const double* k, double* out, int used) {
         int c = 0;

@@ -7,8 +7,8 @@
 //                           dissipated to the initial energy
 //   friction oblique        two spheres collide off-centre: prints the relative changes of momentum and of angular
 //                           momentum, the sum of the spins, and the largest |F_t|/F_n
-//   friction energy         the same collision: prints the relative change of the total energy with a step and with half
-//                           of it, the dissipated part of the initial energy with friction and without, and |xy|/|yz| …
+//   friction energy         the same collision, with a time step and with half of it: prints for each the largest
+//                           relative change of the total energy, and the part of it that friction dissipates
 #include "boxes/common/random.hpp"
 #include "boxes/newton_steps/engine.hpp"
 #include "contact/linear_dashpot.hpp"
@@ -193,12 +193,11 @@ int energy() {
             run.advance(1e-4 * k);
             worst = std::max(worst, std::abs(run.total_energy() / before - 1.0));
         }
-        std::printf("%.3g %.3g ", std::abs(run.total_energy() / before - 1.0), worst);
         const double lost = run.engine->observe().dissipated_energy / before;
         coefficient = 0.0;
         Run<CundallStrack> smooth(empty_space, off_centre, towards, 0.8, step);
         smooth.advance(0.03);
-        std::printf("%.9g ", lost - smooth.engine->observe().dissipated_energy / before);
+        std::printf("%.3g %.9g ", worst, lost - smooth.engine->observe().dissipated_energy / before);
     }
     std::printf("\n");
     return 0;

@@ -14,10 +14,11 @@
 // dT = σ^{p−1} dτ the equations are smooth: dσ/dτ = U/p. An elastic contact ends at a simple zero of σ, through which
 // the solution is smooth.
 //
-// The virial ∫ r⊗F dt = ∫ F r n⊗n dt, n the line of centres, has three components along the normal n0 and the tangent t0 at
-// touch. From d/dt (m r⊗v) = m v⊗v + r⊗F its trace is m ([r ṙ] − ∫ ξ̇² dt − h θ_end); the others are integrals of their own:
-//   ∫ F r (n·t0)² dt = ∫ F r sin²θ dt,   ∫ F r (n·n0)(n·t0) dt = ∫ F r sinθ cosθ dt.
-// Nothing depends on them, so that they are not part of the error control.
+// Virial: ∫ r⊗F dt = ∫ F r n⊗n dt, n the line of centres, lies in the plane. By d/dt (m r⊗v) = m v⊗v + r⊗F its trace is
+// m ([r ṙ] − ∫ ξ̇² dt − h θ_end). Two components are integrated, along the normal n0 and the tangent t0 at touch, with
+// n = cosθ n0 + sinθ t0:
+//   nt: ∫ F r sinθ cosθ dt,   tt: ∫ F r sin²θ dt.
+// Nothing depends on them, so that they are not under error control.
 //
 // The contact ends when the law's force ends (law.hpp). While bodies separate without a force, r̈ = h²/r³ >= 0 and the
 // slack does not decrease, so that the contact does not begin again. Between two bodies ξ̈ < 0 throughout, and the

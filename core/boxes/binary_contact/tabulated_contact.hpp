@@ -17,11 +17,12 @@
 // are zero, and no energy is lost.
 //
 // A cell is fitted when it is first needed, and compared with the solver between the nodes. A cell that misses the
-// accuracy is not used; of the virial only ∫ (dξ/dt)² dt is compared. With two variables there are several sets of cells of different widths in speed: slow contacts
-// depend so little on their speed that one wide cell suffices; if it misses the accuracy, narrow ones are used. If λ =
-// v_n/v_l exactly, as under a linear law, the contact depends smoothly on λ down to 0: then λ is the variable of the
-// first set, and one cell covers all slow contacts. The solver is called if there is no cell, at a wall with gravity
-// along its normal, and for pairs of another kind. The result depends only on the arguments of the call and of the
+// accuracy is not used; of the virial, which no motion depends on, only ∫ (dξ/dt)² dt is compared. With two variables
+// there are several sets of cells of different widths in speed: slow contacts depend so little on their speed that one
+// wide cell suffices; if it misses the accuracy, narrow ones are used. If λ = v_n/v_l exactly, as under a linear law,
+// the contact depends smoothly on λ down to 0: then λ is the variable of the first set, and one cell covers all slow
+// contacts. The solver is called if there is no cell, at a wall with gravity along its normal, and for pairs of another
+// kind. The result depends only on the arguments of the call and of the
 // constructor, not on earlier calls.
 #pragma once
 #include <memory>
@@ -49,8 +50,8 @@ struct ScaledDamping {
     }
 };
 
-// `virial`: also gives ∫ (dξ/dt)² dt, the components nt and tt of the virial, and the greatest compression, which are NaN
-// otherwise; takes 50 % longer.
+// `virial`: also gives ∫ (dξ/dt)² dt, the greatest compression, and the components nt and tt of the virial, which are
+// NaN otherwise; takes 50 % longer.
 template <class Law, bool virial = false>
 class TabulatedContacts {
 public:

@@ -61,10 +61,18 @@ bool NewtonEvents<Law>::solve_pair(Group& g, SeparatedMembers& after) {
     const double left = distance - end.compression;
     const double trace =
         (separation * left + approach * distance) - end.rate_square - tangential * distance * end.turn;
-    l.virial = {};
-    l.virial.add_square(q.mass * (trace - end.virial_tt), normal);
-    l.virial.add_square(q.mass * end.virial_tt, tangent);
-    l.virial.add_product(2.0 * q.mass * end.virial_nt, normal, tangent);
+    const double nn = q.mass * (trace - end.virial_tt), nt = q.mass * end.virial_nt,
+                 tt = q.mass * end.virial_tt;
+    Vector3 along, across;
+    for (std::size_t k = 0; k < 3; ++k) {
+        along[k] = nn * normal[k] + nt * tangent[k];
+        across[k] = nt * normal[k] + tt * tangent[k];
+    }
+    for (std::size_t c = 0; c < SymmetricTensor::size; ++c) {
+        const auto i = static_cast<std::size_t>(SymmetricTensor::row[c]);
+        const auto j = static_cast<std::size_t>(SymmetricTensor::column[c]);
+        l.virial.component[c] = normal[i] * along[j] + tangent[i] * across[j];
+    }
     separate_pair(l, after, end, normal, tangent);
     const double share = math::max(a.mass, b.mass) / (a.mass + b.mass);
     return g.compression < deepest_compression && end.turn < largest_rotation &&

@@ -25,9 +25,11 @@ struct Friction {};
 template <FrictionalLaw Law>
 struct Friction<Law> {
     typename Law::History history{};
-    double power = 0.0;  // that the tangential force takes from the bodies, at the last step [W]
+    Double4 force{};     // on the second body at the last step [N]
+    double power = 0.0;  // that it takes from the bodies [W]
 
     double energy(const Law& law) const { return law.tangential_energy(history); }
+    void reverse() { history.reverse(), force = -force; }
 };
 
 // Two bodies, or a body and a wall, that overlap. They are in contact while their force is repulsive.

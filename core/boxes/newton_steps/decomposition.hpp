@@ -219,7 +219,7 @@ private:
             put(s, s.contact_of_pair[static_cast<std::size_t>(p - s.pairs.begin())], c);
             s.contacts.back().normal *= static_cast<double>(sense);
             if constexpr (FrictionalLaw<Law>)
-                if (sense < 0) s.contacts.back().friction.history.reverse();
+                if (sense < 0) s.contacts.back().friction.reverse();
             return true;
         }
         return false;

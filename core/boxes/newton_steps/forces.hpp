@@ -43,6 +43,7 @@ public:
                 add_impulse(slab, bodies, c, impulse);
             }
             add_virial(slab, c, 0.5 * h * c.force + impulse);
+            if constexpr (FrictionalLaw<Law>) add_friction_virial(slab, c, 0.5 * h);
         }
     }
 
@@ -246,9 +247,11 @@ private:
         if (c.index_second != no_body)
             accelerate(slab, c.index_second, c.normal * (c.force * bodies_.velocity[c.index_second][3]));
     }
-    // The lever arms of two bodies end in the middle of their overlap, so that angular momentum is conserved. Of the power
-    // −F_t·v that the tangential force takes from the bodies, with v the sliding velocity, the tangential spring stores a
-    // part and the rest is dissipated. It is integrated by the trapezoidal rule from touch on, an error of order h².
+    // The lever arms of two bodies end in the middle of their overlap, so that angular momentum is conserved.
+    //
+    // Of the power −F_t·v that the tangential force takes from the bodies, v the sliding velocity, the tangential
+    // spring stores a part; the rest is dissipated. The power is integrated by the trapezoidal rule from touch on, with
+    // an error of order h².
     void apply_friction(Slab<Law>& slab, Contact<Law>& c, const RelativeMotion& m) {
         const std::uint32_t i = m.first, j = m.second;
         const bool wall = j == no_body;
@@ -266,14 +269,14 @@ private:
         const double stored = c.friction.energy(c.law), power = c.friction.power;
         const TangentialForce f = c.law.tangential_force(motion, c.friction.history);
         const Double4 force{f.component[0], f.component[1], f.component[2], 0.0};
+        c.friction.force = force;
         c.friction.power = -dot(force, v);
         slab.dissipated += 0.5 * duration * (power + c.friction.power) - (c.friction.energy(c.law) - stored);
         const Double4 torque = -cross(m.normal, force);  // over the lever arm, on either body
         accelerate(slab, i, -force * bodies_.velocity[i][3]);
         bodies_.angular_acceleration[i].add(now_.step, torque * (arm * bodies_.spin[i][3]));
         if (wall) return;
-        slab.virial.add_product(now_.weight * m.distance, m.normal,
-                                force);  // r⊗F is not symmetric with friction
+        add_friction_virial(slab, c, now_.weight);
         accelerate(slab, j, force * bodies_.velocity[j][3]);
         bodies_.angular_acceleration[j].add(now_.step, torque * (other_arm * bodies_.spin[j][3]));
     }
@@ -292,9 +295,13 @@ private:
         if (bodies_.acceleration[body].add(now_.step, acceleration))
             (slab.holds(body) ? slab.accelerated : slab.accelerated_next).push_back(body);
     }
-    // r⊗Δp of an impulse along the line of centres r.
+    // r⊗Δp of an impulse along the line of centres r. With friction r⊗F is not symmetric; its symmetric part is added.
     static void add_virial(Slab<Law>& slab, const Contact<Law>& c, double impulse) {
         if (c.index_second != no_body) slab.virial.add_square(impulse * c.distance, c.normal);
+    }
+    static void add_friction_virial(Slab<Law>& slab, const Contact<Law>& c, double duration) {
+        if (c.index_second != no_body)
+            slab.virial.add_product(duration * c.distance, c.normal, c.friction.force);
     }
     static void add_impulse(Slab<Law>& slab, const Bodies& bodies, const Contact<Law>& c, double impulse) {
         slab.impulses.push_back({c.index_first, c.normal * (-impulse * bodies.velocity[c.index_first][3])});
