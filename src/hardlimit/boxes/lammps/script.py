@@ -115,7 +115,7 @@ def _motion(system: ParticleSystem, plan: Plan) -> Iterator[str]:
 
 def _what_comes_out(system: ParticleSystem, plan: Plan) -> Iterator[str]:
     every = 1 if plan.log else plan.per_sample
-    yield "# at each sample: energies, momentum, Σ m v⊗v, the virial of pairs as a mean over the steps since the last one"
+    yield "# at each sample: energies, momentum, Σ m v⊗v, virial of pairs as a mean over the steps since the last one"
     yield "compute kinetic all ke"
     yield "compute moving all temp"
     yield "compute virial all pressure NULL pair"
