@@ -91,7 +91,8 @@ def _collision_rate(samples: Samples) -> Floats:
 def _pressure(samples: Samples) -> Floats:
     d = samples.system.dimension
     virial = samples.rate("virial_tensor")[:, :d].sum(axis=1)
-    return (samples.mean_thermal_energy() + virial) / (d * samples.system.domain.volume)
+    mean: Floats = (samples.mean_thermal_energy() + virial) / (d * samples.system.domain.volume)
+    return mean
 
 
 def _pressure_tensor(samples: Samples) -> Floats:
