@@ -317,6 +317,15 @@ auto state(const Engine& e) {
     return nb::make_tuple(make_array(std::move(position), {n, d}), make_array(std::move(velocity), {n, d}));
 }
 
+// The components of the axes of the box, in LAMMPS' order.
+auto tensor(const box::SymmetricTensor& t, int dimension) {
+    std::vector<double> values;
+    for (std::size_t k = 0; k < t.size; ++k)
+        if (t.column[k] < dimension) values.push_back(t.component[k]);
+    const std::size_t count = values.size();
+    return make_array(std::move(values), {count});
+}
+
 nb::dict observe(const Engine& e) {
     const box::Observation o = e.get().observe();
     const std::size_t d = static_cast<std::size_t>(e.get().dimension());
@@ -326,7 +335,8 @@ nb::dict observe(const Engine& e) {
     seen["contact_energy"] = o.contact_energy;
     seen["momentum"] = make_array(std::vector<double>(o.momentum, o.momentum + d), {d});
     seen["dissipated_energy"] = o.dissipated_energy;
-    seen["virial"] = o.virial;
+    seen["kinetic_tensor"] = tensor(o.kinetic_tensor, e.get().dimension());
+    seen["virial_tensor"] = tensor(o.virial, e.get().dimension());
     seen["kinetic_integral"] = o.kinetic_integral;
     seen["largest_compression"] = o.largest_compression;
     seen["n_contacts"] = o.begun;

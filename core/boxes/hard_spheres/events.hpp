@@ -226,7 +226,8 @@ void HardSpheres<d, motion, mixed>::rebound(u32 i, u32 j, const double (&r)[d], 
         if (deepest_.too_deep) return end_unsolved(Outcome::too_deep, i, j, speed);
         gain = (1.0 + e) * (-dot(r, v) / dot(r, r));
         const double lost = 0.5 * reduced * (1.0 - e) * (1.0 + e) * speed * speed;
-        accumulators_.virial.add(distance * distance * reduced * gain);
+        accumulators_.add_virial(reduced * gain, r,
+                                 r);  // r⊗Δp, exactly: the force acts along r at one instant
         if (lost != 0.0) {
             accumulators_.advance(now_);
             accumulators_.kinetic -= lost;

@@ -39,6 +39,7 @@ template <int d, Motion motion, bool mixed>
 Observation HardSpheres<d, motion, mixed>::observe() const {
     Observation o;
     Sum kinetic, potential, momentum[d];
+    double velocity[3] = {};
     for (const u32 i : in_original_order()) {
         const Particle<d>& p = particles_[i];
         const double after = now_ - p.time, m = mass(i);
@@ -48,16 +49,20 @@ Observation HardSpheres<d, motion, mixed>::observe() const {
             const double x = position_after<motion>(p, k, after, box_) +
                              box_.image_shift(k, image_flags_[i][static_cast<std::size_t>(k)]);
             square += v * v;
+            velocity[k] = v;
             momentum[k].add(m * v);
             potential.add(-m * box_.gravity[k] * x);
         }
         kinetic.add(0.5 * m * square);
+        o.kinetic_tensor.add_square(m, velocity);
     }
     o.kinetic_energy = kinetic.value();
     o.potential_energy = potential.value();
     for (int k = 0; k < d; ++k) o.momentum[k] = momentum[k].value();
     o.dissipated_energy = accumulators_.dissipated.value();
-    o.virial = accumulators_.virial.value();
+    int k = 0;
+    for (std::size_t c = 0; c < SymmetricTensor::size; ++c)
+        if (SymmetricTensor::column[c] < d) o.virial.component[c] = accumulators_.virial.value(k++);
     o.kinetic_integral = accumulators_.integral_until(now_);
     o.largest_compression = deepest_.compression;
     o.begun = o.ended = accumulators_.collisions();

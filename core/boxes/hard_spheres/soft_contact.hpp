@@ -60,7 +60,15 @@ void HardSpheres<d, motion, mixed>::contact(u32 i, u32 j, const double (&r)[d], 
     const double after =
         end.normal_velocity * end.normal_velocity + end.tangential_velocity * end.tangential_velocity;
     const double lost = 0.5 * pair.effective_mass * (before - after);
-    accumulators_.virial.add(pair.effective_mass * distance * (end.normal_velocity + speed));
+    // Virial: d/dt (m r⊗v) = m v⊗v + r⊗F, with the effective mass m. The equivalent collision takes the pair from r⊗v
+    // to (r + shift)⊗v' at the instant of touch, and the states after the contact are exact. So the virial
+    //   W = m ((r + shift)⊗v' − r⊗v)
+    // plus the time integral of m v⊗v along the straight paths is exact over the whole contact. W is symmetric, since
+    // the angular momentum is conserved. If a third body takes part, W is as inexact as the states.
+    double departing[d];
+    for (int k = 0; k < d; ++k) departing[k] = v[k] + change[k];
+    accumulators_.add_virial(pair.effective_mass, r, change);
+    accumulators_.add_virial(pair.effective_mass, shift, departing);
     accumulators_.advance(now_);
     accumulators_.kinetic -= lost;
     const double whole = mass(i) + mass(j);

@@ -335,14 +335,14 @@ private:
         grids_ = {coarse};
         for (;;) {
             Grid<d> g = grids_.back();
-            double longest = g.edge[0];
+            double shortest = g.edge[0];
             for (int k = 0; k < d; ++k) {
                 g.cells[k] *= 2;
                 g.edge[k] *= 0.5;
-                longest = k == 0 ? g.edge[0] : std::min(longest, g.edge[k]);
+                shortest = k == 0 ? g.edge[0] : std::min(shortest, g.edge[k]);
             }
-            if (longest < smallest || count(g) > most) break;
-            g.diameter = longest;
+            if (shortest < smallest || count(g) > most) break;
+            g.diameter = shortest;
             grids_.push_back(g);
         }
         std::reverse(grids_.begin(), grids_.end());

@@ -76,7 +76,9 @@ void NewtonEvents<Law>::make_cells(std::size_t n, const hardlimit_abi::TouchKern
     cells_ = Cells<3>(cell_box_, n, most, most);
     level_ = cells_.level_for(most);
     prefetches_ = n > most_in_caches;
-    // In a small box, no second image of a body may come near.
+    // R/4 limits the number of pairs in a cluster. In a small box, no second image of a body may come near while a
+    // group lasts: it is at least L/2 away along its axis, and both bodies move by D, so L/2 − 2 D > 2 R. This bound,
+    // D < 0.25 L − R, is lowered by 0.03 L − 0.1 R, positive in every box that this engine accepts (L >= 4.2 R).
     largest_displacement_ =
         math::min(0.25 * smallest_radius_, 0.22 * smallest_edge() - 0.9 * largest_radius_);
     const Grid<3>& g = cells_.grids()[static_cast<std::size_t>(level_)];

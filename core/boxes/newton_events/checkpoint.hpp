@@ -36,7 +36,7 @@ void NewtonEvents<Law>::exchange(Archive& archive, SmallVector<T, most_in_place>
 template <class Law>
 template <class Archive>
 void NewtonEvents<Law>::exchange(Archive& archive, Group& g) {
-    archive(g.alive), archive(g.isolated), archive(g.until), archive(g.origin);
+    archive(g.alive), archive(g.isolated), archive(g.compression), archive(g.until), archive(g.origin);
     exchange(archive, g.body);
     exchange(archive, g.image_offset);
     if (!g.alive) return;

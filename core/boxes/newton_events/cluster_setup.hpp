@@ -15,7 +15,7 @@ void NewtonEvents<Law>::build_cluster(int index, ClusterSeed& set) {
     Cluster<Law>& after = g.cluster->after;
     double horizon = horizon_of(g);
     const double left = set.until - now_;
-    if (left > 1e-6 * horizon) horizon = math::min(horizon, left);
+    if (left > 1e-6 * horizon) horizon = math::min(horizon, left);  // less is the rounding error of times
     g.until = now_ + horizon;
     for (;;) {
         after = before;
@@ -199,6 +199,7 @@ ContactPair<Law> NewtonEvents<Law>::wall_pair(const Group& g, int i, const Wall&
 template <class Law>
 double NewtonEvents<Law>::horizon_of(const Group& g) const {
     const Cluster<Law>& c = g.cluster->before;
+    // A contact under Hertz's force lasts without end at zero speed: at least 1e-3 of the cluster's speed is used.
     constexpr double contacts = 1.5, contacts_without_force = 100.0;
     const double speed = c.speed();
     double closed = 0.0, slack = 0.0;

@@ -135,7 +135,8 @@ private:
     bool several_images_ = false;         // whether several images of a body may be near
     bool walled_ = false;                 // whether there are walls
     bool prefetches_ = false;             // whether the data exceed the caches
-    double now_ = 0.0, virial_ = 0.0, clustered_ = 0.0;
+    double now_ = 0.0, clustered_ = 0.0;
+    SymmetricTensor virial_;
     double dissipated_ = 0.0;  // including the elastic energy that slack pairs still store [J]
     std::uint64_t begun_ = 0, begun_pairs_ = 0, ended_ = 0, overlapped_ = 0, events_ = 0;
     int largest_cluster_ = 0;
@@ -273,10 +274,10 @@ private:
     // isolated_contact.hpp
     static TabulatedContacts<Law, true> soft_contacts(const PairLaws<Law>& laws, std::size_t count,
                                                       const hardlimit_abi::TouchKernels& kernels);
-    bool solve_pair(IsolatedContact& l, SeparatedMembers& after);
+    bool solve_pair(Group& g, SeparatedMembers& after);
     void separate_pair(IsolatedContact& l, SeparatedMembers& after, const PlanarContact& end,
                        const Vector3& normal, const Vector3& tangent) const;
-    bool solve_wall(IsolatedContact& l, SeparatedMembers& after);
+    bool solve_wall(Group& g, SeparatedMembers& after);
     bool far_from_walls(const Group& g, const SeparatedMembers& after) const;
 
     // observe.hpp

@@ -104,7 +104,7 @@ template <class Law>
 void NewtonEvents<Law>::end_isolated_contact(int index) {
     const IsolatedContact& l = group(index).isolated_contact;
     ++ended_;
-    largest_compression_ = math::max(largest_compression_, l.compression);
+    largest_compression_ = math::max(largest_compression_, group(index).compression);
     if (setting_.log) log_.push_back(contact_row(group(index), l.pair, l.contact));
     dissipated_ += l.dissipated;
     virial_ += l.virial;
@@ -191,7 +191,7 @@ bool NewtonEvents<Law>::try_isolated_contact(int i, int j, WallId wall, int& thi
     IsolatedContact& l = g.isolated_contact;
     SeparatedMembers after;
     const std::size_t members = g.body.size();
-    const bool solved = j >= 0 ? solve_pair(l, after) : solve_wall(l, after);
+    const bool solved = j >= 0 ? solve_pair(g, after) : solve_wall(g, after);
     if (solved) set_safety_radii(l);
     if (!solved || !far_from_walls(g, after)) {
         discard_group(index);

@@ -31,6 +31,7 @@ void NewtonEvents<Law>::add_body(NewtonSnapshot& s, int i, const Vector3& x, con
         s.sums.potential_energy -= m * box_.gravity[a] * s.position[at + a];
         s.sums.momentum[a] += m * v[a];
     }
+    s.sums.kinetic_tensor.add_square(m, v);
 }
 
 // Adds a group, integrated in c up to the current time.

@@ -17,8 +17,9 @@ public:
     Bodies bodies;
     std::vector<Slab<Law>> slabs;
     CellLayers grid;
-    // Sums over contacts up to the last list build [J], [J s].
-    double dissipated = 0.0, virial = 0.0;
+    // Sums over contacts up to the last list build.
+    double dissipated = 0.0;  // [J]
+    SymmetricTensor virial;   // [J s]
 
     Decomposition(const Box& box, const PairLaws<Law>& laws, std::size_t n) : box_(box), sort_(n) {
         for (std::size_t i = 0; i < n; ++i) {
@@ -218,7 +219,7 @@ private:
             put(s, s.contact_of_pair[static_cast<std::size_t>(p - s.pairs.begin())], c);
             s.contacts.back().normal *= static_cast<double>(sense);
             if constexpr (FrictionalLaw<Law>)
-                if (sense < 0) s.contacts.back().history.reverse();
+                if (sense < 0) s.contacts.back().friction.reverse();
             return true;
         }
         return false;

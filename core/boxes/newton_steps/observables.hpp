@@ -20,6 +20,7 @@ Observation observe(const Box& box, const Decomposition<Law>& domain, const Velo
         const Double4 v = velocity_of(i);
         const double mass = 1.0 / bodies.velocity[i][3];
         o.kinetic_energy += 0.5 * mass * dot(v, v);
+        o.kinetic_tensor.add_square(mass, v);
         for (int axis = 0; axis < box.dimension; ++axis) {
             o.potential_energy -= mass * box.gravity[axis] * unfolded(box, bodies, i, axis);
             o.momentum[axis] += mass * v[axis];
@@ -31,6 +32,7 @@ Observation observe(const Box& box, const Decomposition<Law>& domain, const Velo
         for (const Contact<Law>& c : s.contacts) {
             if (c.index_first == no_body) continue;
             o.contact_energy += c.law.energy(onset_root<Law::onset_power>(c.compression));
+            if constexpr (FrictionalLaw<Law>) o.contact_energy += c.friction.energy(c.law);
             o.in_contact += c.in_contact;
         }
     }

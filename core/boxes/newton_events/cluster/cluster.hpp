@@ -42,7 +42,7 @@ public:
     double base = 0.0;                                      // absolute time at time = 0 [s]
     double time = 0.0;                                      // since `base` [s]
     double dissipated = 0.0;   // including the elastic energy that slack pairs still store [J]
-    double virial = 0.0;       // ∫ Σ r·F dt over pairs of bodies [J s]
+    SymmetricTensor virial;    // ∫ Σ r⊗F dt over pairs of bodies [J s]
     double tolerance = 1e-11;  // of a step, relative to the units of length, speed and time
     bool record = false;       // whether to keep the trajectory
     std::vector<EndedContact> ended;
@@ -58,7 +58,8 @@ public:
         pairs.clear();
         ended.clear();
         trajectory.clear();
-        base = time = dissipated = virial = largest_compression = 0.0;
+        base = time = dissipated = largest_compression = 0.0;
+        virial = {};
         too_deep = -1;
         record = unresolved = known_ = false;
         begun = begun_pairs = steps_ = 0;
@@ -147,9 +148,10 @@ private:
     int count() const { return static_cast<int>(members.size()); }
     int time_index() const { return 6 * count(); }
     int loss_index() const { return 6 * count() + 1; }
-    int work_index() const { return 6 * count() + 2; }
-    int first_root_index() const { return 6 * count() + 3; }
-    int dimension() const { return first_root_index() + static_cast<int>(rooted_.size()); }
+    int first_root_index() const { return 6 * count() + 2; }
+    // The virial stands last: nothing depends on it.
+    int virial_index() const { return first_root_index() + static_cast<int>(rooted_.size()); }
+    int dimension() const { return virial_index() + static_cast<int>(SymmetricTensor::size); }
 
     bool all(ContactState state) const {
         return std::all_of(pairs.begin(), pairs.end(), [&](const auto& q) { return q.state == state; });
@@ -206,7 +208,8 @@ private:
     void derivative(const double* y, double* dy) const;
     void advance(double length, double* out) const {
         std::copy(k_.begin(), k_.end(), stages_.begin());
-        DormandPrince::step(Equations{this}, y_.data(), length, dimension(), stages_.data(), out);
+        DormandPrince::step(Equations{this}, y_.data(), length, dimension(), stages_.data(), out,
+                            virial_index());
     }
     void probe(double at) {
         advance(at, trial_.data());

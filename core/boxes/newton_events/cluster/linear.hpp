@@ -249,12 +249,9 @@ void Cluster<Law>::advance_series(double at, double unit) {
         chord_deviation =
             trajectory.chord_deviation.data() + (trajectory.chord_deviation.size() - members.size());
     }
-    double sums[2] = {y_[loss_index()], y_[work_index()]};
     kernels->move(series_.data(), body_order_.data(), in_contact_, count(), contacts_.data(),
-                  static_cast<int>(contacts_.size()), at, unit, gravity4().data(), y_.data(), sums,
-                  chord_deviation);
-    y_[loss_index()] = sums[0];
-    y_[work_index()] = sums[1];
+                  static_cast<int>(contacts_.size()), at, unit, gravity4().data(), y_.data(),
+                  &y_[loss_index()], &y_[virial_index()], chord_deviation);
     y_[time_index()] += at * unit;
 }
 

@@ -21,7 +21,7 @@ void Cluster<Law>::load_state() {
         }
     y_[time_index()] = time;
     y_[loss_index()] = dissipated;
-    y_[work_index()] = virial;
+    std::ranges::copy(virial.component, &y_[virial_index()]);
     for (const int q : rooted_) y_[slot_[q]] = pairs[q].s;
     if constexpr (!LinearLaw<Law>) resize();
     lightest_ = lightest();
@@ -47,7 +47,7 @@ void Cluster<Law>::store_state() {
             members[i].velocity[a] = y_[3 * (count() + i) + a];
         }
     dissipated = y_[loss_index()];
-    virial = y_[work_index()];
+    std::copy_n(&y_[virial_index()], SymmetricTensor::size, virial.component);
     for (const int q : rooted_) pairs[q].s = y_[slot_[q]];
 }
 
