@@ -89,14 +89,11 @@ std::vector<sw::Axis> axes_of(int balls, const std::vector<Values>& values,
 }
 
 sw::Outputs outputs(const nb::dict& out, hl::u64 count) {
-    return {output<std::uint8_t>(out, "n_contacts", count),
-            output<std::uint8_t>(out, "outcome", count),
-            output<double>(out, "relative_velocity", count),
-            output<double>(out, "separation_velocity", count),
-            output<double>(out, "effective_restitution", count),
-            output<double>(out, "restitution_ratio", count),
-            output<double>(out, "t_end", count),
-            output<double>(out, "t_floor_end", count)};
+    sw::Outputs o{
+        output<std::uint8_t>(out, "n_contacts", count), output<std::uint8_t>(out, "outcome", count), {}};
+    for (int k = 0; k < sw::quantity_count; ++k)
+        o.quantity[k] = output<double>(out, sw::quantity_names[k], count);
+    return o;
 }
 
 // Runs the job without the interpreter lock. An exception from `progress` or a signal handler ends it.

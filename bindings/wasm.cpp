@@ -282,8 +282,8 @@ void scan_batch(int axis, long n, const double* points, double* out) {
             const bool lands = again.move_to(first + i);
             const int k = drop_of[i];
             col::Sequence q = refused();
-            if (k >= 0 && !drops.left(k)) q = drops.sequence(k);
-            const bool known = k >= 0 && !drops.left(k) && shallow[i].holds(q.n_contacts, q.t_end);
+            if (k >= 0 && !drops.unsolved(k)) q = drops.sequence(k);
+            const bool known = k >= 0 && !drops.unsolved(k) && shallow[i].holds(q.n_contacts, q.t_end);
             if (!known && lands) q = again.solve(first + i);
             again.write(first + i, q, out);
         }

@@ -52,15 +52,23 @@ bool falls_to_zero(const EventFunction& start, const EventFunction& end, bool fr
 // First zero in (0, high], where the function is not positive at `high`: Newton's method in a bracket. The caller holds
 // the state at `at`, whose function is value(); move(at, next) moves the state; close(f, at, next): whether the
 // state is close enough to the zero. Returns where the state is.
+//
+// Close to the zero, rounding errors may make the steps alternate between the two ends of the bracket: a step leads
+// back to the previous point, and the bracket no longer changes. The result is then the point of the last step.
 template <class Value, class Close, class Move>
 double locate_zero(double at, double high, const Value& value, const Close& close, const Move& move) {
-    double low = 0.0;
-    for (int i = 0; i < 100; ++i) {
+    constexpr int most_steps = 100;
+    double low = 0.0, previous = at;
+    for (int i = 0; i < most_steps; ++i) {
         const EventFunction f = value();
-        (f.value > 0.0 ? low : high) = at;
+        double& end = f.value > 0.0 ? low : high;
+        const bool unchanged = end == at;
+        end = at;
         const double newton = at - f.value / f.slope;
         const double next = newton >= low && newton <= high && f.slope < 0.0 ? newton : 0.5 * (low + high);
         if (next == at || close(f, at, next)) break;
+        if (unchanged && next == previous) i = most_steps - 2 + i % 2;
+        previous = at;
         move(at, next);
         at = next;
     }

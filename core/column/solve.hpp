@@ -82,7 +82,7 @@ public:
     bool presses_by(double part) const override {
         if (drop_.nodes.empty()) return false;
         const CompressionBound bound = drop::bound_of(*column_, coupling_, part);
-        const bool sure = drop::bound_of(bound, drop_.start, column_->gaps[1]).holds(last);
+        const bool sure = DropBound::of(bound, column_->gaps[1], drop_.start.units.speed).holds(last);
         if (sure && (!rests() || drop::settles(*column_, drop_, bound))) return false;
         return Solution::presses_by(part);
     }
@@ -97,8 +97,8 @@ private:
     Coupling coupling_;
     bool timed_;
     Drop drop_;
-    mutable std::atomic<const std::vector<double>*> dissipated_{
-        nullptr};  // energy up to each node [J]; null: not computed yet
+    // Energy dissipated up to each node [J]; null: not computed yet.
+    mutable std::atomic<const std::vector<double>*> dissipated_{nullptr};
 
     double at(const Node& n) const { return n.t / drop_.start.units.rate; }
     // Whether the contacts last forever after the last node.

@@ -18,8 +18,7 @@ struct Task {
     i64 adiabatic, density_1, density_2, restitution_at;
     // Results; null: not wanted, except the outcome.
     unsigned char *n_contacts, *outcome;
-    double *relative_velocity, *separation_velocity, *effective_restitution, *restitution_ratio, *t_end,
-        *t_floor_end;
+    double* quantity[quantity_count];
 };
 
 // Outcome of a point that is left to the scalar solver on the host.
@@ -62,12 +61,8 @@ HL_FN void put(const Task& task, unsigned point, const PointResult& r) {
     const bool large = r.n_contacts > largest_count;
     task.outcome[point] = large ? left_to_host : static_cast<unsigned char>(r.outcome);
     if (task.n_contacts) task.n_contacts[point] = static_cast<unsigned char>(r.n_contacts);
-    if (task.relative_velocity) task.relative_velocity[point] = r.relative_velocity;
-    if (task.separation_velocity) task.separation_velocity[point] = r.separation_velocity;
-    if (task.effective_restitution) task.effective_restitution[point] = r.effective_restitution;
-    if (task.restitution_ratio) task.restitution_ratio[point] = r.restitution_ratio;
-    if (task.t_end) task.t_end[point] = r.t_end;
-    if (task.t_floor_end) task.t_floor_end[point] = r.t_floor_end;
+    for (int k = 0; k < quantity_count; ++k)
+        if (task.quantity[k]) task.quantity[k][point] = r.of[k];
 }
 
 enum Step : unsigned char { flying, lying, pressed, lasting, stuck, vacant, none };
@@ -86,16 +81,18 @@ struct Drop {
         if (!enter(setting_of(task), p, ratio_of(task, 0, point), ratio_of(task, 1, point), s)) return false;
         units = s.units;
         const hardlimit_abi::Batch one = {
-            1,          &s.groups.a1, &s.groups.a2, &s.groups.c1, &s.groups.c2, &s.groups.gravity,
-            &s.first.u, &s.first.du,  &s.first.w,   &s.first.dw,  &s.t,         nullptr,
-            nullptr,    nullptr,      nullptr,      nullptr,      nullptr,      nullptr};
+            1,
+            {&s.groups.a1, &s.groups.a2, &s.groups.c1, &s.groups.c2, &s.groups.gravity, &s.first.u,
+             &s.first.du, &s.first.w, &s.first.dw, &s.t},
+            {},
+            nullptr};
         lanes::load(q, 0, one, 0);
         lanes::start<double>(q, true);
         return true;
     }
 
     HL_FN void give(const Task& task) const {
-        if (q.left) {
+        if (q.unsolved) {
             task.outcome[point] = left_to_host;
             return;
         }
@@ -103,7 +100,7 @@ struct Drop {
         const Parameters p = parameters_of(task, point);
         const PointResult r = leave(setting_of(task), p, units, found);
         const auto sure = column::DropBound::of(linear_bound(setting_of(task), p), p.gap, units.speed);
-        if (sure.holds(0.0) && sure.holds(r.n_contacts, r.t_end))
+        if (sure.holds(0.0) && sure.holds(r.n_contacts, r.of[t_end_index]))
             put(task, point, r);
         else
             task.outcome[point] = left_to_host;

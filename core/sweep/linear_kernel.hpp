@@ -6,7 +6,7 @@
 // one piece as column/exact/run.hpp does. Each round executes the step that most lanes wait for; finished lanes load
 // the next drops.
 //
-// Resting contacts and very long sequences are left to the scalar solver (Status::left). The result of a lane does not
+// Resting contacts and very long sequences are left to the scalar solver (Status::unsolved). The result of a lane does not
 // depend on the other lanes, and therefore not on the vector width or the order of the drops.
 #pragma once
 #include "lane_state.hpp"
@@ -20,7 +20,7 @@ inline constexpr double most_pieces = 3000.0;
 
 // ---- careful step ----------------------------------------------------------------------------------------------
 
-// Lanes in which gravity keeps a contact closed forever; they are left to the scalar solver.
+// Lanes in which gravity keeps a contact closed forever; they are not solved here.
 template <class R>
 HL_FN Mask<R> rests(const State<R>& q) {
     using namespace column::exact;
@@ -33,7 +33,7 @@ template <class R>
 HL_FN void careful(State<R>& q, Mask<R> m) {
     using namespace column::exact;
     const Mask<R> still = m & rests<R>(q);
-    raise(q.left, still);
+    raise(q.unsolved, still);
     finish<R>(q, still);
     m = m & q.active;
     if (!any(m)) return;
@@ -74,7 +74,7 @@ HL_FN void careful(State<R>& q, Mask<R> m) {
     pair_begins<R>(q, (two & negation(was_pair) & was_open2) | again2);
     pair_opens<R>(q, two & negation(was_pair | was_open2));
     const Mask<R> long_run = m & (q.pieces > most_pieces);
-    raise(q.left, long_run);
+    raise(q.unsolved, long_run);
     finish<R>(q, long_run);
 }
 
@@ -504,7 +504,8 @@ public:
         held = row;
         const R* from = reinterpret_cast<const R*>(&modes);
         R* const to = reinterpret_cast<R*>(&k);
-        for (unsigned j = 0; j < sizeof(Modes<R>) / sizeof(R); ++j) put(to[j], lane, get(from[j], source));
+        for (unsigned j = 0; j < sizeof(Modes<R>) / sizeof(R); ++j)
+            set_lane(to[j], lane, lane_of(from[j], source));
     }
 
 private:
@@ -514,11 +515,7 @@ private:
         Groups<R> s{};
         for (int lane = 0; lane < W; ++lane) {
             const int j = i + lane < b.count ? i + lane : b.count - 1;
-            put(s.a1, lane, b.a1[j]);
-            put(s.a2, lane, b.a2[j]);
-            put(s.c1, lane, b.c1[j]);
-            put(s.c2, lane, b.c2[j]);
-            put(s.gravity, lane, b.gravity[j]);
+            load(s, lane, b, j);
         }
         modes = find_modes<R>(s);
     }
@@ -532,9 +529,9 @@ HL_FN void damping_ratios(double* values, int count) {
     constexpr int W = Lanes<R>::count;
     for (int i = 0; i < count; i += W) {
         R x{};
-        for (int lane = 0; lane < W && i + lane < count; ++lane) lanes::put(x, lane, values[i + lane]);
+        for (int lane = 0; lane < W && i + lane < count; ++lane) set_lane(x, lane, values[i + lane]);
         x = contact::linear_damping_ratio<R>(x);
-        for (int lane = 0; lane < W && i + lane < count; ++lane) values[i + lane] = lanes::get(x, lane);
+        for (int lane = 0; lane < W && i + lane < count; ++lane) values[i + lane] = lane_of(x, lane);
     }
 }
 
@@ -562,7 +559,7 @@ HL_FN void solve_batch(const Batch& b) {
                 if (next == b.count) continue;
                 load(q, lane, b, next);
                 ahead.put_into(k, lane, row[lane], b, next);
-                put_flag(loaded, lane, true);
+                set_flag(loaded, lane, true);
                 drop[lane] = next++;
             }
             if (running == 0 && !any(loaded)) break;

@@ -11,7 +11,7 @@
 // step, and each event is the first zero of a polynomial. The root √ξ_b limits the step where b is near its onset; b
 // then becomes contact a.
 //
-// A drop that needs too many steps is left to the general solver (Status::left). A drop whose energy is too small to
+// A drop that needs too many steps is not solved here but by the general solver (Status::unsolved). A drop whose energy is too small to
 // end any contact is at rest (Status::rests).
 #pragma once
 #include "lane_state.hpp"
@@ -433,7 +433,7 @@ HL_FN_APART void step(State<R>& q, Mask<R>& resting, double log2_tolerance) {
     assign<R>(m, q.pieces, q.pieces + 1.0);
     const R sum = (q.x.u + q.x.du) + (q.x.w + q.x.dw) + q.t;
     const M lost = m & negation(((sum - sum) == 0.0) & (q.pieces < most_steps));
-    raise(q.left, lost);
+    raise(q.unsolved, lost);
     finish<R>(q, lost);
     const M still = rests<R>(q, m & q.active & negation(hit));
     raise(resting, still);
@@ -481,15 +481,15 @@ HL_FN void solve_viscoelastic_batch(const Batch& b, double log2_tolerance) {
         if (running == 0 || (W - running >= due<R>(b, next, W) && next < b.count)) {
             Mask<R> loaded{};
             for (int lane = 0; lane < W; ++lane) {
-                if (get_flag(q.active, lane)) continue;
+                if (lane_of(q.active, lane)) continue;
                 if (drop[lane] >= 0) store(q, lane, b, drop[lane]);
-                if (get_flag(resting, lane)) b.status[drop[lane]] = static_cast<int>(Status::rests);
-                put_flag(resting, lane, false);
+                if (lane_of(resting, lane)) b.status[drop[lane]] = static_cast<int>(Status::rests);
+                set_flag(resting, lane, false);
                 drop[lane] = -1;
                 if (next == b.count) continue;
                 load(q, lane, b, next);
                 drop[lane] = next++;
-                put_flag(loaded, lane, true);
+                set_flag(loaded, lane, true);
             }
             if (any(loaded)) {
                 start<R>(q, loaded);

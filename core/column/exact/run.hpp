@@ -148,27 +148,18 @@ private:
     HL_FN void move() {
         if (!(dt > 0.0)) return;  // the state stays exactly on the zero of its event function
         if (s.light()) follow_upper_ball();
-        switch (motion) {
-            case Motion::flight:
-                x = fly<double>(s, x, dt);
-                break;
-            case Motion::floor_rest:
-            case Motion::floor_glide:
-                x = lie_on_floor(s, x, dt);
-                break;
-            case Motion::rest:
-                x = lie_together(s, x, dt);
-                break;
-            case Motion::glide:
-                x = powers.of(s, doublings).moved(s, x);
-                break;
-            case Motion::series:
-                x = evaluate(piece, dt / piece.h);
-                break;
-        }
+        x = moved();
         if (s.light()) match_upper_ball();
         t += dt;
         on = OnSurface{};
+    }
+
+    HL_FN Gaps moved() {
+        if (motion == Motion::flight) return fly<double>(s, x, dt);
+        if (motion == Motion::rest) return lie_together(s, x, dt);
+        if (motion == Motion::glide) return powers.of(s, doublings).moved(s, x);
+        if (motion == Motion::series) return evaluate(piece, dt / piece.h);
+        return lie_on_floor(s, x, dt);
     }
 
     // Updates the velocity of the upper ball from gravity and the pair force. Computed as u̇ + ẇ, which both follow the
@@ -191,25 +182,19 @@ private:
         if (next.what != Event::none) lasting = 0;
         switch (next.what) {
             case Event::none:
-                break;
+                return;
             case Event::floor_begins:
-                floor_begins();
-                break;
+                return floor_begins();
             case Event::floor_ends:
-                floor_ends();
-                break;
+                return floor_ends();
             case Event::floor_opens:
-                floor_opens();
-                break;
+                return floor_opens();
             case Event::pair_begins:
-                pair_begins();
-                break;
+                return pair_begins();
             case Event::pair_ends:
-                pair_ends();
-                break;
+                return pair_ends();
             case Event::pair_opens:
-                pair_opens();
-                break;
+                return pair_opens();
         }
     }
 
