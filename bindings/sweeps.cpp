@@ -134,7 +134,7 @@ nb::list run_map(const std::string& law, int model, int alternative, bool densit
     const LawEntry entry = law_named(law);
     hl::bindings::require_alternative(*entry.record, alternative);
     require(restitution_at >= -1 && restitution_at < hl::max_parameters,
-            "restitution_at: must be a place among the parameters of the law, or -1");
+            "restitution_at: must be a field among the parameters of the law, or -1");
     sw::Job job{};
     job.axes = axes_of(2, values, strides);
     job.setting = {model_of(model), alternative, density_1, density_2, restitution_at};
@@ -186,8 +186,8 @@ nb::list swept_parameters(int balls) {
     require(balls >= 1, "balls: must be >= 1");
     constexpr const char* per[] = {"column", "ball", "gap"};
     return hl::bindings::list_of(sw::swept_records, [&](const sw::SweptRecord& r) {
-        return hl::bindings::dict_of("name", r.name, "per", per[static_cast<int>(sw::per(r.place))], "first",
-                                     sw::first_of(r.place, balls), "count", sw::count_of(r.place, balls),
+        return hl::bindings::dict_of("name", r.name, "per", per[static_cast<int>(sw::per(r.field))], "first",
+                                     sw::first_of(r.field, balls), "count", sw::count_of(r.field, balls),
                                      "unit", r.unit, "meaning", r.meaning, "lowest", r.lowest,
                                      "lowest_allowed", r.lowest_allowed);
     });

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import sys
-from functools import lru_cache
 
 import numba
 import numpy as np
@@ -48,13 +47,10 @@ def step_length(fraction, floor, pair, k1):
     return fraction / math.sqrt((1.0 if pair else 0.0) + (k1 if floor or not pair else 0.0))
 
 
-@lru_cache
-def kernel(method):
-    return switches_numba.kernel(sys.modules[__name__], method)
-
-
 def run(points: scaled.Points, method: str, fraction: float) -> scaled.Results:
     """``method`` is "RK4" or "DOP853"; ``fraction`` the step in units of 1/ω of the fastest oscillation."""
     rows, speed, rate = scaled.linear(points)
     with_stiffness = np.column_stack((rows, rows[:, 0]))  # k1 = κ
-    return scaled.Results.of(kernel(method)(with_stiffness, fraction), speed, rate)
+    return scaled.Results.of(
+        switches_numba.kernel(sys.modules[__name__], method)(with_stiffness, fraction), speed, rate
+    )

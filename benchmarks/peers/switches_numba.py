@@ -1,20 +1,23 @@
 """Fixed Runge-Kutta steps with numba for each combination of contacts; every switch of a contact is located.
 
 Switches are detected at the end of each step and, where the slopes at both ends allow two switches within a step, at
-the minimum in between. Newton's method in a bracket locates a switch; each iterate is a step from the start. Free flight
-is a parabola. A law provides compiled functions: ``slopes``, ``distance`` (falls to zero at the next switch of a
-contact) and its ``slope``, ``engaged`` (coordinate at which a force sets in again), ``step_length``, and ``constants`` of ``slopes``.
+the minimum in between. Newton's method in a bracket locates a switch; each iterate is a step from the start. Free
+flight is a parabola. The module of a law provides compiled functions: ``slopes`` and its ``constants``, ``distance``
+(falls to zero at the next switch of a contact) and its ``slope``, ``engaged`` (coordinate at which a force sets in
+again) and ``step_length``.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import lru_cache
 from types import ModuleType
 
 from .runge_kutta import TABLEAUX, jit, over_rows, unrolled
 
 
+@lru_cache
 def kernel(law: ModuleType, method: str) -> Callable:
     """The compiled solver of a law (a module) for rows of points; ``method`` is "RK4" or "DOP853"."""
     slopes, distance, slope = law.slopes, law.distance, law.slope

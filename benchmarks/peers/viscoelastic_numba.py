@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 import sys
-from functools import lru_cache
 
 import numba
 
@@ -61,12 +60,9 @@ def step_length(fraction, floor, pair, k1):
     return fraction / k1**-0.2 if pair else fraction * k1**-0.2
 
 
-@lru_cache
-def kernel(method):
-    return switches_numba.kernel(sys.modules[__name__], method)
-
-
 def run(points: scaled.Points, method: str, fraction: float) -> scaled.Results:
     """``method`` is "RK4" or "DOP853"; ``fraction`` the step in units in which a collision takes about 3."""
     rows, speed, rate = scaled.viscoelastic(points)
-    return scaled.Results.of(kernel(method)(rows, fraction), speed, rate)
+    return scaled.Results.of(
+        switches_numba.kernel(sys.modules[__name__], method)(rows, fraction), speed, rate
+    )

@@ -39,14 +39,14 @@ bool dips(EventFunction a, EventFunction b, double& high, const At& at) {
 }
 
 // Whether a function falls to zero in (0, high], from its values at both ends; `high` moves to a point where it is not
-// positive. `fresh`: the state at 0 was just placed on the zero, so that a negative value of a function that rises is
-// rounding. at(x): the function at x.
+// positive. `disarmed`: the event has just occurred and the state at 0 was placed on the zero, so that a negative value
+// of a function that rises is rounding error. at(x): the function at x.
 template <class At>
-bool falls_to_zero(const EventFunction& start, const EventFunction& end, bool fresh, double& high,
+bool falls_to_zero(const EventFunction& start, const EventFunction& end, bool disarmed, double& high,
                    const At& at) {
-    if (end.value > 0.0 || (fresh && end.value == 0.0))
+    if (end.value > 0.0 || (disarmed && end.value == 0.0))
         return start.smooth_slope < 0.0 && end.smooth_slope > 0.0 && dips(start, end, high, at);
-    return !(fresh && start.smooth_slope >= 0.0 && end.smooth_slope >= 0.0);
+    return !(disarmed && start.smooth_slope >= 0.0 && end.smooth_slope >= 0.0);
 }
 
 // First zero in (0, high], where the function is not positive at `high`: Newton's method in a bracket. The caller holds

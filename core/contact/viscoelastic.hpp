@@ -38,18 +38,18 @@ HL_FN void expand(double sigma, double velocity, double p, double r, Series& c) 
         double square = 0.0;
         for (int i = 0; i <= n; ++i) square += c.s[i] * c.s[n - i];
         a[n] = square;
-        double fourth = 0.0, mixed = 0.0;
+        double fourth = 0.0, product = 0.0;
         for (int i = 0; i <= n; ++i) {
             fourth += a[i] * a[n - i];
-            mixed += a[i] * c.v[n - i];
+            product += a[i] * c.v[n - i];
         }
-        av[n] = mixed;
+        av[n] = product;
         double power = 0.0;  // σ² V²
         for (int i = 0; i <= n; ++i) power += av[i] * c.v[n - i];
         const double inverse = 1.0 / (n + 1);
         c.t[n + 1] = c.s[n] * inverse;
         c.s[n + 1] = 0.5 * c.v[n] * inverse;
-        c.v[n + 1] = -(p * fourth + r * mixed) * inverse;
+        c.v[n + 1] = -(p * fourth + r * product) * inverse;
         c.d[n + 1] = r * power * inverse;
     }
 }
@@ -191,12 +191,11 @@ struct Viscoelastic {
         {youngs_modulus, poisson_ratio},
         2,
         {1, 2},
-        {{{"dissipative_time", "s", 0.0, math::infinity, true, false,
-           "material constant A, the same for every contact (Appendix C)"}},
-         {{"restitution", "1", 0.0, 1.0, false, true,
-           "coefficient of restitution ε at impact_speed; every contact gets the A that yields it"},
-          {"impact_speed", "m/s", 0.0, math::infinity, false, false,
-           "speed of approach at which ε is given"}}},
+        {{not_negative("dissipative_time", "s",
+                       "material constant A, the same for every contact (Appendix C)")},
+         {fraction("restitution",
+                   "coefficient of restitution ε at impact_speed; every contact gets the A that yields it"),
+          positive("impact_speed", "m/s", "speed of approach at which ε is given")}},
         2,
         {{"elastic_prefactor", "N/m^1.5", "ρ"}, {"dissipative_time", "s", "A"}}};
 

@@ -65,12 +65,12 @@ HL_FN void put(const Task& task, unsigned point, const PointResult& r) {
         if (task.quantity[k]) task.quantity[k][point] = r.of[k];
 }
 
-enum Step : unsigned char { flying, lying, pressed, lasting, stuck, vacant, none };
+enum Step : unsigned char { flight, floor_step, pair_step, large_step, taylor_step, vacant, none };
 
 // A drop in progress.
 struct Drop {
     lanes::State<double> q;
-    lanes::Waiting<bool> wait;
+    lanes::NextSteps<bool> next;
     column::Units units;
     unsigned point;
 
@@ -106,12 +106,11 @@ struct Drop {
             task.outcome[point] = left_to_host;
     }
 
-    HL_FN Step next() const {
-        return wait.flying    ? flying
-               : wait.lying   ? lying
-               : wait.pressed ? pressed
-               : wait.lasting ? lasting
-                              : stuck;
+    HL_FN Step next_step() const {
+        if (next.flight) return flight;
+        if (next.floor) return floor_step;
+        if (next.pair) return pair_step;
+        return next.large ? large_step : taylor_step;
     }
 
     // Takes the step it waits for unless it has just started; returns what it waits for then.
@@ -119,12 +118,12 @@ struct Drop {
         bool moved = started;
         if (!started) {
             lanes::Modes<double> k;  // recomputed each time: storing them would leave room for fewer drops
-            if (wait.lying) lanes::find_floor_mode<double>(q.s, k);
-            if (wait.pressed || wait.lasting) lanes::find_pair_modes<double>(q.s, k);
-            moved = lanes::step<double>(q, k, wait);
+            if (next.floor) lanes::find_floor_mode<double>(q.s, k);
+            if (next.pair || next.large) lanes::find_pair_modes<double>(q.s, k);
+            moved = lanes::step<double>(q, k, next);
         }
-        if (moved) lanes::sort<double>(q, wait, true);
-        if (q.active) return next();
+        if (moved) lanes::sort<double>(q, next, true);
+        if (q.active) return next_step();
         give(task);
         return vacant;
     }

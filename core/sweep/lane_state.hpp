@@ -23,10 +23,10 @@ struct State {
     R t, t_first, t_end, t_floor_end, relative, separation, contacts, pieces;
     // Contacts that are closed; contacts that are open (gap >= 0); event functions that are exactly zero.
     M floor, pair, floor_open, pair_open, on_u, on_w, on_l1, on_l2;
-    M opened, met, counted, active, unsolved;
-    M glided;   // glide() has already been applied to the current pair contact
-    M lifts;    // the floor contact may end before the pair contact
-    R parting;  // time until the first zero of L2; valid if `lifts`
+    M opened, second_floor_contact, counted, active, unsolved;
+    M large_step_tried;  // large_step() has already been applied to the current pair contact
+    M floor_may_end;     // the floor contact may end before the pair contact
+    R pair_end;          // time until the first zero of L2; valid if `floor_may_end`
 };
 
 template <class R>
@@ -84,7 +84,7 @@ HL_FN void floor_begins(State<R>& q, Mask<R> m) {
     assign<R>(first, q.t_end, q.t_end - q.t);
     assign<R>(first, q.t_first, R{});
     assign<R>(first, q.t, R{});
-    raise(q.met, second);
+    raise(q.second_floor_contact, second);
     finish<R>(q, second & negation(q.counted));
 }
 
@@ -119,8 +119,8 @@ HL_FN void pair_begins(State<R>& q, Mask<R> m) {
     set(q.on_l2, m, again | (fresh & ((q.s.c2 == 0.0) | (q.x.dw == 0.0))));
     raise(q.pair, m);
     clear(q.pair_open, m);
-    clear(q.glided, m);
-    const Mask<R> belongs = m & negation(q.met);
+    clear(q.large_step_tried, m);
+    const Mask<R> belongs = m & negation(q.second_floor_contact);
     set(q.counted, m, belongs);
     assign<R>(belongs, q.contacts, q.contacts + 1.0);
     const R unknown = constant<R>(math::nan);
@@ -142,7 +142,7 @@ HL_FN void pair_ends(State<R>& q, Mask<R> m) {
     assign<R>(belongs, q.t_end, q.t);
     assign<R>(belongs, q.relative, q.x.dw);
     clear(q.counted, m);
-    finish<R>(q, belongs & q.met);
+    finish<R>(q, belongs & q.second_floor_contact);
 }
 
 template <class R>
@@ -165,7 +165,7 @@ HL_FN void advance(State<R>& q, Mask<R> m, R dt, const GapState<R>& y) {
     const Mask<R> moved = m & (dt > 0.0);
     assign<R>(moved, q.x, y);
     assign<R>(moved, q.t, q.t + dt);
-    clear(q.lifts, m);
+    clear(q.floor_may_end, m);
     clear(q.on_u, moved);
     clear(q.on_w, moved);
     clear(q.on_l1, moved);
@@ -193,7 +193,7 @@ HL_FN R first_rise(R v, R s, R g) {
 }
 
 template <class R>
-HL_FN void fly(State<R>& q, Mask<R> m) {
+HL_FN void free_motion(State<R>& q, Mask<R> m) {
     moves_freely<R>(q, m);
     m = m & q.active;
     if (!any(m)) return;
@@ -210,7 +210,7 @@ HL_FN void fly(State<R>& q, Mask<R> m) {
     m = m & q.active;
     const Mask<R> a = m & (opens_at == first), b = m & negation(a) & (floor_at == first);
     const Mask<R> c = m & negation(a | b) & (pair_at == first), d = m & negation(a | b | c);
-    advance<R>(q, m, first, column::exact::fly<R>(q.s, q.x, select<R>(m, first, R{})));
+    advance<R>(q, m, first, column::exact::free_motion<R>(q.s, q.x, select<R>(m, first, R{})));
     floor_opens<R>(q, a);
     floor_begins<R>(q, b);
     pair_begins<R>(q, c);
@@ -268,8 +268,10 @@ HL_FN void start(State<R>& q, Mask<R> m) {
     for (R* value : unknown) assign<R>(m, *value, constant<R>(math::nan));
     assign<R>(m, q.contacts, R{});
     assign<R>(m, q.pieces, R{});
-    Mask<R>* const no[] = {&q.floor, &q.pair,    &q.on_l1,    &q.on_l2,  &q.opened,
-                           &q.met,   &q.counted, &q.unsolved, &q.glided, &q.lifts};
+    Mask<R>* const no[] = {&q.floor,        &q.pair,     &q.on_l1,
+                           &q.on_l2,        &q.opened,   &q.second_floor_contact,
+                           &q.counted,      &q.unsolved, &q.large_step_tried,
+                           &q.floor_may_end};
     for (Mask<R>* flag : no) clear(*flag, m);
     Mask<R>* const yes[] = {&q.floor_open, &q.pair_open, &q.active};
     for (Mask<R>* flag : yes) raise(*flag, m);

@@ -234,7 +234,8 @@ private:
         });
     }
 
-    // Stores the results. Solves again the points that the kernel did not solve and those in which a contact may be too deep.
+    // Stores the results. The scalar solver solves the points that the kernel did not solve and those in which a
+    // contact may be too deep.
     void leave() {
         const int n = drops.count;
         auto& out = drops.out;

@@ -30,7 +30,7 @@ struct Recorder {
         if (math::is_nan(released))
             released = n.t;
         else if (watched)
-            watched->look(last, n.t - last.t);
+            watched->track(last, n.t - last.t);
         last = n;
     }
     bool stopped() const { return (watched && watched->too_deep >= 0) || (stop && (*stop)()); }
@@ -89,7 +89,7 @@ inline constexpr double gauss_weight[4] = {0.36268378337836198297, 0.31370664587
 // Energy dissipated by the dashpots in motion C of the adiabatic model. It is not the loss of mechanical energy,
 // because the model neglects the work of the reaction. Over a time t it is a quadratic form W(t) of the state, with
 // W(2t) = W(t) + Φᵀ W(t) Φ, Φ = exp(M t).
-inline double work_together(const LinearColumn& c, const Start& s, const Gaps& x, double t) {
+inline double double_contact_work(const LinearColumn& c, const Start& s, const Gaps& x, double t) {
     const TwoBall& groups = s.groups;
     const double half_piece = 0.5 * exact::piece_length(groups, true, true);
     int doublings = 0;
@@ -128,7 +128,7 @@ inline double dissipated_over(const LinearColumn& c, const Start& s, const Node&
     if ((n.floor && c.contacts[0].damping > 0.0) || (n.pair && c.contacts[1].damping > 0.0)) {
         const double h = exact::piece_length(s.groups, n.floor, n.pair);
         const bool together = n.floor && n.pair;
-        if (together && !(s.groups.a2 > 0.0) && dt > 8.0 * h) return work_together(c, s, n.x, dt);
+        if (together && !(s.groups.a2 > 0.0) && dt > 8.0 * h) return double_contact_work(c, s, n.x, dt);
         if (dt > (together ? 8.0 : 100.0) * h) {
             return mechanical_energy(c, s.units, n.x).sum() -
                    mechanical_energy(c, s.units, state_at(s.groups, n, dt)).sum();
@@ -168,11 +168,11 @@ inline Sequence run_watched(const Start& s, const CompressionBound& bound, doubl
     watch = Compressions(s.groups, bound.floor * s.per_metre, bound.pair * s.per_metre);
     record.watched = &watch;
     Sequence q = run_two_ball(s.groups, s.first, s.t, span, record);
-    if (lasts(q, 0.0, span) > 0.0) watch.look(record.last, exact::never);
+    if (lasts(q, 0.0, span) > 0.0) watch.track(record.last, exact::never);
     if (watch.too_deep < 0) return q;
     // The run may have applied one event after that instant.
     const auto later = [&](const Contact& k) { return k.begin > watch.at; };
-    if (!q.met_again && !q.finished)
+    if (!q.second_floor_contact && !q.finished)
         q.n_contacts -=
             static_cast<int>(std::count_if(record.contacts.begin(), record.contacts.end(),
                                            [&](const Contact& k) { return k.pair == 1 && later(k); }));
