@@ -246,9 +246,7 @@ def test_pade_forms_err_as_published(orders, least, most):
     deviation = np.abs(hl.restitution_pade(x, *orders) - _core.viscoelastic_restitution(x))
     assert least < deviation.max() < most
     small = np.array([1e-3])  # p + q + 1 terms of the series are reproduced
-    assert hl.restitution_pade(small, *orders) == pytest.approx(
-        hl.restitution_series(small), abs=1e-8
-    )
+    assert hl.restitution_pade(small, *orders) == pytest.approx(hl.restitution_series(small), abs=1e-8)
 
 
 @pytest.mark.parametrize("restitution", [*RESTITUTIONS, 1e-30, 1e-100])
