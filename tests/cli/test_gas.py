@@ -36,7 +36,7 @@ def test_the_table_has_theory_beside_it(start: Path) -> None:
     assert max(map(len, text.splitlines())) <= 100
 
 
-def test_json_holds_what_the_library_says(start: Path) -> None:
+def test_json_agrees_with_the_library(start: Path) -> None:
     found = printed("gas", start, "--restitution", 0.8, *FAST)
     result = hl.event_driven(hl.ParticleSystem.read(start), restitution=0.8, until=0.01, samples=10)
     assert found["n_collisions"] == result.n_collisions and found["outcome"] == {

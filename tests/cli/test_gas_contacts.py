@@ -17,7 +17,7 @@ def start(tmp_path):
 
 
 @pytest.mark.parametrize("engine", ["events", "steps"])
-def test_json_holds_what_the_library_says(start, engine):
+def test_json_agrees_with_the_library(start, engine):
     found = printed("gas", start, *LAW, "--engine", engine, "--until", "2ms", "--samples", 4)
     law = hl.LinearDashpot(stiffness=1e6, restitution=0.9)
     result = hl.molecular_dynamics(

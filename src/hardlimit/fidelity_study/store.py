@@ -81,7 +81,7 @@ class Store:
 
 def _short(fact: Any) -> str:
     text = str(fact)
-    return text if len(text) <= validation.LONGEST else f"{text[: validation.LONGEST - 1]}…"
+    return text if len(text) <= validation.MAX_CHARACTERS else f"{text[: validation.MAX_CHARACTERS - 1]}…"
 
 
 def _checked(path: Any) -> Path:
