@@ -100,6 +100,17 @@ struct Parameter {
     const char* meaning;
 };
 
+// Parameters with the ranges (0, ∞), [0, ∞) and (0, 1].
+constexpr Parameter positive(const char* name, const char* unit, const char* meaning) {
+    return {name, unit, 0.0, math::infinity, false, false, meaning};
+}
+constexpr Parameter not_negative(const char* name, const char* unit, const char* meaning) {
+    return {name, unit, 0.0, math::infinity, true, false, meaning};
+}
+constexpr Parameter fraction(const char* name, const char* meaning) {
+    return {name, "1", 0.0, 1.0, false, true, meaning};
+}
+
 // Description of a constant of one contact, which the law computes from the user's parameters and the two bodies.
 struct ContactConstant {
     const char* name;

@@ -78,6 +78,7 @@ HL_FN double tangential_speed(const Approach& a, double compression) {
 template <class Law, bool virial = false>
 struct PlanarMotion {
     static constexpr int p = Law::onset_power;
+    // Components of the state: σ, U, T, ∫(f − f_elastic) dX, J, ∫U² dT, ∫ f w (sinθ cosθ, sin²θ) dT.
     enum : int {
         root_depth,
         rate,
@@ -89,7 +90,7 @@ struct PlanarMotion {
         virial_nt = needed,
         virial_tt,
         dimension = virial ? needed + 2 : needed
-    };  // σ, U, T, ∫(f − f_elastic) dX, J, ∫U² dT, ∫ f w (sinθ cosθ, sin²θ) dT
+    };
 
     const Law* law;
     Approach approach;
@@ -100,8 +101,8 @@ struct PlanarMotion {
         const double energy = 0.5 * a.effective_mass * a.normal_speed * a.normal_speed;
         const auto stored = [&](double s) { return of.energy(s); };
         const double elastic = power(roots::solve_power(stored, energy));
-        const double share = a.tangential_speed / a.normal_speed;
-        length = elastic / (1.0 + share * share * (elastic / a.distance));
+        const double slope = a.tangential_speed / a.normal_speed;
+        length = elastic / (1.0 + slope * slope * (elastic / a.distance));
         speed = a.normal_speed;
         if (a.gravity * length > faint_pull * speed * speed) rescale_under_gravity(of);
         root = onset_root<p>(length);
@@ -145,8 +146,8 @@ struct PlanarMotion {
         const Slack slack = law->slack(closing);
         if (!(slack.depth > 0.0)) return {y[root_depth], dy[root_depth]};
         const double least = onset_root<p>(slack.depth) / root;
-        const double share = slack.slope * closing / slack.depth;  // d ln depth/d ln rate
-        return {y[root_depth] - least, dy[root_depth] - least * share * dy[rate] / (p * y[rate])};
+        const double exponent = slack.slope * closing / slack.depth;  // d ln depth/d ln rate
+        return {y[root_depth] - least, dy[root_depth] - least * exponent * dy[rate] / (p * y[rate])};
     }
 
     PlanarState state(const double* y) const {
@@ -167,20 +168,15 @@ struct PlanarMotion {
         const double stored = force_unit / length * law->energy(onset_root<p>(left));
         const double lost =
             2.0 * (y[loss] + stored) + x * (swing * (2.0 - ratio * x) / (w * w) - 2.0 * gravity);
-        PlanarContact end{Outcome::ok,
-                          at.time,
-                          at.turn,
-                          left,
-                          -at.rate,
-                          0.0,
-                          approach.normal_speed + at.rate,
-                          speed * length * y[square],
-                          math::nan};
+        const double across = boxes::tangential_speed(approach, left),
+                     slowed = approach.normal_speed + at.rate;
+        const double rate_square = speed * length * y[square];
+        PlanarContact end{Outcome::ok, at.time, at.turn,     left,     -at.rate,
+                          across,      slowed,  rate_square, math::nan};
         if (lost < 0.75 * start * start) {
             end.radial_speed = speed * math::sqrt(start * start - lost);
             end.speed_loss = speed * lost / (start + end.radial_speed / speed);
         }
-        end.tangential_speed = boxes::tangential_speed(approach, left);
         if constexpr (virial) {
             const bool wall = approach.distance == math::infinity;
             end.virial_nt = wall ? 0.0 : speed * approach.distance * y[virial_nt];
@@ -260,17 +256,8 @@ public:
     PlanarContact pulled_off() const {
         const Approach& a = motion_.approach;
         const double speed = a.normal_speed, duration = 2.0 * speed / -a.gravity;
-        return {Outcome::ok,
-                duration,
-                0.0,
-                0.0,
-                speed,
-                a.tangential_speed,
-                0.0,
-                speed * speed / 3.0 * duration,
-                0.25 * speed * duration,
-                0.0,
-                0.0};
+        const double square = speed * speed / 3.0 * duration, greatest = 0.25 * speed * duration;
+        return {Outcome::ok, duration, 0.0, 0.0, speed, a.tangential_speed, 0.0, square, greatest, 0.0, 0.0};
     }
 
     static PlanarContact without_end(Outcome outcome) {
@@ -279,7 +266,6 @@ public:
         return {outcome, never, none, none, none, none, none, none, none};
     }
 
-    double begin_time() const { return begin_[M::time] * time_unit(); }
     double end_time() const { return end_[M::time] * time_unit(); }
 
     // The state at a time [s] within the step just taken, by Newton's method on T(τ), which is increasing.
@@ -420,7 +406,7 @@ private:
     }
 };
 
-// Solves the contact from touch to its end. The outcome is `invalid` if PlanarRun::accepts refuses the input, and
+// Solves the contact from touch to its end. The outcome is `invalid` if PlanarSolver::accepts refuses the input, and
 // `too_deep` if the centres come closer than half of their distance at touch. An approach slower than slowest_approach
 // is solved at that speed, and the result is scaled in proportion.
 template <bool virial = false, class Law>

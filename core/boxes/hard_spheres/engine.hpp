@@ -150,7 +150,7 @@ private:
     void schedule(u32 i) {
         calendar_.push(i, event_time(i), [this](u32 id) { return original_index_[id]; });
     }
-    const Due* next_due() {
+    const QueuedEvent* next_due() {
         return calendar_.next([this](u32 id) { return event_time(id); },
                               [this](u32 id) { return original_index_[id]; },
                               [this] {
@@ -245,7 +245,7 @@ void HardSpheres<d, motion, mixed>::advance(double until, u64 most_work, int /*t
             return;
         }
         if (prefetches_ && accumulators_.collisions() >= next_sort_) sort_along_cells();
-        const Due* due = next_due();
+        const QueuedEvent* due = next_due();
         if (!due || due->time > until) {
             now_ = math::max(now_, until);
             return;

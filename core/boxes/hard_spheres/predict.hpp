@@ -10,8 +10,8 @@ void HardSpheres<d, motion, mixed>::prepare_query() {
     query_ = {};
     query_.radius = mixed ? 0.0 : 2.0 * largest_radius_;
     query_.others = mixed ? 1.0 : 0.0;
-    query_.share = 1.0;
-    query_.rate = growth_.rate;
+    query_.radius_factor = 1.0;
+    query_.growth_rate = growth_.rate;
     for (int k = 0; k < d; ++k) {
         query_.edge[k] = box_.edge[k];
         query_.per_edge[k] = box_.is_periodic(k) ? 1.0 / box_.edge[k] : 0.0;
@@ -25,7 +25,7 @@ auto HardSpheres<d, motion, mixed>::begin_prediction(u32 i, u32 except) -> NextC
     const Particle<d>& p = particles_[i];
     query_.now = now_;
     if constexpr (mixed) query_.radius = radius(i);
-    if constexpr (motion == Motion::growing) query_.share = growth_.at(now_);
+    if constexpr (motion == Motion::growing) query_.radius_factor = growth_.at(now_);
     for (int k = 0; k < d; ++k) {
         query_.position[k] = position_after<motion>(p, k, now_ - p.time, box_);
         query_.velocity[k] = velocity_after<motion>(p, k, now_ - p.time, box_);
@@ -44,7 +44,7 @@ bool HardSpheres<d, motion, mixed>::touches(u32 id, bool nearest) const {
         if (nearest) r -= query_.edge[k] * math::round_small(r * query_.per_edge[k]);
         square += r * r;
     }
-    const double touch = (query_.radius + query_.others * radius(id)) * query_.share;
+    const double touch = (query_.radius + query_.others * radius(id)) * query_.radius_factor;
     return square <= touch * touch * (1.0 + 1e-9);
 }
 

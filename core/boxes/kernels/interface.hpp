@@ -16,7 +16,8 @@ struct ContactQuery {
     double edge[3];                      // L [m]
     double per_edge[3];                  // 1/L for minimum images, otherwise 0
     double half_gravity[3], gravity[3];  // g/2 and g [m/s²]
-    double share, rate;  // factor of all radii at `now`, and its growth rate [1/s]; 1 and 0 without growth
+    double radius_factor,
+        growth_rate;  // factor of all radii at `now`, its growth rate [1/s]; 1, 0 without growth
 };
 
 // A block of cells as rows along the first axis, in two parts if the block crosses a periodic boundary. A cell has four

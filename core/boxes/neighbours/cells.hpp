@@ -46,7 +46,7 @@ struct Place {
 template <int d>
 class Cells {
 public:
-    static constexpr std::size_t slack = 128;
+    static constexpr std::size_t padding = 128;
 
     // Grids for `n` particles, the finest first.
     Cells() = default;
@@ -129,7 +129,7 @@ public:
         free_.clear();
     }
 
-    // Writes the ids to list[n …] and returns the new n. The list has room for `slack` more ids before and after.
+    // Writes the ids to list[n …] and returns the new n. The list has room for `padding` more ids before and after.
     std::size_t collect(u32 cell, Scratch<u32>& list, std::size_t n) const {
         const Cell* c = &cells_[cell];
         u32* to = list.data() + n;
@@ -164,7 +164,7 @@ public:
         block.rows = d == 3 ? rows * static_cast<u32>(to[d - 1] - from[d - 1] + 1) : rows;
         return false;
     }
-    std::size_t room() const { return 27 * inline_ids * (longest_chain_ + 1) + slack; }
+    std::size_t room() const { return 27 * inline_ids * (longest_chain_ + 1) + padding; }
 
     // Cells that a particle will search, as offsets from its own: the neighbours, or the layer beyond them on one side.
     struct Stencil {
@@ -316,7 +316,7 @@ private:
 
     std::size_t collect_chain(const Cell* c, Scratch<u32>& list, std::size_t n) const {
         for (;;) {
-            if (list.size() < n + slack) list.resize(2 * n + slack);
+            if (list.size() < n + padding) list.resize(2 * n + padding);
             for (u32 k = 0; k < inline_ids; ++k) list[n + k] = c->id[k];
             n += std::min(c->tail, inline_ids);
             if (c->tail <= inline_ids) return n;

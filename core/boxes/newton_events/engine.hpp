@@ -303,7 +303,7 @@ void NewtonEvents<Law>::advance(double until, u64 most_work, int /*threads*/, St
     const u64 last = most_work > ~events_ ? ~u64{0} : events_ + most_work;
     paused_ = false;
     while (outcome_ == Outcome::ok) {
-        const Due* due =
+        const QueuedEvent* due =
             calendar_queue_.next([this](u32 id) { return pending_[id].time(); }, by_original_index(),
                                  [this] {
                                      if (prefetches_) prefetcher().enter_bin();
