@@ -81,8 +81,10 @@ std::string message_of(const box::Fault& f, const box::System& s) {
 
 constexpr const char* boundary_names[] = {"none", "periodic", "wall"};
 
+using WallVelocities = std::vector<std::tuple<double, double>>;
+
 box::Box make_box(const std::vector<double>& edges, const std::vector<std::string>& boundary,
-                  const std::optional<std::vector<double>>& gravity) {
+                  const std::optional<std::vector<double>>& gravity, const WallVelocities& wall_velocity) {
     const std::size_t d = edges.size();
     if (d != 2 && d != 3) throw refusal("box: got " + std::to_string(d) + " edges, must be 2 or 3");
     require_values("boundary", boundary.size(), d, "one for each axis");
@@ -101,6 +103,14 @@ box::Box make_box(const std::vector<double>& edges, const std::vector<std::strin
         if (gravity) made.gravity[k] = (*gravity)[k];
         if (!hl::math::is_finite(made.gravity[k]))
             throw refusal("gravity: got " + shown(made.gravity[k]) + ", must be finite");
+    }
+    if (wall_velocity.empty()) return made;
+    require_values("wall_velocity", wall_velocity.size(), d, "one pair for each axis");
+    for (std::size_t k = 0; k < d; ++k) {
+        std::tie(made.wall_velocity[k][0], made.wall_velocity[k][1]) = wall_velocity[k];
+        for (const double v : made.wall_velocity[k])
+            if (!hl::math::is_finite(v) || (v != 0.0 && boundary[k] != "wall"))
+                throw refusal("wall_velocity: got " + shown(v) + ", must be finite, and 0 without walls");
     }
     return made;
 }
@@ -326,6 +336,7 @@ nb::dict observe(const Engine& e) {
     seen["contact_energy"] = o.contact_energy;
     seen["momentum"] = make_array(std::vector<double>(o.momentum, o.momentum + d), {d});
     seen["dissipated_energy"] = o.dissipated_energy;
+    seen["wall_work"] = o.wall_work;
     seen["virial"] = o.virial;
     seen["kinetic_integral"] = o.kinetic_integral;
     seen["largest_compression"] = o.largest_compression;
@@ -413,8 +424,12 @@ void bind_boxes(nb::module_& m) {
     m.attr("engine_names") = nb::tuple(names);
     m.attr("rules") = rule_records();
 
-    nb::class_<box::Box>(m, "Box", "Edges [m], boundary of each axis (periodic or wall), gravity [m/s²].")
-        .def(nb::new_(&make_box), "edges"_a, "boundary"_a, "gravity"_a.none() = nb::none())
+    nb::class_<box::Box>(
+        m, "Box",
+        "Edges [m], boundary of each axis (periodic or wall), gravity [m/s²], velocities of the walls at 0 "
+        "and at L [m/s].")
+        .def(nb::new_(&make_box), "edges"_a, "boundary"_a, "gravity"_a.none() = nb::none(),
+             "wall_velocity"_a = WallVelocities())
         .def_prop_ro("edges", [](const box::Box& b) { return std::vector(b.edge, b.edge + b.dimension); })
         .def_prop_ro("boundary", &boundaries)
         .def_prop_ro("gravity",

@@ -28,25 +28,33 @@ enum class Boundary : int {
     wall,
 };
 
+// A wall at rest or with a constant velocity. wall_contact_time() (queue/prediction.hpp) locates collisions with it.
 struct Wall {
     WallId id;
-    double place;  // [m]
+    double start;        // coordinate at time 0 [m]
+    double speed = 0.0;  // velocity along the axis [m/s]
 
-    constexpr double position(double /*time*/) const { return place; }
-    static constexpr double velocity(double /*time*/) { return 0.0; }
+    constexpr bool moves() const { return speed != 0.0; }
+    constexpr double position(double time) const { return moves() ? start + speed * time : start; }
+    constexpr double velocity(double /*time*/) const { return speed; }
     // Sign of the inward normal along the axis, and distance of a coordinate inside the box from the wall [m].
     constexpr double inward() const { return id.high() ? -1.0 : 1.0; }
     constexpr double distance(double x, double time) const {
         return id.high() ? position(time) - x : x - position(time);
     }
+    // The smallest distance between two times.
+    double least_distance(double x, double from, double until) const {
+        return math::min(distance(x, from), distance(x, until));
+    }
 };
 
-// The box extends from 0 to L along each axis.
+// The box extends from 0 to L along each axis, at time 0 if its walls move.
 struct Box {
     int dimension = 3;
     double edge[3] = {};  // L [m]; 0 along an axis that does not exist
     Boundary boundary[3] = {};
-    double gravity[3] = {};  // acceleration [m/s²]
+    double wall_velocity[3][2] = {};  // along the axis, of the walls at 0 and at L [m/s]
+    double gravity[3] = {};           // acceleration [m/s²]
 
     bool is_periodic(int axis) const { return boundary[axis] == Boundary::periodic; }
     bool has_walls(int axis) const { return boundary[axis] == Boundary::wall; }
@@ -58,9 +66,20 @@ struct Box {
         return product;
     }
 
+    bool has_moving_walls(int axis) const {
+        return wall_velocity[axis][0] != 0.0 || wall_velocity[axis][1] != 0.0;
+    }
+    // Largest speed of a wall [m/s].
+    double fastest_wall() const {
+        double most = 0.0;
+        for (const auto& axis : wall_velocity)
+            for (const double v : axis) most = math::max(most, math::abs(v));
+        return most;
+    }
+
     // The wall at one end of an axis that has walls.
     constexpr Wall wall(int axis, bool high) const {
-        return {WallId::at(axis, high), high ? edge[axis] : 0.0};
+        return {WallId::at(axis, high), high ? edge[axis] : 0.0, wall_velocity[axis][high ? 1 : 0]};
     }
     constexpr Wall wall(WallId id) const { return wall(id.axis(), id.high()); }
     std::vector<Wall> walls() const {

@@ -58,6 +58,7 @@ Observation HardSpheres<d, motion, mixed>::observe() const {
     for (int k = 0; k < d; ++k) o.momentum[k] = momentum[k].value();
     o.dissipated_energy = accumulators_.dissipated.value();
     o.virial = accumulators_.virial.value();
+    o.wall_work = accumulators_.wall_work.value();
     o.kinetic_integral = accumulators_.integral_until(now_);
     o.largest_compression = deepest_.compression;
     o.begun = o.ended = accumulators_.collisions();

@@ -73,23 +73,21 @@ void HardSpheres<d, motion, mixed>::contact(u32 i, u32 j, const double (&r)[d], 
     ++accumulators_.pairs;
 }
 
-// Contact of a particle with a wall. away: −1 or 1, the direction away from the wall.
+// Contact of a particle with a wall, in the frame of the wall. speed: of approach.
 template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::contact_with_wall(u32 i, const Wall& wall, double away, double speed) {
+void HardSpheres<d, motion, mixed>::contact_with_wall(u32 i, const Wall& wall, double speed) {
     const int axis = wall.id.axis();
-    const double m = mass(i), pressing = -away * box_.gravity[axis];
+    const double away = wall.inward(), m = mass(i), pressing = -away * box_.gravity[axis];
     const SoftContact found = rule_->contact(
         {{m, math::infinity, speed, 0.0, pressing}, {m, radius(i)}, radius(i), math::infinity}, deepest_);
     if (found.outcome != Outcome::ok) return end_unsolved(found.outcome, i, wall.id.number, speed);
-    ++accumulators_.walls;
     const EquivalentCollision& end = found.collision;
     double change[d] = {}, shift[d] = {};
     change[axis] = away * (end.normal_velocity + speed);
     shift[axis] = away * end.normal_shift;
     const double lost = 0.5 * m * (speed - end.normal_velocity) * (speed + end.normal_velocity);
     accumulators_.advance(now_);
-    accumulators_.kinetic -= lost;
-    accumulators_.momentum[axis] += m * change[axis];
+    accumulators_.add_wall(axis, m * change[axis], lost, wall);
     displace(i, 1.0, change, shift);
     remember_contact(i, no_particle, found.duration, wall.id);
     const double dissipated = lost - m * pressing * end.normal_shift;

@@ -327,7 +327,7 @@ private:
     // The cells of the coarsest grid are as long as the largest diameter, or longer if there would be more than two per
     // particle. Finer grids are added while there are smaller particles, up to the same number of cells.
     void lay(const Box& box, std::size_t n, double smallest, double largest) {
-        const double most = 2.0 * static_cast<double>(n) + 32.0;
+        const double most = math::min(2.0 * static_cast<double>(n) + 32.0, 0.7 * most_cells);
         double edge = largest;
         Grid<d> coarse = grid(box, edge);
         while (count(coarse) > most) coarse = grid(box, edge *= 1.05);

@@ -34,6 +34,7 @@ struct IsolatedContact {
     int body[2];              // second < 0: a wall
     double dissipated;        // [J]
     double virial;            // [J s]
+    double wall_work;         // [J]
     double compression;       // largest, in units of the smaller radius
     alignas(64) double span;  // time from touch until the surfaces separate [s]
     double share[2];          // each member's part of the relative displacement: m_other/(m_1 + m_2)

@@ -17,8 +17,8 @@ public:
     Bodies bodies;
     std::vector<Slab<Law>> slabs;
     CellLayers grid;
-    // Sums over contacts up to the last list build [J], [J s].
-    double dissipated = 0.0, virial = 0.0;
+    // Sums over contacts up to the last list build [J], [J], [J s].
+    double dissipated = 0.0, wall_work = 0.0, virial = 0.0;
 
     Decomposition(const Box& box, const PairLaws<Law>& laws, std::size_t n) : box_(box), sort_(n) {
         for (std::size_t i = 0; i < n; ++i) {
@@ -72,7 +72,8 @@ public:
         std::copy(bodies.position.begin() + slab.first_body, bodies.position.begin() + slab.last_body,
                   sort_.reference().begin() + slab.first_body);
     }
-    void restore_contacts() {
+    void restore_contacts(double time) {
+        listed_at_ = time;
         for (const Contact<Law>& c : saved_contacts_) {
             const std::uint32_t i = sort_.where(static_cast<std::uint32_t>(c.first));
             if (c.second < 0) {
@@ -86,7 +87,7 @@ public:
         ++lists_;
     }
 
-    // Largest displacement since the list was built [m], and largest speed [m/s].
+    // Largest displacement since the list was built [m], and largest speed [m/s], of bodies and walls.
     struct Measurement {
         double farthest = 0.0, fastest = 0.0;
         bool finite = true;
@@ -100,8 +101,9 @@ public:
             slab.fastest = speed <= slab.fastest ? slab.fastest : speed;
         }
     }
-    Measurement take_measurement() {
-        Measurement m;
+    Measurement take_measurement(double time) {
+        const double wall = box_.fastest_wall();
+        Measurement m{wall * (time - listed_at_), wall};
         for (Slab<Law>& s : slabs) {
             m.finite = m.finite && s.farthest < math::infinity && s.fastest < math::infinity;
             m.farthest = math::max(m.farthest, math::sqrt(s.farthest));
@@ -128,7 +130,8 @@ public:
         archive(bodies.position), archive(bodies.velocity), archive(bodies.tag), archive(bodies.acceleration);
         if constexpr (FrictionalLaw<Law>) archive(bodies.spin), archive(bodies.angular_acceleration);
         archive(sort_.reference()), archive(grid), archive(start_), archive(skin_), archive(lists_);
-        archive(dissipated), archive(virial), archive(largest_compression_);
+        archive(dissipated), archive(wall_work), archive(virial), archive(largest_compression_);
+        archive(listed_at_);
         std::size_t count = slabs.size();
         archive(count);
         slabs.resize(count);
@@ -143,6 +146,7 @@ private:
     double packing_fraction_ = 0.0;
     double skin_ = 0.0;
     std::uint64_t lists_ = 0;
+    double listed_at_ = 0.0;                    // time of the last list build [s]
     double largest_compression_ = 0.0;          // up to the last list build
     std::vector<Contact<Law>> saved_contacts_;  // during a rebuild
     std::vector<std::pair<std::uint32_t, ContactAcceleration>> saved_accelerations_;
@@ -170,7 +174,7 @@ private:
             for (const auto* accelerated : {&s.accelerated, &s.accelerated_next})
                 for (const std::uint32_t i : *accelerated)
                     saved_accelerations_.push_back({i, bodies.acceleration[i]});
-            dissipated += s.dissipated, virial += s.virial;
+            dissipated += s.dissipated, wall_work += s.wall_work, virial += s.virial;
         }
     }
 

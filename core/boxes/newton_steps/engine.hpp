@@ -41,6 +41,7 @@ public:
             criterion_.fastest =
                 math::max(criterion_.fastest, math::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]));
         }
+        criterion_.fastest = math::max(criterion_.fastest, box_.fastest_wall());
         bodies_.acceleration.resize(bodies_.count());
         if constexpr (FrictionalLaw<Law>) make_spins();
         begin_rebuild();
@@ -275,7 +276,7 @@ private:
                 phase_ = Phase::list;
                 return;
             case Phase::list:
-                domain_.restore_contacts();
+                domain_.restore_contacts(time_);
                 criterion_.list_built(domain_.skin());
                 return begin_batch(stop);
             case Phase::inside:
@@ -334,7 +335,7 @@ private:
     }
 
     void end_measure(Stop& stop) {
-        const auto [farthest, fastest, finite] = domain_.take_measurement();
+        const auto [farthest, fastest, finite] = domain_.take_measurement(time_);
         const bool missed = criterion_.measured(farthest, fastest, plan_.h, domain_.skin());
         // Bodies that move further in a step could pass through each other.
         if (missed || !(finite && fastest * plan_.h < 0.25 * domain_.smallest_diameter())) {

@@ -25,9 +25,9 @@ Observation observe(const Box& box, const Decomposition<Law>& domain, const Velo
             o.momentum[axis] += mass * v[axis];
         }
     }
-    o.dissipated_energy = domain.dissipated, o.virial = domain.virial;
+    o.dissipated_energy = domain.dissipated, o.wall_work = domain.wall_work, o.virial = domain.virial;
     for (const Slab<Law>& s : domain.slabs) {
-        o.dissipated_energy += s.dissipated, o.virial += s.virial;
+        o.dissipated_energy += s.dissipated, o.wall_work += s.wall_work, o.virial += s.virial;
         for (const Contact<Law>& c : s.contacts) {
             if (c.index_first == no_body) continue;
             o.contact_energy += c.law.energy(onset_root<Law::onset_power>(c.compression));
