@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from hardlimit import _core
 
 LINEAR = ("linear", 0, [1e6, 0.8])
-ELASTIC = ("linear", 0, [1e6, 1.0])
+ELASTIC = ("linear", 0, [1e4, 1.0])
 VISCOELASTIC = ("viscoelastic", 1, [1e8, 0.3, 0.7, 1.0])
 
 #: Arguments of each engine, and the relative error of its energies.
@@ -106,24 +106,23 @@ def test_a_box_that_moves_as_a_whole(name: str, gravity: float, d: int) -> None:
     radius = np.where(np.arange(len(x)) % 3 == 0, 0.007, 0.01)
     rest = engine(name, x, v, edges, [], gravity=pull, radius=radius)
     moving = engine(name, x, v + drift, edges, [(c, c) for c in drift], gravity=pull, radius=radius)
-    until = 0.02
+    until, start = 0.02, [energy(run) for run in (rest, moving)]
     for run in (rest, moving):
         run.advance(until)
         assert run.outcome == "ok"
     (x_rest, v_rest), (x_moving, v_moving) = rest.state(), moving.state()
     assert rest.n_contacts == moving.n_contacts > 15
-    assert (rest.take_log()["second"] == moving.take_log()["second"]).all()
-    np.testing.assert_allclose(x_moving - drift * until, x_rest, atol=1e-8)
-    np.testing.assert_allclose(v_moving - drift, v_rest, atol=1e-5)
+    assert sorted(rest.take_log()["second"]) == sorted(moving.take_log()["second"])
+    np.testing.assert_allclose(x_moving - drift * until, x_rest, atol=1e-10)
+    np.testing.assert_allclose(v_moving - drift, v_rest, atol=1e-8)
     seen_rest, seen_moving = rest.observe(), moving.observe()
     assert seen_rest["wall_work"] == 0.0 != seen_moving["wall_work"]
+    scale = float(seen_rest["kinetic_energy"])
+    # In the engine of steps, the dissipation of a contact also depends on when the neighbour list is rebuilt.
+    accuracy = 1e-5 if "steps" in name else 1e-10
     for part in ("dissipated_energy", "contact_energy", "virial"):
-        scale = seen_rest["kinetic_energy"]
-        assert seen_moving[part] == pytest.approx(seen_rest[part], abs=1e-6 * scale), part
-    scale = float(seen_moving["kinetic_energy"])
-    assert energy(moving) - energy(engine(name, x, v + drift, edges, [], gravity=pull, radius=radius)) == (
-        pytest.approx(0.0, abs=ENGINES[name][1] * scale)
-    )
+        assert seen_moving[part] == pytest.approx(seen_rest[part], abs=accuracy * scale), part
+    assert energy(moving) - start[1] == pytest.approx(energy(rest) - start[0], abs=accuracy * scale)
 
 
 @each_engine
@@ -132,7 +131,8 @@ def test_compression_and_expansion(name: str, gravity: float) -> None:
     """Pistons pass many cells inwards, and leave the first box outwards; the balance closes and no one escapes."""
     x, v = lattice(5, 2, 0.03, seed=3)
     walls = [(0.5, -0.8), (-0.6, 0.4)]
-    run = engine(name, x, v, 0.15, walls, gravity=[0.0, gravity], radius=0.006)
+    finer = {"time_step": 4e-7} if "steps" in name else {}
+    run = engine(name, x, v, 0.15, walls, gravity=[0.0, gravity], radius=0.006, **finer)
     start = energy(run)
     for time in (0.01, 0.02, 0.03):
         run.advance(time)
@@ -143,7 +143,7 @@ def test_compression_and_expansion(name: str, gravity: float) -> None:
             assert (positions[:, axis] > low * time + 0.006 - depth).all()
             assert (positions[:, axis] < 0.15 + high * time - 0.006 + depth).all()
         scale = float(run.observe()["kinetic_energy"])
-        assert energy(run) == pytest.approx(start, abs=3.0 * ENGINES[name][1] * scale)
+        assert energy(run) == pytest.approx(start, abs=ENGINES[name][1] * scale)
     assert run.observe()["wall_work"] != 0.0
 
 
@@ -167,7 +167,7 @@ def test_slow_compression_is_adiabatic(name: str) -> None:
     """A dilute gas in d dimensions has E ∝ V^(−2/d) if the piston is slow; all its energy is work of the piston."""
     elastic: dict[str, Any] = {"restitution": 1.0} if name == "constant" else {"law": ELASTIC}
     x, v = lattice(6, 2, 0.03, seed=11)
-    edge, radius, speed = 0.18, 0.002, 0.04
+    edge, radius, speed = 0.18, 0.002, 0.1
     run = engine(name, x, v, edge, [(0.0, -speed), (0.0, 0.0)], radius=radius, **elastic)
     start = float(run.observe()["kinetic_energy"])
     time = 0.3 * edge / speed
@@ -182,7 +182,7 @@ def test_slow_compression_is_adiabatic(name: str) -> None:
 @pytest.mark.parametrize("name", [name for name in ENGINES if "events" in name])
 def test_a_chain_pressed_by_two_pistons(name: str) -> None:
     """A cluster touches two walls of different velocities, which both do work on it."""
-    x = [[0.01 + 0.0200001 * k, 0.05 + 1e-4 * (k % 2)] for k in range(4)]
+    x = [[0.01 + 0.0200001 * k, 0.05] for k in range(4)]
     run = engine(name, x, np.zeros((4, 2)), [0.0800004, 0.1], [(0.1, -0.2), (0.0, 0.0)])
     for time in (1e-3, 2e-3, 4e-3):
         run.advance(time)
@@ -198,8 +198,8 @@ def test_steps_have_the_same_bits_with_any_number_of_threads(threads: int) -> No
     x, v = lattice(24, 2, 0.03, seed=13)
     walls = [(0.5, -0.8), (0.3, 0.4)]
     one, several = (engine("steps, linear", x, v, 0.72, walls) for _ in range(2))
-    one.advance(0.003, threads=1)
-    several.advance(0.003, threads=threads)
+    one.advance(0.01, threads=1)
+    several.advance(0.01, threads=threads)
     assert one.n_contacts > 50
     for a, b in zip(one.state(), several.state(), strict=True):
         assert (a == b).all()
@@ -220,10 +220,10 @@ def test_a_ball_rests_on_a_piston_that_rises() -> None:
 
 @pytest.mark.parametrize("value", [math.nan, math.inf])
 def test_a_velocity_that_is_no_number_is_refused(value: float) -> None:
-    with pytest.raises(ValueError, match="^wall_velocity: got"):
+    with pytest.raises(ValueError, match=r"^wall_velocity: got"):
         _core.Box([1.0, 1.0], ["wall", "wall"], None, [(value, 0.0), (0.0, 0.0)])
 
 
 def test_a_velocity_without_a_wall_is_refused() -> None:
-    with pytest.raises(ValueError, match="^wall_velocity: got 1, must be finite, and 0 without walls$"):
+    with pytest.raises(ValueError, match=r"^wall_velocity: got 1, must be finite, and 0 without walls$"):
         _core.Box([1.0, 1.0], ["periodic", "wall"], None, [(1.0, 0.0), (0.0, 0.0)])

@@ -48,6 +48,11 @@ struct Wall {
     }
 };
 
+// What a periodic image adds to the particle itself: unfolded minus folded position and velocity.
+struct ImageMotion {
+    double shift[3], velocity[3];  // [m], [m/s]
+};
+
 // The box extends from 0 to L along each axis, at time 0 if its walls move.
 struct Box {
     int dimension = 3;
@@ -89,11 +94,25 @@ struct Box {
         return all;
     }
 
-    // Unfolded minus folded coordinate of a particle with this image flag [m]. The flag counts crossings of the far
-    // side (+1) and of the side at 0 (−1).
-    double image_shift(int axis, int flags) const { return flags * edge[axis]; }
-    // The same for the velocity: zero, since images move with the particle.
-    static constexpr double image_velocity(int /*axis*/, int /*flags*/) { return 0.0; }
+    // The image with these flags, one for each axis. A flag counts crossings of the far side (+1) and of the side at 0
+    // (−1). Cells, kernels and clusters use only shifts that are constant. A boundary whose images move must be refused
+    // in fault_of_sizes() (system_check.hpp) by engines that do not add its velocity there.
+    template <class Flags>
+    ImageMotion image(const Flags& flags, double /*time*/) const {
+        ImageMotion of{};
+        for (int k = 0; k < dimension; ++k) of.shift[k] = static_cast<int>(flags[k]) * edge[k];
+        return of;
+    }
+    // Moves a particle that has left through a periodic side, the far one (step 1) or that at 0 (−1), to its image in
+    // the box.
+    template <class Position, class Velocity, class Flags>
+    void wrap(Position& x, Velocity& v, Flags& flags, int axis, int step, double time) const {
+        int crossed[3] = {};
+        crossed[axis] = step;
+        const ImageMotion left = image(crossed, time);
+        for (int k = 0; k < dimension; ++k) x[k] -= left.shift[k], v[k] -= left.velocity[k];
+        flags[axis] += step;
+    }
     // Minimum image of a coordinate difference along a periodic axis [m].
     double minimum_image(double distance, int axis) const {
         return distance - edge[axis] * math::round_small(distance / edge[axis]);

@@ -268,11 +268,11 @@ template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::state(double* position, double* velocity) const {
     for (u32 i = 0; i < size32(); ++i) {
         const Particle<d>& p = particles_[i];
+        const ImageMotion image = box_.image(image_flags_[i], now_);
         for (int k = 0; k < d; ++k) {
             const std::size_t at = std::size_t{original_index_[i]} * d + static_cast<std::size_t>(k);
             const double after = now_ - p.time;
-            position[at] =
-                position_after<motion>(p, k, after, box_) + box_.image_shift(k, image_flags_[i][k]);
+            position[at] = position_after<motion>(p, k, after, box_) + image.shift[k];
             velocity[at] = velocity_after<motion>(p, k, after, box_);
         }
     }

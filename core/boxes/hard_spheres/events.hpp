@@ -33,8 +33,7 @@ void HardSpheres<d, motion, mixed>::leave_cell(u32 i, Place<d> at) {
     at[axis] += step;
     if (at[axis] < 0 || at[axis] == g.cells[axis]) {
         at[axis] -= step * g.cells[axis];
-        p.position[axis] -= box_.image_shift(axis, step);
-        image_flags_[i][static_cast<std::size_t>(axis)] += step;
+        box_.wrap(p.position, p.velocity, image_flags_[i], axis, step, p.time);
     }
     e.cell = cells_.number(fine, at) & (most_cells - 1);
     cells_.insert(e.cell, i);

@@ -22,11 +22,8 @@ template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::update_cell(u32 i) {
     Particle<d>& p = particles_[i];
     for (int k = 0; k < d; ++k)
-        while (box_.is_periodic(k) && (p.position[k] < 0.0 || p.position[k] > box_.edge[k])) {
-            const int step = p.position[k] < 0.0 ? -1 : 1;
-            p.position[k] -= box_.image_shift(k, step);
-            image_flags_[i][static_cast<std::size_t>(k)] += step;
-        }
+        while (box_.is_periodic(k) && (p.position[k] < 0.0 || p.position[k] > box_.edge[k]))
+            box_.wrap(p.position, p.velocity, image_flags_[i], k, p.position[k] < 0.0 ? -1 : 1, p.time);
     const u32 cell = cells_.number(level(i), cells_.place_of(level(i), p.position));
     if (cell == pending_[i].cell) return;
     cells_.remove(pending_[i].cell, i);

@@ -200,13 +200,16 @@ public:
         Place<d> at = from;
         for (;;) {
             Place<d> cell = at;
-            double shift[d] = {};
+            int flags[d] = {};
             bool inside = true;
             for (int k = 0; k < d; ++k) {
-                while (cell[k] < 0) cell[k] += g.cells[k], shift[k] -= box.image_shift(k, 1);
-                while (cell[k] >= g.cells[k]) cell[k] -= g.cells[k], shift[k] += box.image_shift(k, 1);
-                inside = inside && (box.is_periodic(k) || shift[k] == 0.0);
+                while (cell[k] < 0) cell[k] += g.cells[k], --flags[k];
+                while (cell[k] >= g.cells[k]) cell[k] -= g.cells[k], ++flags[k];
+                inside = inside && (box.is_periodic(k) || flags[k] == 0);
             }
+            double shift[d];
+            const ImageMotion image = box.image(flags, 0.0);
+            for (int k = 0; k < d; ++k) shift[k] = image.shift[k];
             if (inside) f(number(level, cell), shift);
             int k = 0;
             for (; k < d && at[k] == to[k]; ++k) at[k] = from[k];

@@ -56,7 +56,8 @@ public:
         for (std::uint32_t code = 0; code < 27; ++code) {
             const int step[3] = {static_cast<int>(code % 3) - 1, static_cast<int>(code / 3 % 3) - 1,
                                  static_cast<int>(code / 9) - 1};
-            for (int a = 0; a < 3; ++a) shift_[code][a] = box.image_shift(a, step[a]);
+            const ImageMotion image = box.image(step, 0.0);
+            for (int a = 0; a < 3; ++a) shift_[code][a] = image.shift[a];
         }
     }
 

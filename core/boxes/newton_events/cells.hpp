@@ -161,7 +161,7 @@ void NewtonEvents<Law>::for_neighbours(int i, const F& f) const {
 // Moves the body into the next cell and predicts collisions in the cells that become neighbours.
 template <class Law>
 void NewtonEvents<Law>::leave_cell(int i) {
-    PendingEvents& e = pending_[i];
+    BodyEvents& e = pending_[i];
     const SelfEvent own = static_cast<SelfEvent>(e.own);
     const int axis = axis_of(own), step = is_high(own) ? 1 : -1;
     const Grid<3>& g = cells_.grids()[static_cast<std::size_t>(level_)];
@@ -170,8 +170,8 @@ void NewtonEvents<Law>::leave_cell(int i) {
     at[axis] += step;
     if (at[axis] < 0 || at[axis] == g.cells[axis]) {
         at[axis] -= step * g.cells[axis];
-        particles_[i].position[axis] -= box_.image_shift(axis, step);
-        pending_[i].image_flags[static_cast<std::size_t>(axis)] += step;
+        Particle<3>& p = particles_[i];
+        box_.wrap(p.position, p.velocity, e.image_flags, axis, step, p.time);
     }
     e.cell = cells_.number(level_, at) & (most_cells - 1);
     cells_.insert(e.cell, static_cast<u32>(i));

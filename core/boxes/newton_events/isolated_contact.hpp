@@ -133,6 +133,7 @@ bool NewtonEvents<Law>::solve_wall(IsolatedContact& l, SeparatedMembers& after) 
     to.velocity[axis] = q.side * (end.radial_speed - weight * opening) + q.wall_velocity;
     const double gained = to.velocity[axis] - a.velocity[axis] - l.span * box_.gravity[axis];
     l.wall_work = q.mass * gained * q.wall_velocity;
+    l.virial = 0.0;  // counts pairs of bodies only
     l.dissipated = q.mass * (0.5 * end.speed_loss * (approach + end.radial_speed) + weight * end.compression);
     l.contact = {0, now_, now_ + end.duration, approach, end.radial_speed, false};
     q.impact_speed = approach;

@@ -25,8 +25,9 @@ template <class Law>
 void NewtonEvents<Law>::add_body(NewtonSnapshot& s, int i, const Vector3& x, const Vector3& v) const {
     const std::size_t d = setting_.axes(), at = d * std::size_t{pending_[i].original_index};
     const double m = mass(i);
+    const ImageMotion image = box_.image(pending_[i].image_flags, now_);
     for (std::size_t a = 0; a < d; ++a) {
-        s.position[at + a] = x[a] + box_.image_shift(static_cast<int>(a), pending_[i].image_flags[a]);
+        s.position[at + a] = x[a] + image.shift[a];
         s.velocity[at + a] = v[a];
         s.sums.kinetic_energy += 0.5 * m * v[a] * v[a];
         s.sums.potential_energy -= m * box_.gravity[a] * s.position[at + a];

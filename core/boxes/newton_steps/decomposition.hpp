@@ -49,8 +49,8 @@ public:
         grid = CellLayers(box_, widest_ + skin_, bodies.count());
         save_contacts();
     }
-    void find_cells(std::size_t first, std::size_t last) {
-        sort_.find_cells(box_, grid, bodies, first, last);
+    void find_cells(std::size_t first, std::size_t last, double time) {
+        sort_.find_cells(box_, grid, bodies, first, last, time);
     }
     void order() { sort_.order(bodies, grid.cells(), start_); }
     void gather(std::size_t first, std::size_t last) { sort_.move(bodies, first, last); }

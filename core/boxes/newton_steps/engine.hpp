@@ -87,15 +87,17 @@ public:
         const int d = box_.dimension;
         for (std::size_t i = 0; i < bodies_.count(); ++i) {
             const Double4 v = velocity_of(i);
+            const ImageMotion image = box_.image(bodies_.tag[i].image_flags, time_);
             const std::size_t to = std::size_t{bodies_.tag[i].original_index} * static_cast<std::size_t>(d);
             for (int axis = 0; axis < d; ++axis) {
-                position[to + static_cast<std::size_t>(axis)] = steps::unfolded(box_, bodies_, i, axis);
+                position[to + static_cast<std::size_t>(axis)] = bodies_.position[i][axis] + image.shift[axis];
                 velocity[to + static_cast<std::size_t>(axis)] = v[axis];
             }
         }
     }
     Observation observe() const override {
-        Observation o = steps::observe(box_, domain_, [this](std::size_t i) { return velocity_of(i); });
+        Observation o =
+            steps::observe(box_, domain_, time_, [this](std::size_t i) { return velocity_of(i); });
         o.begun = log_.begun(), o.pairs = log_.pairs(), o.ended = log_.ended();
         o.overlapped = log_.overlapped();
         return o;
@@ -240,7 +242,7 @@ private:
             case Phase::measure:
                 return for_slabs([&](std::uint32_t slab) { domain_.measure(slabs_[slab]); });
             case Phase::cells:
-                return domain_.find_cells(first, last);
+                return domain_.find_cells(first, last, time_);
             case Phase::gather:
                 return domain_.gather(first, last);
             case Phase::list:
