@@ -1,5 +1,6 @@
 """The event-driven engine for Newton's equations: reference systems, columns, balances, saved states, clusters."""
 
+import itertools
 import json
 import math
 import subprocess
