@@ -169,8 +169,14 @@ private:
     void save_contacts() {
         largest_compression_ = largest_compression();
         for (Slab<Law>& s : slabs) {
-            for (const Contact<Law>& c : s.contacts)
-                if (c.index_first != no_body) saved_contacts_.push_back(c);
+            for (const Contact<Law>& c : s.contacts) {
+                if (c.index_first == no_body) continue;
+                saved_contacts_.push_back(c);
+                // The pair may be listed in the other order than at the begin of the contact, to which restore_pair()
+                // refers.
+                if (bodies.tag[c.index_first].original_index != static_cast<std::uint32_t>(c.first))
+                    reverse(saved_contacts_.back());
+            }
             for (const auto* accelerated : {&s.accelerated, &s.accelerated_next})
                 for (const std::uint32_t i : *accelerated)
                     saved_accelerations_.push_back({i, bodies.acceleration[i]});
@@ -220,12 +226,15 @@ private:
             for (std::size_t axis = 0; axis < 3; ++axis) same = same && image[axis] == sense * c.image[axis];
             if (!same) continue;
             put(s, s.contact_of_pair[static_cast<std::size_t>(p - s.pairs.begin())], c);
-            s.contacts.back().normal *= static_cast<double>(sense);
-            if constexpr (FrictionalLaw<Law>)
-                if (sense < 0) s.contacts.back().history.reverse();
+            if (sense < 0) reverse(s.contacts.back());
             return true;
         }
         return false;
+    }
+    // Exchanges the roles of the two bodies.
+    static void reverse(Contact<Law>& c) {
+        c.normal = -c.normal;
+        if constexpr (FrictionalLaw<Law>) c.history.reverse();
     }
     static void put(Slab<Law>& s, std::int32_t& slot, const Contact<Law>& c) {
         slot = static_cast<std::int32_t>(s.contacts.size());
