@@ -229,7 +229,7 @@ def test_a_velocity_without_a_wall_is_refused() -> None:
 
 @pytest.mark.parametrize("seed", [13, 14, 26])
 def test_dissipation_does_not_depend_on_when_lists_are_rebuilt(seed: int) -> None:
-    """A faster frame rebuilds the neighbour lists more often, which may list the bodies of a contact in either order."""
+    """A faster frame rebuilds neighbour lists more often, which may list the bodies of a contact in either order."""
     x, v = lattice(4, 3, 0.025, seed)
     radius = np.where(np.arange(64) % 3 == 0, 0.007, 0.01)
     dissipated = []
