@@ -129,7 +129,7 @@ def test_compression_and_expansion(name: str, gravity: float) -> None:
     """Pistons pass many cells inwards, and leave the first box outwards; the balance closes and no one escapes."""
     x, v = lattice(5, 2, 0.03, seed=3)
     walls = [(0.5, -0.8), (-0.6, 0.4)]
-    finer = {"time_step": 4e-7} if "steps" in name else {}
+    finer: dict[str, Any] = {"time_step": 4e-7} if "steps" in name else {}
     run = engine(name, x, v, 0.15, walls, gravity=[0.0, gravity], radius=0.006, **finer)
     start = energy(run)
     for time in (0.01, 0.02, 0.03):
