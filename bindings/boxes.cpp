@@ -72,8 +72,10 @@ std::string message_of(const box::Fault& f, const box::System& s) {
 
 constexpr const char* boundary_names[] = {"none", "periodic", "wall"};
 
+using WallVelocities = std::vector<std::tuple<double, double>>;
+
 box::Box make_box(const std::vector<double>& edges, const std::vector<std::string>& boundary,
-                  const std::optional<std::vector<double>>& gravity) {
+                  const std::optional<std::vector<double>>& gravity, const WallVelocities& wall_velocity) {
     const std::size_t d = edges.size();
     if (d != 2 && d != 3) throw value_error("box: got " + std::to_string(d) + " edges, must be 2 or 3");
     require_values("boundary", boundary.size(), d, "one for each axis");
@@ -92,6 +94,14 @@ box::Box make_box(const std::vector<double>& edges, const std::vector<std::strin
         if (gravity) made.gravity[k] = (*gravity)[k];
         if (!hl::math::is_finite(made.gravity[k]))
             throw value_error("gravity: got " + shown(made.gravity[k]) + ", must be finite");
+    }
+    if (wall_velocity.empty()) return made;
+    require_values("wall_velocity", wall_velocity.size(), d, "one pair for each axis");
+    for (std::size_t k = 0; k < d; ++k) {
+        std::tie(made.wall_velocity[k][0], made.wall_velocity[k][1]) = wall_velocity[k];
+        for (const double v : made.wall_velocity[k])
+            if (!hl::math::is_finite(v) || (v != 0.0 && boundary[k] != "wall"))
+                throw value_error("wall_velocity: got " + shown(v) + ", must be finite, and 0 without walls");
     }
     return made;
 }
@@ -297,6 +307,7 @@ nb::dict observe(const Engine& e) {
     seen["dissipated_energy"] = o.dissipated_energy;
     seen["kinetic_tensor"] = tensor(o.kinetic_tensor, e.get().dimension());
     seen["virial_tensor"] = tensor(o.virial, e.get().dimension());
+    seen["wall_work"] = o.wall_work;
     seen["kinetic_integral"] = o.kinetic_integral;
     seen["largest_compression"] = o.largest_compression;
     seen["n_contacts"] = o.begun;
@@ -381,8 +392,12 @@ void bind_boxes(nb::module_& m) {
     m.attr("engine_names") = nb::tuple(list_of(engines, [](const auto* record) { return record->name; }));
     m.attr("rules") = rule_records();
 
-    nb::class_<box::Box>(m, "Box", "Edges [m], boundary of each axis (periodic or wall), gravity [m/s²].")
-        .def(nb::new_(&make_box), "edges"_a, "boundary"_a, "gravity"_a.none() = nb::none())
+    nb::class_<box::Box>(
+        m, "Box",
+        "Edges [m], boundary of each axis (periodic or wall), gravity [m/s²], velocities of the walls at 0 "
+        "and at L [m/s].")
+        .def(nb::new_(&make_box), "edges"_a, "boundary"_a, "gravity"_a.none() = nb::none(),
+             "wall_velocity"_a = WallVelocities())
         .def_prop_ro("edges", [](const box::Box& b) { return std::vector(b.edge, b.edge + b.dimension); })
         .def_prop_ro("boundary", &boundaries)
         .def_prop_ro("gravity",

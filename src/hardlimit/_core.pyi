@@ -206,9 +206,11 @@ engine_names: tuple = ('hard_spheres', 'newton_events', 'newton_steps')
 rules: tuple = ...
 
 class Box:
-    """Edges [m], boundary of each axis (periodic or wall), gravity [m/s²]."""
+    """
+    Edges [m], boundary of each axis (periodic or wall), gravity [m/s²], velocities of the walls at 0 and at L [m/s].
+    """
 
-    def __init__(self, edges: Sequence[float], boundary: Sequence[str], gravity: Sequence[float] | None = None) -> None: ...
+    def __init__(self, edges: Sequence[float], boundary: Sequence[str], gravity: Sequence[float] | None = None, wall_velocity: Sequence[tuple[float, float]] = []) -> None: ...
 
     @property
     def edges(self) -> list[float]: ...

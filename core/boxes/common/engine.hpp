@@ -36,6 +36,7 @@ struct Observation {
     double momentum[3] = {};                              // [kg m/s]
     double dissipated_energy = 0.0;                       // so far [J]
     SymmetricTensor kinetic_tensor;                       // Σ m v⊗v [J]
+    double wall_work = 0.0;                               // done by moving walls, so far [J]
     SymmetricTensor virial;                  // ∫ Σ r⊗F dt of pairs, Σ r⊗Δp of collisions, so far [J s]
     double kinetic_integral = math::nan;     // ∫ Σ m v'² dt so far [J s], v' relative to the mean
     double largest_compression = math::nan;  // in units of the smaller radius, so far; NaN without a law

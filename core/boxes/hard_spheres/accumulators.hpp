@@ -46,6 +46,7 @@ struct Accumulators {
     u64 elastic_by_tc = 0;
     Sum dissipated;              // energy lost in collisions [J]
     Sums<d*(d + 1) / 2> virial;  // Σ r⊗Δp of pair collisions, components xx, yy, (zz,) xy, (xz, yz) [J s]
+    Sum wall_work;               // done by moving walls [J]
     double mass = 0.0;           // M [kg]
     double gravity[d] = {};
     double time = 0.0;     // at which kinetic energy and momentum are valid [s]
@@ -85,6 +86,15 @@ struct Accumulators {
             momentum[k] += gain;
         }
         time = until;
+    }
+    // Collision with a wall at `time`; `lost`: kinetic energy lost in the frame of the wall [J].
+    void add_wall(int axis, double impulse, double lost, const Wall& wall) {
+        ++walls;
+        kinetic -= lost;
+        momentum[axis] += impulse;
+        if (!wall.moves()) return;
+        kinetic += impulse * wall.velocity(time);
+        wall_work.add(impulse * wall.velocity(time));
     }
 };
 

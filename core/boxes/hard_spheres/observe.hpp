@@ -43,11 +43,11 @@ Observation HardSpheres<d, motion, mixed>::observe() const {
     for (const u32 i : in_original_order()) {
         const Particle<d>& p = particles_[i];
         const double after = now_ - p.time, m = mass(i);
+        const ImageMotion image = box_.image(image_flags_[i], now_);
         double square = 0.0;
         for (int k = 0; k < d; ++k) {
             const double v = velocity_after<motion>(p, k, after, box_);
-            const double x = position_after<motion>(p, k, after, box_) +
-                             box_.image_shift(k, image_flags_[i][static_cast<std::size_t>(k)]);
+            const double x = position_after<motion>(p, k, after, box_) + image.shift[k];
             square += v * v;
             velocity[k] = v;
             momentum[k].add(m * v);
@@ -63,6 +63,7 @@ Observation HardSpheres<d, motion, mixed>::observe() const {
     int k = 0;
     for (std::size_t c = 0; c < SymmetricTensor::size; ++c)
         if (SymmetricTensor::column[c] < d) o.virial.component[c] = accumulators_.virial.value(k++);
+    o.wall_work = accumulators_.wall_work.value();
     o.kinetic_integral = accumulators_.integral_until(now_);
     o.largest_compression = deepest_.compression;
     o.begun = o.ended = accumulators_.collisions();

@@ -139,7 +139,8 @@ struct Contact {
     int first, second;  // second < 0: a wall
     int axis;           // of the wall's normal
     bool closed;        // exerts a force
-    double side, wall;  // as in ContactPair
+    double side;        // as in ContactPair
+    double wall[2];     // coordinate of the wall, as a series
     double contact_distance;
     alignas(sizeof(Four)) Four image;
     double spring, damper;  // in the unit of time
@@ -157,8 +158,8 @@ template <int n>
 void expand_distance(const Path* paths, Contact& f) {
     const Four& first = paths[f.first][n];
     if (f.second < 0) {
-        f.depth[n] =
-            n == 0 ? f.contact_distance - f.side * (first[f.axis] - f.wall) : -f.side * first[f.axis];
+        const double x = n < 2 ? first[f.axis] - f.wall[n] : first[f.axis];
+        f.depth[n] = n == 0 ? f.contact_distance - f.side * x : -f.side * x;
         return;
     }
     Four r = paths[f.second][n] - first;

@@ -200,13 +200,16 @@ public:
         Place<d> at = from;
         for (;;) {
             Place<d> cell = at;
-            double shift[d] = {};
+            int flags[d] = {};
             bool inside = true;
             for (int k = 0; k < d; ++k) {
-                while (cell[k] < 0) cell[k] += g.cells[k], shift[k] -= box.image_shift(k, 1);
-                while (cell[k] >= g.cells[k]) cell[k] -= g.cells[k], shift[k] += box.image_shift(k, 1);
-                inside = inside && (box.is_periodic(k) || shift[k] == 0.0);
+                while (cell[k] < 0) cell[k] += g.cells[k], --flags[k];
+                while (cell[k] >= g.cells[k]) cell[k] -= g.cells[k], ++flags[k];
+                inside = inside && (box.is_periodic(k) || flags[k] == 0);
             }
+            double shift[d];
+            const ImageMotion image = box.image(flags, 0.0);
+            for (int k = 0; k < d; ++k) shift[k] = image.shift[k];
             if (inside) f(number(level, cell), shift);
             int k = 0;
             for (; k < d && at[k] == to[k]; ++k) at[k] = from[k];
@@ -327,7 +330,7 @@ private:
     // The cells of the coarsest grid are as long as the largest diameter, or longer if there would be more than two per
     // particle. Finer grids are added while there are smaller particles, up to the same number of cells.
     void lay(const Box& box, std::size_t n, double smallest, double largest) {
-        const double most = 2.0 * static_cast<double>(n) + 32.0;
+        const double most = math::min(2.0 * static_cast<double>(n) + 32.0, 0.7 * most_cells);
         double edge = largest;
         Grid<d> coarse = grid(box, edge);
         while (count(coarse) > most) coarse = grid(box, edge *= 1.05);

@@ -29,8 +29,8 @@ void NewtonEvents<Law>::find_extreme_radii(std::size_t n) {
     }
 }
 
-// A multiple of the compression of contacts at the initial speeds; a larger radius requires wider cells, which hold
-// more candidates. The largest value under gravity, since speeds grow.
+// A multiple of the compression of contacts at the initial speeds of bodies and walls; a larger radius requires wider
+// cells, which hold more candidates. The largest value under gravity, since speeds grow.
 template <class Law>
 double NewtonEvents<Law>::initial_safety_radius(const double* velocity) const {
     const double most = 0.1 * largest_radius_;
@@ -41,7 +41,7 @@ double NewtonEvents<Law>::initial_safety_radius(const double* velocity) const {
     for (std::size_t k = 0; k < n * setting_.axes(); ++k) square += velocity[k] * velocity[k];
     for (std::size_t i = 0; i < n; ++i)
         if (laws_.radius(i) == largest_radius_) at = i;
-    const double speed = math::sqrt(square / static_cast<double>(n));
+    const double speed = math::max(math::sqrt(square / static_cast<double>(n)), 2.0 * box_.fastest_wall());
     if (!(speed > 0.0)) return most;
     const auto body = static_cast<std::int64_t>(at);
     const double duration = laws_(body, body).duration(speed, 0.5 * laws_.mass(at));
@@ -163,7 +163,7 @@ void NewtonEvents<Law>::for_neighbours(int i, const F& f) const {
 // Moves the body into the next cell and predicts collisions in the cells that become neighbours.
 template <class Law>
 void NewtonEvents<Law>::leave_cell(int i) {
-    PendingEvents& e = pending_[i];
+    BodyEvents& e = pending_[i];
     const SelfEvent own = static_cast<SelfEvent>(e.own);
     const int axis = axis_of(own), step = is_high(own) ? 1 : -1;
     const Grid<3>& g = cells_.grids()[static_cast<std::size_t>(level_)];
@@ -172,8 +172,8 @@ void NewtonEvents<Law>::leave_cell(int i) {
     at[axis] += step;
     if (at[axis] < 0 || at[axis] == g.cells[axis]) {
         at[axis] -= step * g.cells[axis];
-        particles_[i].position[axis] -= box_.image_shift(axis, step);
-        pending_[i].image_flags[static_cast<std::size_t>(axis)] += step;
+        Particle<3>& p = particles_[i];
+        box_.wrap(p.position, p.velocity, e.image_flags, axis, step, p.time);
     }
     e.cell = cells_.number(level_, at) & (most_cells - 1);
     cells_.insert(e.cell, static_cast<u32>(i));

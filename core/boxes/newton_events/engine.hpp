@@ -135,7 +135,7 @@ private:
     bool several_images_ = false;         // whether several images of a body may be near
     bool walled_ = false;                 // whether there are walls
     bool prefetches_ = false;             // whether the data exceed the caches
-    double now_ = 0.0, clustered_ = 0.0;
+    double now_ = 0.0, wall_work_ = 0.0, clustered_ = 0.0;
     SymmetricTensor virial_;
     double dissipated_ = 0.0;  // including the elastic energy that slack pairs still store [J]
     std::uint64_t begun_ = 0, begun_pairs_ = 0, ended_ = 0, overlapped_ = 0, events_ = 0;
@@ -360,10 +360,7 @@ void NewtonEvents<Law>::process_event(int i) {
     }
     const SelfEvent own = static_cast<SelfEvent>(e.own);
     if (own == SelfEvent::ends) return end_cluster(i);
-    const int axis = axis_of(own);
-    const int last = is_high(own) ? cells_.grids()[static_cast<std::size_t>(level_)].cells[axis] - 1 : 0;
-    if (!box_.is_periodic(axis) && cells_.place(level_, e.cell)[axis] == last)
-        return begin_contact(i, -1, wall_at(own));
+    if (is_wall(own)) return begin_contact(i, -1, wall_at(own));
     leave_cell(i);
 }
 

@@ -38,7 +38,7 @@ void NewtonEvents<Law>::begin_contacts() {
             for (const bool high : {false, true}) {
                 const Wall wall = box_.wall(axis, high);
                 overlap(i, -1, wall.id, radius(i) - wall.distance(p.position[axis], now_),
-                        -wall.inward() * p.velocity[axis]);
+                        -wall.inward() * (p.velocity[axis] - wall.velocity(now_)));
             }
         }
     }
@@ -108,6 +108,7 @@ void NewtonEvents<Law>::end_isolated_contact(int index) {
     if (setting_.log) log_.push_back(contact_row(group(index), l.pair, l.contact));
     dissipated_ += l.dissipated;
     virial_ += l.virial;
+    wall_work_ += group(index).wall_work;
     const int first = l.body[0], second = l.body[1];
     const auto for_both = [&](const auto& f) {
         f(first);

@@ -54,6 +54,7 @@ bool NewtonEvents<Law>::solve_pair(Group& g, SeparatedMembers& after) {
     l.contact = {0, now_, now_ + end.duration, approach, separation, false};
     q.impact_speed = approach;
     g.compression = end.greatest / math::min(a.radius, b.radius);
+    g.wall_work = 0.0;
     l.dissipated = 0.5 * q.mass *
                    (end.speed_loss * (approach + separation) +
                     (tangential - tangential_after) * (tangential + tangential_after));
@@ -118,14 +119,16 @@ void NewtonEvents<Law>::separate_pair(IsolatedContact& l, SeparatedMembers& afte
         l.initial_offset[k] = -per_cosine * (off_n * normal[k] + off_t * tangent[k]);
 }
 
-// solve_pair() for a body and a wall.
+// solve_pair() for a body and a wall that moves uniformly, in the frame of the wall.
 template <class Law>
 bool NewtonEvents<Law>::solve_wall(Group& g, SeparatedMembers& after) {
     IsolatedContact& l = g.isolated_contact;
     ContactPair<Law>& q = l.pair;
     const auto axis = static_cast<std::size_t>(q.axis);
     const Member& a = l.before[0];
-    const double approach = -q.side * a.velocity[axis], weight = -q.side * box_.gravity[axis];
+    Vector3 v = a.velocity;
+    v[axis] -= q.wall_velocity;
+    const double approach = -q.side * v[axis], weight = -q.side * box_.gravity[axis];
     if (!(approach > 0.0)) return false;
     const PlanarContact end = soft_(q.law, Approach{q.mass, math::infinity, approach, 0.0, weight});
     if (end.outcome != Outcome::ok) return false;
@@ -140,10 +143,12 @@ bool NewtonEvents<Law>::solve_wall(Group& g, SeparatedMembers& after) {
         to.position[k] += l.span * (a.velocity[k] + 0.5 * box_.gravity[k] * l.span);
         to.velocity[k] += box_.gravity[k] * l.span;
     }
-    to.position[axis] = q.wall + q.side * q.contact_distance;
-    to.velocity[axis] = q.side * (end.radial_speed - weight * opening);
+    to.position[axis] = q.wall_position(l.span) + q.side * q.contact_distance;
+    to.velocity[axis] = q.side * (end.radial_speed - weight * opening) + q.wall_velocity;
+    const double gained = to.velocity[axis] - a.velocity[axis] - l.span * box_.gravity[axis];
+    g.wall_work = q.mass * gained * q.wall_velocity;
     l.dissipated = q.mass * (0.5 * end.speed_loss * (approach + end.radial_speed) + weight * end.compression);
-    l.virial = {};
+    l.virial = {};  // counts pairs of bodies only
     l.contact = {0, now_, now_ + end.duration, approach, end.radial_speed, false};
     q.impact_speed = approach;
     // The force per mass a keeps its direction: the deviation of the path is largest at touch, ∫ t a dt.
@@ -153,8 +158,7 @@ bool NewtonEvents<Law>::solve_wall(Group& g, SeparatedMembers& after) {
     l.deviation = math::abs(off);
     l.initial_offset = {};
     l.initial_offset[axis] = -q.side * off;
-    return g.compression < deepest_compression &&
-           l.span * math::sqrt(dot(a.velocity, a.velocity)) <= largest_displacement_ &&
+    return g.compression < deepest_compression && l.span * math::sqrt(dot(v, v)) <= largest_displacement_ &&
            l.deviation <= largest_safety_radius_;
 }
 
@@ -179,7 +183,7 @@ bool NewtonEvents<Law>::far_from_walls(const Group& g, const SeparatedMembers& a
             for (const bool high : {false, true}) {
                 const Wall wall = box_.wall(axis, high);
                 if (l.pair.second < 0 && l.pair.wall_id == wall.id) continue;
-                if (!(wall.distance(high ? most : least, now_) > needed)) return false;
+                if (!(wall.least_distance(high ? most : least, now_, now_ + l.span) > needed)) return false;
             }
         }
     }

@@ -56,6 +56,7 @@ struct ContactGroup {
     IsolatedContact<Law> isolated_contact{};  // if isolated
     bool alive = false, isolated = false;
     double compression = 0.0;  // of an isolated contact: largest, in units of the smaller radius
+    double wall_work = 0.0;    // of an isolated contact with a moving wall [J]
     double until = 0.0;        // latest end of a large cluster [s]
     Vector3 origin{};
     SmallVector<int, 2> body;

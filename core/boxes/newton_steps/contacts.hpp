@@ -40,6 +40,7 @@ struct Contact : ContactBegin, ContactForce {  // the force of the last step
     std::uint32_t index_first, index_second;  // in Bodies; no_body: a free slot (first), a wall (second)
     Double4 normal;                           // unit vector from the first to the second
     double distance;                          // of the centres, or to the wall [m]
+    double wall_velocity;                     // of a wall, inwards [m/s]; 0 for two bodies
     double compression;                       // at the last step [m]
     double damped;                            // impulse of the damping during the last step [N s]
     double excess;                            // of the compression over the slack of the law [m]

@@ -44,6 +44,7 @@ public:
             }
             add_virial(slab, c, 0.5 * h * c.force + impulse);
             if constexpr (FrictionalLaw<Law>) add_friction_virial(slab, c, 0.5 * h);
+            slab.wall_work += (0.5 * h * c.force + impulse) * c.wall_velocity;
         }
     }
 
@@ -63,6 +64,7 @@ private:
         double distance, reach;  // reach: distance at touch [m]
         Double4 velocity;        // [m/s], known velocity_lag before now
         Double4 acceleration;    // at the step before [m/s²]
+        double wall_velocity;    // inwards [m/s]; 0 for two bodies
 
         double compression() const { return reach - distance; }
     };
@@ -101,18 +103,21 @@ private:
         const Double4 a =
             bodies_.acceleration[j].previous(now_.step) - bodies_.acceleration[i].previous(now_.step);
         const auto number = static_cast<std::int32_t>(bodies_.tag[j].original_index);
-        update_contact(slab, slot, {i, j, number, p.image(), normal, distance, reach, v, a}, separation);
+        update_contact(slab, slot, {i, j, number, p.image(), normal, distance, reach, v, a, 0.0}, separation);
     }
     HL_FN_APART void wall_contact(Slab<Law>& slab, std::int32_t& slot, WallNeighbour w, double distance) {
         const std::uint32_t i = w.body;
         const Wall wall = box_.wall(w.wall);
         Double4 normal{}, v = -bodies_.velocity[i];
         normal[w.wall.axis()] = -wall.inward();
-        v[w.wall.axis()] += wall.velocity(now_.time);
+        const double speed = wall.velocity(now_.time - now_.velocity_lag);
+        v[w.wall.axis()] += speed;
         const Double4 a = -bodies_.acceleration[i].previous(now_.step) - gravity_of(box_);
         const double reach = bodies_.position[i][3];
-        update_contact(slab, slot, {i, no_body, w.wall.number, no_image, normal, distance, reach, v, a},
-                       normal * distance);
+        update_contact(
+            slab, slot,
+            {i, no_body, w.wall.number, no_image, normal, distance, reach, v, a, wall.inward() * speed},
+            normal * distance);
     }
 
     void update_contact(Slab<Law>& slab, std::int32_t& slot, const RelativeMotion& m, Double4 separation) {
@@ -135,7 +140,7 @@ private:
         if (now_.velocity_lag > 0.0)
             slab.dissipated += is_new ? dissipated_at_onset(c.law, f, c.onset) : dissipated(c, f, m);
         c.index_first = m.first, c.index_second = m.second;
-        c.normal = m.normal, c.distance = m.distance;
+        c.normal = m.normal, c.distance = m.distance, c.wall_velocity = m.wall_velocity;
         c.excess = excess, c.is_new = is_new, c.compression = compression;
         static_cast<ContactForce&>(c) = f;
         record_depth(slab, c, m);
@@ -242,6 +247,7 @@ private:
             add_impulse(slab, bodies_, c, impulse);
         }
         add_virial(slab, c, now_.weight * c.force + impulse);
+        slab.wall_work += (now_.weight * c.force + impulse) * c.wall_velocity;
         if (!(c.force > 0.0)) return;
         accelerate(slab, c.index_first, c.normal * (-c.force * bodies_.velocity[c.index_first][3]));
         if (c.index_second != no_body)
