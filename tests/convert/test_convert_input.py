@@ -544,7 +544,7 @@ def test_names_whose_value_is_not_certain_are_not_taken():
         "e = .7\nwhile e > .5:\n    e -= .1\n",
         "e = random()\n",
     ):
-        assert "not e" in refused(lines + MINDLIN.replace("en=.7", "en=e"), "yade")
+        assert "number for restitution, not " in refused(lines + MINDLIN.replace("en=.7", "en=e"), "yade")
 
 
 # --- what is printed --------------------------------------------------------------------------------------------

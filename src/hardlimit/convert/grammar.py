@@ -1,6 +1,6 @@
 """Parsers that split the input of particle codes in C++, Fortran namelists, JSON and XML into statements.
 
-They find calls, assignments, members and attributes. Nothing is executed. The package ``scripts`` reads those of LAMMPS,
+They find calls, assignments, members and attributes. Nothing is executed. The package ``scripts`` reads LAMMPS,
 LIGGGHTS and YADE.
 """
 
