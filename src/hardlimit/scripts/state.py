@@ -41,7 +41,8 @@ COMPARISONS: Final[dict[str, Callable[[int, int, int], bool]]] = {
 }
 #: Keywords of ``set`` that change sizes, masses or types.
 SET_KEYWORDS: Final = (
-    *("diameter", "density", "density/disc", "mass", "type", "type/fraction", "type/ratio", "type/subset"),
+    *("diameter", "density", "density/disc", "mass", "shape"),
+    *("type", "type/fraction", "type/ratio", "type/subset"),
 )
 #: Commands that are read below, or that affect neither contacts nor grains.
 HARMLESS_NAMES: Final = """
@@ -122,6 +123,7 @@ class State:
         self.unknown: dict[Quote, None] = {}
         self.stages: list[Stage] = []
         self.last: Statement | None = None
+        self.changed_since = True  #: whether settings may differ from those of the last stage
         self.reset()
 
     def reset(self) -> None:
@@ -134,6 +136,7 @@ class State:
         self.time_step: float | None = None
         self.steps_done, self.atom_style = 0, ""
         self.molecules: dict[str, list[tuple[int, Batch]]] = {}
+        self.variables.keywords["dt"] = TIME_STEPS[self.units]
 
     # --- what subclasses provide --------------------------------------------------------------------------------
 
@@ -172,6 +175,7 @@ class State:
     def statement(self, statement: Statement) -> None:
         """Read one statement."""
         command = statement.words[0]
+        self.changed_since = self.changed_since or (command != "run" and command not in HARMLESS)
         own = getattr(self, f"command_{command}", None)
         if own is not None:
             own(statement)
@@ -310,6 +314,7 @@ class State:
         if len(statement.words) != 2 or statement.words[1] not in TIME_STEPS:
             raise refused(statement, f"be units {', '.join(TIME_STEPS)}")
         self.units, self.units_given = statement.words[1], True
+        self.variables.keywords["dt"] = TIME_STEPS[self.units]
 
     def command_dimension(self, statement: Statement) -> None:
         if statement.words[1:] not in (("2",), ("3",)):
@@ -320,7 +325,7 @@ class State:
         step = self.number(statement, (*statement.words, "")[1])
         if step <= 0.0:
             raise refused(statement, "have a positive time step")
-        self.time_step = step
+        self.time_step = self.variables.keywords["dt"] = step
         self.last = statement
 
     def command_atom_style(self, statement: Statement) -> None:
@@ -362,6 +367,10 @@ class State:
 
     def stage(self, quote: Quote, steps: int | None) -> None:
         """Note what holds now. A run with the same settings as that before continues its stage."""
+        if self.stages and not self.changed_since:
+            self.longer(steps)
+            return
+        self.changed_since = False
         kinds = self.present()
         grains = {str(kind): self.population.grains(kind, str(kind), self.frozen(kind)) for kind in kinds}
         new = Stage(
@@ -374,13 +383,16 @@ class State:
             self.gravity(),
             None,
         )
-        if self.stages:
-            old = self.stages[-1]
-            if replace(old, quote=quote, steps=steps) == new:
-                both = None if steps is None or old.steps is None else old.steps + steps
-                self.stages[-1] = replace(old, steps=both)
-                return
-        self.stages.append(new)
+        if self.stages and replace(self.stages[-1], quote=quote, steps=steps) == new:
+            self.longer(steps)
+        else:
+            self.stages.append(new)
+
+    def longer(self, steps: int | None) -> None:
+        """Continue the last stage."""
+        old = self.stages[-1]
+        both = None if steps is None or old.steps is None else old.steps + steps
+        self.stages[-1] = replace(old, steps=both)
 
     # --- grains -------------------------------------------------------------------------------------------------
 
@@ -513,6 +525,8 @@ class State:
             return lambda one: one.with_mass_of(3).with_radius(radius)
         if keyword == "density/disc":
             return lambda one: Batch(one.radii, same).with_mass_of(2)
+        if keyword == "shape":
+            return lambda one: Batch(None, one.densities, one.masses)
         if keyword == "mass":
             return lambda one: Batch(one.radii, None, same)
         return lambda one: Batch(one.radii, same)
@@ -543,6 +557,8 @@ class State:
             self.ignore(f"heat ({style})", fix.statement, types)
         elif style.startswith(("move", "deform")):
             self.ignore(f"prescribed motion ({style})", fix.statement, types)
+        elif style == "adapt" and ("diameter" in fix.words or "diameter/disc" in fix.words):
+            self.elsewhere(fix.statement)
         elif style == "setforce" and set(fix.words[:3]) <= {"0", "0.0", "NULL", "0."}:
             self.ignore("forces set to zero (setforce)", fix.statement, types)
         else:
