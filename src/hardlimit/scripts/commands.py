@@ -23,6 +23,9 @@ VARIABLE: Final = re.compile(
 FORMAT: Final = re.compile(r"%[-+ 0#]*\d{0,3}(?:\.\d{1,3})?[aefgAEFG]")
 INTEGER_FORMAT: Final = re.compile(r"%[-+ 0]*\d{0,3}[di]")
 UNRESOLVED: Final = re.compile(r"\$(?:\{\w*\}|\(|\w)")
+#: A comparison of two words in a condition, and what is no word there.
+EQUAL: Final = re.compile(r"([^\s()&|!=<>^]+)\s*(==|!=)\s*([^\s()&|!=<>^]+)")
+NUMBERS: Final = re.compile(r"[-+*/%.\d][-+*/%.\deE]*|.*\b[vcf]_.*|[.\d].*")
 #: Styles that do not redefine an existing variable.
 KEPT: Final = ("index", "loop", "world", "universe", "uloop", "file", "atomfile", "getenv")
 #: Deepest nesting of include files and of variables.
@@ -312,13 +315,16 @@ class Commands:
         plain = self.variables.substitute(text)
         if UNRESOLVED.search(plain):
             return None
-        number = self.variables.number(plain)
-        if number is not None:
-            return bool(number)
-        words = re.fullmatch(r"\s*\"?([^\s\"]+)\"?\s*(==|!=)\s*\"?([^\s\"]+)\"?\s*", plain)
-        if words is None:
-            return None
-        return (words[1] == words[3]) == (words[2] == "==")
+        number = self.variables.number(EQUAL.sub(_same_words, plain))
+        return None if number is None else bool(number)
+
+
+def _same_words(found: re.Match[str]) -> str:
+    """A comparison of two words as 1 or 0; that of numbers as it is."""
+    words = [word.strip("\"'") for word in (found[1], found[3])]
+    if any(NUMBERS.fullmatch(word) for word in words):
+        return found[0]
+    return f" {int((words[0] == words[1]) == (found[2] == '=='))} "
 
 
 def text_of(path: Path) -> str | None:

@@ -52,6 +52,7 @@ class Lammps(State):
         self.everywhere, self.pairs = {}, {}
         for style, *rest in self.parts(words[1:]) if self.hybrid else [words]:
             name = unaccelerated(style)
+            self.granular = self.granular or name.startswith("gran")
             if name.startswith("gran/"):
                 self.understood(statement, partial(self.gran, statement, name, rest))
             elif name not in ("granular", "none", "zero"):
@@ -101,6 +102,7 @@ class Lammps(State):
             if rest and rest[0].isdecimal() and style == "granular":
                 rest = rest[1:]
         if style in ("granular", ""):
+            self.granular = True
             parsed = granular_words.granular(statement, rest, adhesion=True)
             new = self.coefficients(statement, "granular", parsed)
         elif style in self.everywhere:
@@ -165,7 +167,7 @@ class Lammps(State):
     def own_fix(self, fix: Fix) -> bool:
         """Walls and pouring."""
         if fix.style in GRANULAR_WALLS:
-            self.last = fix.statement
+            self.last, self.granular = fix.statement, True
             if not self.understood(fix.statement, lambda: self.read_wall(fix)):
                 self.fixes = {name: one for name, one in self.fixes.items() if one is not fix}
             return True

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, replace
+from functools import reduce
 from pathlib import Path
 from typing import Final
 
@@ -39,11 +40,8 @@ COMPARISONS: Final[dict[str, Callable[[int, int, int], bool]]] = {
     "!=": lambda k, a, _: k != a,
     "<>": lambda k, a, b: a <= k <= b,
 }
-#: Keywords of ``set`` that change sizes, masses or types.
-SET_KEYWORDS: Final = (
-    *("diameter", "density", "density/disc", "mass", "shape"),
-    *("type", "type/fraction", "type/ratio", "type/subset"),
-)
+#: Keywords of ``set`` that change sizes or masses.
+SET_KEYWORDS: Final = ("diameter", "density", "density/disc", "mass", "shape")
 #: Commands that are read below, or that affect neither contacts nor grains.
 HARMLESS_NAMES: Final = """
 angle_coeff angle_style atom_modify balance boundary box change_box comm_modify comm_style communicate create_bonds
@@ -123,6 +121,7 @@ class State:
         self.unknown: dict[Quote, None] = {}
         self.stages: list[Stage] = []
         self.last: Statement | None = None
+        self.granular = False  #: whether there are granular contacts, understood or not
         self.changed_since = True  #: whether settings may differ from those of the last stage
         self.reset()
 
@@ -156,10 +155,8 @@ class State:
             self.statement(statement)
         if not self.stages and self.last is not None:
             self.stage(self.last.quote, None)
-        if not any(stage.contacts for stage in self.stages) and not self.invalidates and not self.unknown:
+        if not self.granular or not self.stages:
             raise ValueError("script: has no granular contacts")
-        if not self.stages:
-            raise ValueError("script: has no statements about grains")
         return Description(
             self.code,
             self.version,
@@ -481,35 +478,30 @@ class State:
             chosen = self.members(name)
         else:
             chosen = Group(None, style == "atom" and name == "*")
+        changes: list[Callable[[Batch], Batch]] = []
         for k, word in enumerate(words[3:-1], 3):
-            if word in (
-                "diameter",
-                "density",
-                "density/disc",
-                "mass",
-                "type",
-                "type/fraction",
-                "type/ratio",
-                "type/subset",
-            ):
-                self.set_value(statement, chosen, word, words[k + 1])
-
-    def set_value(self, statement: Statement, chosen: Group, keyword: str, word: str) -> None:
-        """One keyword of ``set``."""
-        kinds = self.within(chosen)
+            if word in ("type", "type/fraction", "type/ratio", "type/subset"):
+                self.set_type(statement, chosen, word == "type", words[k + 1])
+            elif word in SET_KEYWORDS:
+                value = None if word == "shape" else self.set_number(statement, words[k + 1])
+                if value is None or value < 0.0:
+                    self.unknown[statement.quote] = None
+                    value = None
+                changes.append(self.changed(word, value))
         self.last = statement
-        if keyword.startswith("type"):
-            kind = self.type_of(word)
-            if 1 <= kind <= MOST_TYPES:
-                self.population.convert(kinds, chosen.whole and keyword == "type", kind)
-            else:
-                self.elsewhere(statement)
-            return
-        value = self.set_number(statement, word)
-        if value is None or value < 0.0:
-            self.unknown[statement.quote] = None
-            value = None
-        self.population.change(kinds, chosen.whole, self.changed(keyword, value))
+        self.population.change(
+            self.within(chosen),
+            chosen.whole,
+            lambda one: reduce(lambda now, change: change(now), changes, one),
+        )
+
+    def set_type(self, statement: Statement, chosen: Group, whole: bool, word: str) -> None:
+        """Another type for some grains."""
+        kind = self.type_of(word)
+        if 1 <= kind <= MOST_TYPES:
+            self.population.convert(self.within(chosen), chosen.whole and whole, kind)
+        else:
+            self.elsewhere(statement)
 
     def set_number(self, statement: Statement, word: str) -> float | None:
         """A number of ``set``; None if it differs from grain to grain."""
