@@ -16,7 +16,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any, Final
 
-from .statements import quoted, refusal
+from .statements import Refusal, quoted, refusal
 
 #: A print statement of Python 2.
 PRINT: Final = re.compile(r"(^[ \t]*|[:;][ \t]*)print\b(?![ \t]*\()[^\n]*", re.MULTILINE)
@@ -294,9 +294,9 @@ class Evaluator:
         self.step(node)
         try:
             found = self._value(node)
-        except (ValueError, TypeError, KeyError, IndexError, ArithmeticError, AttributeError) as error:
-            if isinstance(error, ValueError) and "must be" in str(error):
-                raise
+        except Refusal:
+            raise
+        except (ValueError, TypeError, KeyError, IndexError, ArithmeticError, AttributeError):
             return Unknown(ast.unparse(node))
         if (
             isinstance(found, float)

@@ -19,6 +19,10 @@ QUOTES: Final = ('"""', '"', "'")
 WORD: Final = re.compile(r'"""(.*?)"""(?!\S)|"([^"]*)"(?!\S)|\'([^\']*)\'(?!\S)|(\S+)', re.DOTALL)
 
 
+class Refusal(ValueError):
+    """What a script says is not understood, although contacts depend on it."""
+
+
 @dataclass(frozen=True)
 class Statement:
     """A command, a call or an assignment. The first word is its name."""
@@ -44,7 +48,7 @@ def quoted(file: str, line: int, text: str) -> Quote:
 def refusal(line: int, text: str, must: str, file: str = "") -> ValueError:
     """The error for a part of an input, with its line and text."""
     shown = validation.shown(" ".join(text.split()))
-    return ValueError(f"{' '.join(file.split()) or 'input'}: line {line}: got {shown}, must {must}")
+    return Refusal(f"{' '.join(file.split()) or 'input'}: line {line}: got {shown}, must {must}")
 
 
 def refused(statement: Statement, must: str) -> ValueError:
