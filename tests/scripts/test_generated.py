@@ -161,18 +161,7 @@ O.run(10)
 """
 LOG = "LAMMPS (22 Jul 2025)\n" + whole(1)
 #: Pieces that are put into scripts.
-SIGNS = list("&\n\"'$(){}[]^*#-0=:,\t\0é") + [
-    '"""',
-    "${",
-    "$(",
-    "**",
-    "1e999",
-    "nan",
-    "inf",
-    "-1",
-    "100000",
-    "v_x",
-]
+SIGNS = [*"&\n\"'$(){}[]^*#-0=:,\t\0é", '"""', "${", "$(", "**", "1e999", "nan", "inf", "-1", "100000", "v_x"]
 COMMANDS = [
     "label a\n",
     "jump SELF a\n",
