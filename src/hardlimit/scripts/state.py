@@ -47,7 +47,7 @@ HARMLESS_NAMES: Final = """
 angle_coeff angle_style atom_modify balance boundary box change_box comm_modify comm_style communicate create_bonds
 delete_atoms delete_bonds dihedral_coeff dihedral_style displace_atoms improper_coeff improper_style kspace_modify
 label lattice log mass min_modify min_style minimize modify_timing neb neigh_modify neighbor newton package partition
-processors region replicate rerun reset_atom_ids reset_atoms reset_ids reset_mol_ids reset_timestep shell
+processors replicate rerun reset_atom_ids reset_atoms reset_ids reset_mol_ids reset_timestep shell
 special_bonds suffix velocity hard_particles soft_particles next jump fix_modify bond_coeff pair_modify pair_write
 group2ndx ndx2group quit
 """
@@ -135,6 +135,7 @@ class State:
         self.time_step: float | None = None
         self.steps_done, self.atom_style = 0, ""
         self.molecules: dict[str, list[tuple[int, Batch]]] = {}
+        self.regions: dict[str, tuple[str, ...]] = {}
         self.variables.keywords["dt"] = TIME_STEPS[self.units]
 
     # --- what subclasses provide --------------------------------------------------------------------------------
@@ -396,6 +397,23 @@ class State:
     def command_create_box(self, statement: Statement) -> None:
         self.types = max(self.types, min(self.type_of((*statement.words, "")[1]), MOST_TYPES))
 
+    def command_region(self, statement: Statement) -> None:
+        if len(statement.words) > 2:
+            self.regions[statement.words[1]] = statement.words[2:]
+
+    def parts_of(self, region: str) -> dict[str, tuple[str, ...]]:
+        """A region, or those of which it is a union or an intersection."""
+        found: dict[str, tuple[str, ...]] = {}
+        pending = [region]
+        while pending:
+            name = pending.pop()
+            words = self.regions.get(name, ())
+            if name not in found:
+                found[name] = words
+                if words[:1] and words[0] in ("union", "intersect"):
+                    pending += words[2:]
+        return found
+
     def command_create_atoms(self, statement: Statement) -> None:
         words = statement.words
         kind = self.type_of(words[1]) if len(words) > 1 else 0
@@ -455,8 +473,9 @@ class State:
         try:
             found = population.merged(population.atoms(text, self.atom_style))
         except (ValueError, IndexError):
+            found = {}
+        if not found:
             self.elsewhere(statement)
-            return
         for kind, batch in found.items():
             if 1 <= kind <= MOST_TYPES:
                 self.population.add(kind, batch)
