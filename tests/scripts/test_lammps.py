@@ -101,7 +101,7 @@ def test_include_files_are_relative_to_the_script(tmp_path):
     assert found.quotes[0].file == "in.coeff" and found.quotes[0].line == 1
     (tmp_path / "more" / "in.coeff").unlink()
     assert refused(tmp_path / "in.main").startswith(
-        "in.pair: line 2: got 'include in.coeff', must name a file"
+        "more/in.pair: line 2: got 'include in.coeff', must name a file"
     )
     assert "must be in a file" in refused(f"include a.in\n{PAIR}")
 
