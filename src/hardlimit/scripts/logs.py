@@ -16,18 +16,7 @@ from .statements import Statement, scan, split
 HEADER: Final = re.compile(r"\s*(LAMMPS|LIGGGHTS) \((?:Version )?((?:[^()]|\([^()]*\))*)\)?", re.ASCII)
 #: Lines before the header, such as messages of MPI or a shell.
 MOST_BEFORE: Final = 50
-FLOW: Final = (
-    "variable",
-    "include",
-    "if",
-    "jump",
-    "next",
-    "label",
-    "quit",
-    "pair_modify",
-    "bond_style",
-    "kspace_style",
-)
+FLOW: Final = frozenset(("variable", "include", "if", "jump", "next", "label", "quit"))
 
 
 def header(text: str) -> tuple[str, str] | None:
