@@ -392,6 +392,56 @@ def test_settings_that_change_are_stages():
     assert again[2].time_step == 1e-8
 
 
+def test_groups():
+    """A wall acts on the types of its group."""
+    text = """region box block 0 1 0 1 0 1
+create_box 4 box
+create_atoms 1 box
+create_atoms 2 box
+create_atoms 3 box
+create_atoms 4 box
+group a type 1
+group b type 2:3
+group c type > 3
+group d union a c
+group e subtract all a b
+group f intersect b all
+group g type <> 2 3
+group h empty
+group a type 3
+pair_style gran/hooke 1 NULL 1 NULL 0 0
+"""
+    for name, types in {
+        "a": "13",
+        "b": "23",
+        "c": "4",
+        "d": "14",
+        "e": "4",
+        "f": "23",
+        "g": "23",
+        "h": "",
+    }.items():
+        found = stage(f"{text}fix w {name} wall/gran hooke 1 NULL 1 NULL 0 0 zplane 0 NULL\nrun 1\n").contacts
+        assert "".join(one.types[0] for one in found if one.wall) == types, name
+
+
+def test_labels_of_types():
+    text = (
+        f"{BOX}labelmap atom 1 sand 2 glass\ncreate_atoms sand box\ncreate_atoms 2 box\npair_style granular\n"
+    )
+    text += "pair_coeff sand sand hooke 1 0.1\npair_coeff sand glass hooke 2 0.2\nset type glass diameter 0.2\nrun 1\n"
+    assert normal(text)[1] == "1" and normal(text, ("1", "2"))[1] == "2"
+    assert stage(text).grains["2"].radii == (0.1, 0.1)
+
+
+def test_time_steps_that_adapt():
+    found = read(
+        f"{BASE}timestep 1e-6\nfix d all dt/reset 10 NULL 1e-6 0.1\nrun 1\nreset_timestep 0\nrun 5 upto\n"
+    )
+    assert [(one.time_step, one.steps) for one in found.stages] == [(None, 6)]
+    assert any("adapts" in one.what for one in found.ignored)
+
+
 def test_gravity_dimension_and_steps():
     text = f"dimension 2\n{BOX}{PAIR}{POUR}fix g all gravity 9.81 vector 0 -1 0\nrun 10\n"
     found = read(text)
