@@ -186,6 +186,15 @@ def test_the_time_step_of_waves():
     assert unknown.stages[0].time_step is None and any("PWave" in one.text for one in unknown.unknown)
     adapts = script(rest="O.engines = O.engines + [GlobalStiffnessTimeStepper()]\nO.run(1)\n")
     assert read(adapts).stages[0].time_step is None
+    assert read(adapts.replace("Stepper()", "Stepper(active=False)")).stages[0].time_step == 1e-8
+
+
+def test_engines_of_motion_are_named():
+    lines = "O.engines += [CombinedKinematicEngine() + TranslationEngine() + RotationEngine()]\nO.run(1)\n"
+    said = " ".join(one.what for one in read(script(rest=lines)).ignored)
+    assert "CombinedKinematicEngine" in said and "TranslationEngine" in said
+    facets = script().replace("Ig2_Sphere_Sphere_ScGeom()", "Ig2_Facet_Sphere_ScGeom(hertzian=True)")
+    assert "hertzian" in read(facets).unknown[0].text
 
 
 def test_stages_and_labels():

@@ -367,6 +367,8 @@ class Evaluator:
         return -value if isinstance(sign, ast.USub) else +value
 
     def binary(self, left: Any, sign: ast.operator, right: Any, node: ast.AST) -> Any:
+        if isinstance(left, Instance | list) and isinstance(right, Instance) and isinstance(sign, ast.Add):
+            return [*flat([left]), right]  # such as engines of motion
         if isinstance(left, Unknown | Instance) or isinstance(right, Unknown | Instance):
             return Unknown(ast.unparse(node))
         if isinstance(sign, ast.Pow):

@@ -459,7 +459,7 @@ class Yade(Evaluator):
 
     def step_now(self) -> float | None:
         """The time step; None if it is not known or an engine changes it."""
-        if self.used("GlobalStiffnessTimeStepper"):
+        if any(is_active(one) for one in self.used("GlobalStiffnessTimeStepper")):
             return None
         return self.time_step if self.time_step_given else DEFAULT_TIME_STEP
 
@@ -639,7 +639,9 @@ class Yade(Evaluator):
                 self.contact_note(one, quote)
             elif name in MOTION:
                 self.ignored[Note(f"prescribed motion ({name})", None, quote)] = None
-            elif name == "GlobalStiffnessTimeStepper":
+            elif name.startswith("Ig2_") and one.attributes.get("hertzian"):
+                self.unknown[quote] = None  # another radius at facets
+            elif name == "GlobalStiffnessTimeStepper" and is_active(one):
                 self.ignored[Note("a time step that adapts (GlobalStiffnessTimeStepper)", None, quote)] = None
             elif name == "PyRunner":
                 self.runner_note(one, quote)
@@ -685,6 +687,11 @@ class Yade(Evaluator):
 def is_scene(owner: Any) -> bool:
     """Whether something is ``O``."""
     return isinstance(owner, str) and owner in ("O", "yade.O")
+
+
+def is_active(engine: Instance) -> bool:
+    """Whether an engine is neither dead nor inactive."""
+    return not engine.attributes.get("dead", False) and bool(engine.attributes.get("active", True))
 
 
 def as_range(value: Any) -> Range | None:
