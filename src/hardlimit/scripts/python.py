@@ -21,7 +21,7 @@ from .statements import Refusal, quoted, refusal
 
 #: A print statement of Python 2.
 PRINT: Final = re.compile(r"(^[ \t]*|[:;][ \t]*)print\b(?![ \t]*\()[^\n]*", re.MULTILINE)
-MOST_STEPS: Final = 200_000
+MOST_STEPS: Final = 500_000
 MOST_ITEMS: Final = 20_000  #: of a list
 DEEPEST: Final = 8  #: nesting of calls of the script's own functions
 
