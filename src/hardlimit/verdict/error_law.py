@@ -155,8 +155,8 @@ class ErrorLaw:
 
     Notes
     -----
-    Derived and measured in :doc:`/findings/error_law`. The effect of the rule tc: Luding & Goldshtein, Granular Matter 5,
-    159 (2003).
+    Derived and measured in :doc:`/findings/error_law`. The effect of the rule tc: Luding & Goldshtein, Granular
+    Matter 5, 159 (2003).
 
     Examples
     --------
