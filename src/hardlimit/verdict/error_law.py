@@ -14,7 +14,12 @@ import math
 from dataclasses import dataclass, field
 from typing import Any, Final, NamedTuple
 
+import numpy as np
+
+from .. import _core
+from ..boxes.falling_frame import law_arguments
 from ..boxes.rules import RULES
+from ..boxes.system import ParticleSystem
 from ..contact.balls import Ball
 from ..contact.contact import Law
 from ..support import validation
@@ -99,6 +104,30 @@ def exponents(law: Law) -> Exponents:
     q = math.log2(high / low)
     low, high = (float(contact.force(depth, rate)) - float(contact.force(depth)) for depth in depths)
     return Exponents(q, math.log2(high / low) if low > 0.0 else q - 2.0)
+
+
+class Softness(NamedTuple):
+    """Contacts of a gas at the mean impact speed √(πT). NaN for particles at rest."""
+
+    duration: float  #: t_c [s]
+    restitution: float  #: ε
+    delta_over_d: float  #: δ/d, greatest compression over the diameter
+
+
+def softness(law: Law, system: ParticleSystem, temperature: Any) -> Softness:
+    """The contact of two particles of mean mass and radius at the mean impact speed at these temperatures [m²/s²].
+
+    For linear springs, whose compression is proportional to the speed, δ/d is the mean over all contacts.
+    """
+    speed = math.sqrt(math.pi) * float(np.sqrt(np.maximum(temperature, 0.0)).mean())
+    if not 0.0 < speed < math.inf:
+        return Softness(math.nan, math.nan, math.nan)
+    mass, radius = float(system.mass.mean()), float(system.radius.mean())
+    contact, at = _core.make_contact(*law_arguments(law), 0.5 * mass, 0.5 * radius), np.array([speed])
+    duration, restitution, depth = (
+        float(of(at)[0]) for of in (contact.duration, contact.restitution, contact.compression)
+    )
+    return Softness(duration, restitution, depth / (2.0 * radius))
 
 
 # --- theory -------------------------------------------------------------------------------------------------
