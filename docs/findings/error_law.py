@@ -5,7 +5,7 @@
     python docs/findings/error_law.py draw
 
 ``measure`` appends one line for each run to the file STORE and skips runs that are in it. ``collect`` gathers them in
-error_law.nc beside this file. ``draw`` makes the figures and tables of error_law.md from that file.
+error_law.nc beside this file. ``draw`` makes the figures and tables of docs/error_law.md from that file.
 
 Every replica starts from an elastic equilibrium of equal spheres or disks in a periodic box. A run is measured while
 its energy E falls from y = 3 to 9 collisions per particle by Haff's law, y = √(E(0)/E) = exp((1 − ε²) n/(2D)). E is the

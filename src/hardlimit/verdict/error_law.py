@@ -2,7 +2,7 @@
 
 In a cooling gas the relative error of d√(E(0)/E)/dt of hard spheres, compared with Newton's equations at the same
 energy E, is a(φ, ε) t_c ν. E is the energy not yet dissipated, kinetic and stored in contacts.
-docs/findings/error_law.md derives and measures a.
+docs/error_law.md derives and measures a.
 
 Notation: d diameter, D dimension, T = ⟨v_x²⟩, χ(φ) = g(d⁺) pair correlation at contact, s = −g'(d⁺) d/χ,
 x = 1 − ε², U(ξ) ∝ ξ^q elastic energy, C(ξ) ∝ ξ^c damping (force C dξ/dt), and ν = D 2^D φ χ √(T/π)/d, Enskog's rate.
@@ -184,7 +184,7 @@ class ErrorLaw:
 
     Notes
     -----
-    Derived and measured in :doc:`/findings/error_law`. The effect of the rule tc: Luding & Goldshtein, Granular
+    Derived and measured in :doc:`/error_law`. The effect of the rule tc: Luding & Goldshtein, Granular
     Matter 5, 159 (2003).
 
     Examples
@@ -328,7 +328,7 @@ def error_law(
     Notes
     -----
     For ε → 1 the coefficient follows from equilibrium averages, without a free parameter; its dependence on ε is partly
-    derived and partly measured (:doc:`/findings/error_law`). Berzi & Jenkins, Soft Matter 11, 4799 (2015), correct
+    derived and partly measured (:doc:`/error_law`). Berzi & Jenkins, Soft Matter 11, 4799 (2015), correct
     kinetic theory for the contact duration by one constant.
 
     Examples
