@@ -16,8 +16,7 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from .. import _core
-from ..boxes.falling_frame import law_arguments
+from ..boxes.contacts import mean_contact
 from ..boxes.rules import RULES
 from ..boxes.system import ParticleSystem
 from ..contact.balls import Ball
@@ -126,12 +125,11 @@ def softness(law: Law, system: ParticleSystem, temperature: Any) -> Softness:
     speed = math.sqrt(math.pi) * float(np.sqrt(np.maximum(temperature, 0.0)).mean())
     if not 0.0 < speed < math.inf:
         return Softness(math.nan, math.nan, math.nan)
-    mass, radius = float(system.mass.mean()), float(system.radius.mean())
-    contact, at = _core.make_contact(*law_arguments(law), 0.5 * mass, 0.5 * radius), np.array([speed])
+    contact, at = mean_contact(system, law), np.array([speed])
     duration, restitution, depth = (
         float(of(at)[0]) for of in (contact.duration, contact.restitution, contact.compression)
     )
-    return Softness(duration, restitution, depth / (2.0 * radius))
+    return Softness(duration, restitution, depth / (2.0 * float(system.radius.mean())))
 
 
 # --- theory -------------------------------------------------------------------------------------------------
