@@ -401,7 +401,7 @@ def of_packing(ds: xr.Dataset) -> Figure:
             thin, dense = error_law.MEASURED_PACKING[dimension]
             phi = np.geomspace(0.85 * thin, 1.06 * dense, 80)
             for shift, (epsilon, (name, marker)) in enumerate(LOOKS.items()):
-                if epsilon not in RESTITUTION[dimension]:
+                if epsilon < error_law.MEASURED_RESTITUTION[dimension]:
                     continue
                 colour = PALETTE[name]
                 law = [
