@@ -1,0 +1,95 @@
+"""What a script says about grains and contacts, in the script's own units."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+#: Second type of a contact with a wall.
+WALL = "wall"
+
+Range = tuple[float, float]  #: smallest and largest value
+
+
+@dataclass(frozen=True)
+class Setting:
+    """A setting and its place in the script."""
+
+    words: tuple[str, ...]
+    line: int
+    text: str
+
+
+Settings = dict[str, Setting]
+
+
+@dataclass(frozen=True)
+class Quote:
+    """A statement as messages quote it."""
+
+    file: str  #: path as the script names it; empty for text that is not a file
+    line: int  #: counted from 1
+    text: str  #: one line
+
+
+@dataclass(frozen=True)
+class Grains:
+    """The grains of one type. A range is None if the script does not state it.
+
+    At most one of ``densities`` and ``masses`` is given: in LAMMPS, another diameter leaves the mass as it is.
+    """
+
+    type: str
+    radii: Range | None = None
+    densities: Range | None = None
+    masses: Range | None = None
+    frozen: bool = False  #: whether none of them moves
+
+
+@dataclass(frozen=True)
+class ContactSettings:
+    """The settings of the normal force between two types, or between a type and a wall."""
+
+    types: tuple[str, str]  #: the second is :data:`WALL` at a wall
+    wall: str | None  #: name of the wall; None between grains
+    settings: Settings  #: by name, as in ``reads`` of the files in ``hardlimit/convert/codes``
+    quotes: tuple[Quote, ...]  #: the statements that these settings come from
+
+
+@dataclass(frozen=True)
+class Note:
+    """Something that is in the script beside the normal contacts."""
+
+    what: str
+    types: tuple[str, ...] | None = None  #: the types that it concerns; None for all
+    quote: Quote | None = None
+
+
+@dataclass(frozen=True)
+class Stage:
+    """What holds during one run."""
+
+    quote: Quote  #: the command that runs
+    time_step: float | None
+    time_step_given: bool  #: False for the code's default
+    steps: int | None
+    contacts: tuple[ContactSettings, ...]
+    grains: dict[str, Grains]  #: by type
+    gravity: float | None  #: magnitude; None without gravity
+    numerical_damping: float | None  #: of the integrator; None in codes without it
+
+
+@dataclass(frozen=True)
+class Description:
+    """What a script says: the state of its settings at each run, and what else affects its grains."""
+
+    code: str
+    version: str | None  #: only a log states it
+    units: str
+    units_given: bool
+    dimension: int
+    stages: tuple[Stage, ...]
+    ignored: tuple[Note, ...] = field(default=())  #: leaves head-on collisions as they are
+    invalidates: tuple[Note, ...] = field(
+        default=()
+    )  #: makes contacts sticky, dissipates elsewhere, ties grains
+    unknown: tuple[Quote, ...] = field(default=())  #: statements that were not understood
