@@ -1,0 +1,158 @@
+"""The law of the error against measured values, its limits, and random settings."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import hardlimit as hl
+from conftest import law_of
+from hardlimit.boxes import theory
+from hardlimit.boxes.rules import RULES
+from hardlimit.fidelity_study.starts import equilibrated
+from hardlimit.verdict import error_law as module
+
+VISCOELASTIC = hl.Viscoelastic(youngs_modulus=1e9, poisson_ratio=0.3, restitution=0.9, impact_speed=1.0)
+TSUJI = hl.LAWS["tsuji"](elastic_prefactor=1e7, restitution=0.9)
+
+
+def law(packing_fraction, restitution, **given):
+    return hl.error_law(packing_fraction=packing_fraction, restitution=restitution, **given)
+
+
+#: φ, and a measured at ε = 0.9999 and t_c ν = 0.1 with 20,000 spheres, with its standard error.
+NEARLY_ELASTIC = {0.2: (0.690, 0.006), 0.35: (0.519, 0.006), 0.5: (0.435, 0.007)}
+
+
+@pytest.mark.parametrize("phi", NEARLY_ELASTIC)
+def test_nearly_elastic_spheres(phi):
+    value, error = NEARLY_ELASTIC[phi]
+    found = law(phi, 0.9999)
+    assert abs(found.coefficient - value) < 2.0 * math.hypot(error, found.coefficient_error)
+    assert found.source == "theory"
+
+
+#: (φ, ε): a measured at t_c ν = 0.1 with 20,000 spheres, and its standard error.
+INELASTIC = {
+    (0.05, 0.99): (1.558, 0.018), (0.05, 0.9): (1.474, 0.025), (0.05, 0.8): (1.325, 0.028), (0.05, 0.7): (1.303, 0.017),
+    (0.2, 0.99): (0.702, 0.022), (0.2, 0.9): (0.660, 0.022), (0.2, 0.8): (0.563, 0.028), (0.2, 0.7): (0.546, 0.031),
+    (0.35, 0.99): (0.536, 0.010), (0.35, 0.9): (0.440, 0.012), (0.35, 0.8): (0.402, 0.015), (0.35, 0.7): (0.387, 0.021),
+    (0.5, 0.8): (0.352, 0.012), (0.5, 0.7): (0.273, 0.015),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("phi, epsilon", INELASTIC)
+def test_inelastic_spheres(phi, epsilon):
+    value, error = INELASTIC[phi, epsilon]
+    found = law(phi, epsilon)
+    assert abs(found.coefficient - value) < 2.0 * math.hypot(error, found.coefficient_error)
+
+
+@pytest.mark.parametrize("phi, value", [(0.05, -0.64), (0.2, -1.35), (0.35, -1.50), (0.5, -1.60)])
+def test_rule_tc_at_one_tenth(phi, value):
+    assert law(phi, 1.0, rule="tc").error(0.1) / 0.1 == pytest.approx(value, abs=0.01)
+
+
+def test_exponents_of_laws():
+    assert module.exponents(VISCOELASTIC) == pytest.approx((2.5, 0.5))
+    assert module.exponents(TSUJI) == pytest.approx((2.5, 0.25))
+    assert module.exponents(VISCOELASTIC).mean_compression == pytest.approx(0.757, abs=5e-4)
+    assert module.exponents(TSUJI).mean_compression == pytest.approx(0.680, abs=5e-4)
+    assert module.LINEAR.mean_compression == pytest.approx(2.0 / math.pi)
+
+
+def test_a_thin_gas_depends_on_the_compression_only():
+    for phi in (1e-3, 1e-5):
+        found = law(phi, 1.0)
+        assert found.error(1e-6) == pytest.approx(4.0 / math.pi * found.delta_over_d(1e-6), rel=0.02)
+
+
+@given(
+    phi=st.floats(1e-6, 0.64),
+    epsilon=st.floats(0.0, 1.0),
+    dimension=st.sampled_from([2, 3]),
+    rule=st.sampled_from(sorted(RULES)),
+    contact=st.sampled_from([None, VISCOELASTIC, TSUJI]),
+    tc_nu=st.floats(0.0, 1.0),
+    error=st.floats(1e-6, 1.0),
+)
+def test_any_setting_gives_a_bounded_law(phi, epsilon, dimension, rule, contact, tc_nu, error):
+    found = law(phi, epsilon, dimension=dimension, rule=rule, law=contact)
+    assert found.error(0.0) == 0.0 == found.error_bar(0.0)
+    assert math.isfinite(found.error(tc_nu)) and found.error(tc_nu) > -1.0
+    assert 0.0 < found.coefficient_error < math.inf and found.error_bar(tc_nu) >= 0.0
+    assert found.error_bar(tc_nu) >= found.error_bar(0.5 * tc_nu)
+    limit = found.largest_tc_nu(error)
+    assert 0.0 <= limit <= module.MEASURED_TC_NU and abs(found.error(limit)) <= error * (1 + 1e-9)
+    assert found.largest_tc_nu(min(1.0, 2.0 * error)) >= limit
+
+
+def test_outside_the_measured_range_it_says_so():
+    inside, thin, dissipative = law(0.2, 0.6), law(1e-3, 0.9), law(0.2, 0.1)
+    assert inside.extrapolated == ""
+    assert "packing fraction 0.001 is outside" in thin.extrapolated
+    assert "restitution 0.1 is below" in dissipative.extrapolated and "; the restitution" in str(dissipative)
+    assert dissipative.coefficient_error > law(0.2, 0.4).coefficient_error
+    assert inside.error_bar(0.6) / 0.6 > 2.0 * inside.error_bar(0.3) / 0.3
+
+
+def test_a_denser_or_more_dissipative_gas_of_spheres_has_a_smaller_coefficient():
+    for epsilon in (0.99, 0.8, 0.6):
+        found = [law(phi, epsilon).coefficient for phi in (0.02, 0.05, 0.1, 0.2, 0.35, 0.5)]
+        assert found == sorted(found, reverse=True)
+    for phi in (0.02, 0.1, 0.3, 0.5):
+        found = [law(phi, epsilon).coefficient for epsilon in (1.0, 0.9, 0.8, 0.6, 0.4)]
+        assert found == sorted(found, reverse=True)
+
+
+@pytest.mark.parametrize("name", ["linear", "viscoelastic", "tsuji"])
+def test_the_law_needs_no_scale(name):
+    """Laws of one kind with other constants give the same numbers."""
+    first = law(0.2, 0.9, law=law_of(name, 0.9))
+    second = law(0.2, 0.9, law=law_of(name, 0.6))
+    assert first.coefficient == pytest.approx(second.coefficient, rel=1e-9)
+
+
+def test_bad_laws_are_refused():
+    with pytest.raises(ValueError, match=r"^law: got 'linear', must be a contact law"):
+        law(0.2, 0.9, law="linear")
+    with pytest.raises(ValueError, match=r"^packing_fraction: got 0.7, must be in \(0, 0.64\]"):
+        law(0.7, 0.9)
+    assert law(0.7, 0.9, dimension=2).coefficient > 0.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "dimension, phi, rule", [(3, 0.2, "constant"), (3, 0.35, "tc"), (2, 0.5, "constant")]
+)
+def test_a_measurement_agrees(dimension, phi, rule):
+    """Times for the same loss of energy of hard spheres and Newton's equations, after the start's transient."""
+    epsilon, tc_nu = 0.9, 0.25
+    random = hl.ParticleSystem.random(3000, phi, 1e-3, 2500.0, 1.0, dimension=dimension)
+    rate = float(theory.gas(random).collision_rate(random.granular_temperature))
+    lost = (1.0 - epsilon**2) / (2.0 * dimension)
+    energies = np.exp([3.0 * lost, 10.0 * lost])
+    unit, ball = hl.LinearDashpot(stiffness=1.0, restitution=epsilon), hl.Ball(1e-3, density=2500.0)
+    spring = unit.replace(stiffness=(unit.between(ball, ball).duration() * rate / tc_nu) ** 2)
+    until = 1.6 * (energies[1] - 1.0) / (lost * rate)
+
+    def duration(run, start):
+        energy = 0.5 * dimension * start.mass.sum() * start.granular_temperature
+        grown = np.sqrt(energy / (energy - run.series["dissipated_energy"].values))
+        first, last = np.interp(energies, grown, run.series["time"].values)
+        return last - first
+
+    ratios = []
+    for k in range(6):
+        start = equilibrated(random, k)
+        asked = {"contact_duration": tc_nu / rate} if rule == "tc" else {}
+        hard = hl.event_driven(start, restitution=epsilon, rule=rule, until=until, **asked)
+        newton = hl.molecular_dynamics(start, law=spring, until=until, engine="events")
+        ratios.append(duration(newton, start) / duration(hard, start) - 1.0)
+    found = law(phi, epsilon, dimension=dimension, rule=rule)
+    instant = tc_nu * np.log(energies[1] / energies[0]) / (energies[1] - energies[0])
+    bar = math.hypot(np.std(ratios, ddof=1) / math.sqrt(len(ratios)), found.error_bar(instant))
+    assert abs(np.mean(ratios) - found.error(instant)) < 4.0 * bar
+    assert bar < 0.3 * abs(found.error(instant))
