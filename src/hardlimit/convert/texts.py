@@ -109,6 +109,24 @@ def read(
     names = {name for one in models for reads in (one.input.reads, one.input.reads_wall) for name in reads}
     reading = READERS[code.reader](text, Asked(frozenset(names), code.defaults, code.sticky))
     settings = _contact(code, models, reading, wall, contact, names)
+    return interpreted(code, models, settings, wall, reading.units, reading.numerical_damping)
+
+
+def interpreted(
+    code: Code,
+    models: Sequence[Model],
+    settings: Settings,
+    wall: bool,
+    units: str = "si",
+    numerical_damping: float | None = None,
+) -> Read:
+    """The model that the settings of a contact select, and its numbers, converted from ``units`` to SI.
+
+    Raises
+    ------
+    ValueError
+        If there is no model or several, or a number is outside its range.
+    """
     found = _only_model(code, models, settings, wall)
     numbers: Numbers = {}
     for name, words in _reads(found, wall).items():
@@ -117,8 +135,8 @@ def read(
             if place.startswith("{"):
                 kind, _, number = place[1:-1].rpartition(":")
                 value = _number(number, word, setting)
-                units = zip(UNITS[reading.units], found.unit(number), strict=True)
-                scale = math.prod(unit**power for unit, power in units)
+                powers = zip(UNITS[units], found.unit(number), strict=True)
+                scale = math.prod(unit**power for unit, power in powers)
                 numbers[number] = _checked(
                     found, number, scale * (abs(value) if kind == "negative" else value), setting
                 )
@@ -128,7 +146,7 @@ def read(
         found,
         numbers,
         found.attracts == "always" or not (found.attracts == "never" or limited),
-        reading.numerical_damping,
+        numerical_damping,
     )
 
 
