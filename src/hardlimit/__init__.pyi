@@ -45,3 +45,5 @@ from .boxes.resume import resume as resume
 from .boxes.system import ParticleSystem as ParticleSystem
 from .stacks import Stack as Stack
 from .stacks import stack as stack
+from .verdict.error_law import ErrorLaw as ErrorLaw
+from .verdict.error_law import error_law as error_law
