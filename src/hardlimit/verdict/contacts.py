@@ -14,11 +14,9 @@ from scipy.integrate import solve_ivp
 
 from ..boxes.theory import Gas
 from ..boxes.time_step import DEFAULT_ERROR
-from ..convert.force import Collision, Force
+from ..convert.force import Collision, Force, Powers
 from .expectation import RULES, expected
 
-#: Error of event-driven cooling up to which the answer is yes.
-ACCEPTED: Final = 0.01
 #: Two values tried for an unknown radius, mass and speed.
 TRIALS: Final = {"radius": (1e-3, 3e-3), "mass": (1e-6, 5e-6), "speed": (1.0, 0.3)}
 AGREEMENT: Final = 1e-6  #: relative difference of results that count as equal
@@ -110,6 +108,7 @@ class CheckedContact:
     tc_nu: float | None = None  #: duration times collision rate of a grain
     delta_over_d: float | None = None  #: greatest overlap at the mean impact speed, over the diameter
     error: Mapping[str, tuple[float, float]] = field(default_factory=dict)  #: of cooling, by rule, with its error
+    rule: str = "constant"  #: of the event-driven simulation that the answer is about: "law" if ε depends on the speed
     softening: float | None = None  #: factor of the stiffness with which the error of cooling is 1 %
 
 
@@ -144,6 +143,8 @@ def examine(case: Case, speed: float | None, gas: Surroundings) -> CheckedContac
     bars = {rule: kept.pop(f"{rule}±") for rule in errors}
     known = {rule: (value, bar) for rule, value in errors.items() if value is not None and (bar := bars[rule]) is not None}
     steps = kept.pop("steps_per_contact", None)
+    powers = case.force(case.first.tried(0), None if case.second is None else case.second.tried(0), 1.0).powers
+    kept["rule"] = usual_rule(powers)
     return replace(row, **kept, steps_per_contact=None if steps is None else int(steps), error=known)
 
 
@@ -203,10 +204,17 @@ def _in_gas(
     exponent = 0.25 * force.powers.elastic + 1.0
     for rule in RULES:
         one = expected(rule, gas.dimension, gas.packing_fraction, mean.restitution, force.powers, tc_nu)
+        if one is None:
+            continue
         found[rule], found[f"{rule}±"] = one.error, one.bar
-        if rule == "constant" and one.largest_tc_nu:
+        if rule == usual_rule(force.powers):
             found["softening"] = (tc_nu / one.largest_tc_nu) ** exponent
     return found
+
+
+def usual_rule(powers: Powers) -> str:
+    """The rule of an event-driven simulation of this force: "constant" if ε does not depend on the speed, else "law"."""
+    return "constant" if 2 * powers.damping == powers.elastic - 4 else "law"
 
 
 def _collision(force: Force, speed: float, damping: float | None) -> Collision:
