@@ -38,11 +38,11 @@ def written(
     walls = [one for one in contacts if one[0].wall]
     for group in (balls, walls) if texts.apart else (contacts,):
         lines += _contacts(code, model, group, lines)
-    lines += texts.foot.replace("{time_step}", _rounded_down(time_step)).splitlines()
+    lines += texts.foot.replace("{time_step}", rounded_down(time_step)).splitlines()
     return "\n".join(line.replace("{keyword}", keyword) for line in lines)
 
 
-def _rounded_down(time_step: float) -> str:
+def rounded_down(time_step: float) -> str:
     """The time step rounded down to four digits."""
     return f"{float(Context(prec=4, rounding=ROUND_FLOOR).create_decimal(time_step)):.4g}"
 

@@ -174,6 +174,8 @@ def _ends(number: int, stage: Stage, contact: ContactSettings, force: ModelForce
             None if force is None else not force.attraction,
             stage.time_step,
             stage.numerical_damping,
+            None if force is None else force.numbers.get("youngs_modulus"),
+            None if force is None else force.numbers.get("poisson_ratio"),
         )
 
 
@@ -204,7 +206,8 @@ def of_law(
     def case(first: Body, second: Body | None) -> Case:
         types = (str(bodies.index(first) + 1), WALL if second is None else str(bodies.index(second) + 1))
         model = law.record["name"]
-        return Case(types, 1, None, first, second, force, model, ask, True, time_step)
+        material = (law.parameters.get(name) for name in ("youngs_modulus", "poisson_ratio"))
+        return Case(types, 1, None, first, second, force, model, ask, True, time_step, None, *material)
 
     pairs = [case(one, other) for i, one in enumerate(bodies) for other in bodies[i:]]
     return pairs + [case(one, None) for one in bodies] * walls

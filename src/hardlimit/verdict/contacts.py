@@ -83,6 +83,8 @@ class Case:
     clipped: bool | None = None
     time_step: float | None = None
     numerical_damping: float | None = None
+    youngs_modulus: float | None = None
+    poisson_ratio: float | None = None
 
 
 @dataclass(frozen=True)
@@ -104,6 +106,8 @@ class CheckedContact:
     steps_per_contact: int | None = None
     restitution_error_of_step: float | None = None
     time_step: float | None = None  #: [s], with an error of ε of 0.001
+    rayleigh_time: float | None = None  #: πR√(ρ/G)/(0.1631 ν + 0.8766) [s]; needs a Young's modulus
+    p_wave_time: float | None = None  #: R√(ρ/Y) [s]; needs a Young's modulus
     largest_overlap: float | None = None  #: over the smaller radius
     tc_nu: float | None = None  #: duration times collision rate of a grain
     delta_over_d: float | None = None  #: greatest overlap at the mean impact speed, over the diameter
@@ -171,6 +175,11 @@ def _results(
         "time_step": force.longest_step(speed, DEFAULT_ERROR),
         "largest_overlap": collision.compression / smaller,
     }
+    if case.youngs_modulus is not None and math.isfinite(first.mass):
+        density = first.mass / (4.0 / 3.0 * math.pi * first.radius**3)
+        wave, nu = math.sqrt(density / case.youngs_modulus), case.poisson_ratio or 0.0
+        found["p_wave_time"] = first.radius * wave
+        found["rayleigh_time"] = math.pi * first.radius * wave * math.sqrt(2.0 + 2.0 * nu) / (0.1631 * nu + 0.8766)
     if case.time_step is not None:
         found["steps_per_contact"] = (
             math.floor(collision.duration / case.time_step) if math.isfinite(collision.duration) else None

@@ -1,0 +1,72 @@
+"""The answer in one sentence: yes, no, or that it cannot be said, with the number that decides."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ..support.formatting import digits, listed, percent, percent_with_error
+from .contacts import CheckedContact
+from .expectation import ACCEPTED
+from .result import Finding
+
+#: Options that supply what is missing.
+OPTIONS = {
+    "speeds": "--speed",
+    "packing": "--packing-fraction",
+}
+
+
+def answer(
+    rows: Sequence[CheckedContact],
+    invalidates: Sequence[Finding],
+    unknown: Sequence[Finding],
+    missing: Sequence[str],
+) -> tuple[bool | None, str]:
+    """Whether event-driven simulation is admissible, and the sentence."""
+    if invalidates:
+        return False, _invalid(invalidates)
+    known = [row for row in rows if row.rule in row.error]
+    worst = max(known, key=lambda row: abs(row.error[row.rule][0]) + row.error[row.rule][1], default=None)
+    if worst is not None:
+        value, bar = worst.error[worst.rule]
+        if abs(value) - bar > ACCEPTED:
+            return False, f"No: {_cools(worst)}; {_needs(worst)}."
+    if unknown:
+        return None, f"Cannot be said: not understood is {unknown[0].where or unknown[0].what}."
+    pairs = [row for row in rows if row.types[1] != "wall"]
+    if missing or len(known) < len(pairs) or worst is None:
+        if not missing:
+            return None, "Cannot be said: the error is not known for so dense a packing."
+        options = [OPTIONS[one] for one in missing if one in OPTIONS]
+        offered = f" (give --dump, or {listed(options)})" if options else " (they are not in the script)"
+        return None, f"Cannot be said: {listed(missing)} {'is' if list(missing) == ['packing'] else 'are'} not known{offered}."
+    if abs(value) + bar > ACCEPTED:
+        return None, f"Cannot be said: {_cools(worst)}, and {percent(ACCEPTED)} is within the error bar."
+    return True, f"Yes: {_cools(worst)}, less than {percent(ACCEPTED)}; {_may(worst)}."
+
+
+def _invalid(invalidates: Sequence[Finding]) -> str:
+    first = invalidates[0]
+    where = f" ({'–'.join(first.types)})" if first.types else ""
+    others = f", and {len(invalidates) - 1} more" if len(invalidates) > 1 else ""
+    return f"No: {first.what}{where}, which no event-driven simulation can follow{others}."
+
+
+def _cools(row: CheckedContact) -> str:
+    """How far the cooling is off, and where."""
+    value, bar = row.error[row.rule]
+    pair = "–".join(row.types)
+    how = "too fast" if value > 0.0 else "too slowly"
+    return (
+        f"event-driven cools {percent_with_error(abs(value), bar)} {how} at t_c ν = {digits(row.tc_nu or 0.0, 2)} "
+        f"(grains {pair}{'' if row.rule == 'constant' else f', rule {row.rule}'})"
+    )
+
+
+def _needs(row: CheckedContact) -> str:
+    return f"{percent(ACCEPTED)} takes {digits(row.softening or 0.0, 2)} times the stiffness"
+
+
+def _may(row: CheckedContact) -> str:
+    softer = row.softening or 1.0
+    return f"{percent(ACCEPTED)} allows {digits(softer, 2)} times the stiffness" if softer < 1.0 else "do not soften"
