@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Final
 
+from ..support import validation
+from .commands import Commands, given, text_of
 from .description import ContactSettings, Description, Grains, Note, Quote, Setting, Settings, Stage
 
 __all__ = [
@@ -18,6 +22,23 @@ __all__ = [
     "Stage",
     "read",
 ]
+
+
+CODES: Final = ("lammps", "liggghts", "yade")
+#: Longest text that may be a path.
+LONGEST_PATH: Final = 1000
+#: What tells the codes apart, outside comments.
+SIGNS: Final = {
+    "yade": re.compile(
+        r"^[^#\n]*(?:\bO\.(?:engines|materials|bodies)\b|\bIp2_\w+\s*\(|\b(?:from|import)\s+yade\b|NewtonIntegrator\s*\()",
+        re.MULTILINE,
+    ),
+    "liggghts": re.compile(
+        r"^[^#\n]*(?:\bpair_style\s+gran\s|\bproperty/global\b|\bparticletemplate/|\bmesh/surface\b)",
+        re.MULTILINE,
+    ),
+    "lammps": re.compile(r"^[^#\n]*\b(?:pair_style|pair_coeff|wall/gran)\b", re.MULTILINE),
+}
 
 
 def read(source: str | Path, *, code: str | None = None, variables: Mapping[str, str] = {}) -> Description:
@@ -37,4 +58,45 @@ def read(source: str | Path, *, code: str | None = None, variables: Mapping[str,
     ValueError
         If the script has no granular contacts or cannot be resolved.
     """
-    raise ValueError("script: not read yet")
+    from . import logs
+    from .lammps import Lammps
+    from .liggghts import Liggghts
+
+    text, file, folder = _opened(source)
+    if code is not None:
+        validation.one_of("code", code, CODES)
+    log = logs.header(text)
+    found = code or (log[0] if log else _code_of(text))
+    if found == "yade":
+        from . import yade
+
+        return yade.read(text, file, variables)
+    kind = Liggghts if found == "liggghts" else Lammps
+    known = given(variables)
+    state = kind(known, folder, log[1] if log else None, found)
+    if log:
+        return state.read(logs.commands(text, file, known, kind))
+    return state.read(iter(Commands(text, file, folder, known)))
+
+
+def _opened(source: str | Path) -> tuple[str, str, Path | None]:
+    """Text, name and folder of a source."""
+    if not isinstance(source, str | Path):
+        raise ValueError(f"script: got {validation.shown(source)}, must be a path or a text")
+    if isinstance(source, str) and ("\n" in source or len(source) > LONGEST_PATH):
+        return source.removeprefix("\ufeff"), "", None
+    path = Path(source)
+    text = text_of(path)
+    if text is not None:
+        return text.removeprefix("\ufeff"), path.name, path.parent
+    if isinstance(source, str) and len(source.split()) > 1:
+        return source, "", None
+    raise ValueError(f"script: got {validation.shown(str(source))}, must be a file that can be read")
+
+
+def _code_of(text: str) -> str:
+    """The code that a script is written for."""
+    for code, sign in SIGNS.items():
+        if sign.search(text):
+            return code
+    raise ValueError(f"script: has no granular contacts of {', '.join(CODES)}")

@@ -1,0 +1,322 @@
+"""Commands of LAMMPS and LIGGGHTS in the order in which they run: variables, include files, loops and conditions.
+
+Formats and rules: docs.lammps.org, pages Commands_parse, variable, if, jump, next and include.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+from pathlib import Path
+from typing import Final
+
+from . import formulas
+from .statements import Statement, logical_lines, refusal, refused, scan, split
+
+VARIABLE: Final = re.compile(
+    r"\$(?:\{(\w+)\}|(\w)|\(([^()]*(?:\([^()]*(?:\([^()]*\)[^()]*)*\)[^()]*)*)\))", re.ASCII
+)
+FORMAT: Final = re.compile(r"%[-+ 0#]*\d{0,3}(?:\.\d{1,3})?[aefgAEFG]")
+INTEGER_FORMAT: Final = re.compile(r"%[-+ 0]*\d{0,3}[di]")
+UNRESOLVED: Final = re.compile(r"\$(?:\{\w*\}|\(|\w)")
+#: Styles that do not redefine an existing variable.
+KEPT: Final = ("index", "loop", "world", "universe", "uloop", "file", "atomfile", "getenv")
+#: Deepest nesting of include files and of variables.
+DEEPEST: Final = 20
+MOST_STATEMENTS: Final = 200_000
+MOST_VALUES: Final = 1_000_000
+LARGEST_FILE: Final = 50_000_000  #: bytes
+USE_LOG: Final = "give the log instead, in which loops and conditions are resolved"
+#: Commands that cannot change contacts, grains or the time step.
+SILENT_NAMES: Final = """
+print log echo shell dump dump_modify undump thermo thermo_style thermo_modify write_restart write_data write_dump
+restart write_coeff compute uncompute compute_modify info timer
+"""
+SILENT: Final = frozenset(SILENT_NAMES.split())
+
+
+@dataclass
+class Variable:
+    """A variable of an input script."""
+
+    style: str
+    values: Sequence[str]  #: the formula alone for equal
+    at: int = 0
+    fixed: bool = False  #: given on the command line
+
+
+@dataclass
+class Variables:
+    """All variables with their values."""
+
+    known: dict[str, Variable] = field(default_factory=dict)
+
+    def define(self, words: Sequence[str]) -> None:
+        """As the command ``variable``."""
+        if len(words) < 2:
+            return
+        name, style, *values = words
+        old = self.known.get(name)
+        if style == "delete":
+            self.known.pop(name, None)
+        elif old is not None and (old.fixed or style in KEPT):
+            return
+        elif style == "loop":
+            self.known[name] = Variable("index", _loop(values))
+        elif style == "getenv":
+            value = os.environ.get(values[0]) if values else None
+            self.known[name] = Variable("index" if value is not None else "unknown", (value or "",))
+        elif style in ("equal", "internal", "atom", "vector"):
+            self.known[name] = Variable("equal", (" ".join(values),))
+        elif style in ("index", "string", "format"):
+            self.known[name] = Variable(style, tuple(values))
+        else:
+            single = style in ("world", "universe") and len(values) == 1
+            self.known[name] = Variable("index" if single else "unknown", tuple(values))
+
+    def step(self, names: Sequence[str]) -> bool:
+        """As the command ``next``; False if the values are exhausted, which deletes the variables."""
+        going = True
+        for name in names:
+            variable = self.known.get(name)
+            if variable is not None:
+                variable.at += 1
+                going = going and variable.at < len(variable.values)
+        if not going:
+            for name in names:
+                self.known.pop(name, None)
+        return going
+
+    def text(self, name: str, depth: int = 0) -> str | None:
+        """The text that replaces ``${name}``; None if it is not known."""
+        variable = self.known.get(name)
+        if variable is None or depth > DEEPEST:
+            return None
+        if variable.style == "equal":
+            number = self.number(variable.values[0], depth + 1)
+            return None if number is None else f"{number:.15g}"
+        if variable.style == "format" and len(variable.values) == 2:
+            number = self.of(variable.values[0], depth + 1)
+            return None if number is None else _formatted(variable.values[1], number)
+        if variable.style in ("index", "string") and variable.at < len(variable.values):
+            return variable.values[variable.at]
+        return None
+
+    def of(self, name: str, depth: int = 0) -> float | None:
+        """The number of a variable."""
+        text = self.text(name, depth)
+        return None if text is None else self.number(text, depth + 1)
+
+    def number(self, formula: str, depth: int = 0) -> float | None:
+        """The value of a formula with ``v_name``."""
+
+        def named(name: str) -> float | None:
+            return self.of(name[2:], depth + 1) if name.startswith("v_") else None
+
+        return formulas.value(formula, named) if depth <= DEEPEST else None
+
+    def replaced(self, found: re.Match[str]) -> str:
+        """The text for a match of ``VARIABLE``; the match itself if its value is not known."""
+        if found[3] is None:
+            text = self.text(found[1] or found[2])
+            return found[0] if text is None else text
+        formula, _, form = found[3].partition(":")
+        number = self.number(formula)
+        if number is None:
+            return found[0]
+        return (_formatted(form, number) or found[0]) if form else repr(number)
+
+    def substitute(self, text: str) -> str:
+        """A text without quotes, with its variables replaced."""
+        return VARIABLE.sub(self.replaced, text)
+
+
+def _loop(values: Sequence[str]) -> Sequence[str]:
+    """Values of ``loop N [pad]`` or ``loop N1 N2 [pad]``."""
+    pad = values[-1:] == ["pad"]
+    ends = [int(one) for one in values if one.isdigit()]
+    if not 1 <= len(ends) <= 2 or len(ends) + pad != len(values):
+        return ()
+    first, last = (1, ends[0]) if len(ends) == 1 else (ends[0], ends[1])
+    if last - first > MOST_VALUES:
+        return ()
+    return tuple(str(k).zfill(len(str(last)) if pad else 0) for k in range(first, last + 1))
+
+
+def _formatted(form: str, number: float) -> str | None:
+    if FORMAT.fullmatch(form):
+        return form % number
+    return form % int(number) if INTEGER_FORMAT.fullmatch(form) else None
+
+
+@dataclass
+class Frame:
+    """A file that is being read."""
+
+    file: str
+    folder: Path | None  #: of include files; None for a text
+    lines: list[tuple[int, str]]
+    at: int = 0
+    sought: str = ""  #: label at which reading goes on
+
+
+@dataclass
+class Commands:
+    """An input script. With ``flow``, it follows include, jump, next and if; otherwise these are plain statements."""
+
+    text: str
+    file: str = ""
+    folder: Path | None = None
+    variables: Variables = field(default_factory=Variables)
+    flow: bool = True
+
+    def __post_init__(self) -> None:
+        self.frames = [Frame(self.file, self.folder, logical_lines(self.text))]
+        self.skip_jump, self.count = False, 0
+        stepped = (line.split() for _, line in self.frames[0].lines)
+        self.stepped = (
+            set() if self.flow else {name for words in stepped if words[:1] == ["next"] for name in words}
+        )
+
+    def __iter__(self) -> Iterator[Statement]:
+        while self.frames:
+            frame = self.frames[-1]
+            if frame.at >= len(frame.lines):
+                if frame.sought:
+                    line, text = frame.lines[-1] if frame.lines else (1, "")
+                    raise refusal(line, text, f"be followed by label {frame.sought}", frame.file)
+                self.frames.pop()
+                continue
+            line, raw = frame.lines[frame.at]
+            frame.at += 1
+            yield from self._run(frame, line, raw)
+
+    def _run(self, frame: Frame, line: int, raw: str, depth: int = 0) -> Iterator[Statement]:
+        """One command."""
+        self.count += 1
+        if self.count > MOST_STATEMENTS:
+            raise refusal(line, raw, f"be part of a shorter loop; {USE_LOG}", frame.file)
+        pieces, quote = scan(raw)
+        if frame.sought:
+            words = split("".join(text for text, _ in pieces))
+            if words[:2] == ("label", frame.sought):
+                frame.sought = ""
+            return
+        if quote:
+            raise refusal(line, raw, f"close its quotes {quote}", frame.file)
+        code = "".join(text if quoted else self.variables.substitute(text) for text, quoted in pieces)
+        words = split(code)
+        if not words:
+            return
+        statement = Statement(line, words, code, file=frame.file)
+        if words[0] == "variable":
+            self._define(words[1:])
+        elif not self.flow:
+            yield statement
+        else:
+            yield from self._follow(frame, statement, depth)
+
+    def _define(self, words: Sequence[str]) -> None:
+        self.variables.define(words)
+        if words[:1] and words[0] in self.stepped and words[0] in self.variables.known:
+            self.variables.known[words[0]].style = "unknown"
+
+    def _follow(self, frame: Frame, statement: Statement, depth: int) -> Iterator[Statement]:
+        command, *words = statement.words
+        if command == "next":
+            self.skip_jump = not self.variables.step(words)
+        elif command == "jump":
+            self._jump(frame, statement)
+        elif command == "include":
+            if len(self.frames) > DEEPEST:
+                raise refused(statement, "be nested less deeply")
+            self.frames.append(self._opened(frame, statement))
+        elif command == "if":
+            if depth > DEEPEST:
+                raise refused(statement, "be nested less deeply")
+            for inner in self._branch(statement):
+                yield from self._run(frame, statement.line, inner, depth + 1)
+        elif command == "quit":
+            self.frames.clear()
+        elif command != "label":
+            yield statement
+
+    def _jump(self, frame: Frame, statement: Statement) -> None:
+        if self.skip_jump:
+            self.skip_jump = False
+            return
+        target, *label = statement.words[1:] or ("SELF",)
+        if target != "SELF":
+            self.frames.pop()
+            self.frames.append(self._opened(frame, statement))
+        again = self.frames[-1]
+        again.at, again.sought = 0, label[0] if label else ""
+
+    def _opened(self, frame: Frame, statement: Statement) -> Frame:
+        if len(statement.words) < 2 or UNRESOLVED.search(statement.words[1]):
+            raise refused(statement, f"name a file; {USE_LOG}")
+        name = statement.words[1]
+        if frame.folder is None:
+            raise refused(statement, "be in a file, to which it is relative")
+        text, path = None, Path(name)
+        for folder in dict.fromkeys((self.folder or frame.folder, frame.folder)):
+            text = text_of(folder / path)
+            if text is not None:
+                return Frame(name, (folder / path).parent, logical_lines(text))
+        raise refused(statement, "name a file that can be read")
+
+    def _branch(self, statement: Statement) -> Sequence[str]:
+        """The commands of ``if`` whose condition holds."""
+        words = statement.words[1:]
+        starts = [0, *(k for k, word in enumerate(words) if word in ("elif", "else") and k > 0), len(words)]
+        parts = [words[a:b] for a, b in pairwise(starts)]
+        branches: list[tuple[str, Sequence[str]]] = []
+        for part in parts:
+            body = part[1:] if part[:1] in (("elif",), ("else",)) else part
+            if part[:1] == ("else",):
+                branches.append(("1", body))
+            elif body[1:2] == ("then",):
+                branches.append((body[0], body[2:]))
+            else:
+                raise refused(statement, "be if condition then commands")
+        for condition, commands in branches:
+            holds = self._condition(condition)
+            if holds is None:
+                if all(split(one)[:1] and split(one)[0] in SILENT for _, inner in branches for one in inner):
+                    return ()
+                raise refused(statement, f"have a condition that is known without running; {USE_LOG}")
+            if holds:
+                return commands
+        return ()
+
+    def _condition(self, text: str) -> bool | None:
+        plain = self.variables.substitute(text)
+        if UNRESOLVED.search(plain):
+            return None
+        number = self.variables.number(plain)
+        if number is not None:
+            return bool(number)
+        words = re.fullmatch(r"\s*\"?([^\s\"]+)\"?\s*(==|!=)\s*\"?([^\s\"]+)\"?\s*", plain)
+        if words is None:
+            return None
+        return (words[1] == words[3]) == (words[2] == "==")
+
+
+def text_of(path: Path) -> str | None:
+    """The text of a file; None if it cannot be read."""
+    try:
+        if not path.is_file() or path.stat().st_size > LARGEST_FILE:
+            return None
+        return path.read_text("utf-8", errors="replace")
+    except (OSError, ValueError):
+        return None
+
+
+def given(values: Mapping[str, str]) -> Variables:
+    """Variables of the command line, which a script does not redefine."""
+    return Variables(
+        {name: Variable("index", tuple(text.split()) or ("",), fixed=True) for name, text in values.items()}
+    )

@@ -1,0 +1,185 @@
+"""Words of contact models in LAMMPS and LIGGGHTS: ``pair_style granular``, ``gran/…`` and ``gran model …``."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from .statements import Statement, refusal, refused
+
+# --- LAMMPS ---------------------------------------------------------------------------------------------------
+
+#: Normal models of ``pair_style granular`` and their number of parameters.
+NORMAL: Final = {"hooke": 2, "hertz": 2, "hertz/material": 3}
+#: Those with adhesion or plasticity.
+ADHESIVE: Final = {"dmt": 4, "jkr": 4, "mdr": 6}
+DAMPING: Final = ("velocity", "mass_velocity", "viscoelastic", "tsuji", "coeff_restitution")
+TANGENTIAL: Final = {
+    "linear_nohistory": 2,
+    "none": 0,
+    **dict.fromkeys(
+        ("linear_history", "linear_history_classic", "mindlin_classic", "mindlin", "mindlin/force"), 3
+    ),
+    **dict.fromkeys(("mindlin_rescale", "mindlin_rescale/force"), 3),
+}
+BESIDE: Final = {
+    "tangential": TANGENTIAL,
+    "rolling": {"none": 0, "sds": 3},
+    "twisting": {"none": 0, "marshall": 0, "sds": 3},
+    "heat": {"none": 0, "radius": 1, "area": 1},
+}
+GRAN: Final = ("hooke", "hooke/history", "hertz/history")
+#: Shapes of walls and their number of parameters.
+WALLS: Final = {"xplane": 2, "yplane": 2, "zplane": 2, "zcylinder": 1, "region": 1}
+
+
+@dataclass(frozen=True)
+class Words:
+    """What the words of a contact model say."""
+
+    settings: Mapping[str, tuple[str, ...]]  #: of the normal force
+    beside: tuple[str, ...] = ()  #: other forces, such as ``tangential mindlin``
+    adhesion: str = ""  #: the adhesive model
+    rest: tuple[str, ...] = ()  #: from the shape of a wall on
+
+
+def unaccelerated(style: str) -> str:
+    """A style without the suffix of an accelerator package."""
+    return re.sub(r"/(omp|kk|kk/host|kk/device|gpu|intel|opt)$", "", style)
+
+
+def gran(statement: Statement, words: Sequence[str], wall: bool = False) -> Words:
+    """``STYLE Kn Kt gamma_n gamma_t xmu dampflag [limit_damping]``, and for walls their shape."""
+    if not words or words[0] not in GRAN or len(words) < 7:
+        raise refused(statement, f"be {', '.join(GRAN)} with six numbers")
+    name = "gran/hertz" if words[0] == "hertz/history" else "gran/hooke"
+    found: dict[str, tuple[str, ...]] = {"normal": (name, words[1], words[3])}
+    rest = words[7:]
+    if rest[:1] and rest[0] == "limit_damping":
+        found["limit_damping"] = ()
+        rest = rest[1:]
+    if rest and not (wall and rest[0] in WALLS):
+        raise refusal(
+            statement.line,
+            rest[0],
+            f"be limit_damping or the end in '{' '.join(statement.words)}'",
+            statement.file,
+        )
+    beside = () if _zero(words[5]) else (f"tangential {words[0]}",)
+    return Words(found, beside, rest=tuple(rest))
+
+
+def granular(statement: Statement, words: Sequence[str], wall: bool = False, adhesion: bool = False) -> Words:
+    """``MODEL numbers [damping …] [tangential …] … [limit_damping]``, up to the shape of a wall."""
+    found: dict[str, tuple[str, ...]] = {"damping": ("viscoelastic",)}
+    normal = {**NORMAL, **(ADHESIVE if adhesion else {})}
+    beside, adhesive, k = list[str](), "", 0
+    while k < len(words) and not (wall and words[k] in WALLS):
+        word, after = words[k], words[k + 1 : k + 2]
+        if word in normal:
+            step = 1 + normal[word]
+            found["normal"] = tuple(words[k : k + step])
+            adhesive = word if word in ADHESIVE else ""
+        elif word == "damping" and after and after[0] in DAMPING:
+            step = 2
+            found["damping"] = (after[0],)
+        elif word == "damping" and after and after[0] == "mdr" and adhesion:
+            step = 3
+            found["damping"] = tuple(words[k + 1 : k + 3])
+        elif word in BESIDE and after and after[0] in BESIDE[word]:
+            step = 2 + BESIDE[word][after[0]]
+            beside += [] if after[0] == "none" else [f"{word} {after[0]}"]
+        elif word in ("limit_damping", "cutoff"):
+            step = 1 if word == "limit_damping" else 2
+            found[word] = ()
+        else:
+            raise refusal(
+                statement.line,
+                " ".join([word, *after]),
+                f"be words of pair granular without adhesion: {', '.join(NORMAL)}, damping, tangential, …",
+                statement.file,
+            )
+        if k + step > len(words):
+            raise refused(statement, f"have {step - 1} words after {word}")
+        k += step
+    return Words(found, tuple(beside), adhesive, tuple(words[k:]))
+
+
+def wall(statement: Statement, words: Sequence[str], adhesion: bool = False) -> Words:
+    """The words of ``fix … wall/gran`` after its style."""
+    if words[:1] and words[0] == "granular":
+        found = granular(statement, words[1:], True, adhesion)
+    else:
+        found = gran(statement, words, True)
+    if "limit_damping" in found.rest:
+        raise refused(statement, f"have limit_damping before {found.rest[0]}")
+    return found
+
+
+def ordered(first: str, second: str) -> tuple[str, str]:
+    """Two types, the smaller number first."""
+    both_numbers = first.isdigit() and second.isdigit()
+    return (second, first) if both_numbers and int(second) < int(first) else (first, second)
+
+
+def _zero(word: str) -> bool:
+    try:
+        return float(word) == 0.0
+    except ValueError:
+        return False
+
+
+# --- LIGGGHTS -------------------------------------------------------------------------------------------------
+
+#: Words of ``pair_style gran`` and ``fix … wall/gran`` with their allowed values; None allows any value.
+LIGGGHTS: Final[dict[str, tuple[str, ...] | None]] = {
+    "tangential": None,
+    "rolling_friction": None,
+    "cohesion": ("off",),
+    "surface": ("default",),
+    "limitForce": ("on", "off"),
+    "tangential_damping": None,
+    "ktToKnUser": None,
+    "torsionTorque": None,
+    "viscous": ("off",),
+    "absolute_damping": ("off",),
+    "computeElasticPotential": None,
+    "computeDissipatedEnergy": None,
+    "computeDissipation": None,
+}
+#: Styles of ``fix property/global`` with the number of types of a value.
+PROPERTIES: Final = {"peratomtype": 1, "peratomtypepair": 2, "scalar": 0}
+
+
+def gran_model(statement: Statement, words: Sequence[str], adhesion: bool = False) -> Words:
+    """``model NAME word value …``, up to the shape of a wall."""
+    if len(words) < 2 or words[0] != "model":
+        raise refused(statement, "begin with model NAME")
+    found: dict[str, tuple[str, ...]] = {"model": (words[1],)}
+    beside, cohesion, shape, k = list[str](), "", list[str](), 2
+    while k < len(words):
+        word, after = words[k], words[k + 1 : k + 2]
+        if (shape or word in ("primitive", "mesh")) and word not in LIGGGHTS:
+            shape.append(word)
+            k += 1
+            continue
+        if word == "cohesion" and adhesion and after and after[0] != "off":
+            cohesion = after[0]
+        elif word not in LIGGGHTS or not after or after[0] not in (LIGGGHTS[word] or after):
+            known = LIGGGHTS.get(word)
+            must = f"be {word} {' or '.join(known)}" if known else f"be a setting of model {words[1]}"
+            raise refusal(
+                statement.line,
+                " ".join([word, *after]),
+                f"{must}: nothing else is supported",
+                statement.file,
+            )
+        found[word] = (after[0],)
+        if word in ("tangential", "rolling_friction") and after[0] not in ("off", "no_history"):
+            beside.append(f"{word} {after[0]}")
+        elif word == "tangential" and after[0] == "no_history":
+            beside.append("tangential no_history")
+        k += 2
+    return Words(found, tuple(beside), cohesion, tuple(shape))

@@ -1,0 +1,297 @@
+"""Contacts and insertions of LIGGGHTS: ``pair_style gran``, properties, walls and particle templates."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+from . import granular_words
+from .description import ContactSettings, Quote, Range, Setting, Settings
+from .granular_words import PROPERTIES, Words
+from .population import Batch
+from .state import MOST_TYPES, Fix, State
+from .statements import Statement, refused, settings
+
+#: Properties that the models read; each depends on two types.
+OF_CONTACT: Final = (
+    *("youngsModulus", "poissonsRatio", "coefficientRestitution", "characteristicVelocity", "kn", "gamman"),
+)
+#: Normal models whose settings are read. Others are quoted as unknown.
+MODELS: Final = ("hertz", "hooke", "hooke/stiffness", "hertz/stiffness")
+STICKY_MODELS: Final = ("hooke/hysteresis", "edinburgh", "edinburgh/stiffness", "luding", "thornton_ning")
+
+
+@dataclass(frozen=True)
+class Property:
+    """A global property."""
+
+    statement: Statement
+    kind: str  #: a key of ``PROPERTIES``
+    values: tuple[str, ...]
+
+    def types(self) -> int:
+        """Number of types for which it is given; 0 for all."""
+        return property_types(self.statement, self.kind, self.values)
+
+    def between(self, i: int, j: int) -> tuple[str, str] | None:
+        """The values of two types, or of the pair and of its mirror image; None if they are not given."""
+        count = self.types()
+        if self.kind == "scalar":
+            return self.values[0], self.values[0]
+        if max(i, j) > count:
+            return None
+        if self.kind == "peratomtype":
+            return self.values[i - 1], self.values[j - 1]
+        first, second = (self.values[1 + count * (a - 1) + b - 1] for a, b in ((i, j), (j, i)))
+        if not same(first, second):
+            raise refused(self.statement, f"have one number for {i}-{j} and {j}-{i}")
+        return first, second
+
+    def setting(self, word: str) -> Setting:
+        """A setting that comes from this property."""
+        return Setting((word,), self.statement.line, self.statement.text)
+
+
+def property_types(statement: Statement, kind: str, given: Sequence[str]) -> int:
+    """Number of types for which a property is given; 0 for a scalar."""
+    if kind == "peratomtypepair":
+        count = int(given[0]) if given and given[0].isdecimal() and len(given[0]) < 6 else 0
+        if count < 1 or len(given) != 1 + count * count:
+            raise refused(statement, "be a number of types and one number for each pair of types")
+        return count
+    if not given or (kind == "scalar" and len(given) != 1):
+        raise refused(statement, "have its numbers")
+    return 0 if kind == "scalar" else len(given)
+
+
+def same(one: str, other: str) -> bool:
+    """Whether two words are equal, however their numbers are written."""
+    try:
+        return float(one) == float(other)
+    except ValueError:
+        return one == other
+
+
+class Liggghts(State):
+    """A script or log of LIGGGHTS."""
+
+    def reset(self) -> None:
+        """As the command ``clear``."""
+        super().reset()
+        self.model: tuple[Settings, Quote] | None = None
+        self.properties: dict[str, Property] = {}
+        self.templates: dict[str, tuple[int, Batch]] = {}
+        self.distributions: dict[str, list[str]] = {}
+        self.meshes: dict[str, int] = {}
+        self.coarse = 1.0
+
+    # --- pair style, properties, walls --------------------------------------------------------------------------
+
+    def command_pair_style(self, statement: Statement) -> None:
+        self.last = statement
+        if statement.words[1:2] != ("gran",):
+            raise refused(statement, "be pair_style gran model NAME")
+        self.model = None
+        if self.understood(
+            statement, lambda: granular_words.gran_model(statement, statement.words[2:], True)
+        ):
+            self.model = (self.words(statement, statement.words[2:]), statement.quote)
+
+    def command_pair_coeff(self, statement: Statement) -> None:
+        self.last = statement
+
+    def command_coarsegraining(self, statement: Statement) -> None:
+        self.coarse = self.number(statement, (*statement.words, "")[1])
+        self.ignore("coarse graining: radii are those of the coarse grains", statement)
+
+    def words(self, statement: Statement, words: Sequence[str]) -> Settings:
+        """The settings of a model; what is special about it is noted."""
+        parsed = granular_words.gran_model(statement, words, True)
+        name = parsed.settings["model"][0]
+        for what in parsed.beside:
+            self.ignore(what, statement)
+        if parsed.adhesion:
+            self.invalidate(f"cohesion ({parsed.adhesion})", statement)
+        if name in STICKY_MODELS:
+            self.invalidate(f"plastic deformation or adhesion ({name})", statement)
+        elif name not in MODELS:
+            self.unknown[statement.quote] = None
+        return self.resolve(statement, settings(statement, parsed.settings))
+
+    def own_fix(self, fix: Fix) -> bool:
+        """Properties, walls, meshes, templates and insertions."""
+        readers: dict[str, Callable[[Fix], None]] = {
+            "property/global": self.property,
+            "wall/gran": self.read_wall,
+            "particletemplate/sphere": self.template,
+            "particledistribution/discrete": self.distribution,
+            "insert": self.insert,
+            "mesh/surface": self.mesh,
+            "move/mesh": self.moving_mesh,
+            "pour": self.refuse_pour,
+        }
+        for style, read in readers.items():
+            if fix.style.startswith(style):
+                if not self.understood(fix.statement, lambda read=read: read(fix)):  # type: ignore[misc]
+                    self.forget(fix)
+                self.last = fix.statement
+                return True
+        return False
+
+    def forget(self, fix: Fix) -> None:
+        """Drop a fix that was not understood."""
+        self.fixes = {name: one for name, one in self.fixes.items() if one is not fix}
+        if fix.style.startswith(("particle", "insert", "pour")):
+            self.population.elsewhere = True
+
+    def property(self, fix: Fix) -> None:
+        """A property of types or of pairs of types. A later one replaces an earlier one of the same name."""
+        name, kind, *values = (*fix.words, "", "")
+        if kind not in PROPERTIES:
+            return
+        found = Property(fix.statement, kind, tuple(one for one in values if one))
+        if name in OF_CONTACT:
+            for word in found.values:
+                self.number(fix.statement, word)
+        self.types = max(self.types, min(found.types(), MOST_TYPES))
+        self.properties[name] = found
+
+    def mesh(self, fix: Fix) -> None:
+        """The material type of a mesh."""
+        kind = self.option(fix, "type")
+        self.meshes[fix.statement.words[1]] = self.type_of(kind) if kind else 0
+
+    def moving_mesh(self, fix: Fix) -> None:
+        """A mesh that moves."""
+        self.ignore("a moving wall (move/mesh)", fix.statement)
+
+    def refuse_pour(self, fix: Fix) -> None:
+        """Pouring as before LIGGGHTS 3."""
+        raise refused(fix.statement, "be fix insert")
+
+    def option(self, fix: Fix, name: str) -> str:
+        """The word after a keyword of a fix; empty if it is missing."""
+        words = (*fix.words, "")
+        return words[words.index(name) + 1] if name in words[:-1] else ""
+
+    def parsed_wall(self, fix: Fix) -> tuple[Words, list[int]]:
+        """The words of a wall and the types of its material."""
+        parsed = granular_words.gran_model(fix.statement, fix.words, True)
+        rest = parsed.rest
+        if "primitive" in rest:
+            kind = self.type_of(self.option(fix, "type"))
+            if not kind:
+                raise refused(fix.statement, "have a type")
+            return parsed, [kind]
+        if "mesh" not in rest or "meshes" not in rest:
+            raise refused(fix.statement, "have primitive or mesh n_meshes N meshes NAME …")
+        count = self.option(fix, "n_meshes")
+        at = rest.index("meshes") + 1
+        names = rest[at : at + (int(count) if count.isdecimal() and len(count) < 5 else 0)]
+        return parsed, sorted({self.meshes[name] for name in names if self.meshes.get(name)})
+
+    def read_wall(self, fix: Fix) -> None:
+        """Check a wall, and note what is special about it."""
+        parsed, kinds = self.parsed_wall(fix)
+        self.words(fix.statement, fix.words)
+        if not kinds:
+            raise refused(fix.statement, "name meshes with a type")
+        if any(one.endswith("cylinder") for one in parsed.rest):
+            self.ignore("curvature of a wall, which is taken as a plane", fix.statement)
+        if "shear" in parsed.rest:
+            self.ignore("a moving wall (shear)", fix.statement)
+
+    def contacts(self) -> Iterator[ContactSettings]:
+        """Pairs of types, then walls."""
+        kinds = self.present()
+        if self.model is not None:
+            model, quote = self.model
+            for i in kinds:
+                for j in kinds[kinds.index(i) :]:
+                    found, quotes = self.between(i, j)
+                    yield ContactSettings((str(i), str(j)), None, {**model, **found}, (quote, *quotes))
+        for name, fix in self.fixes.items():
+            if fix.style.startswith("wall/gran"):
+                parsed, ends = self.parsed_wall(fix)
+                model = settings(fix.statement, parsed.settings)
+                for kind in kinds:
+                    for end in ends:
+                        found, quotes = self.between(kind, end)
+                        wall = name if len(ends) == 1 else f"{name} (type {end})"
+                        yield self.wall_contact(
+                            kind, wall, {**model, **found}, (fix.statement.quote, *quotes)
+                        )
+
+    def between(self, i: int, j: int) -> tuple[Settings, tuple[Quote, ...]]:
+        """The properties of a pair of types. Two materials are replaced by one with the same effective modulus."""
+        found: Settings = {}
+        quotes: dict[Quote, None] = {}
+        values: dict[str, tuple[str, str]] = {}
+        for name in OF_CONTACT:
+            one = self.properties.get(name)
+            pair = None if one is None else one.between(i, j)
+            if one is not None and pair is not None:
+                values[name] = pair
+                found[name] = one.setting(pair[0])
+                quotes[one.statement.quote] = None
+        moduli, ratios = values.get("youngsModulus"), values.get("poissonsRatio")
+        if moduli and ratios and not (same(*moduli) and same(*ratios)):
+            modulus, ratio = one_material(
+                *((float(y), float(nu)) for y, nu in zip(moduli, ratios, strict=True))
+            )
+            found["youngsModulus"] = replace(found["youngsModulus"], words=(repr(modulus),))
+            found["poissonsRatio"] = replace(found["poissonsRatio"], words=(repr(ratio),))
+        return found, tuple(quotes)
+
+    # --- templates and insertions -------------------------------------------------------------------------------
+
+    def template(self, fix: Fix) -> None:
+        """Radius and density of a particle template."""
+        words = fix.words
+        kind = self.type_of(self.option(fix, "atom_type") or "1")
+        found: dict[str, Range | None] = {}
+        for k, word in enumerate(words[:-2]):
+            if word in ("radius", "density"):
+                style, low, *more = words[k + 1 : k + 4]
+                if style == "constant":
+                    found[word] = (self.number(fix.statement, low),) * 2
+                elif style == "uniform" and more:
+                    found[word] = (self.number(fix.statement, low), self.number(fix.statement, more[0]))
+                else:
+                    found[word] = None  # such as gaussian, which has no largest value
+                    self.unknown[fix.statement.quote] = None
+        radii = found.get("radius")
+        if not 1 <= kind <= MOST_TYPES or any(one and not 0.0 < one[0] <= one[1] for one in found.values()):
+            raise refused(fix.statement, "have a type, a radius and a density")
+        if radii is not None:
+            radii = (radii[0] * self.coarse, radii[1] * self.coarse)
+        self.templates[fix.statement.words[1]] = (kind, Batch(radii, found.get("density")))
+
+    def distribution(self, fix: Fix) -> None:
+        """The templates of a distribution."""
+        self.distributions[fix.statement.words[1]] = list(fix.words[2::2])
+
+    def insert(self, fix: Fix) -> None:
+        """Insertion of a distribution."""
+        name = self.option(fix, "distributiontemplate")
+        templates = [self.templates.get(one) for one in self.distributions.get(name, [])]
+        if not templates or None in templates:
+            raise refused(fix.statement, "have a distribution of spheres")
+        for one in templates:
+            if one is not None:
+                self.population.add(*one)
+
+    def changed(self, keyword: str, value: float | None) -> Callable[[Batch], Batch]:
+        """What a keyword of ``set`` does to grains. In LIGGGHTS, another diameter keeps the density."""
+        if keyword == "diameter":
+            radius = None if value is None else 0.5 * value * self.coarse
+            return lambda one: one.with_radius(radius)
+        return super().changed(keyword, value)
+
+
+def one_material(first: tuple[float, float], second: tuple[float, float]) -> tuple[float, float]:
+    """Young's modulus and Poisson's ratio of one material with the effective modulus of two in contact."""
+    effective = 1.0 / sum((1.0 - ratio**2) / modulus for modulus, ratio in (first, second))
+    ratio = 0.5 * (first[1] + second[1])
+    return 2.0 * (1.0 - ratio**2) * effective, ratio

@@ -1,0 +1,72 @@
+"""Logs of LAMMPS and LIGGGHTS: the commands that they repeat, with variables replaced and loops unrolled.
+
+A log repeats each command as it is read, and once more after each replacement of a variable.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import Final
+
+from .commands import UNRESOLVED, Variables
+from .state import HARMLESS, State
+from .statements import Statement, scan, split
+
+HEADER: Final = re.compile(r"\s*(LAMMPS|LIGGGHTS) \((?:Version )?((?:[^()]|\([^()]*\))*)\)?", re.ASCII)
+#: Lines before the header, such as messages of MPI or a shell.
+MOST_BEFORE: Final = 50
+FLOW: Final = (
+    "variable",
+    "include",
+    "if",
+    "jump",
+    "next",
+    "label",
+    "quit",
+    "pair_modify",
+    "bond_style",
+    "kspace_style",
+)
+
+
+def header(text: str) -> tuple[str, str] | None:
+    """Code and version if a text is a log."""
+    for line in text[:20_000].splitlines()[:MOST_BEFORE]:
+        found = HEADER.match(line)
+        if found:
+            return found[1].lower(), found[2].strip()
+    return None
+
+
+def commands(text: str, file: str, variables: Variables, state: type[State]) -> Iterator[Statement]:
+    """The commands of a log in the order in which they ran."""
+    known = HARMLESS | {name[8:] for name in dir(state) if name.startswith("command_")} | set(FLOW)
+    lines = text.split("\n")
+    k, printed = 0, ""
+    while k < len(lines):
+        first = k + 1
+        pieces, quote = scan(lines[k])
+        code = "".join(one for one, _ in pieces)
+        words = code.split(maxsplit=1)
+        k += 1
+        if not words or words[0] not in known or code.strip() == printed:
+            continue
+        while quote == '"""' and k < len(lines):
+            code, k = f"{code}\n{lines[k]}", k + 1
+            pieces, quote = scan(code)
+        # The same command follows once more after each replacement.
+        while UNRESOLVED.search("".join(one for one, quoted in pieces if not quoted)) and k < len(lines):
+            again, _ = scan(lines[k])
+            replaced = "".join(one for one, _ in again)
+            if replaced.split(maxsplit=1)[:1] != words[:1]:
+                break
+            pieces, code, k = again, replaced, k + 1
+        found = split(code)
+        printed = found[1] if found[0] == "print" and len(found) > 1 else ""
+        if found[0] == "variable":
+            variables.define(found[1:])
+        elif found[0] == "next":
+            variables.step(found[1:])
+        elif found[0] not in ("include", "if", "jump", "label", "quit", "log"):
+            yield Statement(first, found, code, file=file)

@@ -1,0 +1,621 @@
+"""The state of a LAMMPS or LIGGGHTS simulation as its script is read: groups, grains, fixes, time step, stages."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Final
+
+from . import population
+from .commands import SILENT, UNRESOLVED, USE_LOG, Variables, text_of
+from .description import WALL, ContactSettings, Description, Note, Quote, Settings, Stage
+from .formulas import NUMBER
+from .granular_words import unaccelerated
+from .population import Batch, Population
+from .statements import Statement, refused
+
+#: Default time step of each system of units.
+TIME_STEPS: Final = {
+    "lj": 0.005,
+    "real": 1.0,
+    "metal": 0.001,
+    "si": 1e-8,
+    "cgs": 1e-8,
+    "electron": 0.001,
+    "micro": 2.0,
+    "nano": 4.5e-4,
+}
+#: Grains that ``create_atoms`` makes: radius 0.5, density 1.
+CREATED: Final = Batch((0.5, 0.5), (1.0, 1.0))
+MOST_TYPES: Final = 100
+#: Logical operators of ``group … type``.
+COMPARISONS: Final[dict[str, Callable[[int, int, int], bool]]] = {
+    "<": lambda k, a, _: k < a,
+    ">": lambda k, a, _: k > a,
+    "<=": lambda k, a, _: k <= a,
+    ">=": lambda k, a, _: k >= a,
+    "==": lambda k, a, _: k == a,
+    "!=": lambda k, a, _: k != a,
+    "<>": lambda k, a, b: a <= k <= b,
+}
+#: Keywords of ``set`` that change sizes, masses or types.
+SET_KEYWORDS: Final = (
+    *("diameter", "density", "density/disc", "mass", "type", "type/fraction", "type/ratio", "type/subset"),
+)
+#: Commands that are read below, or that affect neither contacts nor grains.
+HARMLESS_NAMES: Final = """
+angle_coeff angle_style atom_modify balance boundary box change_box comm_modify comm_style communicate create_bonds
+delete_atoms delete_bonds dihedral_coeff dihedral_style displace_atoms improper_coeff improper_style kspace_modify
+label lattice log mass min_modify min_style minimize modify_timing neb neigh_modify neighbor newton package partition
+processors region replicate rerun reset_atom_ids reset_atoms reset_ids reset_mol_ids reset_timestep shell
+special_bonds suffix velocity hard_particles soft_particles next jump fix_modify bond_coeff pair_modify pair_write group2ndx ndx2group quit
+"""
+HARMLESS: Final = SILENT | frozenset(HARMLESS_NAMES.split())
+#: Fixes that only observe, or affect how the program runs.
+HARMLESS_FIXES: Final = (
+    *(
+        "ave/",
+        "print",
+        "store/",
+        "balance",
+        "enforce2d",
+        "property/atom",
+        "vector",
+        "recenter",
+        "check/timestep",
+    ),
+    *(
+        "dt/reset",
+        "halt",
+        "restart",
+        "massflow/mesh",
+        "mesh/surface",
+        "particledistribution",
+        "contacthistory",
+    ),
+    *(
+        "particletemplate/sphere",
+        "property/global",
+        "region/variable",
+        "neigh_history",
+        "NEIGH_HISTORY",
+        "momentum",
+    ),
+    *("nve/noforce", "mesh/volume", "diam/max", "calculate/", "contactproperty/", "contactcounter/", "pair"),
+)
+INTEGRATORS: Final = ("nve", "nvt", "npt", "nph", "rigid", "poems", "multisphere", "brownian", "move")
+#: Fixes that add forces beside contacts, with the words for the report.
+FORCES: Final = {
+    "viscous": "viscous drag",
+    "drag": "drag",
+    "damping/cundall": "damping beside contacts",
+    "langevin": "a thermostat",
+    "nvt": "a thermostat",
+    "npt": "a thermostat and a barostat",
+    "nph": "a barostat",
+    "temp/": "a thermostat",
+    "press/": "a barostat",
+    "brownian": "Brownian dynamics",
+    "couple/cfd": "drag of a fluid",
+    "lb/": "drag of a fluid",
+    "buoyancy": "buoyancy",
+    "lubricat": "lubrication",
+    "efield": "an electric field",
+    "addforce": "an additional force",
+    "spring": "springs",
+    "bond": "bonds",
+    "rheo": "a fluid",
+    "sph": "a fluid",
+    "nve/limit": "limited displacements",
+}
+CLUMPS: Final = ("rigid", "poems", "multisphere", "particletemplate/multi", "shake", "rattle", "nve/asphere")
+CLUMP_STYLES: Final = ("ellipsoid", "line", "tri", "body", "superquadric", "convexhull", "bpm")
+
+
+@dataclass(frozen=True)
+class Group:
+    """The types of a group's grains; None for any type."""
+
+    types: frozenset[int] | None
+    whole: bool  #: whether all grains of these types belong to it
+
+
+@dataclass(frozen=True)
+class Fix:
+    """A fix that is in force."""
+
+    statement: Statement
+    group: str
+    style: str
+    words: tuple[str, ...]  #: after the style
+
+
+@dataclass
+class State:
+    """Commands that LAMMPS and LIGGGHTS share; a subclass reads the contacts."""
+
+    variables: Variables
+    folder: Path | None = None
+    version: str | None = None
+    code: str = "lammps"
+
+    def __post_init__(self) -> None:
+        self.ignored: dict[Note, None] = {}
+        self.invalidates: dict[Note, None] = {}
+        self.unknown: dict[Quote, None] = {}
+        self.stages: list[Stage] = []
+        self.last: Statement | None = None
+        self.reset()
+
+    def reset(self) -> None:
+        """As the command ``clear``."""
+        self.units, self.units_given, self.dimension = "lj", False, 3
+        self.groups = {"all": Group(None, True)}
+        self.labels: dict[str, int] = {}
+        self.population, self.types = Population(), 0
+        self.fixes: dict[str, Fix] = {}
+        self.time_step: float | None = None
+        self.steps_done, self.atom_style = 0, ""
+        self.molecules: dict[str, list[tuple[int, Batch]]] = {}
+
+    # --- what subclasses provide --------------------------------------------------------------------------------
+
+    def contacts(self) -> Iterator[ContactSettings]:
+        """The settings that hold now."""
+        raise NotImplementedError
+
+    def own_fix(self, fix: Fix) -> bool:
+        """Read a fix; False if it is not one of contacts or insertions of this code."""
+        raise NotImplementedError
+
+    # --- reading ------------------------------------------------------------------------------------------------
+
+    def read(self, statements: Iterator[Statement]) -> Description:
+        """Read all statements."""
+        for statement in statements:
+            self.statement(statement)
+        if not self.stages and self.last is not None:
+            self.stage(self.last.quote, None)
+        if not any(stage.contacts for stage in self.stages) and not self.invalidates and not self.unknown:
+            raise ValueError("script: has no granular contacts")
+        if not self.stages:
+            raise ValueError("script: has no statements about grains")
+        return Description(
+            self.code,
+            self.version,
+            self.units,
+            self.units_given,
+            self.dimension,
+            tuple(self.stages),
+            tuple(self.ignored),
+            tuple(self.invalidates),
+            tuple(self.unknown),
+        )
+
+    def statement(self, statement: Statement) -> None:
+        """Read one statement."""
+        command = statement.words[0]
+        own = getattr(self, f"command_{command}", None)
+        if own is not None:
+            own(statement)
+        elif command not in HARMLESS:
+            self.unknown[statement.quote] = None
+
+    def understood(self, statement: Statement, read: Callable[[], object]) -> bool:
+        """Whether a statement is understood. If not, it is quoted, or refused if a variable in it is not known."""
+        try:
+            read()
+        except ValueError:
+            if UNRESOLVED.search(statement.text):
+                raise refused(
+                    statement, f"have variables that are known: give them with --var, or {USE_LOG}"
+                ) from None
+            self.unknown[statement.quote] = None
+            return False
+        return True
+
+    def number(self, statement: Statement, word: str) -> float:
+        """A number of a statement, or of a variable ``v_name``."""
+        if NUMBER.fullmatch(word):
+            return float(word)
+        found = self.variables.of(word[2:]) if word.startswith("v_") else None
+        if found is None:
+            must = f"have a number, not {word}"
+            if UNRESOLVED.search(word) or word.startswith("v_"):
+                must = f"have a known number, not {word}: give it with --var, or {USE_LOG}"
+            raise refused(statement, must)
+        return found
+
+    def resolve(self, statement: Statement, settings: Settings) -> Settings:
+        """Settings whose numbers are all known."""
+        for name, one in settings.items():
+            for word in one.words:
+                if UNRESOLVED.search(word) or word.startswith("v_"):
+                    raise refused(
+                        statement,
+                        f"have a known number for {name}, not {word}: give it with --var, or {USE_LOG}",
+                    )
+        return settings
+
+    # --- types and groups ---------------------------------------------------------------------------------------
+
+    def type_of(self, word: str) -> int:
+        """A type by its number or label; 0 if it is neither."""
+        if word.isdecimal() and len(word) < 7:
+            return int(word)
+        return self.labels.get(word, 0)
+
+    def types_of(self, word: str) -> range:
+        """Types within ``2``, ``*``, ``2*``, ``*3`` or ``1*3``."""
+        low, star, high = word.partition("*")
+        if not star:
+            kind = self.type_of(word)
+            return range(kind, kind + 1) if kind else range(0)
+        first = self.type_of(low) if low else 1
+        last = self.type_of(high) if high else self.count()
+        return range(first, min(last, MOST_TYPES) + 1)
+
+    def count(self) -> int:
+        """Number of types, as far as it is known."""
+        return min(max([self.types, *self.population.batches, 1]), MOST_TYPES)
+
+    def present(self) -> list[int]:
+        """Types of which there are grains, or all if these are not known."""
+        if self.population.batches and not self.population.elsewhere:
+            return sorted(self.population.batches)
+        return list(range(1, self.count() + 1))
+
+    def members(self, group: str) -> Group:
+        """A group; any part of the grains if it is not known."""
+        return self.groups.get(group, Group(None, False))
+
+    def within(self, group: Group) -> Collection[int]:
+        """The types of a group among those present."""
+        return [one for one in self.present() if group.types is None or one in group.types]
+
+    def command_group(self, statement: Statement) -> None:
+        name, style, *words = [*statement.words[1:], "", ""]
+        words = [one for one in words if one]
+        old = self.groups.get(name)
+        if style in ("delete", "clear"):
+            self.groups.pop(name, None)
+            return
+        new = Group(None, False)
+        if style == "type" and words[:1] and words[0] in COMPARISONS:
+            limits = [int(one) for one in words[1:] if one.isdecimal()]
+            if limits:
+                within = COMPARISONS[words[0]]
+                every = range(1, self.count() + 1)
+                new = Group(frozenset(k for k in every if within(k, limits[0], limits[-1])), True)
+        elif style == "type":
+            kinds: set[int] = set()
+            for word in words:
+                first, _, last = word.partition(":")
+                last = last.partition(":")[0]
+                kinds |= set(self.types_of(f"{first}*{last}" if last else first))
+            new = Group(frozenset(kinds), True)
+        elif style == "union":
+            parts = [self.members(one) for one in words]
+            known = [one.types for one in parts if one.types is not None]
+            everything = any(one.types is None and one.whole for one in parts)
+            types = None if len(known) < len(parts) else frozenset().union(*known)
+            new = Group(types, everything or (types is not None and all(one.whole for one in parts)))
+        elif style == "subtract" and words:
+            first_group, others = self.members(words[0]), [self.members(one) for one in words[1:]]
+            minus = frozenset().union(*(one.types for one in others if one.types is not None and one.whole))
+            exact = all(one.types is not None and one.whole for one in others)
+            base = first_group.types
+            if base is None and first_group.whole:
+                base = frozenset(range(1, self.count() + 1))
+            new = Group(None if base is None else base - minus, first_group.whole and exact)
+        elif style == "intersect" and words:
+            parts = [self.members(one) for one in words]
+            known = [one.types for one in parts if one.types is not None]
+            types = frozenset.intersection(*known) if known else None
+            new = Group(types, all(one.whole for one in parts))
+        elif style == "empty":
+            new = Group(frozenset(), True)
+        if old is not None and name != "all" and old.types is not None and new.types is not None:
+            new = Group(old.types | new.types, old.whole and new.whole)  # a second command adds grains
+        if name != "all":
+            self.groups[name] = new
+
+    def command_labelmap(self, statement: Statement) -> None:
+        if statement.words[1:2] == ("atom",):
+            words = statement.words[2:]
+            for number, label in zip(words[::2], words[1::2], strict=False):
+                if number.isdecimal():
+                    self.labels[label] = int(number)
+
+    # --- settings of the run ------------------------------------------------------------------------------------
+
+    def command_units(self, statement: Statement) -> None:
+        if len(statement.words) != 2 or statement.words[1] not in TIME_STEPS:
+            raise refused(statement, f"be units {', '.join(TIME_STEPS)}")
+        self.units, self.units_given = statement.words[1], True
+
+    def command_dimension(self, statement: Statement) -> None:
+        if statement.words[1:] not in (("2",), ("3",)):
+            raise refused(statement, "be dimension 2 or 3")
+        self.dimension = int(statement.words[1])
+
+    def command_timestep(self, statement: Statement) -> None:
+        step = self.number(statement, (*statement.words, "")[1])
+        if step <= 0.0:
+            raise refused(statement, "have a positive time step")
+        self.time_step = step
+        self.last = statement
+
+    def command_atom_style(self, statement: Statement) -> None:
+        words = [one for one in statement.words[1:] if not one.isdecimal()]
+        self.atom_style = " ".join(words)
+        for word in words:
+            if word.startswith(CLUMP_STYLES):
+                what = (
+                    "bonds between grains"
+                    if word.startswith("bpm")
+                    else f"grains that are no spheres ({word})"
+                )
+                self.invalidate(what, statement)
+
+    def command_bond_style(self, statement: Statement) -> None:
+        if statement.words[1:2] not in (("none",), ("zero",)):
+            self.invalidate("bonds between grains", statement)
+
+    def command_kspace_style(self, statement: Statement) -> None:
+        if statement.words[1:2] != ("none",):
+            self.invalidate("long-range forces", statement)
+
+    def command_clear(self, statement: Statement) -> None:
+        self.reset()
+
+    def command_run(self, statement: Statement) -> None:
+        words = statement.words
+        count = words[1] if len(words) > 1 else ""
+        steps: int | None = None
+        if NUMBER.fullmatch(count) and float(count) < 1e18:
+            steps = int(float(count))
+            if "upto" in words:
+                steps = max(0, steps - self.steps_done)
+            self.steps_done += steps
+        if steps == 0:
+            self.last = statement
+            return
+        self.stage(statement.quote, steps)
+
+    def stage(self, quote: Quote, steps: int | None) -> None:
+        """Note what holds now. A run with the same settings as that before continues its stage."""
+        kinds = self.present()
+        grains = {str(kind): self.population.grains(kind, str(kind), self.frozen(kind)) for kind in kinds}
+        new = Stage(
+            quote,
+            self.time_step if self.time_step is not None else TIME_STEPS[self.units],
+            self.time_step is not None,
+            steps,
+            tuple(self.contacts()),
+            grains,
+            self.gravity(),
+            None,
+        )
+        if self.stages:
+            old = self.stages[-1]
+            if replace(old, quote=quote, steps=steps) == new:
+                both = None if steps is None or old.steps is None else old.steps + steps
+                self.stages[-1] = replace(old, steps=both)
+                return
+        self.stages.append(new)
+
+    # --- grains -------------------------------------------------------------------------------------------------
+
+    def command_create_box(self, statement: Statement) -> None:
+        self.types = max(self.types, min(self.type_of((*statement.words, "")[1]), MOST_TYPES))
+
+    def command_create_atoms(self, statement: Statement) -> None:
+        words = statement.words
+        kind = self.type_of(words[1]) if len(words) > 1 else 0
+        template = words[words.index("mol") + 1 : words.index("mol") + 2] if "mol" in words else ()
+        if template:
+            self.add_molecule(statement, template[0], kind)
+        elif 1 <= kind <= MOST_TYPES:
+            self.population.add(kind, CREATED)
+            for k, word in enumerate(words[:-2]):
+                if word == "basis" and self.type_of(words[k + 2]):
+                    self.population.add(self.type_of(words[k + 2]), CREATED)
+        else:
+            self.elsewhere(statement)
+
+    def add_molecule(self, statement: Statement, template: str, offset: int) -> None:
+        """Grains of a molecule file."""
+        if template not in self.molecules:
+            self.elsewhere(statement)
+            return
+        for kind, batch in self.molecules[template]:
+            if 1 <= kind + offset <= MOST_TYPES:
+                self.population.add(kind + offset, batch)
+
+    def command_molecule(self, statement: Statement) -> None:
+        found: list[tuple[int, Batch]] = []
+        words = statement.words[1:]
+        for name in words[1:]:
+            text = None if self.folder is None or name == "/" else text_of(self.folder / name)
+            if text is None:
+                if not found:
+                    self.unknown[statement.quote] = None
+                break
+            try:
+                found += population.molecule(text)
+            except (ValueError, KeyError, IndexError):
+                self.unknown[statement.quote] = None
+                return
+        if found:
+            self.molecules[words[0]] = found
+            if len(found) > 1:
+                self.invalidate("molecules of several grains", statement)
+
+    def elsewhere(self, statement: Statement) -> None:
+        """Grains whose sizes are not in the script."""
+        self.population.elsewhere = True
+        self.unknown[statement.quote] = None
+
+    def command_read_data(self, statement: Statement) -> None:
+        name = (*statement.words, "")[1]
+        text = None if self.folder is None else text_of(self.folder / name)
+        if text is None:
+            self.elsewhere(statement)
+            return
+        self.types = min(max(self.types, population.header(text, "atom types")), MOST_TYPES)
+        if population.header(text, "bonds"):
+            self.invalidate("bonds between grains", statement)
+        try:
+            found = population.merged(population.atoms(text, self.atom_style))
+        except (ValueError, IndexError):
+            self.elsewhere(statement)
+            return
+        for kind, batch in found.items():
+            if 1 <= kind <= MOST_TYPES:
+                self.population.add(kind, batch)
+
+    def command_read_restart(self, statement: Statement) -> None:
+        self.elsewhere(statement)
+
+    command_read_dump = command_read_restart
+
+    def command_set(self, statement: Statement) -> None:
+        words = statement.words
+        if len(words) < 4:
+            self.unknown[statement.quote] = None
+            return
+        style, name = words[1], words[2]
+        if style == "type":
+            chosen = Group(frozenset(self.types_of(name)), True)
+        elif style == "group":
+            chosen = self.members(name)
+        else:
+            chosen = Group(None, style == "atom" and name == "*")
+        for k, word in enumerate(words[3:-1], 3):
+            if word in (
+                "diameter",
+                "density",
+                "density/disc",
+                "mass",
+                "type",
+                "type/fraction",
+                "type/ratio",
+                "type/subset",
+            ):
+                self.set_value(statement, chosen, word, words[k + 1])
+
+    def set_value(self, statement: Statement, chosen: Group, keyword: str, word: str) -> None:
+        """One keyword of ``set``."""
+        kinds = self.within(chosen)
+        self.last = statement
+        if keyword.startswith("type"):
+            kind = self.type_of(word)
+            if 1 <= kind <= MOST_TYPES:
+                self.population.convert(kinds, chosen.whole and keyword == "type", kind)
+            else:
+                self.elsewhere(statement)
+            return
+        value = self.set_number(statement, word)
+        if value is None or value < 0.0:
+            self.unknown[statement.quote] = None
+            value = None
+        self.population.change(kinds, chosen.whole, self.changed(keyword, value))
+
+    def set_number(self, statement: Statement, word: str) -> float | None:
+        """A number of ``set``; None if it differs from grain to grain."""
+        if word.startswith("v_"):
+            return self.variables.of(word[2:])
+        return self.number(statement, word)
+
+    def changed(self, keyword: str, value: float | None) -> Callable[[Batch], Batch]:
+        """What a keyword of ``set`` does to grains. In LAMMPS, another diameter leaves the mass as it is."""
+        same = None if value is None else (value, value)
+        if keyword == "diameter":
+            radius = None if value is None else 0.5 * value
+            return lambda one: one.with_mass_of(3).with_radius(radius)
+        if keyword == "density/disc":
+            return lambda one: Batch(one.radii, same).with_mass_of(2)
+        if keyword == "mass":
+            return lambda one: Batch(one.radii, None, same)
+        return lambda one: Batch(one.radii, same)
+
+    # --- fixes --------------------------------------------------------------------------------------------------
+
+    def command_fix(self, statement: Statement) -> None:
+        words = statement.words
+        if len(words) < 4:
+            self.unknown[statement.quote] = None
+            return
+        fix = Fix(statement, words[2], unaccelerated(words[3]), words[4:])
+        self.fixes[words[1]] = fix
+        if not self.own_fix(fix):
+            self.other_fix(fix)
+
+    def command_unfix(self, statement: Statement) -> None:
+        self.fixes.pop((*statement.words, "")[1], None)
+
+    def other_fix(self, fix: Fix) -> None:
+        """A fix beside contacts and insertions."""
+        style, group = fix.style, self.members(fix.group)
+        types = None if group.types is None else tuple(str(one) for one in sorted(group.types))
+        known = style.startswith((*HARMLESS_FIXES, *INTEGRATORS, "freeze", "gravity"))
+        if style.startswith(CLUMPS):
+            self.invalidate(f"clumps ({style})", fix.statement, types)
+        elif style.startswith("heat"):
+            self.ignore(f"heat ({style})", fix.statement, types)
+        elif style.startswith(("move", "deform")):
+            self.ignore(f"prescribed motion ({style})", fix.statement, types)
+        elif style == "setforce" and set(fix.words[:3]) <= {"0", "0.0", "NULL", "0."}:
+            self.ignore("forces set to zero (setforce)", fix.statement, types)
+        else:
+            what = next((what for start, what in FORCES.items() if style.startswith(start)), "")
+            if what:
+                self.invalidate(f"{what} ({style})", fix.statement, types)
+            elif not known:
+                self.unknown[fix.statement.quote] = None
+
+    def invalidate(self, what: str, statement: Statement, types: tuple[str, ...] | None = None) -> None:
+        """Note what makes hard spheres wrong."""
+        self.invalidates[Note(what, types, statement.quote)] = None
+
+    def ignore(self, what: str, statement: Statement, types: tuple[str, ...] | None = None) -> None:
+        """Note what leaves head-on collisions as they are."""
+        self.ignored[Note(what, types, statement.quote)] = None
+
+    def frozen(self, kind: int) -> bool:
+        """Whether no grain of a type moves."""
+        integrated = False
+        integrators = [one for one in self.fixes.values() if one.style.startswith(INTEGRATORS)]
+        for fix in integrators:
+            group = self.members(fix.group)
+            integrated = integrated or group.types is None or kind in group.types
+        stopped = any(
+            one.style == "freeze"
+            and self.members(one.group).whole
+            and kind in self.within(self.members(one.group))
+            for one in self.fixes.values()
+        )
+        return stopped or bool(integrators and not integrated)
+
+    def gravity(self) -> float | None:
+        """The magnitude of gravity."""
+        for fix in self.fixes.values():
+            if fix.style == "gravity" and fix.words:
+                word = fix.words[0]
+                if word.startswith("v_") and self.variables.of(word[2:]) is None:
+                    self.unknown[fix.statement.quote] = None  # it changes in time
+                    return None
+                return self.number(fix.statement, word)
+        return None
+
+    def walls_of(self, group: str) -> list[int]:
+        """The types that meet the wall of a group."""
+        return list(self.within(self.members(group)))
+
+    def wall_contact(
+        self, kind: int, name: str, settings: Settings, quotes: tuple[Quote, ...]
+    ) -> ContactSettings:
+        """A contact with a wall."""
+        return ContactSettings((str(kind), WALL), name, settings, quotes)
