@@ -148,6 +148,7 @@ def print_report(start: hl.ParticleSystem, law: hl.Law, found: hl.Fidelity, writ
         *described(start),
         ("contact duration t_c [s]", digits(found.contact_duration, 4)),
         ("t_c ν, mean of the run", digits(found.tc_nu, 3)),
+        ("δ/d, mean greatest compression over diameter", digits(found.delta_over_d, 3)),
         ("replicas", str(found.n_replicas)),
     ]
     title = f"{start.n} {'spheres' if start.dimension == 3 else 'disks'}"
@@ -175,6 +176,7 @@ def as_mapping(found: hl.Fidelity, files: list[Path]) -> dict[str, Any]:
                 name: {"dims": v.dims, "units": v.attrs["units"], "values": v.values}
                 for name, v in ds.data_vars.items()
             },
+            "predicted_cooling": {model: found.predicted(model)._asdict() for model in found.models[1:]},
             "outcomes": {model: found.outcomes(model) for model in found.models},
             "files": files,
         }

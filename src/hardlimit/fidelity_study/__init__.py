@@ -132,8 +132,9 @@ def fidelity(
     ...     disks, law=law, until=0.02, models=["newton", "law"], replicas=4, samples=4
     ... )
     >>> print(found)
-    At t_c ν = 0.014 the rule law is not resolved by cooling: ± 5.6 % with 4
-    replicas (99 % confidence); for ± 1 % about 29 replicas would be needed.
+    At t_c ν = 0.014 (δ/d = 0.0038) the rule law is not resolved by cooling: ± 5.6 %
+    with 4 replicas (99 % confidence); for ± 1 % about 29 replicas would be needed.
+    The law of the error predicts 2.0 ± ... for law.
     """
     if not isinstance(law, Law):
         raise ValueError(f"law: got {validation.shown(law)}, must be a contact law such as LinearDashpot")
@@ -163,7 +164,7 @@ def fidelity(
     _refuse_equal_starts(kept, count)
     found = Fidelity(
         plan=plan,
-        system=repr(first),
+        start=first,
         dimension=first.dimension,
         arrays=tuple(kept.replicas[k] for k in range(count)),
         resolution=resolved,

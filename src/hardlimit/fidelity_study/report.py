@@ -81,7 +81,28 @@ def sentence(f: Fidelity) -> str:
         parts[-1] += f" (± standard error of {f.n_replicas} replicas)"
     if unresolved:
         parts.append(_not_resolved(f, measure, unresolved))
-    return f"At t_c ν = {f.tc_nu:.2g} {'; '.join(parts)}.{_early_ends(f)}"
+    return f"At {numbers(f)} {'; '.join(parts)}.{_early_ends(f)}{law_of_error(f)}"
+
+
+def numbers(f: Fidelity) -> str:
+    """t_c ν and δ/d of a comparison."""
+    depth = "" if math.isnan(f.delta_over_d) else f" (δ/d = {f.delta_over_d:.2g})"
+    return f"t_c ν = {f.tc_nu:.2g}{depth}"
+
+
+def law_of_error(f: Fidelity) -> str:
+    """The predictions of the law of the error as sentences, with a warning where they contradict the measurement."""
+    found = {rule: f.predicted(rule) for rule in _defined(f, "cooling", [m for m in f.models if m != NEWTON])}
+    said = [
+        f"{percent_with_error(one.value, one.error)} for {rule}"
+        for rule, one in found.items()
+        if math.isfinite(one.value)
+    ]
+    wrong = [rule for rule, one in found.items() if one.contradicts(f.final_difference("cooling", rule))]
+    text = f" The law of the error predicts {listed(said)}." if said else ""
+    if wrong:
+        text += f" Warning: this contradicts the measured cooling of {listed(wrong)}."
+    return text
 
 
 def _subject(rules: list[str]) -> str:
@@ -151,6 +172,10 @@ def table(f: Fidelity) -> tuple[list[str], list[list[str]]]:
     """Head and rows: the final difference of each rule in per cent."""
     rules = [model for model in f.models if model != NEWTON]
     rows = [[NAMES[name], *(_cell(f, name, rule) for rule in rules)] for name in QUANTITIES]
+    law = [f.predicted(rule) for rule in rules]
+    if any(math.isfinite(one.value) for one in law):
+        known = ["–" if one.reason else _bare(percent_with_error(one.value, one.error)) for one in law]
+        rows.insert(1 + list(QUANTITIES).index("cooling"), ["cooling, law of the error", *known])
     return ["", *rules], rows
 
 

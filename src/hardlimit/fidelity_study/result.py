@@ -11,9 +11,10 @@ import numpy as np
 
 from .. import _core
 from ..boxes.box import Floats
+from ..boxes.system import ParticleSystem
 from ..support import html, saving, validation
 from ..support.estimate import Estimate
-from . import report, statistics
+from . import prediction, report, statistics
 from .contacts import EDGES
 from .replica import DIVERGENCE, NEWTON, QUANTITIES, Arrays, Plan
 
@@ -93,7 +94,7 @@ class Fidelity:
     """
 
     plan: Plan  #: models, law and samples
-    system: str  #: description of the initial state of replica 0
+    start: ParticleSystem  #: initial state of replica 0
     dimension: int  #: 2 or 3
     arrays: tuple[Arrays, ...] = field(repr=False)  #: of each replica
     resolution: float = RESOLUTION  #: relative difference that should be resolved
@@ -119,6 +120,33 @@ class Fidelity:
         NaN without elapsed time."""
         rate = self._all("collision_rate")[:, 0]
         return self.contact_duration * float(rate[:, self.last_common(NEWTON)].mean())
+
+    @cached_property
+    def delta_over_d(self) -> float:
+        """δ/d: greatest compression of a contact at the mean impact speed, over the mean diameter; mean of the run. In a
+        thin gas the error of the rules follows δ/d. NaN for particles at rest."""
+        return prediction.delta_over_d(self)
+
+    def predicted(self, model: str) -> prediction.Prediction:
+        """What the law of the error (:func:`error_law`) predicts for the final difference of the cooling of a rule.
+
+        Parameters
+        ----------
+        model : str
+            One of ``models``.
+
+        Returns
+        -------
+        Prediction
+            Difference with its standard error; NaN and the reason if the law does not apply.
+
+        Raises
+        ------
+        ValueError
+            If there is no such model.
+        """
+        self._index(model)
+        return prediction.predicted(self, model)
 
     @property
     def largest_compression(self) -> float:
@@ -341,12 +369,13 @@ class Fidelity:
         return {
             "title": f"{what} of a comparison of rules for hard spheres with Newton’s equations",
             "source": f"hardlimit {_core.version}",
-            "system": self.system,
+            "system": repr(self.start),
             "law": repr(self.plan.law),
             "engine": self.plan.engine,
             "restitution": self.plan.restitution,
             "contact_duration": self.contact_duration,
             "tc_nu": self.tc_nu,
+            "delta_over_d": self.delta_over_d,
             "n_replicas": self.n_replicas,
             "bars": self.bars,
             "resolution": self.resolution,

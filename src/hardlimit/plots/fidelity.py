@@ -67,6 +67,8 @@ def fidelity(f: Fidelity) -> Figure:
 def _title(f: Fidelity) -> str:
     bars = "one replica, no error bars" if f.n_replicas == 1 else f"{f.n_replicas} replicas"
     number = rf"$t_c\nu$ = {f.tc_nu:.2g}, " if np.isfinite(f.tc_nu) else ""
+    if np.isfinite(f.delta_over_d):
+        number += rf"$\delta/d$ = {f.delta_over_d:.2g}, "
     return f"{number}{bars}"
 
 

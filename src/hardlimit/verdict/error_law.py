@@ -153,6 +153,11 @@ class ErrorLaw:
     The error is (rate of √(E(0)/E) of the hard spheres)/(the same under Newton's equations) − 1 at equal energies E.
     It is positive if hard spheres cool too fast.
 
+    Notes
+    -----
+    Derived and measured in :doc:`/findings/error_law`. The effect of the rule tc: Luding & Goldshtein, Granular
+    Matter 5, 159 (2003).
+
     Examples
     --------
     >>> law = hl.error_law(packing_fraction=0.2, restitution=0.9)
@@ -192,9 +197,9 @@ class ErrorLaw:
         return (1.0 + (self.coefficient + self.decay) * at) * math.exp(-self.decay * at) - 1.0
 
     def error_bar(self, tc_nu: float) -> float:
-        """Standard error of :meth:`error`. Above the largest measured t_c ν, 0.3, it grows with the excess.
+        """Standard error of :meth:`ErrorLaw.error`. Above the largest measured t_c ν, 0.3, it grows with the excess.
 
-        Argument and errors as for :meth:`error`.
+        Argument and errors as for :meth:`ErrorLaw.error`.
         """
         at = _tc_nu(tc_nu)
         beyond = max(0.0, at / MEASURED_TC_NU - 1.0)
@@ -235,7 +240,7 @@ class ErrorLaw:
     def delta_over_d(self, tc_nu: float) -> float:
         """δ/d, the mean greatest compression of undamped linear contacts over the diameter: t_c ν/(D 2^D φ χ).
 
-        Argument and errors as for :meth:`error`.
+        Argument and errors as for :meth:`ErrorLaw.error`.
         """
         return _tc_nu(tc_nu) / fluid(self.dimension, self.packing_fraction).density
 
@@ -290,6 +295,12 @@ def error_law(
     ------
     ValueError
         If an argument is outside its range.
+
+    Notes
+    -----
+    For ε → 1 the coefficient follows from equilibrium averages, without a free parameter; its dependence on ε is partly
+    derived and partly measured (:doc:`/findings/error_law`). Berzi & Jenkins, Soft Matter 11, 4799 (2015), correct
+    kinetic theory for the contact duration by one constant.
 
     Examples
     --------

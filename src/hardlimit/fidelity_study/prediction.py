@@ -1,0 +1,108 @@
+"""What the law of the error predicts for a comparison of rules with Newton's equations."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+import numpy as np
+
+from .. import _core
+from ..boxes import theory
+from ..boxes.falling_frame import law_arguments
+from ..boxes.rules import RULES
+from ..support.estimate import Estimate
+from ..verdict.error_law import MEASURED_TC_NU, error_law, exponents
+from .replica import NEWTON
+
+if TYPE_CHECKING:
+    from .result import Fidelity
+
+#: Standard errors of the prediction in its 99 % interval.
+BARS: Final = 2.6
+#: Number of intervals of √(E(0)/E) over which the predicted error is integrated.
+INTERVALS: Final = 64
+
+
+class Prediction(NamedTuple):
+    """Prediction for the final difference of the cooling of a rule; made by ``Fidelity.predicted``."""
+
+    value: float = (
+        math.nan
+    )  #: relative difference, positive if the rule cools too fast; NaN if there is no prediction
+    error: float = math.nan  #: its standard error
+    reason: str = ""  #: why there is no prediction
+
+    def contradicts(self, found: Estimate[float]) -> bool:
+        """Whether a measured difference and the prediction differ significantly, at 99 %.
+
+        :meta private:
+        """
+        bars = math.hypot(0.5 * (found.upper - found.lower), BARS * self.error)
+        return abs(found.value - self.value) > bars  # False with NaN
+
+
+def predicted(f: Fidelity, rule: str) -> Prediction:
+    """Prediction for the final difference of the cooling of a rule.
+
+    The law gives the error e at equal energies. With y = √(E(0)/E), dy/dt of the rule is 1 + e(t_c ν) times that under
+    Newton's equations, which is proportional to 1/(1 + a t_c ν). The difference is that of y − 1 at equal times.
+    Besides, there are no contacts at the start, so that Newton's equations lag behind by t_c/2. The standard error
+    contains half of this lag.
+    """
+    reason = theory.why_not(f.start)
+    if reason is not None:
+        return Prediction(reason=reason)
+    law, epsilon = f.plan.law, f.plan.restitution
+    q = exponents(law).energy
+    if rule not in RULES:
+        return Prediction(reason="it is no rule")
+    if rule == "constant" and abs(q - 2.0) > 1e-6:
+        return Prediction(reason="ε of this contact law depends on the speed")
+    speed, contact = math.sqrt(math.pi * f.start.granular_temperature), _typical(f)
+    own = contact.restitution(np.array([speed])), contact.duration(np.array([speed]))
+    if not np.allclose(np.ravel(own), (epsilon, f.contact_duration), rtol=1e-6):
+        return Prediction(reason="ε or t_c was given and is not that of the law")
+    gas = theory.gas(f.start)
+    tc_nu = f.contact_duration * float(gas.collision_rate(f.start.granular_temperature))
+    last = f.last_common(rule)
+    grown = float(f._all("cooling")[:, 0, last].mean())  # y − 1 under Newton's equations
+    if tc_nu > MEASURED_TC_NU:
+        return Prediction(reason=f"t_c ν = {tc_nu:.2g} is above {MEASURED_TC_NU:g}")
+    if not grown > 0.0:
+        return Prediction(reason="nothing was dissipated")
+    reference, of_rule = (
+        error_law(
+            packing_fraction=gas.packing_fraction,
+            restitution=epsilon,
+            dimension=gas.dimension,
+            rule=name,
+            law=law,
+        )
+        for name in ("law", rule)
+    )
+    y = np.linspace(1.0, 1.0 + 2.0 * grown, 2 * INTERVALS + 1)
+    at = [tc_nu / float(middle) ** (2.0 / q) for middle in 0.5 * (y[1:] + y[:-1])]
+    newton = np.array([1.0 + reference.error(x) for x in at]) * np.diff(y)
+    hard = newton / np.array([1.0 + of_rule.error(x) for x in at])
+    time = newton[:INTERVALS].sum()
+    reached = float(np.interp(time, np.append(0.0, np.cumsum(hard)), y)) - 1.0
+    lag = tc_nu * (1.0 - epsilon**2) / (4.0 * gas.dimension * grown)
+    uncertain = float(np.mean([of_rule.error_bar(x) for x in at[:INTERVALS]]))
+    return Prediction(reached / grown - 1.0 + lag, math.hypot(uncertain, 0.5 * lag))
+
+
+def delta_over_d(f: Fidelity) -> float:
+    """δ/d: greatest compression of an isolated contact over the diameter, at the mean impact speed √(πT), mean of the
+    run. For linear springs this is the mean over contacts. NaN for particles at rest."""
+    temperature = f._all("granular_temperature")[:, 0, : f.last_common(NEWTON) + 1]
+    speed = math.sqrt(math.pi) * float(np.sqrt(np.maximum(temperature, 0.0)).mean())
+    if not speed > 0.0:
+        return math.nan
+    return float(_typical(f).compression(np.array([speed]))[0]) / (2.0 * float(f.start.radius.mean()))
+
+
+def _typical(f: Fidelity) -> _core.Contact:
+    """The contact of two particles of mean mass and radius."""
+    mass, radius = float(f.start.mass.mean()), float(f.start.radius.mean())
+    return _core.make_contact(*law_arguments(f.plan.law), 0.5 * mass, 0.5 * radius)
