@@ -51,6 +51,7 @@ _LATER = {
     "boxes.resume": ("resume",),
     "boxes.system": ("ParticleSystem",),
     "stacks": ("Stack", "stack"),
+    "verdict": ("check",),
     "verdict.error_law": ("ErrorLaw", "error_law"),
 }
 

@@ -16,6 +16,13 @@ OPTIONS = {
 }
 
 
+NAMES = {
+    "stiffness": "a stiffness",
+    "youngs_modulus": "a Young's modulus",
+    "elastic_prefactor": "an elastic prefactor",
+}
+
+
 def answer(
     rows: Sequence[CheckedContact],
     invalidates: Sequence[Finding],
@@ -39,7 +46,10 @@ def answer(
             return None, "Cannot be said: the error is not known for so dense a packing."
         options = [OPTIONS[one] for one in missing if one in OPTIONS]
         offered = f" (give --dump, or {listed(options)})" if options else " (they are not in the script)"
-        return None, f"Cannot be said: {listed(missing)} {'is' if list(missing) == ['packing'] else 'are'} not known{offered}."
+        return (
+            None,
+            f"Cannot be said: {listed(missing)} {'is' if list(missing) == ['packing'] else 'are'} not known{offered}.",
+        )
     if abs(value) + bar > ACCEPTED:
         return None, f"Cannot be said: {_cools(worst)}, and {percent(ACCEPTED)} is within the error bar."
     return True, f"Yes: {_cools(worst)}, less than {percent(ACCEPTED)}; {_may(worst)}."
@@ -64,9 +74,17 @@ def _cools(row: CheckedContact) -> str:
 
 
 def _needs(row: CheckedContact) -> str:
-    return f"{percent(ACCEPTED)} takes {digits(row.softening or 0.0, 2)} times the stiffness"
+    """The stiffness with which the error is 1 %."""
+    if row.spring is None:
+        return f"{percent(ACCEPTED)} takes {digits(row.softening or 0.0, 2)} times the stiffness"
+    name, value, needed = row.spring
+    return f"{percent(ACCEPTED)} takes {NAMES[name]} of {digits(needed, 2)} instead of {digits(value, 3)}"
 
 
 def _may(row: CheckedContact) -> str:
+    """How soft the grains may be."""
     softer = row.softening or 1.0
-    return f"{percent(ACCEPTED)} allows {digits(softer, 2)} times the stiffness" if softer < 1.0 else "do not soften"
+    if row.spring is None or softer >= 1.0:
+        return f"{percent(ACCEPTED)} allows {digits(softer, 2)} times the stiffness"
+    name, value, needed = row.spring
+    return f"you may soften to {NAMES[name]} of {digits(needed, 2)} from {digits(value, 3)}"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
 
@@ -45,6 +45,17 @@ class ModelForce:
     def __call__(self, first: KnownBody, second: KnownBody | None, speed: float) -> Force:
         return self.written(first, second, speed).force(self.numbers)
 
+    @property
+    def spring(self) -> tuple[str, float, float] | None:
+        """The number that sets the stiffness, its value, and the power with which it does."""
+        power = 0.8 if self.model.spring.given == "impact" else 1.0
+        return _spring(self.numbers, power)
+
+
+def _spring(numbers: Mapping[str, float], power: float) -> tuple[str, float, float] | None:
+    name = next((one for one in ("stiffness", "youngs_modulus", "elastic_prefactor") if one in numbers), None)
+    return None if name is None else (name, numbers[name], power)
+
 
 @dataclass(frozen=True)
 class LawForce:
@@ -54,12 +65,18 @@ class LawForce:
 
     def __call__(self, first: KnownBody, second: KnownBody | None, speed: float) -> Force:
         ball = Ball(first.radius, mass=first.mass)
-        contact = self.law.between(*[ball] if second is None else [ball, Ball(second.radius, mass=second.mass)])
+        contact = self.law.between(
+            *[ball] if second is None else [ball, Ball(second.radius, mass=second.mass)]
+        )
         name, mass = self.law.record["name"], contact.effective_mass
         if name == "linear":
             return Force(LAWS[name], contact.stiffness, contact.damping, mass)
         k = contact.elastic_prefactor
-        c = contact.damping_coefficient * math.sqrt(mass * k) if name == "tsuji" else 1.5 * k * contact.dissipative_time
+        c = (
+            contact.damping_coefficient * math.sqrt(mass * k)
+            if name == "tsuji"
+            else 1.5 * k * contact.dissipative_time
+        )
         return Force(LAWS[name], k, c, mass)
 
 
@@ -71,7 +88,9 @@ class Remarks:
     """What the contacts of a script add to its lists."""
 
     versions: tuple[str, ...]  #: differences between versions of the code
-    not_modelled: tuple[tuple[tuple[str, str], str], ...]  #: types of contacts that no model describes, and why
+    not_modelled: tuple[
+        tuple[tuple[str, str], str], ...
+    ]  #: types of contacts that no model describes, and why
 
 
 def of_script(description: Description) -> tuple[list[Case], Remarks]:
@@ -176,6 +195,7 @@ def _ends(number: int, stage: Stage, contact: ContactSettings, force: ModelForce
             stage.numerical_damping,
             None if force is None else force.numbers.get("youngs_modulus"),
             None if force is None else force.numbers.get("poisson_ratio"),
+            None if force is None else force.spring,
         )
 
 
@@ -195,9 +215,7 @@ def _body(grains: Grains, end: int) -> Body:
 # --- systems and numbers --------------------------------------------------------------------------------------
 
 
-def of_law(
-    balls: Sequence[Ball], law: Law, walls: bool, time_step: float | None
-) -> list[Case]:
+def of_law(balls: Sequence[Ball], law: Law, walls: bool, time_step: float | None) -> list[Case]:
     """The contacts of the smallest and the largest ball under one of our laws, and with a wall."""
     ask = law.parameters.get("restitution")
     bodies = [Body(ball.radius, ball.mass, ball.density) for ball in balls]
@@ -207,7 +225,10 @@ def of_law(
         types = (str(bodies.index(first) + 1), WALL if second is None else str(bodies.index(second) + 1))
         model = law.record["name"]
         material = (law.parameters.get(name) for name in ("youngs_modulus", "poisson_ratio"))
-        return Case(types, 1, None, first, second, force, model, ask, True, time_step, None, *material)
+        spring = _spring(law.parameters, 1.0)
+        return Case(
+            types, 1, None, first, second, force, model, ask, True, time_step, None, *material, spring
+        )
 
     pairs = [case(one, other) for i, one in enumerate(bodies) for other in bodies[i:]]
     return pairs + [case(one, None) for one in bodies] * walls

@@ -4,20 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
 from ..boxes.system import ParticleSystem
 from ..contact.balls import Ball
 from ..contact.contact import Law
-from ..convert.codes import code as code_of
 from ..convert.readers import UNITS
 from ..scripts import Description, Note, Quote, Stage
 from ..scripts import read as read_script
 from ..support import validation
 from . import answer, cases, corrections, dumps
-from .contacts import Body, Case, CheckedContact, Surroundings, examine
+from .contacts import Case, CheckedContact, Surroundings, examine
 from .expectation import checked_packing_fraction
 from .result import CheckedStage, Finding, Verdict
 
@@ -68,7 +67,9 @@ def checked(
     if isinstance(source, str | Path):
         for name, value in (("law", law), ("time_step", time_step), ("dimension", dimension)):
             if value is not None:
-                raise ValueError(f"{name}: got {validation.shown(value)}, must be left out with a script, which sets it")
+                raise ValueError(
+                    f"{name}: got {validation.shown(value)}, must be left out with a script, which sets it"
+                )
         return _of_script(read_script(source, code=code, variables=given.variables), given)
     if code is not None:
         raise ValueError(f"code: got {validation.shown(code)}, must be left out without a script")
@@ -82,7 +83,9 @@ def checked(
     if isinstance(source, Ball):
         d = 3 if dimension is None else validation.whole("dimension", dimension, 2, 3)
         return _of_law([source], law, given, step, d, walls=True)
-    raise ValueError(f"source: got {validation.shown(source)}, must be a path, a text, a ParticleSystem or a Ball")
+    raise ValueError(
+        f"source: got {validation.shown(source)}, must be a path, a text, a ParticleSystem or a Ball"
+    )
 
 
 def _speeds(given: Any) -> tuple[float, ...]:
@@ -166,7 +169,8 @@ def _of_script(script: Description, given: Given) -> Verdict:
     unknown += [
         Finding(why, types, f"{'–'.join(types)}: {why}")
         for types, why in remarks.not_modelled
-        if not any(set(types) & set(one) for one in taken) and not any(one.types is None for one in invalidates)
+        if not any(set(types) & set(one) for one in taken)
+        and not any(one.types is None for one in invalidates)
     ]
     notes = [*remarks.versions, *_notes(examined), *_numerically_damped(last.numerical_damping)]
     missing = _missing(rows, gas, speeds, states)
@@ -211,10 +215,14 @@ def _lasting(
     if known and last is not None and last.coordination is not None:
         allowed = 0.1 + 2.0 * max((row.tc_nu or 0.0 for row in rows), default=0.0)
         if last.coordination > allowed:
-            yield Finding(f"grains have {last.coordination:.2g} contacts on average in the dump, so contacts last")
+            yield Finding(
+                f"grains have {last.coordination:.2g} contacts on average in the dump, so contacts last"
+            )
     else:
         for stage in stages:
-            if stage.gravity and any(one.types[1] == cases.WALL or _fixed(stage, one.types) for one in stage.contacts):
+            if stage.gravity and any(
+                one.types[1] == cases.WALL or _fixed(stage, one.types) for one in stage.contacts
+            ):
                 yield Finding("grains rest on each other under gravity", None, _where(stage.quote))
                 break
     for types in dict.fromkeys(row.types for row in rows if row.restitution == 0.0):

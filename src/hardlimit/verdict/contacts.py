@@ -85,6 +85,8 @@ class Case:
     numerical_damping: float | None = None
     youngs_modulus: float | None = None
     poisson_ratio: float | None = None
+    #: Number that sets the stiffness, its value in the units of the script, and the power with which it does.
+    spring: tuple[str, float, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -111,9 +113,13 @@ class CheckedContact:
     largest_overlap: float | None = None  #: over the smaller radius
     tc_nu: float | None = None  #: duration times collision rate of a grain
     delta_over_d: float | None = None  #: greatest overlap at the mean impact speed, over the diameter
-    error: Mapping[str, tuple[float, float]] = field(default_factory=dict)  #: of cooling, by rule, with its error
+    error: Mapping[str, tuple[float, float]] = field(
+        default_factory=dict
+    )  #: of cooling, by rule, with its error
     rule: str = "constant"  #: of the event-driven simulation that the answer is about: "law" if ε depends on the speed
     softening: float | None = None  #: factor of the stiffness with which the error of cooling is 1 %
+    #: Number that sets the stiffness, its value and the value with an error of 1 %, in the units of the script.
+    spring: tuple[str, float, float] | None = None
 
 
 def examine(case: Case, speed: float | None, gas: Surroundings) -> CheckedContact:
@@ -145,11 +151,28 @@ def examine(case: Case, speed: float | None, gas: Surroundings) -> CheckedContac
     kept = {name: _agreed([one.get(name) for one in found]) for name in found[0]}
     errors = {rule: kept.pop(rule) for rule in RULES if rule in kept}
     bars = {rule: kept.pop(f"{rule}±") for rule in errors}
-    known = {rule: (value, bar) for rule, value in errors.items() if value is not None and (bar := bars[rule]) is not None}
+    known = {
+        rule: (value, bar)
+        for rule, value in errors.items()
+        if value is not None and (bar := bars[rule]) is not None
+    }
     steps = kept.pop("steps_per_contact", None)
-    powers = case.force(case.first.tried(0), None if case.second is None else case.second.tried(0), 1.0).powers
-    kept["rule"] = usual_rule(powers)
-    return replace(row, **kept, steps_per_contact=None if steps is None else int(steps), error=known)
+    powers = case.force(
+        case.first.tried(0), None if case.second is None else case.second.tried(0), 1.0
+    ).powers
+    softening = kept.get("softening")
+    spring = None
+    if case.spring is not None and softening is not None:
+        name, value, power = case.spring
+        spring = name, value, value * softening ** (1.0 / power)
+    return replace(
+        row,
+        **kept,
+        rule=usual_rule(powers),
+        steps_per_contact=None if steps is None else int(steps),
+        error=known,
+        spring=spring,
+    )
 
 
 def _agreed(values: Sequence[float | None]) -> float | None:
@@ -179,7 +202,9 @@ def _results(
         density = first.mass / (4.0 / 3.0 * math.pi * first.radius**3)
         wave, nu = math.sqrt(density / case.youngs_modulus), case.poisson_ratio or 0.0
         found["p_wave_time"] = first.radius * wave
-        found["rayleigh_time"] = math.pi * first.radius * wave * math.sqrt(2.0 + 2.0 * nu) / (0.1631 * nu + 0.8766)
+        found["rayleigh_time"] = (
+            math.pi * first.radius * wave * math.sqrt(2.0 + 2.0 * nu) / (0.1631 * nu + 0.8766)
+        )
     if case.time_step is not None:
         found["steps_per_contact"] = (
             math.floor(collision.duration / case.time_step) if math.isfinite(collision.duration) else None
@@ -211,11 +236,14 @@ def _in_gas(
     if second is None:
         return found
     exponent = 0.25 * force.powers.elastic + 1.0
+    clipped = replace(force, powers=replace(force.powers, attracts=False))
+    prolonged = 1.0 - clipped.collision(gas.mean_speed or speed).duration / mean.duration
     for rule in RULES:
         one = expected(rule, gas.dimension, gas.packing_fraction, mean.restitution, force.powers, tc_nu)
         if one is None:
             continue
-        found[rule], found[f"{rule}±"] = one.error, one.bar
+        # Measured for forces that never attract; attraction prolongs the contact.
+        found[rule], found[f"{rule}±"] = one.error, math.hypot(one.bar, one.error * prolonged)
         if rule == usual_rule(force.powers):
             found["softening"] = (tc_nu / one.largest_tc_nu) ** exponent
     return found

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Final
 
 from ..convert import texts
@@ -86,7 +86,11 @@ def replaced(setting: Setting, place: int, new: str) -> str | None:
     matches = list(re.finditer(rf"(?<!\S){words}(?!\S)", text))
     spans = [match.span(place + 1) for match in matches]
     if len(setting.words) == 1:
-        spans = [m.span() for m in re.finditer(r"(?<![\w.])[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?(?![\w.])", text) if _equal(m[0], setting.words[0])]
+        spans = [
+            m.span()
+            for m in re.finditer(r"(?<![\w.])[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?(?![\w.])", text)
+            if _equal(m[0], setting.words[0])
+        ]
     if len(spans) != 1:
         return None
     first, last = spans[0]

@@ -45,7 +45,9 @@ class State:
     step: int
     grains: int
     packing_fraction: float | None  #: None without radii
-    temperature: float | None  #: mean square of a velocity component about the mean velocity; None without velocities
+    temperature: (
+        float | None
+    )  #: mean square of a velocity component about the mean velocity; None without velocities
     mean_diameter: float | None
     largest_overlap: float | None  #: over the smaller radius; None without positions or radii
     coordination: float | None  #: mean number of contacts of a grain
@@ -101,8 +103,13 @@ def _frames(lines: TextIO, name: str, wanted: Any) -> Iterator[Frame | None]:
         if not title:
             continue
         if not title.startswith("ITEM:"):
-            raise ValueError(f"dump: got {validation.shown(name)} with a line {validation.shown(title)}, must be a text dump of LAMMPS or LIGGGHTS")
-        kind = next((one for one in ("BOX BOUNDS", "NUMBER OF ATOMS", "ATOMS") if title[5:].strip().startswith(one)), title[5:].strip())
+            raise ValueError(
+                f"dump: got {validation.shown(name)} with a line {validation.shown(title)}, must be a text dump of LAMMPS or LIGGGHTS"
+            )
+        kind = next(
+            (one for one in ("BOX BOUNDS", "NUMBER OF ATOMS", "ATOMS") if title[5:].strip().startswith(one)),
+            title[5:].strip(),
+        )
         words = title[5:].strip()[len(kind) :].split()
         count = {"BOX BOUNDS": 3, "ATOMS": 0}.get(kind, 1)
         items[kind] = words, list(islice(lines, count))
@@ -117,7 +124,9 @@ def _count(items: Mapping[str, tuple[list[str], list[str]]], name: str) -> int:
     try:
         return int(items["NUMBER OF ATOMS"][1][0])
     except (KeyError, IndexError, ValueError):
-        raise ValueError(f"dump: got {validation.shown(name)}, must have ITEM: NUMBER OF ATOMS before the grains") from None
+        raise ValueError(
+            f"dump: got {validation.shown(name)}, must have ITEM: NUMBER OF ATOMS before the grains"
+        ) from None
 
 
 def _skip(items: Mapping[str, tuple[list[str], list[str]]], lines: TextIO, name: str) -> None:
@@ -139,12 +148,23 @@ def _frame(
         limits = np.array([[float(word) for word in line.split()] for line in bounds])
         step = int(items.get("TIMESTEP", ([], ["0"]))[1][0])
         low, high = limits.reshape(3, 2).T
-        grains = pd.read_csv(io.StringIO("".join(rows)), sep=r"\s+", header=None, names=list(columns), index_col=False)
+        grains = pd.read_csv(
+            io.StringIO("".join(rows)), sep=r"\s+", header=None, names=list(columns), index_col=False
+        )
     except (ValueError, IndexError) as error:
-        raise ValueError(f"dump: got {validation.shown(name)}, cannot be read: {' '.join(str(error).split())[:100]}") from None
+        raise ValueError(
+            f"dump: got {validation.shown(name)}, cannot be read: {' '.join(str(error).split())[:100]}"
+        ) from None
     numeric = grains[[c for c in grains if c in NUMERIC]].apply(pd.to_numeric, errors="coerce")
-    if len(grains) != count or count == 0 or not np.isfinite(numeric.to_numpy()).all() or not (high > low).all():
-        raise ValueError(f"dump: got {validation.shown(name)}, whose frame at step {step} is cut off or has no numbers")
+    if (
+        len(grains) != count
+        or count == 0
+        or not np.isfinite(numeric.to_numpy()).all()
+        or not (high > low).all()
+    ):
+        raise ValueError(
+            f"dump: got {validation.shown(name)}, whose frame at step {step} is cut off or has no numbers"
+        )
     grains[numeric.columns] = numeric
     periodic = tuple(side.startswith("p") for side in sides) if len(sides) == 3 else (True,) * 3
     return Frame(step, low, high, periodic, grains)
@@ -226,7 +246,11 @@ def _contacts(
     box = np.where(periodic, edges, 0.0)
     inside = at - at.min(axis=0)
     inside = np.where(periodic, np.mod(inside, edges), inside)
-    inside = np.where(inside >= edges, 0.0, inside) if all(periodic) else np.where(np.logical_and(periodic, inside >= edges), 0.0, inside)
+    inside = (
+        np.where(inside >= edges, 0.0, inside)
+        if all(periodic)
+        else np.where(np.logical_and(periodic, inside >= edges), 0.0, inside)
+    )
     pairs = cKDTree(inside, boxsize=box).query_pairs(2.0 * float(radius.max()), output_type="ndarray")
     i, j = pairs.T
     apart = inside[i] - inside[j]
