@@ -49,41 +49,17 @@ angle_coeff angle_style atom_modify balance boundary box change_box comm_modify 
 delete_atoms delete_bonds dihedral_coeff dihedral_style displace_atoms improper_coeff improper_style kspace_modify
 label lattice log mass min_modify min_style minimize modify_timing neb neigh_modify neighbor newton package partition
 processors region replicate rerun reset_atom_ids reset_atoms reset_ids reset_mol_ids reset_timestep shell
-special_bonds suffix velocity hard_particles soft_particles next jump fix_modify bond_coeff pair_modify pair_write group2ndx ndx2group quit
+special_bonds suffix velocity hard_particles soft_particles next jump fix_modify bond_coeff pair_modify pair_write
+group2ndx ndx2group quit
 """
 HARMLESS: Final = SILENT | frozenset(HARMLESS_NAMES.split())
 #: Fixes that only observe, or affect how the program runs.
-HARMLESS_FIXES: Final = (
-    *(
-        "ave/",
-        "print",
-        "store/",
-        "balance",
-        "enforce2d",
-        "property/atom",
-        "vector",
-        "recenter",
-        "check/timestep",
-    ),
-    *(
-        "dt/reset",
-        "halt",
-        "restart",
-        "massflow/mesh",
-        "mesh/surface",
-        "particledistribution",
-        "contacthistory",
-    ),
-    *(
-        "particletemplate/sphere",
-        "property/global",
-        "region/variable",
-        "neigh_history",
-        "NEIGH_HISTORY",
-        "momentum",
-    ),
-    *("nve/noforce", "mesh/volume", "diam/max", "calculate/", "contactproperty/", "contactcounter/", "pair"),
-)
+HARMLESS_FIX_NAMES: Final = """
+ave/ print store/ balance enforce2d property/atom vector recenter check/timestep dt/reset halt restart massflow/mesh
+mesh/surface mesh/volume particledistribution contacthistory particletemplate/sphere property/global region/variable
+neigh_history NEIGH_HISTORY momentum nve/noforce diam/max calculate/ contactproperty/ contactcounter/ pair
+"""
+HARMLESS_FIXES: Final = tuple(HARMLESS_FIX_NAMES.split())
 INTEGRATORS: Final = ("nve", "nvt", "npt", "nph", "rigid", "poems", "multisphere", "brownian", "move")
 #: Fixes that add forces beside contacts, with the words for the report.
 FORCES: Final = {

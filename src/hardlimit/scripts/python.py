@@ -1,0 +1,467 @@
+"""A small evaluator of Python scripts: assignments, arithmetic, short loops, and the objects that calls create.
+
+Only arithmetic is computed. A call of anything else makes an :class:`Instance` with its arguments. What is not
+understood is :class:`Unknown`.
+"""
+
+from __future__ import annotations
+
+import ast
+import math
+import operator
+import textwrap
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+from .statements import quoted, refusal
+
+MOST_STEPS: Final = 200_000
+MOST_ITEMS: Final = 20_000  #: of a list
+DEEPEST: Final = 8  #: nesting of calls of the script's own functions
+
+Operator = Callable[[Any, Any], Any]
+OPERATORS: Final[dict[type, Operator]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.FloorDiv: operator.floordiv,
+    ast.Mod: operator.mod,
+}
+COMPARISONS: Final[dict[type, Operator]] = {
+    ast.Eq: operator.eq,
+    ast.NotEq: operator.ne,
+    ast.Lt: operator.lt,
+    ast.LtE: operator.le,
+    ast.Gt: operator.gt,
+    ast.GtE: operator.ge,
+    ast.In: lambda a, b: a in b,
+    ast.NotIn: lambda a, b: a not in b,
+    ast.Is: operator.is_,
+    ast.IsNot: operator.is_not,
+}
+MATH: Final = """
+sqrt exp log log10 log2 sin cos tan asin acos atan atan2 sinh cosh tanh radians degrees pow hypot floor ceil fabs
+"""
+FUNCTIONS: Final[dict[str, Callable[..., Any]]] = {
+    **{name: getattr(math, name) for name in MATH.split()},
+    "arcsin": math.asin,
+    "arccos": math.acos,
+    "arctan": math.atan,
+    **{function.__name__: function for function in (abs, min, max, round, float, int, sum, len)},
+}
+CONSTANTS: Final = {"pi": math.pi, "e": math.e, "inf": math.inf}
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """A value that is not known, with its source text."""
+
+    text: str
+
+
+class Vector(tuple[Any, ...]):
+    """Components of a vector, with the arithmetic of vectors."""
+
+    def _each(self, other: Any, of: Operator) -> Vector:
+        if isinstance(other, tuple) and len(other) == len(self):
+            return Vector(of(a, b) for a, b in zip(self, other, strict=True))
+        if isinstance(other, int | float):
+            return Vector(of(a, other) for a in self)
+        raise TypeError
+
+    def __add__(self, other: Any) -> Vector:
+        return self._each(other, operator.add)
+
+    def __sub__(self, other: Any) -> Vector:
+        return self._each(other, operator.sub)
+
+    def __mul__(self, other: Any) -> Vector:
+        return self._each(other, operator.mul)
+
+    def __truediv__(self, other: Any) -> Vector:
+        return self._each(other, operator.truediv)
+
+    __rmul__ = __mul__
+
+
+@dataclass(eq=False)
+class Instance:
+    """What a call creates: its name, positional arguments and attributes."""
+
+    name: str
+    arguments: tuple[Any, ...]
+    attributes: dict[str, Any]
+    line: int
+    text: str
+    made: list[Any] = field(default_factory=list)  #: what its methods added
+
+    def argument(self, place: int, name: str, default: Any = None) -> Any:
+        """An argument by its name or place."""
+        if name in self.attributes:
+            return self.attributes[name]
+        return self.arguments[place] if 0 <= place < len(self.arguments) else default
+
+
+@dataclass(frozen=True)
+class Assignment:
+    """An assignment to an attribute of something that is not known."""
+
+    line: int
+    name: str
+    text: str
+
+
+class Return(Exception):  # not an error
+    """The end of one of the script's own functions."""
+
+
+@dataclass
+class Evaluator:
+    """Runs the statements of a script as far as they are understood."""
+
+    text: str
+    file: str = ""
+    names: dict[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.instances: list[Instance] = []
+        self.assignments: list[Assignment] = []
+        self.functions: dict[str, ast.FunctionDef] = {}
+        self.count = self.depth = 0
+
+    def run(self) -> None:
+        """Run the script. A ValueError if it is not Python."""
+        try:
+            tree = ast.parse(textwrap.dedent(self.text))
+        except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
+            line = getattr(error, "lineno", None) or 1
+            lines = self.text.splitlines() or [""]
+            raise refusal(line, lines[min(line, len(lines)) - 1], "be Python", self.file) from None
+        try:
+            self.block(tree.body)
+        except Return:
+            pass
+        except RecursionError:
+            raise refusal(1, self.text[:80], "be nested less deeply", self.file) from None
+
+    # --- what a subclass may know -------------------------------------------------------------------------------
+
+    def called(self, name: str, owner: Any, instance: Instance) -> Any:
+        """The value of a call. ``owner`` is what stands before the dot, evaluated, or its name."""
+        self.instances.append(instance)
+        return instance
+
+    def assigned(self, owner: Any, name: str, value: Any, node: ast.AST) -> None:
+        """An assignment to an attribute."""
+        if isinstance(owner, Instance):
+            owner.attributes[name] = value
+        self.assignments.append(Assignment(getattr(node, "lineno", 1), name, ast.unparse(node)))
+
+    def member(self, owner: Any, name: str, node: ast.Attribute) -> Any:
+        """The value of an attribute."""
+        if isinstance(owner, Instance) and name in owner.attributes:
+            return owner.attributes[name]
+        if name in CONSTANTS and isinstance(owner, str | Unknown):
+            return CONSTANTS[name]
+        return Unknown(ast.unparse(node))
+
+    # --- statements ---------------------------------------------------------------------------------------------
+
+    def step(self, node: ast.AST) -> None:
+        self.count += 1
+        if self.count > MOST_STEPS:
+            line = getattr(node, "lineno", 1)
+            raise refusal(line, ast.unparse(node)[:200], "be part of shorter loops", self.file)
+
+    def block(self, body: Iterable[ast.stmt]) -> None:
+        """Statements in order."""
+        for node in body:
+            self.step(node)
+            self.statement(node)
+
+    def statement(self, node: ast.stmt) -> None:
+        """One statement."""
+        match node:
+            case ast.Expr(value):
+                self.value(value)
+            case ast.Assign(targets, value):
+                found = self.value(value)
+                for target in targets:
+                    self.assign(target, found, node)
+            case ast.AnnAssign(target, _, ast.expr() as value):
+                self.assign(target, self.value(value), node)
+            case ast.AugAssign(target, sign, value):
+                load = ast.parse(ast.unparse(target), mode="eval").body
+                ast.copy_location(load, target)
+                self.assign(target, self.binary(self.value(load), sign, self.value(value), node), node)
+            case ast.For(target, iterable, body, other):
+                self.loop(target, iterable, body)
+                self.block(other)
+            case ast.While():
+                self.uncertain(node, [node.body])
+            case ast.If(test, body, other):
+                holds = self.value(test)
+                if isinstance(holds, Unknown | Instance):
+                    self.uncertain(node, [body, other])
+                else:
+                    self.block(body if holds else other)
+            case ast.FunctionDef(name):
+                self.functions[name] = node
+                self.names.pop(name, None)
+            case ast.Return(value):
+                raise Return(None if value is None else self.value(value))
+            case ast.With(_, body) | ast.Try(body):
+                self.block(body)
+            case ast.Delete(targets):
+                for target in targets:
+                    self.forget(target)
+
+    def loop(self, target: ast.expr, iterable: ast.expr, body: list[ast.stmt]) -> None:
+        """A loop over known values; otherwise its body once, with names of unknown value."""
+        items = self.items(iterable)
+        jumps = any(isinstance(one, ast.Break | ast.Continue) for part in body for one in ast.walk(part))
+        if items is None or jumps:
+            self.uncertain(target, [body], also=target)
+            return
+        for item in items:
+            self.assign(target, item, target)
+            self.block(body)
+
+    def items(self, node: ast.expr) -> list[Any] | None:
+        """What an iteration runs over; None if it is not known or too long."""
+        found = self.value(node)
+        if isinstance(found, range | list | tuple) and len(found) <= MOST_ITEMS:
+            return list(found)
+        return None
+
+    def uncertain(self, node: ast.AST, bodies: list[list[ast.stmt]], also: ast.AST | None = None) -> None:
+        """Statements that may run any number of times. Names that they assign have no known value afterwards."""
+        changed = [part for body in bodies for part in body] + ([also] if also is not None else [])
+        for part in changed:
+            self.forget(part)
+        for body in bodies:
+            with suppress(Return):
+                self.block(body)
+        for part in changed:
+            self.forget(part)
+
+    def forget(self, node: ast.AST) -> None:
+        """Names that a part of the script assigns are no longer known."""
+        for one in ast.walk(node):
+            if isinstance(one, ast.Name) and isinstance(one.ctx, ast.Store | ast.Del):
+                self.names.pop(one.id, None)
+
+    def assign(self, target: ast.expr, value: Any, node: ast.AST) -> None:
+        """Assign to a name, an attribute, or several of them."""
+        match target:
+            case ast.Name(name):
+                self.names[name] = value
+            case ast.Attribute(owner, name):
+                self.assigned(self.owner(owner), name, value, node)
+            case ast.Tuple(parts) | ast.List(parts):
+                known = list(value) if isinstance(value, tuple | list) and len(value) == len(parts) else None
+                for k, part in enumerate(parts):
+                    self.assign(part, known[k] if known else Unknown(ast.unparse(part)), node)
+            case ast.Subscript(owner, place):
+                held, key = self.value(owner), self.value(place)
+                with suppress(TypeError, IndexError, KeyError):
+                    if isinstance(held, list | dict):
+                        held[key] = value
+            case ast.Starred():
+                self.forget(target)
+
+    # --- values -------------------------------------------------------------------------------------------------
+
+    def owner(self, node: ast.expr) -> Any:
+        """What stands before a dot: its value, or its source text if that is not known."""
+        found = self.value(node)
+        return found.text if isinstance(found, Unknown) else found
+
+    def value(self, node: ast.expr) -> Any:
+        """The value of an expression."""
+        self.step(node)
+        try:
+            found = self._value(node)
+        except (ValueError, TypeError, KeyError, IndexError, ArithmeticError, AttributeError) as error:
+            if isinstance(error, ValueError) and "must be" in str(error):
+                raise
+            return Unknown(ast.unparse(node))
+        if (
+            isinstance(found, float)
+            and not math.isfinite(found)
+            and not isinstance(node, ast.Name | ast.Attribute)
+        ):
+            return Unknown(ast.unparse(node))
+        return found
+
+    def _value(self, node: ast.expr) -> Any:
+        match node:
+            case ast.Constant(value):
+                return value
+            case ast.Name(name):
+                if name in self.names:
+                    return self.names[name]
+                return CONSTANTS["pi"] if name == "pi" else Unknown(name)
+            case ast.Tuple(parts):
+                return tuple(self.value(part) for part in parts)
+            case ast.List(parts):
+                return [self.value(part) for part in parts]
+            case ast.Dict(keys, values):
+                named = [
+                    (None if key is None else self.value(key), self.value(v))
+                    for key, v in zip(keys, values, strict=True)
+                ]
+                return {key: value for key, value in named if isinstance(key, str | int | float)}
+            case ast.UnaryOp(sign, operand):
+                return self.unary(sign, self.value(operand), node)
+            case ast.BinOp(left, sign, right):
+                return self.binary(self.value(left), sign, self.value(right), node)
+            case ast.BoolOp(sign, parts):
+                return self.boolean(isinstance(sign, ast.And), [self.value(part) for part in parts], node)
+            case ast.Compare(left, [sign], [right]):
+                pair = self.value(left), self.value(right)
+                if any(isinstance(one, Unknown | Instance) for one in pair):
+                    return Unknown(ast.unparse(node))
+                return COMPARISONS[type(sign)](*pair)
+            case ast.IfExp(test, body, other):
+                holds = self.value(test)
+                return (
+                    Unknown(ast.unparse(node))
+                    if isinstance(holds, Unknown)
+                    else self.value(body if holds else other)
+                )
+            case ast.Call():
+                return self.call(node)
+            case ast.Attribute(owner, name):
+                return self.member(self.owner(owner), name, node)
+            case ast.Subscript(owner, place):
+                return self.item(self.value(owner), place, node)
+            case ast.ListComp(element, [generator]) | ast.GeneratorExp(element, [generator]):
+                return self.comprehension(element, generator)
+            case ast.JoinedStr(parts):
+                return "".join(str(self.value(getattr(part, "value", part))) for part in parts)
+        return Unknown(ast.unparse(node))
+
+    def unary(self, sign: ast.unaryop, value: Any, node: ast.expr) -> Any:
+        if isinstance(value, Unknown | Instance | str):
+            return Unknown(ast.unparse(node))
+        if isinstance(sign, ast.Not):
+            return not value
+        if isinstance(value, tuple):
+            return Vector(-one for one in value) if isinstance(sign, ast.USub) else value
+        return -value if isinstance(sign, ast.USub) else +value
+
+    def binary(self, left: Any, sign: ast.operator, right: Any, node: ast.AST) -> Any:
+        if isinstance(left, Unknown | Instance) or isinstance(right, Unknown | Instance):
+            return Unknown(ast.unparse(node))
+        if isinstance(sign, ast.Pow):
+            return math.pow(left, right)
+        sizes = [len(one) for one in (left, right) if isinstance(one, str | list | tuple)]
+        numbers = [one for one in (left, right) if isinstance(one, int) and not isinstance(one, bool)]
+        if sizes and isinstance(sign, ast.Mult) and numbers and max(sizes) * max(numbers) > MOST_ITEMS:
+            return Unknown(ast.unparse(node))
+        if any(abs(one) > 1e100 for one in numbers) or (isinstance(left, str) and isinstance(sign, ast.Mod)):
+            return Unknown(ast.unparse(node))
+        return OPERATORS[type(sign)](left, right)
+
+    def boolean(self, every: bool, values: list[Any], node: ast.expr) -> Any:
+        for value in values:
+            if isinstance(value, Unknown | Instance):
+                return Unknown(ast.unparse(node))
+            if bool(value) != every:
+                return value
+        return values[-1]
+
+    def item(self, held: Any, place: ast.expr, node: ast.expr) -> Any:
+        if isinstance(place, ast.Slice) or not isinstance(held, list | tuple | dict):
+            return Unknown(ast.unparse(node))
+        return held[self.value(place)]
+
+    def comprehension(self, element: ast.expr, generator: ast.comprehension) -> Any:
+        """Values of a comprehension. Over unknown values, its element once."""
+        before = dict(self.names)
+        items = self.items(generator.iter)
+        if items is None or generator.ifs:
+            items = [Unknown(ast.unparse(generator.iter))]
+        found = []
+        for item in items:
+            self.assign(generator.target, item, generator.target)
+            found.append(self.value(element))
+        self.names = before
+        return found
+
+    def call(self, node: ast.Call) -> Any:
+        """A call: arithmetic, one of the script's own functions, or an instance."""
+        match node.func:
+            case ast.Name(name):
+                owner: Any = None
+            case ast.Attribute(before, name):
+                owner = self.owner(before)
+            case _:
+                self.value(node.func)
+                return Unknown(ast.unparse(node))
+        arguments: list[Any] = []
+        for part in node.args:
+            value = self.value(part.value if isinstance(part, ast.Starred) else part)
+            arguments += (
+                list(value) if isinstance(part, ast.Starred) and isinstance(value, list | tuple) else [value]
+            )
+        keywords: dict[str, Any] = {}
+        for word in node.keywords:
+            value = self.value(word.value)
+            if word.arg is not None:
+                keywords[word.arg] = value
+            elif isinstance(value, dict):
+                keywords |= {str(key): one for key, one in value.items()}
+            else:
+                keywords["**"] = value
+        if name in self.functions and owner is None:
+            return self.inside(self.functions[name], arguments, keywords, node)
+        arithmetic = owner is None or isinstance(owner, str)
+        if name in ("Vector3", "Vector2", "Vector6") and len(arguments) > 1:
+            return Vector(arguments)
+        if name == "range" and arithmetic and all(isinstance(one, int) for one in arguments):
+            return range(*arguments)
+        if name in FUNCTIONS and arithmetic and not keywords and name not in self.names:
+            unknown = [one for one in flat(arguments) if isinstance(one, Unknown | Instance | str)]
+            return Unknown(ast.unparse(node)) if unknown else FUNCTIONS[name](*arguments)
+        text = quoted("", node.lineno, ast.unparse(node)).text
+        return self.called(name, owner, Instance(name, tuple(arguments), keywords, node.lineno, text))
+
+    def inside(
+        self, function: ast.FunctionDef, arguments: list[Any], keywords: Mapping[str, Any], node: ast.Call
+    ) -> Any:
+        """Run one of the script's own functions."""
+        if self.depth >= DEEPEST:
+            return Unknown(ast.unparse(node))
+        given = function.args
+        places = [one.arg for one in [*given.posonlyargs, *given.args]]
+        local = {name: Unknown(name) for name in [*places, *(one.arg for one in given.kwonlyargs)]}
+        defaults = [self.value(one) for one in given.defaults]
+        local |= dict(zip(places[len(places) - len(defaults) :], defaults, strict=True))
+        local |= {
+            one.arg: self.value(value)
+            for one, value in zip(given.kwonlyargs, given.kw_defaults, strict=True)
+            if value is not None
+        }
+        local |= dict(zip(places, arguments, strict=False)) | dict(keywords)
+        outside, self.depth = self.names, self.depth + 1
+        changed = {name for one in ast.walk(function) if isinstance(one, ast.Global) for name in one.names}
+        self.names = {**outside, **local}
+        try:
+            self.block(function.body)
+            found = None
+        except Return as ended:
+            found = ended.args[0]
+        finally:
+            inside, self.names, self.depth = self.names, outside, self.depth - 1
+        self.names |= {name: inside[name] for name in changed if name in inside}
+        return found
+
+
+def flat(values: Iterable[Any]) -> list[Any]:
+    """Values of nested lists."""
+    return [one for value in values for one in (flat(value) if isinstance(value, list | tuple) else [value])]
