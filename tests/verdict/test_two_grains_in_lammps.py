@@ -57,7 +57,10 @@ PAIRS = {
     "gran/hertz/history": ("pair_style gran/hertz/history 1e7 NULL 1e9 NULL 0.5 1\npair_coeff * *", 0.5),
 }
 WALLS = {
-    "wall granular hooke": ("granular hooke 1e5 0.5 damping coeff_restitution limit_damping", 0.4),
+    "wall granular hooke": (
+        "granular hooke 1e5 0.5 damping coeff_restitution tangential linear_nohistory 0.0 0.0 limit_damping",
+        0.4,
+    ),
     "wall granular material": (
         f"granular {MATERIAL.format('0.7')} damping tsuji tangential linear_nohistory 0.0 0.0 limit_damping",
         0.4,
@@ -73,13 +76,13 @@ def script(lines: str, speed: float, step: float, steps: int, wall: str = "", ra
     gap = 3.5 * speed * step
     grains = [
         f"create_atoms 1 single 0 0 {0 if not wall else r1 + gap:.15g}",
-        f"set atom 1 diameter {2 * r1:.15g} density 2500",
+        f"set type 1 diameter {2 * r1:.15g} density 2500",
     ]
     velocity = [f"velocity all set 0 0 {-speed:.15g}"] if wall else []
     if not wall:
         grains += [
             f"create_atoms 2 single 0 0 {r1 + r2 + gap:.15g}",
-            f"set atom 2 diameter {2 * r2:.15g} density 2500",
+            f"set type 2 diameter {2 * r2:.15g} density 2500",
         ]
         velocity = ["group upper id 2", "velocity all set 0 0 0", f"velocity upper set 0 0 {-speed:.15g}"]
     floor = [f"fix floor all wall/gran {wall} zplane 0.0 NULL"] if wall else []

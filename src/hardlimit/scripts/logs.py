@@ -50,7 +50,9 @@ def commands(text: str, file: str, variables: Variables, state: type[State]) -> 
         code = "".join(one for one, _ in pieces)
         words = code.split(maxsplit=1)
         k += 1
-        if not words or words[0] not in known or code.strip() == printed:
+        # LAMMPS reports the time of some commands: "  create_atoms CPU = 0.001 seconds".
+        timing = words[1:] and words[1].startswith("CPU = ")
+        if not words or words[0] not in known or timing or code.strip() == printed:
             continue
         while quote == '"""' and k < len(lines):
             code, k = f"{code}\n{lines[k]}", k + 1
