@@ -30,31 +30,43 @@ PAIRS = {
     "hooke mass_velocity": (GRANULAR.format("hooke 1e5 5e4 damping mass_velocity"), 1.0),
     "hooke viscoelastic": (GRANULAR.format("hooke 1e5 1e9"), 1.0),
     "hooke tsuji": (GRANULAR.format("hooke 1e5 0.6 damping tsuji"), 1.0),
-    "hertz viscoelastic": (GRANULAR.format("hertz 1e7 1e9 damping viscoelastic limit_damping"), 0.5),
+    "hertz viscoelastic": (GRANULAR.format("hertz 1e7 2e8 damping viscoelastic limit_damping"), 0.5),
     "hertz velocity": (GRANULAR.format("hertz 1e7 0.1 damping velocity"), 2.0),
-    "hertz mass_velocity limited": (GRANULAR.format("hertz 1e7 2e4 damping mass_velocity limit_damping"), 0.1),
+    "hertz mass_velocity limited": (GRANULAR.format("hertz 1e7 4e3 damping mass_velocity limit_damping"), 0.1),
     "hertz coeff_restitution limited": (
         GRANULAR.format("hertz 1e7 0.3 damping coeff_restitution limit_damping"),
         0.5,
     ),
     "hertz tsuji": (GRANULAR.format("hertz 1e7 0.7 damping tsuji"), 0.5),
-    "material viscoelastic": (GRANULAR.format(MATERIAL.format("1e9")), 0.5),
+    "material viscoelastic": (GRANULAR.format(MATERIAL.format("1e8")), 0.5),
     "material coeff_restitution": (
         GRANULAR.format(f"{MATERIAL.format('0.8')} damping coeff_restitution"),
         0.5,
     ),
     "material tsuji limited": (GRANULAR.format(f"{MATERIAL.format('0.8')} damping tsuji limit_damping"), 0.5),
-    "material velocity": (GRANULAR.format(f"{MATERIAL.format('0.2')} damping velocity"), 0.5),
+    "material velocity": (GRANULAR.format(f"{MATERIAL.format('0.03')} damping velocity"), 0.5),
     "material mass_velocity limited": (
-        GRANULAR.format(f"{MATERIAL.format('2e4')} damping mass_velocity limit_damping"),
+        GRANULAR.format(f"{MATERIAL.format('4e3')} damping mass_velocity limit_damping"),
         0.5,
     ),
+    "hooke mixed": (
+        "pair_style granular\n"
+        "pair_coeff 1 1 hooke 1e5 0.9 damping coeff_restitution tangential linear_nohistory 0.0 0.0\n"
+        "pair_coeff 2 2 hooke 4e5 0.4 damping coeff_restitution tangential linear_nohistory 0.0 0.0",
+        0.5,
+    ),
+    "hooke of one pair": (
+        GRANULAR.format("hooke 1e5 0.9 damping coeff_restitution")
+        + "\npair_coeff 1 2 hooke 4e5 0.4 damping coeff_restitution tangential linear_nohistory 0.0 0.0 limit_damping",
+        0.5,
+    ),
+    "hertz undamped": (GRANULAR.format("hertz 1e7 0.0 damping velocity"), 0.5),
     "gran/hooke": ("pair_style gran/hooke 1e5 NULL 3e4 NULL 0.5 0\npair_coeff * *", 0.5),
     "gran/hooke/history limited": (
         "pair_style gran/hooke/history 1e5 NULL 3e4 NULL 0.5 1 limit_damping\npair_coeff * *",
         0.5,
     ),
-    "gran/hertz/history": ("pair_style gran/hertz/history 1e7 NULL 1e9 NULL 0.5 1\npair_coeff * *", 0.5),
+    "gran/hertz/history": ("pair_style gran/hertz/history 1e7 NULL 1e8 NULL 0.5 1\npair_coeff * *", 0.5),
 }
 WALLS = {
     "wall granular hooke": (
@@ -65,7 +77,7 @@ WALLS = {
         f"granular {MATERIAL.format('0.7')} damping tsuji tangential linear_nohistory 0.0 0.0 limit_damping",
         0.4,
     ),
-    "wall hertz/history": ("hertz/history 1e7 NULL 1e9 NULL 0.5 1", 0.5),
+    "wall hertz/history": ("hertz/history 1e7 NULL 1e8 NULL 0.5 1", 0.5),
     "wall hooke limited": ("hooke 1e5 NULL 3e4 NULL 0.5 0 limit_damping", 0.5),
 }
 
