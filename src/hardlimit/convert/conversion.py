@@ -10,12 +10,12 @@ from typing import Any, Final
 from .. import _core
 from ..boxes.time_step import DEFAULT_ERROR, LARGEST_ERROR, SMALLEST_ERROR
 from ..contact.balls import FLOOR, Ball, Floor
+from ..scripts.yade import NUMERICAL_DAMPING
 from ..support import validation
 from . import texts
 from .codes import Code, Model, Pair, Written, code, names
 from .force import Force, Powers
 from .formulas import DEFAULT_POISSON_RATIO, Numbers
-from .readers import NUMERICAL_DAMPING
 from .wanted import LAWS, Wanted
 
 #: Largest number of sizes.

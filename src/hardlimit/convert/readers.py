@@ -9,22 +9,18 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Any, Final
 
+from ..scripts import granular_words
+from ..scripts.commands import Commands
+from ..scripts.description import Quote, Setting, Settings
+from ..scripts.granular_words import NORMAL, PROPERTIES, ordered, unaccelerated
+from ..scripts.liggghts import Property
+from ..scripts.liggghts import same as same_word
+from ..scripts.python import Instance, Unknown
+from ..scripts.statements import Statement, refusal, settings
+from ..scripts.yade import LAWS, NUMERICAL_DAMPING, Yade, entries
 from . import grammar
-from .grammar import Call, Statement, refusal
-
-
-@dataclass(frozen=True)
-class Setting:
-    """A setting and its place in the input."""
-
-    words: tuple[str, ...]
-    line: int
-    text: str
-
-
-Settings = dict[str, Setting]
 
 
 @dataclass(frozen=True)
@@ -77,77 +73,27 @@ def _within(one: str, these: str) -> bool:
     return int(low or 1) <= int(one) <= int(high or one)
 
 
-# --- LAMMPS ---------------------------------------------------------------------------------------------------
+# --- LAMMPS and LIGGGHTS --------------------------------------------------------------------------------------
 
-#: Normal models of ``pair_style granular`` and their number of parameters.
-NORMAL: Final = {"hooke": 2, "hertz": 2, "hertz/material": 3}
-DAMPING: Final = ("velocity", "mass_velocity", "viscoelastic", "tsuji", "coeff_restitution")
-TANGENTIAL: Final = {
-    "linear_nohistory": 2,
-    "none": 0,
-    **dict.fromkeys(
-        ("linear_history", "linear_history_classic", "mindlin_classic", "mindlin", "mindlin/force"), 3
-    ),
-    **dict.fromkeys(("mindlin_rescale", "mindlin_rescale/force"), 3),
+#: Units of mass [kg], length [m] and time [s] by name.
+UNITS: Final = {
+    "si": (1.0, 1.0, 1.0),
+    "cgs": (1e-3, 1e-2, 1.0),
+    "micro": (1e-15, 1e-6, 1e-6),
+    "nano": (1e-21, 1e-9, 1e-9),
 }
-BESIDE: Final = {
-    "tangential": TANGENTIAL,
-    "rolling": {"none": 0, "sds": 3},
-    "twisting": {"none": 0, "marshall": 0, "sds": 3},
-    "heat": {"none": 0, "radius": 1, "area": 1},
-}
-GRAN: Final = ("hooke", "hooke/history", "hertz/history")
-WALLS: Final = ("xplane", "yplane", "zplane", "zcylinder", "region")
 #: Commands that may be hidden inside another command.
 HIDDEN: Final = re.compile(r"\b(?:pair_style|pair_coeff|wall/gran|property/global)\b|^\s*units\b")
 
 
-def lammps(text: str, asked: Asked) -> Reading:
-    """``pair_style``, ``pair_coeff`` and ``fix … wall/gran``; a line may also be a normal model alone."""
-    contacts, units, style, types = list[Contact](), "si", "", dict[str, str]()
-    for statement in grammar.script(text):
+def _commands(text: str) -> Iterator[Statement]:
+    """Commands of the text itself; those in include files and conditions are refused."""
+    for statement in Commands(text, flow=False):
         command, *words = statement.words
-        _refuse_hidden(statement)
-        if command == "units":
-            units = _unit(statement)
-        elif command == "group" and words[1:2] == ["type"] and len(words) == 3:
-            types[words[0]] = words[2].replace(":", "*")
-        elif command == "pair_style":
-            style = _unaccelerated(words[0]) if words else ""
-            if style.startswith("hybrid"):
-                raise refusal(statement.line, statement.text, "be one style, granular or gran/…")
-            contacts = [one for one in contacts if one.wall]
-            if style.startswith("gran/"):
-                contacts += [Contact(("*", "*"), _gran(statement, [style[5:], *words[1:]], ()), False)]
-        elif command == "pair_coeff" and style in ("", "granular"):
-            if len(words) < 2:
-                raise refusal(statement.line, statement.text, "name two types")
-            contacts.append(Contact(_ordered(words[0], words[1]), _granular(statement, words[2:], ()), False))
-        elif command == "fix" and words[2:3] and words[2].startswith("wall/gran"):
-            group = types.get(words[1], "*" if words[1] == "all" else words[1])
-            rest = words[3:]
-            read = _granular if rest[:1] == ["granular"] else _gran
-            found = read(statement, rest[1:] if read is _granular else rest, WALLS)
-            end = next((k for k, word in enumerate(rest) if word in WALLS), len(rest))
-            if "limit_damping" in rest[end:]:
-                raise refusal(statement.line, statement.text, f"have limit_damping before {rest[end]}")
-            contacts.append(Contact((group, "wall"), found, True))
-        elif command in NORMAL:
-            contacts.append(
-                Contact((f"line {statement.line}",), _granular(statement, statement.words, WALLS))
-            )
-        elif command == "fix" and words[2:3] and words[2].startswith("damping/"):
-            raise refusal(
-                statement.line, statement.text, "be without this damping, which cannot be converted"
-            )
-    return Reading(contacts, units)
-
-
-def _refuse_hidden(statement: Statement) -> None:
-    command, *words = statement.words
-    inner = command in ("if", "run", "python") and any(map(HIDDEN.search, words))
-    if command == "include" or inner:
-        raise refusal(statement.line, statement.text, "be commands of the text itself")
+        inner = command in ("if", "run", "python") and any(map(HIDDEN.search, words))
+        if command == "include" or inner:
+            raise refusal(statement.line, statement.text, "be commands of the text itself")
+        yield statement
 
 
 def _unit(statement: Statement) -> str:
@@ -158,188 +104,95 @@ def _unit(statement: Statement) -> str:
     return statement.words[1]
 
 
-#: Units of mass [kg], length [m] and time [s] by name.
-UNITS: Final = {
-    "si": (1.0, 1.0, 1.0),
-    "cgs": (1e-3, 1e-2, 1.0),
-    "micro": (1e-15, 1e-6, 1e-6),
-    "nano": (1e-21, 1e-9, 1e-9),
-}
+def lammps(text: str, asked: Asked) -> Reading:
+    """``pair_style``, ``pair_coeff`` and ``fix … wall/gran``; a line may also be a normal model alone."""
+    contacts, units, style, types = list[Contact](), "si", "", dict[str, str]()
 
+    def add(
+        bodies: tuple[str, ...], statement: Statement, found: granular_words.Words, wall: bool | None
+    ) -> None:
+        contacts.append(Contact(bodies, settings(statement, found.settings), wall))
 
-def _unaccelerated(style: str) -> str:
-    return re.sub(r"/(omp|kk|kk/host|kk/device|gpu|intel|opt)$", "", style)
-
-
-def _ordered(first: str, second: str) -> tuple[str, str]:
-    both_numbers = first.isdigit() and second.isdigit()
-    return (second, first) if both_numbers and int(second) < int(first) else (first, second)
-
-
-def _gran(statement: Statement, words: Sequence[str], ends: Sequence[str]) -> Settings:
-    """``STYLE Kn Kt gamma_n gamma_t xmu dampflag [limit_damping]``, and for walls their shape."""
-    if not words or words[0] not in GRAN or len(words) < 7:
-        raise refusal(statement.line, statement.text, f"be {', '.join(GRAN)} with six numbers")
-    name = "gran/hertz" if words[0] == "hertz/history" else "gran/hooke"
-    found: dict[str, tuple[str, ...]] = {"normal": (name, words[1], words[3])}
-    rest = list(words[7:])
-    if rest[:1] == ["limit_damping"]:
-        found["limit_damping"] = ()
-        rest = rest[1:]
-    if rest[:1] and rest[0] not in ends:
-        raise refusal(
-            statement.line, rest[0], f"be limit_damping or the end in '{' '.join(statement.words)}'"
-        )
-    return _settings(statement, found)
-
-
-def _granular(statement: Statement, words: Sequence[str], ends: Sequence[str]) -> Settings:
-    """``MODEL numbers [damping …] [tangential …] … [limit_damping]``, up to the shape of a wall."""
-    found: dict[str, tuple[str, ...]] = {"damping": ("viscoelastic",)}
-    k = 0
-    while k < len(words) and words[k] not in ends:
-        word, after = words[k], words[k + 1 : k + 2]
-        if word in NORMAL:
-            step = 1 + NORMAL[word]
-            found["normal"] = tuple(words[k : k + step])
-        elif word == "damping" and after and after[0] in DAMPING:
-            step = 2
-            found["damping"] = (after[0],)
-        elif word in BESIDE and after and after[0] in BESIDE[word]:
-            step = 2 + BESIDE[word][after[0]]
-        elif word in ("limit_damping", "cutoff"):
-            step = 1 if word == "limit_damping" else 2
-            found[word] = ()
-        else:
+    for statement in _commands(text):
+        command, *words = statement.words
+        if command == "units":
+            units = _unit(statement)
+        elif command == "group" and words[1:2] == ["type"] and len(words) == 3:
+            types[words[0]] = words[2].replace(":", "*")
+        elif command == "pair_style":
+            style = unaccelerated(words[0]) if words else ""
+            if style.startswith("hybrid"):
+                raise refusal(statement.line, statement.text, "be one style, granular or gran/…")
+            contacts = [one for one in contacts if one.wall]
+            if style.startswith("gran/"):
+                add(("*", "*"), statement, granular_words.gran(statement, [style[5:], *words[1:]]), False)
+        elif command == "pair_coeff" and style in ("", "granular"):
+            if len(words) < 2:
+                raise refusal(statement.line, statement.text, "name two types")
+            add(ordered(words[0], words[1]), statement, granular_words.granular(statement, words[2:]), False)
+        elif command == "fix" and words[2:3] and words[2].startswith("wall/gran"):
+            group = types.get(words[1], "*" if words[1] == "all" else words[1])
+            add((group, "wall"), statement, granular_words.wall(statement, words[3:]), True)
+        elif command in NORMAL:
+            found = granular_words.granular(statement, statement.words, wall=True)
+            add((f"line {statement.line}",), statement, found, None)
+        elif command == "fix" and words[2:3] and words[2].startswith("damping/"):
             raise refusal(
-                statement.line,
-                " ".join([word, *after]),
-                f"be words of pair granular without adhesion: {', '.join(NORMAL)}, damping, tangential, …",
+                statement.line, statement.text, "be without this damping, which cannot be converted"
             )
-        if k + step > len(words):
-            raise refusal(statement.line, statement.text, f"have {step - 1} words after {word}")
-        k += step
-    return _settings(statement, found)
-
-
-def _settings(statement: Statement, found: Mapping[str, tuple[str, ...]]) -> Settings:
-    return {name: Setting(words, statement.line, statement.text) for name, words in found.items()}
-
-
-# --- LIGGGHTS -------------------------------------------------------------------------------------------------
-
-#: Words of ``pair_style gran`` and ``fix … wall/gran`` with their allowed values; None allows any value.
-LIGGGHTS: Final[dict[str, tuple[str, ...] | None]] = {
-    "tangential": None,
-    "rolling_friction": None,
-    "cohesion": ("off",),
-    "surface": ("default",),
-    "limitForce": ("on", "off"),
-    "tangential_damping": None,
-    "ktToKnUser": None,
-    "torsionTorque": None,
-    "viscous": ("off",),
-    "absolute_damping": ("off",),
-    "computeElasticPotential": None,
-    "computeDissipatedEnergy": None,
-    "computeDissipation": None,
-}
-PROPERTIES: Final = {"peratomtype": 1, "peratomtypepair": 2, "scalar": 0}
+    return Reading(contacts, units)
 
 
 def liggghts(text: str, asked: Asked) -> Reading:
     """``pair_style gran``, ``fix … property/global`` and ``fix … wall/gran``."""
     units, pair, walls, meshes = "si", None, list[tuple[str, Settings]](), list[str]()
-    properties: dict[str, tuple[Statement, str, list[str]]] = {}
-    for statement in grammar.script(text):
+    properties: dict[str, Property] = {}
+
+    def model(statement: Statement, words: Sequence[str]) -> Settings:
+        return settings(statement, granular_words.gran_model(statement, words).settings)
+
+    for statement in _commands(text):
         command, *words = statement.words
-        _refuse_hidden(statement)
         style = words[2] if command == "fix" and len(words) > 2 else ""
         if command == "units":
             units = _unit(statement)
         elif command == "pair_style" and words[:1] == ["gran"]:
-            pair = _gran_model(statement, words[1:])
+            pair = model(statement, words[1:])
         elif command == "pair_style":
             raise refusal(statement.line, statement.text, "be gran")
         elif style == "property/global" and len(words) > 4:
-            if words[4] in PROPERTIES:
-                properties[words[3]] = (statement, words[4], words[5:])
+            if words[4] in PROPERTIES and words[3] in asked.names:
+                properties[words[3]] = Property(statement, words[4], tuple(words[5:]))
         elif style.startswith("mesh/surface") and "type" in words:
             meshes += words[words.index("type") + 1 : words.index("type") + 2]
         elif style == "wall/gran":
-            found = _gran_model(statement, words[3:])
+            found = model(statement, words[3:])
             ends = words[words.index("type") + 1 : words.index("type") + 2] if "type" in words else []
             walls += [(end, found) for end in ends or meshes or ["1"]]
         elif command == "model":
-            pair = _gran_model(statement, statement.words)
-    wanted = {name: given for name, given in properties.items() if name in asked.names}
-    count = max([1, *(_types(*given) for given in wanted.values())])
+            pair = model(statement, statement.words)
+    count = max([1, *(one.types() for one in properties.values())])
     contacts = []
     for i in range(1, count + 1):
         for j in range(i, count + 1):
-            values = _between(wanted, i, j)
+            values = _between(properties, i, j)
             if pair is not None and values is not None:
                 contacts.append(Contact((str(i), str(j)), {**pair, **values}, False))
         for end, found in walls:
-            values = _between(wanted, i, int(end)) if end.isdigit() else None
+            values = _between(properties, i, int(end)) if end.isdigit() else None
             if values is not None:
                 contacts.append(Contact((str(i), "wall"), {**found, **values}, True))
     return Reading(contacts, units)
 
 
-def _gran_model(statement: Statement, words: Sequence[str]) -> Settings:
-    """``model NAME word value …``, up to the shape of a wall."""
-    if len(words) < 2 or words[0] != "model":
-        raise refusal(statement.line, statement.text, "begin with model NAME")
-    found: dict[str, tuple[str, ...]] = {"model": (words[1],)}
-    k, wall = 2, False
-    while k < len(words):
-        word, after = words[k], words[k + 1 : k + 2]
-        wall = wall or word in ("primitive", "mesh")
-        if wall and word not in LIGGGHTS:  # shape of the wall
-            k += 1
-            continue
-        if word not in LIGGGHTS or not after or after[0] not in (LIGGGHTS[word] or after):
-            known = LIGGGHTS.get(word)
-            must = f"be {word} {' or '.join(known)}" if known else f"be a setting of model {words[1]}"
-            raise refusal(statement.line, " ".join([word, *after]), f"{must}: nothing else is supported")
-        found[word] = (after[0],)
-        k += 2
-    return _settings(statement, found)
-
-
-def _types(statement: Statement, kind: str, given: Sequence[str]) -> int:
-    """Number of types for which a property is given."""
-    if kind == "peratomtypepair":
-        count = int(given[0]) if given and given[0].isdigit() else 0
-        if count < 1 or len(given) != 1 + count * count:
-            raise refusal(
-                statement.line, statement.text, "be a number of types and one number for each pair of types"
-            )
-        return count
-    if not given or (kind == "scalar" and len(given) != 1):
-        raise refusal(statement.line, statement.text, "have its numbers")
-    return 1 if kind == "scalar" else len(given)
-
-
-def _between(properties: Mapping[str, tuple[Statement, str, list[str]]], i: int, j: int) -> Settings | None:
+def _between(properties: Mapping[str, Property], i: int, j: int) -> Settings | None:
     """The settings of two types; None if a property per type differs between them or is missing."""
     found: Settings = {}
-    for name, (statement, kind, given) in properties.items():
-        if kind == "peratomtypepair":
-            count = int(given[0])
-            if max(i, j) > count:
-                return None
-            words = [given[1 + count * (a - 1) + b - 1] for a, b in ((i, j), (j, i))]
-            if _canonical(words[0]) != _canonical(words[1]):
-                raise refusal(statement.line, statement.text, f"have one number for {i}-{j} and {j}-{i}")
-        else:
-            if kind == "peratomtype" and max(i, j) > len(given):
-                return None
-            words = [given[0], given[0]] if kind == "scalar" else [given[i - 1], given[j - 1]]
-            if _canonical(words[0]) != _canonical(words[1]):
-                return None
-        found[name] = Setting((words[0],), statement.line, statement.text)
+    for name, one in properties.items():
+        pair = one.between(i, j)
+        if pair is None or not same_word(*pair):
+            return None
+        found[name] = one.setting(pair[0])
     return found
 
 
@@ -354,58 +207,63 @@ PHYSICS: Final = {
     "FrictPhys": (),
     "ViscElPhys": ("tc", "en"),
 }
-LAWS: Final = (
-    "Law2_ScGeom_MindlinPhys_Mindlin",
-    "Law2_ScGeom_FrictPhys_CundallStrack",
-    "Law2_ScGeom_ViscElPhys_Basic",
-)
 #: Keywords that do not affect a normal contact.
 HARMLESS: Final = (
     *("frictionAngle", "frictAngle", "density", "label", "id", "ks", "cs", "et", "es", "betas", "poisson"),
     *("mR", "mRtype", "krot", "eta", "ktwist", "calcEnergy", "neverErase", "preventGranularRatcheting"),
     "traceEnergy",
 )
-NUMERICAL_DAMPING: Final = 0.2  #: NewtonIntegrator's default
+
+
+class _Lines(Yade):
+    """Lines of a YADE script, which need not run."""
+
+    def stage(self, quote: Quote, steps: int | None) -> None:
+        """Runs do not matter."""
 
 
 def yade(text: str, asked: Asked) -> Reading:
     """Materials, the ``Ip2_…`` functors that create contacts, and the damping of ``NewtonIntegrator``."""
     materials, physics, damping = list[tuple[str, Settings]](), None, None
     over: dict[str, dict[tuple[int, int], float]] = {}
-    lines: dict[str, Call] = {}
+    lines: dict[str, Instance] = {}
     common: Settings = {}
-    for call in grammar.python_calls(text):
+    script = _Lines(text)
+    script.run()
+    for change in script.assignments:
+        if change.name in {*asked.names, "damping", "massMultiply", "gamma"}:
+            raise refusal(change.line, change.text, "be given in the constructor")
+    for call in script.instances:
         kind = call.name.rpartition("_")[2]
         if call.name == "NewtonIntegrator":
             damping = _number(call, "damping", NUMERICAL_DAMPING)
-        elif call.name == "=" and set(call.keywords) & {*asked.names, "damping", "massMultiply", "gamma"}:
-            raise refusal(call.line, call.text, "be given in the constructor")
         elif call.name in MATERIALS:
             _refuse_words(call, MATERIALS[call.name])
             materials.append((call.name, _keywords(call, MATERIALS[call.name])))
-        elif call.name.endswith("Mat") and call.name[:1].isupper() and call.keywords:
+        elif call.name.endswith("Mat") and call.name[:1].isupper() and call.attributes:
             raise refusal(call.line, call.text, f"be one of {', '.join(MATERIALS)}")
         elif call.name.startswith("Ip2_") or call.name in PHYSICS:
             if kind not in PHYSICS or (physics not in (None, kind)):
                 raise refusal(call.line, call.text, f"be one of {', '.join(PHYSICS)}")
             _refuse_words(call, PHYSICS[kind])
             physics = kind
-            for name, given in call.keywords.items():
-                if isinstance(given, dict):
-                    over[name], lines[name] = given, call
+            for name, given in call.attributes.items():
+                matches = _matches(given)
+                if matches:
+                    over[name], lines[name] = matches, call
             common = _keywords(call, PHYSICS[kind])
-            if kind == "MindlinPhys" and not {"en", "betan"} & call.keywords.keys():
+            if kind == "MindlinPhys" and not {"en", "betan"} & call.attributes.keys():
                 common["betan"] = Setting(("0.0",), call.line, call.text)
             common["physics"] = Setting((kind,), call.line, call.text)
         elif call.name.startswith("Law2_") and (
-            call.name not in LAWS or call.keywords.get("includeAdhesion", 0.0) != 0.0
+            call.name not in LAWS or call.attributes.get("includeAdhesion") not in (None, False, 0)
         ):
             raise refusal(call.line, call.text, f"be one of {', '.join(LAWS)}")
     contacts = []
     paired = sorted({pair for matches in over.values() for pair in matches})
     for i, j in (paired or [(i, i) for i in range(len(materials))]) if materials else []:
-        kind, settings = materials[min(i, len(materials) - 1)]  # a loop creates several from one line
-        found = {**settings, **common}
+        kind, own = materials[min(i, len(materials) - 1)]
+        found = {**own, **common}
         if kind == "ViscElMat" and physics is None:
             found["physics"] = Setting(("ViscElPhys",), 0, "")
         for name, matches in over.items():
@@ -415,27 +273,43 @@ def yade(text: str, asked: Asked) -> Reading:
     return Reading(contacts, numerical_damping=damping)
 
 
-def _refuse_words(call: Call, known: Iterable[str]) -> None:
-    for name, given in call.keywords.items():
+def _matches(given: Any) -> dict[tuple[int, int], float]:
+    """Numbers of MatchMaker(matches=[(id, id, number), …])."""
+    if not isinstance(given, Instance) or given.name != "MatchMaker":
+        return {}
+    return {(min(i, j), max(i, j)): number for i, j, number in entries(given)}
+
+
+def _word(given: Any) -> str:
+    """A keyword's value as a word: a number, or what the script says."""
+    if isinstance(given, bool | int | float):
+        return repr(float(given))
+    return given.text if isinstance(given, Unknown | Instance) else str(given)
+
+
+def _refuse_words(call: Instance, known: Iterable[str]) -> None:
+    for name, given in call.attributes.items():
         if name not in known and name not in HARMLESS:
             raise refusal(
-                call.line, f"{name}={given}", f"be one of {', '.join(known) or 'no numbers'} in {call.name}"
+                call.line,
+                f"{name}={_word(given)}",
+                f"be one of {', '.join(known) or 'no numbers'} in {call.name}",
             )
 
 
-def _keywords(call: Call, names: Iterable[str]) -> Settings:
+def _keywords(call: Instance, names: Iterable[str]) -> Settings:
     return {
-        name: Setting((repr(given) if isinstance(given, float) else str(given),), call.line, call.text)
-        for name, given in call.keywords.items()
-        if name in names and not isinstance(given, dict)
+        name: Setting((_word(given),), call.line, call.text)
+        for name, given in call.attributes.items()
+        if name in names and not _matches(given)
     }
 
 
-def _number(call: Call, name: str, default: float) -> float:
-    given = call.keywords.get(name, default)
-    if not isinstance(given, float) or not 0.0 <= given < 1.0:
+def _number(call: Instance, name: str, default: float) -> float:
+    given = call.attributes.get(name, default)
+    if isinstance(given, bool) or not isinstance(given, int | float) or not 0.0 <= given < 1.0:
         raise refusal(call.line, call.text, f"have a number in [0, 1) for {name}")
-    return given
+    return float(given)
 
 
 # --- lists of settings ----------------------------------------------------------------------------------------
@@ -479,11 +353,7 @@ def _flat(read: Callable[[str], Iterator[Statement]]) -> Callable[[str, Asked], 
 def same(one: Setting, other: Setting) -> bool:
     """Whether two settings are equal, however their numbers are written."""
     pairs = zip(one.words, other.words, strict=False)
-    return len(one.words) == len(other.words) and all(_canonical(a) == _canonical(b) for a, b in pairs)
-
-
-def _canonical(word: str) -> str | float:
-    return float(word) if grammar.NUMBER.fullmatch(word) else word
+    return len(one.words) == len(other.words) and all(same_word(a, b) for a, b in pairs)
 
 
 def mfix(text: str, asked: Asked) -> Reading:

@@ -7,11 +7,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import ROUND_FLOOR, Context
 
+from ..scripts.description import Setting, Settings
+from ..scripts.formulas import NUMBER
+from ..scripts.statements import refusal
 from ..support import validation
 from .codes import Code, Model, Pair, listed
 from .formulas import SPRINGS, Numbers
-from .grammar import NUMBER, refusal
-from .readers import READERS, UNITS, Asked, Reading, Setting, Settings, same
+from .readers import READERS, UNITS, Asked, Reading, same
 
 
 def written(

@@ -30,6 +30,11 @@ MOST_STATEMENTS: Final = 200_000
 MOST_VALUES: Final = 1_000_000
 LARGEST_FILE: Final = 50_000_000  #: bytes
 USE_LOG: Final = "give the log instead, in which loops and conditions are resolved"
+#: Constants of formulas.
+LOGICAL: Final = {
+    **dict.fromkeys(("yes", "on", "true"), 1.0),
+    **dict.fromkeys(("no", "off", "false"), 0.0),
+}
 #: Commands that cannot change contacts, grains or the time step.
 SILENT_NAMES: Final = """
 print log echo shell dump dump_modify undump thermo thermo_style thermo_modify write_restart write_data write_dump
@@ -114,7 +119,7 @@ class Variables:
         """The value of a formula with ``v_name``."""
 
         def named(name: str) -> float | None:
-            return self.of(name[2:], depth + 1) if name.startswith("v_") else None
+            return self.of(name[2:], depth + 1) if name.startswith("v_") else LOGICAL.get(name)
 
         return formulas.value(formula, named) if depth <= DEEPEST else None
 

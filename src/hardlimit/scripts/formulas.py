@@ -15,7 +15,7 @@ from typing import Final
 NUMBER: Final = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 TOKEN: Final = re.compile(
     r"\s*(?:(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)|(?P<name>[A-Za-z_](?:\w|::|\.)*)"
-    r"|(?P<sign>\*\*|==|!=|<=|>=|&&|\|\||\|\^|[-+*/%^<>!(),]))",
+    r"|(?P<sign>==|!=|<=|>=|&&|\|\||\|\^|[-+*/%^<>!(),]))",
     re.ASCII,
 )
 #: Binary operators from the loosest to the tightest.
@@ -29,7 +29,7 @@ LEVELS: Final[tuple[dict[str, Callable[[float, float], float]], ...]] = (
     {"<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge},
     {"+": operator.add, "-": operator.sub},
     {"*": operator.mul, "/": operator.truediv, "%": math.fmod},
-    {"^": math.pow, "**": math.pow},
+    {"^": math.pow},
 )
 FUNCTIONS: Final[dict[str, Callable[..., float]]] = {
     "sqrt": math.sqrt,
@@ -37,6 +37,8 @@ FUNCTIONS: Final[dict[str, Callable[..., float]]] = {
     "ln": math.log,
     "log": math.log10,
     "abs": abs,
+    "float": float,
+    "double": float,
     "fabs": abs,
     "pow": math.pow,
     "sign": lambda x: math.copysign(1.0, x),
@@ -51,11 +53,6 @@ FUNCTIONS: Final[dict[str, Callable[..., float]]] = {
     "floor": math.floor,
     "round": lambda x: math.copysign(math.floor(abs(x) + 0.5), x),
     "ternary": lambda condition, yes, no: yes if condition else no,
-}
-CONSTANTS: Final = {
-    "PI": math.pi,
-    **dict.fromkeys(("yes", "on", "true"), 1.0),
-    **dict.fromkeys(("no", "off", "false"), 0.0),
 }
 #: Deepest nesting of parentheses.
 DEEPEST: Final = 100
@@ -142,7 +139,7 @@ class _Parser:
             if short not in FUNCTIONS:
                 raise ValueError
             return float(FUNCTIONS[short](*arguments))
-        known = CONSTANTS.get(text, self.names(text))
+        known = math.pi if short in ("PI", "pi") else self.names(text)
         if known is None:
             raise ValueError
         return known

@@ -603,7 +603,7 @@ class Yade(Evaluator):
         """A number of a functor: the same for all contacts, or a MatchMaker by numbers of materials."""
         given = functor.attributes[name]
         if isinstance(given, Instance) and given.name == "MatchMaker":
-            for entry in flat_entries(given.attributes.get("matches", given.argument(0, "matches", ()))):
+            for entry in entries(given):
                 if sorted(entry[:2]) == sorted(ends):
                     return entry[2]
             given = given.attributes.get("val")
@@ -669,8 +669,7 @@ class Yade(Evaluator):
         elif (name.startswith("Ip2_") and name not in PHYSICS) or (
             name.endswith("Mat") and name not in MATERIALS
         ):
-            if name[:1].isupper():
-                self.unknown[quote] = None
+            self.unknown[quote] = None
 
     def runner_note(self, one: Instance, quote: Quote) -> None:
         """A callback that changes contacts or grains."""
@@ -708,8 +707,9 @@ def fuzzy(mean: Any, fuzz: Any) -> Range | None:
     return known[0] * (1.0 - fuzz), known[0] * (1.0 + fuzz)
 
 
-def flat_entries(matches: Any) -> Iterator[tuple[int, int, float]]:
+def entries(matcher: Instance) -> Iterator[tuple[int, int, float]]:
     """Entries (number, number, value) of a MatchMaker."""
+    matches = matcher.argument(0, "matches", ())
     for entry in matches if isinstance(matches, list | tuple) else ():
         numbers = isinstance(entry, list | tuple) and all(isinstance(x, int | float) for x in entry)
         if numbers and len(entry) == 3:
