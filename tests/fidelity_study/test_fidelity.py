@@ -18,8 +18,9 @@ from scipy import stats
 from scipy.signal import lfilter
 
 import hardlimit as hl
-from conftest import wait_until
+from conftest import law_of, wait_until
 from hardlimit.fidelity_study import contacts, observables, replica, report, statistics, typical_speed
+from hardlimit.fidelity_study.prediction import Prediction
 from hardlimit.fidelity_study.starts import Starts, equilibrated
 from hardlimit.fidelity_study.store import Store
 from hardlimit.support.estimate import Estimate
@@ -695,3 +696,52 @@ def test_everything_is_saved_with_units(tmp_path: Path) -> None:
         for name, variable in ds.data_vars.items():
             assert name == "outcome" or {"units", "long_name"} <= set(variable.attrs), name
     assert compare(gas(dimension=2), until=1e-5).replicas.pressure.attrs["units"] == "N/m"
+
+
+# --- the law of the error -----------------------------------------------------------------------------------
+
+
+def gas_beside_rules(n: int = 64, replicas: int = 4, **given: object) -> hl.Fidelity:
+    start = hl.ParticleSystem.random(n, 0.3, 1e-3, 2500.0, 1.0)
+    law = hl.LinearDashpot(stiffness=2e5, restitution=0.9)
+    return hl.fidelity(start, law=law, until=2e-3, replicas=replicas, samples=4, **given)
+
+
+def test_the_law_of_the_error_stands_beside_the_measurement() -> None:
+    f = gas_beside_rules()
+    head, rows = report.table(f)
+    (row,) = (row for row in rows if row[0] == "cooling, law of the error")
+    assert len(row) == len(head) and "The law of the error predicts" in str(f)
+    for rule in f.models[1:]:
+        found = f.predicted(rule)
+        assert found.reason == "" and 0.0 < found.error < 0.02
+        assert not found.contradicts(f.final_difference("cooling", rule))
+        assert found.contradicts(
+            f.final_difference("cooling", rule)._replace(value=9.0, lower=8.9, upper=9.1)
+        )
+    assert "contradicts" not in str(f)
+    assert f.predicted("tc").value < 0.0 < f.predicted("constant").value
+
+
+def test_a_prediction_that_is_wrong_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    f = gas_beside_rules(models=["newton", "constant"])
+    monkeypatch.setattr(hl.Fidelity, "predicted", lambda *_: Prediction(9.0, 0.1))
+    assert str(f).endswith("Warning: this contradicts the measured cooling of constant.")
+
+
+def test_no_prediction_where_the_law_does_not_hold() -> None:
+    assert "given" in gas_beside_rules(8, 1, restitution=0.7).predicted("constant").reason
+    walls = hl.ParticleSystem.random(8, 0.1, 1e-3, 2500.0, 1.0, boundary="wall")
+    law = hl.LinearDashpot(stiffness=2e5, restitution=0.9)
+    assert "walls" in hl.fidelity(walls, law=law, until=1e-4, samples=1).predicted("law").reason
+
+
+@pytest.mark.parametrize("name", ["linear", "viscoelastic"])
+def test_the_ratio_of_compression_to_diameter(name: str) -> None:
+    """δ/d of isolated contacts, from the largest compression of two spheres that collide head-on."""
+    start = hl.ParticleSystem.random(8, 0.05, 1e-3, 2500.0, 1.0)
+    law = law_of(name, 0.9)
+    found = hl.fidelity(start, law=law, until=1e-6, samples=1)
+    ball = hl.Ball(1e-3, density=2500.0)
+    speed = np.sqrt(np.pi * start.granular_temperature)
+    assert found.delta_over_d == pytest.approx(law.between(ball, ball).compression(speed) / 2e-3, rel=1e-3)

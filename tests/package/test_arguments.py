@@ -544,6 +544,21 @@ def read_rows(path: Any = "rows.csv", **options: Any) -> Any:
             raise ValueError(re.sub("^.*: cannot be read", "path: cannot be read", str(error))) from None
 
 
+def arguments_of_the_verdict() -> list[Argument]:
+    gas = {"packing_fraction": 0.2, "restitution": 0.9}
+    found = hl.error_law(**gas)
+    kinds = {"packing_fraction": "number", "restitution": "number", "dimension": "whole number", "rule": "word",
+             "law": "optional law"}  # fmt: skip
+    good = gas | {"dimension": 2, "rule": "tc", "law": LAW}
+    return [
+        *(Argument("error_law", name, kind, hl.error_law, good[name], gas) for name, kind in kinds.items()),
+        Argument("ErrorLaw.error", "tc_nu", "number", found.error, 0.1),
+        Argument("ErrorLaw.error_bar", "tc_nu", "number", found.error_bar, 0.1),
+        Argument("ErrorLaw.delta_over_d", "tc_nu", "number", found.delta_over_d, 0.1),
+        Argument("ErrorLaw.largest_tc_nu", "error", "number", found.largest_tc_nu, 0.1),
+    ]
+
+
 def arguments_of_practice() -> list[Argument]:
     pile = {"n": 2, "law": LAW, "bottom_mass": 1.0, "model": "independent"}
     oblique = {"column": COLUMN, "offset": 1e-4}
@@ -598,6 +613,7 @@ def arguments_of_practice() -> list[Argument]:
         Argument("fidelity", "seed", "whole number", measure, 1),
         Argument("fidelity", "workers", "whole number", measure, 1),
         Argument("resume", "until", "optional number", go_on, 1e-8),
+        *arguments_of_the_verdict(),
         Argument("resume", "max_collisions", "optional count", go_on, 2),
     ]
 

@@ -2,12 +2,16 @@
 
 import math
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 import hardlimit as hl
+from conftest import law_of
+from hardlimit.boxes import theory
 from hardlimit.boxes.rules import RULES
+from hardlimit.fidelity_study.starts import equilibrated
 from hardlimit.verdict import error_law as module
 
 VISCOELASTIC = hl.Viscoelastic(youngs_modulus=1e9, poisson_ratio=0.3, restitution=0.9, impact_speed=1.0)
@@ -67,3 +71,72 @@ def test_any_setting_gives_a_bounded_law(phi, epsilon, dimension, rule, contact,
     limit = found.largest_tc_nu(error)
     assert 0.0 <= limit <= module.MEASURED_TC_NU and abs(found.error(limit)) <= error * (1 + 1e-9)
     assert found.largest_tc_nu(min(1.0, 2.0 * error)) >= limit
+
+
+def test_outside_the_measured_range_it_says_so():
+    inside, thin, dissipative = law(0.2, 0.6), law(1e-3, 0.9), law(0.2, 0.1)
+    assert inside.extrapolated == ""
+    assert "packing fraction 0.001 is outside" in thin.extrapolated
+    assert "restitution 0.1 is below" in dissipative.extrapolated and "; the restitution" in str(dissipative)
+    assert dissipative.coefficient_error > law(0.2, 0.4).coefficient_error
+    assert inside.error_bar(0.6) / 0.6 > 2.0 * inside.error_bar(0.3) / 0.3
+
+
+def test_a_denser_or_more_dissipative_gas_of_spheres_has_a_smaller_coefficient():
+    for epsilon in (0.99, 0.8, 0.6):
+        found = [law(phi, epsilon).coefficient for phi in (0.02, 0.05, 0.1, 0.2, 0.35, 0.5)]
+        assert found == sorted(found, reverse=True)
+    for phi in (0.02, 0.1, 0.3, 0.5):
+        found = [law(phi, epsilon).coefficient for epsilon in (1.0, 0.9, 0.8, 0.6, 0.4)]
+        assert found == sorted(found, reverse=True)
+
+
+@pytest.mark.parametrize("name", ["linear", "viscoelastic", "tsuji"])
+def test_the_law_needs_no_scale(name):
+    """Laws of one kind with other constants give the same numbers."""
+    first = law(0.2, 0.9, law=law_of(name, 0.9))
+    second = law(0.2, 0.9, law=law_of(name, 0.6))
+    assert first.coefficient == pytest.approx(second.coefficient, rel=1e-9)
+
+
+def test_bad_laws_are_refused():
+    with pytest.raises(ValueError, match=r"^law: got 'linear', must be a contact law"):
+        law(0.2, 0.9, law="linear")
+    with pytest.raises(ValueError, match=r"^packing_fraction: got 0.7, must be in \(0, 0.64\]"):
+        law(0.7, 0.9)
+    assert law(0.7, 0.9, dimension=2).coefficient > 0.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "dimension, phi, rule", [(3, 0.2, "constant"), (3, 0.35, "tc"), (2, 0.5, "constant")]
+)
+def test_a_measurement_agrees(dimension, phi, rule):
+    """Times for the same loss of energy of hard spheres and Newton's equations, after the start's transient."""
+    epsilon, tc_nu = 0.9, 0.25
+    random = hl.ParticleSystem.random(3000, phi, 1e-3, 2500.0, 1.0, dimension=dimension)
+    rate = float(theory.gas(random).collision_rate(random.granular_temperature))
+    lost = (1.0 - epsilon**2) / (2.0 * dimension)
+    energies = np.exp([3.0 * lost, 10.0 * lost])
+    unit, ball = hl.LinearDashpot(stiffness=1.0, restitution=epsilon), hl.Ball(1e-3, density=2500.0)
+    spring = unit.replace(stiffness=(unit.between(ball, ball).duration() * rate / tc_nu) ** 2)
+    until = 1.6 * (energies[1] - 1.0) / (lost * rate)
+
+    def duration(run, start):
+        energy = 0.5 * dimension * start.mass.sum() * start.granular_temperature
+        grown = np.sqrt(energy / (energy - run.series["dissipated_energy"].values))
+        first, last = np.interp(energies, grown, run.series["time"].values)
+        return last - first
+
+    ratios = []
+    for k in range(6):
+        start = equilibrated(random, k)
+        asked = {"contact_duration": tc_nu / rate} if rule == "tc" else {}
+        hard = hl.event_driven(start, restitution=epsilon, rule=rule, until=until, **asked)
+        newton = hl.molecular_dynamics(start, law=spring, until=until, engine="events")
+        ratios.append(duration(newton, start) / duration(hard, start) - 1.0)
+    found = law(phi, epsilon, dimension=dimension, rule=rule)
+    instant = tc_nu * np.log(energies[1] / energies[0]) / (energies[1] - energies[0])
+    bar = math.hypot(np.std(ratios, ddof=1) / math.sqrt(len(ratios)), found.error_bar(instant))
+    assert abs(np.mean(ratios) - found.error(instant)) < 4.0 * bar
+    assert bar < 0.3 * abs(found.error(instant))

@@ -148,7 +148,7 @@ def print_report(start: hl.ParticleSystem, law: hl.Law, found: hl.Fidelity, writ
         *described(start),
         ("contact duration t_c [s]", digits(found.contact_duration, 4)),
         ("t_c ν, mean of the run", digits(found.tc_nu, 3)),
-        ("δ/d, mean greatest compression over diameter", digits(found.delta_over_d, 3)),
+        ("δ/d, mean greatest compression", digits(found.delta_over_d, 3)),
         ("replicas", str(found.n_replicas)),
     ]
     title = f"{start.n} {'spheres' if start.dimension == 3 else 'disks'}"

@@ -23,6 +23,7 @@ from ..boxes.rules import checked_settings
 from ..boxes.system import described
 from ..support import saving
 from ..support.formatting import digits, listed
+from ..verdict.error_law import softness
 from .compare import compare
 from .gas_job import OUTPUT, RUN, START, GasJob, checked_outputs, make_job, usual_end
 from .job import Entry, entry_options
@@ -277,7 +278,7 @@ def print_report(start: hl.ParticleSystem | None, result: Any, files: list[Path]
 
 def print_newton(out: Any, result: hl.ContactResult) -> None:
     """The numbers of a run under Newton's equations."""
-    rows = [[label, digits(value)] for label, value in result.quantities()]
+    rows = [[label, digits(value)] for label, value in (*result.quantities(), *softness_rows(result))]
     title = f"Newton's equations, {law_text(result.law)}"
     reason = sentence(result.choice()) if result.engine_reason else ""
     show(out, title, table(["", result.engine], rows), reason)
@@ -288,10 +289,32 @@ def print_hard_spheres(out: Any, result: hl.ParticleResult) -> None:
     theories = predictions(result)
     rows = [
         [label, digits(value), *([digits(theories.get(label, math.nan))] if theories else [])]
-        for label, value in result.quantities()
+        for label, value in (*result.quantities(), *softness_rows(result))
     ]
     names = ["", "event-driven", *(["theory"] if theories else [])]
     show(out, f"Hard spheres, rule {result.settings.report()}", table(names, rows), note(result))
+
+
+def softness_numbers(result: Any) -> dict[str, float]:
+    """t_c ν and δ/d of a run with a contact law, means of the run; none without."""
+    series = result.series
+    law = result.law if isinstance(result, hl.ContactResult) else result.settings.law
+    if law is None or not result.time > 0.0:
+        return {}
+    found = softness(law, result.system, series["granular_temperature"].values)
+    rate = series["collision_rate"].values[1:]
+    mean = float(np.average(rate, weights=np.diff(series["time"].values)))
+    return {"tc_nu": found.duration * mean, "delta_over_d": found.delta_over_d}
+
+
+def softness_rows(result: Any) -> list[tuple[str, float]]:
+    """Rows of t_c ν and δ/d."""
+    numbers = softness_numbers(result)
+    labels = {
+        "tc_nu": "t_c ν, mean of the run",
+        "delta_over_d": "δ/d, mean greatest compression",
+    }
+    return [(labels[name], value) for name, value in numbers.items()]
 
 
 def predictions(result: hl.ParticleResult) -> dict[str, float]:
@@ -349,7 +372,7 @@ def as_mapping(result: Any, files: list[Path]) -> dict[str, Any]:
         settings, law, names = result.settings, result.settings.law, HARD_SPHERES_NUMBERS
         found |= {name: getattr(settings, name) for name in ("rule", "restitution", "contact_duration")}
     found |= {"law": None if law is None else {"name": law.record["name"], **law.parameters}}
-    found |= {key: getattr(result, name) for key, name in names.items()}
+    found |= {key: getattr(result, name) for key, name in names.items()} | softness_numbers(result)
     if not isinstance(result, hl.ContactResult):
         found["theory"] = predictions(result)
     mapping: dict[str, Any] = plain(

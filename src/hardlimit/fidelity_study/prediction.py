@@ -7,13 +7,10 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
-from .. import _core
 from ..boxes import theory
-from ..boxes.falling_frame import law_arguments
 from ..boxes.rules import RULES
 from ..support.estimate import Estimate
-from ..verdict.error_law import MEASURED_TC_NU, error_law, exponents
-from .replica import NEWTON
+from ..verdict.error_law import MEASURED_TC_NU, error_law, exponents, softness
 
 if TYPE_CHECKING:
     from .result import Fidelity
@@ -59,9 +56,8 @@ def predicted(f: Fidelity, rule: str) -> Prediction:
         return Prediction(reason="it is no rule")
     if rule == "constant" and abs(q - 2.0) > 1e-6:
         return Prediction(reason="ε of this contact law depends on the speed")
-    speed, contact = math.sqrt(math.pi * f.start.granular_temperature), _typical(f)
-    own = contact.restitution(np.array([speed])), contact.duration(np.array([speed]))
-    if not np.allclose(np.ravel(own), (epsilon, f.contact_duration), rtol=1e-6):
+    own = softness(law, f.start, f.start.granular_temperature)
+    if not np.allclose((own.restitution, own.duration), (epsilon, f.contact_duration), rtol=1e-6):
         return Prediction(reason="ε or t_c was given and is not that of the law")
     gas = theory.gas(f.start)
     tc_nu = f.contact_duration * float(gas.collision_rate(f.start.granular_temperature))
@@ -90,19 +86,3 @@ def predicted(f: Fidelity, rule: str) -> Prediction:
     lag = tc_nu * (1.0 - epsilon**2) / (4.0 * gas.dimension * grown)
     uncertain = float(np.mean([of_rule.error_bar(x) for x in at[:INTERVALS]]))
     return Prediction(reached / grown - 1.0 + lag, math.hypot(uncertain, 0.5 * lag))
-
-
-def delta_over_d(f: Fidelity) -> float:
-    """δ/d: greatest compression of an isolated contact over the diameter, at the mean impact speed √(πT), mean of the
-    run. For linear springs this is the mean over contacts. NaN for particles at rest."""
-    temperature = f._all("granular_temperature")[:, 0, : f.last_common(NEWTON) + 1]
-    speed = math.sqrt(math.pi) * float(np.sqrt(np.maximum(temperature, 0.0)).mean())
-    if not speed > 0.0:
-        return math.nan
-    return float(_typical(f).compression(np.array([speed]))[0]) / (2.0 * float(f.start.radius.mean()))
-
-
-def _typical(f: Fidelity) -> _core.Contact:
-    """The contact of two particles of mean mass and radius."""
-    mass, radius = float(f.start.mass.mean()), float(f.start.radius.mean())
-    return _core.make_contact(*law_arguments(f.plan.law), 0.5 * mass, 0.5 * radius)

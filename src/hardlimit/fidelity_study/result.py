@@ -14,6 +14,7 @@ from ..boxes.box import Floats
 from ..boxes.system import ParticleSystem
 from ..support import html, saving, validation
 from ..support.estimate import Estimate
+from ..verdict.error_law import softness
 from . import prediction, report, statistics
 from .contacts import EDGES
 from .replica import DIVERGENCE, NEWTON, QUANTITIES, Arrays, Plan
@@ -123,9 +124,10 @@ class Fidelity:
 
     @cached_property
     def delta_over_d(self) -> float:
-        """δ/d: greatest compression of a contact at the mean impact speed, over the mean diameter; mean of the run. In a
-        thin gas the error of the rules follows δ/d. NaN for particles at rest."""
-        return prediction.delta_over_d(self)
+        """δ/d: greatest compression of a contact at the mean impact speed, over the mean diameter; mean of the run.
+        In a thin gas the error of the rules follows δ/d. NaN for particles at rest."""
+        temperature = self._all("granular_temperature")[:, 0, : self.last_common(NEWTON) + 1]
+        return softness(self.plan.law, self.start, temperature).delta_over_d
 
     def predicted(self, model: str) -> prediction.Prediction:
         """What the law of the error (:func:`error_law`) predicts for the final difference of the cooling of a rule.

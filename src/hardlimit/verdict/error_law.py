@@ -2,7 +2,7 @@
 
 In a cooling gas the relative error of d√(E(0)/E)/dt of hard spheres, compared with Newton's equations at the same
 energy E, is a(φ, ε) t_c ν. E is the energy not yet dissipated, kinetic and stored in contacts.
-docs/findings/error_law.md derives and measures a.
+docs/error_law.md derives and measures a.
 
 Notation: d diameter, D dimension, T = ⟨v_x²⟩, χ(φ) = g(d⁺) pair correlation at contact, s = −g'(d⁺) d/χ,
 x = 1 − ε², U(ξ) ∝ ξ^q elastic energy, C(ξ) ∝ ξ^c damping (force C dξ/dt), and ν = D 2^D φ χ √(T/π)/d, Enskog's rate.
@@ -14,7 +14,12 @@ import math
 from dataclasses import dataclass, field
 from typing import Any, Final, NamedTuple
 
+import numpy as np
+
+from .. import _core
+from ..boxes.falling_frame import law_arguments
 from ..boxes.rules import RULES
+from ..boxes.system import ParticleSystem
 from ..contact.balls import Ball
 from ..contact.contact import Law
 from ..support import validation
@@ -101,6 +106,30 @@ def exponents(law: Law) -> Exponents:
     return Exponents(q, math.log2(high / low) if low > 0.0 else q - 2.0)
 
 
+class Softness(NamedTuple):
+    """Contacts of a gas at the mean impact speed √(πT). NaN for particles at rest."""
+
+    duration: float  #: t_c [s]
+    restitution: float  #: ε
+    delta_over_d: float  #: δ/d, greatest compression over the diameter
+
+
+def softness(law: Law, system: ParticleSystem, temperature: Any) -> Softness:
+    """The contact of two particles of mean mass and radius at the mean impact speed at these temperatures [m²/s²].
+
+    For linear springs, whose compression is proportional to the speed, δ/d is the mean over all contacts.
+    """
+    speed = math.sqrt(math.pi) * float(np.sqrt(np.maximum(temperature, 0.0)).mean())
+    if not 0.0 < speed < math.inf:
+        return Softness(math.nan, math.nan, math.nan)
+    mass, radius = float(system.mass.mean()), float(system.radius.mean())
+    contact, at = _core.make_contact(*law_arguments(law), 0.5 * mass, 0.5 * radius), np.array([speed])
+    duration, restitution, depth = (
+        float(of(at)[0]) for of in (contact.duration, contact.restitution, contact.compression)
+    )
+    return Softness(duration, restitution, depth / (2.0 * radius))
+
+
 # --- theory -------------------------------------------------------------------------------------------------
 
 
@@ -155,7 +184,7 @@ class ErrorLaw:
 
     Notes
     -----
-    Derived and measured in :doc:`/findings/error_law`. The effect of the rule tc: Luding & Goldshtein, Granular
+    Derived and measured in :doc:`/error_law`. The effect of the rule tc: Luding & Goldshtein, Granular
     Matter 5, 159 (2003).
 
     Examples
@@ -299,7 +328,7 @@ def error_law(
     Notes
     -----
     For ε → 1 the coefficient follows from equilibrium averages, without a free parameter; its dependence on ε is partly
-    derived and partly measured (:doc:`/findings/error_law`). Berzi & Jenkins, Soft Matter 11, 4799 (2015), correct
+    derived and partly measured (:doc:`/error_law`). Berzi & Jenkins, Soft Matter 11, 4799 (2015), correct
     kinetic theory for the contact duration by one constant.
 
     Examples
