@@ -32,7 +32,10 @@ PAIRS = {
     "hooke tsuji": (GRANULAR.format("hooke 1e5 0.6 damping tsuji"), 1.0),
     "hertz viscoelastic": (GRANULAR.format("hertz 1e7 2e8 damping viscoelastic limit_damping"), 0.5),
     "hertz velocity": (GRANULAR.format("hertz 1e7 0.1 damping velocity"), 2.0),
-    "hertz mass_velocity limited": (GRANULAR.format("hertz 1e7 4e3 damping mass_velocity limit_damping"), 0.1),
+    "hertz mass_velocity limited": (
+        GRANULAR.format("hertz 1e7 4e3 damping mass_velocity limit_damping"),
+        0.1,
+    ),
     "hertz coeff_restitution limited": (
         GRANULAR.format("hertz 1e7 0.3 damping coeff_restitution limit_damping"),
         0.5,

@@ -170,23 +170,18 @@ def report(found: Verdict, file: str | None, verbose: bool) -> None:
     say(title(found), style="bold")
     shown = groups if verbose else groups[:MOST_ROWS]
     if shown:
-        asked = any(row.restitution_asked is not None for group in shown for row in group)
         stages = verbose and last > 1
-        head = [*["run"] * stages, "contact", *["ε\nasked"] * asked, *HEAD]
-        rows = [
-            [
-                *[str(g[0].stage)] * stages,
-                name(g[0], plain),
-                *[span(g, "restitution_asked", 3)] * asked,
-                *cells(g, plain),
-            ]
-            for g in shown
+        rows = [[str(g[0].stage), name(g[0], plain), *cells(g, plain)] for g in shown]
+        head = ["run", "contact", *HEAD]
+        # Columns of which nothing is known are left out.
+        kept = [
+            k for k in range(len(head)) if (k or stages) and (k < 2 or any(row[k] != "–" for row in rows))
         ]
-        console().print(narrow(head, rows, left=1 + stages))
+        console().print(narrow([head[k] for k in kept], [[row[k] for k in kept] for row in rows], 1 + stages))
     if len(shown) < len(groups):
         say(f"… and {len(groups) - len(shown)} more contacts: --verbose")
-    for remark in found.remarks:
-        say(remark)
+    if found.remarks:
+        say(" ".join(found.remarks))
     if verbose:
         details(found, plain)
     say(lists(found))
@@ -195,7 +190,16 @@ def report(found: Verdict, file: str | None, verbose: bool) -> None:
         click.echo(f"  {line}")
 
 
-HEAD = ["ε\ngiven", "t_c", "steps", "error\nof ε", "over-\nlap", "t_c ν", "event-driven\ncools faster"]
+HEAD = [
+    "ε\nasked",
+    "ε\ngiven",
+    "t_c",
+    "steps",
+    "error\nof ε",
+    "over-\nlap",
+    "t_c ν",
+    "cools\nfaster by",
+]
 
 
 def narrow(columns: Sequence[str], rows: Iterable[Sequence[str]], left: int) -> Table:
@@ -231,6 +235,10 @@ def title(found: Verdict) -> str:
         what = titles[0] if len(titles) == 1 else listed(names) if names else "no known contact model"
         parts = [f"{known.title}{f' ({found.version})' if found.version else ''}: {what}"]
         parts.append(f"{found.units} units{'' if found.units_given else ' (none given)'}")
+    speeds = [row.speed for row in found.rows if row.speed is not None and row.types[1] != "wall"]
+    if speeds and min(speeds) < max(speeds):
+        ends = "–".join(digits(v, 3) for v in (min(speeds), max(speeds)))
+        parts.append(f"speeds {ends}{'' if found.units == 'lj' else ' m/s'}")
     if found.time_step is not None:
         parts.append(f"time step {time(found.time_step, found.units == 'lj', 4)}")
     return " · ".join(filter(None, parts))
@@ -251,12 +259,10 @@ def name(row: CheckedContact, plain: bool) -> str:
     return f"{'–'.join(row.types)}{f' R {sizes}' if sizes else ''}"
 
 
-def span(rows: Sequence[CheckedContact], field: str, significant: int) -> str:
-    """The value of a field, or its lowest and highest value over the speeds; a dash if it is not known."""
-    values = [v for row in rows if (v := getattr(row, field)) is not None]
-    if not values:
-        return "–"
-    ends = [digits(float(v), significant) for v in (min(values), max(values))]
+def span(rows: Sequence[CheckedContact]) -> str:
+    """ε over the speeds; a dash if it is not known."""
+    values = [row.restitution for row in rows if row.restitution is not None]
+    ends = [digits(v, 3) for v in (min(values), max(values))] if values else ["–"]
     return "–".join(dict.fromkeys(ends))
 
 
@@ -266,24 +272,19 @@ def time(value: float, plain: bool, significant: int = 3) -> str:
 
 
 def cells(rows: Sequence[CheckedContact], plain: bool) -> list[str]:
-    """One contact over all speeds: the widest range of each number, and the largest error."""
-    durations = [row.duration for row in rows if row.duration is not None]
-    errors = [row.restitution_error_of_step for row in rows if row.restitution_error_of_step is not None]
-    overlaps = [row.largest_overlap for row in rows if row.largest_overlap is not None]
-    cooling = max(
-        (row.error[row.rule] for row in rows if row.rule in row.error), key=lambda e: abs(e[0]), default=None
-    )
-    tc = "–"
-    if durations:
-        ends = list(dict.fromkeys(time(v, plain) for v in (min(durations), max(durations))))
-        tc = "–".join(ends)
+    """One contact: ε over all speeds, other numbers at the highest one."""
+    row = rows[-1]
+    asked, tc, steps = row.restitution_asked, row.duration, row.steps_per_contact
+    error, overlap, tc_nu = row.restitution_error_of_step, row.largest_overlap, row.tc_nu
+    cooling = row.error.get(row.rule)
     return [
-        span(rows, "restitution", 3),
-        tc,
-        span(rows, "steps_per_contact", 6),
-        "–" if not errors else small(max(errors)),
-        "–" if not overlaps else percent(max(overlaps)),
-        span(rows, "tc_nu", 2),
+        "–" if asked is None else digits(asked, 3),
+        span(rows),
+        "–" if tc is None else time(tc, plain),
+        "–" if steps is None else str(steps),
+        "–" if error is None else small(error),
+        "–" if overlap is None else percent(overlap),
+        "–" if tc_nu is None else digits(tc_nu, 2),
         "–" if cooling is None else cools(*cooling),
     ]
 
@@ -322,7 +323,7 @@ def whats(findings: Sequence[Finding]) -> str:
 
 def hint(found: Verdict, file: str | None, verbose: bool) -> str:
     """Where to read more."""
-    if verbose or found.admissible:
+    if verbose or found.admissible is not False:
         return ""
     return f" More: hardlimit check {file or '…'} --verbose"
 

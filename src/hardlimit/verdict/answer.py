@@ -28,8 +28,9 @@ def answer(
     invalidates: Sequence[Finding],
     unknown: Sequence[Finding],
     missing: Sequence[str],
+    rubs: bool = False,
 ) -> tuple[bool | None, str]:
-    """Whether event-driven simulation is admissible, and the sentence."""
+    """Whether event-driven simulation is admissible, and the sentence. ``rubs``: the script has friction, left out."""
     if invalidates:
         return False, _invalid(invalidates)
     known = [row for row in rows if row.rule in row.error]
@@ -52,7 +53,8 @@ def answer(
         )
     if abs(value) + bar > ACCEPTED:
         return None, f"Cannot be said: {_cools(worst)}, and {percent(ACCEPTED)} is within the error bar."
-    return True, f"Yes: {_cools(worst)}, less than {percent(ACCEPTED)}; {_may(worst)}."
+    condition = ", for grains without friction" if rubs else ""
+    return True, f"Yes{condition}: {_cools(worst)}, less than {percent(ACCEPTED)}; {_may(worst)}."
 
 
 def _invalid(invalidates: Sequence[Finding]) -> str:

@@ -18,9 +18,8 @@ from ..convert import texts
 from ..convert.codes import Code, Model, Pair, Written, code
 from ..convert.force import Force
 from ..convert.formulas import DEFAULT_POISSON_RATIO, Numbers
-from ..convert.readers import Setting, Settings
 from ..convert.wanted import LAWS
-from ..scripts import ContactSettings, Description, Grains, Stage
+from ..scripts import ContactSettings, Description, Grains, Setting, Stage
 from .contacts import Body, Case, KnownBody
 
 WALL = "wall"
@@ -128,9 +127,7 @@ def _state(stage: Stage) -> object:
 
 def _force(found: Code, contact: ContactSettings, version: str | None) -> tuple[ModelForce, str]:
     """The force of a contact, and a remark if it is another one in other versions of the code."""
-    settings: Settings = {
-        name: Setting(tuple(one.words), one.line, one.text) for name, one in contact.settings.items()
-    }
+    settings = dict(contact.settings)
     if settings.get("damping", Setting((), 0, "")).words == ("none",) and "normal" in settings:
         normal = settings["normal"]
         words = list(normal.words)
@@ -158,7 +155,7 @@ def _of_version(found: Code, model: Model, version: str | None) -> tuple[Model, 
     chosen = changed if newer == bool(other.since) else model
     if version is not None:
         return chosen, ""
-    return chosen, f"{found.title} {model.name} as of {limit} and newer; older versions give another ε"
+    return chosen, f"{model.name} as in {found.title} since {limit}; before, it gave another ε."
 
 
 def _date(version: str) -> tuple[int, ...] | None:

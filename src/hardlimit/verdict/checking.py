@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -33,7 +34,6 @@ POWERS: Final = {
     "rayleigh_time": (0, 0, 1),
     "p_wave_time": (0, 0, 1),
 }
-TAUTOLOGY = "lasting contacts"
 
 
 @dataclass(frozen=True)
@@ -174,7 +174,8 @@ def _of_script(script: Description, given: Given) -> Verdict:
     ]
     notes = [*remarks.versions, *_notes(examined), *_numerically_damped(last.numerical_damping)]
     missing = _missing(rows, gas, speeds, states)
-    admissible, sentence = answer.answer(rows, invalidates, unknown, missing)
+    rubs = any(re.search(r"tangential|friction|rolling|twisting", note.what) for note in script.ignored)
+    admissible, sentence = answer.answer(rows, invalidates, unknown, missing, rubs)
     return Verdict(
         admissible,
         sentence,
@@ -288,23 +289,25 @@ def _notes(examined: Sequence[tuple[Case, CheckedContact]]) -> Iterator[str]:
         low, high = min(epsilons), max(epsilons)
         if force.model.damping.formula == "given" and high - low > 0.01:
             yield (
-                f"The script gives a damping, not a restitution; {model} turns it into ε from {low:.3g} to {high:.3g}, "
-                "not into one."
+                f"The script gives a damping, not a restitution; with {model} it gives ε from {low:.3g} to {high:.3g}, "
+                "not one ε."
             )
         asked = [case.restitution_asked for case, _ in members if case.restitution_asked is not None]
         if asked and any(abs(e - a) > corrections.TOLERATED for e, a in zip(epsilons, asked, strict=False)):
-            yield f"The ε in the script is not the ε of its collisions: {force.model.note}."
+            yield "ε in the script is not ε of its collisions."
     steps = [row for _, row in examined if row.restitution_error_of_step is not None]
     worst = max(steps, key=lambda row: row.restitution_error_of_step or 0.0, default=None)
-    if worst is not None and (worst.restitution_error_of_step or 0.0) > corrections.ENOUGH:
-        yield f"The time step changes ε by up to {worst.restitution_error_of_step:.2g}."
+    error = 0.0 if worst is None else worst.restitution_error_of_step or 0.0
+    if math.isinf(error):
+        yield "With this time step contacts do not end."
+    elif error > corrections.ENOUGH:
+        yield f"The time step changes ε by up to {error:.2g}."
 
 
 def _numerically_damped(damping: float | None) -> Iterator[str]:
     if damping:
         yield (
-            f"NewtonIntegrator's damping of {damping:g} is part of these ε. It acts on each body separately, so they "
-            "hold at a wall and for two grains whose centre of mass is at rest."
+            f"NewtonIntegrator's damping of {damping:g} is part of these ε, for grains whose centre of mass is at rest."
         )
 
 

@@ -1,6 +1,6 @@
-"""What one contact does at one impact speed: restitution, duration, steps, overlap and the error of event-driven cooling.
+"""Compute one contact at one impact speed: restitution, duration, steps, overlap, error of event-driven cooling.
 
-A radius, a mass or a speed may be unknown. A result is then computed for two trial values of it, and kept if they agree.
+A radius, a mass or a speed may be unknown. A result is then computed for two trial values, and kept if they agree.
 """
 
 from __future__ import annotations
@@ -250,7 +250,7 @@ def _in_gas(
 
 
 def usual_rule(powers: Powers) -> str:
-    """The rule of an event-driven simulation of this force: "constant" if ε does not depend on the speed, else "law"."""
+    """The rule for this force in an event-driven simulation: "law" if ε depends on the speed, else "constant"."""
     return "constant" if 2 * powers.damping == powers.elastic - 4 else "law"
 
 
@@ -264,7 +264,7 @@ def _collision(force: Force, speed: float, damping: float | None) -> Collision:
 
 def _duration(force: Force, damping: float, speed: float) -> float:
     """Duration with a numerical damping d: the force counts 1 + d times while it decelerates, then 1 − d times."""
-    length, time = force.scales(speed)
+    _, time = force.scales(speed)
     p, q, c = 0.25 * force.powers.elastic, 0.25 * force.powers.damping, force.relative_damping(speed)
 
     def push(x: float, v: float) -> float:

@@ -8,8 +8,8 @@ from collections.abc import Iterator, Sequence
 from typing import Final
 
 from ..convert import texts
-from ..convert.grammar import NUMBER
-from ..convert.readers import Setting
+from ..scripts import Setting
+from ..scripts.formulas import NUMBER
 from .cases import WALL, ModelForce
 from .contacts import Case, CheckedContact
 
@@ -74,8 +74,7 @@ def _place(force: ModelForce, name: str, wall: bool) -> tuple[Setting, int]:
     for setting, words in (given.reads_wall if wall and given.reads_wall else given.reads).items():
         for k, word in enumerate(words.split()):
             if word.strip("{}").rpartition(":")[2] == name:
-                found = force.contact.settings[setting]
-                return Setting(tuple(found.words), found.line, found.text), k
+                return force.contact.settings[setting], k
     raise AssertionError(name)
 
 

@@ -104,7 +104,8 @@ def _frames(lines: TextIO, name: str, wanted: Any) -> Iterator[Frame | None]:
             continue
         if not title.startswith("ITEM:"):
             raise ValueError(
-                f"dump: got {validation.shown(name)} with a line {validation.shown(title)}, must be a text dump of LAMMPS or LIGGGHTS"
+                f"dump: got {validation.shown(name)} with a line {validation.shown(title)}, "
+                "must be a text dump of LAMMPS or LIGGGHTS"
             )
         kind = next(
             (one for one in ("BOX BOUNDS", "NUMBER OF ATOMS", "ATOMS") if title[5:].strip().startswith(one)),
