@@ -15,6 +15,7 @@ from ..convert.codes import code as code_of
 from ..support import units
 from ..support.formatting import digits, length, listed, percent, percent_with_error, quantity
 from ..verdict import check as checked
+from ..verdict.answer import NAMES
 from ..verdict.contacts import CheckedContact
 from ..verdict.result import Finding, Verdict
 from .options import json_option, law_options, option_name, options, quantity_option, spelled, take_law
@@ -127,7 +128,7 @@ def check(
     each wall, it prints the restitution that the code really gives, the duration, the steps per contact with the error
     that they cause, and the error of event-driven cooling. Without a file, it checks numbers.
     """
-    given = {"dump": dump, "speed": speed, "packing_fraction": packing_fraction}
+    given: dict[str, Any] = {"dump": dump, "speed": speed, "packing_fraction": packing_fraction}
     if file is None:
         found = from_numbers(numbers, variables, code, given)
     else:
@@ -138,7 +139,7 @@ def check(
     if as_json:
         print_json(found.to_dict())
     else:
-        report(found, file, verbose)
+        report(found, verbose)
     if strict and found.admissible is False:
         click.get_current_context().exit(FAILURE)
 
@@ -162,7 +163,7 @@ def from_numbers(
 # --- output -------------------------------------------------------------------------------------------------
 
 
-def report(found: Verdict, file: str | None, verbose: bool) -> None:
+def report(found: Verdict, verbose: bool) -> None:
     """The table of contacts, what was checked, the answer, and corrected lines."""
     plain = found.units == "lj"
     last = max((row.stage for row in found.rows), default=1)
@@ -185,7 +186,8 @@ def report(found: Verdict, file: str | None, verbose: bool) -> None:
     if verbose:
         details(found, plain)
     say(lists(found))
-    say(f"{found.sentence}{hint(found, file, verbose)}", style="bold")
+    more = " More: --verbose" if found.admissible is False and not verbose else ""
+    say(f"{found.sentence}{more}", style="bold")
     for line in found.corrected:
         click.echo(f"  {line}")
 
@@ -231,14 +233,18 @@ def title(found: Verdict) -> str:
         parts = [f"{listed(names)} law" if names else ""]
     else:
         known = code_of(found.code)
-        titles = [known.model(one).title.removeprefix("pair_style ") for one in names]
+        titles = [
+            known.model(one).title.removeprefix("pair_style ").replace(", damping", ",") for one in names
+        ]
         what = titles[0] if len(titles) == 1 else listed(names) if names else "no known contact model"
-        parts = [f"{known.title}{f' ({found.version})' if found.version else ''}: {what}"]
+        parts = [f"{known.title}{f' {found.version}:' if found.version else ''} {what}"]
         parts.append(f"{found.units} units{'' if found.units_given else ' (none given)'}")
     speeds = [row.speed for row in found.rows if row.speed is not None and row.types[1] != "wall"]
     if speeds and min(speeds) < max(speeds):
         ends = "–".join(digits(v, 3) for v in (min(speeds), max(speeds)))
-        parts.append(f"speeds {ends}{'' if found.units == 'lj' else ' m/s'}")
+        parts.append(
+            f"{'speeds ' if found.units == 'lj' else ''}{ends}{'' if found.units == 'lj' else ' m/s'}"
+        )
     if found.time_step is not None:
         parts.append(f"time step {time(found.time_step, found.units == 'lj', 4)}")
     return " · ".join(filter(None, parts))
@@ -321,13 +327,6 @@ def whats(findings: Sequence[Finding]) -> str:
     return ", ".join(dict.fromkeys(one.what for one in findings))
 
 
-def hint(found: Verdict, file: str | None, verbose: bool) -> str:
-    """Where to read more."""
-    if verbose or found.admissible is not False:
-        return ""
-    return f" More: hardlimit check {file or '…'} --verbose"
-
-
 def details(found: Verdict, plain: bool) -> None:
     """Each contact at each speed, the runs, the dump, and quoted lines."""
     for row in found.rows:
@@ -359,8 +358,13 @@ def details(found: Verdict, plain: bool) -> None:
 
 def detail(row: CheckedContact, plain: bool) -> str:
     """All numbers of a contact at one speed."""
-    number = lambda value, significant=3: None if value is None else digits(value, significant)  # noqa: E731
-    when = lambda value: None if value is None else time(value, plain)  # noqa: E731
+
+    def number(value: float | None, significant: int = 3) -> str | None:
+        return None if value is None else digits(value, significant)
+
+    def when(value: float | None) -> str | None:
+        return None if value is None else time(value, plain)
+
     spring = row.spring
     parts = {
         "ε": number(row.restitution, 4),
@@ -369,8 +373,8 @@ def detail(row: CheckedContact, plain: bool) -> str:
         "time step for an error of 0.001": when(row.time_step),
         "Rayleigh time": when(row.rayleigh_time),
         "P-wave time": when(row.p_wave_time),
-        "1 % at": None if spring is None else f"{spring[0].replace('_', ' ')} {digits(spring[2], 3)}",
-        **{f"cools faster under rule {rule}": cools(*error) for rule, error in row.error.items()},
+        "error 1 % at": None if spring is None else f"{NAMES[spring[0]]} of {digits(spring[2], 3)}",
+        "cools faster by": ", ".join(f"{cools(*e)} (rule {rule})" for rule, e in row.error.items()) or None,
     }
     unit = "" if plain else " m/s"
     speed = "" if row.speed is None else f" at {digits(row.speed, 3)}{unit}"

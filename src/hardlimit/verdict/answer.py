@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from ..support.formatting import digits, listed, percent, percent_with_error
 from .contacts import CheckedContact
+from .error_law import MEASURED_TC_NU
 from .expectation import ACCEPTED
 from .result import Finding
 
@@ -37,10 +38,12 @@ def answer(
     worst = max(known, key=lambda row: abs(row.error[row.rule][0]) + row.error[row.rule][1], default=None)
     if worst is not None:
         value, bar = worst.error[worst.rule]
+        if (worst.tc_nu or 0.0) > MEASURED_TC_NU:
+            return False, f"No: {_far(worst)}; {_needs(worst)}."
         if abs(value) - bar > ACCEPTED:
             return False, f"No: {_cools(worst)}; {_needs(worst)}."
     if unknown:
-        return None, f"Cannot be said: not understood is {unknown[0].where or unknown[0].what}."
+        return None, f"Cannot be said: this is not understood: {unknown[0].where or unknown[0].what}"
     pairs = [row for row in rows if row.types[1] != "wall"]
     if missing or len(known) < len(pairs) or worst is None:
         if not missing:
@@ -59,9 +62,10 @@ def answer(
 
 def _invalid(invalidates: Sequence[Finding]) -> str:
     first = invalidates[0]
-    where = f" ({'–'.join(first.types)})" if first.types else ""
-    others = f", and {len(invalidates) - 1} more" if len(invalidates) > 1 else ""
-    return f"No: {first.what}{where}, which no event-driven simulation can follow{others}."
+    kinds = tuple(dict.fromkeys(first.types or ()))
+    where = f" of type{'s' * (len(kinds) > 1)} {listed(kinds)}" if kinds else ""
+    others = f" and {len(invalidates) - 1} more" if len(invalidates) > 1 else ""
+    return f"No: {first.what}{where}{others}, which no event-driven simulation can follow."
 
 
 def _cools(row: CheckedContact) -> str:
@@ -72,6 +76,14 @@ def _cools(row: CheckedContact) -> str:
     return (
         f"event-driven cools {percent_with_error(abs(value), bar)} {how} at t_c ν = {digits(row.tc_nu or 0.0, 2)} "
         f"(grains {pair}{'' if row.rule == 'constant' else f', rule {row.rule}'})"
+    )
+
+
+def _far(row: CheckedContact) -> str:
+    """That contacts last too long for the law of the error."""
+    return (
+        f"t_c ν = {digits(row.tc_nu or 0.0, 2)} (grains {'–'.join(row.types)}) is above {MEASURED_TC_NU:g}, "
+        f"where event-driven is off by far more than {percent(ACCEPTED)}"
     )
 
 

@@ -214,17 +214,25 @@ def _body(grains: Grains, end: int) -> Body:
 
 def of_law(balls: Sequence[Ball], law: Law, walls: bool, time_step: float | None) -> list[Case]:
     """The contacts of the smallest and the largest ball under one of our laws, and with a wall."""
-    ask = law.parameters.get("restitution")
     bodies = [Body(ball.radius, ball.mass, ball.density) for ball in balls]
     force = LawForce(law)
 
     def case(first: Body, second: Body | None) -> Case:
         types = (str(bodies.index(first) + 1), WALL if second is None else str(bodies.index(second) + 1))
-        model = law.record["name"]
-        material = (law.parameters.get(name) for name in ("youngs_modulus", "poisson_ratio"))
-        spring = _spring(law.parameters, 1.0)
         return Case(
-            types, 1, None, first, second, force, model, ask, True, time_step, None, *material, spring
+            types,
+            1,
+            None,
+            first,
+            second,
+            force,
+            law.record["name"],
+            law.parameters.get("restitution"),
+            True,
+            time_step,
+            youngs_modulus=law.parameters.get("youngs_modulus"),
+            poisson_ratio=law.parameters.get("poisson_ratio"),
+            spring=_spring(law.parameters, 1.0),
         )
 
     pairs = [case(one, other) for i, one in enumerate(bodies) for other in bodies[i:]]

@@ -23,6 +23,7 @@ from .result import CheckedStage, Finding, Verdict
 
 #: Units of mass, length and time in SI; ``lj`` stays as it is.
 SCALES: Final = {**UNITS, "lj": (1.0, 1.0, 1.0)}
+NO_RUN: Final = Stage(Quote("", 0, ""), None, False, None, (), {}, None, None)
 #: Powers of mass, length and time in the numbers of a contact.
 POWERS: Final = {
     "radius": (0, 1, 0),
@@ -152,16 +153,17 @@ def _examined(
 def _of_script(script: Description, given: Given) -> Verdict:
     if script.units not in SCALES:
         raise ValueError(f"units: got {validation.shown(script.units)}, must be one of {', '.join(SCALES)}")
-    if not script.stages:
-        raise ValueError("script: it has no run with granular contacts")
+    if not script.unknown and not any(stage.contacts for stage in script.stages):
+        others = "".join(f"; it has {note.what}" for note in script.invalidates[:1])
+        raise ValueError(f"script: it has no run with granular contacts{others}")
     mass, length, time = SCALES[script.units]
     given = replace(given, speeds=tuple(v * time / length for v in given.speeds))
     found, remarks = cases.of_script(script)
-    states = _states(given, _radii(script.stages[-1]), script.dimension)
+    last = script.stages[-1] if script.stages else NO_RUN
+    states = _states(given, _radii(last), script.dimension)
     gas, speeds = _surroundings(given, states, script.dimension)
     examined = _examined(found, gas, speeds)
     rows = [row for _, row in examined]
-    last = script.stages[-1]
     invalidates = [_finding(note) for note in script.invalidates]
     invalidates += _lasting(script.stages, rows, states)
     taken = {types for one in invalidates if (types := one.types)}
@@ -294,7 +296,7 @@ def _notes(examined: Sequence[tuple[Case, CheckedContact]]) -> Iterator[str]:
             )
         asked = [case.restitution_asked for case, _ in members if case.restitution_asked is not None]
         if asked and any(abs(e - a) > corrections.TOLERATED for e, a in zip(epsilons, asked, strict=False)):
-            yield "ε in the script is not ε of its collisions."
+            yield "ε given differs from ε asked."
     steps = [row for _, row in examined if row.restitution_error_of_step is not None]
     worst = max(steps, key=lambda row: row.restitution_error_of_step or 0.0, default=None)
     error = 0.0 if worst is None else worst.restitution_error_of_step or 0.0

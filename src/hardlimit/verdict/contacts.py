@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 from scipy.integrate import solve_ivp
 
@@ -148,35 +148,20 @@ def examine(case: Case, speed: float | None, gas: Surroundings) -> CheckedContac
         )
         for k in (0, 1)
     ]
-    kept = {name: _agreed([one.get(name) for one in found]) for name in found[0]}
-    errors = {rule: kept.pop(rule) for rule in RULES if rule in kept}
-    bars = {rule: kept.pop(f"{rule}±") for rule in errors}
-    known = {
-        rule: (value, bar)
-        for rule, value in errors.items()
-        if value is not None and (bar := bars[rule]) is not None
-    }
-    steps = kept.pop("steps_per_contact", None)
-    powers = case.force(
-        case.first.tried(0), None if case.second is None else case.second.tried(0), 1.0
-    ).powers
-    softening = kept.get("softening")
-    spring = None
-    if case.spring is not None and softening is not None:
+    kept: dict[str, Any] = {name: _agreed([one.get(name) for one in found]) for name in found[0]}
+    errors = {str(rule): (kept.pop(rule), kept.pop(f"{rule}±")) for rule in RULES if rule in kept}
+    if (steps := kept.get("steps_per_contact")) is not None:
+        kept["steps_per_contact"] = int(steps)
+    if case.spring is not None and kept.get("softening") is not None:
         name, value, power = case.spring
-        spring = name, value, value * softening ** (1.0 / power)
-    return replace(
-        row,
-        **kept,
-        rule=usual_rule(powers),
-        steps_per_contact=None if steps is None else int(steps),
-        error=known,
-        spring=spring,
-    )
+        kept["spring"] = name, value, value * kept["softening"] ** (1.0 / power)
+    return replace(row, **kept, error={rule: pair for rule, pair in errors.items() if None not in pair})
 
 
-def _agreed(values: Sequence[float | None]) -> float | None:
+def _agreed(values: Sequence[Any]) -> Any:
     """The common value; None if the values differ or one of them is missing or infinite."""
+    if isinstance(values[0], str):
+        return values[0]
     known = [value for value in values if value is not None and math.isfinite(value)]
     if len(known) < len(values):
         return None
@@ -186,13 +171,14 @@ def _agreed(values: Sequence[float | None]) -> float | None:
 
 def _results(
     case: Case, first: KnownBody, second: KnownBody | None, speed: float, gas: Surroundings
-) -> dict[str, float | None]:
+) -> dict[str, Any]:
     """All results for known bodies and a known speed."""
     assert case.force is not None
     force = case.force(first, second, speed)
     collision = _collision(force, speed, case.numerical_damping)
     smaller = first.radius if second is None else min(first.radius, second.radius)
-    found: dict[str, float | None] = {
+    found: dict[str, Any] = {
+        "rule": usual_rule(force.powers),
         "restitution": collision.restitution,
         "duration": collision.duration,
         "time_step": force.longest_step(speed, DEFAULT_ERROR),
@@ -221,14 +207,14 @@ def _in_gas(
     speed: float,
     gas: Surroundings,
     collision: Collision,
-) -> dict[str, float | None]:
+) -> dict[str, Any]:
     """δ/d, t_c ν and the error of event-driven cooling."""
     diameter = first.radius + (first.radius if second is None else second.radius)
     mean = collision
     if gas.mean_speed is not None:
         force = case.force(first, second, gas.mean_speed) if case.force else force
         mean = _collision(force, gas.mean_speed, case.numerical_damping)
-    found: dict[str, float | None] = {"delta_over_d": mean.compression / diameter}
+    found: dict[str, Any] = {"delta_over_d": mean.compression / diameter}
     if gas.packing_fraction is None or not math.isfinite(mean.duration):
         return found
     rate = gas.collision_rate(gas.mean_speed or speed, gas.diameter or diameter)
@@ -238,13 +224,16 @@ def _in_gas(
     exponent = 0.25 * force.powers.elastic + 1.0
     clipped = replace(force, powers=replace(force.powers, attracts=False))
     prolonged = 1.0 - clipped.collision(gas.mean_speed or speed).duration / mean.duration
+    usual = usual_rule(force.powers)
     for rule in RULES:
+        if rule == "constant" != usual:
+            continue  # its error has another cause as well, the ε that depends on the speed
         one = expected(rule, gas.dimension, gas.packing_fraction, mean.restitution, force.powers, tc_nu)
         if one is None:
             continue
         # Measured for forces that never attract; attraction prolongs the contact.
         found[rule], found[f"{rule}±"] = one.error, math.hypot(one.bar, one.error * prolonged)
-        if rule == usual_rule(force.powers):
+        if rule == usual:
             found["softening"] = (tc_nu / one.largest_tc_nu) ** exponent
     return found
 
@@ -268,14 +257,14 @@ def _duration(force: Force, damping: float, speed: float) -> float:
     p, q, c = 0.25 * force.powers.elastic, 0.25 * force.powers.damping, force.relative_damping(speed)
 
     def push(x: float, v: float) -> float:
-        return max(x, 0.0) ** p + c * max(x, 0.0) ** q * v
+        return float(max(x, 0.0) ** p + c * max(x, 0.0) ** q * v)
 
     def rates(_: float, y: Sequence[float]) -> list[float]:
         a = push(*y)
         return [y[1], -a * (1.0 + damping * math.copysign(1.0, a * y[1]))]
 
     def end(_: float, y: Sequence[float]) -> float:
-        return y[0] if force.powers.attracts or y[1] > 0.0 else min(push(*y), y[0])
+        return float(y[0] if force.powers.attracts or y[1] > 0.0 else min(push(*y), y[0]))
 
     end.terminal, end.direction = True, -1.0  # type: ignore[attr-defined]
     done = solve_ivp(rates, (0.0, 1e4), [0.0, 1.0], events=end, rtol=1e-9, atol=1e-12)

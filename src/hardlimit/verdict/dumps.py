@@ -5,19 +5,16 @@ from __future__ import annotations
 import gzip
 import io
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, TextIO
+from typing import IO, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..support import validation
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 Floats = NDArray[np.float64]
 
@@ -25,6 +22,15 @@ Floats = NDArray[np.float64]
 MOST_FRAMES: Final = 20
 #: Shares of impacts with lower speeds, at which speeds are given.
 QUANTILES: Final = (0.1, 0.5, 0.9)
+
+
+#: Columns that are used, beside ``type``.
+COLUMNS: Final[tuple[str, ...]] = (
+    *("x", "y", "z", "xs", "ys", "zs", "xu", "yu", "zu", "xsu", "ysu", "zsu"),
+    *("vx", "vy", "vz", "radius", "diameter", "mass"),
+)
+#: Items of a frame with their numbers of lines; other items have one.
+ITEMS: Final = {"BOX BOUNDS": 3, "NUMBER OF ATOMS": 1, "ATOMS": 0}
 
 
 @dataclass(frozen=True)
@@ -35,7 +41,9 @@ class Frame:
     low: Floats  #: (3,)
     high: Floats  #: (3,)
     periodic: tuple[bool, ...]
-    grains: pd.DataFrame  #: one row for each grain
+    columns: Mapping[str, Floats]
+    types: list[str] | None
+    count: int  #: number of grains
 
 
 @dataclass(frozen=True)
@@ -76,106 +84,69 @@ def read(path: str | Path) -> list[Frame]:
     ValueError
         If it is no text dump, is cut off or triclinic.
     """
-    name = str(path)
+    name = validation.shown(str(path))
     try:
         with _opened(path) as lines:
-            count = sum(1 for _ in _frames(lines, name, lambda k: False))
+            count = sum(1 for _ in _blocks(lines))
         chosen = {round(k) for k in np.linspace(0, count - 1, min(count, MOST_FRAMES))}
         with _opened(path) as lines:
-            return [one for one in _frames(lines, name, chosen.__contains__) if one is not None]
+            return [_frame(*block) for k, block in enumerate(_blocks(lines)) if k in chosen]
     except (OSError, EOFError, UnicodeDecodeError) as error:
         because = getattr(error, "strerror", None) or str(error)
-        raise ValueError(f"dump: got {validation.shown(name)}, cannot be read: {because}") from None
+        raise ValueError(f"dump: got {name}, cannot be read: {because}") from None
+    except ValueError as error:
+        raise ValueError(f"dump: got {name}, {error}") from None
 
 
-def _opened(path: str | Path) -> TextIO:
-    if str(path).endswith(".gz"):
-        return gzip.open(path, "rt", encoding="utf-8")
-    return open(path, encoding="utf-8")
+def _opened(path: str | Path) -> IO[str]:
+    return (
+        gzip.open(path, "rt", encoding="utf-8") if str(path).endswith(".gz") else open(path, encoding="utf-8")
+    )
 
 
-def _frames(lines: TextIO, name: str, wanted: Any) -> Iterator[Frame | None]:
-    """Each frame of an open dump, None in place of those that are not wanted."""
-    k = 0
+def _blocks(lines: IO[str]) -> Iterator[tuple[dict[str, tuple[list[str], list[str]]], list[str]]]:
+    """The items of each frame, each with the words of its title and its lines; and the lines of the grains."""
     items: dict[str, tuple[list[str], list[str]]] = {}
-    for line in lines:
-        title = line.strip()
-        if not title:
-            continue
-        if not title.startswith("ITEM:"):
-            raise ValueError(
-                f"dump: got {validation.shown(name)} with a line {validation.shown(title)}, "
-                "must be a text dump of LAMMPS or LIGGGHTS"
-            )
-        kind = next(
-            (one for one in ("BOX BOUNDS", "NUMBER OF ATOMS", "ATOMS") if title[5:].strip().startswith(one)),
-            title[5:].strip(),
-        )
-        words = title[5:].strip()[len(kind) :].split()
-        count = {"BOX BOUNDS": 3, "ATOMS": 0}.get(kind, 1)
-        items[kind] = words, list(islice(lines, count))
+    frames = 0
+    for line in filter(str.strip, lines):
+        head, _, title = line.strip().partition(" ")
+        if head != "ITEM:":
+            raise ValueError("must be a text dump of LAMMPS or LIGGGHTS")
+        kind = next((one for one in ITEMS if title.startswith(one)), title)
+        items[kind] = title[len(kind) :].split(), list(islice(lines, ITEMS.get(kind, 1)))
         if kind == "ATOMS":
-            yield _frame(items, words, lines, name) if wanted(k) else _skip(items, lines, name)
-            items, k = {}, k + 1
-    if k == 0:
-        raise ValueError(f"dump: got {validation.shown(name)}, must have a frame with ITEM: ATOMS")
+            words = "".join(items.get("NUMBER OF ATOMS", ([], []))[1]).split()
+            count = int(words[0]) if words and words[0].isdecimal() else 0
+            rows = list(islice(lines, count))
+            if count == 0 or len(rows) < count:
+                raise ValueError(f"its frame {frames + 1} is empty or cut off")
+            yield items, rows
+            items, frames = {}, frames + 1
+    if frames == 0:
+        raise ValueError("must have a frame with ITEM: ATOMS")
 
 
-def _count(items: Mapping[str, tuple[list[str], list[str]]], name: str) -> int:
-    try:
-        return int(items["NUMBER OF ATOMS"][1][0])
-    except (KeyError, IndexError, ValueError):
-        raise ValueError(
-            f"dump: got {validation.shown(name)}, must have ITEM: NUMBER OF ATOMS before the grains"
-        ) from None
-
-
-def _skip(items: Mapping[str, tuple[list[str], list[str]]], lines: TextIO, name: str) -> None:
-    for _ in islice(lines, _count(items, name)):
-        pass
-
-
-def _frame(
-    items: Mapping[str, tuple[list[str], list[str]]], columns: Sequence[str], lines: TextIO, name: str
-) -> Frame:
+def _frame(items: Mapping[str, tuple[list[str], list[str]]], rows: list[str]) -> Frame:
     import pandas as pd
 
-    count = _count(items, name)
-    rows = list(islice(lines, count))
-    sides, bounds = items.get("BOX BOUNDS", ([], []))
-    if len(sides) > 3 or any(len(line.split()) > 2 for line in bounds):
-        raise ValueError(f"dump: got {validation.shown(name)} of a triclinic box, must be an orthogonal box")
+    sides, lines = items.get("BOX BOUNDS", ([], []))
+    bounds = [line.split() for line in lines]
+    if len(sides) > 3 or any(len(words) > 2 for words in bounds):
+        raise ValueError("must have an orthogonal box, not a triclinic one")
+    names = items["ATOMS"][0]
     try:
-        limits = np.array([[float(word) for word in line.split()] for line in bounds])
-        step = int(items.get("TIMESTEP", ([], ["0"]))[1][0])
-        low, high = limits.reshape(3, 2).T
-        grains = pd.read_csv(
-            io.StringIO("".join(rows)), sep=r"\s+", header=None, names=list(columns), index_col=False
-        )
-    except (ValueError, IndexError) as error:
-        raise ValueError(
-            f"dump: got {validation.shown(name)}, cannot be read: {' '.join(str(error).split())[:100]}"
-        ) from None
-    numeric = grains[[c for c in grains if c in NUMERIC]].apply(pd.to_numeric, errors="coerce")
-    if (
-        len(grains) != count
-        or count == 0
-        or not np.isfinite(numeric.to_numpy()).all()
-        or not (high > low).all()
-    ):
-        raise ValueError(
-            f"dump: got {validation.shown(name)}, whose frame at step {step} is cut off or has no numbers"
-        )
-    grains[numeric.columns] = numeric
+        step = int("".join(items["TIMESTEP"][1]))
+        limits = np.array(bounds, float).reshape(3, 2)
+        table = pd.read_csv(io.StringIO("".join(rows)), sep=r"\s+", header=None, names=names, index_col=False)
+        columns = {name: table[name].to_numpy(float) for name in COLUMNS if name in names}
+    except (ValueError, KeyError):
+        raise ValueError("has a frame that is not numbers") from None
+    low, high = limits.T
+    if not (high > low).all() or not all(np.isfinite(column).all() for column in columns.values()):
+        raise ValueError(f"has missing numbers in the frame of step {step}")
     periodic = tuple(side.startswith("p") for side in sides) if len(sides) == 3 else (True,) * 3
-    return Frame(step, low, high, periodic, grains)
-
-
-#: Columns that are used.
-NUMERIC: Final = (
-    *("x", "y", "z", "xs", "ys", "zs", "xu", "yu", "zu", "xsu", "ysu", "zsu"),
-    *("vx", "vy", "vz", "radius", "diameter", "mass", "density"),
-)
+    types = table["type"].astype(str).tolist() if "type" in names else None
+    return Frame(step, low, high, periodic, columns, types, len(rows))
 
 
 # --- the state ------------------------------------------------------------------------------------------------
@@ -183,81 +154,66 @@ NUMERIC: Final = (
 
 def state(frame: Frame, radii: Mapping[str, float], dimension: int) -> State:
     """The state of a frame. ``radii`` has the radius of each type with one size, for dumps without radii."""
-    grains = frame.grains
-    radius = _radius(grains, radii)
-    at = _positions(frame)[:, :dimension] if _positions(frame) is not None else None
-    overlap = coordination = several = packing = None
-    edges = (frame.high - frame.low)[:dimension]
-    if radius is not None and (radius > 0.0).all():
+    radius, at = _radius(frame, radii), _positions(frame)
+    edges, periodic = (frame.high - frame.low)[:dimension], np.array(frame.periodic[:dimension])
+    at = None if at is None else at[:, :dimension]
+    overlap = coordination = several = packing = temperature = None
+    if radius is not None:
         volume = math.pi * radius**2 if dimension == 2 else 4.0 / 3.0 * math.pi * radius**3
-        packing = float(volume.sum() / np.prod(_extent(frame, at, radius, edges)))
+        filled = edges
         if at is not None:
-            overlap, coordination, several = _contacts(at, radius, edges, frame.periodic[:dimension])
-    temperature = None
-    if {"vx", "vy", "vz"} <= set(grains) and len(grains) > 1:
-        velocity = grains[["vx", "vy", "vz"]].to_numpy(float)[:, :dimension]
-        mass = _mass(grains, radius)
+            # Along an axis with ends, the volume is that between the outermost grains.
+            reach = (at + radius[:, None]).max(axis=0) - (at - radius[:, None]).min(axis=0)
+            filled = np.where(periodic, edges, np.minimum(reach, edges))
+            overlap, coordination, several = _contacts(at, radius, edges, periodic)
+        packing = float(volume.sum() / np.prod(filled))
+    if all(name in frame.columns for name in ("vx", "vy", "vz")) and frame.count > 1:
+        velocity = np.stack([frame.columns[name] for name in ("vx", "vy", "vz")[:dimension]], axis=1)
+        mass = frame.columns.get("mass", np.ones(frame.count) if radius is None else radius**3)
         about = velocity - np.average(velocity, axis=0, weights=mass)
         temperature = float(np.average((about**2).sum(axis=1), weights=mass) / dimension)
     diameter = None if radius is None else 2.0 * float(radius.mean())
-    return State(frame.step, len(grains), packing, temperature, diameter, overlap, coordination, several)
+    return State(frame.step, frame.count, packing, temperature, diameter, overlap, coordination, several)
 
 
-def _radius(grains: pd.DataFrame, radii: Mapping[str, float]) -> Floats | None:
-    if "radius" in grains:
-        return grains["radius"].to_numpy(float)
-    if "diameter" in grains:
-        return 0.5 * grains["diameter"].to_numpy(float)
-    if "type" in grains and radii and (found := grains["type"].astype(str).map(dict(radii))).notna().all():
-        return found.to_numpy(float)
-    return None
-
-
-def _mass(grains: pd.DataFrame, radius: Floats | None) -> Floats | None:
-    """Masses as weights; those of one density if the dump has none."""
-    found = grains["mass"].to_numpy(float) if "mass" in grains else None if radius is None else radius**3
-    return found if found is not None and (found > 0.0).all() else None
+def _radius(frame: Frame, radii: Mapping[str, float]) -> Floats | None:
+    """Radii of all grains; None if one is not known or not positive."""
+    columns = frame.columns
+    if "radius" in columns:
+        found = columns["radius"]
+    elif "diameter" in columns:
+        found = 0.5 * columns["diameter"]
+    else:
+        found = np.array([radii.get(name, 0.0) for name in frame.types or [""]])
+    return found if (found > 0.0).all() else None
 
 
 def _positions(frame: Frame) -> Floats | None:
     """Positions, from scaled ones if the dump has no others."""
-    for end in ("", "u"):
-        plain, scaled = [c + end for c in "xyz"], [c + "s" + end for c in "xyz"]
-        if set(plain) <= set(frame.grains):
-            return frame.grains[plain].to_numpy(float)
-        if set(scaled) <= set(frame.grains):
-            return frame.low + frame.grains[scaled].to_numpy(float) * (frame.high - frame.low)
+    for end in ("", "u", "s", "su"):
+        names = [axis + end for axis in "xyz"]
+        if all(name in frame.columns for name in names):
+            found = np.stack([frame.columns[name] for name in names], axis=1)
+            return frame.low + found * (frame.high - frame.low) if "s" in end else found
     return None
 
 
-def _extent(frame: Frame, at: Floats | None, radius: Floats, edges: Floats) -> Floats:
-    """Edges of the volume that the grains fill: the box, but between the outermost grains along axes with ends."""
-    if at is None:
-        return edges
-    filled = (at + radius[:, None]).max(axis=0) - (at - radius[:, None]).min(axis=0)
-    return np.where(frame.periodic[: len(edges)], edges, np.minimum(filled, edges))
-
-
 def _contacts(
-    at: Floats, radius: Floats, edges: Floats, periodic: Sequence[bool]
+    at: Floats, radius: Floats, edges: Floats, periodic: NDArray[np.bool_]
 ) -> tuple[float, float, float]:
     """Largest overlap over the smaller radius, mean number of contacts, share of grains with several."""
     from scipy.spatial import cKDTree
 
-    box = np.where(periodic, edges, 0.0)
     inside = at - at.min(axis=0)
     inside = np.where(periodic, np.mod(inside, edges), inside)
-    inside = (
-        np.where(inside >= edges, 0.0, inside)
-        if all(periodic)
-        else np.where(np.logical_and(periodic, inside >= edges), 0.0, inside)
-    )
-    pairs = cKDTree(inside, boxsize=box).query_pairs(2.0 * float(radius.max()), output_type="ndarray")
-    i, j = pairs.T
+    inside[:, periodic] = np.where(inside < edges, inside, 0.0)[:, periodic]  # rounding of mod
+    tree = cKDTree(inside, boxsize=np.where(periodic, edges, 0.0))
+    i, j = tree.query_pairs(2.0 * float(radius.max()), output_type="ndarray").T
     apart = inside[i] - inside[j]
-    apart = np.where(periodic, apart - edges * np.round(apart / edges), apart)
+    apart -= np.where(periodic, edges * np.round(apart / edges), 0.0)
     overlap = radius[i] + radius[j] - np.sqrt((apart**2).sum(axis=1))
-    i, j, overlap = i[overlap > 0.0], j[overlap > 0.0], overlap[overlap > 0.0]
+    touching = overlap > 0.0
+    i, j, overlap = i[touching], j[touching], overlap[touching]
     each = np.bincount(np.concatenate([i, j]), minlength=len(radius))
     deepest = float((overlap / np.minimum(radius[i], radius[j])).max(initial=0.0))
     return deepest, float(each.mean()), float((each > 1).mean())
