@@ -229,7 +229,7 @@ def _lasting(
                 yield Finding("grains rest on each other under gravity", None, _where(stage.quote))
                 break
     for types in dict.fromkeys(row.types for row in rows if row.restitution == 0.0):
-        yield Finding("the contact is overdamped, so grains stay together", types)
+        yield Finding("overdamped contacts", types)
 
 
 def _fixed(stage: Stage, types: Sequence[str]) -> bool:
