@@ -27,6 +27,8 @@ __all__ = [
 CODES: Final = ("lammps", "liggghts", "yade")
 #: Longest text that may be a path.
 LONGEST_PATH: Final = 1000
+#: Most include files that tell the code.
+MOST_INCLUDED: Final = 20
 #: What tells the codes apart, outside comments.
 SIGNS: Final = {
     "yade": re.compile(
@@ -37,7 +39,10 @@ SIGNS: Final = {
         r"^[^#\n]*(?:\bpair_style\s+gran\s|\bproperty/global\b|\bparticletemplate/|\bmesh/surface\b)",
         re.MULTILINE,
     ),
-    "lammps": re.compile(r"^[^#\n]*\b(?:pair_style|pair_coeff|wall/gran)\b", re.MULTILINE),
+    "lammps": re.compile(
+        r"^[^#\n]*\b(?:pair_style|pair_coeff|wall/gran)\b|^[ \t]*(?:atom_style|create_box|read_data)[ \t]",
+        re.MULTILINE,
+    ),
 }
 
 
@@ -66,7 +71,7 @@ def read(source: str | Path, *, code: str | None = None, variables: Mapping[str,
     if code is not None:
         validation.one_of("code", code, CODES)
     log = logs.header(text)
-    found = code or (log[0] if log else _code_of(text))
+    found = code or (log[0] if log else _code_of(text, folder))
     if found == "yade":
         from . import yade
 
@@ -94,9 +99,11 @@ def _opened(source: str | Path) -> tuple[str, str, Path | None]:
     raise ValueError(f"script: got {validation.shown(str(source))}, must be a file that can be read")
 
 
-def _code_of(text: str) -> str:
-    """The code that a script is written for."""
+def _code_of(text: str, folder: Path | None) -> str:
+    """The code that a script or one of its include files is written for."""
+    names = re.findall(r"^[ \t]*include[ \t]+(\S+)", text, re.MULTILINE) if folder else []
+    included = [text_of(folder / name) or "" for name in names[:MOST_INCLUDED] if folder]
     for code, sign in SIGNS.items():
-        if sign.search(text):
+        if any(sign.search(one) for one in (text, *included)):
             return code
     raise ValueError(f"script: has no granular contacts of {', '.join(CODES)}")

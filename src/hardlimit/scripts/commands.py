@@ -9,6 +9,7 @@ import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
 from typing import Final
@@ -22,11 +23,14 @@ VARIABLE: Final = re.compile(
 FORMAT: Final = re.compile(r"%[-+ 0#]*\d{0,3}(?:\.\d{1,3})?[aefgAEFG]")
 INTEGER_FORMAT: Final = re.compile(r"%[-+ 0]*\d{0,3}[di]")
 UNRESOLVED: Final = re.compile(r"\$(?:\{\w*\}|\(|\w)")
+#: A comparison of two words in a condition, and what is no word there.
+EQUAL: Final = re.compile(r"([^\s()&|!=<>^]+)\s*(==|!=)\s*([^\s()&|!=<>^]+)")
+NUMBERS: Final = re.compile(r"[-+*/%.\d][-+*/%.\deE]*|.*\b[vcf]_.*|[.\d].*")
 #: Styles that do not redefine an existing variable.
 KEPT: Final = ("index", "loop", "world", "universe", "uloop", "file", "atomfile", "getenv")
 #: Deepest nesting of include files and of variables.
 DEEPEST: Final = 20
-MOST_STATEMENTS: Final = 200_000
+MOST_STATEMENTS: Final = 300_000
 MOST_VALUES: Final = 1_000_000
 LARGEST_FILE: Final = 50_000_000  #: bytes
 USE_LOG: Final = "give the log instead, in which loops and conditions are resolved"
@@ -58,6 +62,7 @@ class Variables:
     """All variables with their values."""
 
     known: dict[str, Variable] = field(default_factory=dict)
+    keywords: dict[str, float] = field(default_factory=dict)  #: other names of formulas, such as dt
 
     def define(self, words: Sequence[str]) -> None:
         """As the command ``variable``."""
@@ -76,7 +81,9 @@ class Variables:
             self.known[name] = Variable("index" if value is not None else "unknown", (value or "",))
         elif style in ("equal", "internal", "atom", "vector"):
             self.known[name] = Variable("equal", (" ".join(values),))
-        elif style in ("index", "string", "format"):
+        elif style == "string":
+            self.known[name] = Variable(style, tuple(map(self.substitute, values)))
+        elif style in ("index", "format"):
             self.known[name] = Variable(style, tuple(values))
         else:
             single = style in ("world", "universe") and len(values) == 1
@@ -119,24 +126,28 @@ class Variables:
         """The value of a formula with ``v_name``."""
 
         def named(name: str) -> float | None:
-            return self.of(name[2:], depth + 1) if name.startswith("v_") else LOGICAL.get(name)
+            if name.startswith("v_"):
+                return self.of(name[2:], depth + 1)
+            return LOGICAL.get(name, self.keywords.get(name))
 
-        return formulas.value(formula, named) if depth <= DEEPEST else None
+        if depth > DEEPEST:
+            return None
+        return formulas.value(self.substitute(formula, depth + 1) if "$" in formula else formula, named)
 
-    def replaced(self, found: re.Match[str]) -> str:
+    def replaced(self, found: re.Match[str], depth: int = 0) -> str:
         """The text for a match of ``VARIABLE``; the match itself if its value is not known."""
         if found[3] is None:
-            text = self.text(found[1] or found[2])
+            text = self.text(found[1] or found[2], depth)
             return found[0] if text is None else text
         formula, _, form = found[3].partition(":")
-        number = self.number(formula)
+        number = self.number(formula, depth)
         if number is None:
             return found[0]
         return (_formatted(form, number) or found[0]) if form else repr(number)
 
-    def substitute(self, text: str) -> str:
-        """A text without quotes, with its variables replaced."""
-        return VARIABLE.sub(self.replaced, text)
+    def substitute(self, text: str, depth: int = 0) -> str:
+        """A text with its variables replaced."""
+        return VARIABLE.sub(lambda found: self.replaced(found, depth), text)
 
 
 def _loop(values: Sequence[str]) -> Sequence[str]:
@@ -165,7 +176,16 @@ class Frame:
     folder: Path | None  #: of include files; None for a text
     lines: list[tuple[int, str]]
     at: int = 0
-    sought: str = ""  #: label at which reading goes on
+
+    @cached_property
+    def labels(self) -> dict[str, int]:
+        """Places of labels."""
+        found: dict[str, int] = {}
+        for k, (_, line) in enumerate(self.lines):
+            words = line.split(maxsplit=2)
+            if words[:1] == ["label"] and len(words) > 1:
+                found.setdefault(words[1].partition("#")[0], k)
+        return found
 
 
 @dataclass
@@ -190,9 +210,6 @@ class Commands:
         while self.frames:
             frame = self.frames[-1]
             if frame.at >= len(frame.lines):
-                if frame.sought:
-                    line, text = frame.lines[-1] if frame.lines else (1, "")
-                    raise refusal(line, text, f"be followed by label {frame.sought}", frame.file)
                 self.frames.pop()
                 continue
             line, raw = frame.lines[frame.at]
@@ -201,21 +218,16 @@ class Commands:
 
     def _run(self, frame: Frame, line: int, raw: str, depth: int = 0) -> Iterator[Statement]:
         """One command."""
-        self.count += 1
-        if self.count > MOST_STATEMENTS:
-            raise refusal(line, raw, f"be part of a shorter loop; {USE_LOG}", frame.file)
         pieces, quote = scan(raw)
-        if frame.sought:
-            words = split("".join(text for text, _ in pieces))
-            if words[:2] == ("label", frame.sought):
-                frame.sought = ""
-            return
         if quote:
             raise refusal(line, raw, f"close its quotes {quote}", frame.file)
         code = "".join(text if quoted else self.variables.substitute(text) for text, quoted in pieces)
         words = split(code)
         if not words:
             return
+        self.count += 1
+        if self.count > MOST_STATEMENTS:
+            raise refusal(line, raw, f"be part of a shorter loop; {USE_LOG}", frame.file)
         statement = Statement(line, words, code, file=frame.file)
         if words[0] == "variable":
             self._define(words[1:])
@@ -254,11 +266,13 @@ class Commands:
             self.skip_jump = False
             return
         target, *label = statement.words[1:] or ("SELF",)
-        if target != "SELF":
+        if target not in ("SELF", frame.file):
             self.frames.pop()
             self.frames.append(self._opened(frame, statement))
         again = self.frames[-1]
-        again.at, again.sought = 0, label[0] if label else ""
+        if label and label[0] not in again.labels:
+            raise refused(statement, f"name a label of the file, not {label[0]}")
+        again.at = again.labels[label[0]] + 1 if label else 0
 
     def _opened(self, frame: Frame, statement: Statement) -> Frame:
         if len(statement.words) < 2 or UNRESOLVED.search(statement.words[1]):
@@ -301,13 +315,16 @@ class Commands:
         plain = self.variables.substitute(text)
         if UNRESOLVED.search(plain):
             return None
-        number = self.variables.number(plain)
-        if number is not None:
-            return bool(number)
-        words = re.fullmatch(r"\s*\"?([^\s\"]+)\"?\s*(==|!=)\s*\"?([^\s\"]+)\"?\s*", plain)
-        if words is None:
-            return None
-        return (words[1] == words[3]) == (words[2] == "==")
+        number = self.variables.number(EQUAL.sub(_same_words, plain))
+        return None if number is None else bool(number)
+
+
+def _same_words(found: re.Match[str]) -> str:
+    """A comparison of two words as 1 or 0; that of numbers as it is."""
+    words = [word.strip("\"'") for word in (found[1], found[3])]
+    if any(NUMBERS.fullmatch(word) for word in words):
+        return found[0]
+    return f" {int((words[0] == words[1]) == (found[2] == '=='))} "
 
 
 def text_of(path: Path) -> str | None:

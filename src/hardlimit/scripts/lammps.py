@@ -10,6 +10,7 @@ from typing import Final
 
 from . import granular_words
 from .description import ContactSettings, Quote, Setting, Settings
+from .formulas import NUMBER
 from .granular_words import ADHESIVE, NORMAL, WALLS, Words, ordered, unaccelerated
 from .population import Batch
 from .state import CREATED, MOST_TYPES, Fix, State
@@ -51,6 +52,7 @@ class Lammps(State):
         self.everywhere, self.pairs = {}, {}
         for style, *rest in self.parts(words[1:]) if self.hybrid else [words]:
             name = unaccelerated(style)
+            self.granular = self.granular or name.startswith("gran")
             if name.startswith("gran/"):
                 self.understood(statement, partial(self.gran, statement, name, rest))
             elif name not in ("granular", "none", "zero"):
@@ -100,6 +102,7 @@ class Lammps(State):
             if rest and rest[0].isdecimal() and style == "granular":
                 rest = rest[1:]
         if style in ("granular", ""):
+            self.granular = True
             parsed = granular_words.granular(statement, rest, adhesion=True)
             new = self.coefficients(statement, "granular", parsed)
         elif style in self.everywhere:
@@ -164,7 +167,7 @@ class Lammps(State):
     def own_fix(self, fix: Fix) -> bool:
         """Walls and pouring."""
         if fix.style in GRANULAR_WALLS:
-            self.last = fix.statement
+            self.last, self.granular = fix.statement, True
             if not self.understood(fix.statement, lambda: self.read_wall(fix)):
                 self.fixes = {name: one for name, one in self.fixes.items() if one is not fix}
             return True
@@ -174,18 +177,23 @@ class Lammps(State):
             return True
         return False
 
+    def words_of(self, fix: Fix) -> Words:
+        """The words of a wall. Before 2017, walls had the style of the pairs."""
+        old = bool(fix.words and NUMBER.fullmatch(fix.words[0]) and self.style.startswith("gran/"))
+        words = [self.style[5:], *fix.words] if old else fix.words
+        return granular_words.wall(fix.statement, words, adhesion=True)
+
     def wall(self, fix: Fix) -> Settings | None:
         """The settings of a wall that was understood."""
         try:
-            parsed = granular_words.wall(fix.statement, fix.words, adhesion=True)
+            return settings(fix.statement, self.words_of(fix).settings)
         except ValueError:
             return None
-        return settings(fix.statement, parsed.settings)
 
     def read_wall(self, fix: Fix) -> None:
         """Check a wall, and note what is special about it."""
         statement = fix.statement
-        parsed = granular_words.wall(statement, fix.words, adhesion=True)
+        parsed = self.words_of(fix)
         self.resolve(statement, settings(statement, parsed.settings))
         if "normal" not in parsed.settings:
             raise refused(statement, "have a normal model")

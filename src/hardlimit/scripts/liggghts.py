@@ -92,7 +92,7 @@ class Liggghts(State):
         self.last = statement
         if statement.words[1:2] != ("gran",):
             raise refused(statement, "be pair_style gran model NAME")
-        self.model = None
+        self.model, self.granular = None, True
         if self.understood(
             statement, lambda: granular_words.gran_model(statement, statement.words[2:], True)
         ):
@@ -193,6 +193,7 @@ class Liggghts(State):
 
     def read_wall(self, fix: Fix) -> None:
         """Check a wall, and note what is special about it."""
+        self.granular = True
         parsed, kinds = self.parsed_wall(fix)
         self.words(fix.statement, fix.words)
         if not kinds:

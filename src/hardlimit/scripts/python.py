@@ -9,14 +9,17 @@ from __future__ import annotations
 import ast
 import math
 import operator
+import re
 import textwrap
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any, Final
 
-from .statements import quoted, refusal
+from .statements import Refusal, quoted, refusal
 
+#: A print statement of Python 2.
+PRINT: Final = re.compile(r"(^[ \t]*|[:;][ \t]*)print\b(?![ \t]*\()[^\n]*", re.MULTILINE)
 MOST_STEPS: Final = 200_000
 MOST_ITEMS: Final = 20_000  #: of a list
 DEEPEST: Final = 8  #: nesting of calls of the script's own functions
@@ -134,18 +137,24 @@ class Evaluator:
 
     def run(self) -> None:
         """Run the script. A ValueError if it is not Python."""
-        try:
-            tree = ast.parse(textwrap.dedent(self.text))
-        except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
-            line = getattr(error, "lineno", None) or 1
-            lines = self.text.splitlines() or [""]
-            raise refusal(line, lines[min(line, len(lines)) - 1], "be Python", self.file) from None
+        tree = self.parsed()
         try:
             self.block(tree.body)
         except Return:
             pass
         except RecursionError:
             raise refusal(1, self.text[:80], "be nested less deeply", self.file) from None
+
+    def parsed(self) -> ast.Module:
+        """The script as a tree. Print statements of Python 2 are skipped."""
+        text = textwrap.dedent(self.text)
+        for attempt in (text, PRINT.sub(r"\1pass", text.expandtabs())):
+            try:
+                return ast.parse(attempt)
+            except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
+                line = getattr(error, "lineno", None) or 1
+        lines = self.text.splitlines() or [""]
+        raise refusal(line, lines[min(line, len(lines)) - 1], "be Python", self.file)
 
     # --- what a subclass may know -------------------------------------------------------------------------------
 
@@ -285,9 +294,9 @@ class Evaluator:
         self.step(node)
         try:
             found = self._value(node)
-        except (ValueError, TypeError, KeyError, IndexError, ArithmeticError, AttributeError) as error:
-            if isinstance(error, ValueError) and "must be" in str(error):
-                raise
+        except Refusal:
+            raise
+        except (ValueError, TypeError, KeyError, IndexError, ArithmeticError, AttributeError):
             return Unknown(ast.unparse(node))
         if (
             isinstance(found, float)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, replace
+from functools import reduce
 from pathlib import Path
 from typing import Final
 
@@ -39,10 +40,8 @@ COMPARISONS: Final[dict[str, Callable[[int, int, int], bool]]] = {
     "!=": lambda k, a, _: k != a,
     "<>": lambda k, a, b: a <= k <= b,
 }
-#: Keywords of ``set`` that change sizes, masses or types.
-SET_KEYWORDS: Final = (
-    *("diameter", "density", "density/disc", "mass", "type", "type/fraction", "type/ratio", "type/subset"),
-)
+#: Keywords of ``set`` that change sizes or masses.
+SET_KEYWORDS: Final = ("diameter", "density", "density/disc", "mass", "shape")
 #: Commands that are read below, or that affect neither contacts nor grains.
 HARMLESS_NAMES: Final = """
 angle_coeff angle_style atom_modify balance boundary box change_box comm_modify comm_style communicate create_bonds
@@ -122,6 +121,8 @@ class State:
         self.unknown: dict[Quote, None] = {}
         self.stages: list[Stage] = []
         self.last: Statement | None = None
+        self.granular = False  #: whether there are granular contacts, understood or not
+        self.changed_since = True  #: whether settings may differ from those of the last stage
         self.reset()
 
     def reset(self) -> None:
@@ -134,6 +135,7 @@ class State:
         self.time_step: float | None = None
         self.steps_done, self.atom_style = 0, ""
         self.molecules: dict[str, list[tuple[int, Batch]]] = {}
+        self.variables.keywords["dt"] = TIME_STEPS[self.units]
 
     # --- what subclasses provide --------------------------------------------------------------------------------
 
@@ -153,10 +155,8 @@ class State:
             self.statement(statement)
         if not self.stages and self.last is not None:
             self.stage(self.last.quote, None)
-        if not any(stage.contacts for stage in self.stages) and not self.invalidates and not self.unknown:
+        if not self.granular or not self.stages:
             raise ValueError("script: has no granular contacts")
-        if not self.stages:
-            raise ValueError("script: has no statements about grains")
         return Description(
             self.code,
             self.version,
@@ -172,6 +172,7 @@ class State:
     def statement(self, statement: Statement) -> None:
         """Read one statement."""
         command = statement.words[0]
+        self.changed_since = self.changed_since or (command != "run" and command not in HARMLESS)
         own = getattr(self, f"command_{command}", None)
         if own is not None:
             own(statement)
@@ -310,6 +311,7 @@ class State:
         if len(statement.words) != 2 or statement.words[1] not in TIME_STEPS:
             raise refused(statement, f"be units {', '.join(TIME_STEPS)}")
         self.units, self.units_given = statement.words[1], True
+        self.variables.keywords["dt"] = TIME_STEPS[self.units]
 
     def command_dimension(self, statement: Statement) -> None:
         if statement.words[1:] not in (("2",), ("3",)):
@@ -320,7 +322,7 @@ class State:
         step = self.number(statement, (*statement.words, "")[1])
         if step <= 0.0:
             raise refused(statement, "have a positive time step")
-        self.time_step = step
+        self.time_step = self.variables.keywords["dt"] = step
         self.last = statement
 
     def command_atom_style(self, statement: Statement) -> None:
@@ -362,6 +364,10 @@ class State:
 
     def stage(self, quote: Quote, steps: int | None) -> None:
         """Note what holds now. A run with the same settings as that before continues its stage."""
+        if self.stages and not self.changed_since:
+            self.longer(steps)
+            return
+        self.changed_since = False
         kinds = self.present()
         grains = {str(kind): self.population.grains(kind, str(kind), self.frozen(kind)) for kind in kinds}
         new = Stage(
@@ -374,13 +380,16 @@ class State:
             self.gravity(),
             None,
         )
-        if self.stages:
-            old = self.stages[-1]
-            if replace(old, quote=quote, steps=steps) == new:
-                both = None if steps is None or old.steps is None else old.steps + steps
-                self.stages[-1] = replace(old, steps=both)
-                return
-        self.stages.append(new)
+        if self.stages and replace(self.stages[-1], quote=quote, steps=steps) == new:
+            self.longer(steps)
+        else:
+            self.stages.append(new)
+
+    def longer(self, steps: int | None) -> None:
+        """Continue the last stage."""
+        old = self.stages[-1]
+        both = None if steps is None or old.steps is None else old.steps + steps
+        self.stages[-1] = replace(old, steps=both)
 
     # --- grains -------------------------------------------------------------------------------------------------
 
@@ -469,35 +478,30 @@ class State:
             chosen = self.members(name)
         else:
             chosen = Group(None, style == "atom" and name == "*")
+        changes: list[Callable[[Batch], Batch]] = []
         for k, word in enumerate(words[3:-1], 3):
-            if word in (
-                "diameter",
-                "density",
-                "density/disc",
-                "mass",
-                "type",
-                "type/fraction",
-                "type/ratio",
-                "type/subset",
-            ):
-                self.set_value(statement, chosen, word, words[k + 1])
-
-    def set_value(self, statement: Statement, chosen: Group, keyword: str, word: str) -> None:
-        """One keyword of ``set``."""
-        kinds = self.within(chosen)
+            if word in ("type", "type/fraction", "type/ratio", "type/subset"):
+                self.set_type(statement, chosen, word == "type", words[k + 1])
+            elif word in SET_KEYWORDS:
+                value = None if word == "shape" else self.set_number(statement, words[k + 1])
+                if value is None or value < 0.0:
+                    self.unknown[statement.quote] = None
+                    value = None
+                changes.append(self.changed(word, value))
         self.last = statement
-        if keyword.startswith("type"):
-            kind = self.type_of(word)
-            if 1 <= kind <= MOST_TYPES:
-                self.population.convert(kinds, chosen.whole and keyword == "type", kind)
-            else:
-                self.elsewhere(statement)
-            return
-        value = self.set_number(statement, word)
-        if value is None or value < 0.0:
-            self.unknown[statement.quote] = None
-            value = None
-        self.population.change(kinds, chosen.whole, self.changed(keyword, value))
+        self.population.change(
+            self.within(chosen),
+            chosen.whole,
+            lambda one: reduce(lambda now, change: change(now), changes, one),
+        )
+
+    def set_type(self, statement: Statement, chosen: Group, whole: bool, word: str) -> None:
+        """Another type for some grains."""
+        kind = self.type_of(word)
+        if 1 <= kind <= MOST_TYPES:
+            self.population.convert(self.within(chosen), chosen.whole and whole, kind)
+        else:
+            self.elsewhere(statement)
 
     def set_number(self, statement: Statement, word: str) -> float | None:
         """A number of ``set``; None if it differs from grain to grain."""
@@ -513,6 +517,8 @@ class State:
             return lambda one: one.with_mass_of(3).with_radius(radius)
         if keyword == "density/disc":
             return lambda one: Batch(one.radii, same).with_mass_of(2)
+        if keyword == "shape":
+            return lambda one: Batch(None, one.densities, one.masses)
         if keyword == "mass":
             return lambda one: Batch(one.radii, None, same)
         return lambda one: Batch(one.radii, same)
@@ -543,6 +549,8 @@ class State:
             self.ignore(f"heat ({style})", fix.statement, types)
         elif style.startswith(("move", "deform")):
             self.ignore(f"prescribed motion ({style})", fix.statement, types)
+        elif style == "adapt" and ("diameter" in fix.words or "diameter/disc" in fix.words):
+            self.elsewhere(fix.statement)
         elif style == "setforce" and set(fix.words[:3]) <= {"0", "0.0", "NULL", "0."}:
             self.ignore("forces set to zero (setforce)", fix.statement, types)
         else:

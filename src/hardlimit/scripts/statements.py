@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Final
 
 from ..support import validation
@@ -12,8 +13,14 @@ from .description import Quote, Setting, Settings
 
 #: Longest quotation.
 LONGEST: Final = 200
+#: Most lines of a quoted text.
+LONGEST_QUOTE: Final = 1000
 QUOTES: Final = ('"""', '"', "'")
 WORD: Final = re.compile(r'"""(.*?)"""(?!\S)|"([^"]*)"(?!\S)|\'([^\']*)\'(?!\S)|(\S+)', re.DOTALL)
+
+
+class Refusal(ValueError):
+    """What a script says is not understood, although contacts depend on it."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +48,7 @@ def quoted(file: str, line: int, text: str) -> Quote:
 def refusal(line: int, text: str, must: str, file: str = "") -> ValueError:
     """The error for a part of an input, with its line and text."""
     shown = validation.shown(" ".join(text.split()))
-    return ValueError(f"{' '.join(file.split()) or 'input'}: line {line}: got {shown}, must {must}")
+    return Refusal(f"{' '.join(file.split()) or 'input'}: line {line}: got {shown}, must {must}")
 
 
 def refused(statement: Statement, must: str) -> ValueError:
@@ -68,6 +75,8 @@ def logical_lines(text: str) -> list[tuple[int, str]]:
             if stripped.endswith("&"):
                 line = stripped[:-1] + lines[k + 1]
             elif '"""' in line and open_quote(line) == '"""':
+                if k - first > LONGEST_QUOTE:
+                    raise refusal(first, lines[first - 1], 'close its quotes """')
                 line += "\n" + lines[k + 1]
             else:
                 break
@@ -77,7 +86,8 @@ def logical_lines(text: str) -> list[tuple[int, str]]:
     return found
 
 
-def scan(line: str) -> tuple[list[tuple[str, bool]], str]:
+@lru_cache(4096)
+def scan(line: str) -> tuple[tuple[tuple[str, bool], ...], str]:
     """Pieces of a line up to # outside quotes, each with whether it is quoted; and the quote that is still open."""
     pieces: list[tuple[str, bool]] = []
     quote, i = "", 0
@@ -99,7 +109,7 @@ def scan(line: str) -> tuple[list[tuple[str, bool]], str]:
         else:
             pieces.append((step, kind))
         i += len(step)
-    return pieces, quote
+    return tuple(pieces), quote
 
 
 def open_quote(line: str) -> str:

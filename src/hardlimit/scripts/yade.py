@@ -416,7 +416,8 @@ class Yade(Evaluator):
 
     def number(self, instance: Instance, name: str) -> float:
         """A number of a material, or its default."""
-        found = instance.attributes.get(name, MATERIALS.get(instance.name, {}).get(name))
+        default = MATERIALS.get(instance.name, {"density": 1000.0}).get(name)
+        found = instance.attributes.get(name, default)
         if isinstance(found, bool) or not isinstance(found, int | float) or not math.isfinite(found):
             said = found.text if isinstance(found, Unknown) else found
             raise refusal(

@@ -1,0 +1,426 @@
+"""What is read from scripts of LAMMPS: words, variables, types, sizes, walls, stages."""
+
+import math
+
+import pytest
+
+from hardlimit.scripts import read
+
+BOX = "region box block 0 1 0 1 0 1\ncreate_box 2 box\n"
+PAIR = "pair_style granular\npair_coeff * * hooke 1e5 0.5 damping coeff_restitution tangential linear_nohistory 0 0\n"
+POUR = "fix ins all pour 10 1 1 region box diam one 0.02 dens 2500 2500\n"
+BASE = f"units si\natom_style sphere\n{BOX}{PAIR}{POUR}"
+
+
+def stage(text, **more):
+    """The last stage of a script."""
+    return read(text, **more).stages[-1]
+
+
+def normal(text, types=("1", "1"), **more):
+    """Words of the normal force of a pair of types."""
+    found = [one for one in stage(text, **more).contacts if one.types == types]
+    assert len(found) == 1
+    return found[0].settings["normal"].words
+
+
+def refused(text, **more):
+    with pytest.raises(ValueError) as caught:
+        read(text, **more)
+    line = str(caught.value)
+    assert "\n" not in line
+    return line
+
+
+# --- words and variables ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "lines,stiffness",
+    [
+        ("pair_coeff * * hooke 1e5 &\n 0.5\n", 1e5),
+        ("pair_coeff * * hooke 1&\ne5 0.5\n", 1e5),
+        ("pair_coeff\t*\t*\thooke 1e5\t0.5\r\n", 1e5),
+        ("pair_coeff * * hooke 1e5 0.5 # pair_coeff * * hooke 1e6 0.5 &\n", 1e5),
+        (
+            "# pair_coeff * * jkr 1 1 1 1 &\npair_coeff * * hooke 9 9\npair_coeff * * hooke '1e5' \"0.5\"\n",
+            1e5,
+        ),
+        ('print """\npair_coeff * * hooke 7 7\n"""\npair_coeff * * hooke 1e5 0.5\n', 1e5),
+        ("variable k equal 1e5\npair_coeff * * hooke ${k} 0.5\n", 1e5),
+        ("variable k index 1e5 2e5\npair_coeff * * hooke $k 0.5\n", 1e5),
+        ("variable k string 1e5\nvariable k string 2e5\npair_coeff * * hooke $k 0.5\n", 2e5),
+        ("variable k index 1e5\nvariable k index 2e5\npair_coeff * * hooke $k 0.5\n", 1e5),
+        (
+            "variable k equal 1e5\nvariable k equal v_k0\nvariable k0 equal 3e5\npair_coeff * * hooke $k 0.5\n",
+            3e5,
+        ),
+        ("variable words string 'hooke 1e5 0.5'\npair_coeff * * ${words}\n", 1e5),
+        ("variable a equal 5\nvariable words string 'hooke 1e${a} 0.5'\npair_coeff * * ${words}\n", 1e5),
+        ("pair_coeff * * hooke $(10^5) 0.5\n", 1e5),
+        ("pair_coeff * * hooke $(-2^2*25000) 0.5\n", 1e5),  # the sign binds tighter than ^
+        ("pair_coeff * * hooke $(2^3^2) 0.5\n", 64.0),  # from the left
+        ("pair_coeff * * hooke $(PI*1e5:%.2f) 0.5\n", 314159.27),
+        ("pair_coeff * * hooke $(sqrt(16)+ln(exp(2))+log(1000)+abs(-1)) 0.5\n", 10.0),
+        ("pair_coeff * * hooke $(ternary(2>1,5,6)+floor(2.7)+ceil(2.1)+round(2.5)) 0.5\n", 13.0),
+        ("pair_coeff * * hooke $(1e5*(1<2 && 3!=4)) 0.5\n", 1e5),
+        ("variable x equal 3\nvariable k format x %.1e\npair_coeff * * hooke $k 0.5\n", 3.0),
+        ("variable k getenv HARDLIMIT_STIFFNESS\npair_coeff * * hooke $k 0.5\n", 4e5),
+        ("variable i loop 3\nvariable k equal v_i*1e5\nnext i\npair_coeff * * hooke $k 0.5\n", 2e5),
+        ("timestep 1e-3\npair_coeff * * hooke $(1/dt) 0.5\n", 1000.0),
+    ],
+)
+def test_words_are_those_of_lammps(lines, stiffness, monkeypatch):
+    monkeypatch.setenv("HARDLIMIT_STIFFNESS", "4e5")
+    found = normal(f"{BOX}{POUR}pair_style granular\n{lines}run 1\n")
+    assert found[0] == "hooke" and float(found[1]) == pytest.approx(stiffness, rel=1e-12)
+
+
+def test_variables_of_the_command_line_win():
+    text = f"variable e index 0.5\nvariable e equal 0.6\n{BOX}{POUR}pair_style granular\npair_coeff * * hooke 1e5 $e\n"
+    assert normal(text) == ("hooke", "1e5", "0.6")
+    assert normal(text, variables={"e": "0.7"}) == ("hooke", "1e5", "0.7")
+
+
+def test_an_unknown_variable_is_refused_where_it_matters():
+    line = refused(f"{BOX}{POUR}pair_style granular\npair_coeff * * hooke ${{k}} 0.5\nrun 1\n")
+    assert line.startswith("input: line 5: got 'pair_coeff * * hooke ${k} 0.5', must ") and "--var" in line
+    assert "--var" in refused(f"{BASE}timestep ${{dt}}\nrun 1\n")
+    found = read(f"{BASE}dump d all atom ${{n}} d.txt\nthermo $n\nrun ${{steps}}\n")
+    assert found.stages[0].steps is None and not found.unknown
+
+
+def test_include_files_are_relative_to_the_script(tmp_path):
+    (tmp_path / "more").mkdir()
+    (tmp_path / "in.main").write_text(f"{BOX}{POUR}variable k equal 1e5\ninclude more/in.pair\nrun 5\n")
+    (tmp_path / "more" / "in.pair").write_text("pair_style granular\ninclude in.coeff\n")
+    (tmp_path / "more" / "in.coeff").write_text("pair_coeff * * hooke $k 0.5\n")
+    found = read(tmp_path / "in.main").stages[0].contacts[0]
+    assert found.settings["normal"].words == ("hooke", "100000", "0.5")
+    assert found.quotes[0].file == "in.coeff" and found.quotes[0].line == 1
+    (tmp_path / "more" / "in.coeff").unlink()
+    assert refused(tmp_path / "in.main").startswith(
+        "in.pair: line 2: got 'include in.coeff', must name a file"
+    )
+    assert "must be in a file" in refused(f"include a.in\n{PAIR}")
+
+
+def test_loops_and_conditions():
+    text = f"""{BOX}{POUR}pair_style granular
+variable k index 1e5 2e5 3e5
+label again
+pair_coeff * * hooke $k 0.5
+run 10
+next k
+jump SELF again
+if "2 > 1 && a == a" then "timestep 1e-4" "timestep 1e-5" else "timestep 1"
+if "2 < 1" then "timestep 1" elif "a != b" "timestep 2e-5" else "timestep 3"
+"""
+    found = read(text.replace('"timestep 2e-5"', 'then "timestep 2e-5"') + "run 20\n").stages
+    assert [one.contacts[0].settings["normal"].words[1] for one in found] == ["1e5", "2e5", "3e5", "3e5"]
+    assert [one.time_step for one in found] == [0.005, 0.005, 0.005, 2e-5]
+    assert [one.time_step_given for one in found] == [False, False, False, True]
+    assert [one.steps for one in found] == [10, 10, 10, 20]
+    forever = refused(f"{BASE}label a\nrun 1\njump SELF a\n")
+    assert "shorter loop" in forever and "log" in forever
+    unknown = "if '$(ke) > 1' then 'print yes' else 'print no'\n"
+    assert read(f"{BASE}{unknown}run 1\n").stages
+    assert "give the log" in refused(f"{BASE}{unknown.replace('print no', 'timestep 1')}run 1\n")
+    assert "label" in refused(f"{BASE}jump SELF nowhere\n")
+
+
+# --- pairs ------------------------------------------------------------------------------------------------------
+
+
+def test_wildcards_and_overrides():
+    text = """region box block 0 1 0 1 0 1
+create_box 4 box
+create_atoms 1 box
+create_atoms 2 box
+create_atoms 3 box
+create_atoms 4 box
+pair_style granular
+pair_coeff * * hooke 1 0.1
+pair_coeff 1*2 3* hooke 2 0.2
+pair_coeff 3 2 hooke 3 0.3
+pair_coeff *2 *2 hooke 4 0.4
+pair_coeff 4 * hooke 5 0.5
+run 1
+"""
+    expected = {
+        "11": "4",
+        "12": "4",
+        "13": "2",
+        "14": "2",
+        "22": "4",
+        "23": "3",
+        "24": "2",
+        "33": "1",
+        "34": "1",
+    }
+    for pair, stiffness in {**expected, "44": "5"}.items():
+        assert normal(text, tuple(pair))[1] == stiffness, pair
+
+
+def test_mixing_is_that_of_lammps():
+    """Geometric means; moduli in series."""
+    both = f"{BOX}create_atoms 1 box\ncreate_atoms 2 box\npair_style granular\n"
+    found = normal(f"{both}pair_coeff 1 1 hooke 1e4 0.4\npair_coeff 2 2 hooke 4e4 0.9\nrun 1\n", ("1", "2"))
+    assert found[0] == "hooke" and [float(x) for x in found[1:]] == pytest.approx([2e4, 0.6])
+    text = f"{both}pair_coeff 1 1 hertz/material 1e6 0.4 0.3\npair_coeff 2 2 hertz/material 3e6 0.9 0.2 limit_damping\n"
+    pair = next(one for one in stage(f"{text}run 1\n").contacts if one.types == ("1", "2"))
+    modulus = 1.0 / ((1.0 - 0.09) / 1e6 + (1.0 - 0.04) / 3e6)
+    words = pair.settings["normal"].words
+    assert words[0] == "hertz" and [float(x) for x in words[1:]] == pytest.approx([4.0 / 3.0 * modulus, 0.6])
+    assert "limit_damping" in pair.settings and len(pair.quotes) == 2
+    given = f"{text}pair_coeff 1 2 hertz/material 5e6 0.5 0.3\nrun 1\n"
+    assert normal(given, ("1", "2")) == ("hertz/material", "5e6", "0.5", "0.3")
+    differ = read(f"{both}pair_coeff 1 1 hooke 1 0.4\npair_coeff 2 2 hertz 1 0.9\nrun 1\n")
+    assert [one.types for one in differ.stages[0].contacts] == [("1", "1"), ("2", "2")] and len(
+        differ.unknown
+    ) == 2
+
+
+def test_defaults_that_carry_physics():
+    """Without the keyword damping, the second number is no ε."""
+    found = stage(
+        f"{BOX}{POUR}pair_style granular\npair_coeff * * hertz/material 1e9 0.7 0.3\nrun 1\n"
+    ).contacts[0]
+    assert found.settings["damping"].words == ("viscoelastic",)
+    found = stage(
+        f"{BOX}{POUR}pair_style gran/hooke/history/omp 1e5 NULL 50 NULL 0.5 1 limit_damping\nrun 1\n"
+    )
+    settings = found.contacts[0].settings
+    assert settings["normal"].words == ("gran/hooke", "1e5", "50") and settings["limit_damping"].words == ()
+
+
+def test_hybrid_styles():
+    text = f"""{BOX}create_atoms 1 box
+create_atoms 2 box
+pair_style hybrid granular gran/hooke 7 NULL 8 NULL 0.5 1 lj/cut 2.5
+pair_coeff 1 1 granular hooke 1e5 0.5 damping velocity
+pair_coeff 2 2 gran/hooke
+pair_coeff 1 2 lj/cut 1.0 1.0
+run 1
+"""
+    found = read(text)
+    assert normal(text)[1] == "1e5" and normal(text, ("2", "2")) == ("gran/hooke", "7", "8")
+    assert len(found.stages[0].contacts) == 2 and "lj/cut" in found.invalidates[0].what
+
+
+def test_units_and_their_time_steps():
+    steps = {"lj": 0.005, "real": 1.0, "metal": 0.001, "si": 1e-8, "cgs": 1e-8, "electron": 0.001}
+    for units, step in {**steps, "micro": 2.0, "nano": 4.5e-4}.items():
+        found = read(f"units {units}\n{BOX}{PAIR}{POUR}run 1\n")
+        assert (found.units, found.units_given) == (units, True)
+        assert (found.stages[0].time_step, found.stages[0].time_step_given) == (step, False)
+    found = read(f"{BOX}{PAIR}{POUR}timestep 0.1\nrun 1\n")
+    assert (found.units, found.units_given, found.stages[0].time_step) == ("lj", False, 0.1)
+
+
+# --- grains -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "lines,radii,densities,masses",
+    [
+        ("fix i all pour 9 1 1 region box", (0.5, 0.5), (1.0, 1.0), None),
+        ("fix i all pour 9 1 1 region box diam one 0.02 dens 1 2", (0.01, 0.01), (1.0, 2.0), None),
+        ("fix i all pour 9 1 1 diam range 0.02 0.06 region box dens 3 3", (0.01, 0.03), (3.0, 3.0), None),
+        (
+            "fix i all pour 9 1 1 diam poly 3 .02 .5 .06 .2 .04 .3 region box dens 3 3",
+            (0.01, 0.03),
+            (3.0, 3.0),
+            None,
+        ),
+        ("create_atoms 1 box", (0.5, 0.5), (1.0, 1.0), None),
+        ("create_atoms 1 box\nset type 1 diameter 0.2 density 5", (0.1, 0.1), (5.0, 5.0), None),
+        (
+            "create_atoms 1 box\nset type 1 diameter 0.2",
+            (0.1, 0.1),
+            None,
+            (math.pi / 6.0,) * 2,
+        ),  # keeps its mass
+        ("create_atoms 1 box\nset type * mass 3 diameter 0.2", (0.1, 0.1), None, (3.0, 3.0)),
+        (
+            "create_atoms 1 box\nset atom * diameter 0.2 density/disc 5",
+            (0.1, 0.1),
+            None,
+            (0.05 * math.pi,) * 2,
+        ),
+        ("create_atoms 1 box\nset group all diameter 0.2 density 5", (0.1, 0.1), (5.0, 5.0), None),
+        ("create_atoms 1 box\nset atom 7 diameter 0.2 density 5", (0.1, 0.5), (1.0, 5.0), None),
+        ("create_atoms 1 box\nset region half diameter v_d density 5", None, (1.0, 5.0), None),
+        (
+            "create_atoms 1 box\nvariable d equal 2/10\nset type 1 diameter v_d density 5",
+            (0.1, 0.1),
+            (5.0, 5.0),
+            None,
+        ),
+        ("read_data missing.data", None, None, None),
+        ("read_restart old", None, None, None),
+    ],
+)
+def test_sizes(lines, radii, densities, masses):
+    found = stage(f"{BOX}{PAIR}{lines}\nrun 1\n").grains["1"]
+    for here, expected in ((found.radii, radii), (found.densities, densities), (found.masses, masses)):
+        assert here == (None if expected is None else pytest.approx(expected))
+
+
+def test_sizes_of_several_types():
+    text = f"""{BOX}{PAIR}create_atoms 1 box
+group small type 1
+set group all type/fraction 2 0.5 7
+set type 1 diameter 0.2 density 5
+set type 2 diameter 0.4 density 6
+fix i all pour 9 2 1 diam range 0.3 0.9 region box dens 7 7
+run 1
+"""
+    grains = stage(text).grains
+    assert grains["1"].radii == (0.1, 0.1) and grains["2"].radii == (0.15, 0.45)
+    assert grains["2"].densities == (6.0, 7.0)
+    assert list(stage(f"{BOX}{PAIR}create_atoms 1 box\nset type 1 type 2\nrun 1\n").grains) == ["2"]
+
+
+def test_data_files(tmp_path):
+    (tmp_path / "grains.data").write_text("""grains
+
+4 atoms
+2 atom types
+
+0 1 xlo xhi
+
+Atoms # sphere
+
+1 1 0.02 2500 0 0 0
+2 1 0.04 2600 0 0 0
+3 2 0.5 1000 0 0 0  # large
+4 2 0.5 1000 0 0 0 0 0 0
+
+Velocities
+
+1 1 1 1 0 0 0
+""")
+    script = tmp_path / "in.data"
+    script.write_text(f"atom_style sphere\nread_data grains.data\n{PAIR}run 1\n")
+    grains = read(script).stages[0].grains
+    assert grains["1"].radii == (0.01, 0.02) and grains["1"].densities == (2500.0, 2600.0)
+    assert grains["2"].radii == (0.25, 0.25)
+    script.write_text(f"atom_style hybrid sphere charge\nread_data grains.data\n{PAIR}run 1\n")
+    (tmp_path / "grains.data").write_text(
+        (tmp_path / "grains.data").read_text().replace("# sphere", "# hybrid")
+    )
+    found = read(script)
+    assert found.stages[0].grains["1"].radii is None and len(found.unknown) == 1
+
+
+def test_molecules(tmp_path):
+    (tmp_path / "pair.mol").write_text("two\n\n2 atoms\n\nTypes\n\n1 1\n2 2\n\nDiameters\n\n1 0.2\n2 0.4\n")
+    script = tmp_path / "in.mol"
+    lines = "molecule m pair.mol\nfix r all rigid/small molecule mol m\nfix i all pour 5 0 1 region box mol m rigid r\n"
+    script.write_text(f"{BOX}{PAIR}{lines}run 1\n")
+    found = read(script)
+    assert {kind: one.radii for kind, one in found.stages[0].grains.items()} == {
+        "1": (0.1, 0.1),
+        "2": (0.2, 0.2),
+    }
+    assert any("clumps" in one.what for one in found.invalidates)
+
+
+def test_frozen_grains():
+    text = f"""{BOX}{PAIR}create_atoms 1 box
+create_atoms 2 box
+group floor type 2
+group mobile subtract all floor
+{{}}
+run 1
+"""
+    for lines in ("fix 1 all nve/sphere\nfix 2 floor freeze", "fix 1 mobile nve/sphere"):
+        grains = stage(text.format(lines)).grains
+        assert (grains["1"].frozen, grains["2"].frozen) == (False, True)
+    for lines in ("fix 1 all nve/sphere", "group some id 1 2\nfix 1 all nve\nfix 2 some freeze", ""):
+        assert not any(one.frozen for one in stage(text.format(lines)).grains.values())
+
+
+# --- walls, stages, notes ---------------------------------------------------------------------------------------
+
+
+def test_walls_have_their_own_numbers():
+    text = f"""{BASE}create_atoms 2 box
+group big type 2
+fix w1 all wall/gran hertz/history 7 NULL 8 NULL 0.5 1 limit_damping zplane 0 NULL
+fix w2 big wall/gran granular hooke 9 0.9 damping coeff_restitution tangential none zcylinder 0.5 wiggle z 1 2
+fix w3 all wall/gran/region granular hertz/material 1e6 0.9 0.3 region drum contacts
+run 1
+unfix w2
+run 1
+"""
+    found = read(text)
+    first, second = found.stages
+    walls = [(one.types, one.wall, one.settings["normal"].words[0]) for one in first.contacts if one.wall]
+    assert walls == [
+        (("1", "wall"), "w1", "gran/hertz"),
+        (("2", "wall"), "w1", "gran/hertz"),
+        (("2", "wall"), "w2", "hooke"),
+        (("1", "wall"), "w3", "hertz/material"),
+        (("2", "wall"), "w3", "hertz/material"),
+    ]
+    assert {one.wall for one in second.contacts if one.wall} == {"w1", "w3"}
+    said = " ".join(one.what for one in found.ignored)
+    assert "curvature" in said and "moving wall (wiggle)" in said and "tangential" in said
+
+
+def test_settings_that_change_are_stages():
+    text = f"{BASE}timestep 1e-5\nrun 100\nunfix ins\nrun 100\ntimestep 2e-5\nrun 7\nrun 1000 upto\nclear\n"
+    found = read(text).stages
+    assert [(one.time_step, one.steps) for one in found] == [(1e-5, 200), (2e-5, 800)]
+    again = read(text + BASE.replace("1e5", "3e5") + "run 5\n").stages
+    assert len(again) == 3 and again[2].contacts[0].settings["normal"].words[1] == "3e5"
+    assert again[2].time_step == 1e-8
+
+
+def test_gravity_dimension_and_steps():
+    text = f"dimension 2\n{BOX}{PAIR}{POUR}fix g all gravity 9.81 vector 0 -1 0\nrun 10\n"
+    found = read(text)
+    assert (
+        found.dimension == 2 and found.stages[0].gravity == 9.81 and found.stages[0].numerical_damping is None
+    )
+    assert read(f"{BASE}run 10\n").stages[0].gravity is None
+
+
+@pytest.mark.parametrize(
+    "line,what",
+    [
+        ("fix v all viscous 0.1", "viscous drag"),
+        ("fix v all damping/cundall 0.8 0.8", "damping beside contacts"),
+        ("fix v all langevin 1 1 1 7", "thermostat"),
+        ("fix v all rigid molecule", "clumps"),
+        ("bond_style harmonic", "bonds"),
+        ("atom_style bpm/sphere", "bonds"),
+        ("atom_style ellipsoid", "no spheres"),
+        ("pair_coeff 1 1 jkr 1e6 0.5 0.3 10 damping tsuji tangential none", "adhesion (jkr)"),
+        ("pair_coeff 1 1 mdr 5e6 .4 1.9e5 2 .5 .2 damping mdr 1 tangential none", "plastic"),
+        ("fix w all wall/gran granular dmt 1e6 .5 .3 1 zplane 0 NULL", "adhesion (dmt)"),
+    ],
+)
+def test_what_makes_hard_spheres_wrong(line, what):
+    assert any(what in one.what for one in read(f"{BASE}{line}\nrun 1\n").invalidates)
+
+
+def test_what_is_unknown_is_quoted():
+    lines = ["fix new all granular/magic 1", "strange command", "pair_coeff 1 1 hooke 1e5 0.5 damping magic"]
+    text = BASE + "\n".join(lines) + "\nrun 1\n"
+    found = read(text)
+    assert [one.text for one in found.unknown] == lines
+    assert [text.splitlines()[one.line - 1] for one in found.unknown] == lines
+    harmless = "thermo 10\ndump d all custom 1 d id x\nfix a all ave/time 1 1 1 c_x\ncompute x all ke\nneighbor 1 bin\n"
+    assert not read(f"{BASE}{harmless}fix e all enforce2d\nfix n all nve/sphere disc\nrun 1\n").unknown
+
+
+def test_what_is_not_granular_is_refused():
+    assert refused("hello\n") == "script: has no granular contacts of lammps, liggghts, yade"
+    for text in ("hello\nworld\n", "pair_style lj/cut 2.5\npair_coeff 1 1 1 1\nrun 1\n"):
+        assert refused(text, code="lammps") == "script: has no granular contacts"
+    assert refused("/no/such/file").startswith("script: got '/no/such/file', must be a file")
+    assert "must be one of lammps, liggghts, yade" in refused(BASE, code="mfix")
+    assert refused(3).startswith("script: got 3")

@@ -1,0 +1,290 @@
+"""What is read from scripts of YADE: materials, functors, bodies, engines, the time step."""
+
+import math
+
+import pytest
+
+from hardlimit.scripts import read
+
+LOOP = """O.engines = [
+    ForceResetter(), InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Facet_Aabb()]),
+    InteractionLoop([Ig2_Sphere_Sphere_ScGeom()], [{}], [{}]),
+    NewtonIntegrator({}),
+]
+"""
+MINDLIN = ("Ip2_FrictMat_FrictMat_MindlinPhys(en=0.7, es=0.7)", "Law2_ScGeom_MindlinPhys_Mindlin()")
+FRICT = ("Ip2_FrictMat_FrictMat_FrictPhys()", "Law2_ScGeom_FrictPhys_CundallStrack()")
+VISCEL = ("Ip2_ViscElMat_ViscElMat_ViscElPhys()", "Law2_ScGeom_ViscElPhys_Basic()")
+GLASS = "O.materials.append(FrictMat(young=1e7, poisson=0.3, density=2500, label='glass'))\n"
+SPHERE = "O.bodies.append(sphere((0, 0, 0), 0.01))\n"
+
+
+def numbers(contact):
+    """The numbers of a contact; names as they are."""
+    return {
+        name: one.words[0] if name == "physics" else float(one.words[0])
+        for name, one in contact.settings.items()
+    }
+
+
+def script(
+    pair=MINDLIN, material=GLASS, bodies=SPHERE, integrator="damping=0", rest="O.dt = 1e-6\nO.run(10)\n"
+):
+    return f"from yade import pack\n{material}{bodies}{LOOP.format(*pair, integrator)}{rest}"
+
+
+def test_a_script():
+    found = read(script(integrator="gravity=(0, 0, -9.81), damping=0.3"))
+    stage = found.stages[0]
+    assert (found.code, found.units, len(found.stages)) == ("yade", "si", 1) and not found.unknown
+    assert (stage.time_step, stage.time_step_given, stage.steps) == (1e-6, True, 10)
+    assert (stage.gravity, stage.numerical_damping) == (9.81, 0.3)
+    assert stage.grains["glass"].radii == (0.01, 0.01) and stage.grains["glass"].densities == (2500.0, 2500.0)
+    (one,) = stage.contacts
+    assert one.types == ("glass", "glass")
+    assert numbers(one) == {"physics": "MindlinPhys", "young": 1e7, "poisson": 0.3, "en": 0.7}
+
+
+def test_defaults():
+    """Of the material, the integrator, the functor and the time step."""
+    stage = read(script(material="", integrator="", rest="O.run()\n")).stages[0]
+    assert stage.numerical_damping == 0.2 and (stage.time_step, stage.time_step_given) == (1e-8, False)
+    assert stage.steps is None and stage.gravity is None
+    assert numbers(stage.contacts[0]) == {"physics": "MindlinPhys", "young": 1e7, "poisson": 0.3, "en": 0.7}
+    assert stage.contacts[0].types == ("defaultMat", "defaultMat")
+    bare = script(
+        material="O.materials.append(FrictMat())\n", pair=("Ip2_FrictMat_FrictMat_MindlinPhys()", MINDLIN[1])
+    )
+    stage = read(bare).stages[0]
+    assert numbers(stage.contacts[0]) == {
+        "physics": "MindlinPhys",
+        "young": 1e9,
+        "poisson": 0.25,
+        "betan": 0.0,
+    }
+    assert stage.grains["0"].densities == (1000.0, 1000.0)
+
+
+@pytest.mark.parametrize(
+    "keywords,expected",
+    [
+        ("kn=1e5, ks=1, cn=2, cs=1", {"kn": 1e5, "cn": 2.0}),
+        ("tc=1e-3, en=0.7, et=1", {"tc": 1e-3, "en": 0.7}),
+        ("young=1e6, en=0.7, et=1", {"young": 1e6, "en": 0.7}),
+    ],
+)
+def test_viscoelastic_materials(keywords, expected):
+    found = read(script(VISCEL, f"O.materials.append(ViscElMat({keywords}, density=2000))\n"))
+    assert numbers(found.stages[0].contacts[0]) == {"physics": "ViscElPhys", **expected}
+
+
+def test_two_materials():
+    """Mindlin: moduli in series; ViscElMat: springs in series and means of tc and en."""
+    steel = GLASS + "steel = O.materials.append(FrictMat(young=2e11, poisson=0.25, label='steel'))\n"
+    bodies = "O.bodies.append([sphere((0, 0, 0), 0.01, material='glass'), sphere((0, 0, 1), 0.02, material=steel)])\n"
+    contacts = read(script(material=steel, bodies=bodies)).stages[0].contacts
+    assert [one.types for one in contacts] == [("glass", "glass"), ("glass", "steel"), ("steel", "steel")]
+    mixed = numbers(contacts[1])
+    effective = 1.0 / ((1.0 - 0.3**2) / 1e7 + (1.0 - 0.25**2) / 2e11)
+    assert 0.5 * mixed["young"] / (1.0 - mixed["poisson"] ** 2) == pytest.approx(effective, rel=1e-12)
+    both = "a = O.materials.append(ViscElMat({}))\nb = O.materials.append(ViscElMat({}))\n"
+    bodies = "O.bodies.append([sphere((0, 0, 0), 0.01, material=a), sphere((0, 0, 1), 0.02, material=b)])\n"
+    for first, second, expected in (
+        ("kn=1e5, cn=1", "kn=3e5, cn=3", {"kn": 1.5e5, "cn": 1.5}),
+        ("tc=1e-3, en=.5, et=1", "tc=3e-3, en=.7, et=1", {"tc": 2e-3, "en": 0.6}),
+    ):
+        mixed = numbers(read(script(VISCEL, both.format(first, second), bodies)).stages[0].contacts[1])
+        assert mixed.pop("physics") == "ViscElPhys" and mixed == pytest.approx(expected)
+    differ = read(
+        script(FRICT, steel, "O.bodies.append([sphere((0, 0, 0), 0.01, material=k) for k in (0, 1)])\n")
+    )
+    assert numbers(differ.stages[0].contacts[1])["young"] == pytest.approx(2e7 / (1.0 + 1e7 / 2e11))
+
+
+def test_match_makers():
+    pair = (
+        "Ip2_FrictMat_FrictMat_MindlinPhys(en=MatchMaker(matches=((a, a, .7), (a, b, .5)), val=.3))",
+        MINDLIN[1],
+    )
+    material = (
+        "a, b = O.materials.append([FrictMat(young=1e7, poisson=.3), FrictMat(young=1e7, poisson=.3)])\n"
+    )
+    bodies = "for k in (a, b):\n    O.bodies.append(sphere((0, 0, k), 0.01, material=k))\n"
+    contacts = read(script(pair, material, bodies)).stages[0].contacts
+    assert [numbers(one)["en"] for one in contacts] == [0.7, 0.5, 0.3]
+    assert [one.types for one in contacts] == [("0", "0"), ("0", "1"), ("1", "1")]
+
+
+@pytest.mark.parametrize(
+    "bodies,radii",
+    [
+        (
+            "sp = pack.SpherePack()\nsp.makeCloud((0, 0, 0), (1, 1, 1), rMean=0.05, rRelFuzz=0.2)\nsp.toSimulation()\n",
+            (0.04, 0.06),
+        ),
+        (
+            "sp = pack.SpherePack()\nsp.makeCloud((0, 0, 0), (1, 1, 1), .05, .2, 99)\nsp.toSimulation(material='glass')\n",
+            (0.04, 0.06),
+        ),
+        (
+            "sp = pack.SpherePack()\nsp.makeCloud((0,0,0), (1,1,1), psdSizes=[.1, .2, .4], psdCumm=[0, .5, 1])\nsp.toSimulation()\n",
+            (0.05, 0.2),
+        ),
+        ("sp = pack.SpherePack()\nsp.makeCloud((0, 0, 0), (1, 1, 1), num=100)\nsp.toSimulation()\n", None),
+        ("sp = pack.SpherePack()\nsp.load('a.txt')\nsp.toSimulation()\n", None),
+        ("O.bodies.append(pack.regularHexa(pack.inSphere((0, 0, 0), 1), radius=0.1, gap=0))\n", (0.1, 0.1)),
+        (
+            "O.bodies.append(pack.regularOrtho(pack.inAlignedBox((0, 0, 0), (1, 1, 1)), 0.1, gap=0))\n",
+            (0.1, 0.1),
+        ),
+        (
+            "sp = pack.randomDensePack(pred, radius=.1, rRelFuzz=.5, returnSpherePack=True)\nsp.toSimulation()\n",
+            (0.05, 0.15),
+        ),
+        ("for i in range(3):\n    O.bodies.append(sphere((0, 0, i), radius=0.1 * (i + 1)))\n", (0.1, 0.3)),
+        (
+            "r = 0.1\nr *= 2\nO.bodies.append([utils.sphere([i, 0, 0], r / (i + 1)) for i in range(2)])\n",
+            (0.1, 0.2),
+        ),
+        (
+            "def add(r, n=2):\n    for i in range(n):\n        O.bodies.append(sphere((i, 0, 0), r))\nadd(0.1)\nadd(r=0.3, n=1)\n",
+            (0.1, 0.3),
+        ),
+        ("import math\nO.bodies.append(sphere((0, 0, 0), math.sqrt(4) * 10**-1))\n", (0.2, 0.2)),
+        ("O.bodies.append(sphere((0, 0, 0), random.uniform(.1, .2)))\n", None),
+        ("O.bodies.append(ymport.text('a.txt'))\n", None),
+    ],
+)
+def test_sizes(bodies, radii):
+    found = read(script(bodies=bodies)).stages[0].grains["glass"].radii
+    assert found == (None if radii is None else pytest.approx(radii))
+
+
+def test_walls_and_frozen_spheres():
+    material = GLASS + "O.materials.append(FrictMat(young=1e9, poisson=0.3, label='wall'))\n"
+    bodies = """
+O.bodies.append(sphere((0, 0, 0), 0.01, material='glass'))
+O.bodies.append(geom.facetBox((0, 0, 0), (1, 1, 1), material='wall'))
+O.bodies.append(wall(0, axis=2, material='glass'))
+O.bodies.append(aabbWalls(material='glass'))
+O.bodies.append(ymport.stl('a.stl', material='wall'))
+"""
+    contacts = [one for one in read(script(material=material, bodies=bodies)).stages[0].contacts if one.wall]
+    assert [one.wall for one in contacts] == ["facets of wall", "walls of glass", "boxes of glass"]
+    assert {one.types for one in contacts} == {("glass", "wall")}
+    for word, frozen in (("fixed=True", True), ("dynamic=False", True), ("dynamic=True", False)):
+        found = read(script(bodies=f"O.bodies.append(sphere((0, 0, 0), 0.01, {word}))\n"))
+        assert found.stages[0].grains["glass"].frozen is frozen
+    both = "O.bodies.append([sphere((0, 0, 0), 1, fixed=True), sphere((0, 0, 3), 1)])\n"
+    assert not read(script(bodies=both)).stages[0].grains["glass"].frozen
+
+
+def test_the_time_step_of_waves():
+    step = 0.5 * 0.01 * math.sqrt(2500 / 1e7)
+    assert read(script(rest="O.dt = 0.5 * PWaveTimeStep()\n")).stages[0].time_step == pytest.approx(step)
+    rayleigh = math.pi * 0.01 / (0.1631 * 0.3 + 0.876605) * math.sqrt(2500 / (1e7 / 2.6))
+    assert read(script(rest="O.dt = utils.RayleighWaveTimeStep()\n")).stages[0].time_step == pytest.approx(
+        rayleigh
+    )
+    unknown = read(script(bodies="O.bodies.append(ymport.text('a.txt'))\n", rest="O.dt = PWaveTimeStep()\n"))
+    assert unknown.stages[0].time_step is None and any("PWave" in one.text for one in unknown.unknown)
+    adapts = script(rest="O.engines = O.engines + [GlobalStiffnessTimeStepper()]\nO.run(1)\n")
+    assert read(adapts).stages[0].time_step is None
+
+
+def test_stages_and_labels():
+    """Labels of engines are names; a change at the integrator is a new stage."""
+    text = script(
+        integrator="damping=0.4, label='newton'",
+        rest="O.dt = 1e-6\nO.run(5, True)\nO.run(5)\nnewton.damping = 0.1\nO.run(3)\n",
+    )
+    found = read(text).stages
+    assert [(one.numerical_damping, one.steps) for one in found] == [(0.4, 10), (0.1, 3)]
+
+
+def test_callbacks_that_change_settings_are_quoted():
+    for body, quoted in (
+        ("print(O.iter)", False),
+        ("newton.damping = 0.9", True),
+        ("O.bodies.append(sphere((0,0,0), 1))", True),
+    ):
+        text = (
+            f"def check():\n    {body}\n{script()}O.engines += [PyRunner(command='check()', iterPeriod=10)]\n"
+        )
+        assert any("PyRunner" in one.text for one in read(text + "O.run(1)\n").unknown) is quoted
+
+
+@pytest.mark.parametrize(
+    "pair,material,rest,what",
+    [
+        (
+            ("Ip2_CohFrictMat_CohFrictMat_CohFrictPhys()", "Law2_ScGeom6D_CohFrictPhys_CohesionMoment()"),
+            "O.materials.append(CohFrictMat(young=1e7))\n",
+            "",
+            "adhesion",
+        ),
+        ((MINDLIN[0], "Law2_ScGeom_MindlinPhys_Mindlin(includeAdhesion=True)"), GLASS, "", "adhesion"),
+        (
+            MINDLIN,
+            GLASS,
+            "O.bodies.appendClumped([sphere((0, 0, 0), 1), sphere((0, 0, 1), 1)])\nO.run(1)\n",
+            "clumps",
+        ),
+        (MINDLIN, GLASS, "O.engines += [LinearDragEngine(nu=0.1)]\nO.run(1)\n", "drag"),
+    ],
+)
+def test_what_makes_hard_spheres_wrong(pair, material, rest, what):
+    assert any(what in one.what for one in read(script(pair, material, rest=rest)).invalidates)
+
+
+def test_variables_replace_names_and_parameters():
+    text = "en = 0.5\n" + script(("Ip2_FrictMat_FrictMat_MindlinPhys(en=en, es=en)", MINDLIN[1]))
+    assert numbers(read(text).stages[0].contacts[0])["en"] == 0.5
+    assert numbers(read(text, variables={"en": "0.9"}).stages[0].contacts[0])["en"] == 0.9
+    table = "readParamsFromTable(noTableOk=True, en=0.6)\nfrom yade.params.table import *\n"
+    assert numbers(read(table + text.partition("\n")[2]).stages[0].contacts[0])["en"] == 0.6
+
+
+@pytest.mark.parametrize(
+    "text,must",
+    [
+        (
+            script(material="O.materials.append(FrictMat(young=E, poisson=.3))\n"),
+            "have a known number for young, not E",
+        ),
+        (
+            script(("Ip2_FrictMat_FrictMat_MindlinPhys(en=random())", MINDLIN[1])),
+            "have a known number for en",
+        ),
+        (script(integrator="damping=d"), "have a number in .0, 1. for damping"),
+        (
+            script(bodies="O.bodies.append(sphere((0, 0, 0), 1, material='stone'))\n"),
+            "have a material of the script",
+        ),
+        (script() + "def broken(:\n", "be Python"),
+        ("O.engines = []\n", "has no granular contacts"),
+        (
+            script()
+            + "while True:\n    pass\nfor i in range(20000):\n    for j in range(20000):\n        pass\n",
+            "shorter loops",
+        ),
+    ],
+)
+def test_what_cannot_be_read_is_refused(text, must):
+    with pytest.raises(ValueError, match=must) as caught:
+        read(text)
+    assert "\n" not in str(caught.value)
+
+
+def test_python_2():
+    assert read(script() + "print 'done', O.iter\nif 1: print O.dt\n").stages[0].contacts
+
+
+def test_nothing_is_executed(tmp_path):
+    """Neither files nor functions of Python are used."""
+    target = tmp_path / "made"
+    text = (
+        script()
+        + f"import os\nos.system('touch {target}')\nopen({str(target)!r}, 'w').write('x')\n__import__('os')\n"
+    )
+    assert read(text).stages and not target.exists()
