@@ -1,5 +1,5 @@
 // C interface to the column solvers, for WebAssembly; it only converts numbers. The same file compiled natively
-// (web/golden.cpp) gives the reference values with which the WebAssembly build is compared, bit for bit.
+// (tests/web/golden.cpp) gives the reference values with which the WebAssembly build is compared, bit for bit.
 //
 // The caller writes a column to column_buffer() and calls a solver, which writes to reply_buffer(). Layout of the
 // column:

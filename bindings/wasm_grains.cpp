@@ -1,5 +1,5 @@
 // C interface to the hard-sphere engine, for WebAssembly; it only converts numbers. The page loads this module when it
-// shows a box. The same file compiled natively (web/golden_grains.cpp) gives the reference values with which the
+// shows a box. The same file compiled natively (tests/web/golden_grains.cpp) gives the reference values with which the
 // WebAssembly build is compared, bit for bit.
 //
 // The caller writes its input to box_setting(): numbers in the order of `Field`, then positions (n·d), velocities

@@ -9,7 +9,8 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
 npm ci
-./golden.sh "$work/golden.json" &
+ln -sfn ../../web/node_modules ../tests/web/node_modules
+../tests/web/golden.sh "$work/golden.json" &
 golden=$!
 ./build.sh "$work/page"
 diff -r "$work/page" ../src/hardlimit/explorer/page || {
@@ -18,9 +19,9 @@ diff -r "$work/page" ../src/hardlimit/explorer/page || {
 }
 wait $golden
 cmp "$work/golden.json" ../tests/data/golden_wasm.json || {
-    echo "tests/data/golden_wasm.json is not what the core gives: run web/golden.sh" >&2
+    echo "tests/data/golden_wasm.json is not what the core gives: run tests/web/golden.sh" >&2
     exit 1
 }
 # Two files at a time; then, by itself, the one that takes times.
-node --test --test-concurrency=2 $(ls tests/*.test.mjs | grep -v speed)
-node --test tests/speed.test.mjs
+node --test --test-concurrency=2 $(ls ../tests/web/*.test.mjs | grep -v speed)
+node --test ../tests/web/speed.test.mjs

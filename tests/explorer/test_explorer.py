@@ -253,5 +253,5 @@ def test_golden_values_are_those_of_the_package() -> None:
 @pytest.mark.skipif(not shutil.which("g++"), reason="no compiler")
 @pytest.mark.slow
 def test_golden_values_are_current(tmp_path: Path) -> None:
-    subprocess.run([ROOT / "web" / "golden.sh", tmp_path / "golden.json"], check=True)
+    subprocess.run([ROOT / "tests" / "web" / "golden.sh", tmp_path / "golden.json"], check=True)
     assert (tmp_path / "golden.json").read_text() == GOLDEN.read_text()

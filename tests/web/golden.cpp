@@ -1,7 +1,6 @@
-// Golden values of the page's core: columns, what the native build makes of them, and a hash over a large map, as JSON
-// on standard output; then those of boxes of grains. tests/data/golden_wasm.json is what this printed (web/golden.sh
-// writes it); web/tests/golden.test.mjs replays it in WebAssembly.
-#include "../bindings/wasm.cpp"
+// Prints the golden values of the page's core as JSON: solutions of columns, a hash over a large map, boxes of grains.
+// golden.sh writes them to tests/data/golden_wasm.json; golden.test.mjs compares the WebAssembly build with them.
+#include "../../bindings/wasm.cpp"
 
 #include <array>
 

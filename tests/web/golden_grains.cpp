@@ -1,5 +1,5 @@
 // Golden values of the module of boxes of grains: settings, and what the native build makes of them.
-#include "../bindings/wasm_grains.cpp"
+#include "../../bindings/wasm_grains.cpp"
 
 #include "golden.hpp"
 

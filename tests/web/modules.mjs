@@ -3,9 +3,9 @@ import { build } from "esbuild";
 import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
-import { tables } from "../tables.mjs";
+import { tables } from "../../web/tables.mjs";
 
-const src = new URL("../src/", import.meta.url).pathname;
+const src = new URL("../../web/src/", import.meta.url).pathname;
 const wasm = process.env.EXPLORER_WASM ?? new URL("../../src/hardlimit/explorer/page/core.wasm", import.meta.url).pathname;
 
 // Besides the modules named here those asked for.
