@@ -25,12 +25,13 @@ from .program import FAILURE, Command
 if TYPE_CHECKING:
     from rich.table import Table
 
-EXAMPLES = """\b
+EXAMPLES = """\
+\b
 Example:
-  hardlimit check in.box --speed 0.1:2m/s --packing-fraction 0.3
-  hardlimit check log.lammps --dump dump.box.gz
   hardlimit check --radius 1mm --density 2500 --stiffness 1e5 --restitution 0.9 \\
-      --speed 0.3m/s --packing-fraction 0.3"""
+      --speed 0.3m/s --packing-fraction 0.3
+  hardlimit check in.box --speed 0.1:2m/s --packing-fraction 0.3
+  hardlimit check log.lammps --dump dump.box.gz"""
 
 CODES = ("lammps", "liggghts", "yade")
 #: Largest number of rows without ``--verbose``.
@@ -87,7 +88,7 @@ script_options = options(
         multiple=True,
         callback=variable,
         metavar="NAME=VALUE",
-        help="A variable of the script, as on the command line of its code.",
+        help="Variable of the script, as on the command line of its code.",
     ),
     click.option(
         "--code", type=click.Choice(CODES), help="Code of the script.  [default: found in the script]"
@@ -122,7 +123,7 @@ def check(
     code: str | None,
     **numbers: Any,
 ) -> None:
-    """Check what a script's contacts really do, and whether event-driven simulation may replace it.
+    """Check what a script's contacts do, and if events may replace it.
 
     Reads a script or, better, a log of LAMMPS, LIGGGHTS or YADE; nothing in it is executed. For each pair of types and
     each wall, it prints the restitution that the code really gives, the duration, the steps per contact with the error

@@ -67,17 +67,19 @@ def check(
 
     Notes
     -----
-    The error is that of :func:`error_law` at Enskog's collision rate, as for a gas of equal grains of each pair's mean
-    diameter. The error of ε by the time step is that of the code's integration in an isolated contact. The Rayleigh
-    and the P-wave time are πR√(ρ/G)/(0.1631ν + 0.8766) and R√(ρ/Y).
+    The error is that of :func:`error_law` at Enskog's collision rate (Chapman & Cowling, The Mathematical Theory of
+    Non-uniform Gases, 1970), as for a gas of equal grains of each pair's mean diameter. A force that never attracts
+    ends a contact early: Schwager & Pöschel, Granular Matter 9, 465 (2007). The error of ε by the time step is that of
+    the code's integration in an isolated contact. Rayleigh time: Thornton & Randall, Micromechanics of Granular
+    Materials (1988).
 
     Examples
     --------
     >>> bead = hl.Ball(1e-3, density=2500.0)
     >>> soft = hl.LinearDashpot(stiffness=1e3, restitution=0.9)
     >>> print(hl.check(bead, law=soft, speed=0.3, packing_fraction=0.3))
-    No: event-driven cools 3.1 ± 0.1 % too fast at t_c ν = 0.062 (grains 1–1); 1 % takes
-    9.6 times the stiffness.
+    No: event-driven cools 9.6 ± 0.3 % too fast at t_c ν = 0.19 (grains 1–1); 1 % takes
+    a stiffness of 9.2e4 instead of 1e3.
     """
     from .checking import checked
 

@@ -105,11 +105,11 @@ class CheckedContact:
     speed: float | None  #: impact speed [m/s]
     restitution: float | None = None  #: ε that the code really gives
     duration: float | None = None  #: [s]
-    steps_per_contact: int | None = None
-    restitution_error_of_step: float | None = None
+    steps_per_contact: int | None = None  #: whole time steps in a contact
+    restitution_error_of_step: float | None = None  #: error of ε by the time step
     time_step: float | None = None  #: [s], with an error of ε of 0.001
-    rayleigh_time: float | None = None  #: πR√(ρ/G)/(0.1631 ν + 0.8766) [s]; needs a Young's modulus
-    p_wave_time: float | None = None  #: R√(ρ/Y) [s]; needs a Young's modulus
+    rayleigh_time: float | None = None  #: πR√(ρ/G)/(0.1631 ν + 0.8766) [s], G = Y/(2 + 2ν)
+    p_wave_time: float | None = None  #: R√(ρ/Y) [s]
     largest_overlap: float | None = None  #: over the smaller radius
     tc_nu: float | None = None  #: duration times collision rate of a grain
     delta_over_d: float | None = None  #: greatest overlap at the mean impact speed, over the diameter
@@ -118,8 +118,7 @@ class CheckedContact:
     )  #: of cooling, by rule, with its error
     rule: str = "constant"  #: of the event-driven simulation that the answer is about: "law" if ε depends on the speed
     softening: float | None = None  #: factor of the stiffness with which the error of cooling is 1 %
-    #: Number that sets the stiffness, its value and the value with an error of 1 %, in the units of the script.
-    spring: tuple[str, float, float] | None = None
+    spring: tuple[str, float, float] | None = None  #: name of the stiffness, its value, and that with an error of 1 %
 
 
 def examine(case: Case, speed: float | None, gas: Surroundings) -> CheckedContact:

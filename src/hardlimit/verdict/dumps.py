@@ -48,15 +48,19 @@ class Frame:
 
 @dataclass(frozen=True)
 class State:
-    """State of the grains in a frame, in the units of the dump; part of :func:`hardlimit.check`'s result."""
+    """State of the grains in a frame of a dump; returned by :func:`hardlimit.check`.
 
-    step: int
-    grains: int
+    Impacts of equal grains with Maxwellian velocities have normal speeds g of the density ∝ g exp(−g²/4T): Chapman &
+    Cowling, The Mathematical Theory of Non-uniform Gases (1970).
+    """
+
+    step: int  #: time step of the frame
+    grains: int  #: number of grains
     packing_fraction: float | None  #: None without radii
     temperature: (
         float | None
     )  #: mean square of a velocity component about the mean velocity; None without velocities
-    mean_diameter: float | None
+    mean_diameter: float | None  #: None without radii
     largest_overlap: float | None  #: over the smaller radius; None without positions or radii
     coordination: float | None  #: mean number of contacts of a grain
     in_several_contacts: float | None  #: share of grains with two contacts or more
@@ -68,10 +72,7 @@ class State:
 
     @property
     def speeds(self) -> tuple[float, ...]:
-        """Normal impact speeds below which 10, 50 and 90 % of the impacts are.
-
-        Impacts of equal Maxwellian grains have normal speeds of the density ∝ g exp(−g²/4T).
-        """
+        """Normal impact speeds below which 10, 50 and 90 % of the impacts are; empty without temperature."""
         t = self.temperature
         return () if not t else tuple(math.sqrt(-4.0 * t * math.log1p(-share)) for share in QUANTILES)
 

@@ -39,9 +39,9 @@ NUMBERS = {
 
 
 class Finding(NamedTuple):
-    """Something in a script, and the types of grains that it concerns; part of :class:`Verdict`."""
+    """Something in a script, and the types of grains that it concerns; returned by :func:`hardlimit.check`."""
 
-    what: str
+    what: str  #: in a few words
     types: tuple[str, ...] | None = None  #: None for all
     where: str = ""  #: quoted with its line
 
@@ -54,18 +54,18 @@ class Finding(NamedTuple):
 
 
 class CheckedStage(NamedTuple):
-    """A run of a script; part of :class:`Verdict`."""
+    """A run of a script; returned by :func:`hardlimit.check`."""
 
     number: int  #: from 1
     command: str  #: quoted with its line
     time_step: float | None  #: [s]
-    steps: int | None
+    steps: int | None  #: number of steps
     gravity: float | None  #: [m/s²]
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """Whether an event-driven simulation may replace a simulation, and what that one does; from :func:`check`.
+    """Whether an event-driven simulation may replace a simulation, and what that one does; returned by :func:`check`.
 
     Numbers are in SI units, those of a script in ``lj`` units as they are there. None stands for what is not known.
     """
@@ -75,18 +75,18 @@ class Verdict:
     code: str | None  #: None without a script
     version: str | None  #: as a log states it
     units: str  #: of the script
-    units_given: bool
+    units_given: bool  #: False if they are the code's default
     time_step: float | None  #: of the last run [s]
     numerical_damping: float | None  #: of the last run
     rows: tuple[CheckedContact, ...]  #: one for each contact, size and speed
-    stages: tuple[CheckedStage, ...]
+    stages: tuple[CheckedStage, ...]  #: the runs of the script
     states: tuple[State, ...]  #: of the frames of the dump
-    checked: tuple[Finding, ...]
+    checked: tuple[Finding, ...]  #: what the answer is based on
     ignored: tuple[Finding, ...]  #: head-on restitution stands
     invalidates: tuple[Finding, ...]  #: not possible in an event-driven simulation
     unknown: tuple[Finding, ...]  #: statements that were not understood, quoted
     missing: tuple[str, ...]  #: what would have to be known for an answer
-    remarks: tuple[str, ...]
+    remarks: tuple[str, ...]  #: on ε, the time step and versions of the code
     corrected: tuple[str, ...]  #: lines for the script, ready to paste
 
     @cached_property
