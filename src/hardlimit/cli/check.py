@@ -182,6 +182,8 @@ def report(found: Verdict, verbose: bool) -> None:
         console().print(narrow([head[k] for k in kept], [[row[k] for k in kept] for row in rows], 1 + stages))
     if len(shown) < len(groups):
         say(f"… and {len(groups) - len(shown)} more contacts: --verbose")
+    if not verbose and len({row.stage for row in found.rows}) > 1:
+        say(f"Settings change between runs. These are of run {last}; --verbose has the others.")
     if found.remarks:
         say(" ".join(found.remarks))
     if verbose:

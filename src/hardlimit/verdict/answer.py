@@ -73,8 +73,9 @@ def _cools(row: CheckedContact) -> str:
     value, bar = row.error[row.rule]
     pair = "–".join(row.types)
     how = "too fast" if value > 0.0 else "too slowly"
+    numbers = f"t_c ν = {digits(row.tc_nu or 0.0, 2)}, δ/d = {digits(row.delta_over_d or 0.0, 2)}"
     return (
-        f"event-driven cools {percent_with_error(abs(value), bar)} {how} at t_c ν = {digits(row.tc_nu or 0.0, 2)} "
+        f"event-driven cools {percent_with_error(abs(value), bar)} {how} at {numbers} "
         f"(grains {pair}{'' if row.rule == 'constant' else f', rule {row.rule}'})"
     )
 

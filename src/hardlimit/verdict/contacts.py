@@ -118,7 +118,9 @@ class CheckedContact:
     )  #: of cooling, by rule, with its error
     rule: str = "constant"  #: of the event-driven simulation that the answer is about: "law" if ε depends on the speed
     softening: float | None = None  #: factor of the stiffness with which the error of cooling is 1 %
-    spring: tuple[str, float, float] | None = None  #: name of the stiffness, its value, and that with an error of 1 %
+    spring: tuple[str, float, float] | None = (
+        None  #: name of the stiffness, its value, and that with an error of 1 %
+    )
 
 
 def examine(case: Case, speed: float | None, gas: Surroundings) -> CheckedContact:
