@@ -414,8 +414,21 @@ def test_bad_numbers_are_refused_in_one_line(words, line):
 
 
 WORDS = st.sampled_from(
-    script(HERTZ, WALL).split()
-    + ["-1", "0", "1e400", "nan", "${x}", "$(1/0)", '"', "&\n", "\n", "*", "jkr", "\x00", "½"]
+    [
+        *script(HERTZ, WALL).split(),
+        "-1",
+        "0",
+        "1e400",
+        "nan",
+        "${x}",
+        "$(1/0)",
+        '"',
+        "&\n",
+        "\n",
+        "*",
+        "jkr",
+        "½",
+    ]
 )
 
 

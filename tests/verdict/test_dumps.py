@@ -48,8 +48,12 @@ def written(folder, content, name="dump.box"):
 @pytest.mark.parametrize("name", ["dump.box", "dump.box.gz"])
 @pytest.mark.parametrize(
     ("columns", "scaled"),
-    [("id type x y z vx vy vz radius", False), ("vz vy vx diameter mass zs ys xs id", True), ("xu yu zu vx vy vz radius", False)],
-)  # fmt: skip
+    [
+        ("id type x y z vx vy vz radius", False),
+        ("vz vy vx diameter mass zs ys xs id", True),
+        ("xu yu zu vx vy vz radius", False),
+    ],
+)
 def test_packing_and_temperature_of_any_columns(columns, scaled, name, tmp_path):
     frame = dumps.read(written(tmp_path, text(columns=columns, scaled=scaled), name))[0]
     found = dumps.state(frame, {}, 3)

@@ -113,14 +113,11 @@ class CheckedContact:
     largest_overlap: float | None = None  #: over the smaller radius
     tc_nu: float | None = None  #: duration times collision rate of a grain
     delta_over_d: float | None = None  #: greatest overlap at the mean impact speed, over the diameter
-    error: Mapping[str, tuple[float, float]] = field(
-        default_factory=dict
-    )  #: of cooling, by rule, with its error
+    #: Of cooling, by rule, with its error bar.
+    error: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     rule: str = "constant"  #: of the event-driven simulation that the answer is about: "law" if ε depends on the speed
     softening: float | None = None  #: factor of the stiffness with which the error of cooling is 1 %
-    spring: tuple[str, float, float] | None = (
-        None  #: name of the stiffness, its value, and that with an error of 1 %
-    )
+    spring: tuple[str, float, float] | None = None  #: name of the stiffness, value, value for an error of 1 %
 
 
 def examine(case: Case, speed: float | None, gas: Surroundings) -> CheckedContact:
