@@ -1,5 +1,6 @@
 """What is read from scripts of LAMMPS: words, variables, types, sizes, walls, stages."""
 
+import gzip
 import math
 
 import pytest
@@ -62,7 +63,7 @@ def refused(text, **more):
         ("pair_coeff * * hooke $(2^3^2) 0.5\n", 64.0),  # from the left
         ("pair_coeff * * hooke $(PI*1e5:%.2f) 0.5\n", 314159.27),
         ("pair_coeff * * hooke $(sqrt(16)+ln(exp(2))+log(1000)+abs(-1)) 0.5\n", 10.0),
-        ("pair_coeff * * hooke $(ternary(2>1,5,6)+floor(2.7)+ceil(2.1)+round(2.5)) 0.5\n", 13.0),
+        ("pair_coeff * * hooke $(ternary(2>1,5,6)+floor(2.7)+ceil(2.1)+round(2.5)+round(-2.5)) 0.5\n", 11.0),
         ("pair_coeff * * hooke $(1e5*(1<2 && 3!=4)) 0.5\n", 1e5),
         ("variable x equal 3\nvariable k format x %.1e\npair_coeff * * hooke $k 0.5\n", 3.0),
         ("variable k getenv HARDLIMIT_STIFFNESS\npair_coeff * * hooke $k 0.5\n", 4e5),
@@ -100,7 +101,7 @@ def test_include_files_are_relative_to_the_script(tmp_path):
     assert found.quotes[0].file == "in.coeff" and found.quotes[0].line == 1
     (tmp_path / "more" / "in.coeff").unlink()
     assert refused(tmp_path / "in.main").startswith(
-        "in.pair: line 2: got 'include in.coeff', must name a file"
+        "more/in.pair: line 2: got 'include in.coeff', must name a file"
     )
     assert "must be in a file" in refused(f"include a.in\n{PAIR}")
 
@@ -306,6 +307,12 @@ Velocities
     grains = read(script).stages[0].grains
     assert grains["1"].radii == (0.01, 0.02) and grains["1"].densities == (2500.0, 2600.0)
     assert grains["2"].radii == (0.25, 0.25)
+    packed = gzip.compress((tmp_path / "grains.data").read_bytes())
+    (tmp_path / "grains.data.gz").write_bytes(packed)
+    script.write_text(f"atom_style sphere\nread_data grains.data.gz\n{PAIR}run 1\n")
+    assert read(script).stages[0].grains == grains
+    (tmp_path / "grains.data.gz").write_bytes(packed[:40])
+    assert read(script).stages[0].grains["1"].radii is None and len(read(script).unknown) == 1
     script.write_text(f"atom_style hybrid sphere charge\nread_data grains.data\n{PAIR}run 1\n")
     (tmp_path / "grains.data").write_text(
         (tmp_path / "grains.data").read_text().replace("# sphere", "# hybrid")
@@ -355,6 +362,7 @@ run 1
 unfix w2
 run 1
 """
+    text = "region blade block 0 1 0 1 0 1 rotate v_t 0 0 0 0 0 1\nregion drum intersect 2 box blade\n" + text
     found = read(text)
     first, second = found.stages
     walls = [(one.types, one.wall, one.settings["normal"].words[0]) for one in first.contacts if one.wall]
@@ -367,7 +375,12 @@ run 1
     ]
     assert {one.wall for one in second.contacts if one.wall} == {"w1", "w3"}
     said = " ".join(one.what for one in found.ignored)
-    assert "curvature" in said and "moving wall (wiggle)" in said and "tangential" in said
+    assert (
+        "curvature" in said
+        and "moving wall (wiggle)" in said
+        and "moving wall (region)" in said
+        and "tangential" in said
+    )
 
 
 def test_settings_that_change_are_stages():
@@ -377,6 +390,56 @@ def test_settings_that_change_are_stages():
     again = read(text + BASE.replace("1e5", "3e5") + "run 5\n").stages
     assert len(again) == 3 and again[2].contacts[0].settings["normal"].words[1] == "3e5"
     assert again[2].time_step == 1e-8
+
+
+def test_groups():
+    """A wall acts on the types of its group."""
+    text = """region box block 0 1 0 1 0 1
+create_box 4 box
+create_atoms 1 box
+create_atoms 2 box
+create_atoms 3 box
+create_atoms 4 box
+group a type 1
+group b type 2:3
+group c type > 3
+group d union a c
+group e subtract all a b
+group f intersect b all
+group g type <> 2 3
+group h empty
+group a type 3
+pair_style gran/hooke 1 NULL 1 NULL 0 0
+"""
+    for name, types in {
+        "a": "13",
+        "b": "23",
+        "c": "4",
+        "d": "14",
+        "e": "4",
+        "f": "23",
+        "g": "23",
+        "h": "",
+    }.items():
+        found = stage(f"{text}fix w {name} wall/gran hooke 1 NULL 1 NULL 0 0 zplane 0 NULL\nrun 1\n").contacts
+        assert "".join(one.types[0] for one in found if one.wall) == types, name
+
+
+def test_labels_of_types():
+    text = (
+        f"{BOX}labelmap atom 1 sand 2 glass\ncreate_atoms sand box\ncreate_atoms 2 box\npair_style granular\n"
+    )
+    text += "pair_coeff sand sand hooke 1 0.1\npair_coeff sand glass hooke 2 0.2\nset type glass diameter 0.2\nrun 1\n"
+    assert normal(text)[1] == "1" and normal(text, ("1", "2"))[1] == "2"
+    assert stage(text).grains["2"].radii == (0.1, 0.1)
+
+
+def test_time_steps_that_adapt():
+    found = read(
+        f"{BASE}timestep 1e-6\nfix d all dt/reset 10 NULL 1e-6 0.1\nrun 1\nreset_timestep 0\nrun 5 upto\n"
+    )
+    assert [(one.time_step, one.steps) for one in found.stages] == [(None, 6)]
+    assert any("adapts" in one.what for one in found.ignored)
 
 
 def test_gravity_dimension_and_steps():

@@ -115,30 +115,29 @@ def test_match_makers():
     assert [one.types for one in contacts] == [("0", "0"), ("0", "1"), ("1", "1")]
 
 
+CLOUD = "sp = pack.SpherePack()\nsp.makeCloud((0, 0, 0), (1, 1, 1), {})\nsp.toSimulation(material='glass')\n"
+FUNCTION = """
+def add(r, n=2):
+    for i in range(n):
+        O.bodies.append(sphere((i, 0, 0), r))
+add(0.1)
+add(r=0.3, n=1)
+"""
+
+
 @pytest.mark.parametrize(
     "bodies,radii",
     [
-        (
-            "sp = pack.SpherePack()\nsp.makeCloud((0, 0, 0), (1, 1, 1), rMean=0.05, rRelFuzz=0.2)\nsp.toSimulation()\n",
-            (0.04, 0.06),
-        ),
-        (
-            "sp = pack.SpherePack()\nsp.makeCloud((0, 0, 0), (1, 1, 1), .05, .2, 99)\nsp.toSimulation(material='glass')\n",
-            (0.04, 0.06),
-        ),
-        (
-            "sp = pack.SpherePack()\nsp.makeCloud((0,0,0), (1,1,1), psdSizes=[.1, .2, .4], psdCumm=[0, .5, 1])\nsp.toSimulation()\n",
-            (0.05, 0.2),
-        ),
-        ("sp = pack.SpherePack()\nsp.makeCloud((0, 0, 0), (1, 1, 1), num=100)\nsp.toSimulation()\n", None),
+        (CLOUD.format("rMean=0.05, rRelFuzz=0.2"), (0.04, 0.06)),
+        (CLOUD.format(".05, .2, 99"), (0.04, 0.06)),
+        (CLOUD.format("psdSizes=[.1, .2, .4], psdCumm=[0, .5, 1]"), (0.05, 0.2)),
+        (CLOUD.format("psdSizes=[.1, .2, .4], psdCumm=[0, .5, 1], num=9"), None),  # may be scaled down
+        (CLOUD.format("num=100"), None),
         ("sp = pack.SpherePack()\nsp.load('a.txt')\nsp.toSimulation()\n", None),
         ("O.bodies.append(pack.regularHexa(pack.inSphere((0, 0, 0), 1), radius=0.1, gap=0))\n", (0.1, 0.1)),
+        ("O.bodies.append(pack.regularOrtho(pack.inAlignedBox(a, b), 0.1, gap=0))\n", (0.1, 0.1)),
         (
-            "O.bodies.append(pack.regularOrtho(pack.inAlignedBox((0, 0, 0), (1, 1, 1)), 0.1, gap=0))\n",
-            (0.1, 0.1),
-        ),
-        (
-            "sp = pack.randomDensePack(pred, radius=.1, rRelFuzz=.5, returnSpherePack=True)\nsp.toSimulation()\n",
+            "sp = pack.randomDensePack(p, .1, rRelFuzz=.5, returnSpherePack=True)\nsp.toSimulation()\n",
             (0.05, 0.15),
         ),
         ("for i in range(3):\n    O.bodies.append(sphere((0, 0, i), radius=0.1 * (i + 1)))\n", (0.1, 0.3)),
@@ -146,10 +145,7 @@ def test_match_makers():
             "r = 0.1\nr *= 2\nO.bodies.append([utils.sphere([i, 0, 0], r / (i + 1)) for i in range(2)])\n",
             (0.1, 0.2),
         ),
-        (
-            "def add(r, n=2):\n    for i in range(n):\n        O.bodies.append(sphere((i, 0, 0), r))\nadd(0.1)\nadd(r=0.3, n=1)\n",
-            (0.1, 0.3),
-        ),
+        (FUNCTION, (0.1, 0.3)),
         ("import math\nO.bodies.append(sphere((0, 0, 0), math.sqrt(4) * 10**-1))\n", (0.2, 0.2)),
         ("O.bodies.append(sphere((0, 0, 0), random.uniform(.1, .2)))\n", None),
         ("O.bodies.append(ymport.text('a.txt'))\n", None),

@@ -16,9 +16,8 @@ from ..scripts.commands import Commands
 from ..scripts.description import Quote, Setting, Settings
 from ..scripts.granular_words import NORMAL, PROPERTIES, ordered, unaccelerated
 from ..scripts.liggghts import Property
-from ..scripts.liggghts import same as same_word
 from ..scripts.python import Instance, Unknown
-from ..scripts.statements import Statement, refusal, settings
+from ..scripts.statements import Statement, refusal, same_word, settings
 from ..scripts.yade import LAWS, NUMERICAL_DAMPING, Yade, entries
 from . import grammar
 

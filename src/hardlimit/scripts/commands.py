@@ -5,8 +5,10 @@ Formats and rules: docs.lammps.org, pages Commands_parse, variable, if, jump, ne
 
 from __future__ import annotations
 
+import gzip
 import os
 import re
+import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -332,8 +334,11 @@ def text_of(path: Path) -> str | None:
     try:
         if not path.is_file() or path.stat().st_size > LARGEST_FILE:
             return None
-        return path.read_text("utf-8", errors="replace")
-    except (OSError, ValueError):
+        if path.suffix != ".gz":
+            return path.read_text("utf-8", errors="replace")
+        with gzip.open(path, "rt", encoding="utf-8", errors="replace") as file:
+            return file.read(LARGEST_FILE)
+    except (OSError, ValueError, EOFError, zlib.error):
         return None
 
 

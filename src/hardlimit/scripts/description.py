@@ -33,7 +33,10 @@ class Quote:
 
 @dataclass(frozen=True)
 class Grains:
-    """The grains of one type. A range is None if the script does not state it."""
+    """The grains of one type. A range is None if the script does not state it.
+
+    At most one of ``densities`` and ``masses`` is given: in LAMMPS, another diameter leaves the mass as it is.
+    """
 
     type: str
     radii: Range | None = None

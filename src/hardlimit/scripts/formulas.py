@@ -51,7 +51,7 @@ FUNCTIONS: Final[dict[str, Callable[..., float]]] = {
     "atan2": math.atan2,
     "ceil": math.ceil,
     "floor": math.floor,
-    "round": lambda x: math.copysign(math.floor(abs(x) + 0.5), x),
+    "round": lambda x: math.floor(x + 0.5),
     "ternary": lambda condition, yes, no: yes if condition else no,
 }
 #: Deepest nesting of parentheses.

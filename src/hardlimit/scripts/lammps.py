@@ -18,6 +18,7 @@ from .statements import Statement, refused, settings
 
 #: Words after the shape of a wall with their number of values.
 WALL_OPTIONS: Final = {"wiggle": 3, "shear": 2, "contacts": 0, "temperature": 1}
+CURVED: Final = ("cylinder", "sphere", "cone", "ellipsoid")
 #: Fixes with their own walls.
 GRANULAR_WALLS: Final = ("wall/gran", "wall/gran/region")
 
@@ -200,8 +201,11 @@ class Lammps(State):
         rest = list(parsed.rest)
         if not rest or len(rest) <= WALLS[rest[0]]:
             raise refused(statement, f"have a wall: {', '.join(WALLS)}")
-        if rest[0] == "zcylinder":
+        regions = self.parts_of(rest[1]).values() if rest[0] == "region" else ()
+        if rest[0] == "zcylinder" or any(words[:1] and words[0] in CURVED for words in regions):
             self.ignore("curvature of a wall, which is taken as a plane", statement)
+        if any(word in ("move", "rotate") for words in regions for word in words):
+            self.ignore("a moving wall (region)", statement)
         k = 1 + WALLS[rest[0]]
         while k < len(rest):
             if rest[k] not in WALL_OPTIONS:

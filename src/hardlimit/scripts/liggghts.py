@@ -9,9 +9,10 @@ from typing import Final
 from . import granular_words
 from .description import ContactSettings, Quote, Range, Setting, Settings
 from .granular_words import PROPERTIES, Words
+from .materials import one_material
 from .population import Batch
 from .state import MOST_TYPES, Fix, State
-from .statements import Statement, refused, settings
+from .statements import Statement, refused, same_word, settings
 
 #: Properties that the models read; each depends on two types.
 OF_CONTACT: Final = (
@@ -44,7 +45,7 @@ class Property:
         if self.kind == "peratomtype":
             return self.values[i - 1], self.values[j - 1]
         first, second = (self.values[1 + count * (a - 1) + b - 1] for a, b in ((i, j), (j, i)))
-        if not same(first, second):
+        if not same_word(first, second):
             raise refused(self.statement, f"have one number for {i}-{j} and {j}-{i}")
         return first, second
 
@@ -63,14 +64,6 @@ def property_types(statement: Statement, kind: str, given: Sequence[str]) -> int
     if not given or (kind == "scalar" and len(given) != 1):
         raise refused(statement, "have its numbers")
     return 0 if kind == "scalar" else len(given)
-
-
-def same(one: str, other: str) -> bool:
-    """Whether two words are equal, however their numbers are written."""
-    try:
-        return float(one) == float(other)
-    except ValueError:
-        return one == other
 
 
 class Liggghts(State):
@@ -237,7 +230,7 @@ class Liggghts(State):
                 found[name] = one.setting(pair[0])
                 quotes[one.statement.quote] = None
         moduli, ratios = values.get("youngsModulus"), values.get("poissonsRatio")
-        if moduli and ratios and not (same(*moduli) and same(*ratios)):
+        if moduli and ratios and not (same_word(*moduli) and same_word(*ratios)):
             modulus, ratio = one_material(
                 *((float(y), float(nu)) for y, nu in zip(moduli, ratios, strict=True))
             )
@@ -289,10 +282,3 @@ class Liggghts(State):
             radius = None if value is None else 0.5 * value * self.coarse
             return lambda one: one.with_radius(radius)
         return super().changed(keyword, value)
-
-
-def one_material(first: tuple[float, float], second: tuple[float, float]) -> tuple[float, float]:
-    """Young's modulus and Poisson's ratio of one material with the effective modulus of two in contact."""
-    effective = 1.0 / sum((1.0 - ratio**2) / modulus for modulus, ratio in (first, second))
-    ratio = 0.5 * (first[1] + second[1])
-    return 2.0 * (1.0 - ratio**2) * effective, ratio

@@ -16,18 +16,7 @@ from .statements import Statement, scan, split
 HEADER: Final = re.compile(r"\s*(LAMMPS|LIGGGHTS) \((?:Version )?((?:[^()]|\([^()]*\))*)\)?", re.ASCII)
 #: Lines before the header, such as messages of MPI or a shell.
 MOST_BEFORE: Final = 50
-FLOW: Final = (
-    "variable",
-    "include",
-    "if",
-    "jump",
-    "next",
-    "label",
-    "quit",
-    "pair_modify",
-    "bond_style",
-    "kspace_style",
-)
+FLOW: Final = frozenset(("variable", "include", "if", "jump", "next", "label", "quit"))
 
 
 def header(text: str) -> tuple[str, str] | None:
@@ -41,9 +30,9 @@ def header(text: str) -> tuple[str, str] | None:
 
 def commands(text: str, file: str, variables: Variables, state: type[State]) -> Iterator[Statement]:
     """The commands of a log in the order in which they ran."""
-    known = HARMLESS | {name[8:] for name in dir(state) if name.startswith("command_")} | set(FLOW)
+    known = HARMLESS | {name[8:] for name in dir(state) if name.startswith("command_")} | FLOW
     lines = text.split("\n")
-    k, printed = 0, ""
+    k = 0
     while k < len(lines):
         first = k + 1
         pieces, quote = scan(lines[k])
@@ -52,7 +41,7 @@ def commands(text: str, file: str, variables: Variables, state: type[State]) -> 
         k += 1
         # LAMMPS reports the time of some commands: "  create_atoms CPU = 0.001 seconds".
         timing = words[1:] and words[1].startswith("CPU = ")
-        if not words or words[0] not in known or timing or code.strip() == printed:
+        if not words or words[0] not in known or timing:
             continue
         while quote == '"""' and k < len(lines):
             code, k = f"{code}\n{lines[k]}", k + 1
@@ -65,7 +54,9 @@ def commands(text: str, file: str, variables: Variables, state: type[State]) -> 
                 break
             pieces, code, k = again, replaced, k + 1
         found = split(code)
-        printed = found[1] if found[0] == "print" and len(found) > 1 else ""
+        if found[0] == "print" and len(found) > 1:
+            for line in found[1].split("\n"):  # what it prints follows
+                k += k < len(lines) and lines[k].startswith(line.partition("$")[0])
         if found[0] == "variable":
             variables.define(found[1:])
         elif found[0] == "next":

@@ -11,6 +11,7 @@ import math
 import operator
 import re
 import textwrap
+import warnings
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -150,7 +151,9 @@ class Evaluator:
         text = textwrap.dedent(self.text)
         for attempt in (text, PRINT.sub(r"\1pass", text.expandtabs())):
             try:
-                return ast.parse(attempt)
+                with warnings.catch_warnings():
+                    warnings.simplefilter("ignore")  # those about the script's own text
+                    return ast.parse(attempt)
             except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
                 line = getattr(error, "lineno", None) or 1
         lines = self.text.splitlines() or [""]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
 from pathlib import Path
@@ -47,7 +47,7 @@ HARMLESS_NAMES: Final = """
 angle_coeff angle_style atom_modify balance boundary box change_box comm_modify comm_style communicate create_bonds
 delete_atoms delete_bonds dihedral_coeff dihedral_style displace_atoms improper_coeff improper_style kspace_modify
 label lattice log mass min_modify min_style minimize modify_timing neb neigh_modify neighbor newton package partition
-processors region replicate rerun reset_atom_ids reset_atoms reset_ids reset_mol_ids reset_timestep shell
+processors replicate rerun reset_atom_ids reset_atoms reset_ids reset_mol_ids reset_timestep shell thermo_log
 special_bonds suffix velocity hard_particles soft_particles next jump fix_modify bond_coeff pair_modify pair_write
 group2ndx ndx2group quit
 """
@@ -135,6 +135,7 @@ class State:
         self.time_step: float | None = None
         self.steps_done, self.atom_style = 0, ""
         self.molecules: dict[str, list[tuple[int, Batch]]] = {}
+        self.regions: dict[str, tuple[str, ...]] = {}
         self.variables.keywords["dt"] = TIME_STEPS[self.units]
 
     # --- what subclasses provide --------------------------------------------------------------------------------
@@ -198,22 +199,21 @@ class State:
             return float(word)
         found = self.variables.of(word[2:]) if word.startswith("v_") else None
         if found is None:
-            must = f"have a number, not {word}"
-            if UNRESOLVED.search(word) or word.startswith("v_"):
-                must = f"have a known number, not {word}: give it with --var, or {USE_LOG}"
-            raise refused(statement, must)
+            raise self.no_number(statement, "a number", word)
         return found
 
     def resolve(self, statement: Statement, settings: Settings) -> Settings:
         """Settings whose numbers are all known."""
         for name, one in settings.items():
             for word in one.words:
-                if UNRESOLVED.search(word) or word.startswith("v_"):
-                    raise refused(
-                        statement,
-                        f"have a known number for {name}, not {word}: give it with --var, or {USE_LOG}",
-                    )
+                if is_variable(word):
+                    raise self.no_number(statement, f"a number for {name}", word)
         return settings
+
+    def no_number(self, statement: Statement, what: str, word: str) -> ValueError:
+        """The error for a word that is no number, or a variable without a known value."""
+        advice = f": give it with --var, or {USE_LOG}" if is_variable(word) else ""
+        return refused(statement, f"have {what}, not {word}{advice}")
 
     # --- types and groups ---------------------------------------------------------------------------------------
 
@@ -252,51 +252,53 @@ class State:
         return [one for one in self.present() if group.types is None or one in group.types]
 
     def command_group(self, statement: Statement) -> None:
-        name, style, *words = [*statement.words[1:], "", ""]
+        name, style, *words = (*statement.words[1:], "", "")
         words = [one for one in words if one]
         old = self.groups.get(name)
         if style in ("delete", "clear"):
             self.groups.pop(name, None)
-            return
-        new = Group(None, False)
-        if style == "type" and words[:1] and words[0] in COMPARISONS:
-            limits = [int(one) for one in words[1:] if one.isdecimal()]
-            if limits:
-                within = COMPARISONS[words[0]]
-                every = range(1, self.count() + 1)
-                new = Group(frozenset(k for k in every if within(k, limits[0], limits[-1])), True)
-        elif style == "type":
-            kinds: set[int] = set()
-            for word in words:
-                first, _, last = word.partition(":")
-                last = last.partition(":")[0]
-                kinds |= set(self.types_of(f"{first}*{last}" if last else first))
-            new = Group(frozenset(kinds), True)
-        elif style == "union":
-            parts = [self.members(one) for one in words]
-            known = [one.types for one in parts if one.types is not None]
-            everything = any(one.types is None and one.whole for one in parts)
-            types = None if len(known) < len(parts) else frozenset().union(*known)
-            new = Group(types, everything or (types is not None and all(one.whole for one in parts)))
-        elif style == "subtract" and words:
-            first_group, others = self.members(words[0]), [self.members(one) for one in words[1:]]
-            minus = frozenset().union(*(one.types for one in others if one.types is not None and one.whole))
-            exact = all(one.types is not None and one.whole for one in others)
-            base = first_group.types
-            if base is None and first_group.whole:
-                base = frozenset(range(1, self.count() + 1))
-            new = Group(None if base is None else base - minus, first_group.whole and exact)
-        elif style == "intersect" and words:
-            parts = [self.members(one) for one in words]
-            known = [one.types for one in parts if one.types is not None]
-            types = frozenset.intersection(*known) if known else None
-            new = Group(types, all(one.whole for one in parts))
-        elif style == "empty":
-            new = Group(frozenset(), True)
-        if old is not None and name != "all" and old.types is not None and new.types is not None:
-            new = Group(old.types | new.types, old.whole and new.whole)  # a second command adds grains
-        if name != "all":
+        elif name != "all":
+            new = self.group_of_types(words) if style == "type" else self.combined(style, words)
+            if old is not None and old.types is not None and new.types is not None:
+                new = Group(old.types | new.types, old.whole and new.whole)  # a second command adds grains
             self.groups[name] = new
+
+    def group_of_types(self, words: Sequence[str]) -> Group:
+        """Grains of types such as ``1 3``, ``1:3``, ``> 2`` or ``<> 2 4``."""
+        if words[:1] and words[0] in COMPARISONS:
+            limits = [int(one) for one in words[1:] if one.isdecimal()]
+            within = COMPARISONS[words[0]]
+            every = range(1, self.count() + 1) if limits else ()
+            return Group(frozenset(k for k in every if within(k, limits[0], limits[-1])), True)
+        kinds: set[int] = set()
+        for word in words:
+            first, _, last = word.partition(":")
+            last = last.partition(":")[0]
+            kinds |= set(self.types_of(f"{first}*{last}" if last else first))
+        return Group(frozenset(kinds), True)
+
+    def combined(self, style: str, names: Sequence[str]) -> Group:
+        """A union, difference or intersection of groups; any part of the grains for other styles, such as region."""
+        parts = [self.members(one) for one in names]
+        known = [one.types for one in parts if one.types is not None]
+        whole = all(one.whole for one in parts)
+        if style == "empty":
+            return Group(frozenset(), True)
+        if style == "union" and len(known) == len(parts):
+            return Group(frozenset().union(*known), whole)
+        if style == "union" and any(one.types is None and one.whole for one in parts):
+            return Group(None, True)
+        if style == "intersect" and parts:
+            return Group(frozenset.intersection(*known) if known else None, whole)
+        if style == "subtract" and parts:
+            first, *others = parts
+            types = first.types
+            if types is None and first.whole:
+                types = frozenset(range(1, self.count() + 1))
+            minus = frozenset().union(*(one.types for one in others if one.types is not None and one.whole))
+            exact = whole and all(one.types is not None for one in others)
+            return Group(None if types is None else types - minus, exact)
+        return Group(None, False)
 
     def command_labelmap(self, statement: Statement) -> None:
         if statement.words[1:2] == ("atom",):
@@ -348,6 +350,10 @@ class State:
     def command_clear(self, statement: Statement) -> None:
         self.reset()
 
+    def command_reset_timestep(self, statement: Statement) -> None:
+        count = (*statement.words, "")[1]
+        self.steps_done = int(count) if count.isdecimal() and len(count) < 19 else 0
+
     def command_run(self, statement: Statement) -> None:
         words = statement.words
         count = words[1] if len(words) > 1 else ""
@@ -372,7 +378,7 @@ class State:
         grains = {str(kind): self.population.grains(kind, str(kind), self.frozen(kind)) for kind in kinds}
         new = Stage(
             quote,
-            self.time_step if self.time_step is not None else TIME_STEPS[self.units],
+            self.step_now(),
             self.time_step is not None,
             steps,
             tuple(self.contacts()),
@@ -385,6 +391,12 @@ class State:
         else:
             self.stages.append(new)
 
+    def step_now(self) -> float | None:
+        """The time step; None if a fix changes it."""
+        if any(one.style.startswith("dt/reset") for one in self.fixes.values()):
+            return None
+        return TIME_STEPS[self.units] if self.time_step is None else self.time_step
+
     def longer(self, steps: int | None) -> None:
         """Continue the last stage."""
         old = self.stages[-1]
@@ -395,6 +407,23 @@ class State:
 
     def command_create_box(self, statement: Statement) -> None:
         self.types = max(self.types, min(self.type_of((*statement.words, "")[1]), MOST_TYPES))
+
+    def command_region(self, statement: Statement) -> None:
+        if len(statement.words) > 2:
+            self.regions[statement.words[1]] = statement.words[2:]
+
+    def parts_of(self, region: str) -> dict[str, tuple[str, ...]]:
+        """A region, or those of which it is a union or an intersection."""
+        found: dict[str, tuple[str, ...]] = {}
+        pending = [region]
+        while pending:
+            name = pending.pop()
+            words = self.regions.get(name, ())
+            if name not in found:
+                found[name] = words
+                if words[:1] and words[0] in ("union", "intersect"):
+                    pending += words[2:]
+        return found
 
     def command_create_atoms(self, statement: Statement) -> None:
         words = statement.words
@@ -423,7 +452,7 @@ class State:
         found: list[tuple[int, Batch]] = []
         words = statement.words[1:]
         for name in words[1:]:
-            text = None if self.folder is None or name == "/" else text_of(self.folder / name)
+            text = None if self.folder is None else text_of(self.folder / name)
             if text is None:
                 if not found:
                     self.unknown[statement.quote] = None
@@ -455,8 +484,9 @@ class State:
         try:
             found = population.merged(population.atoms(text, self.atom_style))
         except (ValueError, IndexError):
+            found = {}
+        if not found:
             self.elsewhere(statement)
-            return
         for kind, batch in found.items():
             if 1 <= kind <= MOST_TYPES:
                 self.population.add(kind, batch)
@@ -551,6 +581,8 @@ class State:
             self.ignore(f"prescribed motion ({style})", fix.statement, types)
         elif style == "adapt" and ("diameter" in fix.words or "diameter/disc" in fix.words):
             self.elsewhere(fix.statement)
+        elif style.startswith("dt/reset"):
+            self.ignore("a time step that adapts (dt/reset)", fix.statement)
         elif style == "setforce" and set(fix.words[:3]) <= {"0", "0.0", "NULL", "0."}:
             self.ignore("forces set to zero (setforce)", fix.statement, types)
         else:
@@ -603,3 +635,8 @@ class State:
     ) -> ContactSettings:
         """A contact with a wall."""
         return ContactSettings((str(kind), WALL), name, settings, quotes)
+
+
+def is_variable(word: str) -> bool:
+    """Whether a word contains a variable."""
+    return word.startswith("v_") or UNRESOLVED.search(word) is not None

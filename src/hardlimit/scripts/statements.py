@@ -56,6 +56,14 @@ def refused(statement: Statement, must: str) -> ValueError:
     return refusal(statement.line, statement.text, must, statement.file)
 
 
+def same_word(one: str, other: str) -> bool:
+    """Whether two words are equal, however their numbers are written."""
+    try:
+        return float(one) == float(other)
+    except ValueError:
+        return one == other
+
+
 def settings(statement: Statement, found: Mapping[str, tuple[str, ...]]) -> Settings:
     """Settings that a statement makes."""
     return {name: Setting(words, statement.line, statement.text) for name, words in found.items()}

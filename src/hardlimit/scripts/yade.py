@@ -21,7 +21,7 @@ from .description import (
     Stage,
 )
 from .formulas import NUMBER
-from .liggghts import one_material
+from .materials import one_material
 from .population import union
 from .python import Evaluator, Instance, Unknown, flat
 from .statements import quoted, refusal
@@ -506,12 +506,6 @@ class Yade(Evaluator):
     def contacts(self) -> Iterator[ContactSettings]:
         """Pairs of materials, then walls."""
         functors = {PHYSICS[one.name]: one for one in self.used("Ip2_") if one.name in PHYSICS}
-        if not functors and not self.engines:  # a fragment
-            functors = {
-                PHYSICS[name]: Instance(name, (), {}, 1, name)
-                for name in ("Ip2_FrictMat_FrictMat_FrictPhys", "Ip2_ViscElMat_ViscElMat_ViscElPhys")
-                if self.used(name.rpartition("_")[2]) or name.startswith("Ip2_Visc")
-            }
         kinds = self.kinds()
         for i in kinds:
             for j in kinds[kinds.index(i) :]:
