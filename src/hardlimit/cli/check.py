@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -300,8 +299,8 @@ def cells(rows: Sequence[CheckedContact], plain: bool) -> list[str]:
 
 def small(error: float) -> str:
     """An error of ε."""
-    if not math.isfinite(error):
-        return "no end"
+    if error > 1.0:
+        return "> 1"
     return "< 1e-4" if error < SMALLEST_ERROR else digits(error, 2)
 
 
@@ -337,11 +336,11 @@ def details(found: Verdict, plain: bool) -> None:
     for stage in found.stages:
         say(f"Run {stage.number}: {stage.command}")
     for state in found.states:
-        phi, t = state.packing_fraction, state.temperature
+        phi, t, unit = state.packing_fraction, state.temperature, "" if plain else " m/s"
         parts = [
             f"φ {digits(phi, 3)}" if phi is not None else "",
-            f"temperature {digits(t, 3)}" if t is not None else "",
-            f"impact speeds {', '.join(digits(v, 3) for v in state.speeds)}" if state.speeds else "",
+            f"temperature {digits(t, 3)}{'' if plain else ' m²/s²'}" if t is not None else "",
+            f"impact speeds {', '.join(digits(v, 3) for v in state.speeds)}{unit}" if state.speeds else "",
             f"largest overlap {percent(state.largest_overlap)}" if state.largest_overlap is not None else "",
             f"{digits(state.coordination, 3)} contacts per grain" if state.coordination is not None else "",
             f"{percent(state.in_several_contacts)} in several"

@@ -198,14 +198,16 @@ def _ends(number: int, stage: Stage, contact: ContactSettings, force: ModelForce
 
 def _body(grains: Grains, end: int) -> Body:
     """The smallest (``end`` 0) or the largest grain."""
-    radius = None if grains.radii is None else grains.radii[end]
-    density = None if grains.densities is None else grains.densities[end]
-    mass = None if grains.masses is None else grains.masses[end]
-    volume = None if radius is None else 4.0 / 3.0 * math.pi * radius**3
-    if mass is None and volume is not None and density is not None:
-        mass = volume * density
-    elif density is None and volume is not None and mass is not None:
-        density = mass / volume
+    radius, density, mass = (
+        None if ends is None or not 0.0 < ends[end] < math.inf else ends[end]
+        for ends in (grains.radii, grains.densities, grains.masses)
+    )
+    if radius is not None:
+        volume = 4.0 / 3.0 * math.pi * radius**3
+        if mass is None and density is not None:
+            mass = volume * density or None
+        elif density is None and mass is not None and volume > 0.0:
+            density = mass / volume
     return Body(radius, math.inf if grains.frozen else mass, density)
 
 

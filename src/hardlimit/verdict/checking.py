@@ -297,11 +297,11 @@ def _notes(examined: Sequence[tuple[Case, CheckedContact]]) -> Iterator[str]:
         asked = [case.restitution_asked for case, _ in members if case.restitution_asked is not None]
         if asked and any(abs(e - a) > corrections.TOLERATED for e, a in zip(epsilons, asked, strict=False)):
             yield "ε given differs from ε asked."
-    steps = [row for _, row in examined if row.restitution_error_of_step is not None]
-    worst = max(steps, key=lambda row: row.restitution_error_of_step or 0.0, default=None)
-    error = 0.0 if worst is None else worst.restitution_error_of_step or 0.0
-    if math.isinf(error):
-        yield "With this time step contacts do not end."
+    rows = [row for _, row in examined]
+    error = max((row.restitution_error_of_step or 0.0 for row in rows), default=0.0)
+    endless = any(row.steps_per_contact is not None and row.restitution_error_of_step is None for row in rows)
+    if endless or error > 1.0:
+        yield "The time step is too long: contacts do not end, or gain energy."
     elif error > corrections.ENOUGH:
         yield f"The time step changes ε by up to {error:.2g}."
 

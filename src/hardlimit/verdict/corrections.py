@@ -35,7 +35,9 @@ def lines(code: str, examined: Sequence[tuple[Case, CheckedContact]], step_facto
 def _too_long(row: CheckedContact) -> bool:
     """Whether the time step changes ε."""
     error = row.restitution_error_of_step
-    return (error is not None and error > ENOUGH) or (error is None and row.steps_per_contact == 0)
+    return row.steps_per_contact is not None and (
+        error is None or error > ENOUGH
+    )  # None: the contact does not end
 
 
 def _numbers(examined: Sequence[tuple[Case, CheckedContact]]) -> Iterator[str]:
