@@ -18,7 +18,6 @@ TOLERATED: Final = 5e-3
 ENOUGH: Final = 1.05e-3
 STEP: Final = {"yade": "O.dt = {}"}
 DAMPED: Final = "NewtonIntegrator(damping=0)  # in O.engines, with its other arguments"
-LONGEST: Final = 6  #: lines
 
 
 def lines(code: str, examined: Sequence[tuple[Case, CheckedContact]], step_factor: float) -> list[str]:
@@ -42,32 +41,34 @@ def _too_long(row: CheckedContact) -> bool:
 
 def _numbers(examined: Sequence[tuple[Case, CheckedContact]]) -> Iterator[str]:
     """The lines whose number gives another ε than the one asked for."""
-    done: dict[str, str] = {}
+    # For each number in a statement: each number that some contacts need, with these contacts and the corrected line.
+    needed: dict[tuple[str, ...], dict[str, tuple[dict[str, None], str | None]]] = {}
     for case, row in examined:
-        asked, force = case.restitution_asked, case.force
+        asked, force, pair = case.restitution_asked, case.force, "–".join(case.types)
         if asked is None or not isinstance(force, ModelForce) or row.restitution is None:
             continue
         bodies = case.first.tried(0), None if case.second is None else case.second.tried(0)
-        speed = 1.0
-        made = force(*bodies, speed)
-        if abs(made.collision(speed).restitution - asked) <= TOLERATED:
-            continue
-        numbers = force.written(*bodies, speed).numbers(made.stiffness, asked)
-        pair = "–".join(case.types)
-        if numbers is None:
-            yield f"# {pair}: this model cannot have ε = {asked:g}"
-            continue
         name = force.model.damping.number
         setting, place = _place(force, name, case.types[1] == WALL)
-        new = f"{numbers[name]:.6g}"
-        line = replaced(setting, place, new)
-        known = done.setdefault(setting.text, line or new)
-        if known != (line or new):
-            yield f"# {pair} needs {name} {new}"
-        elif line is None:
-            yield f"# {name} {new} in place of {setting.words[place]} in: {setting.text.strip()}"
-        else:
-            yield line
+        new, line = setting.words[place], None
+        made = force(*bodies, 1.0)
+        if abs(made.collision(1.0).restitution - asked) > TOLERATED:
+            numbers = force.written(*bodies, 1.0).numbers(made.stiffness, asked)
+            if numbers is None:
+                yield f"# {pair}: this model cannot have ε = {asked:g}"
+                continue
+            new = f"{numbers[name]:.6g}"
+            line = (
+                replaced(setting, place, new)
+                or f"# {name} {new} in place of {setting.words[place]}: {setting.text}"
+            )
+        contacts, _ = needed.setdefault((setting.text, *setting.words), {}).setdefault(new, ({}, line))
+        contacts[pair] = None
+    for numbers_of in needed.values():
+        for new, (contacts, line) in numbers_of.items():
+            others = [f"{', '.join(pairs)} needs {n}" for n, (pairs, _) in numbers_of.items() if n != new]
+            if line is not None:
+                yield f"{line}  # {', '.join(contacts)}; {'; '.join(others)}" if others else line
 
 
 def _place(force: ModelForce, name: str, wall: bool) -> tuple[Setting, int]:
