@@ -6,7 +6,8 @@ import numpy as np
 
 import hardlimit as hl
 from hardlimit import _core
-from hardlimit.boxes.falling_frame import engine_arguments, law_arguments
+from hardlimit.boxes.contacts import law_arguments
+from hardlimit.boxes.falling_frame import engine_arguments
 from hardlimit.boxes.theory import Gas
 
 RADIUS, DENSITY, RESTITUTION = 1e-3, 2500.0, 0.9

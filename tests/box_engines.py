@@ -1,13 +1,103 @@
-"""Helpers for tests: particle engines from plain numbers."""
+"""Helpers for tests of boxes: engines from plain numbers or systems, independent reference cases, interrupts."""
 
+import json
 import math
-from collections.abc import Sequence
+import subprocess
+from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+import hardlimit as hl
+from conftest import DATA
 from hardlimit import _core
+from hardlimit.boxes.contacts import law_arguments
+from hardlimit.boxes.falling_frame import engine_arguments
+from hardlimit.boxes.theory import Gas
+
+#: Independent solutions of small boxes, by kind.
+REFERENCE = json.loads((DATA / "grains.json").read_text(encoding="utf-8"))
+
+
+def reference_system(case: dict[str, Any]) -> hl.ParticleSystem:
+    """The initial state of a reference case."""
+    names = ("positions", "velocities", "radius", "mass", "box", "boundary", "gravity")
+    return hl.ParticleSystem(**{name: case[name] for name in names})
+
+
+def reference_law(case: dict[str, Any]) -> hl.Law | None:
+    """The contact law of a reference case, if it has one."""
+    if "youngs_modulus" in case:
+        names = ("youngs_modulus", "poisson_ratio", "dissipative_time")
+        return hl.Viscoelastic(**{name: case[name] for name in names})
+    if "stiffness" in case:
+        return hl.LinearDashpot(stiffness=case["stiffness"], restitution=case["restitution"])
+    return None
+
+
+def core_engine(kind: str, system: hl.ParticleSystem, law: hl.Law, **options: Any) -> _core.Engine:
+    """An engine of the core for a system."""
+    return _core.make_engine(kind, *engine_arguments(system), law=law_arguments(law), **options)
+
+
+def core_contact(law: hl.Law, mass: float = 1e-5, radius: float = 1e-3) -> _core.Contact:
+    """A contact with this effective mass and radius."""
+    return _core.make_contact(*law_arguments(law), mass, radius)
+
+
+def mean_free_time(system: hl.ParticleSystem) -> float:
+    """Enskog's time between two collisions of a particle of mean size [s]."""
+    radius, mass = float(system.radius.mean()), float(system.mass.mean())
+    gas = Gas(system.n, radius, mass, float(np.prod(system.box)), system.dimension)
+    return 1.0 / float(gas.collision_rate(system.granular_temperature))
+
+
+def linear_law(system: hl.ParticleSystem, duration: float, restitution: float) -> hl.LinearDashpot:
+    """The linear law under which a contact of two mean particles lasts this long [s]."""
+    soft = hl.LinearDashpot(stiffness=1.0, restitution=restitution)
+    ball = hl.Ball(float(system.radius.mean()), mass=float(system.mass.mean()))
+    return soft.replace(stiffness=(soft.between(ball, ball).duration() / duration) ** 2)
+
+
+def compiled(name: str, folder: Path) -> Path:
+    """The program made from the headers and tests/boxes/NAME.cpp."""
+    root, program = Path(__file__).resolve().parents[1], folder / name
+    flags = ["-std=c++20", "-O2", "-ffp-contract=off", "-Wno-psabi", "-pthread", f"-I{root / 'core'}"]
+    subprocess.run(["g++", *flags, str(root / f"tests/boxes/{name}.cpp"), "-o", str(program)], check=True)
+    return program
+
+
+#: Each rule of hard spheres and each engine of ours: the function and its arguments.
+LAW = hl.LinearDashpot(stiffness=1e4, restitution=0.8)
+RUNS: dict[str, tuple[Any, dict[str, Any]]] = {
+    "elastic": (hl.event_driven, {"restitution": 1.0}),
+    "constant": (hl.event_driven, {"restitution": 0.9}),
+    "tc": (hl.event_driven, {"restitution": 0.6, "rule": "tc", "contact_duration": 1e-3}),
+    "law": (hl.event_driven, {"law": LAW}),
+    "soft": (hl.event_driven, {"law": LAW, "rule": "soft"}),
+    "events": (hl.molecular_dynamics, {"law": LAW, "engine": "events"}),
+    "steps": (hl.molecular_dynamics, {"law": LAW, "engine": "steps", "time_step": 5e-5}),
+}
+
+
+def run(name: str, system: hl.ParticleSystem, until: float = 0.2, **options: Any) -> Any:
+    """The result of one of ``RUNS``."""
+    function, settings = RUNS[name]
+    return function(system, until=until, **settings, **options)
+
+
+def interrupt_at(call: int) -> Callable[[int, int], None]:
+    """A progress function that raises KeyboardInterrupt at this call, as Ctrl-C does."""
+    left = iter(range(1, call))
+
+    def progress(done: int, total: int) -> None:
+        assert 0 <= done <= total
+        if next(left, None) is None:
+            raise KeyboardInterrupt
+
+    return progress
 
 
 def box_of(edges: ArrayLike, periodic: ArrayLike, gravity: ArrayLike = 0.0, dimension: int = 0) -> _core.Box:

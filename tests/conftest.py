@@ -4,6 +4,7 @@ import csv
 import json
 import math
 import signal
+import subprocess
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -49,6 +50,23 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_configure(config: pytest.Config) -> None:
     global _few
     _few = "not slow" in config.option.markexpr
+
+
+def refusal(call: Callable[[], object]) -> str:
+    """The message of the ValueError that a call raises: one line."""
+    with pytest.raises(ValueError) as error:
+        call()
+    assert "\n" not in str(error.value)
+    return str(error.value)
+
+
+def output_of(program: str, folder: Path, *flags: str) -> str:
+    """Compile a program of the tests, such as ``contact/engagement.cpp``, in a folder; returns what it prints."""
+    headers = Path(__file__).parents[1] / "core"
+    common = ["-std=c++20", "-O2", "-ffp-contract=off", f"-I{headers}"]
+    built = str(folder / "program")
+    subprocess.run(["g++", *common, *flags, str(Path(__file__).parent / program), "-o", built], check=True)
+    return subprocess.run([built], capture_output=True, text=True, check=True).stdout
 
 
 def draws(most: int, **others: Any) -> Callable[[Callable[..., None]], Callable[..., None]]:

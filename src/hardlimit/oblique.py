@@ -23,8 +23,8 @@ Floats = NDArray[np.float64]
 #: Edge of the box over the distance of the centres at the first floor contact. No ball reaches a side wall.
 EDGE: Final = 20.0
 #: Duration of the first run over that of the sequence without offset. It is doubled until the balls have separated.
-LONGER: Final = 1.5
-MOST_DOUBLINGS: Final = 12
+FIRST_RUN: Final = 1.5
+MAX_DOUBLINGS: Final = 12
 #: Largest offset over the sum of the radii; beyond it the balls miss each other.
 LARGEST_OFFSET: Final = 0.99
 
@@ -40,11 +40,6 @@ class ObliqueDrop:
     -----
     Newton's equations (Eq. 14 of the paper) in the plane; each force acts along the line of centres.
 
-    Examples
-    --------
-    >>> drop = hl.oblique_drop(hl.Column.paper(gap=0.01), offset=1e-4)
-    >>> f"{drop.sideways_velocity * 1e3:.2f} mm/s, estimate {drop.estimate * 1e3:.2f}"
-    '8.24 mm/s, estimate 8.21'
     """
 
     column: Column  #: the same drop without offset
@@ -99,7 +94,7 @@ class ObliqueDrop:
     def __repr__(self) -> str:
         return (
             f"<ObliqueDrop by {self.offset:.4g} m: {self.sideways_velocity:.6g} m/s sideways, "
-            f"{math.degrees(self.throw_angle):.4g}°, {self.n_contacts} contacts>"
+            f"{math.degrees(self.throw_angle):.4g}°, ball–ball contacts: {self.n_contacts}>"
         )
 
 
@@ -113,10 +108,6 @@ def oblique_drop(column: Column, offset: float) -> ObliqueDrop:
         first floor contact, along the line of centres.
     offset : float [m]
         Horizontal distance of the centres, less than the sum of the radii.
-
-    Returns
-    -------
-    ObliqueDrop
 
     Raises
     ------
@@ -132,8 +123,9 @@ def oblique_drop(column: Column, offset: float) -> ObliqueDrop:
 
     Examples
     --------
-    >>> hl.oblique_drop(hl.Column.paper(gap=0.01), offset=1e-4)
-    <ObliqueDrop by 0.0001 m: 0.00823604 m/s sideways, 0.08012°, 1 contacts>
+    >>> drop = hl.oblique_drop(hl.Column.paper(gap=0.01), offset=1e-4)
+    >>> f"{drop.sideways_velocity * 1e3:.2f} mm/s, estimate {drop.estimate * 1e3:.2f}"
+    '8.24 mm/s, estimate 8.21'
     """
     if not isinstance(column, Column) or not column.floor or len(column.balls) != 2:
         raise ValueError(
@@ -145,20 +137,15 @@ def oblique_drop(column: Column, offset: float) -> ObliqueDrop:
         raise ValueError("column: got two velocities, must have one velocity for both balls")
     limit = LARGEST_OFFSET * sum(ball.radius for ball in column.balls)
     aside = validation.number("offset", offset, -limit, limit, lowest_allowed=True, highest_allowed=True)
-    return ObliqueDrop(column, aside, _until_parted(column, _start(column, aside)))
-
-
-def _distance(column: Column) -> float:
-    """Distance [m] of the centres at the first floor contact."""
-    return column.balls[0].radius + column.gaps[0] + column.balls[1].radius
+    return ObliqueDrop(column, aside, _until_separated(column, _start(column, aside)))
 
 
 def _start(column: Column, offset: float) -> ParticleSystem:
     """Both balls at the first floor contact, in a box whose side walls they do not reach."""
     lower, upper = column.balls
-    apart = _distance(column)
-    edge, speed = EDGE * apart, column.impact_speed
-    rise = math.sqrt((apart - offset) * (apart + offset))
+    distance = lower.radius + column.gaps[0] + upper.radius  # of the centres
+    edge, speed = EDGE * distance, column.impact_speed
+    rise = math.sqrt((distance - offset) * (distance + offset))
     return ParticleSystem(
         [[0.5 * edge, lower.radius], [0.5 * edge + offset, lower.radius + rise]],
         [[0.0, -speed], [0.0, -speed]],
@@ -170,18 +157,16 @@ def _start(column: Column, offset: float) -> ParticleSystem:
     )
 
 
-def _until_parted(column: Column, system: ParticleSystem) -> ContactResult:
+def _until_separated(column: Column, system: ParticleSystem) -> ContactResult:
     """Simulate until no contact is open and the gap grows."""
-    until = LONGER * _sequence(column)
-    for _ in range(MOST_DOUBLINGS):
-        run = molecular_dynamics(
-            system, law=column.laws[0], until=until, engine="events", samples=1, log=True
-        )
+    until, law = FIRST_RUN * _sequence(column), column.laws[0]
+    for _ in range(MAX_DOUBLINGS):
+        run = molecular_dynamics(system, law=law, until=until, engine="events", samples=1, log=True)
         if run.outcome_name != "ok":
             raise RuntimeError(f"oblique drop: {run.outcome}")
-        if _parted(run):
+        if _are_separated(run):
             return run
-        if _met_floor_again(run):
+        if _second_floor_contact(run):
             break
         until *= 2.0
     raise RuntimeError("oblique drop: the balls do not separate before the lower one meets the floor again")
@@ -197,19 +182,16 @@ def _sequence(column: Column) -> float:
     return max([contact, *known])
 
 
-def _parted(run: ContactResult) -> bool:
+def _are_separated(run: ContactResult) -> bool:
     """Whether the balls have met, no contact is open, and the gap grows."""
     (lower, upper), (v_lower, v_upper) = run.system.positions, run.system.velocities
     growing = float((upper - lower) @ (v_upper - v_lower)) > 0.0
     return bool(run.n_pairs) and run.n_ended == run.n_contacts and growing
 
 
-def _met_floor_again(run: ContactResult) -> bool:
+def _second_floor_contact(run: ContactResult) -> bool:
     """Whether the log has a floor contact of a later bounce, which begins long after the previous one."""
     log: Any = run.log
-    if log is None:
-        return False
     begin, end, _, second = log[:4]
-    floor = begin[second < 0], end[second < 0]
-    gaps = floor[0][1:] - floor[1][:-1]
-    return bool((gaps > 10.0 * (floor[1][0] - floor[0][0])).any())
+    begin, end = begin[second < 0], end[second < 0]
+    return bool((begin[1:] - end[:-1] > 10.0 * (end[0] - begin[0])).any())

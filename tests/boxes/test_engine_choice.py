@@ -9,9 +9,10 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import hardlimit as hl
+from box_engines import interrupt_at, linear_law, mean_free_time
 from command_line import printed, run
 from conftest import draws, lattice
-from hardlimit.boxes import engine_choice, theory, time_step
+from hardlimit.boxes import engine_choice, time_step
 from same_samples import same_samples
 
 LAW = hl.LinearDashpot(stiffness=1e5, restitution=0.9)
@@ -31,9 +32,7 @@ def bed(**given: Any) -> hl.ParticleSystem:
 
 def softened(system: hl.ParticleSystem, tc_nu: float, restitution: float = 0.9) -> hl.LinearDashpot:
     """The law softened to this initial t_c ν."""
-    rate = float(theory.gas(system).collision_rate(system.granular_temperature))
-    unit = hl.LinearDashpot(stiffness=1.0, restitution=restitution)
-    return unit.replace(stiffness=(unit.between(GRAIN, GRAIN).duration() * rate / tc_nu) ** 2)
+    return linear_law(system, tc_nu * mean_free_time(system), restitution)
 
 
 # --- choices ------------------------------------------------------------------------------------------------
@@ -56,7 +55,7 @@ def test_settling_disks_come_to_rest() -> None:
     )
     assert run.engine == "steps" and run.outcome == "ok" and run.energy_error < 1e-2
     assert run.series.kinetic_energy.values[-1] < 1e-3 * run.series.kinetic_energy.values[0]
-    assert 2.0 < engine_choice.lasting_contacts(run.system) < 6.0
+    assert 2.0 < engine_choice.open_contacts(run.system) < 6.0
     again = engine_choice.estimated(run.system, run.law, 1e-9)
     assert again.engine == "steps" and again.reason.startswith("contacts last, t_c ν = ")
 
@@ -108,10 +107,10 @@ def test_contacts_of_the_start_count_as_those_of_a_gas() -> None:
     start = gas(n=1000)
     law = softened(start, 0.2, 0.99)
     run = hl.molecular_dynamics(start, law=law, until=0.002, samples=1, engine="steps")
-    touching = engine_choice.lasting_contacts(run.system)
+    touching = engine_choice.open_contacts(run.system)
     assert touching == 2.0 * int(run.series.n_in_contact[-1]) / 1000
     assert touching == pytest.approx(0.2, rel=0.3)
-    assert engine_choice.lasting_contacts(start) == 0.0
+    assert engine_choice.open_contacts(start) == 0.0
 
 
 def test_overlaps_at_the_start_take_steps() -> None:
@@ -120,9 +119,9 @@ def test_overlaps_at_the_start_take_steps() -> None:
         np.column_stack([x.ravel(), y.ravel()]), np.zeros((100, 2)), 1e-3, density=2500.0, box=0.1,
         allowed_overlap=0.1,
     )  # fmt: skip
-    assert engine_choice.lasting_contacts(pile) == pytest.approx(2 * 180 / 100)
+    assert engine_choice.open_contacts(pile) == pytest.approx(2 * 180 / 100)
     engine, reason = engine_choice.estimated(pile, LAW, 1e-3)
-    assert engine == "steps" and "t_c ν = 3.6 by the contacts that last at the start" in reason
+    assert engine == "steps" and "t_c ν = 3.6 by the contacts that are open at the start" in reason
 
 
 @pytest.mark.parametrize("restitution", [0.3, 0.9])
@@ -181,14 +180,15 @@ def test_what_one_engine_alone_can_do_decides() -> None:
     narrow = hl.ParticleSystem([[1e-3, 1e-3]], [[1.0, 0.0]], 1e-3, 2500.0, box=[4.1e-3, 0.1])
     run = hl.molecular_dynamics(narrow, law=LAW, until=1e-3)
     assert run.engine == "steps" and run.engine_reason == (
-        "box: got 0.0041 m along periodic axis 0, must be >= 0.00420001 m, 4.2 largest radii, for engine 'events'"
+        "box: got 0.0041 m along x (periodic), must be >= 0.00420001 m for engine 'events', "
+        "4.2 times the largest radius"
     )
     for name, value in {"time_step": 1e-7, "restitution_error": 1e-2, "threads": 2}.items():
         run = hl.molecular_dynamics(lattice(27), law=LAW, until=1e-4, **{name: value})
-        assert (
-            run.engine == "steps" and run.engine_reason == f"{name} is given, which only engine steps takes"
-        )
-    with pytest.raises(ValueError, match="ranks: got 2, must be left out: only engine 'lammps' takes ranks"):
+        assert run.engine == "steps" and run.engine_reason == f"only engine steps accepts {name}"
+    with pytest.raises(
+        ValueError, match="ranks: got 2, must be left out with engine 'steps'; 'lammps' accepts it"
+    ):
         hl.molecular_dynamics(lattice(27), law=LAW, until=1e-4, ranks=2)
 
 
@@ -292,20 +292,12 @@ def test_a_checkpoint_goes_on_with_the_same_engine(tmp_path: Any) -> None:
     """A resumed run keeps its engine even if its current state would choose the other one; also after Ctrl-C."""
     start, law, path = bed(n=100), hl.LinearDashpot(stiffness=1e4, restitution=0.7), tmp_path / "run"
     whole = hl.molecular_dynamics(start, law=law, until=0.1, samples=10)
-    told = []
-
-    def interrupt(done: int, total: int) -> None:
-        told.append(done)
-        if len(told) == 3:
-            raise KeyboardInterrupt
-
     with pytest.raises(KeyboardInterrupt):
-        hl.molecular_dynamics(start, law=law, until=0.1, samples=10, checkpoint=path, progress=interrupt)
+        hl.molecular_dynamics(
+            start, law=law, until=0.1, samples=10, checkpoint=path, progress=interrupt_at(3)
+        )
     found = hl.resume(path)
-    assert (found.engine, found.engine_reason) == (
-        whole.engine,
-        whole.engine_reason,
-    ) and whole.engine == "steps"
+    assert found.engine == whole.engine == "steps" and found.engine_reason == whole.engine_reason
     assert same_samples(found, whole)
     first = hl.molecular_dynamics(start, law=law, until=1e-3, samples=10, checkpoint=path)
     later = hl.resume(path, until=2e-3)

@@ -4,22 +4,13 @@ import numpy as np
 import pytest
 
 import hardlimit as hl
+from box_engines import LAW, RUNS, run
 from hardlimit.boxes import hard_spheres, newton, rules
 from hardlimit.boxes.engines import NewtonSettings
-from hardlimit.boxes.run import Keeping
+from hardlimit.boxes.run import Output
 from same_samples import same_samples
 
-LAW = hl.LinearDashpot(stiffness=1e4, restitution=0.8)
 G = np.array([0.3, -9.81, 2.0])
-RUNS = {
-    "elastic": (hl.event_driven, {"restitution": 1.0}),
-    "constant": (hl.event_driven, {"restitution": 0.9}),
-    "tc": (hl.event_driven, {"restitution": 0.6, "rule": "tc", "contact_duration": 1e-3}),
-    "law": (hl.event_driven, {"law": LAW}),
-    "soft": (hl.event_driven, {"law": LAW, "rule": "soft"}),
-    "events": (hl.molecular_dynamics, {"law": LAW, "engine": "events"}),
-    "steps": (hl.molecular_dynamics, {"law": LAW, "engine": "steps", "time_step": 5e-5}),
-}
 every_run = pytest.mark.parametrize("name", RUNS)
 
 
@@ -28,11 +19,6 @@ def grains(seed=1, boundary="periodic", gravity=0.0):
         12, packing_fraction=0.15, radius=(0.006, 0.01), density=2500.0, rms_speed=0.5, seed=seed,
         boundary=boundary, gravity=gravity,
     )  # fmt: skip
-
-
-def run(name, system, until, **options):
-    function, settings = RUNS[name]
-    return function(system, until=until, **settings, **options)
 
 
 @pytest.mark.parametrize("boundary", ["periodic", ("wall", "periodic", "periodic")], ids=["free", "a wall"])
@@ -79,11 +65,11 @@ def events_of(name, until):
     system = grains(4, gravity=[0.0, 0.0, -9.81])
     if name in ("events", "steps"):
         step = RUNS[name][1].get("time_step")
-        whole = newton.start(name, system, NewtonSettings(LAW), until, Keeping(1), step)
+        whole = newton.start(name, system, NewtonSettings(LAW), until, Output(1), step)
     else:
         given = dict.fromkeys(("law", "restitution", "rule", "contact_duration")) | RUNS[name][1]
         settings = rules.checked_settings(**given)
-        whole = hard_spheres.start(system, settings, hard_spheres.End(until, None), Keeping(1))
+        whole = hard_spheres.start(system, settings, hard_spheres.End(until, None), Output(1))
     whole.run(lambda done, total: None)
     return whole.engine.compiled.statistics()["n_lists" if name == "steps" else "n_events"]
 

@@ -1,19 +1,15 @@
 """A law with friction and a history for each contact (tests/boxes/friction.cpp) in the time-stepping engine."""
 
 import subprocess
-from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[2]
+from box_engines import compiled
 
 
 @pytest.fixture(scope="module")
 def ask(tmp_path_factory):
-    made = tmp_path_factory.mktemp("friction") / "friction"
-    flags = ["-std=c++20", "-O2", "-ffp-contract=off", "-Wno-psabi", "-pthread", f"-I{ROOT / 'core'}"]
-    source = ROOT / "tests" / "boxes" / "friction.cpp"
-    subprocess.run(["g++", *flags, str(source), "-o", str(made)], check=True)
+    made = compiled("friction", tmp_path_factory.mktemp("friction"))
 
     def ask(word):
         done = subprocess.check_output([made, word], text=True, timeout=120)

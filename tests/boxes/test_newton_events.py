@@ -1,6 +1,5 @@
 """The event-driven engine for Newton's equations: reference systems, columns, balances, saved states, clusters."""
 
-import json
 import math
 import subprocess
 from collections import defaultdict
@@ -13,12 +12,20 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import hardlimit as hl
-from conftest import DATA, draws
+from box_engines import (
+    REFERENCE,
+    compiled,
+    core_engine,
+    linear_law,
+    mean_free_time,
+    reference_law,
+    reference_system,
+)
+from conftest import draws
 from hardlimit import _core
-from hardlimit.boxes.falling_frame import engine_arguments, law_arguments
-from hardlimit.boxes.theory import Gas
+from hardlimit.boxes.contacts import law_arguments
+from hardlimit.boxes.falling_frame import engine_arguments
 
-REFERENCE = json.loads((DATA / "grains.json").read_text(encoding="utf-8"))
 CASES = [(kind, k) for kind in ("newton", "dilute") for k in range(len(REFERENCE[kind]))]
 LAWS = [
     hl.LinearDashpot(stiffness=2000.0, restitution=0.8),
@@ -29,20 +36,14 @@ LAWS = [
 ]
 
 
-def law_of(case: dict[str, Any]) -> hl.Law:
-    if case["law"] == "linear":
-        return hl.LinearDashpot(stiffness=case["stiffness"], restitution=case["restitution"])
-    names = ("youngs_modulus", "poisson_ratio", "dissipative_time")
-    return hl.Viscoelastic(**{name: case[name] for name in names})
-
-
-def system_of(case: dict[str, Any]) -> hl.ParticleSystem:
-    names = ("positions", "velocities", "radius", "mass", "box", "boundary", "gravity")
-    return hl.ParticleSystem(**{name: case[name] for name in names})
-
-
 def by_events(*system: hl.ParticleSystem, **options: Any) -> hl.ContactResult:
     return hl.molecular_dynamics(*system, **({"engine": "events"} | options))
+
+
+def by_small_steps(system: hl.ParticleSystem, **options: Any) -> hl.ContactResult:
+    """The same by small steps on one thread."""
+    usual = {"engine": "steps", "log": True, "samples": 1, "threads": 1}
+    return hl.molecular_dynamics(system, **(usual | options))
 
 
 def rows(run: Any) -> list[tuple[Any, ...]]:
@@ -64,7 +65,7 @@ def random_system(seed: int, *, n: int, phi: float, d: int, boundary: Any, mixed
 def test_reference_boxes(kind: str, k: int) -> None:
     """Every contact of the reference, and the state at its end."""
     case = REFERENCE[kind][k]
-    run = by_events(system_of(case), law=law_of(case), until=case["until"], log=True, samples=7)
+    run = by_events(reference_system(case), law=reference_law(case), until=case["until"], log=True, samples=7)
     assert run.outcome == "ok"
     wanted = sorted(map(tuple, case["contacts"]))
     found = rows(run)
@@ -143,8 +144,7 @@ def test_balances_of_random_boxes(
     ):
         assert not late or pair in seen
         seen.add(pair)
-    share = _overlapped(run)
-    assert share == run.contacts.overlapped.values.tolist()
+    assert _overlapped(run) == run.contacts.overlapped.values.tolist()
 
 
 def _overlapped(run: Any) -> list[bool]:
@@ -178,9 +178,7 @@ def test_small_steps_find_the_same_contacts(seed: int) -> None:
     exact = by_events(system, law=law, until=1e-3, log=True, samples=2)
     errors = []
     for step in (8e-7, 4e-7, 1e-7, 5e-8):
-        near = hl.molecular_dynamics(
-            system, law=law, until=1e-3, engine="steps", time_step=step, log=True, samples=2, threads=1
-        )
+        near = by_small_steps(system, law=law, until=1e-3, time_step=step, samples=2)
         errors.append(np.abs(near.system.velocities - exact.system.velocities).max())
     assert [row[2:] for row in rows(near)] == [row[2:] for row in rows(exact)]
     # The error depends on where between two steps a contact begins, which is random.
@@ -197,15 +195,11 @@ def frequent(seed: int) -> tuple[hl.ParticleSystem, hl.Law, float, float]:
         density=2500.0, rms_speed=1.0, dimension=d, seed=seed, boundary="wall" if wall else "periodic",
         gravity=9.81 if wall else 0.0,
     )  # fmt: skip
-    radius, mass = float(system.radius.mean()), float(system.mass.mean())
-    gas = Gas(system.n, radius, mass, float(np.prod(system.box)), d)
-    wait = 1.0 / float(gas.collision_rate(system.granular_temperature))
+    radius, mass, wait = float(system.radius.mean()), float(system.mass.mean()), mean_free_time(system)
     duration, ball = wait * 10.0 ** random.uniform(-2.0, math.log10(0.3)), hl.Ball(radius, mass=mass)
     duration = min(duration, 0.25 * radius)  # at 1 m/s
     if linear:
-        soft = hl.LinearDashpot(stiffness=1.0, restitution=random.uniform(0.6, 1.0))
-        stiffness = (soft.between(ball, ball).duration() / duration) ** 2
-        return system, soft.replace(stiffness=stiffness), wait, duration
+        return system, linear_law(system, duration, random.uniform(0.6, 1.0)), wait, duration
     elastic = hl.Viscoelastic(youngs_modulus=1e7, poisson_ratio=0.3, dissipative_time=0.0)
     modulus = 1e7 * (elastic.between(ball, ball).duration(1.0) / duration) ** 2.5
     return system, elastic.replace(youngs_modulus=modulus, dissipative_time=0.05 * duration), wait, duration
@@ -226,12 +220,7 @@ def test_no_contact_is_missed(seed: int) -> None:
     never."""
     system, law, wait, duration = frequent(seed)
     exact = begins(by_events(system, law=law, until=1.5 * wait, log=True, samples=1))
-    near = begins(
-        hl.molecular_dynamics(
-            system, law=law, until=1.5 * wait, engine="steps", restitution_error=1e-6, log=True, samples=1,
-            threads=1,
-        )
-    )  # fmt: skip
+    near = begins(by_small_steps(system, law=law, until=1.5 * wait, restitution_error=1e-6))
     assert {pair: len(times) for pair, times in exact.items()} == {pair: len(t) for pair, t in near.items()}
     # Errors grow with each contact.
     worst = max(
@@ -248,7 +237,7 @@ def test_no_path_leaves_its_safety_radius(law: hl.Law, boundary: str) -> None:
     used = []
     for seed in range(6):
         system = random_system(seed, n=60, phi=0.35, d=2 + seed % 2, boundary=boundary, mixed=seed > 2)
-        run = _core.make_engine("newton_events", *engine_arguments(system), law=law_arguments(law))
+        run = core_engine("newton_events", system, law)
         for k in range(1, 40):
             run.advance(4e-5 * k)
             used.append(run.largest_safety_use(29))
@@ -262,10 +251,8 @@ def test_energy_over_many_contacts(phi: float) -> None:
     system = hl.ParticleSystem.random(
         n=1000, packing_fraction=phi, radius=1e-3, density=2500.0, rms_speed=1.0, seed=1
     )
-    gas = Gas(system.n, 1e-3, float(system.mass[0]), float(np.prod(system.box)), 3)
-    wait = 1.0 / float(gas.collision_rate(system.granular_temperature))
-    soft, ball = hl.LinearDashpot(stiffness=1.0, restitution=0.99), hl.Ball(1e-3, mass=float(system.mass[0]))
-    law = soft.replace(stiffness=(soft.between(ball, ball).duration() / (0.03 * wait)) ** 2)
+    wait = mean_free_time(system)
+    law = linear_law(system, 0.03 * wait, 0.99)
     run = by_events(system, law=law, until=300.0 * wait, samples=20)
     assert run.outcome == "ok" and run.n_contacts > 80_000
     assert run.energy_error < 1e-10
@@ -273,10 +260,8 @@ def test_energy_over_many_contacts(phi: float) -> None:
 
 def printed_by(name: str, folder: Path) -> list[str]:
     """Output of a program compiled from the headers."""
-    root, program = Path(__file__).resolve().parents[2], folder / name
-    flags = ["-std=c++20", "-O2", "-ffp-contract=off", "-Wno-psabi", f"-I{root / 'core'}"]
-    subprocess.run(["g++", *flags, str(root / f"tests/boxes/{name}.cpp"), "-o", str(program)], check=True)
-    return subprocess.run([str(program)], capture_output=True, text=True, check=True).stdout.split()
+    program = str(compiled(name, folder))
+    return subprocess.run([program], capture_output=True, text=True, check=True).stdout.split()
 
 
 @pytest.mark.slow
@@ -336,9 +321,7 @@ def test_no_wall_is_missed(seed: int) -> None:
     )  # fmt: skip
     until = 3e-3 * radius / slow + 2.0 * duration
     run = by_events(system, law=law, until=until, log=True, samples=1)
-    near = hl.molecular_dynamics(
-        system, law=law, until=until, engine="steps", restitution_error=1e-6, log=True, samples=1, threads=1
-    )
+    near = by_small_steps(system, law=law, until=until, restitution_error=1e-6)
     assert run.outcome == "ok" and run.energy_error < 1e-9
     found, expected = begins(run), begins(near)
     assert {pair: len(times) for pair, times in found.items()} == {p: len(t) for p, t in expected.items()}
@@ -375,16 +358,13 @@ def test_a_wall_beside_a_contact(law: hl.Law, axis: int, high: bool) -> None:
             boundary="wall",
         )  # fmt: skip
         run = by_events(system, law=law, until=4.0 * duration, log=True, samples=1)
-        near = hl.molecular_dynamics(
-            system, law=law, until=4.0 * duration, engine="steps", restitution_error=1e-6, log=True, samples=1,
-            threads=1,
-        )  # fmt: skip
+        near = by_small_steps(system, law=law, until=4.0 * duration, restitution_error=1e-6)
         assert [row[2:] for row in rows(run)] == [row[2:] for row in rows(near)]
         assert rows(run)[1][3] == -1 - 2 * axis - high
         for row, other in zip(rows(run), rows(near), strict=True):
             assert row[:2] == pytest.approx(other[:2], abs=2e-4 * duration, nan_ok=True)
         assert run.energy_error < 1e-11
-        engine = _core.make_engine("newton_events", *engine_arguments(system), law=law_arguments(law))
+        engine = core_engine("newton_events", system, law)
         engine.advance(4.0 * duration)
         clustered.append(engine.statistics()["cluster_share"] > 0.0)
     assert clustered == [True, True, True, True, False]
@@ -412,10 +392,7 @@ def test_the_order_within_cells_does_not_matter() -> None:
     """A cell lists bodies by arrival, after loading by index. In this box several bodies come near a group at the same
     instant."""
     system = random_system(5, n=3000, phi=0.3, d=3, boundary="periodic", mixed=False)
-    whole, saved = (
-        _core.make_engine("newton_events", *engine_arguments(system), law=law_arguments(LAWS[0]))
-        for _ in range(2)
-    )
+    whole, saved = (core_engine("newton_events", system, LAWS[0]) for _ in range(2))
     for k in range(1, 7):
         for run in (whole, saved):
             run.advance(0.25e-3 * k)
@@ -496,27 +473,6 @@ def test_masses_and_speeds_far_apart(seed: int, law: hl.Law, heavy: float, slow:
     assert run.outcome == "ok" and run.energy_error < 1e-8
     scale = float((mass * np.linalg.norm(system.velocities, axis=1)).sum())
     assert np.abs(run.system.momentum - system.momentum).max() <= 1e-11 * max(scale, 1e-300)
-
-
-def test_ctrl_c_leaves_a_checkpoint(tmp_path: Any) -> None:
-    """Interrupted during its progress report, a run resumes with the bits of an uninterrupted run."""
-    system = random_system(9, n=300, phi=0.3, d=3, boundary="periodic", mixed=False)
-    options: dict[str, Any] = {"law": LAWS[0], "until": 4e-3, "samples": 40, "log": True}
-    whole = by_events(system, **options)
-    asked = 0
-
-    def interrupt(done: int, total: int) -> None:
-        nonlocal asked
-        asked += 1
-        assert 0 <= done <= total
-        if asked == 9:
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        by_events(system, **options, checkpoint=tmp_path / "run", progress=interrupt)
-    resumed = hl.resume(tmp_path / "run")
-    assert np.array_equal(whole.system.positions, resumed.system.positions)
-    assert whole.series.equals(resumed.series) and whole.contacts.equals(resumed.contacts)
 
 
 def stored(system: hl.ParticleSystem, law: hl.Law) -> float:
@@ -634,10 +590,8 @@ def test_a_cluster_loses_separated_bodies() -> None:
     system = hl.ParticleSystem.random(
         n=4000, packing_fraction=0.3, radius=1e-3, density=2500.0, rms_speed=1.0, seed=1
     )
-    gas = Gas(system.n, 1e-3, float(system.mass[0]), float(np.prod(system.box)), 3)
-    wait = 1.0 / float(gas.collision_rate(system.granular_temperature))
-    soft, ball = hl.LinearDashpot(stiffness=1.0, restitution=0.95), hl.Ball(1e-3, mass=float(system.mass[0]))
-    law = soft.replace(stiffness=(soft.between(ball, ball).duration() / (0.4 * wait)) ** 2)
+    wait = mean_free_time(system)
+    law = linear_law(system, 0.4 * wait, 0.95)
     run = by_events(system, law=law, until=2.0 * wait, samples=2)
     assert run.outcome == "ok" and run.energy_error < 1e-11
     assert run.largest_cluster is not None and run.largest_cluster < 60
@@ -663,9 +617,7 @@ def test_a_long_row_meets_a_wall(gap: float) -> None:
     assert run.energy_error < 1e-11
     assert run.series.n_in_contact.values.max() > 0.9 * count
     coarse, fine = (
-        hl.molecular_dynamics(
-            system, law=law, until=until, engine="steps", time_step=step * duration, samples=10, threads=1
-        )
+        by_small_steps(system, law=law, until=until, time_step=step * duration, samples=10)
         for step in (0.04, 0.02)
     )
     # Steps are of second order, with errors up to 1e-4 for the coarse ones.
@@ -709,10 +661,10 @@ def test_a_contact_is_not_over_before_its_end(law: hl.Law) -> None:
     )  # fmt: skip
     contacts = by_events(system, law=law, until=0.02, log=True).contacts
     begin, end = float(contacts.begin[0]), float(contacts.end[0])
-    run = _core.make_engine("newton_events", *engine_arguments(system), law=law_arguments(law))
+    run = core_engine("newton_events", system, law)
     run.advance(end)
     place, velocity = run.state()
-    run = _core.make_engine("newton_events", *engine_arguments(system), law=law_arguments(law))
+    run = core_engine("newton_events", system, law)
     for left in np.geomspace(0.1, 1e-5, 200) * (end - begin):
         run.advance(end - left)
         off = np.abs(run.state()[0] - (place - left * velocity)).max()
@@ -758,9 +710,7 @@ def test_a_swinging_body_is_hit(radius: float) -> None:
         )  # fmt: skip
         until = gap / speed + 7.3 / frequency
         run = by_events(system, law=law, until=until, samples=2)
-        near = hl.molecular_dynamics(
-            system, law=law, until=until, samples=2, engine="steps", time_step=0.002 / frequency, threads=1
-        )
+        near = by_small_steps(system, law=law, until=until, samples=2, time_step=0.002 / frequency)
         off = np.abs(run.system.positions - near.system.positions).max() * frequency / speed
         assert run.n_contacts == near.n_contacts and off < 1e-3, k
 
@@ -888,7 +838,7 @@ def test_no_cluster_lasts_thousands_of_contacts() -> None:
         youngs_modulus=1461187.2764150028, poisson_ratio=-0.42205882357666269,
         restitution=0.0012087957959949248, impact_speed=0.012087957959949241,
     )  # fmt: skip
-    run = _core.make_engine("newton_events", *engine_arguments(system), law=law_arguments(law), log=True)
+    run = core_engine("newton_events", system, law, log=True)
     run.advance(6e4)
     assert run.outcome == "ok" and run.n_logged > 50
     assert len(run.open_contacts()["begin"]) < 20  # of the cluster that still lasts
@@ -903,14 +853,9 @@ def test_a_contact_continues_where_positions_round(bodies: int, restitution: flo
     law = hl.LinearDashpot(stiffness=9999999957.1110401, restitution=restitution)
     at = 1.9818533023046106e-4
     places = [[0.5 * edge, at, at], [at, at, 0.5 * edge]][:bodies]
-    start = hl.ParticleSystem(
-        positions=places,
-        velocities=[[0.0, 0.0, speed], [speed, 0.0, 0.0]][:bodies],
-        radius=radius,
-        mass=mass,
-        box=[edge, 2.1 * edge, edge],
-        boundary=["wall", "periodic", "wall"],
-    )
+    moving = [[0.0, 0.0, speed], [speed, 0.0, 0.0]][:bodies]
+    box, sides = [edge, 2.1 * edge, edge], ["wall", "periodic", "wall"]
+    start = hl.ParticleSystem(places, moving, radius, mass=mass, box=box, boundary=sides)
     duration = law.between(hl.Ball(radius, mass=mass), hl.FLOOR).duration()
     gap = edge - radius - at
     for share in (0.01, 0.3, 0.5, 0.9, 1.5):
@@ -962,11 +907,10 @@ def test_a_ball_that_comes_to_rest_on_the_floor_stays_there() -> None:
     [
         (
             {"time_step": 1e-7},
-            "time_step: got 1e-07, must be left out: only engines 'steps' and 'lammps' take",
+            "time_step: got 1e-07, must be left out with engine 'events'; 'steps' or 'lammps' accepts it",
         ),
         ({"restitution_error": 1e-3}, "restitution_error: got 0.001, must be left out"),
         ({"threads": 2}, "threads: got 2, must be left out"),
-        ({"engine": "leaps"}, "engine: got 'leaps', must be"),
     ],
 )
 def test_bad_input_is_refused_in_one_line(given: dict[str, Any], message: str) -> None:
@@ -977,10 +921,6 @@ def test_bad_input_is_refused_in_one_line(given: dict[str, Any], message: str) -
 
 
 def test_a_box_where_images_meet_is_refused() -> None:
-    system = hl.ParticleSystem(
-        positions=[[1e-3, 1e-3]], velocities=[[1.0, 0.0]], radius=1e-3, density=2500.0, box=[4.1e-3, 0.1]
-    )
-    with pytest.raises(
-        ValueError, match=r"box: got 0\.0041 m along periodic axis 0, must be >= 0\.00420001 m"
-    ):
+    system = hl.ParticleSystem([[1e-3, 1e-3]], [[1.0, 0.0]], radius=1e-3, density=2500.0, box=[4.1e-3, 0.1])
+    with pytest.raises(ValueError, match=r"box: got 0\.0041 m along x \(periodic\), must be >= 0\.0042"):
         by_events(system, law=LAWS[0], until=1e-3)

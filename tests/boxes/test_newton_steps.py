@@ -2,7 +2,6 @@
 
 import functools
 import itertools
-import json
 import math
 
 import numpy as np
@@ -11,36 +10,23 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import hardlimit as hl
-from conftest import DATA, damped, draws, lattice, law_of, laws, log_floats, restitutions, slow
+from box_engines import REFERENCE, core_contact, core_engine, interrupt_at, reference_law, reference_system
+from conftest import damped, draws, lattice, law_of, laws, log_floats, restitutions, slow
 from hardlimit import _core
-from hardlimit.boxes import time_step
-from hardlimit.boxes.falling_frame import engine_arguments, law_arguments, present
+from hardlimit.boxes import contacts, time_step
+from hardlimit.boxes.falling_frame import system_at
 
 molecular_dynamics = functools.partial(hl.molecular_dynamics, engine="steps")
 
-CASES = json.loads((DATA / "grains.json").read_text(encoding="utf-8"))
-BOXES = CASES["newton"] + CASES["dilute"]
+BOXES = REFERENCE["newton"] + REFERENCE["dilute"]
 GLASS = hl.LinearDashpot(stiffness=1e5, restitution=0.9)
 
 
 ENERGIES = ("kinetic_energy", "potential_energy", "contact_energy", "dissipated_energy")
 
 
-def system_of(case):
-    """The initial state of a reference case."""
-    names = ("positions", "velocities", "radius", "mass", "box", "boundary", "gravity")
-    return hl.ParticleSystem(**{name: case[name] for name in names})
-
-
-def law_of_case(case):
-    if case["law"] == "linear":
-        return hl.LinearDashpot(stiffness=case["stiffness"], restitution=case["restitution"])
-    names = ("youngs_modulus", "poisson_ratio", "dissipative_time")
-    return hl.Viscoelastic(**{name: case[name] for name in names})
-
-
 def shortest_contact(system, law, speed):
-    return min(c.duration(np.array([speed]))[0] for c in time_step.contacts(system, law))
+    return min(c.duration(np.array([speed]))[0] for c in contacts.of_kinds(system, law))
 
 
 def by_steps(system, law, until, per_contact, samples=1, **options):
@@ -61,9 +47,7 @@ def order_of(errors):
 
 
 def engine_of(system, law, step, log=True):
-    return _core.make_engine(
-        "newton_steps", *engine_arguments(system), law=law_arguments(law), time_step=step, log=log
-    )
+    return core_engine("newton_steps", system, law, time_step=step, log=log)
 
 
 def everything(engine):
@@ -87,25 +71,10 @@ def displacement(end, start, system):
 # --- one contact --------------------------------------------------------------------------------------------
 
 
-def contact_of(law, mass=1e-5, radius=1e-3):
-    parameters = list(law.parameters.values())
-    return _core.make_contact(law.record["name"], law.alternative, parameters, mass, radius)
-
-
-@pytest.mark.parametrize("restitution", [0.95, 0.7, 0.3])
-@pytest.mark.parametrize("name", sorted(hl.LAWS))
-def test_the_restitution_is_of_second_order(name, restitution):
-    contact = contact_of(law_of(name, restitution))
-    duration = contact.duration(np.array([1.0]))[0]
-    errors = [_core.step_errors(contact, 1.0, duration / n)[0] for n in (50, 100, 200, 400, 800)]
-    order = np.polyfit(np.log([1, 2, 4, 8, 16]), -np.log(errors), 1)[0]
-    assert 1.85 < order < 2.4 and errors[0] < 1e-3
-
-
 @given(law=laws(), speed=log_floats(0.03, 30.0), error=log_floats(1e-6, 1e-2))
 @settings(max_examples=40)
 def test_the_longest_step_keeps_to_the_error(law, speed, error):
-    contact = contact_of(law)
+    contact = core_contact(law)
     step = _core.longest_step(contact, speed, error)
     assert max(_core.step_errors(contact, speed, step)) <= error
     assert step <= contact.duration(np.array([speed]))[0] / 10.0
@@ -184,13 +153,14 @@ def test_a_pair_that_keeps_a_hundredth_of_its_speed_dissipates_its_energy(law):
 
 
 @pytest.mark.parametrize("name", sorted(hl.LAWS))
-@pytest.mark.parametrize("restitution", [0.01, math.exp(-2.0), 0.9])
+@pytest.mark.parametrize("restitution", [0.01, math.exp(-2.0), 0.3, 0.7, 0.9, 0.95])
 def test_every_error_of_a_contact_is_of_second_order(name, restitution):
-    contact = contact_of(law_of(name, restitution))
+    contact = core_contact(law_of(name, restitution))
     duration = contact.duration(np.array([1.0]))[0]
     errors = [_core.step_errors(contact, 1.0, duration / n) for n in (50, 100, 200, 400, 800)]
     order = np.polyfit(np.log([1, 2, 4, 8, 16]), -np.log(errors), 1)[0]
     assert (order > 1.8).all() and max(errors[0]) < 1.1e-3
+    assert restitution < 0.2 or (1.85 < order[0] < 2.4 and errors[0][0] < 1e-3)  # of ε
 
 
 def test_strongly_damped_contacts_of_a_dense_packing_are_stable():
@@ -215,7 +185,7 @@ def test_strongly_damped_contacts_of_a_dense_packing_are_stable():
 @pytest.mark.parametrize("case", range(len(BOXES)))
 def test_reference_cases(case):
     case = BOXES[case]
-    system, law = system_of(case), law_of_case(case)
+    system, law = reference_system(case), reference_law(case)
     rms = math.sqrt((system.velocities**2).sum(axis=1).mean())
     errors = []
     for per_contact in STEPS:
@@ -230,13 +200,8 @@ def test_reference_cases(case):
         moved = displacement(run.system.positions, np.array(case["end_positions"]), system)
         position = np.abs(moved).max() / system.radius.min()
         velocity = np.abs(run.system.velocities - case["end_velocities"]).max() / rms
-        energy = (
-            abs(
-                (run.samples["kinetic_energy"] + run.samples["potential_energy"])[-1]
-                - case["mechanical_energy"]
-            )
-            / case["mechanical_energy"]
-        )
+        energy = (run.samples["kinetic_energy"] + run.samples["potential_energy"])[-1]
+        energy = abs(energy / case["mechanical_energy"] - 1.0)
         errors.append([begin / case["until"], end / case["until"], position, velocity, energy])
     assert (np.array(errors)[-1] < 1e-4).all()
     assert order_of(errors) > 1.8
@@ -245,17 +210,12 @@ def test_reference_cases(case):
 def column_in_a_box(column, top):
     """A column of balls as disks between a floor and a distant ceiling, without lateral motion."""
     radii = np.array([ball.radius for ball in column.balls])
-    heights = column.height + np.concatenate(
-        [[0.0], np.cumsum(radii[:-1] + np.array(column.gaps) + radii[1:])]
-    )
+    heights = column.height + np.append(0.0, np.cumsum(radii[:-1] + np.array(column.gaps) + radii[1:]))
     at = np.stack([np.full(len(radii), 2.0 * radii.max()), heights], axis=1)
     velocities = np.stack([np.zeros(len(radii)), np.array(column.velocities)], axis=1)
     mass = [ball.mass for ball in column.balls]
-    box = [4.0 * radii.max(), top]
-    g = column.gravity
-    return hl.ParticleSystem(
-        at, velocities, radii, mass=mass, box=box, boundary=("periodic", "wall"), gravity=g
-    )
+    shape = {"box": [4.0 * radii.max(), top], "boundary": ("periodic", "wall"), "gravity": column.gravity}
+    return hl.ParticleSystem(at, velocities, radii, mass=mass, **shape)
 
 
 @pytest.mark.parametrize("name", sorted(hl.LAWS))
@@ -289,15 +249,10 @@ def crowded(seed, dimension):
     points = np.stack(np.meshgrid(*[np.arange(3)] * dimension, indexing="ij"), -1).reshape(-1, dimension)
     at = (rng.permutation(points)[:9] + 0.5) * 2.15e-3
     at += rng.uniform(-0.07e-3, 0.07e-3, at.shape)
-    return hl.ParticleSystem(
-        at,
-        0.3 * rng.normal(size=at.shape),
-        1e-3 * 1.3 ** -rng.random(len(at)),
-        density=2500.0,
-        box=[6.45e-3] * dimension,
-        boundary=[("periodic", "wall")[seed >> axis & 1] for axis in range(dimension)],
-        gravity=[9.81 * (seed & 1), *[0.0] * (dimension - 1)],
-    )
+    velocities, radius = 0.3 * rng.normal(size=at.shape), 1e-3 * 1.3 ** -rng.random(len(at))
+    box, gravity = [6.45e-3] * dimension, [9.81 * (seed & 1), *[0.0] * (dimension - 1)]
+    sides = [("periodic", "wall")[seed >> axis & 1] for axis in range(dimension)]
+    return hl.ParticleSystem(at, velocities, radius, 2500.0, box=box, boundary=sides, gravity=gravity)
 
 
 @pytest.mark.parametrize("restitution", [math.exp(-2.0), *map(slow, (0.01, 0.03, 0.3, 0.6, 0.9))])
@@ -344,15 +299,9 @@ def boxes(draw, most=40):
     free = 0.499 * edge - 1e-3
     at = (points + 0.5) * edge + rng.uniform(-free, free, points.shape)
     gravity = draw(st.sampled_from([0.0, 9.81])) * rng.normal(size=dimension)
-    return hl.ParticleSystem(
-        at,
-        rng.normal(size=points.shape),
-        1e-3 * spread ** -rng.random(len(points)),
-        density=2500.0,
-        box=[c * edge for c in cells],
-        boundary=boundary,
-        gravity=gravity,
-    )
+    velocities, radius = rng.normal(size=points.shape), 1e-3 * spread ** -rng.random(len(points))
+    box = [c * edge for c in cells]
+    return hl.ParticleSystem(at, velocities, radius, 2500.0, box=box, boundary=boundary, gravity=gravity)
 
 
 def overlaps(system):
@@ -385,7 +334,7 @@ def test_no_contact_is_missed(system, name, stiff):
         engine.advance(k * 2e-4)
         open_now = engine.open_contacts()
         listed = set(zip(open_now["first"].tolist(), open_now["second"].tolist(), strict=True))
-        now = present(system, engine.time, engine.state())
+        now = system_at(system, engine.time, engine.state())
         assert listed == overlaps(now)
         assert engine.observe()["n_in_contact"] == len(listed)
 
@@ -445,15 +394,8 @@ def test_who_becomes_fast_between_two_meetings_of_the_threads_changes_no_bit(see
     sides = {"boundary": ("periodic", "wall")[seed // 2], "gravity": 9.81 * (seed % 3)}
     calm = lattice(700, dimension, seed=seed, spread=1.3, **sides)
     large = np.where(rng.random(calm.n) < 0.03, (1.8, 1.7)[seed == 3], 1.0) * calm.radius
-    system = hl.ParticleSystem(
-        calm.positions,
-        (0.0, 1e-3)[seed // 2] * calm.velocities,
-        large,
-        density=2500.0,
-        box=calm.box,
-        allowed_overlap=0.9,
-        **sides,
-    )
+    slow, shape = (0.0, 1e-3)[seed // 2] * calm.velocities, {"box": calm.box, "allowed_overlap": 0.9}
+    system = hl.ParticleSystem(calm.positions, slow, large, density=2500.0, **shape, **sides)
     step = 2e-6 * math.sqrt(1e5 / stiffness)
     found = set()
     for threads in (1, 2, 3, 8):
@@ -556,22 +498,13 @@ def test_series_and_repr():
         _ = run.contacts
 
 
-def test_checkpoints_go_on_with_the_same_bits(tmp_path):
+@pytest.mark.parametrize("engine", ["events", "steps"])
+def test_an_interrupted_run_goes_on_with_the_same_bits(tmp_path, engine):
     system, path = lattice(100, seed=7), tmp_path / "run.npz"
-    whole = molecular_dynamics(system, law=GLASS, until=2e-3, log=True, samples=20)
-    asked = 0
-
-    def interrupt(done, total):
-        nonlocal asked
-        asked += 1
-        assert 0 < done <= total
-        if asked == 9:
-            raise KeyboardInterrupt
-
+    options = {"law": GLASS, "until": 2e-3, "log": True, "samples": 20, "engine": engine}
+    whole = molecular_dynamics(system, **options)
     with pytest.raises(KeyboardInterrupt):
-        molecular_dynamics(
-            system, law=GLASS, until=2e-3, log=True, samples=20, checkpoint=path, progress=interrupt
-        )
+        molecular_dynamics(system, **options, checkpoint=path, progress=interrupt_at(9))
     resumed = hl.resume(path)
     assert np.array_equal(whole.system.positions, resumed.system.positions)
     assert np.array_equal(whole.system.velocities, resumed.system.velocities)
@@ -605,7 +538,7 @@ def test_the_step_is_found_for_the_system():
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ({"time_step": 1e-3}, r"time_step: got 0\.001 s, must be <= .* s, with which .* stable"),
+        ({"time_step": 1e-3}, r"time_step: got 0\.001 s, must be <= .* s, the longest step"),
         ({"time_step": 0.0}, r"time_step: got 0, must be > 0"),
         ({"time_step": 1e-7, "restitution_error": 1e-3}, "restitution_error | time_step: got both"),
         ({"restitution_error": 0.2}, r"restitution_error: got 0\.2, must be in \[1e-09, 0\.05\]"),

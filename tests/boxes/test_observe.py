@@ -6,28 +6,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import hardlimit as hl
+from box_engines import LAW, run
 from conftest import draws
 from same_samples import same_samples
 
-LAW = hl.LinearDashpot(stiffness=1e4, restitution=0.8)
-RUNS = {
-    "constant": (hl.event_driven, {"restitution": 0.9}),
-    "soft": (hl.event_driven, {"law": LAW, "rule": "soft"}),
-    "events": (hl.molecular_dynamics, {"law": LAW, "engine": "events"}),
-    "steps": (hl.molecular_dynamics, {"law": LAW, "engine": "steps", "time_step": 5e-5}),
-}
-every_run = pytest.mark.parametrize("name", RUNS)
+NAMES = ("constant", "soft", "events", "steps")
+every_run = pytest.mark.parametrize("name", NAMES)
 
 
 def grains(seed=1, dimension=3, boundary="periodic", gravity=0.0):
     return hl.ParticleSystem.random(
         10, 0.1, (0.006, 0.01), 2500.0, 0.5, dimension=dimension, seed=seed, boundary=boundary, gravity=gravity
     )  # fmt: skip
-
-
-def run(name, system, until=0.2, **options):
-    function, settings = RUNS[name]
-    return function(system, until=until, **settings, **options)
 
 
 def look(time, system):
@@ -44,7 +34,7 @@ def look(time, system):
 
 @draws(20)
 @given(
-    name=st.sampled_from(sorted(RUNS)),
+    name=st.sampled_from(NAMES),
     seed=st.integers(0, 99),
     dimension=st.sampled_from([2, 3]),
     boundary=st.sampled_from(["periodic", "wall"]),
@@ -110,24 +100,27 @@ def changing(first, then):
 REFUSED = {
     "no function": (3, "observe: got 3, must be a function of time and system"),
     "no mapping": (lambda t, s: 1.0, "observe: at 0 s got 1.0, must return a mapping of names to numbers"),
-    "no name": (lambda t, s: {1: 1.0}, "observe: at 0 s got the name 1, must be a text that is not empty"),
+    "no name": (lambda t, s: {1: 1.0}, "observe: at 0 s got the name 1, must be a non-empty text"),
     "a text": (lambda t, s: {"a": "b"}, "observe: at 0 s got 'b' for 'a', must be a number or numbers"),
     "nothing": (lambda t, s: {"a": None}, "observe: at 0 s got None for 'a', must be a number or numbers"),
     "complex": (lambda t, s: {"a": 1j}, "observe: at 0 s got 1j for 'a', must be a number or numbers"),
     "ragged": (lambda t, s: {"a": [[1], [1, 2]]}, "for 'a', must be a number or numbers"),
     "an observable": (
         lambda t, s: {"pressure": 1.0},
-        "observe: at 0 s got the name 'pressure', must be another one: the series has 'pressure'",
+        "observe: at 0 s got the name 'pressure', must be another one: 'pressure' is in the series already",
     ),
-    "a coordinate": (lambda t, s: {"time": t}, "must be another one: the series has 'time'"),
-    "a dimension": (lambda t, s: {"a": [1.0], "a_0": 2.0}, "must be another one: the series has 'a_0'"),
+    "a coordinate": (lambda t, s: {"time": t}, "must be another one: 'time' is in the series already"),
+    "a dimension": (
+        lambda t, s: {"a": [1.0], "a_0": 2.0},
+        "must be another one: 'a_0' is in the series already",
+    ),
     "other names": (
         changing({"a": 1.0}, {"b": 1.0}),
-        "observe: at 0.1 s got the names 'b', must be those before: 'a'",
+        "observe: at 0.1 s got the names 'b', must be those of the previous sample: 'a'",
     ),
     "another shape": (
         changing({"a": 1.0}, {"a": [1.0]}),
-        r"observe: at 0.1 s got 'a' of shape \(1,\), must be \(\) as before",
+        r"observe: at 0.1 s got 'a' of shape \(1,\), must be \(\) as at the previous",
     ),
 }
 
@@ -144,12 +137,11 @@ def test_a_checkpoint_needs_its_function_again(tmp_path):
     with_one, without = tmp_path / "a", tmp_path / "b"
     run("events", grains(), checkpoint=with_one, observe=look)
     run("constant", grains(), checkpoint=without, observe=lambda time, system: {})
-    with pytest.raises(
-        ValueError, match=r"^observe: missing, must be given again: the run of this checkpoint"
-    ):
+    with pytest.raises(ValueError, match=r"^observe: missing, must be the function with which"):
         hl.resume(with_one)
     with pytest.raises(
-        ValueError, match=r"^observe: at \S+ s got the names 'at', .* must be those before: none"
+        ValueError,
+        match=r"^observe: at \S+ s got the names 'at', .* must be those of the previous sample: none",
     ):
         hl.resume(without, until=0.4, observe=look)
     assert hl.resume(without, until=0.4).observed == {}
@@ -159,6 +151,6 @@ def test_a_checkpoint_needs_its_function_again(tmp_path):
 
 def test_lammps_calls_no_function():
     with pytest.raises(
-        ValueError, match=r"must be left out: only engines 'events' and 'steps' take observe$"
+        ValueError, match=r"must be left out with engine 'lammps'; 'events' or 'steps' accepts it$"
     ):
         hl.molecular_dynamics(grains(), law=LAW, until=0.1, engine="lammps", observe=look)

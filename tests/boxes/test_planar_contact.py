@@ -89,12 +89,7 @@ def cartesian(contact: _core.Contact, distance: float, normal: float, tangential
 
 
 @settings(max_examples=40)
-@given(
-    st.sampled_from(sorted(hl.LAWS)),
-    st.floats(0.1, 1.0),
-    log_floats(1e-4, 0.3),
-    st.floats(0.0, 1.5),
-)
+@given(st.sampled_from(sorted(hl.LAWS)), st.floats(0.1, 1.0), log_floats(1e-4, 0.3), st.floats(0.0, 1.5))
 def test_end_of_an_oblique_contact(name: str, restitution: float, depth: float, angle: float) -> None:
     """The final state is that of an independent integration in Cartesian coordinates, and the force is zero there."""
     normal, tangential = math.cos(angle), math.sin(angle)

@@ -1,20 +1,15 @@
 """ThreadTeam of the time-stepping engine: every task is done once per phase, even if threads are late or absent."""
 
 import subprocess
-from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[2]
+from box_engines import compiled
 
 
 @pytest.fixture(scope="module")
 def program(tmp_path_factory):
-    made = tmp_path_factory.mktemp("thread_team") / "thread_team"
-    flags = ["-std=c++20", "-O2", "-pthread", f"-I{ROOT / 'core'}"]
-    source = ROOT / "tests" / "boxes" / "thread_team.cpp"
-    subprocess.run(["g++", *flags, str(source), "-o", str(made)], check=True)
-    return made
+    return compiled("thread_team", tmp_path_factory.mktemp("thread_team"))
 
 
 @pytest.mark.slow

@@ -1,4 +1,4 @@
-"""The command line as a user meets it: what it prints, what it writes, how it fails."""
+"""The command line: output, files, exit codes and error messages."""
 
 import json
 import os
@@ -12,6 +12,7 @@ import sys
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
+from unittest import mock
 
 import click
 import numpy as np
@@ -36,18 +37,8 @@ HERTZ = ["--youngs-modulus", "5e7", "--poisson-ratio", "0.45"]
 # --- help ---------------------------------------------------------------------------------------------------
 
 COMMANDS = [
-    "check",
-    "drop",
-    "contact",
-    "convert",
-    "fit",
-    "stack",
-    "paper",
-    "sweep",
-    "gas",
-    "explore",
-    "cite",
-    "completion",
+    *("check", "drop", "contact", "convert", "fit", "stack", "paper", "sweep", "gas", "explore", "cite"),
+    *("completion",),
 ]
 
 
@@ -86,7 +77,7 @@ def every_option() -> Iterator[tuple[str, click.Option]]:
 
 
 def test_every_option_is_explained() -> None:
-    """What it is, in words before its unit, with the unit, as a sentence."""
+    """In a sentence: words, then the unit."""
     for name, option in every_option():
         where, text = f"{name} {option.opts[0]}: {option.help}", option.help or ""
         assert re.match(r"[A-Z\u0391-\u03a9]\w|R[12]", text), where
@@ -105,9 +96,8 @@ def test_each_help_shows_an_example(name: str) -> None:
 @pytest.mark.parametrize("name", [*sorted(set(COMMANDS) - {"explore", "paper"}), slow("paper")])
 def test_the_example_of_each_help_works(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(
-        "hardlimit.plots.save", lambda figure, path, *look: path
-    )  # pictures have their own tests
+    # Pictures have their own tests.
+    monkeypatch.setattr("hardlimit.plots.save", lambda figure, path, *look: path)
     shown = run(name, "--help").stdout.partition("Example:\n")[2]
     example = shown.replace("\\\n", " ").splitlines()[0]
     words = example.partition(">")[0].split()
@@ -119,15 +109,13 @@ def test_version() -> None:
     assert hl.__version__ in run("--version").stdout
 
 
-def test_verbose_version_says_what_an_installation_is_made_of() -> None:
+def test_verbose_version_lists_the_installation() -> None:
     lines = run("--version", "--verbose").stdout.splitlines()
     assert lines[0] == run("--version").stdout.strip()
     text = "\n".join(lines)
     assert _core.compiler() in text and _core.instruction_sets()[0] in text
-    extras = tomllib.loads((EXAMPLES.parent / "pyproject.toml").read_text())["project"][
-        "optional-dependencies"
-    ]
-    for extra in extras.keys() - {"dev", "docs", "test"}:
+    project = tomllib.loads((EXAMPLES.parent / "pyproject.toml").read_text())["project"]
+    for extra in project["optional-dependencies"].keys() - {"dev", "docs", "test"}:
         assert re.search(rf"^  {extra}: +\S", text, re.MULTILINE)
     assert refused("--verbose") == "hardlimit: --verbose: only with --version"
 
@@ -145,17 +133,9 @@ def test_options_of_laws_follow_the_records() -> None:
 def test_drop_prints_contacts_and_comparison() -> None:
     text = run("drop").stdout
     assert max(map(len, text.splitlines())) <= 100
-    for part in (
-        "194.415",
-        "220.195",
-        "775.172",
-        "0.171711",
-        "3.72719",
-        "0.125465",
-        "adiabatic",
-        "No: all 4",
-    ):
+    for part in ["194.415", "220.195", "775.172", "0.171711", "3.72719", "0.125465", "adiabatic"]:
         assert part in text
+    assert "No: all 4" in text
     assert "[m/s]" in text  # not taken for a style
 
 
@@ -191,9 +171,8 @@ def test_rebound_height_of_the_textbook() -> None:
 
 
 def test_drop_options_reach_the_column() -> None:
-    column = printed("drop", "--radius-ratio", 5, "--density", 1000, "--height", 0.7, "--gravity", 1.62)[
-        "column"
-    ]
+    given = ["--radius-ratio", 5, "--density", 1000, "--height", 0.7, "--gravity", 1.62]
+    column = printed("drop", *given)["column"]
     assert column["balls"] == [{"radius": 0.05, "density": 1000.0}, {"radius": 0.01, "density": 1000.0}]
     assert column["height"] == 0.7 and column["gravity"] == 1.62
     balls = ["--radius", 0.1, "--radius", 0.05, "--radius", 0.02, "--density", 900, "--velocity", -1]
@@ -260,10 +239,8 @@ def test_units_of_options(options: list[str], where: str, value: object) -> None
 
 
 def test_units_of_balls_and_laws() -> None:
-    column = printed("drop", "--density", "0.84 g/cm^3", "--stiffness", "5e4 N/mm", "--radius-2", "1 cm")[
-        "column"
-    ]
-    assert column == printed("drop")["column"]
+    given = ["--density", "0.84 g/cm^3", "--stiffness", "5e4 N/mm", "--radius-2", "1 cm"]
+    assert printed("drop", *given)["column"] == printed("drop")["column"]
     law = ["--youngs-modulus", "50 MPa", "--poisson-ratio", "0.45", "--dissipative-time", "10 us"]
     law_table = printed("drop", *law)["column"]["law"]
     assert law_table["youngs_modulus"] == 5e7 and law_table["dissipative_time"] == 1e-5
@@ -273,7 +250,7 @@ def test_units_of_balls_and_laws() -> None:
 
 
 def test_usual_formula() -> None:
-    assert "Asked for 0.5, the usual DEM formula gives 0.5503" in run("contact", "--restitution", 0.5).stdout
+    assert "a request for ε = 0.5 results in 0.5503" in run("contact", "--restitution", 0.5).stdout
     for asked, obtained in ((0.9, 0.9020), (0.7, 0.7182), (0.5, 0.5503), (0.3, 0.3971), (0.1, 0.2527)):
         found = printed("contact", "--restitution", asked)
         assert found["usual_formula"]["restitution"] == pytest.approx(obtained, abs=5e-5)
@@ -315,9 +292,8 @@ def test_sweep_is_the_map(tmp_path: Path) -> None:
     found = printed("sweep", *MAP, "--out", tmp_path / "map.nc", "--plot", tmp_path / "map.png")
     assert found["points"] == 63 and found["sizes"] == {"restitution": 7, "gap": 9}
     assert found["outcomes"] == {"ok": 63}
-    expected = hl.sweep(
-        hl.Column.paper(), restitution=np.linspace(0.4, 1, 7), gap=np.geomspace(1e-6, 1e-2, 9)
-    )
+    axes = {"restitution": np.linspace(0.4, 1, 7), "gap": np.geomspace(1e-6, 1e-2, 9)}
+    expected = hl.sweep(hl.Column.paper(), **axes)
     with xr.open_dataset(tmp_path / "map.nc", engine="h5netcdf") as ds:
         for name in expected.data_vars:
             np.testing.assert_array_equal(ds[name], expected[name])
@@ -331,7 +307,7 @@ def test_order_of_the_axes_is_that_of_the_options() -> None:
 def test_sweep_resumes_a_store(tmp_path: Path) -> None:
     store = tmp_path / "map.zarr"
     first = printed("sweep", *MAP, "--out", store)
-    assert "which exists: --resume" in refused("sweep", *MAP, "--out", store)
+    assert "must not exist unless --resume" in refused("sweep", *MAP, "--out", store)
     again = printed("sweep", *MAP, "--out", store, "--resume")
     assert again["ranges"] == first["ranges"]
 
@@ -352,16 +328,17 @@ def test_sweep_job_file(tmp_path: Path) -> None:
 
 
 def test_sweep_takes_a_tolerance(tmp_path: Path) -> None:
-    options = [
-        *HERTZ,
-        "--dissipative-time",
-        "1e-6:1e-4:5:log",
-        "--gap",
-        "1e-5,1e-4",
+    options = [*HERTZ, "--dissipative-time", "1e-6:1e-4:5:log", "--gap", "1e-5,1e-4"]
+    printed(
+        "sweep",
+        *options,
         "--out",
         tmp_path / "map.nc",
-    ]
-    printed("sweep", *options, "--tolerance", "1e-7", "--difference", tmp_path / "difference.png")
+        "--tolerance",
+        "1e-7",
+        "--difference",
+        tmp_path / "difference.png",
+    )
     assert coloured(tmp_path / "difference.png") > 0.1
     assert xr.open_dataset(tmp_path / "map.nc").attrs["tolerance"] == 1e-7
 
@@ -396,13 +373,10 @@ def test_paper(tmp_path: Path) -> None:
     assert max(map(len, result.stdout.splitlines())) <= 100
 
 
-def test_explore_serves(monkeypatch: pytest.MonkeyPatch) -> None:
-    from hardlimit.explorer import server
-
-    calls: list[tuple[int, bool]] = []
-    monkeypatch.setattr(server, "serve", lambda port, open_browser: calls.append((port, open_browser)))
-    run("explore", "--port", 0, "--no-browser")
-    assert calls == [(0, False)]
+def test_explore_serves() -> None:
+    with mock.patch("hardlimit.explorer.server.serve") as serve:
+        run("explore", "--port", 0, "--no-browser")
+    serve.assert_called_once_with(0, False)
 
 
 # --- bad input ----------------------------------------------------------------------------------------------
@@ -413,16 +387,8 @@ def test_explore_serves(monkeypatch: pytest.MonkeyPatch) -> None:
     [
         (["drop", "--radius-1", -0.1], "--radius-1: got -0.1, must be > 0 and finite"),
         (["drop", "--radius-2", 0], "--radius-2: got 0, must be > 0 and finite"),
-        (["drop", "--density", 0], "density: got 0, must be > 0 and finite"),
-        (["drop", "--density", "nan"], "density: got nan, must be > 0 and finite"),
-        (["drop", "--stiffness", -1], "stiffness: got -1, must be > 0 and finite"),
-        (["drop", "--stiffness", 0], "stiffness: got 0, must be > 0 and finite"),
-        (["drop", "--gap", -1e-4], "gap: got -0.0001, must be >= 0 and finite"),
         (["drop", "--gap", "inf"], "gap: got inf, must be >= 0 and finite"),
-        (["drop", "--restitution", 0], "restitution: got 0, must be in (0, 1]"),
         (["drop", "--restitution", 1.5], "restitution: got 1.5, must be in (0, 1]"),
-        (["drop", "--restitution", "nan"], "restitution: got nan, must be in (0, 1]"),
-        (["drop", "--restitution", "much"], "got 'much', must be a number"),
         (["drop", "--restitution", "70 cm"], "restitution: got '70 cm', must be a number without unit"),
         (["drop", "--gap", "1 s"], "gap: got '1 s', must be a number [m] or a length with its unit"),
         (["drop", "--gap", "1 furlong"], "gap: got '1 furlong', must be a number [m] or a length"),
@@ -438,10 +404,7 @@ def test_explore_serves(monkeypatch: pytest.MonkeyPatch) -> None:
         (["sweep", "--gap", "1mm:1s:3"], "gap: got '1s', must be a number [m] or a length"),
         (["sweep", "--gap", "1,,2"], "gap: got '', must be a number"),
         (["sweep", "--gap", "1:2:99999999999"], "gap: got 99999999999 points, must be in [1, 1e+08]"),
-        (
-            ["sweep", "--velocity", "-1e308:1e308:3"],
-            "velocity: got '-1e308:1e308:3', must span a finite range",
-        ),
+        (["sweep", "--velocity", "-1e308:1e308:3"], "got '-1e308:1e308:3', must span a finite range"),
         (["completion", "tcsh"], "'tcsh' is not one of 'bash', 'zsh', 'fish'"),
         (
             ["drop", "--restitution", 0.5, "--damping", 3],
@@ -451,16 +414,12 @@ def test_explore_serves(monkeypatch: pytest.MonkeyPatch) -> None:
         (["drop", *HERTZ], "must be dissipative_time or restitution + impact_speed"),
         (["drop", "--law", "linear", "--poisson-ratio", 0.3], "--poisson-ratio: unknown"),
         (["drop", "--height", 0.05], "height: got 0.05, must be >= 0.1"),
-        (["drop", "--height", 0.1], "height: got 0.1, nothing moves"),
+        (["drop", "--height", 0.1], "height: got 0.1, must be > 0.1 unless velocities are given"),
         (["drop", "--radius", 0.1, "--radius-1", 0.1], "got both"),
-        (
-            ["drop", "--radius", 0.1, "--gap", "1mm"],
-            "gap: got 0.001, must be left out for a column of one ball",
-        ),
+        (["drop", "--radius", 0.1, "--gap", "1mm"], "gap: got 0.001, must be left out for a column of one"),
         (["drop", "--radius-1", 0.1, "--radius-ratio", 3], "--radius-ratio | --radius-1: got both"),
         (["drop", "--density", 1, "--mass", 1], "--density | --mass: got both"),
         (["drop", "--gap", 0.1, "--gap", 0.1], "gap: got 2 values, must be 1"),
-        (["drop", "--until", "nan"], "until: got nan, must be finite"),
         (
             ["drop", "--plot", "no folder/a.png"],
             "--plot: got 'no folder/a.png', must be in an existing folder",
@@ -470,7 +429,6 @@ def test_explore_serves(monkeypatch: pytest.MonkeyPatch) -> None:
         (["drop", "--save", "no folder/a.nc"], "--save: got"),
         (["drop", "nowhere.toml"], "nowhere.toml: cannot be read"),
         (["drop", "--colour", "red"], "--colour"),
-        (["contact", "--radius", -1], "radius: got -1, must be > 0 and finite"),
         (["contact", "--other-mass", 0], "--other-mass: got 0, must be > 0 and finite"),
         (["contact", "--speed", 0], "speed: got 0, must be > 0 and finite"),
         (["contact", "--density", 1, "--mass", 1], "--density | --mass: got both"),
@@ -489,7 +447,7 @@ def test_explore_serves(monkeypatch: pytest.MonkeyPatch) -> None:
         (["sweep", *MAP, "--threads", 0], "threads: got 0"),
         (["sweep", *MAP, "--tolerance", 1e-9], "tolerance: got 1e-09, must not be given"),
         (["sweep", *MAP, "--out", "map.csv"], "--out: got 'map.csv', must end in .nc or .zarr"),
-        (["sweep", *MAP, "--resume"], "--resume: needs --out"),
+        (["sweep", *MAP, "--resume"], "--resume: must be given with --out"),
         (["sweep", *MAP, "--height", "0.5,0.6", "--plot", "a.png"], "must be one or two"),
         (["explore", "--port", "lots"], "--port"),
         (["jump"], "jump"),
@@ -505,27 +463,19 @@ def test_bad_input(args: list[object], message: str, tmp_path: Path, monkeypatch
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ('model = "newton"', "out = 1", "sweep.out: got 1, must be a text"),
-        ('model = "newton"', "plot = true", "sweep.plot: got True, must be a text"),
-        ('model = "newton"', "variables = 3", "sweep.variables: got 3, must be a text, or a list of them"),
-        ('model = "newton"', "variables = [3]", "sweep.variables[0]: got 3, must be a text"),
+        ('model = "newton"', "out = 1", "sweep.out: got 1, must be text"),
+        ('model = "newton"', "plot = true", "sweep.plot: got True, must be text"),
+        ('model = "newton"', "variables = 3", "sweep.variables: got 3, must be text, or a list of them"),
+        ('model = "newton"', "variables = [3]", "sweep.variables[0]: got 3, must be text"),
         ('model = "newton"', "threads = 1.5", "sweep.threads: got 1.5, must be a whole number"),
         ('model = "newton"', "colour = 1", "sweep.colour: unknown, must be one of model, engine"),
         ('"0.4:1:60"', "[]", "restitution: got an empty list, must hold at least one number"),
         ('"0.4:1:60"', "[[1]]", "sweep.axes.restitution[0]: got [1], must be a number"),
-        (
-            '"0.4:1:60"',
-            "true",
-            "sweep.axes.restitution: got True, must be a number, a list a,b,… or start:stop:count",
-        ),
+        ('"0.4:1:60"', "true", "sweep.axes.restitution: got True, must be a number, a list a,b,… or start"),
         ('"0.4:1:60"', "1979-05-27", "sweep.axes.restitution: got datetime.date"),
         ("[sweep]", "[[sweep]]", "sweep: got [{"),
         ("[sweep.axes]", "[sweep.axis]", "sweep.axis: unknown"),
-        (
-            "restitution = 0.7",
-            "restitution = 0.7\nself = 1",
-            "law.self: unknown, must be one of name, stiffness",
-        ),
+        ("restitution = 0.7", "restitution = 0.7\nself = 1", "law.self: unknown, must be one of name, stiff"),
         ("radius = 0.1", "radius = 1e200", "balls[0].radius"),
         ("radius = 0.1", "self = 1", "balls[0].self: unknown, must be one of radius, density, mass"),
         ("radius = 0.1", f"radius = {'9' * 400}", "balls[0].radius: got 9999"),
@@ -584,15 +534,12 @@ def test_broken_toml_is_one_line(tmp_path: Path) -> None:
     assert "hieght: unknown" in refused("drop", path)
 
 
-@pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
-def test_unwritable_folder(tmp_path: Path) -> None:
-    tmp_path.chmod(0o555)
-    assert "must be writable" in refused("drop", "--plot", tmp_path / "drop.png")
-
-
-def test_a_folder_is_no_file(tmp_path: Path) -> None:
+def test_outputs_that_cannot_be_written(tmp_path: Path) -> None:
     (tmp_path / "drop.png").mkdir()
     assert "must be writable" in refused("drop", "--plot", tmp_path / "drop.png")
+    tmp_path.chmod(0o555)
+    if os.geteuid() != 0:  # root may write anywhere
+        assert "must be writable" in refused("drop", "--plot", tmp_path / "other.png")
 
 
 # --- as a process -------------------------------------------------------------------------------------------
@@ -626,9 +573,7 @@ def process(
 
 
 @pytest.mark.parametrize("encoding", [slow("latin-1"), "ascii"])
-@pytest.mark.parametrize(
-    "args", [slow(["--help"]), slow(["drop", "--help"]), slow(["drop"]), ["drop", "--gap", "Δ"]]
-)
+@pytest.mark.parametrize("args", [slow(["drop", "--help"]), slow(["drop"]), ["drop", "--gap", "Δ"]])
 def test_a_terminal_without_greek(args: list[str], encoding: str) -> None:
     ended = process(*args, encoding=encoding)
     assert ended.returncode == (2 if "Δ" in args else 0)
@@ -636,8 +581,7 @@ def test_a_terminal_without_greek(args: list[str], encoding: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "args",
-    [slow(["--help"]), slow(["drop", "--help"]), ["drop"], slow(["drop", "--json"]), slow(["--version"])],
+    "args", [slow(["drop", "--help"]), ["drop"], slow(["drop", "--json"]), ["--version"]]
 )
 def test_standard_output_on_a_full_device(args: list[str]) -> None:
     with open("/dev/full", "wb") as full:
@@ -667,7 +611,7 @@ def test_a_full_disk_leaves_nothing(args: list[str], most_bytes: int, tmp_path: 
 
 
 @pytest.mark.parametrize(("option", "most_bytes"), [("--toml", 0), slow("--save", 20_000)])
-def test_what_was_there_survives_a_full_disk(tmp_path: Path, option: str, most_bytes: int) -> None:
+def test_an_existing_file_survives_a_full_disk(tmp_path: Path, option: str, most_bytes: int) -> None:
     target = tmp_path / ("a.toml" if option == "--toml" else "a.nc")
     target.write_bytes(b"precious")
     assert process("drop", option, target, most_bytes=most_bytes).returncode == 1
@@ -675,16 +619,14 @@ def test_what_was_there_survives_a_full_disk(tmp_path: Path, option: str, most_b
 
 
 @pytest.mark.parametrize("option", ["--save", "--toml"])
-def test_a_device_is_written_as_it_is(option: str) -> None:
-    assert (
-        "/dev/full: cannot be written: No space left on device"
-        in run("drop", option, "/dev/full", code=1).stderr
-    )
+def test_a_device_is_written_directly(option: str) -> None:
+    failed = run("drop", option, "/dev/full", code=1).stderr
+    assert "/dev/full: cannot be written: No space left on device" in failed
     assert Path("/dev/full").is_char_device()
 
 
 def test_drop_loads_only_what_it_needs() -> None:
-    """A drop that prints a table starts fast: what draws, stores and labels stays where it is."""
+    """A drop that prints a table starts fast: it imports no package that it does not need."""
     code = "import sys; from hardlimit.cli import main; main(['drop'], 'hardlimit', standalone_mode=False); "
     code += "print(*sys.modules)"
     printed = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
@@ -697,18 +639,10 @@ def test_drop_loads_only_what_it_needs() -> None:
 def test_completion(shell: str) -> None:
     script = run("completion", shell).stdout
     assert script.startswith("# Install with: hardlimit completion ") and f"{shell}_complete" in script
-    answer = subprocess.run(
-        [sys.executable, "-m", "hardlimit"],
-        env={
-            **os.environ,
-            "_HARDLIMIT_COMPLETE": f"{shell}_complete",
-            "COMP_WORDS": "hardlimit drop --rad",
-            "COMP_CWORD": "--rad" if shell == "fish" else "2",
-        },
-        capture_output=True,
-        text=True,
-        check=True,
-    ).stdout
+    asked = {"COMP_WORDS": "hardlimit drop --rad", "COMP_CWORD": "--rad" if shell == "fish" else "2"}
+    env = os.environ | asked | {"_HARDLIMIT_COMPLETE": f"{shell}_complete"}
+    command = [sys.executable, "-m", "hardlimit"]
+    answer = subprocess.run(command, env=env, capture_output=True, text=True, check=True).stdout
     assert {"--radius", "--radius-1", "--radius-ratio"} <= set(re.findall(r"--[\w-]+", answer))
 
 

@@ -1,4 +1,4 @@
-"""Whatever stands in a file or on the command line: exit code 0, or 2 and one line on stderr, never a traceback."""
+"""Any file and any command line ends with exit code 0, or with 2 and one line on stderr, never with a traceback."""
 
 import contextlib
 import copy
@@ -62,34 +62,12 @@ def one_line_or_success(*args: str) -> bool:
 # --- files --------------------------------------------------------------------------------------------------
 
 WORDS = [
-    "self",
-    "name",
-    "radius",
-    "mass",
-    "law",
-    "laws",
-    "balls",
-    "axes",
-    "sweep",
-    "cradle",
-    "gap",
-    "",
-    "a.b",
-    "`",
-    "ü",
+    *("", "self", "name", "radius", "mass", "law", "laws", "balls", "axes", "sweep", "cradle"),
+    *("gap", "a.b", "`", "ü"),
 ]
 TEXTS = [
-    "1 mm",
-    "3.2e9Pa",
-    "10 us",
-    "1 s",
-    "linear",
-    "viscoelastic",
-    "0:1:3",
-    "1:2",
-    "1:2:0:log",
-    "1mm:1cm:3:log",
-    "a,b",
+    *("1 mm", "10 us", "1 s", "3.2e9Pa", "linear", "viscoelastic", "0:1:3", "1:2", "1:2:0:log"),
+    *("1mm:1cm:3:log", "a,b"),
 ]
 numbers = st.one_of(
     st.floats(),
@@ -108,13 +86,7 @@ anything = st.recursive(
 
 def places(content: Any, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
     """Every place in nested tables and lists."""
-    inner = (
-        content.items()
-        if isinstance(content, dict)
-        else enumerate(content)
-        if isinstance(content, list)
-        else ()
-    )
+    inner = enumerate(content) if isinstance(content, list) else getattr(content, "items", tuple)()
     return [path, *(place for key, value in inner for place in places(value, (*path, key)))]
 
 
@@ -133,10 +105,8 @@ def spoiled(draw: st.DrawFn) -> dict[str, Any]:
         elif change == "remove":
             del at[last]
         elif isinstance(at, list):
-            at.insert(
-                draw(st.integers(0, len(at))),
-                copy.deepcopy(at[last]) if change == "repeat" else draw(anything),
-            )
+            new = copy.deepcopy(at[last]) if change == "repeat" else draw(anything)
+            at.insert(draw(st.integers(0, len(at))), new)
         elif change == "rename":
             at[draw(keys)] = at.pop(last)
         else:
@@ -184,9 +154,8 @@ def test_spoiled_text(tmp_path: Path, examples: int) -> None:
         for _ in range(data.draw(st.integers(1, 3))):
             first = data.draw(st.integers(0, len(content)))
             last = data.draw(st.integers(first, min(len(content), first + 40)))
-            new = data.draw(
-                st.one_of(st.binary(max_size=10), texts.map(lambda text: text.encode(errors="replace")))
-            )
+            encoded = texts.map(lambda text: text.encode(errors="replace"))
+            new = data.draw(st.one_of(st.binary(max_size=10), encoded))
             content = content[:first] + new + content[last:]
         path = tmp_path / "spoiled.toml"
         path.write_bytes(content)
@@ -208,62 +177,12 @@ def test_columns_are_accepted(tmp_path_factory: pytest.TempPathFactory, column: 
 # --- command lines ------------------------------------------------------------------------------------------
 
 VALUES = [
-    "0",
-    "-1",
-    "1",
-    "0.5",
-    "1e-4",
-    "nan",
-    "inf",
-    "-inf",
-    "1e308",
-    "1e-320",
-    "9" * 400,
-    "1e400",
-    "",
-    " ",
-    "1_0",
-]
-VALUES += [
-    "1mm",
-    "1 mm",
-    "3 kg",
-    "7 g/cm^3",
-    "10us",
-    "1e999999 mm",
-    "9**9**9 m",
-    "0x10",
-    "½",
-    "--",
-    "-",
-    "[1]",
-    "\0",
-    "\udcff",
-]
-VALUES += [
-    "0.5:0.9:3",
-    "1:2:3:log",
-    "1::3",
-    ":::",
-    "0:1:1e3",
-    "1mm:2mm:3",
-    "1,2",
-    "1,,2",
-    "1:2:99999999999",
-    "-1e308:1e308:3",
-]
-VALUES += [
-    "linear",
-    "viscoelastic",
-    "newton",
-    "independent",
-    "cpu",
-    "dask",
-    "t_end",
-    "outcome",
-    "no/a.nc",
-    "/dev/full",
-    "a.zarr",
+    *("0", "-1", "1", "0.5", "1e-4", "nan", "inf", "-inf", "1e308", "1e-320", "1e400", "1_0"),
+    *("1mm", "10us", "0x10", "½", "--", "-", "[1]", "9" * 400, "", " ", "1 mm", "3 kg", "7 g/cm^3"),
+    *("1e999999 mm", "9**9**9 m", "\0", "\udcff", "0.5:0.9:3", "1:2:3:log", "1::3", ":::"),
+    *("0:1:1e3", "1mm:2mm:3", "1,2", "1,,2", "1:2:99999999999", "-1e308:1e308:3", "linear"),
+    *("viscoelastic", "newton", "independent", "cpu", "dask", "t_end", "outcome", "no/a.nc"),
+    *("/dev/full", "a.zarr"),
 ]
 #: Options that would write, or show help, whatever else is wrong.
 SKIPPED = {"resume", "help", "open_browser"}
@@ -282,12 +201,7 @@ def command_lines(draw: st.DrawFn) -> list[str]:
         if not option.is_flag:
             line.append(draw(st.one_of(st.sampled_from(VALUES), texts, st.floats().map(repr))))
     if draw(st.booleans()):
-        line += draw(
-            st.lists(
-                st.one_of(st.sampled_from([str(path) for path in EXAMPLES]), st.sampled_from(VALUES)),
-                max_size=2,
-            )
-        )
+        line += draw(st.lists(st.sampled_from([*map(str, EXAMPLES), *VALUES]), max_size=2))
     return line
 
 

@@ -1,4 +1,4 @@
-"""``hardlimit gas compare`` as a user meets it."""
+"""``hardlimit gas compare``: output, files and error messages."""
 
 import os
 import re
@@ -23,7 +23,7 @@ def start(tmp_path: Path) -> Path:
     return lattice(27, seed=1).write(tmp_path / "start.xyz")
 
 
-def test_json_holds_what_the_library_says(start: Path) -> None:
+def test_json_agrees_with_the_library(start: Path) -> None:
     found = printed("gas", "compare", start, "--restitution", 0.8, "--stiffness", 2e5, "--replicas", 2, *FAST)
     law = hl.LinearDashpot(stiffness=2e5, restitution=0.8)
     f = hl.fidelity(hl.ParticleSystem.read(start), law=law, until=1e-3, samples=5, replicas=2)
@@ -59,8 +59,8 @@ def test_one_replica_and_one_model(start: Path) -> None:
     assert "no rule to compare with" in " ".join(alone.split()) and "Difference" not in alone
 
 
-def test_what_is_not_resolved_is_said_to_be(start: Path) -> None:
-    """Long bars are no agreement; with the resolution they have, they are."""
+def test_differences_that_are_not_resolved(start: Path) -> None:
+    """Wide error bars are not agreement, unless that resolution is sufficient."""
     options = [start, "--stiffness", 1e5, "--replicas", 3, "--models", "soft", *FAST]
     text = " ".join(run("gas", "compare", *options).stdout.split())
     assert (
@@ -121,14 +121,7 @@ def test_bad_input_is_refused_in_one_line(message: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "given",
-    [
-        {},
-        {"replicas": 1},
-        {"models": ("newton",)},
-        {"until": 0.0},
-        {"law": ELASTIC},
-    ],
+    "given", [{}, {"replicas": 1}, {"models": ("newton",)}, {"until": 0.0}, {"law": ELASTIC}]
 )
 def test_pictures_can_be_read(given: dict) -> None:
     law = hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, dissipative_time=2e-5)
@@ -146,11 +139,7 @@ def test_pictures_can_be_read(given: dict) -> None:
 )
 def test_completion(words: list[str], offered: set[str]) -> None:
     asked = {"COMP_WORDS": " ".join(["hardlimit", *words]), "COMP_CWORD": str(len(words))}
-    found = subprocess.run(
-        [sys.executable, "-m", "hardlimit"],
-        env={**os.environ, **asked, "_HARDLIMIT_COMPLETE": "bash_complete"},
-        capture_output=True,
-        text=True,
-        check=True,
-    ).stdout
+    env = os.environ | asked | {"_HARDLIMIT_COMPLETE": "bash_complete"}
+    command = [sys.executable, "-m", "hardlimit"]
+    found = subprocess.run(command, env=env, capture_output=True, text=True, check=True).stdout
     assert set(found.split()) == offered

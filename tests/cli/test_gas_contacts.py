@@ -17,7 +17,7 @@ def start(tmp_path):
 
 
 @pytest.mark.parametrize("engine", ["events", "steps"])
-def test_json_holds_what_the_library_says(start, engine):
+def test_json_agrees_with_the_library(start, engine):
     found = printed("gas", start, *LAW, "--engine", engine, "--until", "2ms", "--samples", 4)
     law = hl.LinearDashpot(stiffness=1e6, restitution=0.9)
     result = hl.molecular_dynamics(
@@ -31,34 +31,20 @@ def test_json_holds_what_the_library_says(start, engine):
 
 
 def test_the_table_and_the_file(start, tmp_path):
-    text = run(
-        "gas", start, *LAW, "--engine", "events", "--until", "2ms", "--save", tmp_path / "run.nc"
-    ).stdout
-    assert (
-        "27 spheres" in text
-        and "Newton's equations, linear law: k 1e6 N/m, ε 0.9" in text
-        and "outcome: ok" in text
-    )
+    options = ["--engine", "events", "--until", "2ms", "--save", tmp_path / "run.nc"]
+    text = run("gas", start, *LAW, *options).stdout
+    assert "27 spheres" in text and "outcome: ok" in text
+    assert "Newton's equations, linear law: k 1e6 N/m, ε 0.9" in text
     assert max(map(len, text.splitlines())) <= 100
     with xr.open_datatree(tmp_path / "run.nc") as tree:
         assert tree["contacts"].sizes["contact"] > 0 and tree["final"].sizes["particle"] == 27
 
 
 def test_the_input_of_lammps_alone(start, tmp_path):
-    options = [
-        "--engine",
-        "lammps",
-        "--until",
-        "2ms",
-        "--time-step",
-        "0.5us",
-        "--write-input",
-        tmp_path / "run",
-    ]
-    assert str(tmp_path / "run" / "in.hardlimit") in run("gas", start, *LAW, *options).stdout.replace(
-        "\n", ""
-    )
-    assert "pair_style granular" in (tmp_path / "run" / "in.hardlimit").read_text(encoding="utf-8")
+    options, path = ["--engine", "lammps", "--until", "2ms", "--time-step", "0.5us"], tmp_path / "run"
+    said = run("gas", start, *LAW, *options, "--write-input", path).stdout.replace("\n", "")
+    assert str(path / "in.hardlimit") in said
+    assert "pair_style granular" in (path / "in.hardlimit").read_text(encoding="utf-8")
 
 
 def test_a_run_goes_on(start, tmp_path):
@@ -74,21 +60,14 @@ def test_a_run_goes_on(start, tmp_path):
     assert "--plot: must be left out" in refused("gas", "--resume", path, "--plot", tmp_path / "a.png")
 
 
+LAMMPS = ["--engine", "lammps", *LAW]
 REFUSED = {
     "--ranks: must be left out without --engine": ["--ranks", 2],
-    "--law: missing, must be given with --engine": ["--engine", "steps"],
+    "--law: missing, must be given with its parameters for --engine": ["--engine", "steps"],
     "rule: must be left out with --engine": ["--engine", "events", *LAW, "--rule", "tc"],
     "--plot: must be left out with --engine": ["--engine", "events", *LAW, "--plot", "a.png"],
     "--write-input: must be left out with --engine steps": ["--engine", "steps", *LAW, "--write-input", "a"],
-    "--ranks: must be left out with --write-input": [
-        "--engine",
-        "lammps",
-        *LAW,
-        "--write-input",
-        "a",
-        "--ranks",
-        2,
-    ],
+    "--ranks: must be left out with --write-input": [*LAMMPS, "--write-input", "a", "--ranks", 2],
     "--time-step: got 0.001, must be left out": ["--engine", "events", *LAW, "--time-step", "1ms"],
     "--n: must be left out with --resume": ["--engine", "events", *LAW, "--resume", "a"],
 }

@@ -1,21 +1,20 @@
-"""What is said to a user who gave something wrong: the option that was typed, what was given, what is accepted."""
+"""Error messages name the option that was typed, the value given and the accepted values."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-import click
 import numpy as np
 import pytest
 from PIL import Image
-from test_cli import COMMANDS, command, compare
+from test_cli import COMMANDS, command, every_option
 
 import hardlimit as hl
 from command_line import refused, run
-from conftest import lattice, typical
+from conftest import lattice, refusal, typical
 from hardlimit.cli.options import Quantity
 from hardlimit.contact.contact import law_parameters
 from hardlimit.support import validation
@@ -23,31 +22,29 @@ from hardlimit.support import validation
 WORD = 2**31 - 1
 
 
-def said(call: Callable[[], Any]) -> str:
-    with pytest.raises(ValueError) as error:
-        call()
-    return str(error.value)
+def folder_of_measurements(folder: Path) -> Path:
+    (folder / "impacts.csv").write_text(run("fit", "--example").stdout)
+    return folder
 
 
 # --- bounds -------------------------------------------------------------------------------------------------
 
 
-def test_a_bound_that_is_told_is_accepted_and_short() -> None:
+def test_a_bound_in_a_message_is_accepted_and_short() -> None:
     """Over magnitudes, signs and both sides: six digits, rounded to the accepted side."""
     chance = np.random.default_rng(1)
     for _ in range(300):
         bound = float(chance.choice([-1.0, 1.0]) * 10 ** chance.uniform(-12, 12) * chance.uniform(1, 10))
-        below = said(lambda b=bound: validation.number("x", b - abs(b), b, lowest_allowed=True))
-        above = said(lambda b=bound: validation.number("x", b + abs(b), -np.inf, b, highest_allowed=True))
+        below = refusal(lambda b=bound: validation.number("x", b - abs(b), b, lowest_allowed=True))
+        above = refusal(lambda b=bound: validation.number("x", b + abs(b), -np.inf, b, highest_allowed=True))
         for message in (below, above):
             text = re.search(r"must be [<>]= (\S+)", message)[1]
             assert len(re.sub(r"e.*|\D", "", text).lstrip("0")) <= 6, message
         told = float(re.search(r">= (\S+)", below)[1])
         assert validation.number("x", told, bound, lowest_allowed=True) == pytest.approx(bound, rel=1e-5)
         told = float(re.search(r"<= (\S+)", above)[1])
-        assert validation.number("x", told, -np.inf, bound, highest_allowed=True) == pytest.approx(
-            bound, rel=1e-5
-        )
+        found = validation.number("x", told, -np.inf, bound, highest_allowed=True)
+        assert found == pytest.approx(bound, rel=1e-5)
 
 
 @pytest.mark.parametrize(
@@ -61,15 +58,15 @@ def test_a_bound_that_is_told_is_accepted_and_short() -> None:
         (-(10**30), -(2**31), WORD, "a whole number >= -2.14748e+09"),
     ],
 )
-def test_a_bound_of_the_machine_is_told_to_whoever_exceeds_it(
+def test_technical_bounds_are_named_only_if_exceeded(
     value: Any, lowest: int, highest: int, words: str
 ) -> None:
-    assert said(lambda: validation.whole("x", value, lowest, highest)).endswith(f", must be {words}")
+    assert refusal(lambda: validation.whole("x", value, lowest, highest)).endswith(f", must be {words}")
 
 
 def test_a_time_before_the_release() -> None:
     column = hl.Column.paper()
-    message = said(lambda: hl.newton(column, -1.0))
+    message = refusal(lambda: hl.newton(column, -1.0))
     assert message.startswith("until: got -1, must be >= -0.319275, the release")
     hl.newton(column, -0.319275)
 
@@ -77,22 +74,24 @@ def test_a_time_before_the_release() -> None:
 def test_an_end_before_the_checkpoint(tmp_path: Path) -> None:
     path = tmp_path / "a.checkpoint"
     hl.event_driven(lattice(27), restitution=0.9, max_collisions=60, checkpoint=path)
-    assert said(lambda: hl.resume(path, max_collisions=10)).endswith("must be a whole number >= 60")
-    told = re.search(r"must be >= (\S+), the time", said(lambda: hl.resume(path, until=0.0)))[1]
+    assert refusal(lambda: hl.resume(path, max_collisions=10)).endswith("must be a whole number >= 60")
+    told = re.search(r"must be >= (\S+), the time", refusal(lambda: hl.resume(path, until=0.0)))[1]
     assert len(told.replace(".", "").lstrip("0")) <= 6
     hl.resume(path, until=float(told))
 
 
 @pytest.mark.parametrize("seed", range(5))
 @pytest.mark.parametrize("boundary", ["wall", "periodic"])
-def test_a_place_that_is_told_is_accepted(boundary: str, seed: int) -> None:
+def test_a_position_in_a_message_is_accepted(boundary: str, seed: int) -> None:
     radius, edge = np.random.default_rng(seed).uniform(1.0, 2.0, 2) * (1.0, 10.0)
 
     def system(x: float) -> hl.ParticleSystem:
         return hl.ParticleSystem([[x, edge / 2]], [[0.0, 0.0]], radius, mass=1.0, box=edge, boundary=boundary)
 
     for outside in (-edge, 3.0 * edge):
-        for told in re.search(r"must be in \[(.*), (.*)\], ", said(lambda at=outside: system(at))).groups():
+        for told in re.search(
+            r"must be in \[(.*), (.*)\], ", refusal(lambda at=outside: system(at))
+        ).groups():
             assert len(told) <= 7
             system(float(told))
 
@@ -101,29 +100,26 @@ def test_a_place_that_is_told_is_accepted(boundary: str, seed: int) -> None:
 
 
 def test_alternatives_are_named() -> None:
-    assert said(lambda: hl.LinearDashpot(stiffness=1e6)) == (
-        "restitution | damping: got neither, must be restitution or damping"
+    linear, viscoelastic = (
+        partial(hl.LinearDashpot, stiffness=1e6),
+        partial(hl.Viscoelastic, poisson_ratio=0.3),
     )
-    assert said(lambda: hl.LinearDashpot(stiffness=1e6, restitution=0.5, damping=1.0)).endswith(
-        "got restitution and damping, must be restitution or damping"
+    need = "must be restitution or damping"
+    assert refusal(linear) == f"restitution | damping: got neither, {need}"
+    assert refusal(partial(linear, restitution=0.5, damping=1.0)).endswith(
+        f"got restitution and damping, {need}"
     )
-    assert said(lambda: hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, impact_speed=1.0)).endswith(
-        "restitution | impact_speed: got impact_speed, must be restitution + impact_speed"
-    )
-    assert "got both, must be exactly one" in said(lambda: hl.Ball(0.1, density=1.0, mass=1.0))
-    assert "got neither, must be exactly one" in said(lambda: hl.Ball(0.1))
+    refused_speed = refusal(partial(viscoelastic, youngs_modulus=1e8, impact_speed=1.0))
+    assert refused_speed.endswith("impact_speed: got impact_speed, must be restitution + impact_speed")
+    assert "got both, must be exactly one" in refusal(lambda: hl.Ball(0.1, density=1.0, mass=1.0))
+    assert "got neither, must be exactly one" in refusal(lambda: hl.Ball(0.1))
 
 
 # --- the command line: the option that was typed ------------------------------------------------------------
 
 
-def every_option() -> Iterator[tuple[str, click.Option]]:
-    for name, asked in [*((name, command(name)) for name in COMMANDS), ("gas compare", compare)]:
-        yield from ((name, option) for option in asked.params if isinstance(option, click.Option))
-
-
 def beside(name: str, typed: str) -> list[str]:
-    """What an option needs beside it to be looked at."""
+    """The other options that must be given for an option to be checked."""
     parameter = typed[2:].replace("-", "_")
     if name == "convert":
         return beside_conversion(typed)
@@ -161,12 +157,11 @@ def beside_conversion(typed: str) -> list[str]:
 
 
 @pytest.mark.parametrize("name", [*COMMANDS, "gas compare"])
-def test_the_option_that_was_typed_is_named(
+def test_messages_name_the_option_that_was_typed(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Of each that takes a quantity, with what is no number, and with nan, which no parameter takes."""
-    monkeypatch.chdir(tmp_path)
-    Path("impacts.csv").write_text(run("fit", "--example").stdout)
+    """For each option that takes a quantity: text that is no number, and nan, which no parameter accepts."""
+    monkeypatch.chdir(folder_of_measurements(tmp_path))
     for typed in [o.opts[0] for of, o in every_option() if of == name and isinstance(o.type, Quantity)]:
         for value in ("much", "nan"):
             message = refused(*name.split(), *beside(name, typed), f"{typed}={value}")
@@ -174,19 +169,17 @@ def test_the_option_that_was_typed_is_named(
             assert typed in re.split(r" \| |\[", named), message
 
 
-def test_the_option_is_named_where_the_function_calls_it_otherwise() -> None:
-    assert (
-        refused("stack", "--balls", 1) == "hardlimit stack: --balls: got 1, must be a whole number in [2, 20]"
-    )
+def test_messages_name_options_that_differ_from_the_parameter() -> None:
+    said = "hardlimit stack: --balls: got 1, must be a whole number in [2, 20]"
+    assert refused("stack", "--balls", 1) == said
     assert "--gap: got -1, must be >= 0" in refused("drop", "--gap=-1")
-    assert "--gap[1]: got -1" in refused(
-        "drop", *["--radius", 0.1] * 3, "--density", 900, "--gap", 1, "--gap=-1"
-    )
+    three = [*["--radius", 0.1] * 3, "--density", 900]
+    assert "--gap[1]: got -1" in refused("drop", *three, "--gap", 1, "--gap=-1")
     assert "--speed: got 0, must be > 0" in refused("stack", "--speed", 0)
     assert "--density | --mass: got both" in refused("drop", "--density", 1, "--mass", 1)
 
 
-def test_what_stands_in_a_file_is_no_option(tmp_path: Path) -> None:
+def test_messages_about_a_file_name_no_option(tmp_path: Path) -> None:
     (tmp_path / "job.toml").write_text("[random]\nn = 0\n")
     assert "gas: n: got 0" in refused("gas", tmp_path / "job.toml")
     assert "gas: --n: got 0" in refused("gas", tmp_path / "job.toml", "--n", 0)
@@ -209,7 +202,7 @@ def test_the_nearest_command_is_suggested(words: list[str], nearest: str) -> Non
     assert f"No such command '{words[-1]}'. Did you mean '{nearest}'?" in message
 
 
-def test_nothing_is_suggested_for_what_is_near_to_nothing(tmp_path: Path) -> None:
+def test_no_suggestion_for_an_unrelated_word(tmp_path: Path) -> None:
     assert refused("qqq") == "hardlimit: No such command 'qqq'."
     assert "must end in .toml" in refused("gas", "qqq")
     assert "cannot be read" in refused("gas", tmp_path / "compare.toml")
@@ -262,8 +255,7 @@ MINIMAL = {
 def test_an_ending_that_is_not_known_is_refused_before_anything_is_computed(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.chdir(tmp_path)
-    Path("impacts.csv").write_text(run("fit", "--example").stdout)
+    monkeypatch.chdir(folder_of_measurements(tmp_path))
     before = sorted(tmp_path.iterdir())
     for module in ("drop.compare", "sweep.compute", "fit.fitted", "stack.best"):
         monkeypatch.setattr(f"hardlimit.cli.{module}", lambda *_, **__: pytest.fail("computed"))
@@ -277,8 +269,7 @@ def test_an_ending_that_is_not_known_is_refused_before_anything_is_computed(
 
 @pytest.mark.parametrize("name", [name for name in [*COMMANDS, "gas compare"] if "--plot" in outputs(name)])
 def test_every_picture_has_its_resolution(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    Path("impacts.csv").write_text(run("fit", "--example").stdout)
+    monkeypatch.chdir(folder_of_measurements(tmp_path))
     size = {}
     for dpi in (40, 80):
         run(*name.split(), *MINIMAL.get(name, []), "--plot", f"{dpi}.png", "--dpi", dpi)
@@ -295,8 +286,8 @@ def help_of(name: str, typed: str) -> str:
 
 
 def test_help_tells_how_many_threads_there_are() -> None:
-    from hardlimit.boxes.newton import LEAST_SHARE, checked_threads
+    from hardlimit.boxes.newton import PARTICLES_PER_THREAD, checked_threads
 
-    assert checked_threads(None, LEAST_SHARE) == 1
-    assert f"one for each {LEAST_SHARE} particles" in help_of("gas", "--threads")
+    assert checked_threads(None, PARTICLES_PER_THREAD) == 1
+    assert f"one for each {PARTICLES_PER_THREAD} particles" in help_of("gas", "--threads")
     assert "1 with the engine dask" in help_of("sweep", "--threads")

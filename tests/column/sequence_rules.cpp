@@ -24,24 +24,12 @@ struct Drop {
 
 enum class Event { floor_begins, floor_ends, floor_opens, pair_begins, pair_ends, pair_opens, free };
 
+// Whether an event, in the order of the enum, may happen.
 bool possible(const Drop& d, Event e) {
-    switch (e) {
-        case Event::floor_begins:
-            return !d.floor;
-        case Event::floor_ends:
-            return d.floor;
-        case Event::floor_opens:
-            return !d.floor && !d.floor_open;
-        case Event::pair_begins:
-            return !d.pair;
-        case Event::pair_ends:
-            return d.pair;
-        case Event::pair_opens:
-            return !d.pair && !d.pair_open;
-        case Event::free:
-            return !d.floor && !d.pair;
-    }
-    return false;
+    const bool may[] = {
+        !d.floor,           d.floor, !d.floor && !d.floor_open, !d.pair, d.pair, !d.pair && !d.pair_open,
+        !d.floor && !d.pair};
+    return may[static_cast<int>(e)];
 }
 
 void apply(Drop& d, Event e, double t, double rate, bool damped) {
@@ -86,22 +74,11 @@ void apply(Drop& d, Event e, double t, double rate, bool damped) {
 }
 
 void apply(lanes::State<Real>& q, Flags m, Event e) {
-    switch (e) {
-        case Event::floor_begins:
-            return lanes::floor_begins<Real>(q, m);
-        case Event::floor_ends:
-            return lanes::floor_ends<Real>(q, m);
-        case Event::floor_opens:
-            return lanes::floor_opens<Real>(q, m);
-        case Event::pair_begins:
-            return lanes::pair_begins<Real>(q, m);
-        case Event::pair_ends:
-            return lanes::pair_ends<Real>(q, m);
-        case Event::pair_opens:
-            return lanes::pair_opens<Real>(q, m);
-        case Event::free:
-            return lanes::moves_freely<Real>(q, m);
-    }
+    constexpr void (*rules[])(lanes::State<Real>&, Flags) = {
+        lanes::floor_begins<Real>, lanes::floor_ends<Real>, lanes::floor_opens<Real>,
+        lanes::pair_begins<Real>,  lanes::pair_ends<Real>,  lanes::pair_opens<Real>,
+        lanes::moves_freely<Real>};
+    rules[static_cast<int>(e)](q, m);
 }
 
 bool same(double a, double b) { return a == b || (math::is_nan(a) && math::is_nan(b)); }

@@ -1,19 +1,17 @@
 """Largest compressions of columns, and runs that end at a compression beyond the range of the law."""
 
-import json
 import math
 import warnings
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import hardlimit as hl
+from command_line import printed, refused, run
 from conftest import columns, draws, log_floats
 from hardlimit import _core
-from hardlimit.cli import main
 
 LIMIT = _core.deepest_compression
 TOO_DEEP = hl.OUTCOMES.index("too_deep")
@@ -57,7 +55,7 @@ def soft_columns(draw, least=1) -> hl.Column:
 
 @draws(200)
 @given(soft_columns())
-def test_it_is_the_greatest_of_a_dense_trajectory(column: hl.Column) -> None:
+def test_largest_compression_is_that_of_a_dense_trajectory(column: hl.Column) -> None:
     for solve in solvers(column):
         result = solve()
         if result.outcome_code in (hl.OUTCOMES.index("unresolved"), hl.OUTCOMES.index("at_rest")):
@@ -99,12 +97,11 @@ def at_limit(column: hl.Column, solve) -> tuple[hl.Column, hl.Column]:
     return scaled(stiff), scaled(soft)
 
 
+soft_laws = st.floats(0.1, 1.0).map(lambda e: hl.LinearDashpot(stiffness=1e4, restitution=e))
+
+
 @draws(30)
-@given(
-    columns(
-        least=2, most=2, law=st.floats(0.1, 1.0).map(lambda e: hl.LinearDashpot(stiffness=1e4, restitution=e))
-    )
-)
+@given(columns(least=2, most=2, law=soft_laws))
 def test_both_solvers_end_at_the_limit(column: hl.Column) -> None:
     above, below = at_limit(column, hl.newton)
     for method in ("exact", "general"):
@@ -227,9 +224,8 @@ def test_pairs_that_meet_too_hard_before_the_floor() -> None:
 
 def test_cradles_end_as_well() -> None:
     balls = [hl.Ball(0.01, mass=0.1)] * 3
-    result = hl.newton(
-        hl.Column.cradle(balls, [3.0, 0.0, 0.0], hl.LinearDashpot(stiffness=100.0, restitution=1.0))
-    )
+    law = hl.LinearDashpot(stiffness=100.0, restitution=1.0)
+    result = hl.newton(hl.Column.cradle(balls, [3.0, 0.0, 0.0], law))
     assert result.outcome_code == TOO_DEEP and "ball 1 and ball 2" in result.outcome
 
 
@@ -242,9 +238,7 @@ def test_a_warning_from_five_per_cent_on(solve) -> None:
         warnings.simplefilter("error")
         assert solve(paper(5e7)).largest_compression < 0.05
         hl.independent(paper(1e5))
-    with pytest.warns(
-        hl.CompressionWarning, match=r"compressed by more than 5 % of the smaller radius"
-    ) as told:
+    with pytest.warns(hl.CompressionWarning, match="compressed by more than 5 % of the smaller") as told:
         assert solve(paper(1e5)).largest_compression == pytest.approx(0.158, rel=0.03)
     if solve is hl.newton:
         assert told[0].filename == __file__
@@ -259,7 +253,7 @@ def test_the_verdict() -> None:
     assert answer == "undecided" and "too deep" in sentence
 
 
-def test_pickled_results_know_it() -> None:
+def test_pickled_results_are_too_deep_as_well() -> None:
     import pickle
 
     result = hl.newton(paper(1.0))
@@ -316,49 +310,45 @@ def test_a_map_of_three_balls() -> None:
 # ---- uses of the result ---------------------------------------------------------------------------------------
 
 
-def run(*arguments: str) -> tuple[int, str]:
-    found = CliRunner().invoke(main, list(arguments), env={"COLUMNS": "300"})
-    return found.exit_code, found.output
+def text_of(*arguments: object) -> str:
+    """What a command prints, without line breaks."""
+    return " ".join(run(*arguments).stdout.split())
 
 
-def test_the_command_says_what_would_do() -> None:
-    code, text = run("drop", "--stiffness", "1")
-    flat = " ".join(text.split())
-    assert code == 0
-    assert "Too deep: a contact was compressed by half of the smaller radius" in flat
-    assert "With a stiffness of 100000 N/m, contacts are not too deep." in flat
-    assert "too deep" in flat and "rests" not in flat
+def test_the_command_names_a_sufficient_stiffness() -> None:
+    text = text_of("drop", "--stiffness", 1)
+    assert "Too deep: a contact was compressed by half of the smaller radius" in text
+    assert "With a stiffness of 100000 N/m, contacts are not too deep." in text and "rests" not in text
     assert hl.newton(paper(1e5)).outcome_code == 0
-    code, text = run("drop", "--stiffness", "1e5")
-    assert code == 0 and "Contacts were compressed by up to 16 % of the smaller radius" in " ".join(
-        text.split()
-    )
-    code, text = run("stack", "--balls", "2", "--stiffness", "1")
-    assert code == 2 and "law: got LinearDashpot(stiffness=1.0, restitution=0.7), must be stiffer" in text
-    code, text = run("drop")
-    assert code == 0 and "compressed by up to" not in text
+    assert "Contacts were compressed by up to 16 % of the smaller" in text_of("drop", "--stiffness", 1e5)
+    assert "compressed by up to" not in text_of("drop")
+    said = refused("stack", "--balls", 2, "--stiffness", 1)
+    assert "law: got LinearDashpot(stiffness=1.0, restitution=0.7), must be stiffer" in said
 
 
 def test_the_command_in_json() -> None:
-    code, text = run("drop", "--stiffness", "1", "--json")
-    newton = json.loads(text)["models"]["newton"]
-    assert code == 0 and newton["largest_compression"] == LIMIT and newton["outcome"].startswith("too deep")
+    newton = printed("drop", "--stiffness", 1)["models"]["newton"]
+    assert newton["largest_compression"] == LIMIT and newton["outcome"].startswith("too deep")
 
 
 def test_one_contact_on_the_command_line() -> None:
-    arguments = ["contact", "--radius", "1cm", "--mass", "10g", "--stiffness", "1e4", "--speed", "1"]
-    code, text = run(*arguments, "--restitution", "1", "--json")
-    elastic = math.sqrt(0.01 / 1e4) / 0.01
-    assert code == 0
-    assert json.loads(text)["largest_compression"] == pytest.approx([elastic], rel=1e-9)
-    code, text = run(
-        *arguments, "--restitution", "1", "--other-radius", "5mm", "--other-mass", "10g", "--json"
-    )
-    assert json.loads(text)["largest_compression"] == pytest.approx(
-        [math.sqrt(0.005 / 1e4) / 0.005], rel=1e-9
-    )
-    code, text = run(*arguments, "--restitution", "1", "--speed", "100")
-    assert code == 0 and "Contacts were compressed by up to 1000 %" in " ".join(text.split())
+    one = [
+        "contact",
+        "--radius",
+        "1cm",
+        "--mass",
+        "10g",
+        "--stiffness",
+        1e4,
+        "--speed",
+        1,
+        "--restitution",
+        1,
+    ]
+    assert printed(*one)["largest_compression"] == pytest.approx([math.sqrt(0.01 / 1e4) / 0.01], rel=1e-9)
+    two = [*one, "--other-radius", "5mm", "--other-mass", "10g"]
+    assert printed(*two)["largest_compression"] == pytest.approx([math.sqrt(0.005 / 1e4) / 0.005], rel=1e-9)
+    assert "Contacts were compressed by up to 1000 %" in text_of(*one, "--speed", 100)
 
 
 def test_pictures_end_where_the_run_does(tmp_path) -> None:
@@ -385,8 +375,8 @@ def test_a_stack_that_is_too_soft() -> None:
         assert soft.speed_under("newton") == soft.speed
     with warnings.catch_warnings():
         warnings.simplefilter("always")
-        code, text = run("stack", "--balls", "2", "--stiffness", "3e3", "--bottom-mass", "0.6")
-    assert code == 0 and text.count("warning: contacts were compressed by more than") == 1
+        said = run("stack", "--balls", 2, "--stiffness", 3e3, "--bottom-mass", 0.6).stderr
+    assert said.count("warning: contacts were compressed by more than") == 1
 
 
 def test_an_oblique_drop_that_is_too_soft() -> None:
@@ -422,9 +412,8 @@ def test_energies_are_functions_of_the_state(column: hl.Column) -> None:
         path = result.trajectory(times)
         z = path.position.values
         radii = np.array([ball.radius for ball in column.balls])
-        total = (
-            path.kinetic_energy + path.potential_energy + path.contact_energy + path.dissipated_energy
-        ).values
+        kinds = ("kinetic", "potential", "contact", "dissipated")
+        total = sum(path[f"{kind}_energy"].values for kind in kinds)
         scale = total[0]
         assert np.allclose(total, scale, rtol=0.0, atol=1e-9 * scale)
         assert np.diff(path.dissipated_energy.values).min(initial=0.0) >= -1e-11 * scale

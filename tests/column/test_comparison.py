@@ -56,9 +56,7 @@ def last_contacts(result: hl.Result) -> tuple[np.ndarray, float, int]:
     floor = np.flatnonzero(pair == 0)
     again, radius = math.inf, result.column.balls[0].radius
     for first, then in itertools.pairwise(floor):
-        middle = 0.5 * (
-            end[first] + begin[then]
-        )  # a force that sets in again within a contact is not a second contact
+        middle = 0.5 * (end[first] + begin[then])  # within a contact the gap stays closed
         opened = result.model == "independent" or result.trajectory(middle).position.values[0, 0] > radius
         if opened and math.isinf(again):
             again, floor_again = begin[then], then
@@ -123,12 +121,9 @@ def overlapping(result: hl.Result) -> int:
 def check(found: hl.Comparison) -> None:
     answer, sentence = found.verdict
     outcomes = [hl.OUTCOMES[r.outcome_code] for r in (found.newton, found.independent)]
-    assert sentence.startswith(
-        {"yes": "Yes: ", "no": "No: ", "by luck": "Only by luck: ", "undecided": "No verdict: "}[answer]
-    )
-    assert (
-        sentence.endswith(".") and "nan" not in sentence and "inf " not in sentence and "\n" not in sentence
-    )
+    first = {"yes": "Yes: ", "no": "No: ", "by luck": "Only by luck: ", "undecided": "No verdict: "}
+    assert sentence.startswith(first[answer]) and sentence.endswith(".")
+    assert not any(bad in sentence for bad in ("nan", "inf ", "\n"))
     one_ball = len(found.newton.column.balls) == 1
     if answer == "undecided":
         assert set(outcomes) & {"unresolved", "invalid", "never_lands", "too_deep"} or (
@@ -206,7 +201,7 @@ def test_the_sentence_agrees_with_the_numbers(column):
 
 @draws(400)
 @given(any_column())
-def test_a_verdict_survives_a_second_definition(column):
+def test_a_second_definition_gives_the_same_verdict(column):
     """A comparison at one instant gives the same verdict as one at the same stage of the sequence, except for the
     effect of gravity during a delay. If all balls leave upwards and rise equally high, the verdict is not No."""
     found = hl.compare(column)
@@ -292,7 +287,7 @@ def test_known_answers(name):
         check(hl.compare(column))
 
 
-def test_a_collapse_is_no():
+def test_a_collapse_gives_the_verdict_no():
     """Below ε = 7 − 4√3 a ball between two approaching balls collides infinitely often."""
     found = hl.compare(hl.Column.cradle([BALL] * 3, [1.0, 0.0, -1.0], law_of("linear", 0.05), 1e-3))
     assert found.independent.outcome.startswith("inelastic collapse")

@@ -395,11 +395,8 @@ def test_closed_contacts_creep_as_the_matrix_exponential_says(ratio):
     result = hl.newton(column, until=0.6)
     begin, end = 0.3, 0.55
     at = result.trajectory([begin, end])
-    assert (
-        result.contacts.begin.values[-1] < begin
-        and (at.force > 0.0).all()
-        and result.contacts.sizes["contact"] == 3
-    )
+    assert result.contacts.begin.values[-1] < begin and result.contacts.sizes["contact"] == 3
+    assert (at.force > 0.0).all()
     velocity, force = at.velocity.values, at.force.values
     laws = [(mpmath.mpf(c.stiffness), mpmath.mpf(c.damping)) for c in column.contacts]
     with mpmath.workdps(60):
@@ -427,7 +424,7 @@ def test_closed_contacts_creep_as_the_matrix_exponential_says(ratio):
 
 
 @every_law
-def test_what_has_come_to_rest_is_not_integrated_for_ever(name):
+def test_a_column_at_rest_needs_no_more_steps(name):
     """A column at rest keeps its state for any time, and its contacts carry the weight."""
     balls = [hl.Ball(0.03, density=2000.0), hl.Ball(0.02, density=2000.0)]
     column = hl.Column(balls, [1e-4], 0.04, law_of(name, 0.3))
@@ -505,13 +502,8 @@ def test_no_contact(name):
     result = hl.newton(hl.Column(balls, [1.0], 0.05, law_of(name, 0.3)), method="general")
     assert result.outcome_code == hl.OUTCOMES.index("no_contact")
     assert result.n_contacts == 0
-    for value in (
-        result.t_end,
-        result.relative_velocity,
-        result.separation_velocity,
-        result.effective_restitution,
-    ):
-        assert math.isnan(value)
+    for name in ("t_end", "relative_velocity", "separation_velocity", "effective_restitution"):
+        assert math.isnan(getattr(result, name))
     assert math.isfinite(result.t_floor_end)
 
 
@@ -532,9 +524,8 @@ def test_until_holds_every_contact_up_to_it(name):
 
 
 def test_column_on_a_floor_stops_when_the_floor_is_met_again():
-    column = hl.Column(
-        [hl.Ball(r, density=1000.0) for r in (0.05, 0.03, 0.01)], 1e-3, 0.3, law_of("linear", 0.8)
-    )
+    balls = [hl.Ball(r, density=1000.0) for r in (0.05, 0.03, 0.01)]
+    column = hl.Column(balls, 1e-3, 0.3, law_of("linear", 0.8))
     result = hl.newton(column)
     floor = result.contacts.pair.values == 0
     assert floor.sum() in (1, 2)

@@ -213,7 +213,7 @@ def test_the_papers_drop_never_falls_through_the_floor(restitution, until):
         assert result.positions == pytest.approx([0.1, 0.21], abs=1e-12)
 
 
-def test_a_law_that_grows_elastic_at_small_speed_comes_to_rest_too():
+def test_a_ball_under_a_law_that_is_elastic_at_small_speed_comes_to_rest():
     """Viscoelastic: 1 − ε ~ v^(1/5), so the flights shrink as 1/n⁵, infinitely many in a finite time."""
     law = hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, restitution=0.4, impact_speed=3.0)
     balls = [hl.Ball(0.05, density=840.0), hl.Ball(0.02, density=840.0)]

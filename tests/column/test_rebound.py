@@ -51,10 +51,7 @@ def test_two_instantaneous_collisions(restitution: float, mass: float, height: f
     lower, upper = lower - impulse, upper + impulse / mass
     result = hl.independent(column)
     assume(result.n_contacts == 1)
-    expected = [
-        met_at + max(lower, 0.0) ** 2 / (2.0 * G),
-        met_at + 0.06 + max(upper, 0.0) ** 2 / (2.0 * G),
-    ]
+    expected = [met_at + max(lower, 0.0) ** 2 / (2.0 * G), met_at + 0.06 + max(upper, 0.0) ** 2 / (2.0 * G)]
     assert heights(result) == pytest.approx(expected, rel=1e-11)
 
 
@@ -145,11 +142,8 @@ def test_collisions_of_the_upper_balls_after_the_second_floor_contact_count(mode
     speed = math.sqrt(2.0 * G * 0.5)
     # The second ball leaves with 2V; the third, still falling with V, is reflected with 2·2V + V − 2gt.
     meeting = 0.4 / (3.0 * speed)
-    z2, v2, v3 = (
-        0.03 + meeting * (2.0 * speed - 0.5 * G * meeting),
-        2.0 * speed - G * meeting,
-        -speed - G * meeting,
-    )
+    z2 = 0.03 + meeting * (2.0 * speed - 0.5 * G * meeting)
+    v2, v3 = 2.0 * speed - G * meeting, -speed - G * meeting
     top = z2 + 0.02 + (2.0 * v2 - v3) ** 2 / (2.0 * G)
     assert bounces(result)[2] == math.inf  # the sequence ends earlier
     found = heights(result)

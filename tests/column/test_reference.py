@@ -92,9 +92,8 @@ def is_undecided(row: dict[str, str], result: hl.Result) -> bool:
 def compare_two_balls(
     name: str, method: str, tolerance: float, time_tolerance: float, choose: Choose
 ) -> tuple[int, bool]:
-    """Compares the selected rows of a linear two-ball table. Returns the number of undecided rows and whether all rows
-    were selected.
-    """
+    """Compares the selected rows of a linear two-ball table. Returns how many are undecided, and whether all were
+    selected."""
     misfits, undecided, rows = Misfits(), 0, table(name)
     assert len(rows) == SIZES[name]
     for i, row in (some := choose(rows)):
@@ -119,18 +118,13 @@ def compare_two_balls(
 
 
 @pytest.mark.parametrize("name", TWO_BALL_TABLES)
-def test_two_balls_exact(name, choose):
-    undecided, complete = compare_two_balls(name, "exact", 1e-10, 5e-9, choose)
+@pytest.mark.parametrize("method, tolerances", [("exact", (1e-10, 5e-9)), ("general", (1e-9, 5e-8))])
+def test_two_balls(name, method, tolerances, choose):
+    undecided, complete = compare_two_balls(name, method, *tolerances, choose)
     assert not complete or undecided == (5 if name == "two_ball_ratio" else 0)
 
 
-@pytest.mark.parametrize("name", TWO_BALL_TABLES)
-def test_two_balls_general(name, choose):
-    undecided, complete = compare_two_balls(name, "general", 1e-9, 5e-8, choose)
-    assert not complete or undecided == (5 if name == "two_ball_ratio" else 0)
-
-
-def test_two_rows_decide_the_undecided_ones(choose):
+def test_the_wide_table_has_the_same_situation_twice(choose):
     """The wide table contains the same situation twice, with the velocity at t_f as the separation velocity."""
     same = 0
     for _, row in (some := choose(rows := table("two_ball_wide"))):

@@ -27,11 +27,11 @@ int main() {
     for (int i = 0; i < 100'000; ++i) {
         const double relaxation = std::pow(10.0, -6.0 + 5.0 * share(engine));
         const double rate = -std::pow(10.0, -5.0 + 5.0 * share(engine));
-        const bool fresh = share(engine) < 0.3;
-        const double depth = -relaxation * rate * (fresh ? 1.0 : share(engine));
+        const bool just_ended = share(engine) < 0.3;
+        const double depth = -relaxation * rate * (just_ended ? 1.0 : share(engine));
         const WithoutRelaxationTime any{{1.0, relaxation}};
-        const double closed = time_to_engage(any.law, depth, rate, g, fresh);
-        const double found = time_to_engage(any, depth, rate, g, fresh);
+        const double closed = time_to_engage(any.law, depth, rate, g, just_ended);
+        const double found = time_to_engage(any, depth, rate, g, just_ended);
         const double square = rate * rate - 2.0 * g * depth;
         const double opens = square > 0.0 ? 2.0 * depth / (std::sqrt(square) - rate) : INFINITY;
         if (closed < opens) {

@@ -6,6 +6,7 @@ import re
 import shutil
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -78,30 +79,16 @@ def test_the_steps_of_the_documentation_add_a_law(tmp_path):
     text = text.replace('#include "linear_dashpot.hpp"\n', include + '#include "linear_dashpot.hpp"\n')
     text = re.sub(r"\n    X\(", r"\n    X(Conical) \\\n    X(", text, count=1)
     registry.write_text(text, encoding="utf-8")
+    run = partial(subprocess.run, env=environment(packages), capture_output=True, text=True)
     commands = steps()
     assert len(commands) >= 4
     for command in commands:
         command = command.replace("NAME", "conical")
-        done = subprocess.run(
-            command,
-            shell=True,
-            cwd=tree,
-            env=environment(packages),
-            capture_output=True,
-            text=True,
-            check=False,
-        )
+        done = run(command, shell=True, cwd=tree, check=False)
         assert done.returncode == 0, f"{command}\n{done.stdout[-3000:]}\n{done.stderr[-3000:]}"
         if "pytest" in command:
             assert int(re.search(r"(\d+) passed", done.stdout)[1]) > 30
-    used = subprocess.run(
-        [sys.executable, "-c", USE],
-        cwd=tmp_path,
-        env=environment(packages),
-        capture_output=True,
-        text=True,
-        check=True,
-    )
+    used = run([sys.executable, "-c", USE], cwd=tmp_path, check=True)
     found = json.loads(used.stdout)
     assert found["outcome"] == "ok" and found["contacts"] >= 1
     assert found["energy_error"] < 1e-10
@@ -109,7 +96,6 @@ def test_the_steps_of_the_documentation_add_a_law(tmp_path):
     assert found["read"][0][3] == pytest.approx(0.7, rel=1e-10)
     assert found["read"][1][1] == pytest.approx(found["turn"], rel=1e-10)
     assert found["swept"] == pytest.approx([found["velocity"]], rel=1e-9)
-    assert "class Conical(Law)" in (tree / "src" / "hardlimit" / "contact" / "laws.pyi").read_text(
-        encoding="utf-8"
-    )
+    stubs = tree / "src" / "hardlimit" / "contact" / "laws.pyi"
+    assert "class Conical(Law)" in stubs.read_text(encoding="utf-8")
     assert "## Conical" in (tree / "docs" / "generated" / "laws.md").read_text(encoding="utf-8")

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 import hardlimit as hl
 from conftest import draws, log_floats
-from hardlimit.boxes.lammps import half_steps
+from hardlimit.boxes.lammps import integration_error
 from hardlimit.cli import main
 from hardlimit.convert import texts
 from hardlimit.convert.codes import Pair, code, names
@@ -616,12 +616,12 @@ def test_the_step_keeps_to_its_error_wherever_bodies_touch(powers, attracts, res
     """At 1500 places between two steps, and with somewhat finer steps too."""
     form = Powers(*powers, attracts)
     force = Force(form, 1.0, damping_for(form, restitution), 1.0)
-    step = share * half_steps.longest_step(force, 1.0, error)
+    step = share * integration_error.longest_step(force, 1.0, error)
     steps = force.collision(1.0).duration / step
     if steps < 1500.0:
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(half_steps, "PHASES", (np.arange(1500) + 0.5) / 1500)
-            assert half_steps.restitution_error(force, 1.0, step) <= error
+            patch.setattr(integration_error, "PHASES", (np.arange(1500) + 0.5) / 1500)
+            assert integration_error.restitution_error(force, 1.0, step) <= error
 
 
 @draws(20)

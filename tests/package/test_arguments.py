@@ -348,7 +348,7 @@ def arguments_of_fidelity() -> list[Argument]:
     disks = hl.ParticleSystem.random(9, 0.2, 1e-3, 2500.0, 0.1, dimension=2)
     found = hl.fidelity(disks, law=LAW, until=1e-3, models=["newton", "law"], samples=1)
     asked = {"quantity": "pressure", "model": "law"}
-    methods = [found.difference, found.final_difference, found.told_apart]
+    methods = [found.difference, found.final_difference, found.is_significant]
     return [
         Argument("Fidelity.outcomes", "model", "word", found.outcomes, "law"),
         *(

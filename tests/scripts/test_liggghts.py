@@ -88,8 +88,9 @@ fix m2 all property/global gamman peratomtypepair 2 1 2 2 3
 pair_style gran model hooke/stiffness
 run 1
 """
-    found = words(read(text).stages[0].contacts[0])
-    assert found["kn"] == ("100000",) and found["gamman"] == ("1",)
+    text = text.replace("pair_style gran ", "pair_style gran/omp ").replace("1 2 2 3", "v_g 2 2 3 every 1")
+    found = words(read(f"variable g equal 1\n{text}").stages[0].contacts[0])
+    assert found["kn"] == ("100000",) and found["gamman"] == ("1.0",)
 
 
 @pytest.mark.parametrize(

@@ -113,6 +113,16 @@ def test_match_makers():
     contacts = read(script(pair, material, bodies)).stages[0].contacts
     assert [numbers(one)["en"] for one in contacts] == [0.7, 0.5, 0.3]
     assert [one.types for one in contacts] == [("0", "0"), ("0", "1"), ("1", "1")]
+    found = read(script((pair[0].replace(", val=.3", ""), pair[1]), material, bodies))
+    assert [one.types for one in found.stages[0].contacts] == [("0", "0"), ("0", "1")] and len(
+        found.unknown
+    ) == 1
+
+
+def test_factories():
+    lines = "O.engines += [BoxFactory(rMin=0.1, rMax=0.3, materialId=0)]\nO.run(1)\n"
+    found = read(script(bodies="", rest=lines))
+    assert found.stages[0].grains["glass"].radii == (0.1, 0.3) and not found.unknown
 
 
 CLOUD = "sp = pack.SpherePack()\nsp.makeCloud((0, 0, 0), (1, 1, 1), {})\nsp.toSimulation(material='glass')\n"
@@ -186,6 +196,15 @@ def test_the_time_step_of_waves():
     assert unknown.stages[0].time_step is None and any("PWave" in one.text for one in unknown.unknown)
     adapts = script(rest="O.engines = O.engines + [GlobalStiffnessTimeStepper()]\nO.run(1)\n")
     assert read(adapts).stages[0].time_step is None
+    assert read(adapts.replace("Stepper()", "Stepper(active=False)")).stages[0].time_step == 1e-8
+
+
+def test_engines_of_motion_are_named():
+    lines = "O.engines += [CombinedKinematicEngine() + TranslationEngine() + RotationEngine()]\nO.run(1)\n"
+    said = " ".join(one.what for one in read(script(rest=lines)).ignored)
+    assert "CombinedKinematicEngine" in said and "TranslationEngine" in said
+    facets = script().replace("Ig2_Sphere_Sphere_ScGeom()", "Ig2_Facet_Sphere_ScGeom(hertzian=True)")
+    assert "hertzian" in read(facets).unknown[0].text
 
 
 def test_stages_and_labels():

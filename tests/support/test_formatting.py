@@ -37,7 +37,7 @@ def test_shares_keep_two_digits_and_have_no_exponent(share: float) -> None:
         assert float(text.removesuffix(" %")) == pytest.approx(100.0 * share, rel=0.051)
 
 
-def test_percentages_as_they_stand() -> None:
+def test_percentages() -> None:
     shown = {(0.0412, 0.0031): "4.1 ± 0.3 %", (-0.041, 0.0014): "−4.10 ± 0.14 %", (1.234, 0.37): "120 ± 40 %",
              (-0.00001, 0.02): "0 ± 2 %", (0.0412, math.nan): "4.1 %", (math.nan, math.nan): "–",
              (0.0, 0.0): "less than 0.001 %", (0.0412, 0.0096): "4 ± 1 %", (1e-9, 1e-9): "less than 0.001 %",
@@ -45,7 +45,7 @@ def test_percentages_as_they_stand() -> None:
              (1870.0, 36.0): "187000 ± 4000 %"}  # fmt: skip
     for given_numbers, text in shown.items():
         assert percent_with_error(*given_numbers) == text
-    shares = {
+    without = {
         0.0: "0 %",
         1.0: "100 %",
         0.997: "99.7 %",
@@ -53,7 +53,7 @@ def test_percentages_as_they_stand() -> None:
         1e-6: "less than 0.001 %",
         0.01: "1 %",
     }
-    assert {share: percent(share) for share in shares} == shares
+    assert {fraction: percent(fraction) for fraction in without} == without
 
 
 def test_prefixes_and_lists() -> None:

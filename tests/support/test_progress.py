@@ -27,7 +27,7 @@ def test_a_bar_in_a_terminal():
     assert "sweep" in text and "100%" in text and "points/s" in text
 
 
-def test_nothing_where_nobody_looks():
+def test_no_bar_without_a_terminal():
     out = io.StringIO()
     with bar("sweep", "points", Console(file=out)) as report:
         report(1, 1)
@@ -35,7 +35,7 @@ def test_nothing_where_nobody_looks():
 
 
 @pytest.mark.parametrize("given", [None, False, True])
-def test_a_sweep_takes_it(given, capfd):
+def test_progress_of_a_sweep(given, capfd):
     """stderr is not a terminal here, and nothing is written to stdout."""
     found = hl.sweep(PAPER, gap=[1e-4, 1e-3], progress=given)
     assert found.sizes == {"gap": 2}
@@ -52,7 +52,7 @@ def test_a_function_of_the_caller():
 
 
 @pytest.mark.parametrize("given", [0, 1, 3.5, "yes", [], print.__class__])
-def test_everything_else_is_refused(given):
+def test_other_arguments_are_refused(given):
     with pytest.raises(ValueError, match=r"progress: got .*, must be True, False or callable with"):
         hl.sweep(PAPER, gap=[1e-4], progress=given)
 
@@ -97,13 +97,17 @@ def test_lines_without_a_rate_or_a_total(monkeypatch):
     assert out.getvalue() == "film: after 83 min\nfilm: 50%, after 93 min\n"
 
 
-@pytest.mark.parametrize(
-    ("seconds", "words"),
-    [(0.0, "less than a second"), (1.4, "1 s"), (119.0, "119 s"), (120.0, "2 min"), (9000.0, "2 h"),
-     (3e5, "3 days"), (1e300, "decades"), (math.inf, "decades"), (math.nan, "decades")],
-)  # fmt: skip
-def test_how_long(seconds, words):
-    assert formatting.duration(seconds) == words
+def test_durations():
+    texts = {
+        0.0: "less than a second",
+        1.4: "1 s",
+        119.0: "119 s",
+        120.0: "2 min",
+        9000.0: "2 h",
+        3e5: "3 days",
+    }
+    texts |= dict.fromkeys((1e300, math.inf, math.nan), "decades")
+    assert {seconds: formatting.duration(seconds) for seconds in texts} == texts
 
 
 def test_a_note_below_the_bar():
@@ -127,7 +131,7 @@ def settle(engine, **given):
     return hl.molecular_dynamics(DISKS, law=law, until=0.05, engine=engine, samples=40, **given)
 
 
-def test_a_run_by_events_says_in_a_log_what_steps_would_take(monkeypatch, capfd):
+def test_a_run_by_events_logs_the_time_that_steps_would_take(monkeypatch, capfd):
     """300 settling disks once ran for 405 s without a message."""
     monkeypatch.setattr(progress, "clock", Clock(step=3.0))
     monkeypatch.setattr(pace, "clock", Clock(step=3.0))
@@ -135,7 +139,7 @@ def test_a_run_by_events_says_in_a_log_what_steps_would_take(monkeypatch, capfd)
     lines = capfd.readouterr().err.splitlines()
     form = (
         r"molecular dynamics: \d+%, after \S+ \S+, \S+ k?contacts/s; \d+% of the time in clusters; the rest "
-        r"takes about [^,]+, the whole run by engine='steps' about [^,]+(, which is advised)?"
+        r"takes about [^,]+, the whole run by engine='steps' about [^,]+( \(recommended\))?"
     )
     assert len(lines) >= 2 and all(re.fullmatch(form, line) for line in lines), lines
     assert same_samples(run, settle("events"))  # it changes no bit
@@ -146,7 +150,7 @@ def test_a_run_by_events_says_in_a_log_what_steps_would_take(monkeypatch, capfd)
     )
 
 
-def test_a_function_is_told_numbers_alone(monkeypatch):
+def test_a_function_gets_only_numbers(monkeypatch):
     """And the engine of steps is not tried."""
     monkeypatch.setattr(pace, "seconds_by_steps", None)
     told = []
@@ -166,7 +170,7 @@ def test_the_note_is_about_the_last_seconds(monkeypatch):
     clock, run, tried = Clock(), Run(), []
     monkeypatch.setattr(pace, "clock", clock)
     monkeypatch.setattr(pace, "seconds_by_steps", lambda *given: tried.append(clock.now) or 100.0)
-    said = pace.Pace()
+    said = pace.ProgressNote()
 
     def note() -> str:
         return said.note(run.time, run.cluster_share, None, lambda: None, 10.0)
@@ -185,17 +189,17 @@ def test_the_note_is_about_the_last_seconds(monkeypatch):
         "100% of the time in clusters; the rest takes about 80 s, the whole run by engine='steps' about 100 s"
     )
     clock.now, run.time = clock.now + 1000.0, 3.0
-    assert "the rest takes about 117 min, " in note() and note().endswith("about 100 s, which is advised")
+    assert "the rest takes about 117 min, " in note() and note().endswith("about 100 s (recommended)")
     clock.now += 2.0  # it hangs
     assert note().startswith("75% of the time in clusters; the rest takes about decades, ")
     assert [at - 1000.0 for at in tried] == [2.0, 12.0, 1012.0]
 
 
-def test_what_steps_would_take_is_measured(monkeypatch):
+def test_the_time_that_steps_would_take_is_measured(monkeypatch):
     """Steps of the present state, so many that they are a small matter; the time for each of them is what counts."""
     clock = Clock(step=1.0)
     monkeypatch.setattr(pace, "clock", clock)
     law = hl.LinearDashpot(stiffness=1e4, restitution=0.5)
     step = time_step.chosen(DISKS, law, None, None)
     found = pace.seconds_by_steps(DISKS, law, 2.0)  # the trial takes one second on this clock
-    assert found == pytest.approx(2.0 / step / pace.MOST, rel=2e-3)
+    assert found == pytest.approx(2.0 / step / pace.MAX_STEPS, rel=2e-3)

@@ -136,7 +136,7 @@ def test_an_open_client_stays_open() -> None:
         assert client.submit(sum, [1, 2]).result() == 3
 
 
-def test_an_error_here_ends_the_work_there() -> None:
+def test_an_error_of_the_caller_cancels_the_tasks() -> None:
     def fail(done: int, total: int) -> None:
         if done:
             raise KeyError("mine")
@@ -151,7 +151,7 @@ def test_an_error_here_ends_the_work_there() -> None:
 @pytest.mark.parametrize("closed", ["client", "cluster"])
 @pytest.mark.parametrize("error", [None, KeyError("mine")])
 @pytest.mark.parametrize("job", ["sweep", "fidelity"])
-def test_a_cluster_of_this_process_is_closed_amid_the_work(
+def test_closing_a_cluster_of_this_process_during_the_work(
     job: str, error: Exception | None, closed: str
 ) -> None:
     """The message is one line; an error of the caller is not replaced by one of dask."""
@@ -207,7 +207,7 @@ def test_a_scheduler_that_no_longer_answers(
 
 
 @pytest.mark.slow
-def test_a_chunk_with_much_to_send_is_no_cause_for_a_warning(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_large_chunks_cause_no_warning(monkeypatch: pytest.MonkeyPatch) -> None:
     """A list of points carries its parameters; above 10 MiB distributed warns."""
     monkeypatch.setattr(chunking, "POINTS", 1 << 20)
     points = {"gap": xr.DataArray(np.geomspace(1e-6, 1e-2, 700_000), dims="point")}
@@ -227,8 +227,8 @@ def test_every_chunk_comes_once() -> None:
 
 
 @pytest.mark.parametrize("scheduler", ["tcp://127.0.0.1:1", "nowhere", 3])
-def test_a_scheduler_that_is_none(scheduler: object, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(connecting, "PATIENCE", "0.5s")
+def test_an_invalid_scheduler_is_refused(scheduler: object, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(connecting, "TIMEOUT", "0.5s")
     with pytest.raises(ValueError, match="must be the address of a scheduler that answers") as refused:
         hl.sweep(PAPER, engine="dask", scheduler=scheduler, **GRID)
     assert str(refused.value).startswith(f"scheduler: got {scheduler!r}")
@@ -284,15 +284,10 @@ def test_workers_come_and_go(processes: Processes) -> None:
             workers.append(processes.start_worker())
             killed += 1
 
-    there = hl.sweep(
-        SOFT,
-        engine="dask",
-        scheduler=processes.address,
-        progress=replace_one,
-        gap=np.geomspace(1e-6, 1e-2, 16_000),
-    )
+    swept = {"gap": np.geomspace(1e-6, 1e-2, 16_000)}
+    there = hl.sweep(SOFT, engine="dask", scheduler=processes.address, progress=replace_one, **swept)
     assert killed == 5
-    assert same_bits(there, hl.sweep(SOFT, gap=np.geomspace(1e-6, 1e-2, 16_000)))
+    assert same_bits(there, hl.sweep(SOFT, **swept))
 
 
 @pytest.mark.slow
@@ -335,7 +330,7 @@ AS_A_CALL_BEGINS = """
 
 
 @pytest.mark.slow
-def test_an_interrupt_as_a_call_begins_is_the_only_thing_told() -> None:
+def test_an_interrupt_at_the_start_of_a_call_is_the_only_error() -> None:
     command = [sys.executable, "-c", textwrap.dedent(AS_A_CALL_BEGINS)]
     run = subprocess.run(command, capture_output=True, text=True, timeout=60)
     assert run.stderr.startswith("Traceback") and run.stderr.rstrip().endswith("KeyboardInterrupt")

@@ -22,6 +22,7 @@ import xarray as xr
 from emulated_gpu import Emulated, build
 
 import hardlimit as hl
+from conftest import refusal
 from hardlimit.sweep.engines import cuda, cuda_device
 from hardlimit.sweep.plan import Plan, make_plan
 from hardlimit.sweep.variables import OF_POINT
@@ -171,12 +172,8 @@ def test_maps_larger_than_the_device_come_in_chunks(library: Path, swept: dict[s
 @pytest.mark.slow
 def test_the_kernel_copies_no_flag_before_it_is_set(tmp_path: Path) -> None:
     """Shared memory is not initialized: bytes that are neither true nor false trap when copied."""
-    flags = (
-        "-O1",
-        "-fsanitize=bool,enum",
-        "-fsanitize-undefined-trap-on-error",
-        "-ftrivial-auto-var-init=pattern",
-    )
+    sanitize = ("-fsanitize=bool,enum", "-fsanitize-undefined-trap-on-error")
+    flags = ("-O1", *sanitize, "-ftrivial-auto-var-init=pattern")
     checked = build(HERE / "warp.cpp", tmp_path / "checked.so", *flags)
     plan = plan_of(restitution=np.linspace(0.3, 1.0, 10), gap=[1e-6, 1e-4, 1e-2])
     out = tmp_path / "chunk.npz"
@@ -198,10 +195,8 @@ def test_most_points_are_solved_by_the_kernel(library: Path, monkeypatch: pytest
 
 
 def test_a_device_without_memory_is_one_line() -> None:
-    with pytest.raises(
-        ValueError, match=r"^engine: got 'cuda', must have more free memory .* than 1000 bytes$"
-    ):
-        cuda.chunk_points(plan_of(**GRID), 1000)
+    refused = refusal(lambda: cuda.chunk_points(plan_of(**GRID), 1000))
+    assert re.fullmatch("engine: got 'cuda', must have more free memory .* than 1000 bytes", refused)
 
 
 # --- what is missing ----------------------------------------------------------------------------------------
@@ -232,9 +227,9 @@ class OneDevice:
 
 def test_the_device_is_current_in_every_thread_that_opens_it(monkeypatch: pytest.MonkeyPatch) -> None:
     opened: list[OneDevice] = []
-    monkeypatch.setattr(cuda_device, "_insist_on_packages", lambda: None)
-    monkeypatch.setattr(cuda_device, "_insist_on_device", lambda: None)
-    monkeypatch.setattr(cuda_device, "CudaGpu", lambda: opened.append(OneDevice()) or opened[0])
+    monkeypatch.setattr(cuda_device, "_require_packages", lambda: None)
+    monkeypatch.setattr(cuda_device, "_require_device", lambda: None)
+    monkeypatch.setattr(cuda_device, "Gpu", lambda: opened.append(OneDevice()) or opened[0])
     cuda_device._opened_once.cache_clear()
     threads = [threading.Thread(target=cuda_device.open_gpu) for _ in range(3)]
     for thread in threads:
@@ -283,7 +278,7 @@ def test_without_a_device(monkeypatch: pytest.MonkeyPatch, answer: str, said: st
 
 
 @needs_compiler
-def test_what_this_machine_says() -> None:
+def test_the_driver_of_this_machine() -> None:
     """The real driver, or its absence."""
     try:
         cuda_device.open_gpu()
@@ -294,10 +289,9 @@ def test_what_this_machine_says() -> None:
 @pytest.mark.parametrize("model", ["newton", "independent"])
 def test_other_laws_and_models_are_refused(model: str) -> None:
     soft = hl.Column.paper(law=hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, dissipative_time=1e-5))
-    with pytest.raises(
-        ValueError, match=f"engine: got 'cuda', must be .* for the law .* and the model {model}"
-    ):
-        hl.sweep(soft if model == "newton" else PAPER, model=model, engine="cuda", gap=[1e-4])
+    column = soft if model == "newton" else PAPER
+    refused = refusal(lambda: hl.sweep(column, model=model, engine="cuda", gap=[1e-4]))
+    assert re.match(f"engine: got 'cuda', must be .* for the law .* and the model {model}", refused)
 
 
 # --- where a GPU is -----------------------------------------------------------------------------------------

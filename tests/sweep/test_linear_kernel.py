@@ -29,24 +29,19 @@ def random_list(n: int, seed: int) -> dict[str, xr.DataArray]:
 
 
 def compute(
-    swept: dict[str, xr.DataArray], instruction_set: str, threads: int = 1, model: str = "newton"
+    swept: dict[str, xr.DataArray],
+    instruction_set: str,
+    threads: int = 1,
+    model: str = "newton",
+    column: hl.Column | None = None,
+    tolerance: float | None = None,
 ) -> Results:
-    plan = make_plan(hl.Column.paper(), model, list(OF_POINT), swept)
+    """All variables of a sweep; ``"scalar"`` solves each point by the solver of single columns."""
+    plan = make_plan(column or hl.Column.paper(), model, list(OF_POINT), swept, tolerance)
     out: Results = {name: np.empty(plan.size, OF_POINT[name].dtype) for name in plan.variables}
     where = (*plan.densities, plan.restitution_at, list(plan.values), list(plan.strides))
-    _core.run_map(
-        plan.law,
-        MODELS.index(model),
-        plan.alternative,
-        *where,
-        0,
-        plan.size,
-        threads,
-        math.nan,
-        out,
-        None,
-        instruction_set,
-    )
+    how = (0, plan.size, threads, plan.tolerance or math.nan, out, None, instruction_set)
+    assert not _core.run_map(plan.law, MODELS.index(model), plan.alternative, *where, *how)
     return out
 
 

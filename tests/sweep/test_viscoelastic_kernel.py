@@ -2,14 +2,13 @@
 
 import numpy as np
 import pytest
+import test_linear_kernel
 import xarray as xr
 from numpy.typing import NDArray
 
 import hardlimit as hl
 from conftest import number, table
 from hardlimit import _core
-from hardlimit.sweep.plan import MODELS, make_plan
-from hardlimit.sweep.variables import OF_POINT
 
 Results = dict[str, NDArray]
 
@@ -17,15 +16,7 @@ Results = dict[str, NDArray]
 def compute(
     column: hl.Column, instruction_set: str, tolerance: float | None = None, **swept: NDArray | xr.DataArray
 ) -> Results:
-    """All variables of a sweep; ``"scalar"`` solves each point by the general solver."""
-    plan = make_plan(column, "newton", list(OF_POINT), swept, tolerance)
-    out = {name: np.empty(plan.size, OF_POINT[name].dtype) for name in plan.variables}
-    where = (*plan.densities, plan.restitution_at, list(plan.values), list(plan.strides))
-    model = MODELS.index(plan.model)
-    how = (plan.size, 1, plan.tolerance, out, None, instruction_set)
-    large = _core.run_map(plan.law, model, plan.alternative, *where, 0, *how)
-    assert not large
-    return out
+    return test_linear_kernel.compute(swept, instruction_set, column=column, tolerance=tolerance)
 
 
 def points(**values: NDArray) -> dict[str, xr.DataArray]:
@@ -53,16 +44,9 @@ def assert_agree(kernel: Results, general: Results, speed: float, within: float 
 def test_reference(given: str) -> None:
     rows = [row for row in table("two_ball_viscoelastic") if row[f"{given}{'_s' * (given != 'restitution')}"]]
     assert len(rows) > 10
-    read = {
-        "radius_1": "radius_1_m",
-        "radius_2": "radius_2_m",
-        "youngs_modulus": "youngs_modulus_Pa",
-        "poisson_ratio": "poisson_ratio",
-        "density": "density_kg_m3",
-        "gap": "gap_m",
-        given: given if given == "restitution" else "dissipative_time_s",
-    }
-    values = {name: np.array([float(row[field]) for row in rows]) for name, field in read.items()}
+    units = {"radius_1": "_m", "radius_2": "_m", "youngs_modulus": "_Pa", "density": "_kg_m3", "gap": "_m"}
+    units |= {"poisson_ratio": "", given: "" if given == "restitution" else "_s"}
+    values = {name: np.array([float(row[name + unit]) for row in rows]) for name, unit in units.items()}
     speed = np.array([float(row["impact_speed_m_s"]) for row in rows])
     values["height"] = values["radius_1"] + speed**2 / (2.0 * 9.81)
     if given == "restitution":
@@ -71,12 +55,12 @@ def test_reference(given: str) -> None:
     found = compute(column, "auto", **points(**values))
     for i, row in enumerate(rows):
         assert found["n_contacts"][i] == int(row["n_contacts"]), i
-        for name, field in {
-            "relative_velocity": "relative_velocity_end_m_s",
-            "separation_velocity": "relative_velocity_separation_m_s",
-        }.items():
-            expected = pytest.approx(number(row[field]), rel=0.0, abs=1e-8 * speed[i], nan_ok=True)
-            assert found[name][i] == expected, (i, name)
+        for name, at in (("relative_velocity", "end"), ("separation_velocity", "separation")):
+            expected = number(row[f"relative_velocity_{at}_m_s"])
+            assert found[name][i] == pytest.approx(expected, rel=0.0, abs=1e-8 * speed[i], nan_ok=True), (
+                i,
+                name,
+            )
         assert found["t_end"][i] == pytest.approx(number(row["t_end_s"]), rel=1e-8, nan_ok=True)
 
 

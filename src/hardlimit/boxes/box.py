@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
@@ -17,12 +18,14 @@ Floats = NDArray[np.float64]
 Vector = float | Sequence[float] | Floats
 
 AXES: Final = ("x", "y", "z")
+#: Volume of a ball of radius 1, by dimension.
+UNIT_BALL: Final = {2: math.pi, 3: 4.0 / 3.0 * math.pi}
 BOUNDARIES: Final = ("periodic", "wall")
-#: Larger lengths, speeds and accelerations are refused: their squares would overflow.
+#: Largest length, speed and acceleration: the squares of larger ones would overflow.
 LARGEST: Final = 1e100
 #: Shortest edge in units of the largest radius. A particle then touches at most one image of another particle, and at
 #: most one of two opposite walls.
-FEWEST_RADII: Final = {"periodic": 4, "wall": 2}
+SHORTEST_EDGE: Final = {"periodic": 4, "wall": 2}
 #: Meaning of a wall's number, for the logs of all engines.
 WALL_NUMBERS: Final = "−1 − 2·axis wall at 0, −2 − 2·axis at L"
 
@@ -37,12 +40,10 @@ class Box:
 
     @property
     def dimension(self) -> int:
-        """The dimension d."""
         return len(self.edges)
 
     @property
     def periodic(self) -> list[bool]:
-        """Whether each axis is periodic."""
         return [side == "periodic" for side in self.boundary]
 
     @property
@@ -78,12 +79,11 @@ class Box:
     def check_size(self, largest_radius: float) -> None:
         """Refuse a box in which a particle could touch two images of another one, or two opposite walls."""
         for axis, side in enumerate(self.boundary):
-            radii = FEWEST_RADII[side]
+            radii = SHORTEST_EDGE[side]
             if not self.edges[axis] >= radii * largest_radius:
                 raise ValueError(
-                    f"box: got {self.edges[axis]:.16g} along {AXES[axis]}, {side}, must be >= "
-                    f"{validation.at_least(radii * largest_radius)}, {'four' if radii == 4 else 'two'} times the "
-                    "largest radius"
+                    f"box: got {self.edges[axis]:.16g} along {AXES[axis]} ({side}), must be >= "
+                    f"{validation.at_least(radii * largest_radius)}, {radii} times the largest radius"
                 )
 
 
@@ -102,10 +102,10 @@ def checked_boundary(boundary: Any, d: int) -> tuple[str, ...]:
     """The boundary of each axis, from one word or from one for each axis."""
     if isinstance(boundary, str):
         return (validation.one_of("boundary", boundary, BOUNDARIES),) * d
-    words = validation.instances("boundary", boundary, str, "word")
-    if len(words) != d:
-        raise ValueError(f"boundary: got {len(words)} words, must be one or {d}, one for each axis")
-    return tuple(validation.one_of(f"boundary[{i}]", word, BOUNDARIES) for i, word in enumerate(words))
+    sides = validation.instances("boundary", boundary, str, "word")
+    if len(sides) != d:
+        raise ValueError(f"boundary: got {len(sides)} words, must be 1, or {d}: one for each axis")
+    return tuple(validation.one_of(f"boundary[{i}]", side, BOUNDARIES) for i, side in enumerate(sides))
 
 
 def checked_gravity(gravity: Any, d: int) -> Floats:
@@ -118,6 +118,5 @@ def checked_gravity(gravity: Any, d: int) -> Floats:
 
 
 def read_only(array: NDArray[Any]) -> NDArray[Any]:
-    """Make an array read-only and return it."""
     array.flags.writeable = False
     return array

@@ -17,27 +17,24 @@ from numpy.typing import NDArray
 from .. import _core
 from ..support import saving, validation
 
-FORMAT: Final = 4  #: version of the file format; files of another version are refused
+FORMAT: Final = 5  #: version of the file format; files of another version are refused
 HEADER: Final = "header"
 
 
-def checked_path(path: Any) -> Path:
+def checked_path(path: Any, parameter: str = "checkpoint") -> Path:
     """The path of a checkpoint, checked to be a file that can be written."""
-    if not isinstance(path, str | os.PathLike):
-        raise ValueError(f"checkpoint: got {validation.shown(path)}, must be a path")
-    target = Path(path)
-    shown = validation.shown(str(path))
+    target = validation.path(parameter, path)
     try:
         good = bool(target.name) and not target.is_dir() and os.access(target.resolve().parent, os.W_OK)
     except (OSError, ValueError):  # the name is too long or has a null character
         good = False
     if not good:
-        raise ValueError(f"checkpoint: got {shown}, must be a file in a folder that can be written")
+        shown = validation.shown(str(path))
+        raise ValueError(f"{parameter}: got {shown}, must be a file in a folder that can be written")
     return target
 
 
 def write(path: Path, header: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> None:
-    """Replace the checkpoint."""
     facts = {"format": FORMAT, "hardlimit_version": _core.version, **header}
     content: dict[str, Any] = {HEADER: np.frombuffer(json.dumps(facts).encode(), np.uint8), **arrays}
     with saving.whole(path) as unfinished, open(unfinished, "wb") as file:
@@ -47,21 +44,19 @@ def write(path: Path, header: Mapping[str, Any], arrays: Mapping[str, NDArray[An
 
 
 def read(path: Any) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
-    """Header and arrays of a checkpoint."""
-    if not isinstance(path, str | os.PathLike):
-        raise ValueError(f"path: got {validation.shown(path)}, must be a path")
+    source = validation.path("path", path)
     try:
-        with open(path, "rb") as file, np.load(file, allow_pickle=False) as content:
+        with open(source, "rb") as file, np.load(file, allow_pickle=False) as content:
             arrays = {name: content[name] for name in content.files}
         header = json.loads(bytes(arrays.pop(HEADER)))
         written = header["format"], header["hardlimit_version"]
     except OSError as error:
         raise ValueError(f"{path}: cannot be read: {error.strerror or error}") from None
     except Exception:  # zipfile and NumPy raise many kinds of exceptions for a damaged file
-        raise ValueError(f"{path}: no checkpoint, or damaged") from None
+        raise ValueError(f"{path}: not a checkpoint, or damaged") from None
     if written != (FORMAT, _core.version):
         raise ValueError(
-            f"{path}: a checkpoint of hardlimit {validation.shown(written[1])[1:-1]}, "
-            f"must be one of {_core.version}: other versions may give other bits"
+            f"{path}: got a checkpoint of hardlimit {validation.shown(written[1])[1:-1]}, must be one of "
+            f"{_core.version}: another version may give other bits"
         )
     return header, arrays

@@ -12,7 +12,9 @@ from .. import _core
 from ..contact.contact import Law
 from ..support import validation
 from . import time_step
-from .falling_frame import engine_arguments, law_arguments
+from .box import AXES
+from .contacts import impact_temperature, mean_contact
+from .falling_frame import engine_arguments
 from .system import ROUNDING, ParticleSystem
 from .theory import Gas
 
@@ -27,14 +29,12 @@ DENSEST: Final = {2: 0.84, 3: 0.64}
 
 
 class Choice(NamedTuple):
-    """The chosen engine, and the reason."""
-
     engine: str
     reason: str
 
 
-class Touch(NamedTuple):
-    """t_c ν, the number of contacts that a particle makes during one contact, and the part of the run it is for."""
+class Overlap(NamedTuple):
+    """t_c ν, the number of contacts that a particle makes during one contact, and the part of the run it holds for."""
 
     tc_nu: float
     when: str
@@ -45,7 +45,7 @@ def chosen(system: ParticleSystem, law: Law, until: float, of_steps: Mapping[str
     :func:`estimated` to be cheaper."""
     for name, value in of_steps.items():
         if value is not None:
-            return Choice("steps", f"{name} is given, which only engine steps takes")
+            return Choice("steps", f"only engine steps accepts {name}")
     return estimated(system, law, until)
 
 
@@ -54,9 +54,7 @@ def estimated(
 ) -> Choice:
     """The engine with the lower cost per contact, for a time step with this error of ε.
 
-    A contact costs about 1.6 µs + 35 µs·t_c ν by events and 9 µs + 4.5 ns/(ν Δt) by steps of Δt. t_c ν is the largest
-    of three values: Enskog's rate times the duration of a typical contact; the number of open contacts per particle at
-    the start; and t_c ν at the end of a run in which particles settle in a bed (:func:`of_bed`).
+    The costs and the three values of t_c ν are described in the notes of :func:`hardlimit.molecular_dynamics`.
     """
     try:
         check_box(system)
@@ -64,12 +62,11 @@ def estimated(
         return Choice("steps", str(error))
     duration, restitution, temperature = typical_contact(system, law)
     rate = _collision_rate(system, temperature)
-    touches = [
-        Touch(rate * duration if rate > 0.0 else 0.0, "at the start"),
-        Touch(lasting_contacts(system), "by the contacts that last at the start"),
+    most = max(
+        Overlap(rate * duration if rate > 0.0 else 0.0, "at the start"),
+        Overlap(open_contacts(system), "by the contacts that are open at the start"),
         of_bed(system, duration, restitution, until),
-    ]
-    most = max(touches)
+    )
     if most.tc_nu == 0.0:
         return Choice("events", "no contacts are expected")
     if not most.tc_nu < 2.0 * system.dimension:  # contacts per particle of an isostatic packing
@@ -90,32 +87,25 @@ def typical_contact(system: ParticleSystem, law: Law) -> tuple[float, float, flo
     The contact is that of two particles of mean mass and radius at the mean impact speed √(πT), where T is the initial
     temperature or that of the atmosphere that settles, whichever is larger.
     """
-    temperature = system.granular_temperature
-    if "wall" in system.boundary:
-        temperature = 2.0 * system.kinetic_energy / (system.dimension * float(system.mass.sum()))
+    temperature = impact_temperature(system)
     hottest = max(temperature, _bed_temperature(system))
-    mass, radius = float(system.mass.mean()), float(system.radius.mean())
-    contact = _core.make_contact(*law_arguments(law), 0.5 * mass, 0.5 * radius)
+    contact = mean_contact(system, law)
     speed = np.array([math.sqrt(math.pi * hottest) or 1.0])
     duration, restitution = float(contact.duration(speed)[0]), float(contact.restitution(speed)[0])
-    return (
-        duration if duration >= 0.0 else math.inf,
-        restitution if restitution >= 0.0 else 0.0,
-        temperature,
-    )
+    return duration if duration >= 0.0 else math.inf, restitution if restitution >= 0.0 else 0.0, temperature
 
 
-def lasting_contacts(system: ParticleSystem) -> float:
+def open_contacts(system: ParticleSystem) -> float:
     """Number of open contacts per particle in this state; in a gas its mean is t_c ν."""
-    if system._overlap_share <= 2.0 * ROUNDING:
+    if system._deepest_relative_overlap <= 2.0 * ROUNDING:
         return 0.0
     at_rest = engine_arguments(system.replace(velocities=np.zeros_like(system.velocities)))
     law = ("linear", 0, [1.0, 1.0])
-    touching = _core.make_engine("newton_steps", *at_rest, law=law, time_step=1.0).observe()["n_in_contact"]
-    return 2.0 * float(touching) / system.n
+    found = _core.make_engine("newton_steps", *at_rest, law=law, time_step=1.0).observe()["n_in_contact"]
+    return 2.0 * float(found) / system.n
 
 
-def of_bed(system: ParticleSystem, duration: float, restitution: float, until: float) -> Touch:
+def of_bed(system: ParticleSystem, duration: float, restitution: float, until: float) -> Overlap:
     """t_c ν at the end of a run in which gravity g pulls the particles to a wall.
 
     The particles are modelled as an isothermal atmosphere of temperature T over a floor of area A, with
@@ -126,19 +116,18 @@ def of_bed(system: ParticleSystem, duration: float, restitution: float, until: f
     """
     axis, pull = _pull(system)
     if pull == 0.0:
-        return Touch(0.0, "")
+        return Overlap(0.0, "")
     pull, d = abs(pull), system.dimension
-    base = float(np.prod(np.delete(system.box, axis)))
-    layers = float(np.sum((2.0 * system.radius) ** (d - 1))) / base
+    layers = float(np.sum((2.0 * system.radius) ** (d - 1))) / float(np.prod(np.delete(system.box, axis)))
     pairs = (d - 1) * math.sqrt(math.pi) * layers
     floor = 0.5 * math.sqrt(d + 2.0)
     slows = pull * (1.0 - restitution) * (0.5 * (1.0 + restitution) * pairs + floor) / (d + 2)
     start = math.sqrt(_bed_temperature(system))
     at_rest = math.sqrt(2.0 * _fall(system) / pull) + (start / slows if slows > 0.0 else math.inf)
     if until >= at_rest or start == 0.0:
-        return Touch(math.inf, f"in a bed that is at rest after about {at_rest if start else 0.0:.2g} s")
+        return Overlap(math.inf, f"in a bed that is at rest after about {at_rest if start else 0.0:.2g} s")
     end = start * (1.0 - until / at_rest)
-    return Touch(duration * pull * (pairs + floor / (d + 2)) / end, "at the end, in a bed that settles")
+    return Overlap(duration * pull * (pairs + floor / (d + 2)) / end, "at the end, in a bed that settles")
 
 
 def check_box(system: ParticleSystem) -> None:
@@ -147,22 +136,17 @@ def check_box(system: ParticleSystem) -> None:
     for axis, side in enumerate(system.boundary):
         if side == "periodic" and not system.box[axis] >= least:
             raise ValueError(
-                f"box: got {system.box[axis]:.6g} m along periodic axis {axis}, must be >= "
-                f"{validation.at_least(least)} m, {SMALLEST_EDGE:g} largest radii, for engine 'events'"
+                f"box: got {system.box[axis]:.6g} m along {AXES[axis]} (periodic), must be >= "
+                f"{validation.at_least(least)} m for engine 'events', {SMALLEST_EDGE:g} times the largest radius"
             )
 
 
 def _collision_rate(system: ParticleSystem, temperature: float) -> float:
     """Enskog's collision rate [1/s] for particles of mean size, with the density limited to that of a packing."""
     n, d = system.n, system.dimension
-    packed = float(_solid(system) / DENSEST[d])
+    packed = system.packing_fraction * system.domain.volume / DENSEST[d]
     gas = Gas(n, float(system.radius.mean()), 1.0, max(system.domain.volume, packed), d)
     return (n - 1) / n * float(gas.collision_rate(temperature))
-
-
-def _solid(system: ParticleSystem) -> float:
-    """Volume of the particles [m³], in 2-D their area [m²]."""
-    return system.packing_fraction * system.domain.volume
 
 
 def _pull(system: ParticleSystem) -> tuple[int, float]:
@@ -186,5 +170,6 @@ def _fall(system: ParticleSystem) -> float:
     axis, pull = _pull(system)
     height = float(system.mass @ system.positions[:, axis]) / float(system.mass.sum())
     above = height if pull < 0.0 else float(system.box[axis]) - height
-    packed = _solid(system) / (DENSEST[system.dimension] * float(np.prod(np.delete(system.box, axis))))
+    area = float(np.prod(np.delete(system.box, axis)))
+    packed = system.packing_fraction * system.domain.volume / (DENSEST[system.dimension] * area)
     return max(0.0, above - max(0.5 * packed, float(system.radius.mean())))

@@ -14,8 +14,9 @@ from .. import _core
 from ..contact.contact import Law
 from ..contact.laws import LAWS
 from .box import Floats
-from .falling_frame import engine_arguments, laboratory_sums, law_arguments, present, state
-from .pace import Pace
+from .contacts import law_arguments
+from .falling_frame import engine_arguments, laboratory_sums, state, system_at
+from .pace import ProgressNote
 from .result import COLLISIONS, CONTACTS, Column, ContactResult, EarlyEnd, Log, ParticleResult
 from .rules import Settings
 from .system import ParticleSystem
@@ -23,6 +24,8 @@ from .system import ParticleSystem
 ENERGIES: Final = ("kinetic_energy", "potential_energy", "dissipated_energy")
 #: Quantities that every engine records at a sample.
 COMMON: Final = ("time", *ENERGIES, "granular_temperature", "momentum", "virial", "n_pairs")
+#: Those of hard spheres, and those of engines for Newton's equations.
+OF_COLLISIONS: Final = (*COMMON, "kinetic_integral", "n_collisions")
 OF_CONTACTS: Final = (*COMMON, "contact_energy", "n_contacts", "n_ended", "n_overlapped", "n_in_contact")
 #: Arrays of a system in a checkpoint. Positions and velocities are in the saved state of the engine.
 FIXED: Final = ("radius", "mass", "box", "gravity")
@@ -36,43 +39,18 @@ class EngineRecord:
     kind: str  #: name in the core; empty for an external program
     task: str  #: title of the progress bar
     counts: str  #: unit of the progress bar
-    records: tuple[str, ...]  #: quantities recorded at each sample, from which observables are computed
-    columns: tuple[Column, ...]  #: columns of the log
-    options: tuple[str, ...]  #: arguments of molecular_dynamics that this engine accepts and others may not
+    records: tuple[str, ...] = OF_CONTACTS  #: recorded at each sample; observables are made from them
+    columns: tuple[Column, ...] = CONTACTS  #: columns of the log
+    options: tuple[str, ...] = ()  #: arguments of molecular_dynamics that some engines do not accept
 
 
 _NEWTON: Final = "molecular dynamics"
+_OURS, _STEPS = ("checkpoint", "observe"), ("restitution_error", "time_step")  #: options
 _RECORDS: Final = (
-    EngineRecord(
-        "hard_spheres",
-        "hard_spheres",
-        "event-driven",
-        "collisions",
-        (*COMMON, "kinetic_integral", "n_collisions"),
-        COLLISIONS,
-        (),
-    ),
-    EngineRecord(
-        "events", "newton_events", _NEWTON, "contacts", OF_CONTACTS, CONTACTS, ("checkpoint", "observe")
-    ),
-    EngineRecord(
-        "steps",
-        "newton_steps",
-        _NEWTON,
-        "steps",
-        OF_CONTACTS,
-        CONTACTS,
-        ("checkpoint", "observe", "restitution_error", "time_step", "threads"),
-    ),
-    EngineRecord(
-        "lammps",
-        "",
-        _NEWTON,
-        "steps",
-        OF_CONTACTS,
-        CONTACTS,
-        ("restitution_error", "time_step", "ranks"),
-    ),
+    EngineRecord("hard_spheres", "hard_spheres", "event-driven", "collisions", OF_COLLISIONS, COLLISIONS),
+    EngineRecord("events", "newton_events", _NEWTON, "contacts", options=_OURS),
+    EngineRecord("steps", "newton_steps", _NEWTON, "steps", options=(*_OURS, *_STEPS, "threads")),
+    EngineRecord("lammps", "", _NEWTON, "steps", options=(*_STEPS, "ranks")),
 )
 #: Engines by name.
 ENGINES: Final = {record.name: record for record in _RECORDS}
@@ -96,7 +74,7 @@ class Engine:
         self, name: str, system: ParticleSystem, settings: Settings | NewtonSettings, compiled: Any
     ) -> None:
         self.record, self.system, self.settings, self.compiled = ENGINES[name], system, settings, compiled
-        self._pace = Pace()
+        self._note = ProgressNote()
 
     @classmethod
     def make(
@@ -165,8 +143,8 @@ class Engine:
         """Text beside the progress bar."""
         if self.record.name != "events" or until is None or self.settings.law is None:
             return ""
-        share = float(self.compiled.statistics()["cluster_share"])
-        return self._pace.note(self.time, share, self.settings.law, self.current, until)
+        cluster_share = float(self.compiled.statistics()["cluster_share"])
+        return self._note.note(self.time, cluster_share, self.settings.law, self.current, until)
 
     # --- state and records ----------------------------------------------------------------------------------
 
@@ -176,20 +154,20 @@ class Engine:
 
     def current(self) -> ParticleSystem:
         """The current system, with positions in the box."""
-        return present(self.system, self.time, self.compiled.state())
+        return system_at(self.system, self.time, self.compiled.state())
 
     def sample(self) -> dict[str, Any]:
         """The quantities recorded at a sample."""
         system, time = self.system, self.time
-        seen = dict(self.compiled.observe())
+        sums = dict(self.compiled.observe())
         fall = system.domain.common_fall
         if fall.any():
-            seen["potential_energy"] -= float(system.mass @ (self.compiled.state()[0] @ fall))
-        seen = laboratory_sums(system, time, seen) | {"time": time, "n_collisions": seen["n_contacts"]}
-        return {name: np.asarray(seen[name], float) for name in self.record.records}
+            sums["potential_energy"] -= float(system.mass @ (self.compiled.state()[0] @ fall))
+        sums = laboratory_sums(system, time, sums) | {"time": time, "n_collisions": sums["n_contacts"]}
+        return {name: np.asarray(sums[name], float) for name in self.record.records}
 
     def is_at(self, sample: Mapping[str, Any]) -> bool:
-        """Whether this sample belongs to the current state."""
+        """Whether this sample was taken in the current state, or no sample can be taken in it."""
         counted = sample.get("n_collisions", self.n_contacts)
         return self.paused or bool(sample["time"] == self.time and counted == self.n_contacts)
 
@@ -225,7 +203,7 @@ class Engine:
         self, samples: Mapping[str, Floats], log: Log | None, observed: Mapping[str, Any], idle: bool
     ) -> ParticleResult | ContactResult:
         """The result of a run that ends now; ``idle`` means that no more collisions happen."""
-        now, seen, statistics = self.current(), self.compiled.observe(), self.compiled.statistics()
+        now, sums, statistics = self.current(), self.compiled.observe(), self.compiled.statistics()
         largest = float(self.compiled.largest_compression)
         common: dict[str, Any] = {
             "system": now,
@@ -241,8 +219,8 @@ class Engine:
             counts = ("n_walls", "n_elastic_by_tc", "n_soft", "n_soft_third_body")
             return ParticleResult(
                 settings=self.settings,
-                n_collisions=seen["n_contacts"],
-                n_pairs=seen["n_pairs"],
+                n_collisions=sums["n_contacts"],
+                n_pairs=sums["n_pairs"],
                 **{name: statistics[name] for name in counts},
                 **common,
             )
@@ -251,7 +229,7 @@ class Engine:
             law=self.settings.law,
             engine=self.record.name,
             engine_reason=self.settings.reason,
-            **{name: seen[name] for name in ("n_contacts", "n_pairs", "n_ended", "n_overlapped")},
+            **{name: sums[name] for name in ("n_contacts", "n_pairs", "n_ended", "n_overlapped")},
             **{name: statistics[name] for name in own if name in statistics},
             **common,
         )
@@ -259,7 +237,6 @@ class Engine:
     # --- checkpoints ----------------------------------------------------------------------------------------
 
     def saved(self) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
-        """Header and arrays of a checkpoint."""
         law = self.settings.law
         header = {
             "engine": self.record.name,
@@ -271,15 +248,9 @@ class Engine:
 
     @classmethod
     def load(cls, header: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Engine:
-        """The engine of a checkpoint.
-
-        Raises
-        ------
-        KeyError, TypeError, ValueError
-            If an entry is missing or damaged.
-        """
+        """The engine of a checkpoint. Raises KeyError, TypeError or ValueError if an entry is missing or damaged."""
         name, given = header["engine"], dict(header["settings"])
-        given["law"] = None if given["law"] is None else law_of(given["law"])
+        given["law"] = None if given["law"] is None else law_from(given["law"])
         settings = Settings(**given) if name == "hard_spheres" else NewtonSettings(**given)
         compiled = _core.load_engine(ENGINES[name].kind, arrays["engine"].tobytes())
         fixed = {key: arrays[key] for key in FIXED} | {"boundary": tuple(header["boundary"])}
@@ -290,7 +261,6 @@ class Engine:
 
 
 def joined(parts: Sequence[Log]) -> Log:
-    """Concatenate consecutive logs."""
     return tuple(np.concatenate(columns) for columns in zip(*parts, strict=True))
 
 
@@ -299,6 +269,5 @@ def law_entry(law: Law) -> list[Any]:
     return [law.record["name"], dict(law.parameters)]
 
 
-def law_of(entry: Sequence[Any]) -> Law:
-    """The law with this name and these parameters."""
+def law_from(entry: Sequence[Any]) -> Law:
     return LAWS[entry[0]](**entry[1])

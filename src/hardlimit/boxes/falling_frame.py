@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 
 from .. import _core
-from ..contact.contact import Law
 from .box import Floats
 from .system import ParticleSystem
 
@@ -27,11 +26,6 @@ def engine_arguments(system: ParticleSystem) -> tuple[_core.Box, Floats, Floats,
     )
 
 
-def law_arguments(law: Law) -> tuple[str, int, list[float]]:
-    """A law as arguments of a compiled engine: name, alternative, parameters."""
-    return law.record["name"], law.alternative, list(law.parameters.values())
-
-
 def state(system: ParticleSystem, time: float, falling: tuple[Floats, Floats]) -> tuple[Floats, Floats]:
     """Unfolded positions [m] and velocities [m/s] in the laboratory, (N, d) each.
 
@@ -45,7 +39,7 @@ def state(system: ParticleSystem, time: float, falling: tuple[Floats, Floats]) -
     return positions, velocities
 
 
-def present(system: ParticleSystem, time: float, falling: tuple[Floats, Floats]) -> ParticleSystem:
+def system_at(system: ParticleSystem, time: float, falling: tuple[Floats, Floats]) -> ParticleSystem:
     """The system at ``time`` [s], with positions in the box; ``falling`` as for :func:`state`."""
     positions, velocities = state(system, time, falling)
     system.domain.fold(positions)

@@ -11,19 +11,19 @@ import numpy as np
 from ..contact.contact import Law
 from ..support import validation
 from ..support.progress import Report, reporter
+from .contacts import checked_system, refuse_too_soft
 from .engines import ENGINES, Engine
 from .observe import Observe
 from .result import ParticleResult
 from .rules import Settings, checked_settings
-from .run import Keeping, Run, Target, checked_keeping, checked_until
-from .softness import refuse_too_soft
+from .run import Output, Run, Schedule, checked_output, checked_until
 from .system import ParticleSystem
 from .theory import Gas
 
 NAME: Final = "hard_spheres"
-MOST_COLLISIONS: Final = 2**62
+MAX_COLLISIONS: Final = 2**62
 #: In a run without ``until``, the first sampling interval is this many times shorter than the expected final one.
-FINER: Final = 64
+FIRST_SUBDIVISION: Final = 64
 
 
 def event_driven(
@@ -79,16 +79,11 @@ def event_driven(
     progress : bool or callable(done, total), optional
         True shows a bar. A function is called with the number of collisions so far and their expected total.
 
-    Returns
-    -------
-    ParticleResult
-        An inelastic collapse is an outcome, not an error.
-
     Raises
     ------
     ValueError
         If an argument is outside its range, two arguments exclude each other, or ``observe`` does not return numbers by
-        name.
+        name. An inelastic collapse is an outcome, not an error.
     OSError
         If a checkpoint cannot be written; names it.
 
@@ -108,15 +103,14 @@ def event_driven(
     >>> round(run.system.granular_temperature / gas.granular_temperature, 3)
     0.296
     """
-    if not isinstance(system, ParticleSystem):
-        raise ValueError(f"system: got {validation.shown(system)}, must be a ParticleSystem")
+    checked_system(system)
     settings = checked_settings(law, restitution, rule, contact_duration)
     end = checked_end(until, max_collisions)
     if until is None and max_collisions is None:
         raise ValueError("until | max_collisions: got neither, must be at least one of them")
-    keeping = checked_keeping(samples, log, checkpoint, checkpoint_every, observe)
+    output = checked_output(samples, log, checkpoint, checkpoint_every, observe)
     with reporter(progress, ENGINES[NAME].task, ENGINES[NAME].counts) as report:
-        found = start(system, settings, end, keeping).run(report)
+        found = start(system, settings, end, output).run(report)
     assert isinstance(found, ParticleResult)
     return found
 
@@ -128,33 +122,28 @@ class End(NamedTuple):
     max_collisions: int | None
 
 
-def checked_end(until: Any, max_collisions: Any) -> End:
-    """Check the end of a run."""
-    end = None if until is None else validation.number("until", until, 0.0, lowest_allowed=True)
-    most = None
+def checked_end(until: Any, max_collisions: Any, run: Run | None = None) -> End:
+    """Check the end of a new run, or the new end of a ``run`` that is continued."""
+    end = most = None
+    if until is not None:
+        end = (
+            checked_until(run, until) if run else validation.number("until", until, 0.0, lowest_allowed=True)
+        )
     if max_collisions is not None:
-        most = validation.whole("max_collisions", max_collisions, 0, MOST_COLLISIONS)
+        done = run.engine.n_contacts if run else 0
+        most = validation.whole("max_collisions", max_collisions, done, MAX_COLLISIONS)
     return End(end, most)
 
 
-def start(system: ParticleSystem, settings: Settings, end: End, keeping: Keeping) -> Run:
+def start(system: ParticleSystem, settings: Settings, end: End, output: Output) -> Run:
     """Make a run that is not yet advanced, from checked arguments."""
     refuse_too_soft(system, settings.law)
     span = end.until
     if span is None:
         assert end.max_collisions is not None
-        span = expected_duration(system, end.max_collisions) / FINER
-    engine = Engine.make(NAME, system, settings, keeping.log)
-    return Run(engine, Target(*end, span, keeping.samples), keeping)
-
-
-def later_end(run: Run, until: Any, max_collisions: Any) -> End:
-    """Check the new end of a run that is continued."""
-    end = None if until is None else checked_until(run, until)
-    most = None
-    if max_collisions is not None:
-        most = validation.whole("max_collisions", max_collisions, run.engine.n_contacts, MOST_COLLISIONS)
-    return End(end, most)
+        span = expected_duration(system, end.max_collisions) / FIRST_SUBDIVISION
+    engine = Engine.make(NAME, system, settings, output.log)
+    return Run(engine, Schedule(*end, span, output.samples), output)
 
 
 def expected_duration(system: ParticleSystem, collisions: int) -> float:
@@ -162,9 +151,7 @@ def expected_duration(system: ParticleSystem, collisions: int) -> float:
     temperature = system.granular_temperature
     g = float(np.linalg.norm(system.gravity))
     scale = max(temperature, g * float(system.box.max()))
-    if not scale > 0.0:
-        return 1.0
-    dense = Gas(system.n, float(system.radius.mean()), 1.0, system.domain.volume, system.dimension)
-    rate = float(dense.collision_rate(scale))
+    gas = Gas(system.n, float(system.radius.mean()), 1.0, system.domain.volume, system.dimension)
+    rate = float(gas.collision_rate(scale)) if scale > 0.0 else 0.0
     found = 2.0 * max(collisions, 1) / (system.n * rate) if rate > 0.0 else 1.0
     return found if 0.0 < found < math.inf else 1.0

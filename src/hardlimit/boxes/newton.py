@@ -7,25 +7,26 @@ from typing import Any, Final
 
 from ..contact.contact import Law
 from ..support import machine, validation
+from ..support.formatting import listed
 from ..support.progress import Report, reporter
 from . import engine_choice
 from . import time_step as steps
+from .contacts import checked_law, checked_system, refuse_too_soft
 from .engines import ENGINES, NEWTON, Engine, NewtonSettings
-from .lammps import running
+from .lammps import engine as lammps_engine
 from .lammps.folder import make_job
 from .observe import Observe
 from .result import ContactResult
-from .run import Keeping, Run, Target, checked_keeping
-from .softness import refuse_too_soft
+from .run import Output, Run, Schedule, checked_output
 from .system import ParticleSystem
 
-MOST_THREADS: Final = 1024
-MOST_STEPS: Final = 2**53  #: largest number of steps of a run
+MAX_THREADS: Final = 1024
+MAX_STEPS: Final = 2**53  #: largest number of steps of a run
 #: Values of ``engine=``.
 NAMES: Final = ("auto", *NEWTON)
 #: Smallest number of particles per thread. On two cores two threads were 0.9 times as fast as one with 864 particles,
 #: 1.3 times with 2048 and 1.4 times with 4000.
-LEAST_SHARE: Final = 1000
+PARTICLES_PER_THREAD: Final = 1000
 
 
 def molecular_dynamics(
@@ -47,12 +48,13 @@ def molecular_dynamics(
 ) -> ContactResult:
     """Simulate a box of grains under Newton's equations. Contacts have a duration and may overlap in time.
 
+    Other parameters as for :func:`event_driven`; ``observe`` and ``checkpoint`` are not available with LAMMPS, which
+    runs in another process.
+
     Parameters
     ----------
-    system : ParticleSystem
     law : Law
         Contact law of all pairs and walls.
-    until : float [s]
     engine : {"auto", "events", "steps", "lammps"}
         ``"auto"``: ``"events"`` or ``"steps"``, whichever is estimated to cost less per contact. ``engine`` and
         ``engine_reason`` of the result give the choice and the reason. The same arguments give the same engine on every
@@ -81,21 +83,10 @@ def molecular_dynamics(
     log : bool
         Keep every contact; 41 bytes each. LAMMPS counts contacts only with a log, and then writes all overlaps as text
         at every step, which takes time.
-    observe : callable, optional
-        As for :func:`event_driven`. Not available with LAMMPS, which runs in another process.
-    checkpoint : path, optional
-        File from which :func:`resume` continues. It is written at the start, every ``checkpoint_every`` seconds, at
-        Ctrl-C and at the end. Not available with LAMMPS.
-    checkpoint_every : float [s]
-        Interval between checkpoints, in wall-clock time.
     progress : bool or callable(done, total), optional
         True shows a bar, or writes a line at intervals if stderr is not a terminal. With events, the fraction of time
         in clusters and the estimated time by steps are shown as well. A function is called with the number of steps, or
         contacts, so far and in total.
-
-    Returns
-    -------
-    ContactResult
 
     Raises
     ------
@@ -129,10 +120,8 @@ def molecular_dynamics(
     >>> run.n_contacts, f"{run.overlapped_share:.2f} of them overlap in time"
     (293, '0.18 of them overlap in time')
     """
-    if not isinstance(system, ParticleSystem):
-        raise ValueError(f"system: got {validation.shown(system)}, must be a ParticleSystem")
-    if not isinstance(law, Law):
-        raise ValueError(f"law: got {validation.shown(law)}, must be a contact law such as LinearDashpot")
+    checked_system(system)
+    checked_law(law)
     end = validation.number("until", until, 0.0, lowest_allowed=True)
     name = validation.one_of("engine", engine, NAMES)
     of_steps = {"restitution_error": restitution_error, "time_step": time_step, "threads": threads}
@@ -146,17 +135,17 @@ def molecular_dynamics(
     if name == "lammps":
         job = make_job(system, law, end, restitution_error, time_step, samples, log)
         with reporter(progress, record.task, record.counts) as report:
-            return running.run(job, running.checked_ranks(ranks), report)
+            return lammps_engine.run(job, lammps_engine.checked_ranks(ranks), report)
     step, workers = None, 1
     if name == "steps":
         step = steps.chosen(system, law, restitution_error, time_step)
         workers = checked_threads(threads, system.n)
     else:
         engine_choice.check_box(system)
-    keeping = checked_keeping(samples, log, checkpoint, checkpoint_every, observe)
+    output = checked_output(samples, log, checkpoint, checkpoint_every, observe)
     with reporter(progress, record.task, record.counts) as report:
         settings = NewtonSettings(law, workers, reason)
-        found = start(name, system, settings, end, keeping, step).run(report)
+        found = start(name, system, settings, end, output, step).run(report)
     assert isinstance(found, ContactResult)
     return found
 
@@ -166,33 +155,32 @@ def start(
     system: ParticleSystem,
     settings: NewtonSettings,
     until: float,
-    keeping: Keeping,
+    output: Output,
     time_step: float | None = None,
 ) -> Run:
     """Make a run that is not yet advanced, from checked arguments."""
     refuse_too_soft(system, settings.law)
-    if time_step is not None and not until / time_step <= MOST_STEPS:
+    if time_step is not None and not until / time_step <= MAX_STEPS:
         raise ValueError(
-            f"time_step: got {time_step:.6g} s, must be >= {validation.at_least(until / MOST_STEPS)} s, "
-            f"with which {until:.6g} s take {MOST_STEPS:.0e} steps"
+            f"time_step: got {time_step:.6g} s, must be >= {validation.at_least(until / MAX_STEPS)} s "
+            f"for at most {MAX_STEPS:.0e} steps until {until:.6g} s"
         )
-    at_work = Engine.make(engine, system, settings, keeping.log, time_step)
-    return Run(at_work, Target(until, None, until, keeping.samples), keeping)
+    at_work = Engine.make(engine, system, settings, output.log, time_step)
+    return Run(at_work, Schedule(until, None, until, output.samples), output)
 
 
 def refuse_options(engine: str, given: dict[str, Any]) -> None:
     """Refuse options that only other engines accept."""
     for name, value in given.items():
         if value is not None and name not in ENGINES[engine].options:
-            others = [repr(other) for other in NEWTON if name in ENGINES[other].options]
-            takers = (
-                f"engine {others[0]} takes" if len(others) == 1 else f"engines {' and '.join(others)} take"
+            others = listed([repr(other) for other in NEWTON if name in ENGINES[other].options], "or")
+            shown = validation.shown(value)
+            raise ValueError(
+                f"{name}: got {shown}, must be left out with engine {engine!r}; {others} accepts it"
             )
-            raise ValueError(f"{name}: got {validation.shown(value)}, must be left out: only {takers} {name}")
 
 
 def checked_threads(threads: Any, n: int) -> int:
-    """The number of threads for n particles."""
     if threads is not None:
-        return validation.whole("threads", threads, 1, MOST_THREADS)
-    return max(1, min(machine.processors(), n // LEAST_SHARE, MOST_THREADS))
+        return validation.whole("threads", threads, 1, MAX_THREADS)
+    return max(1, min(machine.processors(), n // PARTICLES_PER_THREAD, MAX_THREADS))

@@ -34,15 +34,14 @@ def call(observe: Observe, time: float, system: ParticleSystem, before: Values |
     if before is None:
         _refuse_clashes(at, found)
     elif found.keys() != before.keys():
-        names = ", ".join(map(validation.shown, found)), ", ".join(map(validation.shown, before))
-        raise ValueError(
-            f"{at} got the names {names[0] or 'none'}, must be those before: {names[1] or 'none'}"
-        )
+        names, expected = (", ".join(map(validation.shown, each)) or "none" for each in (found, before))
+        raise ValueError(f"{at} got the names {names}, must be those of the previous sample: {expected}")
     else:
         for name, array in found.items():
-            if array.shape != before[name].shape:
+            shape = before[name].shape
+            if array.shape != shape:
                 raise ValueError(
-                    f"{at} got {name!r} of shape {array.shape}, must be {before[name].shape} as before"
+                    f"{at} got {name!r} of shape {array.shape}, must be {shape} as at the previous sample"
                 )
         found = {name: found[name] for name in before}
     return found
@@ -50,7 +49,7 @@ def call(observe: Observe, time: float, system: ParticleSystem, before: Values |
 
 def _array(at: str, name: Any, value: Any) -> NDArray[Any]:
     if not isinstance(name, str) or not name:
-        raise ValueError(f"{at} got the name {validation.shown(name)}, must be a text that is not empty")
+        raise ValueError(f"{at} got the name {validation.shown(name)}, must be a non-empty text")
     try:
         array = np.array(value)  # a copy, because the function may reuse its array
     except Exception:  # a failing conversion may raise anything
@@ -70,8 +69,9 @@ def _refuse_clashes(at: str, values: Values) -> None:
     for name, array in values.items():
         clashes = taken & {name, *dims(name, array)}
         if clashes:
+            shown = validation.shown(name)
             raise ValueError(
-                f"{at} got the name {validation.shown(name)}, must be another one: the series has {min(clashes)!r}"
+                f"{at} got the name {shown}, must be another one: {min(clashes)!r} is in the series already"
             )
         taken |= {name, *dims(name, array)}
 
@@ -82,7 +82,6 @@ def collected(values: Sequence[Values]) -> Values:
 
 
 def variables(values: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
-    """The data variables for a Dataset."""
     return {name: (["time", *dims(name, array[0])], array.copy()) for name, array in values.items()}
 
 

@@ -15,7 +15,7 @@ from .. import _core
 from ..contact import compression
 from ..contact.contact import Law
 from ..support import html
-from ..support.formatting import digits
+from ..support.formatting import digits, listed
 from . import observables, observe
 from .box import WALL_NUMBERS, Floats, read_only, wall_name
 from .observables import OBSERVABLES, Samples
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 #: Largest number of particles that a message names.
-MOST_NAMED: Final = 3
+MAX_NAMED: Final = 3
 Log = tuple[NDArray[Any], ...]
 
 
@@ -35,25 +35,6 @@ class EarlyEnd(NamedTuple):
     """Time, place and particles of the event that ended a run early; ``outcome`` of the result gives the reason.
 
     Made by :func:`hardlimit.event_driven` and :func:`hardlimit.molecular_dynamics`.
-
-    Examples
-    --------
-    >>> bed = hl.ParticleSystem(
-    ...     [[0.05, 0.05]],
-    ...     [[0, 0]],
-    ...     0.01,
-    ...     density=2500.0,
-    ...     box=0.1,
-    ...     boundary="wall",
-    ...     gravity=9.81,
-    ... )
-    >>> run = hl.event_driven(bed, restitution=0.5, until=1.0)
-    >>> run.outcome_name, f"{run.early_end.time:.4f} s"
-    ('collapse', '0.2709 s')
-    >>> run.early_end.who()
-    'particle 0 and the wall y = 0'
-    >>> run.early_end.where()
-    'at 0.270914 s, near (0.05, 0.01) m'
     """
 
     time: float  #: [s]
@@ -62,29 +43,16 @@ class EarlyEnd(NamedTuple):
     wall: int | None  #: wall of the contact, −1 − 2·axis at 0, −2 − 2·axis at the edge; None without one
 
     def who(self) -> str:
-        """The particles and the wall as text.
-
-        Returns
-        -------
-        str
-        """
+        """The particles and the wall as text."""
+        names = [str(i) for i in self.particles]
         if self.wall is not None:
-            return f"particle {self.particles[0]} and the wall {wall_name(self.wall)}"
-        if len(self.particles) == 1:
-            return f"particle {self.particles[0]}"
-        if len(self.particles) > MOST_NAMED:
-            named = ", ".join(str(i) for i in self.particles[:MOST_NAMED])
-            return f"{len(self.particles)} particles ({named}, …)"
-        *others, last = self.particles
-        return f"particles {', '.join(str(i) for i in others)} and {last}"
+            return f"particle {names[0]} and the wall {wall_name(self.wall)}"
+        if len(names) > MAX_NAMED:
+            return f"{len(names)} particles ({', '.join(names[:MAX_NAMED])}, …)"
+        return f"particle{'s' if len(names) > 1 else ''} {listed(names)}"
 
     def where(self) -> str:
-        """Time and place as text.
-
-        Returns
-        -------
-        str
-        """
+        """Time and place as text, such as ``at 0.27 s, near (0.05, 0.01) m``."""
         return f"at {self.time:.6g} s, near ({', '.join(f'{x:.6g}' for x in self.position)}) m"
 
 
@@ -93,13 +61,13 @@ HARD_SPHERES_OUTCOMES: Final = {
     "ok": "ok",
     "no_contact": "no further collisions",
     "collapse": "inelastic collapse: {who} collide infinitely often {where}; use molecular_dynamics, or the rule "
-    "tc where there is room between them",
+    "tc if there are gaps between them",
     "no_room": "collapse: {who} collide infinitely often {where}; use molecular_dynamics",
     "at_rest": "at rest: gravity holds {who} together {where}; use molecular_dynamics",
-    "invalid": "invalid: a contact of {who} {where} with values outside the floating-point range",
+    "invalid": "invalid: a contact of {who} {where} has values outside the floating-point range",
     "too_deep": "too deep: the contact of {who} {where} would reach half of the smaller radius, beyond the range "
     "of contact laws",
-    "unresolved": "not resolved: a contact takes too many steps, {who} {where}",
+    "unresolved": "not resolved: a contact of {who} takes too many steps, {where}",
 }
 NEWTON_OUTCOMES: Final = {
     "ok": "ok",
@@ -107,13 +75,11 @@ NEWTON_OUTCOMES: Final = {
     "{where}",
     "steps": "not resolved: {who} moves too far in one step, {where}",
     "events": "not resolved: the contacts of {who} last too long to be integrated together, {where}; "
-    "engine='steps' is made for that",
+    "use engine='steps'",
 }
 
 
 class Column(NamedTuple):
-    """A column of a log."""
-
     name: str
     unit: str  #: empty if it has none
     meaning: str
@@ -157,8 +123,8 @@ class _Result:
     @property
     def outcome(self) -> str:
         """``"ok"``, or one sentence that says why the run ended early."""
-        said, end = self.outcomes[self._outcome_key()], self.early_end
-        return said if end is None else said.format(who=end.who(), where=end.where())
+        sentence, end = self.outcomes[self._outcome_key()], self.early_end
+        return sentence if end is None else sentence.format(who=end.who(), where=end.where())
 
     def _outcome_key(self) -> str:
         return self.outcome_name
@@ -179,7 +145,7 @@ class _Result:
         import xarray as xr
 
         if self.log is None:
-            raise ValueError(f"log: got False, must be True for the run to keep its {dim}s")
+            raise ValueError(f"log: got False, must be True for a run whose {dim}s are read")
         data = {}
         for column, values in zip(self.columns, self.log, strict=True):
             units = {"units": column.unit} if column.unit else {}
@@ -208,9 +174,8 @@ class _Result:
 class ParticleResult(_Result):
     """Result of an event-driven run of a box of grains; made by :func:`event_driven`. It is immutable.
 
-    Times are in s after the start of the run. ``n_elastic_by_tc`` is the number of collisions that the rule tc made
-    elastic. ``n_soft`` is the number of contacts of the rule soft. During ``n_soft_third_body`` of these a third body
-    was in reach, so that the rule may be wrong.
+    Times are in s after the start of the run. The rule soft may be wrong for the ``n_soft_third_body`` contacts during
+    which a third body was in reach.
 
     Notes
     -----
@@ -218,13 +183,8 @@ class ParticleResult(_Result):
 
     Examples
     --------
-    >>> pair = hl.ParticleSystem(
-    ...     [[0.02, 0.05], [0.04, 0.05]],
-    ...     [[0.1, 0], [-0.1, 0]],
-    ...     0.005,
-    ...     density=2500.0,
-    ...     box=0.1,
-    ... )
+    >>> at, moving = [[0.02, 0.05], [0.04, 0.05]], [[0.1, 0.0], [-0.1, 0.0]]
+    >>> pair = hl.ParticleSystem(at, moving, radius=0.005, density=2500.0, box=0.1)
     >>> run = hl.event_driven(pair, restitution=0.5, until=0.2, log=True)
     >>> run.collisions.time.values.round(4), run.collisions.impact_speed.values
     (array([0.05]), array([0.2]))
@@ -252,14 +212,14 @@ class ParticleResult(_Result):
     @property
     def elastic_share(self) -> float:
         """Fraction of the collisions that the rule tc made elastic; NaN under other rules."""
-        return self._share(self.n_elastic_by_tc, self.n_collisions, "tc")
+        return self._fraction(self.n_elastic_by_tc, self.n_collisions, "tc")
 
     @property
     def third_body_share(self) -> float:
         """Fraction of the contacts of the rule soft with a third body in reach; NaN under other rules."""
-        return self._share(self.n_soft_third_body, self.n_soft, "soft")
+        return self._fraction(self.n_soft_third_body, self.n_soft, "soft")
 
-    def _share(self, count: int, total: int, rule: str) -> float:
+    def _fraction(self, count: int, total: int, rule: str) -> float:
         return count / total if total and self.settings.rule == rule else math.nan
 
     @property
@@ -287,20 +247,7 @@ class ParticleResult(_Result):
         return self._log_dataset("collision")
 
     def plot(self) -> Figure:
-        """Plot temperature, collision rate and pressure over time, with kinetic theory if it applies.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-
-        Examples
-        --------
-        >>> gas = hl.ParticleSystem.random(
-        ...     100, packing_fraction=0.1, radius=1e-3, density=2500.0, rms_speed=0.1
-        ... )
-        >>> run = hl.event_driven(gas, restitution=0.9, max_collisions=1000)
-        >>> run.plot().savefig("cooling.svg")
-        """
+        """Plot temperature, collision rate and pressure over time, with kinetic theory if it applies."""
         from .. import plots
 
         return plots.gas(self)
@@ -333,15 +280,14 @@ class ParticleResult(_Result):
         if lasted.sum() > 0.0:
             good, samples = lasted > 0.0, Samples(self.system, self.samples)
             for name, label in (("collision_rate", "mean collision rate"), ("pressure", "mean pressure")):
-                values = OBSERVABLES[name].values(samples)[1:]
-                unit = OBSERVABLES[name].unit_in(self.system.dimension)
-                found.append((f"{label} [{unit}]", float(np.average(values[good], weights=lasted[good]))))
+                mean = np.average(OBSERVABLES[name].values(samples)[1:][good], weights=lasted[good])
+                found.append((f"{label} [{OBSERVABLES[name].unit_in(self.system.dimension)}]", float(mean)))
         found.append(("dissipated energy [J]", self._change("dissipated_energy")[1]))
         found += compression.rows(self.largest_compression)
         if self.settings.rule == "tc":
             found.append(("fraction made elastic by tc", self.elastic_share))
         if self.settings.rule == "soft":
-            found.append(("share with a third body in reach", self.third_body_share))
+            found.append(("fraction with a third body in reach", self.third_body_share))
         return found
 
 
@@ -349,21 +295,13 @@ class ParticleResult(_Result):
 class ContactResult(_Result):
     """Result of a run of a box of grains under Newton's equations; made by :func:`molecular_dynamics`. It is immutable.
 
-    Times are in s after the start of the run.
-
-    Notes
-    -----
-    The granular temperature is that of Goldhirsch, Powder Technol. 182, 130 (2008); the pressure is that of the virial.
+    Times are in s after the start of the run. The granular temperature and the pressure are those of
+    :class:`ParticleResult` (Goldhirsch 2008).
 
     Examples
     --------
-    >>> pair = hl.ParticleSystem(
-    ...     [[0.02, 0.05], [0.04, 0.05]],
-    ...     [[0.1, 0], [-0.1, 0]],
-    ...     0.005,
-    ...     density=2500.0,
-    ...     box=0.1,
-    ... )
+    >>> at, moving = [[0.02, 0.05], [0.04, 0.05]], [[0.1, 0.0], [-0.1, 0.0]]
+    >>> pair = hl.ParticleSystem(at, moving, radius=0.005, density=2500.0, box=0.1)
     >>> law = hl.LinearDashpot(stiffness=1e3, restitution=0.5)
     >>> run = hl.molecular_dynamics(pair, law=law, until=0.2, log=True)
     >>> begin, end = run.contacts.begin.values, run.contacts.end.values
@@ -371,8 +309,6 @@ class ContactResult(_Result):
     '2.20 ms'
     >>> run.contacts.separation_speed.values.round(3)  # impact at 0.2 m/s
     array([0.1])
-    >>> run.energy_error < 1e-9
-    True
     """
 
     solves = "Newton’s equations"
@@ -399,9 +335,8 @@ class ContactResult(_Result):
     def overlapped_share(self) -> float:
         """Fraction of the ended contacts that shared a particle with another contact while they lasted; NaN if none
         ended or contacts were not counted."""
-        return (
-            self.n_overlapped / self.n_ended if self.n_ended and self.n_overlapped is not None else math.nan
-        )
+        ended, overlapped = self.n_ended, self.n_overlapped
+        return overlapped / ended if ended and overlapped is not None else math.nan
 
     @property
     def energy_error(self) -> float:
@@ -473,7 +408,7 @@ class ContactResult(_Result):
         own = {
             "time step [s]": self.time_step,
             "largest cluster [particles]": self.largest_cluster,
-            "share of time in clusters": self.cluster_share,
+            "fraction of time in clusters": self.cluster_share,
         }
         return [
             ("time [s]", self.time),

@@ -9,6 +9,7 @@ from typing import Any, Final, NamedTuple
 from .. import _core
 from ..contact.contact import Law
 from ..support import validation
+from .contacts import checked_law
 
 
 class Rule(NamedTuple):
@@ -60,12 +61,7 @@ class Settings:
     contact_duration: float | None  #: t_c of the rule tc [s]
 
     def report(self) -> str:
-        """One line for a table or an attribute, such as ``tc, restitution 0.8, contact duration 1e-05 s``.
-
-        Returns
-        -------
-        str
-        """
+        """One line for a table or an attribute, such as ``tc, restitution 0.8, contact duration 1e-05 s``."""
         parts = [self.rule]
         parts += [] if self.restitution is None else [f"restitution {self.restitution:g}"]
         parts += [] if self.law is None else [repr(self.law)]
@@ -74,22 +70,21 @@ class Settings:
 
 
 def checked_settings(law: Any, restitution: Any, rule: Any, contact_duration: Any) -> Settings:
-    """Check the rule of a run and its parameters."""
     given = validation.exactly_one(law=law, restitution=restitution)
-    if given == "law" and not isinstance(law, Law):
-        raise ValueError(f"law: got {validation.shown(law)}, must be a contact law such as LinearDashpot")
+    if given == "law":
+        checked_law(law)
     allowed = [record.name for record in RULES.values() if given in record.takes]
     chosen = DEFAULTS[given] if rule is None else validation.one_of("rule", rule, sorted(RULES))
     if chosen not in allowed:
-        raise ValueError(f"rule: got {rule!r} with {given}, must be one of {', '.join(allowed)}")
+        raise ValueError(f"rule: got {rule!r}, must be one of {', '.join(allowed)} with {given}")
     if given == "restitution":
         limits = {"lowest_allowed": True, "highest_allowed": True}
         restitution = validation.number("restitution", restitution, 0.0, 1.0, **limits)
     if RULES[chosen].has_contact_duration:
         if contact_duration is None:
-            raise ValueError(f"contact_duration: missing, must be given for the rule {chosen}")
+            raise ValueError(f"contact_duration: missing, must be >= 0 for the rule {chosen}")
         contact_duration = validation.number("contact_duration", contact_duration, 0.0, lowest_allowed=True)
     elif contact_duration is not None:
         shown = validation.shown(contact_duration)
-        raise ValueError(f"contact_duration: got {shown}, must be left out unless the rule is tc")
+        raise ValueError(f"contact_duration: got {shown}, must be left out for the rule {chosen}")
     return Settings(chosen, restitution, law, contact_duration)

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import math
+import operator
 from collections.abc import Sequence
 from typing import Any, Final
 
 import numpy as np
 
 from .. import _core
-from ..contact.balls import HEAVIEST, LIGHTEST
+from ..contact.balls import HEAVIEST, LIGHTEST, ball_masses
 from ..support import machine, validation
 from ..support.formatting import size
 from ..support.progress import Report
-from .box import LARGEST, Box, Floats
+from .box import LARGEST, UNIT_BALL, Box, Floats
 
-MOST_PARTICLES: Final = 2**31 - 1
+MAX_PARTICLES: Final = 2**31 - 1
 #: Memory per particle during the growth of a random start or during a run [bytes].
 BYTES_PER_PARTICLE: Final = 300
 #: Largest packing fraction of a random start, by dimension.
@@ -23,29 +24,23 @@ DENSEST: Final = {2: 0.82, 3: 0.62}
 
 
 class Generators:
-    """Independent random generators for radii, positions and velocities, from one seed.
-
-    Raises
-    ------
-    ValueError
-        If ``seed`` is not a whole number from 0 to 2⁶³ − 1.
-    """
+    """Independent random generators for radii, positions and velocities, from one seed."""
 
     def __init__(self, seed: Any) -> None:
         root = np.random.SeedSequence(validation.whole("seed", seed, 0, 2**63 - 1))
-        sizes, places, speeds = root.spawn(3)
-        self.sizes = np.random.default_rng(sizes)
-        self.speeds = np.random.default_rng(speeds)
-        self.seed_of_positions = int(places.generate_state(1, np.uint64)[0] >> np.uint64(1))
+        radii, positions, velocities = root.spawn(3)
+        self.radii = np.random.default_rng(radii)
+        self.velocities = np.random.default_rng(velocities)
+        self.seed_of_positions = int(positions.generate_state(1, np.uint64)[0] >> np.uint64(1))
 
 
 def count(n: Any) -> int:
     """The number of particles, checked to fit in memory."""
-    wanted = validation.whole("n", n, 1, MOST_PARTICLES)
-    needed, room = wanted * BYTES_PER_PARTICLE, machine.free_memory()
-    if needed > room:
+    wanted = validation.whole("n", n, 1, MAX_PARTICLES)
+    needed, free = wanted * BYTES_PER_PARTICLE, machine.free_memory()
+    if needed > free:
         raise ValueError(
-            f"n: got {wanted}, which take {size(needed)}, must fit in the {size(room)} of free memory"
+            f"n: got {wanted}, must fit into the free memory: needs {size(needed)}, {size(free)} are free"
         )
     return wanted
 
@@ -53,67 +48,56 @@ def count(n: Any) -> int:
 def radii(radius: Any, n: int, generators: Generators) -> Floats:
     """N radii [m]: one for all, one for each particle, or uniformly distributed between two limits."""
     limits: dict[str, Any] = {"lowest": 0.0, "highest": LARGEST}
-    pair = n != 2 and not isinstance(radius, str | bytes) and _length(radius) == 2
-    if not pair:
+    if n == 2 or isinstance(radius, str | bytes) or operator.length_hint(radius, -1) != 2:
         return validation.each("radius", radius, n, **limits)
     smallest, largest = validation.numbers("radius", radius, 2, **limits)
     if smallest > largest:
         raise ValueError(
-            f"radius: got {smallest:.16g} and {largest:.16g}, must be the smallest and the largest"
+            f"radius: got {smallest:.16g} and {largest:.16g}, the first must not be the larger one"
         )
-    found = generators.sizes.uniform(smallest, largest, n)
+    found = generators.radii.uniform(smallest, largest, n)
     found.flags.writeable = False
     return found
 
 
-def checked_masses(given: str, matter: Floats, radius: Floats) -> Floats:
-    """Masses [kg] from ``matter``, the densities or masses; a broadcast number if all are equal."""
+def checked_masses(given: str, amount: Floats, radius: Floats) -> Floats:
+    """Masses [kg] from the densities or masses ``amount``; a broadcast number if all are equal."""
     if given == "mass":
-        mass = matter
-    elif matter.strides == radius.strides == (0,):
-        mass = np.broadcast_to(np.float64(_core.ball_mass(float(matter[0]), float(radius[0]))), len(matter))
+        mass = amount
+    elif amount.strides == radius.strides == (0,):
+        mass = np.broadcast_to(np.float64(_core.ball_mass(float(amount[0]), float(radius[0]))), len(amount))
     else:
-        mass = np.fromiter(map(_core.ball_mass, matter.tolist(), radius.tolist()), np.float64, len(matter))
+        mass = ball_masses(amount, radius)
     good = (mass >= LIGHTEST) & (mass <= HEAVIEST)
     if not good.all():
         bad = int(np.argmin(good))
         raise ValueError(
-            f"radius | {given}: got {radius[bad]:.16g} and {matter[bad]:.16g} for particle {bad}, a mass of "
+            f"radius | {given}: got {radius[bad]:.16g} and {amount[bad]:.16g} for particle {bad}, a mass of "
             f"{mass[bad]:g} kg, must be in [{LIGHTEST:g}, {HEAVIEST:g}]"
         )
     return mass
 
 
-def _length(values: Any) -> int:
-    try:
-        return len(values)
-    except TypeError:
-        return -1
-
-
 def solid_volume(radius: Floats, dimension: int) -> float:
     """Total volume [m³] of the particles, in 2-D their area [m²]."""
-    if dimension == 2:
-        return math.pi * float(np.sum(radius**2))
-    return 4.0 / 3.0 * math.pi * float(np.sum(radius**3))
+    return UNIT_BALL[dimension] * float(np.sum(radius**dimension))
 
 
 def edge(packing_fraction: Any, radius: Floats, dimension: int) -> float:
     """Edge [m] of the square or cube with this packing fraction."""
-    share = validation.number(
-        "packing_fraction", packing_fraction, 0.0, DENSEST[dimension], highest_allowed=True
-    )
-    found = (solid_volume(radius, dimension) / share) ** (1.0 / dimension)
+    densest = DENSEST[dimension]
+    fraction = validation.number("packing_fraction", packing_fraction, 0.0, densest, highest_allowed=True)
+    found = (solid_volume(radius, dimension) / fraction) ** (1.0 / dimension)
     return validation.number("packing_fraction | radius: edge of the box", found, 0.0, LARGEST)
 
 
-def check_room(box: Box, radius: Floats) -> None:
+def check_size(box: Box, radius: Floats) -> None:
     """Refuse a box that is too small for its boundaries."""
     try:
         box.check_size(float(radius.max()))
     except ValueError as error:
         raise ValueError(
-            f"n | packing_fraction: got {len(radius)} particles, too few for this packing fraction: {error}"
+            f"n | packing_fraction: got {len(radius)} particles, must be more at this packing fraction: {error}"
         ) from None
 
 
@@ -123,7 +107,7 @@ def positions(radius: Floats, box: Box, generators: Generators, report: Report) 
         box.of_core(),
         np.ascontiguousarray(radius),
         generators.seed_of_positions,
-        lambda share, collisions: report(int(1000.0 * share), 1000),
+        lambda fraction, collisions: report(int(1000.0 * fraction), 1000),
     )
     return np.asarray(found, np.float64)
 
@@ -136,8 +120,10 @@ def velocities(
     if rms_speed == 0.0:
         return np.zeros((n, dimension))
     if n == 1 and all(periodic):
-        raise ValueError(f"rms_speed: got {rms_speed:.16g}, must be 0 for one particle: its momentum is zero")
-    found = generators.speeds.standard_normal((n, dimension)) / np.sqrt(mass / mass.max())[:, None]
+        raise ValueError(
+            f"rms_speed: got {rms_speed:.16g}, must be 0 for a single particle, whose momentum is zero"
+        )
+    found = generators.velocities.standard_normal((n, dimension)) / np.sqrt(mass / mass.max())[:, None]
     for axis, wrapped in enumerate(periodic):
         if wrapped:
             found[:, axis] -= np.average(found[:, axis], weights=mass)

@@ -6,7 +6,7 @@ import hashlib
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -111,19 +111,18 @@ class ParticleSystem:
         at = validation.rows("positions", positions, (2, 3))
         n, d = at.shape
         size = validation.each("radius", radius, n, lowest=0.0, highest=LARGEST)
-        matter = validation.each(given, density if given == "density" else mass, n, lowest=0.0)
+        amount = validation.each(given, density if given == "density" else mass, n, lowest=0.0)
         self._set(
             positions=at,
             velocities=_checked_velocities(velocities, n, d),
             radius=size,
-            mass=starts.checked_masses(given, matter, size),
+            mass=starts.checked_masses(given, amount, size),
             box=checked_edges(box, d),
             boundary=checked_boundary(boundary, d),
             gravity=checked_gravity(gravity, d),
         )
-        self._check_geometry(
-            validation.number("allowed_overlap", allowed_overlap, 0.0, 1.0, lowest_allowed=True)
-        )
+        allowed = validation.number("allowed_overlap", allowed_overlap, 0.0, 1.0, lowest_allowed=True)
+        self._check_geometry(allowed)
 
     def _set(self, **values: Any) -> None:
         for name, value in values.items():
@@ -138,10 +137,12 @@ class ParticleSystem:
         self._set(**values)
         return self
 
+    def _values(self) -> dict[str, Any]:
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
     def _moved(self, positions: Floats, velocities: Floats) -> ParticleSystem:
         """The same particles with other positions and velocities, unchecked."""
-        values = {field.name: getattr(self, field.name) for field in fields(self)}
-        return self._of(**values | {"positions": positions, "velocities": velocities})
+        return self._of(**self._values() | {"positions": positions, "velocities": velocities})
 
     @cached_property
     def domain(self) -> Box:
@@ -158,8 +159,9 @@ class ParticleSystem:
         apart = float(self.radius[first] + self.radius[second])
         if first >= 0 and -gap > allowed_overlap * apart:
             raise ValueError(
-                f"positions: particles {first} and {second} overlap, gap {gap:.6g} m, sum of the radii "
-                f"{apart:.6g} m; must be apart, or overlap by at most {allowed_overlap:g} of it (allowed_overlap)"
+                f"positions: particles {first} and {second} overlap, gap {gap:.6g} m, must be >= "
+                f"{validation.at_least(0.0 - allowed_overlap * apart)} m: allowed_overlap, {allowed_overlap:g}, times "
+                f"the sum of the radii, {apart:.6g} m"
             )
 
     @classmethod
@@ -191,7 +193,6 @@ class ParticleSystem:
             Fraction of the box that the particles fill; at most 0.62 in 3-D and 0.82 in 2-D.
         radius : float, N numbers, or (smallest, largest) [m]
             Two numbers are the limits of a uniform distribution, unless n is 2.
-        density : number or N numbers [kg/m³]
         rms_speed : float [m/s]
             Root mean square of the speeds; the sample has exactly this value. The total momentum along periodic axes is
             zero.
@@ -199,16 +200,8 @@ class ParticleSystem:
             2 or 3.
         seed : int
             The same seed gives the same bits.
-        boundary : "periodic", "wall", or one of them for each axis
-            As for the system itself.
-        gravity : number or d numbers [m/s²]
-            As for the system itself.
         progress : bool or callable(done, total), optional
             True shows a bar. A function gets the growth of the particles, in thousandths.
-
-        Returns
-        -------
-        ParticleSystem
 
         Raises
         ------
@@ -217,37 +210,25 @@ class ParticleSystem:
 
         Examples
         --------
-        >>> gas = hl.ParticleSystem.random(
-        ...     100, packing_fraction=0.1, radius=1e-3, density=2500.0, rms_speed=0.1
-        ... )
-        >>> round(gas.granular_temperature, 6)  # a third of 0.1², for each axis
-        0.003333
+        >>> hl.ParticleSystem.random(100, 0.1, radius=1e-3, density=2500.0, rms_speed=0.1)
+        <ParticleSystem of 100 spheres, packing fraction 0.1, box ... m, periodic>
         """
         count = starts.count(n)
         d = validation.whole("dimension", dimension, 2, 3)
         sides = checked_boundary(boundary, d)
         pull = checked_gravity(gravity, d)
-        speed = validation.number(
-            "rms_speed", rms_speed, 0.0, LARGEST, lowest_allowed=True, highest_allowed=True
-        )
+        limits = {"lowest_allowed": True, "highest_allowed": True}
+        speed = validation.number("rms_speed", rms_speed, 0.0, LARGEST, **limits)
         generators = starts.Generators(seed)
         size = starts.radii(radius, count, generators)
-        matter = validation.each("density", density, count, lowest=0.0)
-        weight = starts.checked_masses("density", matter, size)
+        mass = starts.checked_masses("density", validation.each("density", density, count, lowest=0.0), size)
         box = Box(np.full(d, starts.edge(packing_fraction, size, d)), sides, pull)
-        starts.check_room(box, size)
-        speeds = starts.velocities(weight, d, speed, box.periodic, generators)
+        starts.check_size(box, size)
+        velocities = starts.velocities(mass, d, speed, box.periodic, generators)
         with reporter(progress, "random start", "") as report:
-            places = starts.positions(size, box, generators, report)
-        return cls._of(
-            positions=places,
-            velocities=speeds,
-            radius=size,
-            mass=weight,
-            box=box.edges,
-            boundary=sides,
-            gravity=pull,
-        )
+            positions = starts.positions(size, box, generators, report)
+        values = {"positions": positions, "velocities": velocities, "radius": size, "mass": mass}
+        return cls._of(**values, box=box.edges, boundary=sides, gravity=pull)
 
     @classmethod
     def read(
@@ -263,22 +244,10 @@ class ParticleSystem:
         allowed_overlap : float, optional
             As for the system. The default allows for rounding errors, also those of a GSD file in single precision.
 
-        Returns
-        -------
-        ParticleSystem
-
         Raises
         ------
         ValueError
             If the file cannot be read, is damaged, or contains an invalid system; names it.
-
-        Examples
-        --------
-        >>> gas = hl.ParticleSystem.random(
-        ...     100, packing_fraction=0.1, radius=1e-3, density=2500.0, rms_speed=0.1
-        ... )
-        >>> hl.ParticleSystem.read(gas.write("gas.xyz")) == gas
-        True
         """
         found, rounding = files.read(path, frame)
         allowed = max(ROUNDING, rounding) if allowed_overlap is None else allowed_overlap
@@ -298,25 +267,12 @@ class ParticleSystem:
         path : path
             Ends in .xyz, .extxyz, .gsd, .data or .lmp.
 
-        Returns
-        -------
-        Path
-            Of the file.
-
         Raises
         ------
         ValueError
             If the ending is unknown, or the format is not installed.
         OSError
             If the file cannot be written; names it.
-
-        Examples
-        --------
-        >>> gas = hl.ParticleSystem.random(
-        ...     100, packing_fraction=0.1, radius=1e-3, density=2500.0, rms_speed=0.1
-        ... )
-        >>> print(gas.write("gas.data"))  # for read_data of LAMMPS
-        gas.data
         """
         return files.write(path, [self.as_frame()])
 
@@ -325,7 +281,7 @@ class ParticleSystem:
 
         :meta private:
         """
-        return Frame(**{field.name: getattr(self, field.name) for field in fields(self)}, time=time)
+        return Frame(**self._values(), time=time)
 
     def replace(
         self,
@@ -341,35 +297,8 @@ class ParticleSystem:
     ) -> ParticleSystem:
         """A copy with the given values changed and all others kept, including the masses.
 
-        Parameters
-        ----------
-        positions : (N, d) numbers [m], optional
-        velocities : (N, d) numbers [m/s], optional
-        radius : number or N numbers [m], optional
-        density : number or N numbers [kg/m³], optional
-        mass : number or N numbers [kg], optional
-            At most one of ``density`` and ``mass``.
-        box : number or d numbers [m], optional
-        boundary : "periodic", "wall", or one of them for each axis, optional
-        gravity : number or d numbers [m/s²], optional
-
-        Returns
-        -------
-        ParticleSystem
-
-        Raises
-        ------
-        ValueError
-            As for the system itself. Existing overlaps are accepted unless positions, radius, box or boundary change.
-
-        Examples
-        --------
-        >>> gas = hl.ParticleSystem.random(
-        ...     100, packing_fraction=0.1, radius=1e-3, density=2500.0, rms_speed=0.1
-        ... )
-        >>> hot = gas.replace(velocities=2.0 * gas.velocities)
-        >>> round(hot.granular_temperature / gas.granular_temperature, 9)
-        4.0
+        Errors are those of the system itself. Existing overlaps are accepted unless positions, radius, box or boundary
+        change.
         """
         if density is not None and mass is not None:
             raise ValueError("density | mass: got both, must be at most one of them")
@@ -383,7 +312,7 @@ class ParticleSystem:
             density=density,
             mass=self.mass if density is None and mass is None else mass,
             gravity=self.gravity if gravity is None else gravity,
-            allowed_overlap=ROUNDING if moved else max(ROUNDING, self._overlap_share),
+            allowed_overlap=ROUNDING if moved else max(ROUNDING, self._deepest_relative_overlap),
             **kept,
         )
 
@@ -394,7 +323,7 @@ class ParticleSystem:
         return _core.deepest_overlap(self.domain.of_core(), self.positions, radius)
 
     @cached_property
-    def _overlap_share(self) -> float:
+    def _deepest_relative_overlap(self) -> float:
         """The deepest overlap, relative to the sum of the radii (at a wall, to the radius), rounded up."""
         first, second, gap = self._deepest_overlap
         deepest = -gap / float(self.radius[first] + self.radius[second])
@@ -448,57 +377,56 @@ class ParticleSystem:
         """Dataset over ``particle`` and ``axis``: ``position``, ``velocity``, ``radius`` and ``mass``, with units."""
         import xarray as xr
 
-        axes = list(AXES[: self.dimension])
-        return xr.Dataset(
-            {
-                "position": (("particle", "axis"), self.positions, {"units": "m"}),
-                "velocity": (("particle", "axis"), self.velocities, {"units": "m/s"}),
-                "radius": ("particle", self.radius, {"units": "m"}),
-                "mass": ("particle", self.mass, {"units": "kg"}),
-                "box": ("axis", self.box, {"units": "m", "long_name": "edges, the box runs from 0"}),
-                "gravity": ("axis", self.gravity, {"units": "m/s2"}),
-                "boundary": ("axis", list(self.boundary), {"long_name": "sides of the box"}),
-            },
-            coords={"particle": np.arange(self.n), "axis": axes},
-            attrs={
-                "title": f"Box of {self.n} grains",
-                "source": f"hardlimit {_core.version}",
-                "packing_fraction": self.packing_fraction,
-            },
-        )
+        data = {
+            "position": (("particle", "axis"), self.positions, {"units": "m"}),
+            "velocity": (("particle", "axis"), self.velocities, {"units": "m/s"}),
+            "radius": ("particle", self.radius, {"units": "m"}),
+            "mass": ("particle", self.mass, {"units": "kg"}),
+            "box": ("axis", self.box, {"units": "m", "long_name": "edges, the box runs from 0"}),
+            "gravity": ("axis", self.gravity, {"units": "m/s2"}),
+            "boundary": ("axis", list(self.boundary), {"long_name": "sides of the box"}),
+        }
+        coordinates = {"particle": np.arange(self.n), "axis": list(AXES[: self.dimension])}
+        about = {"title": f"Box of {self.n} grains", "source": f"hardlimit {_core.version}"}
+        return xr.Dataset(data, coordinates, about | {"packing_fraction": self.packing_fraction})
 
     # --- as a value -----------------------------------------------------------------------------------------
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, ParticleSystem):
             return NotImplemented
-        pairs = ((getattr(self, field.name), getattr(other, field.name)) for field in fields(self))
-        return all(a is b or bool(np.array_equal(a, b)) for a, b in pairs)
+        theirs = other._values()
+        return all(a is theirs[name] or np.array_equal(a, theirs[name]) for name, a in self._values().items())
 
     def __hash__(self) -> int:
         return self._digest
 
     @cached_property
     def _digest(self) -> int:
-        digest = hashlib.blake2b(repr(self.boundary).encode(), digest_size=8)
-        for name in ("positions", "velocities", "radius", "mass", "box", "gravity"):
-            digest.update((getattr(self, name) + 0.0).tobytes())  # turns −0, which equals 0, into 0
+        # Adding 0 turns −0, which equals 0, into 0.
+        parts = ((value + 0.0).tobytes() for name, value in self._values().items() if name != "boundary")
+        digest = hashlib.blake2b(repr(self.boundary).encode() + b"".join(parts), digest_size=8)
         return int.from_bytes(digest.digest(), "little", signed=True)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _rebuild, tuple(getattr(self, field.name) for field in fields(self))
+        return partial(ParticleSystem._of, **self._values()), ()
 
     def __repr__(self) -> str:
-        what = "spheres" if self.dimension == 3 else "disks"
+        sides = "/".join(dict.fromkeys(self.boundary))
         return (
-            f"<ParticleSystem of {self.n} {what}, packing fraction {self.packing_fraction:.6g}, "
-            f"box {_times(self.box)} m, {'/'.join(dict.fromkeys(self.boundary))}>"
+            f"<ParticleSystem of {self.count()}, packing fraction {self.packing_fraction:.6g}, "
+            f"box {_times(self.box)} m, {sides}>"
         )
 
+    def count(self) -> str:
+        """The number of particles as text, such as ``10 disks``.
+
+        :meta private:
+        """
+        return f"{self.n} {'spheres' if self.dimension == 3 else 'disks'}"
+
     def _repr_html_(self) -> str:
-        rows = [[label, text] for label, text in described(self)]
-        what = "spheres" if self.dimension == 3 else "disks"
-        return html.table(f"{self.n} {what} in a box", ["", ""], rows)
+        return html.table(f"{self.count()} in a box", ["", ""], [list(row) for row in described(self)])
 
 
 def described(system: ParticleSystem) -> list[tuple[str, str]]:
@@ -524,11 +452,6 @@ def _times(box: Floats) -> str:
 def _between(values: Floats) -> str:
     low, high = float(values.min()), float(values.max())
     return f"{low:.6g}" if low == high else f"{low:.6g} … {high:.6g}"
-
-
-def _rebuild(*values: Any) -> ParticleSystem:
-    names = [field.name for field in fields(ParticleSystem)]
-    return ParticleSystem._of(**dict(zip(names, values, strict=True)))
 
 
 # --- checks of the input ------------------------------------------------------------------------------------

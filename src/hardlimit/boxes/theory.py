@@ -8,22 +8,19 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..support import validation
+from .box import UNIT_BALL, Floats
 from .system import ParticleSystem
-
-Floats = NDArray[np.float64]
 
 #: Largest packing fraction of the fluid, by dimension: spheres freeze (Hoover & Ree 1968), disks become hexatic
 #: (Bernard & Krauth 2011).
 FLUID: Final = {2: 0.70, 3: 0.49}
 
-#: Largest number of particles.
-MOST: Final = 2**62
+MAX_PARTICLES: Final = 2**62
 #: Number of collisions per particle after which a random start is in equilibrium. At packing fractions of 0.3 and 0.4
 #: the rate of 1000 elastic spheres was 2.0 and 1.2 times Enskog's during the first quarter of a collision per particle,
 #: and within 5 % of it after three.
@@ -51,16 +48,6 @@ class Gas:
     ------
     ValueError
         If a value is not positive and finite, or the dimension is neither 2 nor 3.
-
-    Examples
-    --------
-    >>> from hardlimit.boxes.theory import Gas
-    >>> air = Gas(n=1000, radius=1e-3, mass=1e-5, volume=4e-5, dimension=3)
-    >>> round(air.packing_fraction, 4), round(air.contact_value, 3)
-    (0.1047, 1.321)
-    >>> cooled = air.cooling(1.0, temperature=0.01, restitution=0.9)  # in 1 s
-    >>> round(float(cooled), 5)
-    0.00064
     """
 
     n: int
@@ -70,20 +57,20 @@ class Gas:
     dimension: int
 
     def __post_init__(self) -> None:
-        kept: dict[str, float] = {
-            "n": validation.whole("n", self.n, 1, MOST),
+        checked: dict[str, float] = {
+            "n": validation.whole("n", self.n, 1, MAX_PARTICLES),
             "dimension": validation.whole("dimension", self.dimension, 2, 3),
         }
-        for name in ("radius", "mass", "volume"):
-            kept[name] = validation.number(name, getattr(self, name), 0.0)
-        for name, value in kept.items():
+        checked |= {
+            name: validation.number(name, getattr(self, name), 0.0) for name in ("radius", "mass", "volume")
+        }
+        for name, value in checked.items():
             object.__setattr__(self, name, value)
 
     @property
     def packing_fraction(self) -> float:
         """Fraction φ of the box that the particles fill, by volume in 3-D and by area in 2-D."""
-        ball = math.pi * self.radius**2 if self.dimension == 2 else 4.0 / 3.0 * math.pi * self.radius**3
-        return self.n * ball / self.volume
+        return self.n * (UNIT_BALL[self.dimension] * self.radius**self.dimension) / self.volume
 
     @property
     def contact_value(self) -> float:
@@ -110,22 +97,12 @@ class Gas:
         temperature : number or array [m²/s²]
             At least 0.
 
-        Returns
-        -------
-        array [1/s]
-
         Raises
         ------
         ValueError
             If a temperature is negative or not finite.
-
-        Examples
-        --------
-        >>> from hardlimit.boxes.theory import Gas
-        >>> Gas(1000, 1e-3, 1e-5, 4e-5, 3).collision_rate([0.01, 0.04]).round(1)
-        array([ 93.6, 187.3])
         """
-        at = _temperature(temperature)
+        at = _not_negative("temperature", temperature)
         sigma, density = 2.0 * self.radius, self.n / self.volume
         cross_section = 2.0 * sigma if self.dimension == 2 else 4.0 * sigma**2
         return math.sqrt(math.pi) * density * cross_section * self.contact_value * np.sqrt(at)
@@ -153,24 +130,14 @@ class Gas:
         restitution : float
             ε, in [0, 1].
 
-        Returns
-        -------
-        array [Pa; disks N/m]
-
         Raises
         ------
         ValueError
             If a value is outside its range.
-
-        Examples
-        --------
-        >>> from hardlimit.boxes.theory import Gas
-        >>> float(Gas(1000, 1e-3, 1e-5, 4e-5, 3).pressure(0.01, restitution=0.9).round(3))
-        3.814
         """
         collisional = 2.0 ** (self.dimension - 1) * self.packing_fraction * self.contact_value
         excess = collisional * 0.5 * (1.0 + _restitution(restitution))
-        return self.n / self.volume * self.mass * (1.0 + excess) * _temperature(temperature)
+        return self.n / self.volume * self.mass * (1.0 + excess) * _not_negative("temperature", temperature)
 
     def cooling(self, time: Floats | float, temperature: float, restitution: float) -> Floats:
         """Haff's law: T(t) = T(0)/(1 + (1 − ε²) ν(0) t/(2d))², from dT/dt = −(1 − ε²) ν T/d.
@@ -186,25 +153,20 @@ class Gas:
         restitution : float
             ε, in [0, 1].
 
-        Returns
-        -------
-        array [m²/s²]
-
         Raises
         ------
         ValueError
             If a value is outside its range.
         """
         start = validation.number("temperature", temperature, 0.0, lowest_allowed=True)
-        after = validation.array("time", time, lowest=0.0, lowest_allowed=True, ndim=None, empty_allowed=True)
+        after = _not_negative("time", time)
         lost = (1.0 - _restitution(restitution) ** 2) * float(self.collision_rate(start))
         return start / (1.0 + lost * after / (2.0 * self.dimension)) ** 2
 
 
-def _temperature(given: Floats | float) -> Floats:
-    return validation.array(
-        "temperature", given, lowest=0.0, lowest_allowed=True, ndim=None, empty_allowed=True
-    )
+def _not_negative(name: str, given: Floats | float) -> Floats:
+    limits: dict[str, Any] = {"lowest": 0.0, "lowest_allowed": True, "ndim": None, "empty_allowed": True}
+    return validation.array(name, given, **limits)
 
 
 def _restitution(given: float) -> float:
@@ -214,45 +176,25 @@ def _restitution(given: float) -> float:
 def gas(system: ParticleSystem) -> Gas:
     """The gas of equal particles in a system.
 
+    The theory holds for a fluid: spheres freeze at φ = 0.49 (Hoover & Ree 1968), disks become hexatic at 0.70 (Bernard
+    & Krauth 2011).
+
     Parameters
     ----------
     system : ParticleSystem
-
-    Returns
-    -------
-    Gas
 
     Raises
     ------
     ValueError
         If the theory does not apply to this system; says why.
-
-    Notes
-    -----
-    The theory holds for a fluid: spheres freeze at φ = 0.49 (Hoover & Ree 1968), disks become hexatic at 0.70 (Bernard
-    & Krauth 2011).
-
-    Examples
-    --------
-    >>> from hardlimit.boxes.theory import gas
-    >>> box = hl.ParticleSystem.random(
-    ...     100, packing_fraction=0.1, radius=1e-3, density=2500.0, rms_speed=0.1
-    ... )
-    >>> f"{gas(box).mean_free_path * 1e3:.2f} mm"
-    '1.81 mm'
     """
     reason = why_not(system)
     if reason is not None:
         raise ValueError(
             f"system: {reason}, must be a gas of equal particles in a periodic box without gravity"
         )
-    return Gas(
-        system.n,
-        float(system.radius[0]),
-        float(system.mass[0]),
-        float(np.prod(system.box)),
-        system.dimension,
-    )
+    radius, mass = float(system.radius[0]), float(system.mass[0])
+    return Gas(system.n, radius, mass, system.domain.volume, system.dimension)
 
 
 def why_not(system: ParticleSystem) -> str | None:
@@ -266,5 +208,5 @@ def why_not(system: ParticleSystem) -> str | None:
     if np.ptp(system.radius) or np.ptp(system.mass):
         return "its particles differ"
     if system.packing_fraction > FLUID[system.dimension]:
-        return f"its packing fraction {system.packing_fraction:.4g} is above {FLUID[system.dimension]} and no fluid’s"
+        return f"its packing fraction {system.packing_fraction:.4g} is above {FLUID[system.dimension]}, that of a fluid"
     return None

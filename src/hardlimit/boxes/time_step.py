@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any, Final
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from .. import _core
 from ..contact.contact import Law
 from ..support import validation
+from . import contacts
 from .system import ParticleSystem
 
 DEFAULT_ERROR: Final = 1e-3  #: of ε, and for engine "steps" of energy and positions
@@ -20,10 +21,6 @@ LARGEST_ERROR: Final = 0.05
 SPEEDS: Final = (1.0, 0.1, 0.01)
 #: Largest distance that a particle moves in a step, relative to the smallest radius.
 FARTHEST: Final = 0.1
-#: With more kinds of particles than this, only the smallest and the largest are tested.
-MOST_KINDS: Final = 6
-
-
 #: Longest step [s] of an integration scheme, as a function of contact, speed [m/s] and error.
 LongestStep = Callable[[_core.Contact, float, float], float]
 
@@ -40,21 +37,15 @@ def chosen(
         raise ValueError("restitution_error | time_step: got both, must be at most one of them")
     if time_step is None:
         wanted = DEFAULT_ERROR if restitution_error is None else restitution_error
-        error = validation.number(
-            "restitution_error",
-            wanted,
-            SMALLEST_ERROR,
-            LARGEST_ERROR,
-            lowest_allowed=True,
-            highest_allowed=True,
-        )
+        limits = {"lowest_allowed": True, "highest_allowed": True}
+        error = validation.number("restitution_error", wanted, SMALLEST_ERROR, LARGEST_ERROR, **limits)
         return _longest(system, law, error, longest_step)
     step = validation.number("time_step", time_step, 0.0)
     limit = _longest(system, law, LARGEST_ERROR, longest_step)
     if step > limit:
         raise ValueError(
             f"time_step: got {step:.6g} s, must be <= {validation.at_most(limit)} s, "
-            "with which the contacts of this system are stable"
+            "the longest step with which the contacts of this system are stable"
         )
     return step
 
@@ -65,9 +56,9 @@ def _longest(system: ParticleSystem, law: Law, error: float, longest_step: Longe
     # Without motion and gravity only initial overlaps drive contacts; their speed does not matter here.
     tried = top if top > 0.0 else 1.0
     found = FARTHEST * float(system.radius.min()) / tried if top > 0.0 else math.inf
-    for contact in contacts(system, law):
-        for share in SPEEDS:
-            found = min(found, longest_step(contact, share * tried, error))
+    for contact in contacts.of_kinds(system, law):
+        for relative_speed in SPEEDS:
+            found = min(found, longest_step(contact, relative_speed * tried, error))
     return found
 
 
@@ -76,24 +67,3 @@ def largest_speed(system: ParticleSystem) -> float:
     fastest = math.sqrt(float(np.einsum("ij,ij->i", system.velocities, system.velocities).max()))
     fall = float(np.abs(system.gravity) @ system.box)
     return 2.0 * fastest + math.sqrt(2.0 * fall)
-
-
-def contacts(system: ParticleSystem, law: Law) -> Iterator[_core.Contact]:
-    """A contact for each pair of kinds of particles, and for each kind with a wall if there are walls."""
-    kinds = np.unique(np.stack([system.mass, system.radius], axis=1), axis=0)
-    if len(kinds) > MOST_KINDS:
-        ends = [f(kinds[:, column]) for column in (0, 1) for f in (np.argmin, np.argmax)]
-        kinds = kinds[sorted(set(map(int, ends)))]
-    partners = [tuple(kind) for kind in kinds.tolist()]
-    if "wall" in system.boundary:
-        partners.append((math.inf, math.inf))
-    parameters = list(law.parameters.values())
-    for i, (mass, radius) in enumerate(kinds.tolist()):
-        for other_mass, other_radius in partners[i:]:
-            yield _core.make_contact(
-                law.record["name"],
-                law.alternative,
-                parameters,
-                _core.effective(mass, other_mass),
-                _core.effective(radius, other_radius),
-            )

@@ -27,21 +27,13 @@ def cite(topics: tuple[str, ...]) -> None:
     """
     if topics:
         return click.echo(citations.bibtex(*topics), nl=False)
-    rows = [
-        [
-            kind if name == names[0] else "",
-            name,
-            "; ".join(map(citations.in_words, citations.publications(name))),
-        ]
-        for kind, names in citations.topics().items()
-        for name in names
-    ]
-    show(
-        console(),
-        "What to cite",
-        table(["", "topic", "publications"], rows, left=3),
-        "BibTeX: hardlimit cite TOPIC",
-    )
+    rows = []
+    for kind, names in citations.topics().items():
+        for name in names:
+            works = "; ".join(map(citations.in_words, citations.publications(name)))
+            rows.append([kind if name == names[0] else "", name, works])
+    content = table(["", "topic", "publications"], rows, left=3)
+    show(console(), "Publications to cite", content, "BibTeX: hardlimit cite TOPIC")
 
 
 # --- hardlimit completion -----------------------------------------------------------------------------------
@@ -114,8 +106,8 @@ def verbose() -> str:
     for extra, packages in extras().items():
         missing = ", ".join(name for name in packages if version_of(name) is None)
         found = ", ".join(f"{name} {version_of(name)}" for name in packages)
-        said = f"{missing} not found: pip install 'hardlimit[{extra}]'" if missing else found
-        lines.append(f"  {extra + ':':<15} {said}")
+        status = f"{missing} not found: pip install 'hardlimit[{extra}]'" if missing else found
+        lines.append(f"  {extra + ':':<15} {status}")
     return "\n".join(lines)
 
 
@@ -131,7 +123,7 @@ def extras() -> dict[str, list[str]]:
 
 
 def version_of(package: str) -> str | None:
-    """The version of an installed package, or None."""
+    """The version of a package, or None if it is not installed."""
     try:
         return metadata.version(package)
     except metadata.PackageNotFoundError:

@@ -11,13 +11,12 @@ import click
 from ..column import files
 from ..contact.balls import Ball
 from ..convert.codes import code as code_of
-from ..support import units
 from ..support.formatting import digits, length, listed, percent, percent_with_error, quantity
 from ..verdict import check as checked
 from ..verdict.answer import NAMES
 from ..verdict.contacts import CheckedContact
 from ..verdict.result import Finding, Verdict
-from .options import json_option, law_options, option_name, options, quantity_option, spelled, take_law
+from .options import Quantity, json_option, law_options, options, quantity_option, spelled, take_law
 from .printing import console, print_json
 from .program import FAILURE, Command
 
@@ -39,24 +38,15 @@ MOST_ROWS = 8
 SMALLEST_ERROR = 1e-4
 
 
-class SpeedRange(click.ParamType[tuple[float, float]]):
+class SpeedRange(Quantity):
     """A speed, or the lowest and the highest one as in ``0.1:2m/s``."""
 
-    name = "number"
-
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> tuple[float, float]:
-        if isinstance(value, tuple):
-            return value
-        low, _, high = str(value).rpartition(":")
-        unit = high.lstrip("+-0123456789.eE ") if high else ""
-        try:
-            top = units.number(option_name(param), high, "m/s")
-            bare = low and not low.strip(" +-0123456789.eE")
-            return units.number(option_name(param), low + unit if bare else low, "m/s") if low else top, top
-        except ValueError as error:
-            raise click.UsageError(str(error), ctx) from None
+    def read(self, option: str, text: str) -> tuple[float, float]:
+        low, _, high = text.rpartition(":")
+        top = super().read(option, high)
+        unit = high.lstrip("+-0123456789.eE ")
+        bare = low and not low.strip(" +-0123456789.eE")
+        return (super().read(option, low + unit if bare else low) if low else top), top
 
 
 def variable(ctx: click.Context, param: click.Parameter, given: Sequence[str]) -> dict[str, str]:
@@ -76,7 +66,7 @@ script_options = options(
     ),
     click.option(
         "--speed",
-        type=SpeedRange(),
+        type=SpeedRange("m/s"),
         metavar="SPEED[:SPEED]",
         help="Mean impact speed, or lowest and highest [m/s]; as in the script if it is in lj units.",
     ),

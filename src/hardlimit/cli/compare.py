@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
@@ -13,11 +13,11 @@ import hardlimit as hl
 
 from ..boxes.system import described
 from ..column import files
-from ..fidelity_study import MODELS
+from ..fidelity_study import ENGINES, MODELS
 from ..fidelity_study import report as texts
 from ..support import machine, validation
 from ..support.formatting import digits
-from .gas_job import RESTITUTION, SAMPLES, START, UNTIL, GasJob, default, make_job, usual_end
+from .gas_job import RESTITUTION, SAMPLES, START, UNTIL, GasJob, default_end, entry_of, make_job
 from .job import Entry, entry_options
 from .options import dpi_option, json_option, law_options, law_text, output_option, picture, writable
 from .printing import console, plain, print_files, print_json, show, table
@@ -31,27 +31,23 @@ REPLICAS: Final = 8
 ARGUMENTS: Final = (
     Entry(
         "models",
-        f"Model: {' | '.join(MODELS)}; repeat it for more. newton is always included.  [default: all]",
+        f"Model: {' | '.join(MODELS)}; may be repeated, always with newton.  [default: all]",
         many=True,
     ),
     Entry("contact_duration", "Contact duration of the rule tc [s].  [default: that of the law]", unit="s"),
     UNTIL,
     SAMPLES,
-    Entry("engine", "Engine for Newton’s equations: auto | events | steps.  [default: auto]"),
-    Entry(
-        "replicas", f"Number of initial states, which give the error bars.  [default: {REPLICAS}]", kind=int
-    ),
-    Entry(
+    Entry("engine", f"Engine for Newton’s equations: {' | '.join(ENGINES)}.  [default: auto]"),
+    Entry("replicas", f"Number of initial states, for the error bars.  [default: {REPLICAS}]", kind=int),
+    entry_of(
+        hl.fidelity,
         "resolution",
-        f"Relative difference to be resolved; the output gives the number of replicas needed for it."
-        f"{default(hl.fidelity, 'resolution')}",
-        unit="1",
+        "Relative difference to resolve; the output says how many replicas it needs.",
+        "1",
     ),
     Entry("workers", "Number of processes.  [default: one for each processor]", kind=int),
     Entry("scheduler", "Address of a dask.distributed scheduler, instead of processes on this machine."),
-    Entry(
-        "store", "File that keeps finished replicas, from which the same command continues.", metavar="FILE"
-    ),
+    Entry("store", "File of finished replicas, from which the same command continues.", metavar="FILE"),
 )
 #: Entries of a job's table [event_driven] that this command uses.
 OF_A_JOB: Final = ("until", "samples", "contact_duration")
@@ -79,32 +75,27 @@ def compare(
     equilibrium state of these particles. From a job file, this command uses start, law, until, samples, restitution and
     contact duration.
     """
-    outputs = writable("out", out, ".nc"), picture("plot", plot)
+    saved, picture_file = writable("out", out, ".nc"), picture("plot", plot)
     arguments = {entry.name: given.pop(entry.name) for entry in ARGUMENTS}
     job = make_job(file, given)
     law = contact_law(job)
     start, found = compared(job, law, {name: v for name, v in arguments.items() if v not in (None, ())})
     written = []
-    if outputs[0]:
-        written.append(found.save(outputs[0]))
-    if outputs[1]:
+    if saved:
+        written.append(found.save(saved))
+    if picture_file:
         from .. import plots
 
-        written.append(plots.save(found.plot(), outputs[1], dpi))
+        written.append(plots.save(found.plot(), picture_file, dpi))
     if as_json:
         print_json(as_mapping(found, written))
     else:
         print_report(start, law, found, written)
 
 
-@dataclass(frozen=True)
-class RandomStarts:
-    """A random start for each seed."""
-
-    job: GasJob
-
-    def __call__(self, seed: int) -> hl.ParticleSystem:
-        return self.job.start(seed=seed)
+def random_start(job: GasJob, seed: int) -> hl.ParticleSystem:
+    """The random start of a job with another seed."""
+    return job.start(seed=seed)
 
 
 def compared(job: GasJob, law: hl.Law, arguments: dict[str, Any]) -> tuple[hl.ParticleSystem, hl.Fidelity]:
@@ -115,11 +106,11 @@ def compared(job: GasJob, law: hl.Law, arguments: dict[str, Any]) -> tuple[hl.Pa
     system: hl.ParticleSystem | Callable[[int], hl.ParticleSystem]
     if job.file is None:
         run["seed"] = validation.whole("seed", job.random.get("seed", 0), 0, 2**62)
-        system = RandomStarts(job)
+        system = partial(random_start, job)
         start = system(run["seed"])
     else:
         system = start = job.start()
-    run.setdefault("until", usual_end(start))
+    run.setdefault("until", default_end(start))
     run.setdefault("replicas", REPLICAS)
     if "scheduler" not in run:
         run.setdefault("workers", machine.processors())
@@ -127,14 +118,14 @@ def compared(job: GasJob, law: hl.Law, arguments: dict[str, Any]) -> tuple[hl.Pa
 
 
 def contact_law(job: GasJob) -> hl.Law:
-    """The law of job and options; linear with the usual stiffness and restitution if these are not given."""
+    """The law of job and options; linear with default values if neither names a law."""
     name, parameters = job.law_option
     if job.law is None and job.restitution is not None:
         parameters = {"restitution": job.restitution} | parameters
-    usual = {"stiffness": STIFFNESS, "restitution": RESTITUTION}
+    defaults = {"stiffness": STIFFNESS, "restitution": RESTITUTION}
     linear = name in (None, hl.LinearDashpot.record["name"])
-    if job.law is None and linear and parameters.keys() <= usual.keys():
-        return hl.LinearDashpot(**(usual | parameters))
+    if job.law is None and linear and parameters.keys() <= defaults.keys():
+        return hl.LinearDashpot(**(defaults | parameters))
     return files.changed_law(job.law, name, parameters)
 
 
@@ -151,8 +142,7 @@ def print_report(start: hl.ParticleSystem, law: hl.Law, found: hl.Fidelity, writ
         ("δ/d, mean greatest compression", digits(found.delta_over_d, 3)),
         ("replicas", str(found.n_replicas)),
     ]
-    title = f"{start.n} {'spheres' if start.dimension == 3 else 'disks'}"
-    show(out, title, table(["", ""], rows), law_text(law))
+    show(out, start.count(), table(["", ""], rows), law_text(law))
     if len(found.models) > 1:
         below = texts.legend(found) if found.n_replicas > 1 else "no error bars"
         show(out, "Difference from Newton’s equations at the end [%]", table(*texts.table(found)), below)

@@ -24,10 +24,9 @@ from .options import (
     json_option,
     law_options,
     law_text,
-    options,
     output_option,
     picture,
-    quantity_option,
+    quantity_options,
     take_law,
 )
 from .printing import console, print_json, sentence, show, table
@@ -39,23 +38,13 @@ SPEEDS = (0.01, 0.1, 1.0, 10.0)
 
 def body_options(radius: str, density: str) -> Callable[[F], F]:
     """The options of two bodies in contact; the arguments end the help of ``--radius`` and ``--density``."""
-    return options(
-        quantity_option("--radius", unit="m", help=f"Radius of the ball [m]{radius}"),
-        quantity_option("--density", unit="kg/m3", help=f"Density of the ball [kg/m³]{density}"),
-        quantity_option("--mass", unit="kg", help="Mass of the ball [kg] instead of the density."),
-        quantity_option(
-            "--other-radius",
-            unit="m",
-            help="Radius of a second ball [m]; without a second ball, the first one meets the floor.",
-        ),
-        quantity_option(
-            "--other-density",
-            unit="kg/m3",
-            help="Density of the second ball [kg/m³].  [default: that of the first]",
-        ),
-        quantity_option(
-            "--other-mass", unit="kg", help="Mass of the second ball [kg] instead of the density."
-        ),
+    return quantity_options(
+        ("--radius", "m", f"Radius of the ball [m]{radius}"),
+        ("--density", "kg/m3", f"Density of the ball [kg/m³]{density}"),
+        ("--mass", "kg", "Mass of the ball [kg] instead of the density."),
+        ("--other-radius", "m", "Radius of a second ball [m].  [default: contact with the floor]"),
+        ("--other-density", "kg/m3", "Density of the second ball [kg/m³].  [default: that of the first]"),
+        ("--other-mass", "kg", "Mass of the second ball [kg] instead of the density."),
     )
 
 
@@ -64,18 +53,12 @@ def body_options(radius: str, density: str) -> Callable[[F], F]:
 )
 @body_options(".  [default: 0.01]", ".  [default: 840]")
 @law_options()
-@quantity_option(
-    "--speed", "speeds", unit="m/s", multiple=True, help="Impact speed [m/s]; repeat it for a table."
-)
+@quantity_options(("--speed", "m/s", "Impact speed [m/s]; repeat it for a table.", "speeds"))
 @output_option("--plot", "Plot of the restitution (png, pdf, svg, …).")
 @dpi_option
 @json_option()
 def contact(
-    speeds: tuple[float, ...],
-    plot: str | None,
-    dpi: float | None,
-    as_json: bool,
-    **given: Any,
+    speeds: tuple[float, ...], plot: str | None, dpi: float | None, as_json: bool, **given: Any
 ) -> None:
     """Compute duration, restitution and damping of one contact.
 
@@ -85,15 +68,16 @@ def contact(
     """
     path = picture("plot", plot)
     rule = law_from(given)
-    ball = make_ball("", given["radius"], given["density"], given["mass"], 0.01, 840.0)
-    partner = other_ball(ball, given["other_radius"], given["other_density"], given["other_mass"])
+    ball = make_ball("", given, 0.01, 840.0)
+    partner = other_ball(ball, given)
     made = rule.between(ball, partner)
     given_speeds = [validation.number(f"speeds[{i}]", s, 0.0) for i, s in enumerate(speeds)]
-    v = np.array(given_speeds or default_speeds(made))
+    default = {*SPEEDS, made.law.parameters.get("impact_speed", 1.0)} if depends_on_speed(made) else {1.0}
+    v = np.array(given_speeds or sorted(default))
     usual = usual_formula(made)
     if path:
         draw(made, path, dpi)
-    depth = compressions(made, ball, partner, v)
+    depth = made.compression(v) / min(ball.radius, partner.radius)
     if as_json:
         print_json(as_mapping(made, v, depth, usual))
     else:
@@ -105,26 +89,18 @@ def law_from(given: dict[str, Any]) -> Law:
     return files.changed_law(Column.paper().laws[0], *take_law(given))
 
 
-def make_ball(
-    which: str,
-    radius: float | None,
-    density: float | None,
-    mass: float | None,
-    default_radius: float,
-    default_density: float,
-) -> Ball:
-    """A ball with default values for options that are not given; ``which`` is the prefix of its options."""
-    size = default_radius if radius is None else radius
-    if density is None and mass is None:
-        density = default_density
-    return files.prefixed(which, lambda: Ball(size, density, mass))
+def make_ball(which: str, given: dict[str, Any], radius: float, density: float) -> Ball:
+    """A ball from the options with the prefix ``which``; radius and density are defaults."""
+    size, rho, mass = (given[which + name] for name in ("radius", "density", "mass"))
+    rho = density if rho is None and mass is None else rho
+    return files.prefixed(which, lambda: Ball(radius if size is None else size, rho, mass))
 
 
-def other_ball(ball: Ball, radius: float | None, density: float | None, mass: float | None) -> Any:
+def other_ball(ball: Ball, given: dict[str, Any]) -> Any:
     """The second ball, or the floor if none of its options is given."""
-    if radius is None and density is None and mass is None:
+    if all(given[f"other_{name}"] is None for name in ("radius", "density", "mass")):
         return FLOOR
-    return make_ball("other_", radius, density, mass, ball.radius, ball.density)
+    return make_ball("other_", given, ball.radius, ball.density)
 
 
 def depends_on_speed(made: Contact) -> bool:
@@ -136,20 +112,7 @@ def depends_on_speed(made: Contact) -> bool:
     )
 
 
-def default_speeds(made: Contact) -> list[float]:
-    """One speed if nothing depends on it, else several decades and the law's own impact speed."""
-    if not depends_on_speed(made):
-        return [1.0]
-    return sorted({*SPEEDS, made.law.parameters.get("impact_speed", 1.0)})
-
-
-def compressions(made: Contact, ball: Ball, partner: Any, speeds: Any) -> Any:
-    """Largest compression over the smaller radius at each impact speed."""
-    radius = min(ball.radius, partner.radius)
-    return made.compression(speeds) / radius
-
-
-def takes_usual_formula(law: Law) -> bool:
+def is_spring_and_dashpot(law: Law) -> bool:
     """Whether the law is a linear spring and dashpot, as the usual formula for the damping assumes."""
     units = {name: p["unit"] for name, p in law_parameters(type(law)).items()}
     return units.get("stiffness") == "N/m" and units.get("damping") == "N s/m"
@@ -158,9 +121,8 @@ def takes_usual_formula(law: Law) -> bool:
 def usual_formula(made: Contact) -> dict[str, float] | None:
     """The result of the usual formula; None unless a spring and dashpot were given by ε."""
     asked = made.law.specified_restitution
-    if not takes_usual_formula(made.law) or math.isnan(asked):
-        return None
-    return {"asked": asked, **obtained(made, asked)}
+    applies = is_spring_and_dashpot(made.law) and not math.isnan(asked)
+    return {"asked": asked, **obtained(made, asked)} if applies else None
 
 
 def obtained(made: Contact, asked: float) -> dict[str, float]:
@@ -169,11 +131,6 @@ def obtained(made: Contact, asked: float) -> dict[str, float]:
     law = type(made.law)(stiffness=made.stiffness, damping=damping)
     ball = Ball(radius=made.effective_radius, mass=made.effective_mass)
     return {"damping": damping, "restitution": float(law.between(ball).restitution())}
-
-
-def constants(made: Contact) -> dict[str, float]:
-    """The constants of the law in this contact."""
-    return {c["name"]: float(getattr(made, c["name"])) for c in made.law.record["constants"]}
 
 
 def print_report(
@@ -186,22 +143,21 @@ def print_report(
         bodies += f"ball of radius {length(partner.radius)}, {quantity(partner.mass * 1e3, 'g')}"
     else:
         bodies += "floor"
-    rows = [["effective mass", quantity(made.effective_mass * 1e3, "g")]]
-    rows.append(["effective radius", length(made.effective_radius)])
+    rows = [
+        ["effective mass", quantity(made.effective_mass * 1e3, "g")],
+        ["effective radius", length(made.effective_radius)],
+    ]
     for constant in made.law.record["constants"]:
-        unit = "" if constant["unit"] == "1" else constant["unit"]
-        value = f"{digits(getattr(made, constant['name']))} {unit}".strip()
-        rows.append([constant["name"].replace("_", " "), value])
+        unit = "" if constant["unit"] == "1" else f" {constant['unit']}"
+        rows.append([constant["name"].replace("_", " "), f"{digits(getattr(made, constant['name']))}{unit}"])
     show(out, f"Contact of {bodies}", table(["", made.law.record["name"]], rows), law_text(made.law))
     by_speed = [
         [digits(v), digits(made.restitution(v)), quantity(made.duration(v), "s"), digits(d)]
         for v, d in zip(speeds, depth, strict=True)
     ]
-    title = "At several impact speeds"
-    if not depends_on_speed(made):
-        title = "At any impact speed (the compression at this speed)"
+    several, any_speed = "At several impact speeds", "At any impact speed (the compression at this speed)"
     names = ["impact speed [m/s]", "restitution ε", "duration", "compression [smaller radius]"]
-    show(out, title, table(names, by_speed))
+    show(out, several if depends_on_speed(made) else any_speed, table(names, by_speed))
     if said := compression.too_soft(float(depth.max())):
         out.print(sentence(said), style="yellow")
     if usual:
@@ -210,15 +166,16 @@ def print_report(
 
 def print_usual(out: Any, made: Contact, usual: dict[str, float]) -> None:
     """Print the damping of this package and that of the usual formula."""
-    formula = "ζ = −ln ε/√(π² + ln² ε), the usual formula"
     rows = [
         ["hardlimit, for a force that never attracts", digits(made.damping), digits(made.restitution())],
-        [formula, digits(usual["damping"]), digits(usual["restitution"])],
+        ["usual formula, ζ = −ln ε/√(π² + ln² ε)", digits(usual["damping"]), digits(usual["restitution"])],
     ]
     asked = digits(usual["asked"])
-    show(out, f"Asked for ε = {asked}", table(["damping chosen by", "γ [N s/m]", "resulting ε"], rows))
-    result = f"Asked for {asked}, the usual DEM formula gives {usual['restitution']:.4f}"
-    out.print(f"{result}: it assumes a force that attracts at the end of the contact.")
+    show(out, f"Requested ε = {asked}", table(["damping chosen by", "γ [N s/m]", "resulting ε"], rows))
+    out.print(
+        f"With the usual formula, a request for ε = {asked} results in {usual['restitution']:.4f}: "
+        "the formula assumes a force that attracts at the end of the contact."
+    )
 
 
 def as_mapping(made: Contact, speeds: Any, depth: Any, usual: dict[str, float] | None) -> dict[str, Any]:
@@ -227,7 +184,7 @@ def as_mapping(made: Contact, speeds: Any, depth: Any, usual: dict[str, float] |
         "law": {"name": made.law.record["name"], **made.law.parameters},
         "effective_mass": made.effective_mass,
         "effective_radius": made.effective_radius,
-        **constants(made),
+        **{c["name"]: float(getattr(made, c["name"])) for c in made.law.record["constants"]},
         "speed": speeds,
         "restitution": made.restitution(speeds),
         "duration": made.duration(speeds),
@@ -240,7 +197,7 @@ def draw(made: Contact, path: Path, dpi: float | None) -> None:
     """Draw restitution over speed, or, for a spring and dashpot, the resulting over the requested restitution."""
     from .. import plots
 
-    if not takes_usual_formula(made.law):
+    if not is_spring_and_dashpot(made.law):
         middle = made.law.parameters.get("impact_speed", 1.0)
         plots.save(plots.restitution_over_speed(made, np.geomspace(1e-3, 1e1, 200) * middle), path, dpi)
         return

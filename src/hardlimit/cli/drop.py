@@ -32,6 +32,7 @@ from .options import (
     output_option,
     picture,
     quantity_option,
+    quantity_options,
     take_law,
     writable,
 )
@@ -43,60 +44,26 @@ if TYPE_CHECKING:
 
 BALL_OPTIONS = ("radii", "radius_1", "radius_2", "radius_ratio", "densities", "masses")
 MOTION_OPTIONS = ("gaps", "velocities", "height", "gravity")
-#: Largest number of factors of 10 by which the search for a sufficient stiffness raises it.
-MOST_DECADES = 30
+#: The search for a sufficient stiffness ends after this many factors of 10.
+MAX_DECADES = 30
 
 
 def column_options(function: F) -> F:
     """The options that describe a column; :func:`column_from` reads them."""
-    decorate = options(
-        quantity_option(
-            "--gap",
-            "gaps",
-            unit="m",
-            multiple=True,
-            help="Gap Δh between neighbours [m]; repeat it for each gap, the lowest first.",
-        ),
-        quantity_option(
-            "--radius-ratio", unit="1", help="R1/R2 of the two lowest balls; changes the lower radius."
-        ),
-        quantity_option("--radius-1", unit="m", help="Radius R1 of the lowest ball [m]."),
-        quantity_option("--radius-2", unit="m", help="Radius R2 of the ball above it [m]."),
-        quantity_option(
-            "--radius",
-            "radii",
-            unit="m",
-            multiple=True,
-            help="Radius [m]; repeat it for each ball, the lowest first, for any number of balls.",
-        ),
-        quantity_option(
-            "--density",
-            "densities",
-            unit="kg/m3",
-            multiple=True,
-            help="Density [kg/m³]; repeat it for each ball if they differ.",
-        ),
-        quantity_option(
-            "--mass",
-            "masses",
-            unit="kg",
-            multiple=True,
-            help="Mass [kg] instead of the density; repeat it for each ball.",
-        ),
-        quantity_option(
-            "--height", unit="m", help="Height of the centre of the lowest ball at release, z1(0) [m]."
-        ),
-        quantity_option(
-            "--velocity",
-            "velocities",
-            unit="m/s",
-            multiple=True,
-            help="Velocity at release [m/s], upwards; repeat it for each ball if they differ.",
-        ),
-        quantity_option("--gravity", unit="m/s2", help="Acceleration of gravity g [m/s²]."),
-        law_options(),
+    repeat, if_different = "repeat it for each ball", "repeat it for each ball if they differ"
+    rows = (
+        ("--gap", "m", "Gap Δh between neighbours [m]; repeat it for each gap, the lowest first.", "gaps"),
+        ("--radius-ratio", "1", "R1/R2 of the two lowest balls; changes the lower radius."),
+        ("--radius-1", "m", "Radius R1 of the lowest ball [m]."),
+        ("--radius-2", "m", "Radius R2 of the ball above it [m]."),
+        ("--radius", "m", f"Radius [m]; {repeat}, the lowest first, for any number of balls.", "radii"),
+        ("--density", "kg/m3", f"Density [kg/m³]; {if_different}.", "densities"),
+        ("--mass", "kg", f"Mass [kg] instead of the density; {repeat}.", "masses"),
+        ("--height", "m", "Height of the centre of the lowest ball at release, z1(0) [m]."),
+        ("--velocity", "m/s", f"Velocity at release [m/s], upwards; {if_different}.", "velocities"),
+        ("--gravity", "m/s2", "Acceleration of gravity g [m/s²]."),
     )
-    return decorate(function)
+    return options(quantity_options(*rows), law_options())(function)
 
 
 def column_from(file: str | None, given: dict[str, Any]) -> Column:
@@ -120,14 +87,11 @@ output_options = options(
 
 
 @click.command(
-    cls=Command,
-    epilog="\b\nExample:\n  hardlimit drop --restitution 0.9 --gap 1mm --plot drop.png",
+    cls=Command, epilog="\b\nExample:\n  hardlimit drop --restitution 0.9 --gap 1mm --plot drop.png"
 )
 @click.argument("file", required=False, metavar="[FILE.toml]")
 @column_options
-@quantity_option(
-    "--until", unit="s", help="Time [s] after the first floor touch up to which contacts are followed."
-)
+@quantity_option("--until", unit="s", help="End [s] of the run after the first floor touch.")
 @output_options
 def drop(file: str | None, until: float | None, dpi: float | None, as_json: bool, **given: Any) -> None:
     """Drop a column of balls: Newton's equations and event-driven.
@@ -143,9 +107,8 @@ def drop(file: str | None, until: float | None, dpi: float | None, as_json: bool
         "toml": writable("toml", given.pop("toml"), ".toml"),
     }
     column = column_from(file, given)
-    with warnings.catch_warnings(
-        action="ignore", category=compression.CompressionWarning
-    ):  # the report has it
+    # The report has its own line for deep compressions.
+    with warnings.catch_warnings(action="ignore", category=compression.CompressionWarning):
         found = compare(column)
         shown = newton(column, until) if until is not None else found.newton
     write_outputs(found, shown, outputs, dpi)
@@ -206,50 +169,44 @@ def stiff_enough(result: Result) -> str:
     column = result.column
     law = column.laws[0]
     name = next(iter(law.parameters))  # the elastic constant
-    with warnings.catch_warnings(action="ignore", category=compression.CompressionWarning):
-        for decade in range(1, MOST_DECADES + 1):
-            stiffer = [each.replace(**{name: each.parameters[name] * 10.0**decade}) for each in column.laws]
-            if newton(column.replace(law=stiffer), result.until)._core.too_deep < 0:
-                break
-        else:
-            return ""
     unit = LAW_PARAMETERS[name][0]["unit"]
-    value = law.parameters[name] * 10.0**decade
-    enough = (
-        f"of {digits(value)} {unit}" if len(set(column.laws)) == 1 else f"{10.0**decade:g} times as large"
-    )
-    return f" With a {name.replace('_', ' ')} {enough}, contacts are not too deep."
+    for factor in (10.0**decade for decade in range(1, MAX_DECADES + 1)):
+        stiffer = [each.replace(**{name: each.parameters[name] * factor}) for each in column.laws]
+        with warnings.catch_warnings(action="ignore", category=compression.CompressionWarning):
+            found = newton(column.replace(law=stiffer), result.until)
+        if found._core.too_deep < 0:
+            shared = len(set(column.laws)) == 1
+            enough = (
+                f"of {digits(law.parameters[name] * factor)} {unit}"
+                if shared
+                else f"{factor:g} times as large"
+            )
+            return f" With a {name.replace('_', ' ')} {enough}, contacts are not too deep."
+    return ""
 
 
 def column_table(column: Column) -> Table:
-    rows = []
-    moving = any(column.velocities)
-    for i in reversed(range(len(column.balls))):
-        ball = column.balls[i]
-        gap = column.gaps[i - 1] if i else column.drop_height
-        where = f"{length(gap)}" if i or column.floor else ""
-        row = [f"ball {i + 1}", length(ball.radius), quantity(ball.mass * 1e3, "g"), where]
-        if moving:
-            row.append(digits(column.velocities[i]))
-        if len(set(column.laws)) > 1:
-            law = i if column.floor else i - 1
-            row.append(law_text(column.laws[law]) if law >= 0 else "")
-        rows.append(row)
-    names = ["", "radius", "mass", "gap below"]
-    names += ["velocity [m/s]"] if moving else []
-    return table(names + (["law below"] if len(set(column.laws)) > 1 else []), rows)
+    n, shared = len(column.balls), len(set(column.laws)) == 1
+    below = [length(column.drop_height) if column.floor else "", *map(length, column.gaps)]
+    columns = {
+        "": [f"ball {i + 1}" for i in range(n)],
+        "radius": [length(ball.radius) for ball in column.balls],
+        "mass": [quantity(ball.mass * 1e3, "g") for ball in column.balls],
+        "gap below": below,
+    }
+    if any(column.velocities):
+        columns["velocity [m/s]"] = [digits(v) for v in column.velocities]
+    if not shared:
+        columns["law below"] = [*([] if column.floor else [""]), *map(law_text, column.laws)]
+    return table(list(columns), list(zip(*columns.values(), strict=True))[::-1])
 
 
 def column_line(column: Column) -> str:
     """A line with the values that are common to all balls."""
-    parts = []
-    if len(set(column.laws)) == 1:
-        parts.append(law_text(column.laws[0]))
+    parts = [law_text(column.laws[0])] if len(set(column.laws)) == 1 else []
     if column.floor:
-        parts += [
-            f"g {digits(column.gravity)} m/s²",
-            f"speed at the floor V {digits(column.impact_speed)} m/s",
-        ]
+        speed = digits(column.impact_speed)
+        parts.append(f"g {digits(column.gravity)} m/s²; speed at the floor V {speed} m/s")
     return "; ".join(parts)
 
 
@@ -306,24 +263,14 @@ def as_mapping(found: Comparison, shown: Result) -> dict[str, Any]:
 def result_mapping(shown: Result, result: Result) -> dict[str, Any]:
     """A result; contacts and final state up to ``--until`` are those of ``shown``."""
     names = (
-        "n_contacts",
-        "t_end",
-        "t_floor_end",
-        "relative_velocity",
-        "separation_velocity",
-        "effective_restitution",
-        "effective_restitution_at_separation",
-        "restitution_ratio",
-        "restitution_ratio_at_separation",
-        "largest_compression",
-        "outcome",
-        "method",
+        *("n_contacts", "t_end", "t_floor_end", "relative_velocity", "separation_velocity"),
+        *("effective_restitution", "effective_restitution_at_separation", "restitution_ratio"),
+        *("restitution_ratio_at_separation", "largest_compression", "outcome", "method", "rebound_heights"),
     )
     values = {name: getattr(result, name) for name in names}
-    contacts = dict(zip(("pair", "begin", "end"), shown.contact_times, strict=True))
-    state = {"positions": shown.positions, "velocities": shown.velocities}
-    heights = {"rebound_heights": result.rebound_heights}
-    mapping: dict[str, Any] = plain({**values, **state, **heights, "contacts": contacts})
+    values |= {"positions": shown.positions, "velocities": shown.velocities}
+    values["contacts"] = dict(zip(("pair", "begin", "end"), shown.contact_times, strict=True))
+    mapping: dict[str, Any] = plain(values)
     return mapping
 
 

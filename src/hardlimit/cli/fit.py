@@ -12,7 +12,7 @@ import numpy as np
 from ..column import files
 from ..column.scenario import STANDARD_GRAVITY
 from ..contact.balls import FLOOR, Ball
-from ..contact.contact import Law, law_parameters
+from ..contact.contact import law_parameters
 from ..contact.laws import LAWS
 from ..fitting import fit as fitted
 from ..fitting.files import read_measurements
@@ -21,15 +21,7 @@ from ..fitting.result import Fit, as_mapping
 from ..support.estimate import Estimate
 from ..support.formatting import digits
 from .contact import body_options, make_ball, other_ball
-from .options import (
-    dpi_option,
-    json_option,
-    law_options,
-    output_option,
-    picture,
-    quantity_option,
-    take_law,
-)
+from .options import dpi_option, json_option, law_options, output_option, picture, quantity_option, take_law
 from .printing import console, print_json, print_warnings, sentence, show, table
 from .program import Command
 
@@ -55,9 +47,7 @@ EXAMPLE_ERROR = 0.005
 @click.option("--column", metavar="FILE.toml", help="Column whose rebounds were measured.")
 @output_option("--plot", "Picture of data, laws and residuals (png, pdf, svg, …).")
 @dpi_option
-@click.option(
-    "--example", is_flag=True, help="Print an example file: impacts computed from a law with noise."
-)
+@click.option("--example", is_flag=True, help="Print an example file with impacts computed from a law.")
 @json_option()
 def fit(file: str | None, example: bool, as_json: bool, **given: Any) -> None:
     """Fit a contact law to measurements and test whether it holds.
@@ -96,7 +86,7 @@ def fit(file: str | None, example: bool, as_json: bool, **given: Any) -> None:
 
 
 def computed(data: Measured, law: str | None, fixed: dict[str, float], given: dict[str, Any]) -> Fit:
-    """The fit of the law that was given, or of the usual law for data of this kind."""
+    """The fit of the requested law, or of the default law for data of this kind."""
     ball, other = bodies(given)
     return fitted(
         data,
@@ -115,14 +105,12 @@ def computed(data: Measured, law: str | None, fixed: dict[str, float], given: di
 def bodies(given: dict[str, Any]) -> tuple[Ball | None, Any]:
     """The ball, or None if it is not described, and its partner."""
     names = ("radius", "density", "mass")
-    radius, density, mass = (given[name] for name in names)
-    others = [given[f"other_{name}"] for name in names]
-    if radius is density is mass is None and others == [None] * 3:
+    if all(given[which + name] is None for which in ("", "other_") for name in names):
         return None, FLOOR
-    if radius is None or (density is None) == (mass is None):
-        raise ValueError("--radius: must be given, with --density or --mass, to describe the ball")
-    ball = make_ball("", radius, density, mass, radius, math.nan)
-    return ball, other_ball(ball, others[0], others[1], others[2])
+    if given["radius"] is None or (given["density"] is None) == (given["mass"] is None):
+        raise ValueError("--radius: missing, must be given with --density or --mass to describe the ball")
+    ball = make_ball("", given, math.nan, math.nan)
+    return ball, other_ball(ball, given)
 
 
 def example_file() -> str:
@@ -143,38 +131,32 @@ def print_report(found: Fit) -> None:
     """Print the parameters, the other laws and the verdict."""
     out = console()
     percent = f"{100.0 * found.confidence:g} %"
-    rows = [
-        row(name.replace("_", " "), e, unit_of(type(found.law), name)) for name, e in found.parameters.items()
-    ]
+    records = law_parameters(type(found.law))
+    rows = [row(name.replace("_", " "), e, records[name]["unit"]) for name, e in found.parameters.items()]
     if found.scatter is not None:
-        rows.append(row("scatter", found.scatter, ""))
+        rows.append(row("scatter", found.scatter, "1"))
     if found.dissipation is not None:
         rows.append(row("A (ρ/m_eff)^(2/5)", found.dissipation, "(s/m)^(1/5)"))
-    title = f"{found.chosen.name} fitted to {found.data.n} values: {found.data.what}"
+    title = f"{found.name} fitted to {found.data.n} values: {found.data.what}"
     columns = ["", "value", "standard error", f"{percent} interval", "unit"]
     show(out, title, table(columns, rows), "; ".join(found.notes))
     if found.others:
+        best = found.trials[0].aic
         trials = [
             [
-                trial.name,
-                digits(trial.chi_square, 4),
-                str(trial.degrees),
-                digits(trial.probability, 2),
-                digits(trial.aic - found.trials[0].aic, 3),
+                t.name,
+                digits(t.chi_square, 4),
+                str(t.degrees),
+                digits(t.probability, 2),
+                digits(t.aic - best, 3),
             ]
-            for trial in found.trials
+            for t in found.trials
         ]
         show(out, "All laws", table(["", "χ²", "degrees of freedom", "p", "AIC − best"], trials))
     out.print(sentence(found.verdict), markup=False)
 
 
-def unit_of(law: type[Law], name: str) -> str:
-    """The unit of a parameter; empty if it has none."""
-    unit = str(law_parameters(law)[name]["unit"])
-    return "" if unit == "1" else unit
-
-
 def row(name: str, e: Estimate[float], unit: str) -> list[str]:
     """A row of the table of parameters."""
     interval = f"{digits(e.lower)} … {digits(e.upper)}"
-    return [name, digits(e.value), digits(e.error, 2), interval, unit]
+    return [name, digits(e.value), digits(e.error, 2), interval, "" if unit == "1" else unit]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
@@ -25,7 +25,7 @@ from ..support import saving
 from ..support.formatting import digits, listed
 from ..verdict.error_law import softness
 from .compare import compare
-from .gas_job import OUTPUT, RUN, START, GasJob, checked_outputs, make_job, usual_end
+from .gas_job import OUTPUT, RUN, START, GasJob, checked_outputs, default_end, make_job
 from .job import Entry, entry_options
 from .options import dpi_option, json_option, law_options, law_text, options, output_option, spelled
 from .printing import console, plain, print_json, print_outcome, sentence, show, table
@@ -62,21 +62,12 @@ newton_options = options(
 HARD_SPHERES_ONLY = ("rule", "contact_duration", "max_collisions")
 PICTURES = ("out", "plot", "animate")
 #: Numbers in the JSON output, with the attributes of the result.
-HARD_SPHERES_NUMBERS = {
-    "n_collisions": "n_collisions",
-    "n_pair_collisions": "n_pairs",
-    "n_wall_collisions": "n_walls",
-    "n_elastic_by_tc": "n_elastic_by_tc",
-    "n_soft": "n_soft",
-    "n_soft_third_body": "n_soft_third_body",
-}
-NEWTON_NUMBERS = {
-    name: name
-    for name in (
-        *("engine", "engine_reason", "n_contacts", "n_pairs", "n_ended", "n_overlapped", "overlapped_share"),
-        *("energy_error", "time_step", "n_steps", "largest_cluster", "cluster_share"),
-    )
-}
+_NAMES = ("n_collisions", "n_elastic_by_tc", "n_soft", "n_soft_third_body")
+HARD_SPHERES_NUMBERS = {name: name for name in _NAMES}
+HARD_SPHERES_NUMBERS |= {"n_pair_collisions": "n_pairs", "n_wall_collisions": "n_walls"}
+_CONTACTS = ("n_contacts", "n_pairs", "n_ended", "n_overlapped", "overlapped_share", "energy_error")
+_ENGINE = ("engine", "engine_reason", "time_step", "n_steps", "largest_cluster", "cluster_share")
+NEWTON_NUMBERS = {name: name for name in (*_ENGINE, *_CONTACTS)}
 
 
 class WithCompare(Command):
@@ -140,14 +131,12 @@ def gas(file: str | None, resume: str | None, dpi: float | None, as_json: bool, 
         newton = {name: given.pop(name) for name in ("engine", "write_input", *(e.name for e in SOLVER))}
         job = make_job(file, given)
         outputs = job.outputs
-        if newton["engine"] is None:
-            refuse(newton, "without --engine")
-            start, result = run_hard_spheres(job)
-        elif newton["write_input"] is not None:
+        if newton["write_input"] is not None and newton["engine"] is not None:
             click.echo(f"written to {write_lammps_input(job, newton)}")
             return
-        else:
-            start, result = run_newton(job, newton)
+        if newton["engine"] is None:
+            refuse(newton, "without --engine")
+        start, result = run_hard_spheres(job) if newton["engine"] is None else run_newton(job, newton)
     written = [path for path in (outputs["out"], outputs["animate"]) if path]
     if outputs["save"]:
         written.append(save(result, outputs["save"]))
@@ -170,14 +159,14 @@ def run_hard_spheres(job: GasJob) -> tuple[hl.ParticleSystem, Any]:
     if job.run.get("until") is None and job.run.get("max_collisions") is not None:
         for name in ("out", "animate"):
             if job.outputs[name] is not None:
-                raise ValueError(f"--{name}: needs --until for frames at equal times")
-    # Bad arguments are refused before the start is made, which takes minutes for a million particles.
+                raise ValueError(f"--{name}: requires --until, because frames are at equal times")
+    # Arguments are checked before the start is made, which takes minutes for a million particles.
     given = rule | job.run
     checked_settings(*(given.get(name) for name in ("law", "restitution", "rule", "contact_duration")))
     checked_end(given.get("until"), given.get("max_collisions"))
     start = job.start()
     if "max_collisions" not in job.run:
-        job.run.setdefault("until", usual_end(start))
+        job.run.setdefault("until", default_end(start))
     arguments = {**rule, **job.run, "log": job.outputs["save"] is not None, "progress": True}
     return start, with_frames(lambda **observe: hl.event_driven(start, **arguments, **observe), job.outputs)
 
@@ -189,7 +178,7 @@ def resumed(file: str | None, checkpoint: str, given: dict[str, Any]) -> tuple[A
     refuse({"FILE": file, **given}, "with --resume: the checkpoint holds it")
     result = with_frames(lambda **observe: hl.resume(checkpoint, **end, **observe, progress=True), outputs)
     if outputs["plot"] is not None and isinstance(result, hl.ContactResult):
-        raise ValueError("--plot: must be left out: this run solves Newton's equations")
+        raise ValueError("--plot: must be left out for a run under Newton's equations")
     return result, outputs
 
 
@@ -224,32 +213,36 @@ def run_newton(job: GasJob, newton: dict[str, Any]) -> tuple[hl.ParticleSystem, 
     """Start and result of :func:`hardlimit.molecular_dynamics`."""
     refuse({name: job.run.get(name) for name in HARD_SPHERES_ONLY}, "with --engine")
     refuse({name: job.outputs[name] for name in PICTURES}, "with --engine")
+    start, arguments = newton_arguments(job, newton, ("engine", *(e.name for e in SOLVER)))
+    return start, hl.molecular_dynamics(
+        start, **arguments, log=job.outputs["save"] is not None, progress=True
+    )
+
+
+def newton_arguments(
+    job: GasJob, newton: dict[str, Any], names: Iterable[str]
+) -> tuple[hl.ParticleSystem, dict[str, Any]]:
+    """Start and arguments of a run under Newton's equations; those with these names are from the options."""
     law = job.contact_law()
     if law is None:
-        raise ValueError("--law: missing, must be given with --engine, with its parameters")
+        raise ValueError("--law: missing, must be given with its parameters for --engine")
     start = job.start()
-    job.run.setdefault("until", usual_end(start))
-    solver = {
-        name: newton[name] for name in ("engine", *(e.name for e in SOLVER)) if newton[name] is not None
+    job.run.setdefault("until", default_end(start))
+    return start, {
+        "law": law,
+        **job.run,
+        **{name: newton[name] for name in names if newton[name] is not None},
     }
-    keep = job.outputs["save"] is not None
-    return start, hl.molecular_dynamics(start, law=law, **job.run, **solver, log=keep, progress=True)
 
 
 def write_lammps_input(job: GasJob, newton: dict[str, Any]) -> Path:
-    """Write the input of LAMMPS."""
     if newton["engine"] != "lammps":
         raise ValueError(f"--write-input: must be left out with --engine {newton['engine']}")
     run_only = {"save": job.outputs["save"], **{name: newton[name] for name in ("threads", "ranks")}}
     run_only |= {name: job.run.get(name) for name in ("checkpoint", "checkpoint_every")}
     refuse(run_only, "with --write-input")
-    steps = {name: newton[name] for name in ("restitution_error", "time_step") if newton[name] is not None}
-    law = job.contact_law()
-    if law is None:
-        raise ValueError("--law: missing, must be given with --engine, with its parameters")
-    start = job.start()
-    job.run.setdefault("until", usual_end(start))
-    folder: Path = hl.lammps_input(start, newton["write_input"], law=law, **job.run, **steps)
+    start, arguments = newton_arguments(job, newton, ("restitution_error", "time_step"))
+    folder: Path = hl.lammps_input(start, newton["write_input"], **arguments)
     return folder
 
 
@@ -267,7 +260,7 @@ def print_report(start: hl.ParticleSystem | None, result: Any, files: list[Path]
     """Print the system at the start (for a resumed run, at the end), the results with theory, and the outcome."""
     out = console()
     shown = result.system if start is None else start
-    title = f"{shown.n} {'spheres' if shown.dimension == 3 else 'disks'}"
+    title = shown.count()
     show(out, title if start else f"{title}, final state", table(["", ""], described(shown)))
     if isinstance(result, hl.ContactResult):
         print_newton(out, result)
@@ -286,12 +279,13 @@ def print_newton(out: Any, result: hl.ContactResult) -> None:
 
 def print_hard_spheres(out: Any, result: hl.ParticleResult) -> None:
     """The numbers of a run of hard spheres with those of theory."""
-    theories = predictions(result)
-    rows = [
-        [label, digits(value), *([digits(theories.get(label, math.nan))] if theories else [])]
-        for label, value in (*result.quantities(), *softness_rows(result))
-    ]
-    names = ["", "event-driven", *(["theory"] if theories else [])]
+    names, rows = (
+        ["", "event-driven"],
+        [[label, digits(value)] for label, value in (*result.quantities(), *softness_rows(result))],
+    )
+    if theories := predictions(result):
+        names.append("theory")
+        rows = [[*row, digits(theories.get(row[0], math.nan))] for row in rows]
     show(out, f"Hard spheres, rule {result.settings.report()}", table(names, rows), note(result))
 
 
@@ -347,10 +341,8 @@ def note(result: hl.ParticleResult) -> str:
     e = result.settings.restitution
     names = ["Enskog’s rate"]
     if e is not None:
-        names.append(
-            "Carnahan and Starling’s pressure" if result.system.dimension == 3 else "Henderson’s pressure"
-        )
-        names += ["Haff’s law"] if e < 1.0 else []
+        authors = "Carnahan and Starling" if result.system.dimension == 3 else "Henderson"
+        names += [f"{authors}’s pressure", *(["Haff’s law"] if e < 1.0 else [])]
     return (
         f"Theory: {listed(names)}, with the measured temperatures in rate and pressure. A random start is not in "
         f"equilibrium: expect differences during the first {theory.RELAXED} collisions per particle."
@@ -360,12 +352,8 @@ def note(result: hl.ParticleResult) -> str:
 def as_mapping(result: Any, files: list[Path]) -> dict[str, Any]:
     """The numbers of the tables and the series, in SI units."""
     system, series = result.system, result.series
-    found: dict[str, Any] = {
-        "system": {
-            name: getattr(system, name)
-            for name in ("n", "dimension", "box", "boundary", "gravity", "packing_fraction")
-        }
-    }
+    facts = ("n", "dimension", "box", "boundary", "gravity", "packing_fraction")
+    found: dict[str, Any] = {"system": {name: getattr(system, name) for name in facts}}
     if isinstance(result, hl.ContactResult):
         law, names = result.law, NEWTON_NUMBERS
     else:
@@ -375,16 +363,14 @@ def as_mapping(result: Any, files: list[Path]) -> dict[str, Any]:
     found |= {key: getattr(result, name) for key, name in names.items()} | softness_numbers(result)
     if not isinstance(result, hl.ContactResult):
         found["theory"] = predictions(result)
-    mapping: dict[str, Any] = plain(
-        found
-        | {
-            "outcome": {"name": result.outcome_name, "message": result.outcome},
-            "early_end": None if result.early_end is None else result.early_end._asdict(),
-            "time": result.time,
-            "series": {"time": series["time"].values, **{k: v.values for k, v in series.data_vars.items()}},
-            "files": files,
-        }
-    )
+    found |= {
+        "outcome": {"name": result.outcome_name, "message": result.outcome},
+        "early_end": None if result.early_end is None else result.early_end._asdict(),
+        "time": result.time,
+        "series": {"time": series["time"].values, **{k: v.values for k, v in series.data_vars.items()}},
+        "files": files,
+    }
+    mapping: dict[str, Any] = plain(found)
     return mapping
 
 
@@ -400,6 +386,5 @@ def save(result: Any, path: Path) -> Path:
         about["rule"] = result.settings.report()
     groups = {"/": xr.Dataset(attrs=about), "series": result.series, "final": result.system.dataset}
     if result.log is not None:
-        log = "contacts" if newton else "collisions"
-        groups[log] = getattr(result, log)
+        groups |= {"contacts": result.contacts} if newton else {"collisions": result.collisions}
     return saving.groups(groups, path)

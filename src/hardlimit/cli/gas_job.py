@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
@@ -27,61 +28,34 @@ RESTITUTION: Final = 0.9
 COLLISIONS: Final = 20
 
 
-def default(function: Any, name: str) -> str:
-    """The default of an argument of a function, as help shows it."""
-    value = inspect.signature(function).parameters[name].default
-    return f"  [default: {value:g}]" if isinstance(value, float) else f"  [default: {value}]"
+def entry_of(function: Any, name: str, text: str, unit: str | None = None, **more: Any) -> Entry:
+    """The entry of an argument of a function. Its help ends with the default; that of a start is a glass bead."""
+    value = GLASS_BEADS.get(name, inspect.signature(function).parameters[name].default)
+    shown = f"{value:g}" if isinstance(value, float) else value
+    return Entry(name, f"{text}  [default: {shown}]", unit, **more)
 
 
-def _of_beads(name: str) -> str:
-    return f"  [default: {GLASS_BEADS[name]:g}]"
-
-
-def _of_random(name: str) -> str:
-    return default(hl.ParticleSystem.random, name)
+_start = partial(entry_of, hl.ParticleSystem.random)
+_run = partial(entry_of, hl.event_driven)
 
 
 #: Entries of the table [random]: a random start, or changes of the box if the start is from a file.
 START: Final = (
-    Entry("n", f"Number of particles.{_of_beads('n')}", kind=int),
-    Entry(
-        "packing_fraction",
-        f"Fraction of the box that particles fill.{_of_beads('packing_fraction')}",
-        unit="1",
-    ),
-    Entry(
-        "radius",
-        f"Radius [m]; give it twice for the limits of a uniform distribution.{_of_beads('radius')}",
-        unit="m",
-        many=True,
-    ),
-    Entry("density", f"Density [kg/m³].{_of_beads('density')}", unit="kg/m3"),
-    Entry("rms_speed", f"Root mean square of the initial speeds [m/s].{_of_beads('rms_speed')}", unit="m/s"),
-    Entry("dimension", f"Dimension: 3 for spheres, 2 for disks.{_of_random('dimension')}", kind=int),
-    Entry(
-        "seed", f"Seed of the random start; the same seed gives the same start.{_of_random('seed')}", kind=int
-    ),
-    Entry(
-        "boundary",
-        f"Boundary: {' | '.join(BOUNDARIES)}; repeat it for each axis.{_of_random('boundary')}",
-        many=True,
-    ),
-    Entry(
-        "gravity",
-        f"Gravity [m/s²], down the last axis; repeat it for a vector.{_of_random('gravity')}",
-        unit="m/s2",
-        many=True,
-    ),
+    _start("n", "Number of particles.", kind=int),
+    _start("packing_fraction", "Fraction of the box that particles fill.", "1"),
+    _start("radius", "Radius [m]; give it twice for the limits of a uniform distribution.", "m", many=True),
+    _start("density", "Density [kg/m³].", "kg/m3"),
+    _start("rms_speed", "Root mean square of the initial speeds [m/s].", "m/s"),
+    _start("dimension", "Dimension: 3 for spheres, 2 for disks.", kind=int),
+    _start("seed", "Seed of the random start; the same seed gives the same start.", kind=int),
+    _start("boundary", f"Boundary: {' | '.join(BOUNDARIES)}; repeat it for each axis.", many=True),
+    _start("gravity", "Gravity [m/s²], down the last axis; repeat it for a vector.", "m/s2", many=True),
 )
 OF_THE_BOX: Final = ("boundary", "gravity")
 
-SAMPLES: Final = Entry(
-    "samples",
-    f"Number of equal time intervals between samples.{default(hl.event_driven, 'samples')}",
-    kind=int,
-)
+SAMPLES: Final = _run("samples", "Number of equal time intervals between samples.", kind=int)
 UNTIL: Final = Entry(
-    "until", f"End of the run [s].  [default: about {COLLISIONS} collisions per particle]", unit="s"
+    "until", f"End of the run [s].  [default: about {COLLISIONS} collisions per particle]", "s"
 )
 #: Entries of the table [event_driven], which also has the restitution of all collisions.
 RUN: Final = (
@@ -91,11 +65,7 @@ RUN: Final = (
     Entry("max_collisions", "Number of collisions after which the run ends.", kind=int),
     SAMPLES,
     Entry("checkpoint", "Checkpoint for --resume, written at intervals and at Ctrl-C.", metavar="FILE"),
-    Entry(
-        "checkpoint_every",
-        f"Wall-clock time between checkpoints [s].{default(hl.event_driven, 'checkpoint_every')}",
-        unit="s",
-    ),
+    _run("checkpoint_every", "Wall-clock time between checkpoints [s].", "s"),
 )
 #: Entries of the table [output].
 OUTPUT: Final = (
@@ -103,9 +73,7 @@ OUTPUT: Final = (
     Entry("save", "Series, collisions or contacts, and final state as NetCDF.", metavar="FILE.nc"),
     Entry("plot", "Temperature, rate and pressure over time, with theory (png, pdf, …).", metavar="FILE"),
     Entry(
-        "animate",
-        "Film (gif; mp4 with the extra hardlimit[film]); spheres are shown in cross section.",
-        metavar="FILE",
+        "animate", "Film (gif; mp4 with the extra hardlimit[film]); spheres in cross section.", metavar="FILE"
     ),
 )
 #: The keys of a job file.
@@ -119,13 +87,7 @@ KINDS: Final[Mapping[str, toml.Kind]] = {
 
 
 def read(file: str | None) -> dict[str, Any]:
-    """The tables of a job file; a file of particles is the start of an empty job.
-
-    Raises
-    ------
-    ValueError
-        If the file cannot be read or is neither.
-    """
+    """The tables of a job file; a file of particles is the start of an empty job."""
     if file is None:
         return {}
     ending = Path(file).suffix.lower()
@@ -139,7 +101,7 @@ def read(file: str | None) -> dict[str, Any]:
     tables = columns.prefixed(f"{file}: ", lambda: toml.table("", content, KINDS))
     if "start" in tables:
         if tables.get("random", {}).keys() - set(OF_THE_BOX):
-            raise ValueError(f"{file}: start | random: got both, must be one file or one random start")
+            raise ValueError(f"{file}: start | random: got both, must be at most one of them")
         tables["start"] = str(Path(file).parent / tables["start"])
     return tables
 
@@ -157,13 +119,7 @@ class GasJob:
     outputs: dict[str, Path | None]  #: "out", "save", "plot" and "animate"
 
     def start(self, **changes: Any) -> hl.ParticleSystem:
-        """The start, from a file or at random; ``changes`` are arguments of a random one.
-
-        Raises
-        ------
-        ValueError
-            If the file or an argument is refused.
-        """
+        """The start, from a file or at random; ``changes`` are arguments of a random one."""
         given = {name: single(value) for name, value in self.random.items()} | changes
         if self.file is None:
             return hl.ParticleSystem.random(**(GLASS_BEADS | given), progress=not changes)
@@ -181,30 +137,18 @@ class GasJob:
         return columns.changed_law(self.law, name, parameters)
 
     def rule(self) -> dict[str, Any]:
-        """The argument ``law`` or ``restitution`` of :func:`hardlimit.event_driven`.
-
-        Raises
-        ------
-        ValueError
-            If the job file has both.
-        """
+        """The argument ``law`` or ``restitution`` of :func:`hardlimit.event_driven`."""
         name, parameters = self.law_option
         if self.law is not None and self.restitution is not None:
             raise ValueError("law | event_driven.restitution: got both, must be exactly one of them")
         if name is not None or self.law is not None or parameters.keys() - {"restitution"}:
             return {"law": self.contact_law()}
-        usual = RESTITUTION if self.restitution is None else self.restitution
-        return {"restitution": parameters.get("restitution", usual)}
+        epsilon = RESTITUTION if self.restitution is None else self.restitution
+        return {"restitution": parameters.get("restitution", epsilon)}
 
 
 def make_job(file: str | None, given: dict[str, Any]) -> GasJob:
-    """The job of a file, or of glass beads without a file, changed by the options, which are taken out.
-
-    Raises
-    ------
-    ValueError
-        If file or options are refused.
-    """
+    """The job of a file, or of glass beads without a file, changed by the options, which are taken out of ``given``."""
     law = take_law(given)
     tables = read(file)
     run = changed(tables.get("event_driven", {}), RUN, given)
@@ -220,13 +164,7 @@ def make_job(file: str | None, given: dict[str, Any]) -> GasJob:
 
 
 def checked_outputs(given: Mapping[str, Any]) -> dict[str, Path | None]:
-    """The files to write, checked before anything is computed.
-
-    Raises
-    ------
-    ValueError
-        If one of them cannot be written or has an unknown ending.
-    """
+    """The files to write, checked before anything is computed."""
     trajectories = [ending for ending, kind in FORMATS.items() if kind is not FORMATS[".data"]]
     return {
         "out": writable("out", given.get("out"), *trajectories),
@@ -241,6 +179,6 @@ def single(value: Any) -> Any:
     return value[0] if isinstance(value, list | tuple) and len(value) == 1 else value
 
 
-def usual_end(system: hl.ParticleSystem) -> float:
+def default_end(system: hl.ParticleSystem) -> float:
     """The time [s], rounded, in which each particle collides about 20 times at the initial rate."""
     return float(f"{expected_duration(system, COLLISIONS * system.n // 2):.2g}")

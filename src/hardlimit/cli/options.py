@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
@@ -12,13 +10,13 @@ import click
 
 from ..contact.contact import Law, law_parameters
 from ..contact.laws import LAWS
-from ..support import units, validation
-from ..support.formatting import digits, listed
+from ..support import saving, units, validation
+from ..support.formatting import digits
 
 F = TypeVar("F", bound=Callable[..., Any])
 
 
-class Quantity(click.ParamType[float]):
+class Quantity(click.ParamType[Any]):
     """A number in the SI unit of the option, or a number with a unit such as ``1mm``.
 
     Its range is checked by the function that gets it.
@@ -29,18 +27,15 @@ class Quantity(click.ParamType[float]):
     def __init__(self, unit: str = "1") -> None:
         self.unit = unit
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        if isinstance(value, float):
-            return value
+    def read(self, option: str, text: str) -> Any:
+        """The value of the text that the user typed after ``option``."""
+        return units.number(option, text, self.unit)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         try:
-            return units.number(option_name(param), str(value), self.unit)
+            return self.read(param.opts[0] if param else "number", str(value))
         except ValueError as error:
             raise click.UsageError(str(error), ctx) from None
-
-
-def option_name(param: click.Parameter | None) -> str:
-    """The option as the user types it."""
-    return param.opts[0] if param is not None else "number"
 
 
 def spelled(name: str) -> str:
@@ -59,9 +54,20 @@ def options(*made: Callable[[Any], Any]) -> Callable[[F], F]:
     return decorate
 
 
-def quantity_option(option: str, *names: str, unit: str, help: str, **more: Any) -> Callable[[F], F]:
+def quantity_option(
+    option: str, *names: str, unit: str, help: str, multiple: bool = False
+) -> Callable[[F], F]:
     """An option that takes a :class:`Quantity`."""
-    return click.option(option, *names, type=Quantity(unit), help=help, **more)
+    return click.option(option, *names, type=Quantity(unit), help=help, multiple=multiple)
+
+
+def quantity_options(*rows: tuple[str, str, str] | tuple[str, str, str, str]) -> Callable[[F], F]:
+    """Options that take a :class:`Quantity`: option, unit and help, and a name for one that may be repeated."""
+    made = [
+        quantity_option(option, *name, unit=unit, help=help, multiple=bool(name))
+        for option, unit, help, *name in rows
+    ]
+    return options(*made)
 
 
 def json_option(help: str = "Print JSON.") -> Callable[[F], F]:
@@ -134,16 +140,8 @@ def output_option(option: str, help: str, metavar: str = "FILE") -> Callable[[F]
 
 
 def writable(option: str, path: str | None, *endings: str) -> Path | None:
-    """The path, if it can be written and ends in one of these; checked before anything is computed."""
-    if path is None:
-        return None
-    target = file_name(option, path)
-    special = target.exists() and not target.is_file()  # a device is written in place, a file is replaced
-    if not special and target.suffix.lower() not in endings:
-        raise ValueError(f"--{option}: got {validation.shown(path)}, must end in {listed(endings, 'or')}")
-    if target.is_dir() or not os.access(target if special else target.parent, os.W_OK):
-        raise ValueError(f"--{option}: got {path!r}, must be writable")
-    return target
+    """The path, if it can be written and ends in one of ``endings``."""
+    return None if path is None else saving.checked(f"--{option}", path, endings)
 
 
 def picture(option: str, path: str | None) -> Path | None:
@@ -163,23 +161,6 @@ def film(option: str, path: str | None) -> Path | None:
 
         require_ffmpeg()
     return target
-
-
-def file_name(option: str, path: str) -> Path:
-    """The path, if the system accepts the name and its folder exists."""
-    shown = validation.shown(path)
-    target = Path(path)
-    try:
-        with contextlib.suppress(FileNotFoundError, NotADirectoryError):
-            target.stat()
-        if target.name and target.parent.is_dir():
-            return target
-    except (OSError, ValueError) as error:  # too long, or with a null character
-        because = error.strerror if isinstance(error, OSError) else "embedded null character"
-        raise ValueError(f"--{option}: got {shown}, must be the name of a file: {because}") from None
-    if not target.name:
-        raise ValueError(f"--{option}: got {shown}, must be the name of a file")
-    raise ValueError(f"--{option}: got {shown}, must be in an existing folder")
 
 
 def dpi_option(function: F) -> F:

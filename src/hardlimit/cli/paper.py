@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from ..column.scenario import PAPER_DENSITY
+from ..support.progress import bar
 from .options import dpi_option, json_option, quantity_option
 from .printing import console, print_json
 from .program import Command
@@ -16,12 +15,7 @@ from .program import Command
 if TYPE_CHECKING:
     from ..paper import Report, Row
 
-MARKS = {
-    "yes": ("✓", "green"),
-    "partly": ("~", "yellow"),
-    "no": ("✗", "red"),
-    "misprint": ("≠", "magenta"),
-}
+MARKS = {"yes": ("✓", "green"), "partly": ("~", "yellow"), "no": ("✗", "red"), "misprint": ("≠", "magenta")}
 
 
 @click.command(cls=Command, epilog="\b\nExample:\n  hardlimit paper --figures 2,3 --out figures --format pdf")
@@ -36,9 +30,7 @@ MARKS = {
 @quantity_option(
     "--density",
     unit="kg/m3",
-    default=PAPER_DENSITY,
-    show_default=True,
-    help="Density of the balls [kg/m³]; inferred, since the paper does not state it.",
+    help=f"Density of the balls [kg/m³]; the paper states none.  [default: {PAPER_DENSITY:g}, inferred]",
 )
 @click.option(
     "--format", "picture", default="png", show_default=True, help="Format of the pictures: png, pdf or svg."
@@ -50,7 +42,7 @@ MARKS = {
 def paper(
     figures: str | None,
     out: str,
-    density: float,
+    density: float | None,
     picture: str,
     dpi: float | None,
     infer_density: bool,
@@ -65,46 +57,31 @@ def paper(
     """
     from ..paper import run
 
-    with fraction_progress("paper") as report:
-        found = run(out, figures, density, picture, infer_density, progress=report, dpi=dpi)
+    density = PAPER_DENSITY if density is None else density
+    with bar("paper") as report:
+
+        def tell(part: float, step: str) -> None:
+            report.note = step
+            report(round(1000.0 * part), 1000)
+
+        found = run(out, figures, density, picture, infer_density, progress=tell, dpi=dpi)
     if as_json:
         print_json(found.to_dict())
     else:
         print_report(found, everything)
 
 
-@contextmanager
-def fraction_progress(title: str) -> Iterator[Callable[[float, str], None]]:
-    """A progress bar on stderr; the function that it yields takes the completed fraction and the current step."""
-    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
-
-    out = console(stderr=True)
-    columns = (
-        TextColumn("{task.description:24.24}"),
-        BarColumn(),
-        TaskProgressColumn(),
-        TimeRemainingColumn(),
-    )
-    with Progress(*columns, console=out, transient=True, disable=not out.is_terminal) as bar:
-        task = bar.add_task(title, total=1.0)
-        yield lambda part, text: bar.update(task, completed=part, description=text)
-
-
 def print_report(found: Report, everything: bool = False) -> None:
-    """Print the statements that do not agree (with ``everything`` all statements), and a summary."""
+    """Print the statements that do not agree (all statements if ``everything``), and a summary."""
     from rich.text import Text
+
+    from ..paper.report import AGREE
 
     out = console()
     out.print(legend())
     out.print()
-    tables = [
-        ("Statements that do not agree, or agree only in part", found.chosen("statement", "no", "partly"))
-    ]
-    if everything:
-        tables.append(("Statements that agree", found.chosen("statement", "yes")))
-    tables += [("Density", found.chosen("density")), ("Misprints", found.chosen("misprint"))]
-    for title, rows in tables:
-        if rows:
+    for title, rows in found.tables():
+        if rows and (everything or title != AGREE):
             out.print(Text(title, style="bold"))
             out.print(statement_table(rows))
             out.print()

@@ -68,9 +68,9 @@ class Command(click.Command):
 
 
 def with_options(ctx: click.Context, message: str) -> str:
-    """The message with options instead of the parameters with which it begins.
+    """The message with options in place of the parameters at its beginning: ``--balls: got 1`` for ``n: got 1``.
 
-    ``n: got 1`` becomes ``--balls: got 1``. If the command reads a file, only options that were typed are named.
+    If the command reads a file, only options that were typed are named.
     """
     subject, colon, rest = message.partition(": ")
     if not SUBJECT.fullmatch(subject):
@@ -117,14 +117,14 @@ def exit_code(run: Callable[[], Any]) -> int:
         if sys.stdout is not None:
             sys.stdout.flush()
     except click.Abort:
-        complain("interrupted")
+        print_error("interrupted")
         return INTERRUPTED
     except click.ClickException as error:
         context = getattr(error, "ctx", None)
-        complain(f"{context.command_path if context else 'hardlimit'}: {error.format_message()}")
+        print_error(f"{context.command_path if context else 'hardlimit'}: {error.format_message()}")
         return error.exit_code
     except OSError as error:
-        complain(f"hardlimit: {reason(error)}")
+        print_error(f"hardlimit: {reason(error)}")
         return FAILURE
     return code if isinstance(code, int) else 0
 
@@ -138,7 +138,7 @@ def compression_warnings_in_one_line() -> Iterator[None]:
         message: Warning | str, category: type[Warning], filename: str, lineno: int, *rest: Any, **more: Any
     ) -> None:
         if issubclass(category, CompressionWarning):
-            complain(f"warning: {message}")
+            print_error(f"warning: {message}")
         else:
             default(message, category, filename, lineno, *rest, **more)
 
@@ -147,7 +147,7 @@ def compression_warnings_in_one_line() -> Iterator[None]:
         yield
 
 
-def complain(message: str) -> None:
+def print_error(message: str) -> None:
     """Print one line on stderr if that is possible."""
     with contextlib.suppress(OSError):
         click.echo(" ".join(message.split()), err=True)

@@ -8,12 +8,21 @@ import click
 import numpy as np
 
 from ..contact.contact import Law
-from ..stacks import MOST_BALLS, Stack
+from ..stacks import MAX_BALLS, Stack
 from ..stacks import stack as best
 from ..support import validation
 from ..support.formatting import digits, quantity
 from .contact import law_from
-from .options import dpi_option, json_option, law_options, law_text, output_option, picture, quantity_option
+from .options import (
+    dpi_option,
+    json_option,
+    law_options,
+    law_text,
+    output_option,
+    picture,
+    quantity_option,
+    quantity_options,
+)
 from .printing import console, print_json, show, table
 from .program import Command
 
@@ -27,23 +36,17 @@ MODELS = {"newton": "Newton's equations", "independent": "collisions"}
     epilog="\b\nExample:\n  hardlimit stack --balls 3 --bottom-mass 1kg --top-mass 10g --restitution 1",
 )
 @click.option(
-    "--balls", "n", type=int, default=3, show_default=True, help=f"Number of balls, 2 to {MOST_BALLS}."
+    "--balls", "n", type=int, default=3, show_default=True, help=f"Number of balls, 2 to {MAX_BALLS}."
 )
-@quantity_option("--bottom-mass", unit="kg", help="Mass of the lowest ball [kg].  [default: 1]")
-@quantity_option("--top-mass", unit="kg", help="Mass of the top ball [kg].  [default: optimised as well]")
-@quantity_option(
-    "--least-ratio",
-    unit="1",
-    help="Smallest ratio of a ball's mass to that of the ball below.  [default: 0.001]",
-)
-@quantity_option(
-    "--largest-ratio",
-    unit="1",
-    help="Largest ratio of a ball's mass to that of the ball below.  [default: 1]",
+@quantity_options(
+    ("--bottom-mass", "kg", "Mass of the lowest ball [kg].  [default: 1]"),
+    ("--top-mass", "kg", "Mass of the top ball [kg].  [default: optimised as well]"),
+    ("--least-ratio", "1", "Smallest ratio of a ball's mass to that of the ball below.  [default: 0.001]"),
+    ("--largest-ratio", "1", "Largest ratio of a ball's mass to that of the ball below.  [default: 1]"),
+    ("--density", "kg/m3", "Density of the balls [kg/m³].  [default: 1000]"),
+    ("--speed", "m/s", "Impact speed [m/s].  [default: 1]"),
 )
 @quantity_option("--gap", "gaps", unit="m", help="Gap between neighbours at impact [m].  [default: 0]")
-@quantity_option("--density", unit="kg/m3", help="Density of the balls [kg/m³].  [default: 1000]")
-@quantity_option("--speed", unit="m/s", help="Impact speed [m/s].  [default: 1]")
 @law_options()
 @output_option("--plot", "Picture of masses and top speed over the gap (png, pdf, svg, …).")
 @dpi_option
@@ -70,26 +73,16 @@ def stack(n: int, as_json: bool, plot: str | None, **given: Any) -> None:
 
 def computed(law: Law, n: int, given: dict[str, Any]) -> dict[str, Stack]:
     """The optimal stack under each model."""
-    defaults = {"bottom_mass": 1.0, "gaps": 0.0, "density": 1000.0, "speed": 1.0}
-    defaults |= {"least_ratio": 1e-3, "largest_ratio": 1.0}
-    taken = {name: value if given[name] is None else given[name] for name, value in defaults.items()}
-    for name in ("least_ratio", "largest_ratio", "speed"):  # other names in the function
-        validation.number(name, taken[name], 0.0)
-    return {
-        model: best(
-            n,
-            law,
-            bottom_mass=taken["bottom_mass"],
-            top_mass=given["top_mass"],
-            ratio_limits=(taken["least_ratio"], taken["largest_ratio"]),
-            model=model,
-            gaps=taken["gaps"],
-            density=taken["density"],
-            impact_speed=taken["speed"],
-            progress=True,
-        )
-        for model in MODELS
-    }
+    for name in ("least_ratio", "largest_ratio", "speed"):  # hl.stack has other names for them
+        if given[name] is not None:
+            validation.number(name, given[name], 0.0)
+    arguments = {"bottom_mass": 1.0, "impact_speed": given["speed"]}
+    arguments |= {name: given[name] for name in ("bottom_mass", "top_mass", "gaps", "density")}
+    arguments = {name: value for name, value in arguments.items() if value is not None}
+    arguments.setdefault("bottom_mass", 1.0)
+    low, high = given["least_ratio"], given["largest_ratio"]
+    arguments["ratio_limits"] = (1e-3 if low is None else low, 1.0 if high is None else high)
+    return {model: best(n, law, model=model, progress=True, **arguments) for model in MODELS}
 
 
 def print_report(found: dict[str, Stack], law: Law) -> None:
@@ -110,9 +103,7 @@ def print_report(found: dict[str, Stack], law: Law) -> None:
         rows.append([digits(gap), *map(digits, speeds)])
     way = quantity(found["newton"].contact_way, "m", 3)
     title = "Top speed / V under Newton's equations for other gaps"
-    below = (
-        f"V t_c = {way}: distance that a ball moves during a contact of the lowest ball alone with the floor."
-    )
+    below = f"V t_c = {way}: impact speed times contact duration of the lowest ball alone on the floor."
     show(out, title, table(["gap / (V t_c)", *(f"best for {name}" for name in MODELS.values())], rows), below)
 
 

@@ -27,11 +27,10 @@ from .job import Entry, changed, entry_options, table_of
 from .options import (
     LAW_PARAMETERS,
     F,
+    Quantity,
     dpi_option,
-    file_name,
     json_option,
     law_options,
-    option_name,
     options,
     picture,
     spelled,
@@ -43,7 +42,7 @@ from .program import Command
 if TYPE_CHECKING:
     import xarray as xr
 
-MOST_POINTS = 10**8
+MAX_POINTS = 10**8
 EXPECTED = "must be a number, a list a,b,… or start:stop:count[:log]"
 
 #: The table [sweep] of a job file, without its axes.
@@ -76,19 +75,13 @@ SETTINGS = (
 # --- axes ---------------------------------------------------------------------------------------------------
 
 
-class Axis(click.ParamType[Any]):
+class Axis(Quantity):
     """A number, a list ``0.5,0.7,0.9``, or ``start:stop:count``, with ``:log`` for equal factors."""
 
     name = "axis"
 
-    def __init__(self, unit: str = "1") -> None:
-        self.unit = unit
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        try:
-            return axis(option_name(param), value, self.unit)
-        except ValueError as error:
-            raise click.UsageError(str(error), ctx) from None
+    def read(self, option: str, text: str) -> Any:
+        return axis(option, text, self.unit)
 
 
 def axis(name: str, value: Any, unit: str = "1") -> float | NDArray[np.float64]:
@@ -124,8 +117,8 @@ def _range(name: str, text: str, unit: str) -> NDArray[np.float64]:
         count = int(others[0])
     except ValueError:
         raise ValueError(f"{name}: got {shown}, {EXPECTED}") from None
-    if not 1 <= count <= MOST_POINTS:
-        raise ValueError(f"{name}: got {validation.shown(count)} points, must be in [1, {MOST_POINTS:.0e}]")
+    if not 1 <= count <= MAX_POINTS:
+        raise ValueError(f"{name}: got {validation.shown(count)} points, must be in [1, {MAX_POINTS:.0e}]")
     if others[1:] == ["log"]:
         if not (start > 0.0 and stop > 0.0):
             raise ValueError(f"{name}: got {shown}, must have a start and a stop > 0 for equal factors")
@@ -174,7 +167,7 @@ def sweep(file: str | None, resume: bool, dpi: float | None, as_json: bool, **gi
     variables, out, plot, difference) and a table [sweep.axes].
     """
     job = make_job(file, resume, given)
-    import xarray  # noqa: F401  # now, so that its import does not count as time of the sweep
+    import xarray  # noqa: F401  # before the sweep, which measures its time
 
     store = job.out if job.out is not None and job.out.suffix == ".zarr" else None
     with bar("sweep", "points") as report, warnings.catch_warnings(record=True) as repairs:
@@ -252,12 +245,12 @@ def column_and_axes(
 
 
 def checked_output(out: str | None, resume: bool) -> Path | None:
-    """Where the map goes; a store that exists is only changed to resume it."""
+    """The path of the map; an existing store is only changed to resume it."""
     if out is None:
         if resume:
-            raise ValueError("--resume: needs --out with the Zarr store to continue")
+            raise ValueError("--resume: must be given with --out, the Zarr store to continue")
         return None
-    path = file_name("out", out)
+    path = saving.checked("--out", out)
     if path.suffix == ".nc":
         if resume:
             raise ValueError(f"--resume: got --out {out!r}, must be a Zarr store (.zarr)")
@@ -265,7 +258,7 @@ def checked_output(out: str | None, resume: bool) -> Path | None:
     if path.suffix != ".zarr":
         raise ValueError(f"--out: got {out!r}, must end in .nc or .zarr")
     if path.exists() and not resume:
-        raise ValueError(f"--out: got {out!r}, which exists: --resume continues it")
+        raise ValueError(f"--out: got {out!r}, must not exist unless --resume is given to continue it")
     return path
 
 
@@ -279,15 +272,15 @@ def draw(ds: xr.Dataset, job: Job, dpi: float | None) -> None:
         variable = job.run.get("variables", ("n_contacts",))[0]
         plots.save(plots.sweep_map(ds, variable), job.pictures["plot"], dpi)
     if job.pictures["difference"]:
-        # The other model takes no tolerance, which is that of the first map.
+        # A tolerance belongs to the first model; the other one may not accept it.
         needed = {**job.run, "variables": ("relative_velocity",)}
         needed.pop("tolerance", None)
-        newton, independent = (
+        newton, independent = [
             ds
             if model == ds.attrs["model"]
-            else compute(job.column, **{**needed, "model": model}, **job.axes)
+            else compute(job.column, **(needed | {"model": model}), **job.axes)
             for model in ("newton", "independent")
-        )
+        ]
         plots.save(plots.difference_map(newton, independent), job.pictures["difference"], dpi)
 
 

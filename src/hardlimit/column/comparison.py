@@ -18,7 +18,7 @@ from .result import Result, quantities
 from .scenario import Column
 from .solvers import adiabatic, independent, newton
 
-#: Relative differences of the velocities up to this count as agreement.
+#: Largest relative difference of the velocities that counts as agreement.
 TOLERANCE: Final = 0.01
 
 
@@ -65,10 +65,6 @@ def compare(column: Column) -> Comparison:
     ----------
     column : Column
 
-    Returns
-    -------
-    Comparison
-
     Raises
     ------
     ValueError
@@ -114,19 +110,18 @@ def _verdict(c: Comparison) -> ColumnVerdict:
     if unclear is not None:
         return ColumnVerdict("undecided", f"No verdict: {unclear}.")
     if true == "at_rest":
-        return ColumnVerdict(
-            "no",
-            "No: under Newton’s equations a contact never ends, but event-driven collisions are instantaneous.",
+        reason = (
+            "under Newton’s equations a contact never ends, but event-driven collisions are instantaneous"
         )
+        return ColumnVerdict("no", f"No: {reason}.")
     if hard in _FAILURES:
-        return ColumnVerdict(
-            "no", f"No: the event-driven sequence {_FAILURES[hard]}; that of Newton’s equations does not."
-        )
+        reason = f"the event-driven sequence {_FAILURES[hard]}; that of Newton’s equations does not"
+        return ColumnVerdict("no", f"No: {reason}.")
     found = _difference(c)
-    meetings = [r.n_contacts for r in (c.newton, c.independent)]
-    if 0 in meetings and any(meetings) and not found.error <= TOLERANCE:
+    counts = [r.n_contacts for r in (c.newton, c.independent)]
+    if 0 in counts and any(counts) and not found.error <= TOLERANCE:
         models = ["under Newton’s equations", "in the event-driven model"]
-        met, missed = models if meetings[0] else models[::-1]
+        met, missed = models if counts[0] else models[::-1]
         before = " before the second floor contact" if c.newton.column.floor else ""
         return ColumnVerdict("no", f"No: the balls meet {met} but not {missed}{before}.")
     return _by_numbers(c, found)
@@ -134,10 +129,8 @@ def _verdict(c: Comparison) -> ColumnVerdict:
 
 def _unclear(c: Comparison, true: str, hard: str) -> str | None:
     """The reason why the models cannot be compared; None if they can."""
-    for model, name, result in (
-        ("Newton’s equations", true, c.newton),
-        ("the event-driven model", hard, c.independent),
-    ):
+    models = (("Newton’s equations", true, c.newton), ("the event-driven model", hard, c.independent))
+    for model, name, result in models:
         if name in ("invalid", "unresolved", "never_lands", "too_deep"):
             return f"the outcome of {model} is “{result.outcome.split(':')[0]}”"
     if true == hard == "no_contact" and len(c.newton.column.balls) > 1:
@@ -147,20 +140,17 @@ def _unclear(c: Comparison, true: str, hard: str) -> str | None:
 
 class _Difference(NamedTuple):
     error: float  #: relative error of the event-driven model; NaN if a model has no such value
-    clause: str  #: states the error
+    clause: str  #: describes the error in a sentence
     later: bool = False  #: whether contacts of the upper balls after the second floor contact count
 
 
 def _by_numbers(c: Comparison, found: _Difference) -> ColumnVerdict:
     """The verdict if both models reached the end of the sequence."""
-    overlap, n = overlapping_contacts(c.newton), c.newton.n_contacts
+    overlap = overlapping_contacts(c.newton)
     if len(c.newton.column.balls) == 1:
         contacts = "the only contact is that with the floor"
-    elif overlap:
-        verb = "overlaps" if 1 in (overlap, n) else "overlap"
-        contacts = f"{_count(overlap, n)} {verb} another contact in time"
     else:
-        contacts = "no contacts overlap in time"
+        contacts = _overlaps(overlap, c.newton.n_contacts)
     if found.later:
         contacts += ", under one model the last one follows the second floor contact"
     if found.error <= TOLERANCE:
@@ -170,11 +160,13 @@ def _by_numbers(c: Comparison, found: _Difference) -> ColumnVerdict:
     return ColumnVerdict("no", f"No: {contacts}{';' if overlap else ', yet'} {found.clause}.")
 
 
-def _count(overlap: int, n: int) -> str:
-    if overlap < n:
-        return f"{overlap} of {n} ball–ball contacts"
-    number = {1: "the", 2: "both"}.get(n, f"all {n}")
-    return f"{number} ball–ball contact{'s' * (n > 1)}"
+def _overlaps(overlap: int, n: int) -> str:
+    """How many of the n contacts overlap another contact."""
+    if not overlap:
+        return "no contacts overlap in time"
+    number = f"{overlap} of {n}" if overlap < n else {1: "the", 2: "both"}.get(n, f"all {n}")
+    verb = "overlaps" if 1 in (overlap, n) else "overlap"
+    return f"{number} ball–ball contact{'s' * (n > 1)} {verb} another contact in time"
 
 
 def _difference(c: Comparison) -> _Difference:
@@ -237,7 +229,7 @@ def _speed(column: Column) -> float:
 
 
 def _both(hard: float, true: float) -> str:
-    """Two velocities with as many digits as needed to tell them apart."""
+    """Two velocities with as many digits as needed to differ."""
     for significant in range(3, 18):
         texts = [f"{value:.{significant}g}".replace("-", "−") for value in (hard, true)]
         if texts[0] != texts[1]:

@@ -53,15 +53,8 @@ def _repeated(values: tuple[float, ...], count: int) -> list[float]:
 
 def of_column(column: Column) -> Scenario:
     """The parameters of a column."""
-    return Scenario(
-        column.balls,
-        column.gaps,
-        column.laws,
-        column.height,
-        column.velocities,
-        column.gravity,
-        not column.floor,
-    )
+    c = column
+    return Scenario(c.balls, c.gaps, c.laws, c.height, c.velocities, c.gravity, not c.floor)
 
 
 # --- TOML ---------------------------------------------------------------------------------------------------
@@ -95,12 +88,8 @@ def dumps(column: Column) -> str:
     if not column.floor or any(column.velocities):
         lines.append(f"velocities = {list(column.velocities)!r}")
     for ball in column.balls:
-        lines += [
-            "",
-            "[[balls]]",
-            f"radius = {ball.radius!r}",
-            f"{ball.given} = {getattr(ball, ball.given)!r}",
-        ]
+        mass = f"{ball.given} = {getattr(ball, ball.given)!r}"
+        lines += ["", "[[balls]]", f"radius = {ball.radius!r}", mass]
     laws = column.laws[:1] if len(set(column.laws)) == 1 else column.laws
     for law in laws:
         lines += ["", "[law]" if len(laws) == 1 else "[[laws]]", f'name = "{law.record["name"]}"']
@@ -121,7 +110,10 @@ def from_mapping(content: Mapping[str, Any]) -> Scenario:
     n = len(found["balls"])
     cradle = found.get("cradle", False)
     if cradle:
-        _check_cradle(found)
+        for name in ("height", "gravity"):
+            if name in found and (name, found[name]) != ("gravity", 0.0):
+                other = "0 or " if name == "gravity" else ""
+                raise ValueError(f"{name}: got {found[name]!r}, must be {other}left out for a cradle")
     elif "height" not in found:
         raise ValueError("height: missing, must be the height [m] of the lowest centre at release")
     elif "gaps" not in found and n > 1:
@@ -129,7 +121,7 @@ def from_mapping(content: Mapping[str, Any]) -> Scenario:
     laws = [found["law"]] if "law" in found else found.get("laws")
     if not laws or ("law" in found and "laws" in found):
         count = "both" if laws else "neither"
-        raise ValueError(f"law | laws: got {count}, must be one [law] or one [[laws]] for each contact")
+        raise ValueError(f"law | laws: got {count}, must be one [law], or one [[laws]] for each contact")
     gaps, gravity = found.get("gaps", 0.0), found.get("gravity", STANDARD_GRAVITY)
     return Scenario(
         balls=tuple(found["balls"]),
@@ -140,13 +132,6 @@ def from_mapping(content: Mapping[str, Any]) -> Scenario:
         gravity=validation.number("gravity", gravity, 0.0, lowest_allowed=True),
         cradle=cradle,
     )
-
-
-def _check_cradle(found: Mapping[str, Any]) -> None:
-    if "height" in found:
-        raise ValueError(f"height: got {found['height']!r}, must be left out for a cradle")
-    if found.get("gravity", 0.0) != 0.0:
-        raise ValueError(f"gravity: got {found['gravity']!r}, must be 0 or left out for a cradle")
 
 
 def _ball(name: str, content: Any) -> Ball:
@@ -216,9 +201,9 @@ def _law_with(present: type[Law] | None, names: Collection[str]) -> type[Law]:
         if set(names) <= law_parameters(law).keys():
             return law
     known = law_parameters(laws[0])
-    strange = next(name for name in names if name not in known)
+    unknown = next(name for name in names if name not in known)
     law = laws[0].record["name"]
-    raise ValueError(f"{strange}: unknown for the law {law}, must be one of {', '.join(known)}")
+    raise ValueError(f"{unknown}: unknown for the law {law}, must be one of {', '.join(known)}")
 
 
 def with_law(scenario: Scenario, name: str | None, parameters: Mapping[str, float]) -> Scenario:
@@ -244,12 +229,14 @@ def with_balls(
 
     ``radii`` replaces all radii and may change the number of balls. ``radius_ratio`` R1/R2 changes the lowest radius.
     """
-    if densities and masses:
-        raise ValueError("density | mass: got both, must be at most one of them")
-    if radius_1 is not None and radius_ratio is not None:
-        raise ValueError("radius_ratio | radius_1: got both, must be at most one of them")
-    if radii and not all(value is None for value in (radius_1, radius_2, radius_ratio)):
-        raise ValueError("radius | radius_1, radius_2, radius_ratio: got both, must be at most one of them")
+    single = any(value is not None for value in (radius_1, radius_2, radius_ratio))
+    for names, both in (
+        ("density | mass", densities and masses),
+        ("radius_ratio | radius_1", radius_1 is not None and radius_ratio is not None),
+        ("radius | radius_1, radius_2, radius_ratio", radii and single),
+    ):
+        if both:
+            raise ValueError(f"{names}: got both, must be at most one of them")
     sizes = [validation.number(f"radius[{i}]", r, 0.0) for i, r in enumerate(radii)]
     sizes = sizes or [ball.radius for ball in scenario.balls]
     for name, value in (("radius_2", radius_2), ("radius_ratio", radius_ratio)):
@@ -278,8 +265,7 @@ def _made_of(
         return [Ball(r, mass=value) for r, value in zip(sizes, m, strict=True)]
     if len(sizes) == len(balls):
         return [ball.resized(r) for ball, r in zip(balls, sizes, strict=True)]
-    kinds = {ball.density for ball in balls}
-    if len(kinds) > 1:
+    if len({ball.density for ball in balls}) > 1:
         raise ValueError(f"density: missing, must be one or {len(sizes)} when the number of balls changes")
     return [Ball(r, density=balls[0].density) for r in sizes]
 
@@ -293,10 +279,9 @@ def with_motion(
     gravity: float | None = None,
 ) -> Scenario:
     """Other gaps, velocities at release, height or gravity; one gap or velocity is that of all balls."""
-    if scenario.cradle and height is not None:
-        raise ValueError("height: a cradle has none, must be left out")
-    if scenario.cradle and gravity is not None:
-        raise ValueError("gravity: a cradle has none, must be left out")
+    for name, value in (("height", height), ("gravity", gravity)):
+        if scenario.cradle and value is not None:
+            raise ValueError(f"{name}: got {value:.16g}, must be left out for a cradle")
     n = len(scenario.balls)
     if gaps and n == 1:
         raise ValueError(f"gap: got {gaps[0]:.16g}, must be left out for a column of one ball")

@@ -19,6 +19,12 @@ from .models import MODELS, Model
 from .scenario import Column
 
 PAIRS: Final = "0 = floor and lowest ball, 1 = lowest and second, …"
+ENERGIES: Final = {
+    "kinetic_energy": "kinetic energy",
+    "potential_energy": "zero when all gaps are",
+    "contact_energy": "elastic energy of the contacts",
+    "dissipated_energy": "dissipated energy",
+}
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -64,13 +70,9 @@ class Result:
         core = model.solve(column.core, math.nan if until is None else until, *options)
         # The constructor of a frozen dataclass would take a microsecond, as long as a solve.
         result = object.__new__(cls)
-        values = result.__dict__
-        values["column"] = column
-        values["model"] = model.name
-        values["method"] = method
-        values["until"] = until
-        values["options"] = options
-        values["_core"] = core
+        result.__dict__.update(
+            column=column, model=model.name, method=method, until=until, options=options, _core=core
+        )
         if core.presses_by(compression.DEEP):
             compression.warn(compression.DEEP)
         return result
@@ -259,11 +261,9 @@ class Result:
 
     @cached_property
     def _final(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        at = self.t_end if len(self.column.balls) == 2 and self.column.floor else self._core.t_last
-        if self.until is not None:
-            at = self.until
-        if math.isnan(at):
-            at = self._core.t_last
+        two_balls = len(self.column.balls) == 2 and self.column.floor
+        at = self.until if self.until is not None else self.t_end if two_balls else math.nan
+        at = self._core.t_last if math.isnan(at) else at
         if self.until is not None and at > self._core.t_last:  # the motion after t_last is unknown
             unknown = _fixed(np.full(len(self.column.balls), math.nan))
             return unknown, unknown
@@ -284,19 +284,12 @@ class Result:
         return self._final[1]
 
     def _sample(self, times: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
-        core = self._core
         last = float(times.max(initial=-math.inf))
-        if last > core.t_last:  # continue the solution
-            core = self._solve(last)
+        core = self._core if last <= self._core.t_last else self._solve(last)  # continue the solution
         return core.sample(times)
 
     def default_times(self) -> NDArray[np.float64]:
-        """Times that resolve the contacts: evenly spaced over the sequence, and every begin and end.
-
-        Returns
-        -------
-        N numbers [s]
-        """
+        """Times that resolve the contacts: evenly spaced over the sequence, and every begin and end."""
         _, begin, end = self._core.contacts()
         marks = np.concatenate([begin, end])
         marks = marks[np.isfinite(marks)]
@@ -304,10 +297,8 @@ class Result:
             stop = min(self.until, self._core.t_last)
             start = min(0.0, stop)
         else:
-            stop = float(marks.max(initial=0.0))
-            if self._core.too_deep >= 0:
-                stop = self._core.t_last
-            start = float(marks.min(initial=0.0))
+            start, stop = float(marks.min(initial=0.0)), float(marks.max(initial=0.0))
+            stop = self._core.t_last if self._core.too_deep >= 0 else stop
             margin = 0.05 * (stop - start)
             start, stop = max(start - margin, self._core.t_first), min(stop + margin, self.known_until)
         inside = marks[(marks >= start) & (marks <= stop)]
@@ -345,30 +336,22 @@ class Result:
         import xarray as xr
 
         at = self.default_times() if times is None else self._times(times)
-        first = self._core.t_first
-        position, velocity, force, kinetic, potential, stored, dissipated = self._sample(
-            np.ascontiguousarray(np.maximum(at, first))
-        )
+        position, velocity, force, *energies = self._sample(np.maximum(at, self._core.t_first))
         n = len(self.column.balls)
         pairs = np.arange(0 if self.column.floor else 1, n)
-        joule = {"units": "J"}
-        return xr.Dataset(
-            {
-                "position": (("time", "ball"), position, {"units": "m", "long_name": "height of the centre"}),
-                "velocity": (("time", "ball"), velocity, {"units": "m/s", "long_name": "velocity, upwards"}),
-                "force": (("time", "pair"), force[:, pairs], {"units": "N", "long_name": "contact force"}),
-                "kinetic_energy": ("time", kinetic, joule | {"long_name": "kinetic energy"}),
-                "potential_energy": ("time", potential, joule | {"long_name": "zero when all gaps are"}),
-                "contact_energy": ("time", stored, joule | {"long_name": "elastic energy of the contacts"}),
-                "dissipated_energy": ("time", dissipated, joule | {"long_name": "dissipated energy"}),
-            },
-            coords={
-                "time": ("time", at, {"units": "s", "long_name": self._since}),
-                "ball": ("ball", np.arange(1, n + 1), {"long_name": "ball, 1 = lowest"}),
-                "pair": ("pair", pairs, {"long_name": PAIRS}),
-            },
-            attrs=self._attributes("Trajectory"),
-        )
+        data: dict[str, Any] = {
+            "position": (("time", "ball"), position, {"units": "m", "long_name": "height of the centre"}),
+            "velocity": (("time", "ball"), velocity, {"units": "m/s", "long_name": "velocity, upwards"}),
+            "force": (("time", "pair"), force[:, pairs], {"units": "N", "long_name": "contact force"}),
+        }
+        for (name, meaning), values in zip(ENERGIES.items(), energies, strict=True):
+            data[name] = ("time", values, {"units": "J", "long_name": meaning})
+        coords = {
+            "time": ("time", at, {"units": "s", "long_name": self._since}),
+            "ball": ("ball", np.arange(1, n + 1), {"long_name": "ball, 1 = lowest"}),
+            "pair": ("pair", pairs, {"long_name": PAIRS}),
+        }
+        return xr.Dataset(data, coords, self._attributes("Trajectory"))
 
     def _times(self, times: ArrayLike) -> NDArray[np.float64]:
         at = np.atleast_1d(validation.array("times", times, empty_allowed=True))
@@ -378,12 +361,7 @@ class Result:
         return at
 
     def plot(self) -> Figure:
-        """Contact forces over time, as in Fig. 2 of the paper.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-        """
+        """Contact forces over time, as in Fig. 2 of the paper."""
         from .. import plots
 
         return plots.forces(self)
@@ -396,12 +374,10 @@ class Result:
         path : path
             The file appears when it is complete.
         **options
-            ``ghost``: a second Result of the same column to show; independent collisions by default. ``width`` in
-            pixels, 160 to 3840. ``frames_per_second``, 1 to 120. ``progress``: callable(done, total).
-
-        Returns
-        -------
-        Path
+            ``ghost``: a Result of the same column under another model, shown beside it; independent collisions by
+            default. ``width`` of the 16:9 frames in pixels, 160 to 3840, rounded down to a multiple of 32; 1280 (MP4)
+            or 640 (GIF) by default. ``frames_per_second``, 1 to 120; 30 or 15 by default. ``progress``:
+            callable(done, total).
 
         Raises
         ------

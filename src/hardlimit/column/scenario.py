@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from itertools import pairwise
 from typing import Any, Final, TypeVar
@@ -18,7 +18,7 @@ from ..contact.contact import Contact, Law
 from ..contact.laws import LinearDashpot
 from ..support import html, validation
 
-#: Density that reproduces the facts stated in the paper [kg/m³]. It is inferred; the paper gives none.
+#: Density that reproduces the facts stated in the paper [kg/m³]. It is inferred; the paper states none.
 PAPER_DENSITY: Final = 840.0
 
 STANDARD_GRAVITY: Final = 9.81
@@ -88,27 +88,18 @@ class Column:
         self._set(gravity=validation.number("gravity", gravity, 0.0, lowest_allowed=True))
         self._set(height=validation.number("height", height))
         _refuse_too_large(height=self.height, gravity=self.gravity)
-        lowest = self.balls[0].radius
-        if not self.height >= lowest:
-            raise ValueError(
-                f"height: got {self.height:.16g}, must be >= {validation.at_least(lowest)}, "
-                "the radius of the lowest ball"
-            )
+        lowest = validation.at_least(self.balls[0].radius)
+        got = f"height: got {self.height:.16g}"
+        if not self.drop_height >= 0.0:
+            raise ValueError(f"{got}, must be >= {lowest}, the radius of the lowest ball")
         self._set(laws=_checked_laws(law, len(self.balls)))
         v = self.velocities[0]
         if not self.impact_speed > 0.0:
             if self.gravity == 0.0:
-                raise ValueError(
-                    "gravity | velocities: got 0 and 0, nothing moves: one of them must not be 0"
-                )
-            raise ValueError(
-                f"height: got {self.height:.16g}, nothing moves: must be > {validation.at_least(lowest)} "
-                "or velocities not 0"
-            )
+                raise ValueError("gravity | velocities: got 0 and 0, must not both be 0: nothing would move")
+            raise ValueError(f"{got}, must be > {lowest} unless velocities are given: nothing would move")
         if math.isnan(_core.fall_time(self.drop_height, v, self.gravity)):
-            raise ValueError(
-                f"velocities[0]: got {v:.16g}, must be < 0: without gravity the column never lands"
-            )
+            raise ValueError(f"velocities[0]: got {v:.16g}, must be < 0 without gravity, or nothing lands")
 
     def _set(self, **values: Any) -> None:
         for name, value in values.items():
@@ -141,7 +132,7 @@ class Column:
             R1/R2; changes the lower radius.
         radius_1, radius_2 : float [m]
         density : float [kg/m³]
-            840 is inferred from the facts stated in the paper, which gives none.
+            840 is inferred from the facts stated in the paper, which states none.
         stiffness : float [N/m]
         height : float [m]
             z1(0).
@@ -227,7 +218,7 @@ class Column:
     ) -> Column:
         """A column with the given parameters changed.
 
-        If the number of balls changes, a law, gap or velocity that all share is kept for all.
+        If the number of balls changes, a law, gap or velocity that is the same for all is kept for all.
 
         Raises
         ------
@@ -249,12 +240,12 @@ class Column:
 
     def __repr__(self) -> str:
         law = self.laws[0] if len(set(self.laws)) == 1 else list(self.laws)
-        inner = (
+        values = (
             f"balls={list(self.balls)}, gaps={list(self.gaps)}, law={law}, velocities={list(self.velocities)}"
         )
         if not self.floor:
-            return f"Column.cradle({inner})"
-        return f"Column({inner}, height={self.height!r}, gravity={self.gravity!r})"
+            return f"Column.cradle({values})"
+        return f"Column({values}, height={self.height!r}, gravity={self.gravity!r})"
 
     def _repr_html_(self) -> str:
         rows = []
@@ -268,9 +259,8 @@ class Column:
         head = ["", "radius [m]", "mass [kg]", "gap below [m]", "velocity [m/s]"]
         return html.table(f"{kind}: {laws}{fall}", head, rows[::-1])
 
-    def __reduce__(self) -> tuple[Any, ...]:
-        values = (self.balls, self.gaps, self.height, self.laws, self.velocities, self.gravity)
-        return _rebuild, (self.floor, *values)
+    def __getstate__(self) -> dict[str, Any]:
+        return {field.name: getattr(self, field.name) for field in fields(self)}
 
     @property
     def drop_height(self) -> float:
@@ -323,16 +313,10 @@ class Column:
         """
         contacts = [c.core for c in self.contacts]
         if not self.floor:
-            contacts.insert(0, contacts[0])  # the core has a pair 0, which never closes here
-        return _core.make_column(
-            self.floor,
-            self.gravity,
-            [b.mass for b in self.balls],
-            [b.radius for b in self.balls],
-            contacts,
-            [self.drop_height, *self.gaps],
-            list(self.velocities),
-        )
+            contacts.insert(0, contacts[0])  # pair 0 of the core, which never closes in a cradle
+        masses, radii = [b.mass for b in self.balls], [b.radius for b in self.balls]
+        gaps, velocities = [self.drop_height, *self.gaps], list(self.velocities)
+        return _core.make_column(self.floor, self.gravity, masses, radii, contacts, gaps, velocities)
 
     @property
     def initial_positions(self) -> NDArray[np.float64]:
@@ -363,9 +347,8 @@ def _refuse_too_large(**values: float) -> None:
 
 def _checked_laws(law: Any, contacts: int) -> tuple[Law, ...]:
     laws = (law,) * contacts if isinstance(law, Law) else law
-    if not isinstance(laws, Sequence) or isinstance(laws, str | bytes):
-        raise ValueError(f"law: got {validation.shown(law)}, must be a contact law such as LinearDashpot")
-    for one in laws:
+    listed = laws if isinstance(laws, Sequence) and not isinstance(laws, str) else [laws]
+    for one in listed:
         if not isinstance(one, Law):
             raise ValueError(f"law: got {validation.shown(one)}, must be a contact law such as LinearDashpot")
     if len(laws) != contacts:
@@ -378,17 +361,3 @@ def _checked_laws(law: Any, contacts: int) -> tuple[Law, ...]:
 def _shared(values: tuple[T, ...]) -> T | tuple[T, ...]:
     """The common value of all, else all values."""
     return values[0] if len(set(values)) == 1 else values
-
-
-def _rebuild(
-    floor: bool,
-    balls: Sequence[Ball],
-    gaps: Sequence[float],
-    height: float,
-    laws: Sequence[Law],
-    velocities: Sequence[float],
-    gravity: float,
-) -> Column:
-    if floor:
-        return Column(balls, gaps, height, laws, velocities, gravity)
-    return Column.cradle(balls, velocities, laws, gaps)

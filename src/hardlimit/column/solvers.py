@@ -34,10 +34,6 @@ def newton(
     tolerance : float
         Local error of the general solver, relative to the impact, 1e-15 to 1e-2.
 
-    Returns
-    -------
-    Result
-
     Raises
     ------
     ValueError
@@ -61,9 +57,8 @@ def newton(
     if method is not AUTO:  # the default is not checked: a solve takes microseconds
         general = _is_general(method, general)
     if tolerance is not TOLERANCE:
-        tolerance = validation.number(
-            "tolerance", tolerance, 1e-15, 1e-2, lowest_allowed=True, highest_allowed=True
-        )
+        both = {"lowest_allowed": True, "highest_allowed": True}
+        tolerance = validation.number("tolerance", tolerance, 1e-15, 1e-2, **both)
     description = "order-8 Runge–Kutta, switches located" if general else "piecewise exact"
     return Result._solved(column, NEWTON, description, end, (general, tolerance))
 
@@ -72,10 +67,6 @@ def adiabatic(column: Column, until: float | None = None) -> Result:
     """Solve two balls on a floor under the linear law without the force of the upper ball on the lower (Appendix A).
 
     Exact for R1 ≫ R2; the error is proportional to the mass ratio m2/m1. Parameters as for :func:`newton`.
-
-    Returns
-    -------
-    Result
 
     Raises
     ------
@@ -91,10 +82,6 @@ def independent(column: Column, until: float | None = None) -> Result:
 
     Each collision has the restitution of the law at its impact speed. ``begin`` and ``end`` of a contact coincide.
     Parameters and errors as for :func:`newton`.
-
-    Returns
-    -------
-    Result
     """
     end = _checked(INDEPENDENT, column, until)
     return Result._solved(column, INDEPENDENT, "event-driven", end)
@@ -104,9 +91,8 @@ def _is_general(method: Any, only: bool) -> bool:
     """Whether ``method`` selects the general solver; ``only`` is true if the exact one does not apply."""
     validation.one_of("method", method, METHODS)
     if method == "exact" and only:
-        raise ValueError(
-            "method: got 'exact', must be auto or general except for two balls on a floor under the linear law"
-        )
+        need = "must be auto or general except for two balls on a floor under the linear law"
+        raise ValueError(f"method: got 'exact', {need}")
     return method == "general" or only
 
 

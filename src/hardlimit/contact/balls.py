@@ -6,12 +6,20 @@ import math
 from dataclasses import dataclass
 from typing import Final
 
+import numpy as np
+from numpy.typing import NDArray
+
 from .. import _core
 from ..support import validation
 
 #: Limits of a mass [kg]; products of two masses neither underflow nor overflow.
 LIGHTEST: Final = 1e-150
 HEAVIEST: Final = 1e150
+
+
+def ball_masses(density: NDArray[np.float64], radius: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Masses of solid spheres [kg]."""
+    return np.fromiter(map(_core.ball_mass, density.tolist(), radius.tolist()), np.float64, len(density))
 
 
 @dataclass(frozen=True, init=False)

@@ -9,12 +9,13 @@ from .. import _core
 
 #: Largest compression that laws describe, divided by the smaller radius. A run that reaches it ends as too_deep.
 DEEPEST: Final = _core.deepest_compression
-#: Compression from which on there is a warning.
+#: Compressions above this cause a warning.
 DEEP: Final = 0.05
+VALIDITY: Final = f"contact laws describe a few per cent, and none more than {100.0 * DEEPEST:g} %"
 #: The message contains no number of the run, so that Python shows it only once for many results of one line of code.
 WARNING: Final = (
     f"contacts were compressed by more than {100.0 * DEEP:g} % of the smaller radius (see largest_compression); "
-    f"contact laws describe a few per cent, and none more than {100.0 * DEEPEST:g} %"
+    f"{VALIDITY}"
 )
 
 
@@ -29,11 +30,8 @@ def too_soft(largest: float | None) -> str | None:
     """A message if the largest compression of a run, divided by the smaller radius, is large; else None."""
     if largest is None or not largest >= DEEP:
         return None
-    digits = 0 if largest >= 0.1 else 1
-    return (
-        f"contacts were compressed by up to {100.0 * largest:.{digits}f} % of the smaller radius; contact laws "
-        f"describe a few per cent, and none more than {100.0 * DEEPEST:g} %"
-    )
+    percent = f"{100.0 * largest:.{0 if largest >= 0.1 else 1}f} %"
+    return f"contacts were compressed by up to {percent} of the smaller radius; {VALIDITY}"
 
 
 def rows(largest: float | None) -> list[tuple[str, float]]:

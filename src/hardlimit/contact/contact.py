@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from inspect import Parameter, Signature
 from types import MappingProxyType
 from typing import Any, ClassVar, Final, Self, overload
@@ -55,9 +56,7 @@ class Contact:
         constants = self.__dict__.get("_constants", {})
         if name in constants:
             return float(constants[name])
-        raise AttributeError(
-            f"{type(self).__name__} of a {type(self.law).__name__} has no attribute {name!r}"
-        )
+        raise AttributeError(f"Contact of a {type(self.law).__name__} has no attribute {name!r}")
 
     def __repr__(self) -> str:
         inner = ", ".join(f"{k}={v:.6g}" for k, v in self._constants.items())
@@ -143,9 +142,7 @@ class Contact:
     @overload
     def force(self, compression: float, rate: Values) -> Floats: ...
     def force(self, compression: float | Values, rate: float | Values = 0.0) -> float | Floats:
-        """Repulsive force, never below zero (Eqs. 7, B1).
-
-        Arrays are broadcast against each other.
+        """Repulsive force [N], never below zero (Eqs. 7, B1). Arrays are broadcast against each other.
 
         Parameters
         ----------
@@ -153,10 +150,6 @@ class Contact:
             ξ; the force is zero for ξ ≤ 0.
         rate : number or array [m/s]
             dξ/dt, positive on approach.
-
-        Returns
-        -------
-        float or array [N]
 
         Raises
         ------
@@ -208,12 +201,6 @@ class Law:
 
     The classes are made by the package from records of the compiled core. A law is immutable. Laws of the same class
     with the same parameters are equal. Parameters are attributes.
-
-    Examples
-    --------
-    >>> law = hl.LinearDashpot(stiffness=1e6, restitution=0.5)
-    >>> law.stiffness, law == hl.LAWS["linear"](stiffness=1e6, restitution=0.5)
-    (1000000.0, True)
     """
 
     record: ClassVar[dict[str, Any]]
@@ -236,17 +223,7 @@ class Law:
         matching = [i for i, choice in enumerate(choices) if {p["name"] for p in choice} == rest]
         if len(matching) != 1:
             raise ValueError(_refused_choice(choices, rest))
-        checked = {
-            p["name"]: validation.number(
-                p["name"],
-                named[p["name"]],
-                p["lowest"],
-                p["highest"],
-                lowest_allowed=p["lowest_allowed"],
-                highest_allowed=p["highest_allowed"],
-            )
-            for p in [*common, *choices[matching[0]]]
-        }
+        checked = {p["name"]: check_parameter(p, named[p["name"]]) for p in [*common, *choices[matching[0]]]}
         self.__dict__.update(alternative=matching[0], parameters=MappingProxyType(checked))
 
     def __setattr__(self, name: str, value: Any) -> None:
@@ -256,7 +233,7 @@ class Law:
         raise AttributeError(f"{name}: a law is immutable")
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _law, (type(self), dict(self.parameters))
+        return partial(type(self), **self.parameters), ()
 
     def __getattr__(self, name: str) -> float:
         parameters = self.__dict__.get("parameters", {})
@@ -323,14 +300,10 @@ class Law:
         ball : Ball
         other : Ball or FLOOR
 
-        Returns
-        -------
-        Contact
-
         Raises
         ------
         ValueError
-            If ``ball`` is not a Ball or ``other`` is neither a Ball nor FLOOR.
+            If an argument is not such a body.
 
         Examples
         --------
@@ -345,15 +318,20 @@ class Law:
             raise ValueError(f"ball: got {validation.shown(ball)}, must be a Ball")
         if not isinstance(other, Ball | Floor):
             raise ValueError(f"other: got {validation.shown(other)}, must be a Ball or FLOOR")
-        return _contact(
-            self, _core.effective(ball.mass, other.mass), _core.effective(ball.radius, other.radius)
-        )
+        mass, radius = _core.effective(ball.mass, other.mass), _core.effective(ball.radius, other.radius)
+        return _contact(self, mass, radius)
 
 
 def _contact(law: Law, mass: float, radius: float) -> Contact:
     """The contact of two bodies of this effective mass and radius."""
     parameters = list(law.parameters.values())
     return Contact(law, _core.make_contact(law.record["name"], law.alternative, parameters, mass, radius))
+
+
+def check_parameter(record: Mapping[str, Any], value: Any) -> float:
+    """A parameter of a law, if it is within the range in its record."""
+    limits = {name: record[name] for name in ("lowest", "highest", "lowest_allowed", "highest_allowed")}
+    return validation.number(record["name"], value, **limits)
 
 
 def law_parameters(law: type[Law]) -> dict[str, dict[str, Any]]:
@@ -373,10 +351,6 @@ def _refused_choice(choices: Sequence[Sequence[Mapping[str, Any]]], given: set[s
     return f"{' | '.join(names)}: got {got or nothing}, must be {wanted}"
 
 
-def _law(kind: type[Law], parameters: dict[str, float]) -> Law:
-    return kind(**parameters)
-
-
 def _range_of(parameter: dict[str, Any]) -> str:
     return validation.describe_range(
         parameter["lowest"], parameter["highest"], parameter["lowest_allowed"], parameter["highest_allowed"]
@@ -393,12 +367,10 @@ def make_law(record: dict[str, Any]) -> type[Law]:
 
 def _signature(record: dict[str, Any]) -> Signature:
     """Keyword-only parameters: required ones, then the optional ones of the alternatives."""
-    common = [p["name"] for p in record["common"]]
+    only = Parameter.KEYWORD_ONLY
     chosen = dict.fromkeys(p["name"] for choice in record["alternatives"] for p in choice)
-    required = [Parameter(name, Parameter.KEYWORD_ONLY, annotation=float) for name in common]
-    optional = [
-        Parameter(name, Parameter.KEYWORD_ONLY, default=None, annotation=float | None) for name in chosen
-    ]
+    required = [Parameter(p["name"], only, annotation=float) for p in record["common"]]
+    optional = [Parameter(name, only, default=None, annotation=float | None) for name in chosen]
     return Signature([*required, *optional])
 
 
@@ -413,10 +385,8 @@ def _documentation(law: type[Law]) -> str:
     lines += [f"* ``{c['name']}``, {c['meaning']}{_unit(c)}" for c in record["constants"]]
     lines += ["", "Parameters", "----------"]
     for name, p in law_parameters(law).items():
-        lines += [
-            f"{name} : float{_unit(p)}",
-            f"    {p['meaning'][0].upper()}{p['meaning'][1:]}; {_range_of(p)}.",
-        ]
+        meaning = f"{p['meaning'][0].upper()}{p['meaning'][1:]}"
+        lines += [f"{name} : float{_unit(p)}", f"    {meaning}; {_range_of(p)}."]
     lines += ["", "Raises", "------", "ValueError"]
     lines += ["    If a value is outside its range or not exactly one of the sets is given."]
     lines += ["", "Notes", "-----", f"Source: {record['source']}."]

@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from .. import _core
-from ..boxes.lammps import half_steps
+from ..boxes.lammps import integration_error
 from ..contact.contact import Floats
 
 #: Largest damping in units of the spring; no code uses more.
@@ -100,9 +100,9 @@ class Force:
         if collision.restitution == 0.0:
             return math.nan
         # Beyond the largest number of steps tried, the error is taken as proportional to the step.
-        tried = max(time_step, collision.duration / half_steps.MOST)
+        tried = max(time_step, collision.duration / integration_error.MAX_STEPS)
         scaled = Force(self.powers, 1.0, self.relative_damping(speed), 1.0)
-        error = half_steps.restitution_error(scaled, 1.0, tried / self.scales(speed)[1])
+        error = integration_error.restitution_error(scaled, 1.0, tried / self.scales(speed)[1])
         return float(error * time_step / tried)
 
     def scales(self, speed: float) -> tuple[float, float]:
@@ -148,4 +148,4 @@ def _longest_step(powers: Powers, damping: float, error: float) -> float:
     if _collision(powers, damping).restitution == 0.0:
         return math.nan
     scaled: Any = Force(powers, 1.0, damping, 1.0)
-    return float(half_steps.longest_step(scaled, 1.0, error))
+    return float(integration_error.longest_step(scaled, 1.0, error))

@@ -155,7 +155,7 @@ def liggghts(text: str, asked: Asked) -> Reading:
         style = words[2] if command == "fix" and len(words) > 2 else ""
         if command == "units":
             units = _unit(statement)
-        elif command == "pair_style" and words[:1] == ["gran"]:
+        elif command == "pair_style" and words and unaccelerated(words[0]) == "gran":
             pair = model(statement, words[1:])
         elif command == "pair_style":
             raise refusal(statement.line, statement.text, "be gran")

@@ -14,8 +14,8 @@ HOST = "127.0.0.1"
 #: resolve to this machine (DNS rebinding).
 OWN_NAMES = (HOST, "localhost")
 
-#: Seconds after which a silent connection is closed.
-SILENCE = 30.0
+#: A connection is closed after this time without data [s].
+TIMEOUT = 30.0
 
 # The <meta> of the page has the same policy, for copies on other servers.
 PAGE_POLICY = (
@@ -50,22 +50,12 @@ def page_files() -> dict[str, bytes]:
 class PageServer(ThreadingHTTPServer):
     """A server with the files of the page in memory, so that no request can reach any other file.
 
-    Parameters
-    ----------
-    port : int
-        0 takes a free port.
-    silence : float [s]
-        A connection is closed after this time without data.
-
-    Raises
-    ------
-    OSError
-        If the port is taken or may not be used.
+    Port 0 takes a free port. A connection is closed after ``silence`` [s] without data.
     """
 
     daemon_threads = True
 
-    def __init__(self, port: int, silence: float = SILENCE) -> None:
+    def __init__(self, port: int, silence: float = TIMEOUT) -> None:
         self.files = page_files()
         self.silence = silence
         super().__init__((HOST, port), PageHandler)
@@ -110,17 +100,14 @@ class PageHandler(BaseHTTPRequestHandler):
         return f"{PAGE_POLICY}; {PANEL_IN_FRAMES if 'panel' in query else WHOLE_PAGE_IN_FRAMES}"
 
     def reply(self, with_body: bool) -> None:
-        if self.headers.get("Host", "").lower() not in self.server.own_hosts:
-            self.answer(
-                HTTPStatus.MISDIRECTED_REQUEST, "text/plain; charset=utf-8", b"another host\n", with_body
-            )
-            return
         name = self.path.partition("?")[0].partition("#")[0].removeprefix("/") or "index.html"
-        body = self.server.files.get(name)
-        if body is None:
-            self.answer(HTTPStatus.NOT_FOUND, "text/plain; charset=utf-8", b"not found\n", with_body)
-        else:
-            self.answer(HTTPStatus.OK, TYPES[name[name.rfind(".") :]], body, with_body)
+        status, content_type, body = HTTPStatus.NOT_FOUND, "text/plain; charset=utf-8", b"not found\n"
+        if self.headers.get("Host", "").lower() not in self.server.own_hosts:
+            status, body = HTTPStatus.MISDIRECTED_REQUEST, b"another host\n"
+        elif name in self.server.files:
+            status, content_type = HTTPStatus.OK, TYPES[name[name.rfind(".") :]]
+            body = self.server.files[name]
+        self.answer(status, content_type, body, with_body)
 
     def answer(self, status: HTTPStatus, content_type: str, body: bytes, with_body: bool) -> None:
         self.send_response(status)
@@ -142,17 +129,13 @@ class PageHandler(BaseHTTPRequestHandler):
 def serve(port: int, open_browser: bool) -> None:
     """Serve the page until interrupted. Port 0 takes a free port.
 
-    Raises
-    ------
-    ValueError
-        If the port is taken or may not be used.
+    Raises a ValueError if the port is taken or may not be used.
     """
     try:
         server = PageServer(port)
     except OSError as error:
-        raise ValueError(
-            f"port: got {port}, must be free (0 takes a free one): {error.strerror or error}"
-        ) from None
+        need = "must be free (0 takes a free one)"
+        raise ValueError(f"port: got {port}, {need}: {error.strerror or error}") from None
     with server:
         print(f"The explorer is at {server.url} (Ctrl-C ends it)", flush=True)
         if open_browser:

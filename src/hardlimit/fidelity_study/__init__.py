@@ -11,9 +11,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from .. import _core
 from ..boxes import engine_choice
-from ..boxes.falling_frame import law_arguments
+from ..boxes.contacts import checked_law, mean_contact
 from ..boxes.rules import RULES
 from ..boxes.run import checked_samples
 from ..boxes.system import ParticleSystem
@@ -69,7 +68,8 @@ def fidelity(
         Contact law of Newton's equations and of the rules law and soft.
     until : float [s]
     models : sequence of {"newton", "constant", "law", "tc", "soft"}
-        Must include ``"newton"``. :func:`event_driven` describes the rules.
+        Must include ``"newton"``. :func:`event_driven` describes the rules (Luding & McNamara 1998, Müller & Pöschel
+        2013).
     replicas : int
         Number of initial states.
     samples : int
@@ -100,27 +100,17 @@ def fidelity(
         True shows a bar. A function is called with the number of samples so far and in total, over all models and
         replicas.
 
-    Returns
-    -------
-    Fidelity
-        An inelastic collapse is an outcome, not an error.
-
     Raises
     ------
     ValueError
         If an argument is outside its range, two arguments exclude each other, two replicas start from the same state,
-        or the store was made with other arguments.
+        or the store was made with other arguments. An inelastic collapse is an outcome, not an error.
     OSError
         If the store cannot be written; names it.
     ImportError
         If ``scheduler`` is given without dask.distributed.
     RuntimeError
         If a process dies or the connection to the scheduler is lost.
-
-    Notes
-    -----
-    Sources of the rules: Luding & McNamara, Granular Matter 1, 113 (1998); Müller & Pöschel, Phys. Rev. E 87, 033301
-    (2013).
 
     Examples
     --------
@@ -136,14 +126,11 @@ def fidelity(
     with 4 replicas (99 % confidence); for ± 1 % about 29 replicas would be needed.
     The law of the error predicts 2.0 ± ... for law.
     """
-    if not isinstance(law, Law):
-        raise ValueError(f"law: got {validation.shown(law)}, must be a contact law such as LinearDashpot")
-    count = validation.whole("replicas", replicas, 1, statistics.MOST_REPLICAS)
+    checked_law(law)
+    count = validation.whole("replicas", replicas, 1, statistics.MAX_REPLICAS)
     many = validation.whole("workers", workers, 1, 1024)
     if scheduler is not None and many > 1:
-        raise ValueError(
-            f"scheduler | workers: got a scheduler and {many} workers, must be at most one of them"
-        )
+        raise ValueError(f"scheduler | workers: got both ({many} workers), must be at most one of them")
     chosen = _checked_models(models)
     end = validation.number("until", until, 0.0, lowest_allowed=True)
     spacings = checked_samples(samples)
@@ -184,10 +171,10 @@ def _compute(
     report: Report,
 ) -> None:
     """Compute the missing replicas and add each to the store as it finishes."""
-    known = (count - len(wanted)) * plan.steps
+    finished = (count - len(wanted)) * plan.steps
 
     def tell(done: int) -> None:
-        report(known + done, count * plan.steps)
+        report(finished + done, count * plan.steps)
 
     tell(0)
     if not wanted:
@@ -201,10 +188,10 @@ def _compute(
     else:
         found = pool.here(starts, plan, wanted, tell)
     with closing(found):
-        for place, (replica, arrays) in enumerate(found, 1):
+        for n_done, (replica, arrays) in enumerate(found, 1):
             kept.add(replica, arrays)
             if scheduler is not None:
-                tell(place * plan.steps)
+                tell(n_done * plan.steps)
     tell(len(wanted) * plan.steps)
 
 
@@ -217,7 +204,7 @@ def _checked_models(models: Any) -> tuple[str, ...]:
     for i, name in enumerate(names):
         validation.one_of(f"models[{i}]", name, MODELS)
     if len(set(names)) < len(names):
-        raise ValueError(f"models: got {', '.join(names)}, must be different ones")
+        raise ValueError(f"models: got {', '.join(names)}, must contain each model once")
     if NEWTON not in names:
         raise ValueError(f"models: got {', '.join(names) or 'none'}, must include {NEWTON}, the reference")
     return (NEWTON, *(name for name in names if name != NEWTON))
@@ -225,16 +212,13 @@ def _checked_models(models: Any) -> tuple[str, ...]:
 
 def _impact(system: ParticleSystem, law: Law, restitution: Any, contact_duration: Any) -> tuple[float, float]:
     """ε and t_c [s] of the rules constant and tc: as given, or those of a typical impact."""
-    if restitution is None or contact_duration is None:
-        mass, radius = float(system.mass.mean()), float(system.radius.mean())
-        typical = _core.make_contact(*law_arguments(law), 0.5 * mass, 0.5 * radius)
-        speed = np.array([typical_speed(system)])
-    if restitution is None:
-        given = law.specified_restitution
-        epsilon = given if math.isfinite(given) else float(typical.restitution(speed)[0])
-    else:
+    typical, speed = mean_contact(system, law), np.array([typical_speed(system)])
+    epsilon = law.specified_restitution
+    if restitution is not None:
         limits = {"lowest_allowed": True, "highest_allowed": True}
         epsilon = validation.number("restitution", restitution, 0.0, 1.0, **limits)
+    elif not math.isfinite(epsilon):
+        epsilon = float(typical.restitution(speed)[0])
     if contact_duration is None:
         return epsilon, float(typical.duration(speed)[0])
     return epsilon, validation.number("contact_duration", contact_duration, 0.0, lowest_allowed=True)
@@ -254,6 +238,6 @@ def _refuse_equal_starts(kept: Store, count: int) -> None:
         start = kept.replicas[k]["start"].tobytes()
         if start in seen:
             raise ValueError(
-                f"system: replicas {seen[start]} and {k} start the same, must start from different states"
+                f"system: got the same start for replicas {seen[start]} and {k}, must be different ones"
             )
         seen[start] = k

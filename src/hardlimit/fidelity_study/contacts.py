@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import _core
 from ..boxes.box import Floats
-from ..boxes.falling_frame import law_arguments
+from ..boxes.contacts import Indices, of_pairs
 from ..boxes.result import ContactResult, ParticleResult
 from ..boxes.system import ParticleSystem
 from ..contact.contact import Law
-
-Indices = NDArray[np.int64]
 
 #: Edges of the histogram of restitutions; the last bin includes all larger values.
 EDGES: Final = np.linspace(0.0, 1.2, 61)
@@ -33,7 +29,7 @@ class Contacts(NamedTuple):
 
     @property
     def overlapped_share(self) -> float:
-        """NaN without contacts."""
+        """Fraction of the contacts that overlapped; NaN without contacts."""
         return float(self.overlapped.mean()) if len(self.overlapped) else math.nan
 
     @property
@@ -43,7 +39,7 @@ class Contacts(NamedTuple):
 
     @property
     def histogram(self) -> Floats:
-        """Share of the contacts in each bin; NaN without contacts."""
+        """Fraction of the contacts in each bin; NaN without contacts."""
         counts, _ = np.histogram(np.minimum(self.restitution, EDGES[-1]), EDGES)
         with np.errstate(invalid="ignore"):
             return counts / np.float64(len(self.restitution))
@@ -86,23 +82,6 @@ def neighbours(time: Floats, first: Indices, second: Indices) -> tuple[Indices, 
 def durations(system: ParticleSystem, law: Law, first: Indices, second: Indices, speed: Floats) -> Floats:
     """Durations [s] of isolated contacts at these impact speeds [m/s]; a negative ``second`` is a wall."""
     found = np.empty(len(first))
-    for rows, contact in _by_pair(system, law, first, second):
+    for rows, contact in of_pairs(system, law, first, second):
         found[rows] = contact.duration(np.ascontiguousarray(speed[rows]))
     return found
-
-
-def _by_pair(
-    system: ParticleSystem, law: Law, first: Indices, second: Indices
-) -> Iterator[tuple[Indices, _core.Contact]]:
-    """Groups of rows with equal effective mass and radius, each with its contact."""
-    wall = second < 0
-    mass, radius = (
-        np.where(wall, values[first], values[first] * values[second] / (values[first] + values[second]))
-        for values in (system.mass, system.radius)
-    )
-    kinds, kind = np.unique(np.stack([mass, radius], axis=1), axis=0, return_inverse=True)
-    order = np.argsort(kind.ravel(), kind="stable")
-    ends = np.cumsum(np.bincount(kind.ravel(), minlength=len(kinds)))
-    for (m, r), rows in zip(kinds.tolist(), np.split(order, ends[:-1]), strict=False):
-        if len(rows):
-            yield rows, _core.make_contact(*law_arguments(law), m, r)

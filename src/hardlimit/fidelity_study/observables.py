@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from ..boxes.box import Floats
+from ..boxes.box import UNIT_BALL, Floats
 from ..boxes.system import ParticleSystem
 
 #: Pairs closer than this, in units of R_i + R_j, are near contact.
@@ -25,13 +25,18 @@ class Observer:
         edge = (float(np.prod(system.box)) * CELL / system.n) ** (1.0 / system.dimension)
         self._cells = tuple(max(1, round(float(length) / edge)) for length in system.box)
 
+    def _folded(self, positions: Floats) -> Floats:
+        found = positions.copy()
+        self.system.domain.fold(found)
+        return found
+
     def pair_correlation(self, positions: Floats) -> float:
         """Pair correlation function g near contact: the number of pairs closer than 1.1 (R_i + R_j), including
         overlapping pairs, divided by the number expected between touch and this distance for independent positions. NaN
         for one particle."""
         if self.system.n < 2:
             return math.nan
-        return near_pairs(self.system, positions) / self._expected_pairs
+        return near_pairs(self.system, self._folded(positions)) / self._expected_pairs
 
     def density_variance(self, positions: Floats) -> float:
         """Variance divided by mean of the number of centres in cells of about 8 particles: 1 for independent positions,
@@ -39,7 +44,7 @@ class Observer:
         cells = self._cells
         if math.prod(cells) < 2:
             return math.nan
-        at = (folded(self.system, positions) / self.system.box * cells).astype(np.int64)
+        at = (self._folded(positions) / self.system.box * cells).astype(np.int64)
         found = np.ravel_multi_index(tuple(np.minimum(at, np.array(cells) - 1).T), cells)
         counts = np.bincount(found, minlength=math.prod(cells))
         return float(counts.var() / counts.mean())
@@ -50,30 +55,16 @@ class Observer:
         return math.sqrt(float(np.mean(apart / self.system.radius**2)))
 
 
-def folded(system: ParticleSystem, positions: Floats) -> Floats:
-    """Unfolded positions mapped into the box."""
-    found = positions.copy()
-    for axis, side in enumerate(system.boundary):
-        edge = system.box[axis]
-        if side == "periodic":
-            found[:, axis] -= edge * np.floor(found[:, axis] / edge)
-        np.clip(found[:, axis], 0.0, edge, out=found[:, axis])
-    return found
-
-
 def near_pairs(system: ParticleSystem, positions: Floats) -> int:
     """Number of pairs closer than 1.1 (R_i + R_j), counting the nearest periodic image."""
     from scipy.spatial import cKDTree
 
-    periodic = np.array([side == "periodic" for side in system.boundary])
-    edges = np.where(periodic, system.box, 0.0)
-    places = folded(system, positions)
-    places[:, periodic] %= system.box[periodic]  # an edge is its own image
-    pairs = cKDTree(places, boxsize=edges).query_pairs(
-        2.0 * NEAR * float(system.radius.max()), output_type="ndarray"
-    )
-    apart = places[pairs[:, 0]] - places[pairs[:, 1]]
-    apart -= np.where(periodic, system.box * np.round(apart / system.box), 0.0)
+    edges = np.where(system.domain.periodic, system.box, np.inf)
+    wrapped = positions % edges  # an edge is its own image
+    tree = cKDTree(wrapped, boxsize=np.where(np.isinf(edges), 0.0, edges))
+    pairs = tree.query_pairs(2.0 * NEAR * float(system.radius.max()), output_type="ndarray")
+    apart = wrapped[pairs[:, 0]] - wrapped[pairs[:, 1]]
+    apart -= np.where(np.isinf(edges), 0.0, system.box * np.round(apart / system.box))
     limit = NEAR * system.radius[pairs].sum(axis=1)
     return int(np.count_nonzero(np.einsum("ij,ij->i", apart, apart) < limit**2))
 
@@ -83,7 +74,7 @@ def _expected_pairs(system: ParticleSystem) -> float:
     n, d = system.n, system.dimension
     one, two, three = (float(np.sum(system.radius**power)) for power in (1, 2, 3))
     if d == 2:
-        unit, pairs = math.pi, 0.5 * (2.0 * n * two + 2.0 * one**2 - 4.0 * two)
+        pairs = 0.5 * (2.0 * n * two + 2.0 * one**2 - 4.0 * two)
     else:
-        unit, pairs = 4.0 / 3.0 * math.pi, 0.5 * (2.0 * n * three + 6.0 * one * two - 8.0 * three)
-    return unit * (NEAR**d - 1.0) * pairs / float(np.prod(system.box))
+        pairs = 0.5 * (2.0 * n * three + 6.0 * one * two - 8.0 * three)
+    return UNIT_BALL[d] * (NEAR**d - 1.0) * pairs / float(np.prod(system.box))

@@ -57,10 +57,7 @@ _shared: dict[str, Any] = {}  #: in a worker: the number of samples of each repl
 def processes(starts: Starts, plan: Plan, wanted: Sequence[int], workers: int, tell: Tell) -> Found:
     """Compute each replica in one of ``workers`` processes; yields replicas as they finish.
 
-    Raises
-    ------
-    RuntimeError
-        If a process dies.
+    Raises RuntimeError if a process dies.
     """
     context = get_context("spawn")
     done, stop = context.Array("q", max(wanted) + 1), context.Event()
@@ -76,8 +73,8 @@ def processes(starts: Starts, plan: Plan, wanted: Sequence[int], workers: int, t
             tell(sum(done[:]))
     except BrokenProcessPool:
         raise RuntimeError(
-            "workers: a process died; a store keeps the finished replicas. In a script, the call must be inside "
-            "if __name__ == '__main__'"
+            "workers: a process died; with a store, the same call continues with the other replicas. In a script, the "
+            "call must be inside if __name__ == '__main__'"
         ) from None
     finally:
         stop.set()
@@ -86,7 +83,7 @@ def processes(starts: Starts, plan: Plan, wanted: Sequence[int], workers: int, t
 
 @contextmanager
 def sigint_blocked() -> Iterator[None]:
-    """Processes started in the block ignore Ctrl-C from the first instruction: they inherit the signal mask.
+    """Processes that start in the block inherit the signal mask, so that Ctrl-C never ends them.
 
     This process receives a Ctrl-C at the end of the block.
     """
@@ -132,14 +129,8 @@ def _task(starts: Starts, plan: Plan, replica: int) -> Arrays:
 def on_cluster(starts: Starts, plan: Plan, wanted: Sequence[int], scheduler: Any) -> Found:
     """Compute each replica as a task of dask.distributed; yields replicas as they finish.
 
-    Raises
-    ------
-    ImportError
-        If dask.distributed is not installed.
-    ValueError
-        If no scheduler answers.
-    RuntimeError
-        If the connection to the scheduler is lost.
+    Raises ImportError without dask.distributed, ValueError if no scheduler answers, and RuntimeError if the connection
+    is lost.
     """
     with cluster.connection(scheduler, "scheduler: got one") as client:
         from distributed import as_completed

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
@@ -17,7 +17,7 @@ from ..boxes.engines import NewtonSettings
 from ..boxes.observables import OBSERVABLES, Observable, Samples
 from ..boxes.result import ContactResult
 from ..boxes.rules import Settings
-from ..boxes.run import Keeping, Run
+from ..boxes.run import Output, Run
 from ..boxes.system import ParticleSystem
 from ..contact.contact import Law
 from . import contacts
@@ -32,9 +32,9 @@ ROUNDING: Final = 1e-12
 
 
 def _mean(name: str) -> Observable:
-    """An observable: the mean since the start of a rate in the series of a box."""
-    found = OBSERVABLES[name]
-    return replace(found, meaning=f"{found.meaning}, mean since the start")
+    """The mean since the start of a rate in the series of a box."""
+    rate = OBSERVABLES[name]
+    return replace(rate, meaning=f"{rate.meaning}, mean since the start")
 
 
 _COMPARED: Final = (
@@ -54,10 +54,7 @@ _COMPARED: Final = (
     _mean("collision_rate"),
     _mean("pressure"),
     Observable(
-        "pair_correlation",
-        "1",
-        "g near contact, between 1 and 1.1 sums of radii, overlaps included",
-        ("state",),
+        "pair_correlation", "1", "g near contact, up to 1.1 sums of radii, overlaps included", ("state",)
     ),
     Observable(
         "density_variance",
@@ -106,16 +103,13 @@ class Plan:
 def digest(system: ParticleSystem) -> NDArray[np.uint8]:
     """Hash of an initial state, 32 bytes."""
     found = hashlib.sha256()
-    for field in fields(system):
-        value = getattr(system, field.name)
-        found.update(
-            np.ascontiguousarray(value).tobytes() if field.name != "boundary" else repr(value).encode()
-        )
+    for name, value in system._values().items():
+        found.update(repr(value).encode() if name == "boundary" else np.ascontiguousarray(value).tobytes())
     return np.frombuffer(found.digest(), np.uint8)
 
 
 def compute(plan: Plan, system: ParticleSystem, sampled: Call, alive: Call) -> Arrays:
-    """Observables (model, time), and statistics of the contacts of each model; NaN after an early end.
+    """Observables (model, time) and statistics of the contacts of each model; NaN after an early end.
 
     ``sampled`` is called at every sample of a model, ``alive`` about every 0.2 s in between.
     """
@@ -125,45 +119,39 @@ def compute(plan: Plan, system: ParticleSystem, sampled: Call, alive: Call) -> A
     found = {name: np.full((len(runs), len(times)), math.nan) for name in (*QUANTITIES, "divergence")}
     reached = [0] * len(runs)
     for k, time in enumerate(times):
-        newton_places: Floats | None = None
+        reference: Floats | None = None  # positions under Newton's equations
         for i, (run, path) in enumerate(zip(runs, paths, strict=True)):
             sampled()
             if reached[i] < k or next(path, None) != time:
                 continue
             reached[i] = k + 1
-            places = run.engine.state()[0]
-            newton_places = places if i == 0 else newton_places
-            found["pair_correlation"][i, k] = observer.pair_correlation(places)
-            found["density_variance"][i, k] = observer.density_variance(places)
-            if newton_places is not None:
-                found["divergence"][i, k] = observer.divergence(places, newton_places)
+            positions = run.engine.state()[0]
+            reference = positions if i == 0 else reference
+            found["pair_correlation"][i, k] = observer.pair_correlation(positions)
+            found["density_variance"][i, k] = observer.density_variance(positions)
+            if reference is not None:
+                found["divergence"][i, k] = observer.divergence(positions, reference)
     totals = []
     for i, run in enumerate(runs):
         ended = run.result()
         for name, values in _series(system, ended, reached[i]).items():
             found[name][i, : reached[i]] = values
         totals.append(_totals(plan, system, ended))
-    return {
-        **found,
-        **{name: np.array([total[name] for total in totals]) for name in totals[0]},
-        "start": digest(system),
-    }
+    found |= {name: np.array([total[name] for total in totals]) for name in totals[0]}
+    return {**found, "start": digest(system)}
 
 
 def _start(plan: Plan, model: str, system: ParticleSystem) -> Run:
     """The run of one model, not yet advanced."""
-    keeping = Keeping(plan.samples, log=True)
+    output = Output(plan.samples, log=True)
     if model == NEWTON:
-        step = None
-        if plan.engine == "steps":
-            step = time_step.chosen(system, plan.law, RESTITUTION_ERROR, None)
-        return newton.start(plan.engine, system, NewtonSettings(plan.law), plan.until, keeping, step)
+        steps = plan.engine == "steps"
+        step = time_step.chosen(system, plan.law, RESTITUTION_ERROR, None) if steps else None
+        return newton.start(plan.engine, system, NewtonSettings(plan.law), plan.until, output, step)
+    settings = Settings(model, None, plan.law, None)
     if model in ("constant", "tc"):
-        duration = plan.contact_duration if model == "tc" else None
-        settings = Settings(model, plan.restitution, None, duration)
-    else:
-        settings = Settings(model, None, plan.law, None)
-    return hard_spheres.start(system, settings, hard_spheres.End(plan.until, None), keeping)
+        settings = Settings(model, plan.restitution, None, plan.contact_duration if model == "tc" else None)
+    return hard_spheres.start(system, settings, hard_spheres.End(plan.until, None), output)
 
 
 def _series(system: ParticleSystem, ended: Any, reached: int) -> dict[str, Floats]:

@@ -42,6 +42,7 @@ EARLY: Final = {"collapse": "inelastic collapse", "too_deep": "a contact too dee
 
 
 def half_width(found: Estimate[float]) -> float:
+    """Half the width of the confidence interval."""
     return 0.5 * (found.upper - found.lower)
 
 
@@ -59,12 +60,10 @@ def sentence(f: Fidelity) -> str:
         missing = "no time has passed" if f.last_common(NEWTON) == 0 else "no rule reached a sample"
         return f"No verdict: {missing}.{_early_ends(f)}"
     verb, more, less = MEASURES[measure]
-    differing: list[str] = []
-    agreeing: list[str] = []
-    unresolved: list[str] = []
+    differing, agreeing, unresolved = list[str](), list[str](), list[str]()
     for rule in _defined(f, measure, rules):
         found = f.final_difference(measure, rule)
-        if f.told_apart(measure, rule):
+        if f.is_significant(measure, rule):
             size = percent_with_error(abs(found.value), found.error)
             subject = rule if differing else f"the rule {rule} {verb}"
             differing.append(f"{subject} {size} {more if found.value > 0.0 else less}")
@@ -125,7 +124,7 @@ def _no_verdict(f: Fidelity, rules: list[str]) -> str | None:
     if not any(found["n_contacts"].any() for found in f.arrays):
         return "there was no contact in this time."
     if not rules:
-        return "only Newton’s equations were asked for, and no rule to compare with them."
+        return "models has no rule to compare with Newton’s equations."
     if f.n_replicas < 2:
         at = "" if math.isnan(f.tc_nu) else f" (t_c ν = {f.tc_nu:.2g})"
         return f"one replica has no error bars{at}; ask for more, such as replicas=8."
@@ -145,12 +144,11 @@ def _early_ends(f: Fidelity) -> str:
         outcomes = f.outcomes(model)
         bad = [name for name in outcomes if name != "ok"]
         if bad:
-            what = next((text for name, text in EARLY.items() if name in bad), "an early end")
+            what = next((text for name, text in EARLY.items() if name in bad), "another outcome")
             last = float(f.plan.times[f.last_common(model)])
             count = "all" if model == NEWTON else "…"
-            alike.setdefault(
-                (f"met {what} in {len(bad)} of {len(outcomes)} replicas; {count}", last), []
-            ).append(model)
+            how = f"ended with {what} in {len(bad)} of {len(outcomes)} replicas; {count}"
+            alike.setdefault((how, last), []).append(model)
     return "".join(_early_end(how, last, models) for (how, last), models in alike.items())
 
 
@@ -181,7 +179,7 @@ def table(f: Fidelity) -> tuple[list[str], list[list[str]]]:
 
 def _cell(f: Fidelity, name: str, rule: str) -> str:
     found = f.final_difference(name, rule)
-    mark = "*" if f.told_apart(name, rule) else "?" if half_width(found) > f.resolution else ""
+    mark = "*" if f.is_significant(name, rule) else "?" if half_width(found) > f.resolution else ""
     return _bare(percent_with_error(found.value, found.error)) + mark
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pickle
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
@@ -29,19 +29,12 @@ class Starts:
     engine: str = "events"  #: engine for Newton's equations
 
     def start(self, replica: int, report: Report) -> ParticleSystem:
-        """The initial state of one replica.
-
-        Raises
-        ------
-        ValueError
-            If the function returned no system, or one that the engine cannot simulate.
-        """
         if isinstance(self.source, ParticleSystem):
             return self.source if replica == 0 else equilibrated(self.source, self.seed + replica, report)
         made = self.source(self.seed + replica)
         if not isinstance(made, ParticleSystem):
             raise ValueError(
-                f"system: the function returned {validation.shown(made)}, must return a ParticleSystem"
+                f"system: got {validation.shown(made)} from the function, must be a ParticleSystem"
             )
         if self.engine == "events":
             check_box(made)
@@ -49,17 +42,12 @@ class Starts:
 
 
 def checked_starts(source: Any, seed: Any, replicas: int, elsewhere: bool, engine: str) -> Starts:
-    """Check the argument ``system``; ``elsewhere`` is true if other processes make the initial states.
-
-    Raises
-    ------
-    ValueError
-        If this number of initial states cannot be made.
-    """
+    """Check the argument ``system``; ``elsewhere`` is true if other processes make the initial states."""
+    number = validation.whole("seed", seed, 0, 2**62)
     if isinstance(source, ParticleSystem):
-        source = _written_out(source)
-    found = Starts(source, validation.whole("seed", seed, 0, 2**62), engine)
-    if isinstance(source, ParticleSystem):
+        # Arrays of full length, as in other processes: the sum of a broadcast array is rounded differently.
+        full = {name: np.ascontiguousarray(getattr(source, name)) for name in ("radius", "mass")}
+        source = ParticleSystem._of(**source._values() | full)
         if engine == "events":
             check_box(source)
         if replicas > 1:
@@ -70,40 +58,28 @@ def checked_starts(source: Any, seed: Any, replicas: int, elsewhere: bool, engin
             f"system: got {shown}, must be a ParticleSystem or a function of a seed that returns one"
         )
     elif elsewhere:
-        _check_importable(source)
-    return found
-
-
-def _written_out(system: ParticleSystem) -> ParticleSystem:
-    """The same system with arrays of full length, as in other processes. (A sum over a broadcast array is rounded
-    differently.)"""
-    values = {field.name: getattr(system, field.name) for field in fields(system)}
-    for name in ("radius", "mass"):
-        values[name] = np.ascontiguousarray(values[name])
-    return ParticleSystem._of(**values)
+        try:
+            pickle.dumps(source)
+        except Exception:  # pickle raises many kinds
+            shown = validation.shown(source)
+            raise ValueError(
+                f"system: got {shown}, must be a function that other processes can import"
+            ) from None
+    return Starts(source, number, engine)
 
 
 def _check_redraw(system: ParticleSystem, replicas: int) -> None:
+    """Refuse a system that is not a gas: there is no equilibrium state from which a replica could start."""
     reason = None
     if system.gravity.any():
         reason = "under gravity"
     elif system.n < 2 or system.granular_temperature == 0.0:
-        reason = "without motion of particles against each other"
+        reason = "without relative motion of its particles"
     if reason is not None:
         raise ValueError(
-            f"system | replicas: got one start {reason} and {replicas} replicas, must be a function of a seed that "
-            "returns each start: other equilibrium states exist only for a gas without gravity"
+            f"system | replicas: got a system {reason} and {replicas} replicas, must be a function of a seed that "
+            "returns the start of each replica, or a gas without gravity"
         )
-
-
-def _check_importable(source: Any) -> None:
-    try:
-        pickle.dumps(source)
-    except Exception:  # pickle raises many kinds
-        raise ValueError(
-            f"system: got {validation.shown(source)}, must be a function that other processes can import, "
-            "or workers=1"
-        ) from None
 
 
 def equilibrated(
@@ -114,19 +90,18 @@ def equilibrated(
     Velocities are drawn from a Maxwell distribution, each particle undergoes ``collisions`` elastic collisions as a
     hard sphere, and the velocities are shifted and scaled to the mean velocity and granular temperature of ``system``.
     """
-    chance = np.random.default_rng(np.random.SeedSequence([seed, system.n]))
+    rng = np.random.default_rng(np.random.SeedSequence([seed, system.n]))
     drawn = (
-        chance.standard_normal((system.n, system.dimension))
-        / np.sqrt(system.mass / system.mass.max())[:, None]
+        rng.standard_normal((system.n, system.dimension)) / np.sqrt(system.mass / system.mass.max())[:, None]
     )
-    fresh = system.replace(velocities=_as_in(system, drawn))
-    most = max(1, collisions * system.n // 2)
-    run = event_driven(fresh, restitution=1.0, max_collisions=most, samples=1, progress=report)
-    return run.system.replace(velocities=_as_in(system, run.system.velocities))
+    start = system.replace(velocities=_rescaled(drawn, system))
+    n_collisions = max(1, collisions * system.n // 2)
+    run = event_driven(start, restitution=1.0, max_collisions=n_collisions, samples=1, progress=report)
+    return run.system.replace(velocities=_rescaled(run.system.velocities, system))
 
 
-def _as_in(system: ParticleSystem, velocities: Floats) -> Floats:
-    """Velocities with the mean and the granular temperature of ``system``."""
+def _rescaled(velocities: Floats, system: ParticleSystem) -> Floats:
+    """Velocities, shifted and scaled to the mean velocity and the granular temperature of ``system``."""
     relative = velocities - np.average(velocities, axis=0, weights=system.mass)
     total = float(system.mass.sum())
     temperature = float(np.einsum("i,ij,ij->", system.mass, relative, relative)) / (system.dimension * total)

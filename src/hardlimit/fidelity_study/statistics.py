@@ -17,7 +17,7 @@ from ..support.estimate import Estimate
 LEVEL: Final = 0.01
 #: Smallest half-width of an interval of relative differences: Newton's equations are solved to 1e-9.
 SMALLEST: Final = 1e-8
-MOST_REPLICAS: Final = 1_000_000
+MAX_REPLICAS: Final = 1_000_000
 
 
 def mean(values: Floats) -> Estimate[Floats]:
@@ -62,14 +62,10 @@ def significant(difference: Estimate[Floats], replicas: int, level: float = LEVE
 
 
 def departure(difference: Estimate[Floats], replicas: int) -> int | None:
-    """The first sample at which the difference is significant, corrected for the number of samples; None if there is
-    none.
+    """The first sample at which the difference is significant by the tests of :meth:`Fidelity.departure`, or None.
 
-    Half of the level of 1 % is divided equally among all samples (Bonferroni). The other half is for differences that
-    last: samples are tested backwards from the last one until one is not significant, and tests in a fixed sequence all
-    have the level of the first (Maurer, Hothorn & Lehmacher, Biometrie in der chemisch-pharmazeutischen Industrie 6, 3
-    (1995)). The probability that the returned sample, or an earlier one, is a false positive is at most 1 %, whatever
-    the correlation between samples.
+    The probability that this sample, or an earlier one, is a false positive is at most 1 %, whatever the correlation
+    between samples: each of the two tests has half of this level.
     """
     known = np.flatnonzero(np.isfinite(difference.value))
     if not len(known):
@@ -87,7 +83,7 @@ def replicas_needed(error: float, replicas: int, resolution: float) -> float:
     """
     if not math.isfinite(error):
         return math.nan
-    scatter, counts = error * math.sqrt(replicas), range(2, MOST_REPLICAS + 1)
+    scatter, counts = error * math.sqrt(replicas), range(2, MAX_REPLICAS + 1)
     enough = bisect_left(counts, True, key=lambda n: student(n - 1) * scatter / math.sqrt(n) <= resolution)
     return float(counts[enough]) if enough < len(counts) else math.inf
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from typing import Any
 
 from ..contact.balls import FLOOR, Ball, Floor
@@ -59,10 +60,6 @@ def fit(
     progress : bool or callable(done, total), optional
         True shows a bar. A function is called with the number of fitted laws and their total.
 
-    Returns
-    -------
-    Fit
-
     Raises
     ------
     ValueError
@@ -90,47 +87,37 @@ def fit(
         raise ValueError(f"data: got {validation.shown(data)}, must be Impacts or Rebounds")
     validation.flag("compare", compare)
     if not validation.flag("scatter", scatter) and not data.has_errors:
-        raise ValueError("error: missing or 0 for some values, must be > 0, or scatter must be fitted too")
+        raise ValueError("error: missing or 0 for some values, must be > 0 unless scatter=True")
     level = validation.number("confidence", confidence, 0.0, 1.0)
     if ball is not None and not isinstance(ball, Ball):
         raise ValueError(f"ball: got {validation.shown(ball)}, must be a Ball")
     if not isinstance(other, Ball | Floor):
         raise ValueError(f"other: got {validation.shown(other)}, must be a Ball or FLOOR")
-    held = dict(_mapping(fixed))
-    chosen = candidate(law, data.kind, data.reference_speed, held, _listed(free), ball, other)
+    held = _mapping(fixed)
+    chosen = candidate(law, data.kind, data.reference_speed, held, _names(free), ball, other)
     if data.n < len(chosen.free) + scatter:
         raise ValueError(f"data: got {data.n} values, must be {len(chosen.free) + scatter} or more")
     others = rivals(chosen, data.kind, data.reference_speed, held) if compare else []
     others = [rival for rival in others if data.n >= len(rival.free) + scatter]
     with reporter(progress, "fit", "laws") as report:
-        trial = Trial(chosen, minimum(data, chosen, scatter, level))
+        best = minimum(data, chosen, scatter, level)
         tried: list[Trial] = []
         for done, rival in enumerate(others, 1):
             report(done, 1 + len(others))
-            tried += _tried(data, rival, scatter, level)
-    return Fit(data, trial, tuple(tried), level)
+            with suppress(ValueError):  # the data do not determine its parameters
+                tried.append(Trial(rival, minimum(data, rival, scatter, level)))
+    return Fit(chosen, best, data, tuple(tried), level)
 
 
-def _tried(data: Measured, rival: Any, scatter: bool, level: float) -> list[Trial]:
-    """A law for comparison; left out if the data do not determine its parameters."""
-    try:
-        return [Trial(rival, minimum(data, rival, scatter, level))]
-    except ValueError:
-        return []
-
-
-def _mapping(fixed: Any) -> Mapping[str, float]:
-    if fixed is None:
-        return {}
-    if not isinstance(fixed, Mapping):
+def _mapping(fixed: Any) -> dict[str, float]:
+    if not isinstance(fixed, Mapping | None):
         raise ValueError(f"fixed: got {validation.shown(fixed)}, must be a mapping of names to values")
-    return fixed
+    return dict(fixed or {})
 
 
-def _listed(free: Any) -> list[str] | None:
+def _names(free: Any) -> list[str] | None:
     if free is None:
         return None
-    named = isinstance(free, Sequence) and not isinstance(free, str) and all(isinstance(x, str) for x in free)
-    if not named:
+    if not isinstance(free, Sequence) or isinstance(free, str) or not all(isinstance(x, str) for x in free):
         raise ValueError(f"free: got {validation.shown(free)}, must be a list of names")
     return list(free)

@@ -12,7 +12,7 @@ from numpy.polynomial import Chebyshev
 from numpy.typing import NDArray
 
 from ..contact.balls import FLOOR, Ball, Floor
-from ..contact.contact import RESTITUTION, Law, law_parameters
+from ..contact.contact import RESTITUTION, Law, check_parameter, law_parameters
 from ..contact.laws import LAWS
 from ..support import validation
 
@@ -22,9 +22,9 @@ Floats = NDArray[np.float64]
 NEUTRAL: Final = {"N/m": 1e6, "Pa": 1e9, "N/m^1.5": 1e9, "N s/m": 1.0, "s": 1e-6}
 #: Range of the starting grid of a positive parameter in powers of ten, by unit.
 DECADES: Final = {"N/m": (1, 12), "Pa": (3, 13), "N/m^1.5": (2, 14), "N s/m": (-6, 6), "s": (-12, 0)}
-USUAL_DECADES: Final = (-6, 6)
+DEFAULT_DECADES: Final = (-6, 6)
 #: Default of Poisson's ratio. Contacts depend on Y/(1 − ν²) only.
-USUAL_POISSON_RATIO: Final = 0.3
+DEFAULT_POISSON_RATIO: Final = 0.3
 POISSON_RATIO: Final = "poisson_ratio"
 IMPACT_SPEED: Final = "impact_speed"
 #: Lower limit of a fitted coefficient of restitution.
@@ -65,7 +65,7 @@ class Free:
         """Values of the starting grid."""
         if not self.logarithmic:
             return np.linspace(self.lowest, self.highest, 17)[1:-1]
-        low, high = DECADES.get(self.unit, USUAL_DECADES)
+        low, high = DECADES.get(self.unit, DEFAULT_DECADES)
         return np.logspace(low, high, 2 * (high - low) + 1)
 
 
@@ -118,10 +118,7 @@ def candidate(
     Of the sets with all given names, one with ``restitution`` is preferred, because impacts measure ε. The remaining
     parameters are free for rebounds, one of them for impacts.
 
-    Raises
-    ------
-    ValueError
-        If no set of parameters of the law has all the names, or none is left free.
+    Raises a ValueError if no set of parameters of the law has all the names, or none is left free.
     """
     chosen = _law(law)
     known = law_parameters(chosen)
@@ -131,7 +128,7 @@ def candidate(
             raise ValueError(
                 f"fixed | free: got {name}, must be parameters of {chosen.__name__}: {', '.join(known)}"
             )
-    values = {name: _checked(known[name], value) for name, value in fixed.items()}
+    values = {name: check_parameter(known[name], value) for name, value in fixed.items()}
     both = sorted(set(values) & set(free or ()))
     if both:
         raise ValueError(f"fixed | free: got {both[0]} in both, must be in at most one of them")
@@ -141,22 +138,17 @@ def candidate(
         raise ValueError(f"fixed | free: got no free parameter, must leave one of {chosen.__name__}")
     held, notes = _held(parameters, kind, wanted, values, reference_speed)
     if kind == "impacts" and ball is None and wanted != [RESTITUTION]:
-        raise ValueError(f"ball: missing, must be the Ball that was dropped, to tell {', '.join(wanted)}")
+        raise ValueError(f"ball: missing, must be the Ball that was dropped, to fit {', '.join(wanted)}")
     variables = tuple(_variable(known[name]) for name in wanted)
-    alike = (
-        _with_one_restitution() if kind == "impacts" and chosen in _with_one_restitution().values() else {}
-    )
-    return Candidate(chosen, model, variables, held, notes, ball or ANY_BALL, other, tuple(alike))
+    constant = [name for name, one in LAWS.items() if _has_constant_restitution(one)]
+    alike = tuple(constant) if kind == "impacts" and _has_constant_restitution(chosen) else ()
+    return Candidate(chosen, model, variables, held, notes, ball or ANY_BALL, other, alike)
 
 
-def _with_one_restitution() -> dict[str, type[Law]]:
-    """The laws with a parameter ε that does not depend on speed."""
-    found = {}
-    for name, law in LAWS.items():
-        parameters = law_parameters(law)
-        if RESTITUTION in parameters and IMPACT_SPEED not in parameters:
-            found[name] = law
-    return found
+def _has_constant_restitution(law: type[Law]) -> bool:
+    """Whether the law has a parameter ε that does not depend on speed."""
+    parameters = law_parameters(law)
+    return RESTITUTION in parameters and IMPACT_SPEED not in parameters
 
 
 def _law(law: Any) -> type[Law]:
@@ -164,17 +156,6 @@ def _law(law: Any) -> type[Law]:
         return law
     name = law.__name__ if isinstance(law, type) else law
     return LAWS[validation.one_of("law", name, tuple(LAWS))]
-
-
-def _checked(record: Mapping[str, Any], value: Any) -> float:
-    return validation.number(
-        record["name"],
-        value,
-        record["lowest"],
-        record["highest"],
-        lowest_allowed=record["lowest_allowed"],
-        highest_allowed=record["highest_allowed"],
-    )
 
 
 def _alternative(law: type[Law], names: set[str]) -> dict[str, Any]:
@@ -187,12 +168,10 @@ def _alternative(law: type[Law], names: set[str]) -> dict[str, Any]:
             f"fixed | free: got {', '.join(sorted(names))}, must be of one set of parameters of {law.__name__}: "
             + " | ".join(", ".join(choice) for choice in choices)
         )
-    # With both elastic constants given, the dissipative parameter is fitted.
-    if {"youngs_modulus", POISSON_RATIO} <= names:
-        for choice in able:
-            if RESTITUTION not in choice:
-                return choice
-    return next((choice for choice in able if RESTITUTION in choice), able[0])
+    # With both elastic constants given, the dissipative parameter is fitted instead of ε.
+    elastic = {"youngs_modulus", POISSON_RATIO} <= names
+    preferred = (choice for choice in able if (RESTITUTION in choice) != elastic)
+    return next(preferred, None) or next((choice for choice in able if RESTITUTION in choice), able[0])
 
 
 def _free_names(
@@ -222,9 +201,9 @@ def _held(
             held[name] = reference_speed
             notes.append(f"restitution is that at {reference_speed:g} m/s (impact_speed)")
         elif name == POISSON_RATIO:
-            held[name] = USUAL_POISSON_RATIO
+            held[name] = DEFAULT_POISSON_RATIO
             notes.append(
-                f"poisson_ratio held at {USUAL_POISSON_RATIO:g}: only Y/(1 − ν²) enters a contact"
+                f"poisson_ratio held at {DEFAULT_POISSON_RATIO:g}: only Y/(1 − ν²) enters a contact"
                 if kind == "rebounds"
                 else "poisson_ratio has no effect on the data"
             )
@@ -239,10 +218,8 @@ def _held(
 
 
 def _variable(record: Mapping[str, Any]) -> Free:
-    bounded = math.isfinite(record["highest"])
-    lowest = (
-        max(record["lowest"], LEAST_RESTITUTION) if bounded and record["lowest"] == 0.0 else record["lowest"]
-    )
+    bounded, lowest = math.isfinite(record["highest"]), record["lowest"]
+    lowest = LEAST_RESTITUTION if bounded and lowest == 0.0 else lowest
     return Free(record["name"], record["unit"], lowest, record["highest"], not bounded)
 
 

@@ -11,6 +11,7 @@ import math
 import re
 import warnings
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -21,27 +22,21 @@ from ..support import units, validation
 from .measurements import OBSERVED, Impacts, Measured, Rebounds
 
 #: Unit of each known column.
-UNITS: Final = {
+MEASURED: Final = {
     "speed": "m/s",
-    "speed_error": "m/s",
     "restitution": "1",
-    "restitution_error": "1",
-    "drop": "1",
     "height": "m",
-    "height_error": "m",
     "drop_height": "m",
-    "drop_height_error": "m",
     "rebound_height": "m",
-    "rebound_height_error": "m",
     "time": "s",
-    "time_error": "s",
-    "gap": "m",
     **{name: unit for name, (_, unit) in OBSERVED.items()},
-    **{f"{name}_error": unit for name, (_, unit) in OBSERVED.items()},
 }
+UNITS: Final = (
+    MEASURED | {f"{name}_error": unit for name, unit in MEASURED.items()} | {"drop": "1", "gap": "m"}
+)
 LARGEST_FILE: Final = 100_000_000  #: bytes
 SEPARATORS: Final = ",;\t"
-SNIFFED: Final = 20  #: lines from which the separator is guessed
+SNIFFED: Final = 20  #: lines from which the separator is inferred
 
 _HEADER: Final = re.compile(r"(\w+)(?:\s*\[([^\]]*)\])?", re.ASCII)
 
@@ -98,10 +93,6 @@ def read_measurements(
     gravity : float [m/s²]
         Gravity, for measurements of heights and times.
 
-    Returns
-    -------
-    Impacts or Rebounds
-
     Raises
     ------
     ValueError
@@ -115,11 +106,9 @@ def read_measurements(
     validation.number("gravity", gravity, 0.0)
     table, build = _read(path)
     if table.ignored:
-        listed = ", ".join(map(validation.shown, table.ignored))
-        known = ", ".join(table.known)
-        warnings.warn(
-            f"{path}: line {table.header}: column {listed} is ignored: it is not one of {known}", stacklevel=2
-        )
+        ignored, known = ", ".join(map(validation.shown, table.ignored)), ", ".join(table.known)
+        what = f"column {ignored} is ignored: it is not one of {known}"
+        warnings.warn(f"{path}: line {table.header}: {what}", stacklevel=2)
     try:
         return build(table, column, gravity)
     except ValueError as error:
@@ -127,15 +116,11 @@ def read_measurements(
 
 
 def _impacts(table: Table, column: Column | None, gravity: float) -> Measured:
-    got = table.columns
-    error, of_speed = got.get("restitution_error", 0.0), got.get("speed_error", 0.0)
-    return Impacts.of_restitution(got["speed"], got["restitution"], error, of_speed)
+    return Impacts.of_restitution(**table.columns)
 
 
 def _rebound_heights(table: Table, column: Column | None, gravity: float) -> Measured:
-    got = table.columns
-    error, before = got.get("rebound_height_error", 0.0), got.get("drop_height_error", 0.0)
-    return Impacts.of_rebound_heights(got["drop_height"], got["rebound_height"], error, before, gravity)
+    return Impacts.of_rebound_heights(**table.columns, gravity=gravity)
 
 
 def _heights(table: Table, column: Column | None, gravity: float) -> Measured:
@@ -171,10 +156,10 @@ def _kind(where: str, given: Sequence[str]) -> tuple[Build, tuple[str, ...]]:
     for names, (build, allowed) in KINDS.items():
         if set(names) <= set(given):
             return build, (*names, *allowed)
-    wanted = " | ".join(", ".join(names) for names in KINDS)
+    need = " | ".join(", ".join(names) for names in KINDS)
     got = validation.shown(", ".join(given))
     raise ValueError(
-        f"{where}: got columns {got}, must hold {wanted}, with comma, semicolon or tab between cells"
+        f"{where}: got columns {got}, must hold {need}, with comma, semicolon or tab between cells"
     )
 
 
@@ -261,12 +246,8 @@ def _header(where: str, cells: Sequence[str]) -> list[tuple[str, float]]:
 
 
 def _number(where: str, name: str, cell: str, factor: float) -> float:
-    try:
-        value: float | str = float(cell)
-    except ValueError:
-        value = cell
-    if isinstance(value, float):
-        value *= factor
-    error, anything = name.endswith("_error"), name in ("time", "drop", "gap", *OBSERVED)
-    lowest = -math.inf if anything else 0.0
-    return validation.number(where, value, lowest, lowest_allowed=error)
+    value: float | str = cell
+    with suppress(ValueError):
+        value = float(cell) * factor
+    lowest = -math.inf if name in ("time", "drop", "gap", *OBSERVED) else 0.0
+    return validation.number(where, value, lowest, lowest_allowed=name.endswith("_error"))

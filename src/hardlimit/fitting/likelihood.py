@@ -23,8 +23,8 @@ Floats = NDArray[np.float64]
 SCATTER: Final = "scatter"
 #: A parameter is not identifiable if a factor e changes all values by less than this many standard errors.
 FLAT: Final = 1e-3
-#: Components of an unidentifiable direction above this name their parameter in the message.
-SHARE: Final = 0.2
+#: A message names the parameters with components above this in an unidentifiable direction.
+NAMED: Final = 0.2
 #: Number of starting points, the best of a coarse grid.
 STARTS: Final = 3
 
@@ -70,29 +70,23 @@ class Likelihood:
     def check_identifiable(self, variables: Any) -> None:
         """Refuse parameters, or combinations of them, on which the data do not depend.
 
-        Raises
-        ------
-        ValueError
-            If there are any; names them and says what to do.
+        Raises a ValueError if there are any; names them and says what to do.
         """
         free = self.candidate.free
         at = np.array(variables, dtype=float)
         columns = []
         for i, p in enumerate(free):
-            step = 1e-4 * (1.0 if p.logarithmic else at[i])
-            ends = []
-            for sign in (1.0, -1.0):
-                moved = at.copy()
-                moved[i] = min(max(at[i] + sign * step, p.limits[0]), p.limits[1])
-                ends.append((moved[i], self.parts(moved)[0]))
-            (above, high), (below, low) = ends
-            columns.append((high - low) / (above - below) * (1.0 if p.logarithmic else at[i]))
+            scale = 1.0 if p.logarithmic else at[i]
+            above, below = at.copy(), at.copy()
+            above[i], below[i] = np.clip([at[i] + 1e-4 * scale, at[i] - 1e-4 * scale], *p.limits)
+            change = self.parts(above)[0] - self.parts(below)[0]
+            columns.append(change / (above[i] - below[i]) * scale)
         _, sizes, directions = np.linalg.svd(np.column_stack(columns), full_matrices=False)
         if sizes.size < len(free):
             raise ValueError(f"free: got {len(free)} parameters, must be at most {sizes.size}, one per value")
         if sizes[-1] > FLAT:
             return
-        names = [p.name for p, share in zip(free, directions[-1], strict=True) if abs(share) > SHARE]
+        names = [p.name for p, part in zip(free, directions[-1], strict=True) if abs(part) > NAMED]
         if len(names) == 1:
             raise ValueError(
                 f"{names[0]}: cannot be determined from {self.data.what}, must be given in fixed"
@@ -106,22 +100,14 @@ class Likelihood:
 def minimum(data: Measured, candidate: Candidate, scatter: bool, confidence: float) -> Minimum:
     """The most likely parameters and their intervals.
 
-    Raises
-    ------
-    ValueError
-        If the data do not determine them.
+    Raises a ValueError if the data do not determine them.
     """
     from iminuit import Minuit
 
     likelihood = Likelihood(data, candidate, scatter)
     starts = likelihood.starts()
-    best: Minuit | None = None
-    for start in starts:
-        trial = _prepared(Minuit(likelihood, start), likelihood)
-        trial.migrad()
-        if best is None or trial.fval < best.fval:
-            best = trial
-    assert best is not None
+    fits = [_prepared(Minuit(likelihood, start), likelihood).migrad() for start in starts]
+    best = min(fits, key=lambda fit: fit.fval)
     likelihood.check_identifiable(best.values if np.isfinite(best.values).all() else starts[0])
     best.hesse()
     return _read(best, likelihood, confidence)

@@ -27,7 +27,9 @@ Floats = NDArray[np.float64]
 #: Largest relative error that is propagated to first order.
 LARGEST_ERROR: Final = 0.3
 #: Number of standard errors by which a value may exceed its limit.
-SLACK: Final = 5.0
+MAX_DEVIATION: Final = 5.0
+#: Limits of a standard error, for ``validation``.
+ERRORS: Final[dict[str, Any]] = {"lowest": 0.0, "lowest_allowed": True}
 #: Observables of a column in an experiment: description and unit.
 OBSERVED: Final = {
     "separation_velocity": ("separation velocity of two balls", "m/s"),
@@ -101,9 +103,6 @@ class Impacts(Measured):
 
     Examples
     --------
-    >>> impacts = hl.Impacts.of_restitution([0.1, 1.0, 10.0], [0.95, 0.92, 0.86], 0.01)
-    >>> impacts.n, impacts.speeds, impacts.reference_speed
-    (3, (0.1, 10.0), 1.0)
     >>> heard = hl.Impacts.of_times([[0.0, 0.5, 0.9, 1.22]], time_error=0.001)
     >>> heard.restitution.round(3)
     array([0.8, 0.8])
@@ -133,10 +132,6 @@ class Impacts(Measured):
         restitution_error, speed_error : number or N numbers
             Standard errors. Without errors of ε its scatter must be fitted (``fit(…, scatter=True)``).
 
-        Returns
-        -------
-        Impacts
-
         Raises
         ------
         ValueError
@@ -145,20 +140,15 @@ class Impacts(Measured):
         count = _count("speed", speed)
         v = validation.each("speed", speed, count, lowest=0.0)
         e = validation.each("restitution", restitution, count, lowest=0.0)
-        errors = [
-            validation.each(name, given, count, lowest=0.0, lowest_allowed=True)
-            for name, given in (("restitution_error", restitution_error), ("speed_error", speed_error))
-        ]
-        _refuse_coarse("speed_error", errors[1], v)
-        for i in np.flatnonzero(e > 1.0 + SLACK * errors[0]):
-            raise ValueError(
-                f"restitution[{i}]: got {e[i]:.6g}, must be in (0, 1], or above by at most {SLACK:g} errors"
-            )
-        one, zero = np.ones(count), np.zeros(count)
-        block = Block(
-            v, e, np.column_stack([zero, one]), np.column_stack([one, zero]), np.column_stack(errors), False
-        )
-        return cls((block,), "ε and speed of each impact")
+        of_restitution = validation.each("restitution_error", restitution_error, count, **ERRORS)
+        of_speed = validation.each("speed_error", speed_error, count, **ERRORS)
+        _refuse_coarse("speed_error", of_speed, v)
+        for i in np.flatnonzero(e > 1.0 + MAX_DEVIATION * of_restitution):
+            need = f"must be in (0, 1], or above by at most {MAX_DEVIATION:g} errors"
+            raise ValueError(f"restitution[{i}]: got {e[i]:.6g}, {need}")
+        d_speed, d_restitution = np.tile([0.0, 1.0], (count, 1)), np.tile([1.0, 0.0], (count, 1))
+        sigma = np.column_stack([of_restitution, of_speed])
+        return cls((Block(v, e, d_speed, d_restitution, sigma, False),), "ε and speed of each impact")
 
     @classmethod
     def of_rebound_heights(
@@ -181,10 +171,6 @@ class Impacts(Measured):
             Standard errors.
         gravity : float [m/s²]
 
-        Returns
-        -------
-        Impacts
-
         Raises
         ------
         ValueError
@@ -194,19 +180,16 @@ class Impacts(Measured):
         g = validation.number("gravity", gravity, 0.0)
         before = validation.each("drop_height", drop_height, count, lowest=0.0)
         after = validation.each("rebound_height", rebound_height, count, lowest=0.0)
-        sigma = []
-        for name, given, height in (
-            ("drop_height_error", drop_height_error, before),
-            ("rebound_height_error", rebound_height_error, after),
-        ):
-            sigma.append(validation.each(name, given, count, lowest=0.0, lowest_allowed=True))
-            _refuse_coarse(name, sigma[-1], height)
-        _refuse_higher("rebound_height", before, after, np.hypot(*sigma), 0)
+        of_drop = validation.each("drop_height_error", drop_height_error, count, **ERRORS)
+        of_rebound = validation.each("rebound_height_error", rebound_height_error, count, **ERRORS)
+        _refuse_coarse("drop_height_error", of_drop, before)
+        _refuse_coarse("rebound_height_error", of_rebound, after)
+        _refuse_higher("rebound_height", before, after, np.hypot(of_drop, of_rebound), 0)
         v, e = np.sqrt(2.0 * g * before), np.sqrt(after / before)
         d_speed = np.column_stack([v / (2.0 * before), np.zeros(count)])
         d_restitution = np.column_stack([-e / (2.0 * before), e / (2.0 * after)])
-        block = Block(v, e, d_speed, d_restitution, np.column_stack(sigma), False)
-        return cls((block,), "drop and rebound heights")
+        sigma = np.column_stack([of_drop, of_rebound])
+        return cls((Block(v, e, d_speed, d_restitution, sigma, False),), "drop and rebound heights")
 
     @classmethod
     def of_heights(
@@ -225,10 +208,6 @@ class Impacts(Measured):
         height_error : number, or sequence of the shape of ``heights`` [m]
         gravity : float [m/s²]
 
-        Returns
-        -------
-        Impacts
-
         Raises
         ------
         ValueError
@@ -240,10 +219,8 @@ class Impacts(Measured):
         for i, (sigma, height) in enumerate(zip(errors, drops, strict=True)):
             _refuse_coarse(f"height_error[{i}]", sigma, height)
             _refuse_higher(f"heights[{i}]", height[:-1], height[1:], np.hypot(sigma[:-1], sigma[1:]), 1)
-        return cls(
-            tuple(_from_heights(h, s, g) for h, s in zip(drops, errors, strict=True)),
-            "heights of the bounces",
-        )
+        blocks = tuple(_from_heights(h, s, g) for h, s in zip(drops, errors, strict=True))
+        return cls(blocks, "heights of the bounces")
 
     @classmethod
     def of_times(
@@ -264,10 +241,6 @@ class Impacts(Measured):
             than five errors.
         time_error : number, or sequence of the shape of ``times`` [s]
         gravity : float [m/s²]
-
-        Returns
-        -------
-        Impacts
 
         Raises
         ------
@@ -306,7 +279,8 @@ class Impacts(Measured):
     @property
     def restitution_error(self) -> Floats:
         """Standard errors of ε (N,), for plots; fits use the covariances."""
-        return np.concatenate([np.sqrt(_own_variance(block)) for block in self.blocks])
+        errors = [np.linalg.norm(b.d_restitution * b.sigma, axis=1) for b in self.blocks]
+        return np.concatenate(errors)
 
     @property
     def n(self) -> int:
@@ -327,11 +301,6 @@ class Impacts(Measured):
         curve = candidate.curve(law, *self.speeds)
         found = [_block_deviations(block, curve, scatter) for block in self.blocks]
         return np.concatenate([white for white, _ in found]), sum(logarithm for _, logarithm in found)
-
-
-def _own_variance(block: Block) -> Floats:
-    variance: Floats = (block.d_restitution**2 * block.sigma**2).sum(axis=1)
-    return variance
 
 
 def _block_deviations(block: Block, curve: Chebyshev, scatter: float) -> tuple[Floats, float]:
@@ -387,27 +356,21 @@ class Rebounds(Measured):
         gap, height : N numbers [m], optional
             For each drop, if different from the column; the gap between all neighbours.
 
-        Returns
-        -------
-        Rebounds
-
         Raises
         ------
         ValueError
             If a value is outside its range, or the lengths differ; names the position.
         """
         if not isinstance(column, Column) or not column.floor or len(column.balls) < 2:
-            raise ValueError(
-                f"column: got {validation.shown(column)}, must be a Column of two or more balls above a floor"
-            )
+            need = "must be a Column of two or more balls above a floor"
+            raise ValueError(f"column: got {validation.shown(column)}, {need}")
         validation.one_of("observable", observable, tuple(OBSERVED))
         if observable == "separation_velocity" and len(column.balls) != 2:
-            raise ValueError(
-                "observable: got 'separation_velocity', must be top_velocity or top_height for more than two balls"
-            )
+            need = "must be top_velocity or top_height for more than two balls"
+            raise ValueError(f"observable: got 'separation_velocity', {need}")
         count = _count("values", values)
         measured = validation.each("values", values, count)
-        sigma = validation.each("error", error, count, lowest=0.0, lowest_allowed=True)
+        sigma = validation.each("error", error, count, **ERRORS)
         given = {"gap": gap, "height": height}
         varied = {name: validation.each(name, v, count) for name, v in given.items() if v is not None}
         columns = []
@@ -440,9 +403,8 @@ class Rebounds(Measured):
     def deviations(self, candidate: Candidate, law: Law, scatter: float) -> tuple[Floats, float]:
         variance = self.error**2 + scatter**2
         predicted = self.predicted(candidate, law)
-        white = np.where(
-            np.isfinite(predicted), (self.values - predicted) / np.sqrt(variance), HOPELESS * self.n
-        )
+        deviation = (self.values - predicted) / np.sqrt(variance)
+        white = np.where(np.isfinite(predicted), deviation, HOPELESS * self.n)
         return white, float(np.log(variance).sum())
 
     def predicted(self, candidate: Candidate, law: Law) -> Floats:
@@ -461,43 +423,41 @@ def _observed(result: Any, observable: str) -> float:
     return float(found[-1])
 
 
+def _banded(sigma: Floats, *bands: Floats) -> Floats:
+    """The matrix with these bands, the main diagonal first; one column for each reading."""
+    matrix = np.zeros((bands[0].size, sigma.size))
+    for k, band in enumerate(bands):
+        matrix += band[:, None] * np.eye(*matrix.shape, k)
+    return matrix
+
+
 def _from_heights(h: Floats, sigma: Floats, g: float) -> Block:
-    n = h.size - 1
-    v, e = np.sqrt(2.0 * g * h[:-1]), np.sqrt(h[1:] / h[:-1])
-    d_speed, d_restitution = np.zeros((n, n + 1)), np.zeros((n, n + 1))
-    i = np.arange(n)
-    d_speed[i, i] = v / (2.0 * h[:-1])
-    d_restitution[i, i] = -e / (2.0 * h[:-1])
-    d_restitution[i, i + 1] = e / (2.0 * h[1:])
-    return Block(v, e, d_speed, d_restitution, sigma, True)
+    before, after = h[:-1], h[1:]
+    v, e = np.sqrt(2.0 * g * before), np.sqrt(after / before)
+    d_restitution = _banded(sigma, -e / (2.0 * before), e / (2.0 * after))
+    return Block(v, e, _banded(sigma, v / (2.0 * before)), d_restitution, sigma, True)
 
 
 def _from_times(t: Floats, sigma: Floats, g: float) -> Block:
     flight = np.diff(t)
-    n = flight.size - 1
-    v, e = 0.5 * g * flight[:-1], flight[1:] / flight[:-1]
-    d_speed, d_restitution = np.zeros((n, n + 2)), np.zeros((n, n + 2))
-    i = np.arange(n)
-    d_speed[i, i], d_speed[i, i + 1] = -0.5 * g, 0.5 * g
-    d_restitution[i, i] = e / flight[:-1]
-    d_restitution[i, i + 1] = -(1.0 + e) / flight[:-1]
-    d_restitution[i, i + 2] = 1.0 / flight[:-1]
-    return Block(v, e, d_speed, d_restitution, sigma, True)
+    before, after = flight[:-1], flight[1:]
+    v, e = 0.5 * g * before, after / before
+    slope = np.full(before.size, 0.5 * g)
+    d_restitution = _banded(sigma, e / before, -(1.0 + e) / before, 1.0 / before)
+    return Block(v, e, _banded(sigma, -slope, slope), d_restitution, sigma, True)
 
 
 # --- checks -------------------------------------------------------------------------------------------------
 
 
 def _count(name: str, values: Any) -> int:
-    found = np.atleast_1d(validation.array(name, values))
-    return int(found.size)
+    return int(validation.array(name, values).size)
 
 
 def _drops(name: str, given: Any, least: int, **limits: float) -> list[Floats]:
     if not isinstance(given, Sequence) or isinstance(given, str | bytes) or not len(given):
-        raise ValueError(
-            f"{name}: got {validation.shown(given)}, must be a list of drops, each a list of numbers"
-        )
+        need = "must be a list of drops, each a list of numbers"
+        raise ValueError(f"{name}: got {validation.shown(given)}, {need}")
     drops = []
     for i, one in enumerate(given):
         values = np.atleast_1d(validation.array(f"{name}[{i}]", one, **limits))  # type: ignore[arg-type]
@@ -508,33 +468,27 @@ def _drops(name: str, given: Any, least: int, **limits: float) -> list[Floats]:
 
 
 def _errors(name: str, given: Any, drops: Sequence[Floats]) -> list[Floats]:
-    limits: dict[str, Any] = {"lowest": 0.0, "lowest_allowed": True}
     if isinstance(given, Sequence) and not isinstance(given, str | bytes):
         if len(given) != len(drops):
             raise ValueError(f"{name}: got {len(given)} drops, must be {len(drops)}")
-        return [
-            validation.each(f"{name}[{i}]", one, drop.size, **limits)
-            for i, (one, drop) in enumerate(zip(given, drops, strict=True))
-        ]
-    return [np.full(drop.size, validation.number(name, given, **limits)) for drop in drops]
+        pairs = enumerate(zip(given, drops, strict=True))
+        return [validation.each(f"{name}[{i}]", one, drop.size, **ERRORS) for i, (one, drop) in pairs]
+    return [np.full(drop.size, validation.number(name, given, **ERRORS)) for drop in drops]
 
 
 def _refuse_coarse(name: str, error: Floats, value: Floats) -> None:
     """Refuse errors too large for propagation to first order."""
-    bad = np.flatnonzero(error > LARGEST_ERROR * np.abs(value))
-    if bad.size:
-        i = int(bad[0])
-        raise ValueError(
-            f"{name}[{i}]: got {error[i]:.6g} for a value of {value[i]:.6g}, must be at most {LARGEST_ERROR:g} of it"
-        )
+    for i in np.flatnonzero(error > LARGEST_ERROR * np.abs(value)):
+        got = f"got {error[i]:.6g} for a value of {value[i]:.6g}"
+        raise ValueError(f"{name}[{i}]: {got}, must be at most {LARGEST_ERROR:g} times the value")
 
 
 def _refuse_higher(name: str, before: Floats, after: Floats, sigma: Floats, shift: int) -> None:
     """Refuse a rebound above the drop height by more than the errors of both."""
-    for i in np.flatnonzero(after > before + SLACK * sigma):
+    for i in np.flatnonzero(after > before + MAX_DEVIATION * sigma):
+        got = f"got a rebound of {after[i]:.6g} m after a fall from {before[i]:.6g} m"
         raise ValueError(
-            f"{name}[{i + shift}]: got a rebound of {after[i]:.6g} m after a fall from {before[i]:.6g} m, must not be "
-            f"higher by more than {SLACK:g} errors"
+            f"{name}[{i + shift}]: {got}, must not be higher by more than {MAX_DEVIATION:g} errors"
         )
 
 
@@ -542,9 +496,8 @@ def _refuse_gaps(name: str, t: Floats, sigma: Floats) -> None:
     flight = np.diff(t)
     for i in np.flatnonzero(flight <= 0.0):
         raise ValueError(f"{name}[{i + 1}]: got {t[i + 1]:.9g} s after {t[i]:.9g} s, must be later")
-    slack = SLACK * np.sqrt(sigma[:-2] ** 2 + 4.0 * sigma[1:-1] ** 2 + sigma[2:] ** 2)
-    for i in np.flatnonzero(flight[1:] > flight[:-1] + slack):
-        raise ValueError(
-            f"{name}[{i + 2}]: got a flight of {flight[i + 1]:.6g} s after one of {flight[i]:.6g} s, must be "
-            "shorter: an impact is missing, or a time is not an impact"
-        )
+    tolerance = MAX_DEVIATION * np.sqrt(sigma[:-2] ** 2 + 4.0 * sigma[1:-1] ** 2 + sigma[2:] ** 2)
+    for i in np.flatnonzero(flight[1:] > flight[:-1] + tolerance):
+        got = f"got a flight of {flight[i + 1]:.6g} s after one of {flight[i]:.6g} s"
+        need = "must be shorter: an impact is missing, or a time is not that of an impact"
+        raise ValueError(f"{name}[{i + 2}]: {got}, {need}")

@@ -56,9 +56,14 @@ class Trial:
 
     @property
     def law(self) -> Law:
-        """The law with the most likely parameters."""
+        """The law with the most likely parameters; parameters without effect on the data are held."""
         free = self.candidate.free
         return self.candidate.made([self.minimum.estimates[p.name].value for p in free])
+
+    @property
+    def contact(self) -> Contact:
+        """The contact of the ball under this law."""
+        return self.law.between(self.candidate.ball, self.candidate.other)
 
     @property
     def chi_square(self) -> float:
@@ -84,8 +89,8 @@ class Trial:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Fit:
-    """A law fitted to data; made by :func:`hardlimit.fit`.
+class Fit(Trial):
+    """A law fitted to data, with the other laws for comparison; made by :func:`hardlimit.fit`.
 
     Notes
     -----
@@ -106,64 +111,38 @@ class Fit:
     """
 
     data: Measured  #: the measurements
-    chosen: Trial  #: the requested law
     others: tuple[Trial, ...]  #: the other laws, for comparison
     confidence: float  #: confidence level of the intervals
 
     @property
-    def law(self) -> Law:
-        """The law with the most likely parameters; parameters without effect on the data are held (``notes``)."""
-        return self.chosen.law
-
-    @property
     def parameters(self) -> Mapping[str, Estimate[float]]:
         """Fitted parameters by name, with standard errors and intervals."""
-        return {k: v for k, v in self.chosen.minimum.estimates.items() if k != SCATTER}
+        return {k: v for k, v in self.minimum.estimates.items() if k != SCATTER}
 
     @property
     def scatter(self) -> Estimate[float] | None:
         """Standard deviation of the measured quantity between impacts, beyond its errors; None unless fitted."""
-        return self.chosen.minimum.estimates.get(SCATTER)
+        return self.minimum.estimates.get(SCATTER)
 
     @property
     def covariance(self) -> Floats:
         """Covariance of the fitted parameters in their order, the scatter last."""
-        return self.chosen.minimum.covariance
+        return self.minimum.covariance
 
     @property
     def notes(self) -> tuple[str, ...]:
         """Parameters that the data do not determine, and the values at which they are held."""
-        return self.chosen.candidate.notes
+        return self.candidate.notes
 
     @property
     def deviations(self) -> Floats:
         """Data minus law, decorrelated and in standard errors."""
-        return self.chosen.minimum.deviations
-
-    @property
-    def chi_square(self) -> float:
-        """χ², the sum of the squares of ``deviations``."""
-        return self.chosen.chi_square
-
-    @property
-    def degrees(self) -> int:
-        """Degrees of freedom: values minus free parameters."""
-        return self.chosen.degrees
-
-    @property
-    def probability(self) -> float:
-        """Probability of a χ² this large if the law is right; NaN where the scatter is fitted."""
-        return self.chosen.probability
+        return self.minimum.deviations
 
     @property
     def trials(self) -> tuple[Trial, ...]:
         """All fitted laws, the smallest Akaike criterion first."""
-        return tuple(sorted((self.chosen, *self.others), key=lambda trial: trial.aic))
-
-    @property
-    def contact(self) -> Contact:
-        """The contact of the ball under the fitted law."""
-        return self.law.between(self.chosen.candidate.ball, self.chosen.candidate.other)
+        return tuple(sorted((self, *self.others), key=lambda trial: trial.aic))
 
     @property
     def dissipation(self) -> Estimate[float] | None:
@@ -176,63 +155,51 @@ class Fit:
             return None
 
         def of(restitution: float) -> float:
-            contact = self._contact_of(restitution)
-            return contact.dissipative_time * math.pow(
-                contact.elastic_prefactor / contact.effective_mass, 0.4
-            )
+            law = self.candidate.made([restitution])
+            contact = law.between(self.candidate.ball, self.candidate.other)
+            prefactor = contact.elastic_prefactor / contact.effective_mass
+            return contact.dissipative_time * math.pow(prefactor, 0.4)
 
         step = 0.01 * min(fitted.value, 1.0 - fitted.value) or 1e-6
         slope = (of(fitted.value - step) - of(fitted.value)) / step
         return Estimate(of(fitted.value), slope * fitted.error, of(fitted.upper), of(fitted.lower))
 
-    def _contact_of(self, restitution: float) -> Contact:
-        candidate = self.chosen.candidate
-        law = candidate.made([restitution])
-        return law.between(candidate.ball, candidate.other)
-
     @property
     def verdict(self) -> str:
         """Whether the law describes the data, in one sentence."""
-        return verdict(self.chosen, self.others, self.data.n)
+        return verdict(self, self.others, self.data.n)
 
     def plot(self) -> Figure:
-        """Plot data and laws, and the deviations in standard errors.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-        """
+        """Plot data and laws, and the deviations in standard errors."""
         from .. import plots
 
         return plots.fit(self)
 
     def __repr__(self) -> str:
-        found = ", ".join(f"{name} {value}" for name, value in self.chosen.minimum.estimates.items())
-        return f"<Fit of {self.chosen.name}: {found}; {self.verdict}>"
+        found = ", ".join(f"{name} {value}" for name, value in self.minimum.estimates.items())
+        return f"<Fit of {self.name}: {found}; {self.verdict}>"
 
     def _repr_html_(self) -> str:
-        rows = [
-            [name, f"{e}", f"{e.lower:.6g} … {e.upper:.6g}"]
-            for name, e in self.chosen.minimum.estimates.items()
-        ]
+        estimates = self.minimum.estimates.items()
+        rows = [[name, f"{e}", f"{e.lower:.6g} … {e.upper:.6g}"] for name, e in estimates]
         head = ["", "value", f"{100.0 * self.confidence:g} % interval"]
-        return html.table(f"{self.chosen.name} fitted to {self.data.n} values", head, rows, self.verdict)
+        return html.table(f"{self.name} fitted to {self.data.n} values", head, rows, self.verdict)
 
 
 def verdict(chosen: Trial, others: Sequence[Trial], n: int) -> str:
     """One sentence: whether the law describes the data, and how the others compare."""
     said = _alone(chosen, n)
-    better = [t for t in others if t.aic < chosen.aic - WORSE]
-    worse = [t for t in others if t.aic > chosen.aic + WORSE]
-    if better:
-        best = min(better, key=lambda t: t.aic)
-        return f"{said}; {best.name} does better by {chosen.aic - best.aic:.3g} in AIC{_own(best)}"
-    if worse and len(worse) == len(others):
-        margin = min(t.aic for t in worse) - chosen.aic
-        verb = "does" if len(worse) == 1 else "do"
-        return f"{said}; {_names(worse)} {verb} worse by {margin:.3g} or more in AIC"
-    near = [t for t in others if t not in worse]
-    return f"{said}; {_names(near)} cannot be told from it (AIC within {WORSE:g})" if near else said
+    if not others:
+        return said
+    best = min(others, key=lambda t: t.aic)
+    if best.aic < chosen.aic - WORSE:
+        p = "" if math.isnan(best.probability) else f" (p = {best.probability:.2g})"
+        return f"{said}; {best.name} does better by {chosen.aic - best.aic:.3g} in AIC{p}"
+    if best.aic > chosen.aic + WORSE:
+        names, verb = listed([t.name for t in others]), "does" if len(others) == 1 else "do"
+        return f"{said}; {names} {verb} worse by {best.aic - chosen.aic:.3g} or more in AIC"
+    near = listed([t.name for t in others if t.aic <= chosen.aic + WORSE])
+    return f"{said}; {near} cannot be distinguished from it (AIC within {WORSE:g})"
 
 
 def _alone(trial: Trial, n: int) -> str:
@@ -241,21 +208,9 @@ def _alone(trial: Trial, n: int) -> str:
         return f"{trial.name} leaves a scatter of {scatter:.2g} of {n} values about their mean"
     if trial.degrees < 1:
         return f"{trial.name} has as many parameters as there are values, so that it cannot be tested"
-    if trial.probability < UNLIKELY:
-        return f"{trial.name} cannot describe the data: {_chi(trial)}"
-    return f"{trial.name} describes the data: {_chi(trial)}"
-
-
-def _chi(trial: Trial) -> str:
-    return f"χ² = {trial.chi_square:.4g} for {trial.degrees} degrees of freedom, p = {trial.probability:.2g}"
-
-
-def _own(trial: Trial) -> str:
-    return "" if math.isnan(trial.probability) else f" (p = {trial.probability:.2g})"
-
-
-def _names(trials: Sequence[Trial]) -> str:
-    return listed([trial.name for trial in trials])
+    verb = "cannot describe" if trial.probability < UNLIKELY else "describes"
+    test = f"χ² = {trial.chi_square:.4g} for {trial.degrees} degrees of freedom, p = {trial.probability:.2g}"
+    return f"{trial.name} {verb} the data: {test}"
 
 
 def as_mapping(fit: Fit) -> dict[str, Any]:

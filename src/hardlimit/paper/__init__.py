@@ -9,7 +9,10 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import Final
+
+import xarray as xr
+from matplotlib.figure import Figure
 
 from ..column.scenario import PAPER_DENSITY
 from ..plots.style import checked_resolution, save, style
@@ -20,10 +23,6 @@ from .misprints import MISPRINTS
 from .registry import FIGURES, STATEMENTS
 from .report import Report, Row
 from .setup import Paper
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.figure import Figure
 
 __all__ = ["FIGURES", "FORMATS", "Report", "Row", "draw", "run"]
 
@@ -65,10 +64,9 @@ def run(
     """
     started = time.perf_counter()
     chosen = _figures(figures)
-    weights = {f"Fig. {number}": FIGURES[number].WEIGHT for number in chosen} | {
-        "statements of the text": 2.0
-    }
-    track = _Track(weights | ({"density": 4.0} if infer_density else {}), progress)
+    weights = {f"Fig. {number}": FIGURES[number].WEIGHT for number in chosen}
+    weights |= {"statements of the text": 2.0, "density": 4.0 * infer_density}
+    track = _Track(weights, progress or (lambda part, text: None))
     paper = Paper(validation.number("density", density, 0.0), track.within)
     if format not in FORMATS:
         raise ValueError(f"format: got {format!r}, must be one of {', '.join(FORMATS)}")
@@ -98,17 +96,16 @@ def run(
         write("density", inference.draw(described), described)
     report.rows += [*inference.rows(paper, scan), *MISPRINTS.rows(paper)]
     report.wall_time = time.perf_counter() - started
-    page = folder / "report.md"
-    saving.write(page, report.to_markdown().encode())
-    report.files.append(page)
-    track.end()
+    report.files.append(saving.write(folder / "report.md", report.to_markdown().encode()))
+    if progress is not None:
+        progress(1.0, "done")
     return report
 
 
 def draw(number: int, data: xr.Dataset) -> Figure:
     """The picture of a figure, with a caption: the parameters, and a sentence for users of event-driven simulations."""
     with style():
-        figure = FIGURES[number].draw(data)
+        figure: Figure = FIGURES[number].draw(data)
         write_caption(figure, data)
     return figure
 
@@ -117,19 +114,13 @@ def _figures(figures: Iterable[int | str] | str | None) -> tuple[int, ...]:
     """The chosen figures in order, without repetitions."""
     if figures is None:
         return tuple(FIGURES)
-    if isinstance(figures, int):
-        figures = [figures]
-    names = figures.split(",") if isinstance(figures, str) else list(figures)
+    given = figures.split(",") if isinstance(figures, str) else figures
+    names = [str(name).strip() for name in ([given] if isinstance(given, int) else given)]
     known = {str(number): number for number in FIGURES}
-    chosen = set()
-    for name in names:
-        text = str(name).strip()
-        if isinstance(name, bool) or text not in known:
-            raise ValueError(f"figures: got {text!r}, must be among {', '.join(known)}")
-        chosen.add(known[text])
-    if not chosen:
-        raise ValueError(f"figures: got none, must be among {', '.join(known)}")
-    return tuple(sorted(chosen))
+    for got in [name for name in names if name not in known] or ["none"] * (not names):
+        shown = repr(got) if names else got
+        raise ValueError(f"figures: got {shown}, must be among {', '.join(known)}")
+    return tuple(sorted({known[name] for name in names}))
 
 
 def _writable(out: str | Path) -> Path:
@@ -147,13 +138,11 @@ def _writable(out: str | Path) -> Path:
 
 
 class _Track:
-    """Overall progress, from the progress of single steps, whose durations are proportional to ``weights``."""
+    """Overall progress of steps whose durations are proportional to ``weights``."""
 
-    def __init__(self, weights: dict[str, float], progress: Callable[[float, str], object] | None) -> None:
-        self._weights = weights
-        self._progress = progress or (lambda part, text: None)
-        self._before = 0.0
-        self._step = ""
+    def __init__(self, weights: dict[str, float], progress: Callable[[float, str], object]) -> None:
+        self._weights, self._progress = weights, progress
+        self._before, self._step = 0.0, ""
 
     def begin(self, step: str) -> None:
         """Start the next step."""
@@ -165,7 +154,3 @@ class _Track:
         """Report the finished fraction of the current step."""
         done = self._before + part * self._weights[self._step]
         self._progress(done / sum(self._weights.values()), self._step)
-
-    def end(self) -> None:
-        """Report that all steps are done."""
-        self._progress(1.0, "done")

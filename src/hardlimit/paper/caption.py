@@ -6,11 +6,10 @@ import json
 import math
 import re
 import textwrap
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.figure import Figure
+import xarray as xr
+from matplotlib.figure import Figure
 
 FONT_SIZE: Final = 8.5  #: [points]
 LINE: Final = 0.155  #: [inch] from one line of the caption to the next
@@ -52,9 +51,9 @@ def write_caption(figure: Figure, data: xr.Dataset) -> None:
     wrap = int(LETTERS * width)
     lines = textwrap.wrap(parameter_line(json.loads(data.attrs["parameters"])), wrap)
     lines += textwrap.wrap(str(data.attrs.get("meaning", "")), wrap)
-    share = (LINE * len(lines) + 0.15) / height
+    below = (LINE * len(lines) + 0.15) / height
     engine: Any = figure.get_layout_engine()
-    engine.set(rect=(0.0, share, 1.0, 1.0 - share))
+    engine.set(rect=(0.0, below, 1.0, 1.0 - below))
     for i, line in enumerate(reversed(lines)):
         y = (0.07 + LINE * i) / height
         figure.text(0.02, y, typeset(line), ha="left", va="baseline", fontsize=FONT_SIZE, color="#222222")

@@ -42,11 +42,8 @@ def _nine_times(paper: Paper) -> Outcome:
     top = result.positions[1] + speed**2 / (2 * column.gravity)
     z0, (lower, upper) = column.initial_positions[1], (ball.radius for ball in column.balls)
     wanted = 9 * z0 - 8 * (2 * lower + upper)
-    return (
-        f"v2 = {speed / column.impact_speed:.9f} V; height {top:.9f} m, formula {wanted:.9f} m",
-        near(speed / column.impact_speed, 3.0, 1e-9),
-        near(top, wanted, 1e-8),
-    )
+    text = f"v2 = {speed / column.impact_speed:.9f} V; height {top:.9f} m, formula {wanted:.9f} m"
+    return text, near(speed / column.impact_speed, 3.0, 1e-9), near(top, wanted, 1e-8)
 
 
 @STATEMENTS.add(

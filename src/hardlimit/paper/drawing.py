@@ -4,21 +4,19 @@ from __future__ import annotations
 
 import math
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from ..plots.labels import QUANTITIES
-from ..plots.style import PALETTE
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.axes import Axes
-
-    from .sampling import Array, Counts
+from ..plots.style import PAGE_WIDTH, PALETTE
+from .sampling import Array, Counts
 
 MILLI, MICRO, KILO = 1e3, 1e6, 1e-3  #: factors from an SI unit to mm or ms, to µm or µs, and to kN
 
@@ -78,13 +76,18 @@ def outline() -> Patch:
     return Patch(facecolor=TINT, edgecolor=EDGE, lw=0.8, label="the same, between the lines")
 
 
+def sequence_axes(data: xr.Dataset) -> tuple[Figure, Axes]:
+    """A figure with the time axis of Figs. 7 and 8 [ms]."""
+    figure = Figure(figsize=(PAGE_WIDTH * 0.85, 5.7))
+    ax = figure.subplots()
+    ax.set_xlim(0.0, round(2.2 * MILLI * float(data["outline_t_floor_end"].max())))
+    ax.set_xlabel(f"{TIME} [ms]")
+    return figure, ax
+
+
 def sequence_legend() -> list[Any]:
     """Entries of the legend of Figs. 7 and 8."""
-    return [
-        line("ball–ball contacts", color=ROW, lw=1.6),
-        outline(),
-        line(FLOOR_END, color=BLACK, lw=1.0),
-    ]
+    return [line("ball–ball contacts", color=ROW, lw=1.6), outline(), line(FLOOR_END, color=BLACK, lw=1.0)]
 
 
 # --- effective restitution with the number of contacts ------------------------------------------------------

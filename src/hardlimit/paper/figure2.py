@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FormatStrFormatter
 
@@ -15,9 +16,6 @@ from .drawing import KILO, MICRO
 from .sampling import ball_contacts, variable
 from .setup import Paper
 from .statement import Outcome, Statements, near
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 TITLE: Final = "Forces during one drop"
 CHOICES: Final = ""
@@ -156,10 +154,8 @@ def _jump(paper: Paper) -> Outcome:
     before = float(force.sel(time=slice(None, -1e-15))[-1])
     column = paper.linear()
     damping = column.contacts[0].damping * column.impact_speed
-    return (
-        f"from {before:g} to {at / 1e3:.3f} kN; γ01 V = {damping / 1e3:.3f} kN",
-        near(at, damping, 1e-3 * damping),
-    )
+    text = f"from {before:g} to {at / 1e3:.3f} kN; γ01 V = {damping / 1e3:.3f} kN"
+    return text, near(at, damping, 1e-3 * damping)
 
 
 @STATEMENTS.add("The balls touch several times during one floor contact", "Sec. IV A, Fig. 2", 2)

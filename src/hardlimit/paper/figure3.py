@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..column.solvers import adiabatic, newton
@@ -15,25 +16,21 @@ from ..plots.style import PAGE_WIDTH
 from . import figure4
 from .drawing import BLACK, FLOOR_END, MICRO, RED, TIME, draw_outlines, draw_rows, line, outline
 from .sampling import (
+    Array,
     ball_contacts,
     counts_of,
     counts_over,
+    fraction,
     late_contacts,
     maxima,
     middles,
     refine,
     sequences,
-    share,
     successive,
     variable,
 )
 from .setup import RESTITUTION, Paper
 from .statement import Outcome, Statements, about, near
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-    from .sampling import Array
 
 TITLE: Final = "Sequence of contacts over the coefficient of restitution"
 CHOICES: Final = "The range of ε and of the time is chosen here."
@@ -76,9 +73,8 @@ def _tips(data: xr.Dataset, prefix: str) -> list[float]:
 def meaning(data: xr.Dataset) -> str:
     n = data["outline_n_contacts"].values
     return (
-        f"An event-driven simulation has one contact on every line; Newton’s equations have {n.min()} to "
-        f"{n.max()}, and the number changes by jumps, so that a small error of ε can change the course of "
-        f"a drop altogether."
+        f"An event-driven simulation has one contact on every line. Newton’s equations have {n.min()} to {n.max()}; "
+        f"the number changes in jumps, so a small error of ε can change the whole motion."
     )
 
 
@@ -120,7 +116,7 @@ def draw(data: xr.Dataset) -> Figure:
 
 def _label_spikes(ax: Axes, tips: Array) -> None:
     """The ε of the spike tips at the right border; tips too close for two lines share a label."""
-    inches = 0.75 * HEIGHT  # of the axes, about
+    inches = 0.75 * HEIGHT  # approximate height of the axes
     height = 13.0 / 72.0 / inches * abs(float(np.diff(ax.get_ylim())[0]))
     groups: list[list[float]] = []
     for tip in sorted((float(t) for t in tips), reverse=True):
@@ -135,7 +131,7 @@ def _label_spikes(ax: Axes, tips: Array) -> None:
         ax.annotate(
             rf"{'spikes' if several else 'spike'}, $\varepsilon<{names}$",
             (right, group[-1] if several else group[0]),
-            (-14, -4 if several else 3),  # clear of the ticks; several: below the lowest
+            (-14, -4 if several else 3),  # clear of the ticks; a common label is below the lowest
             textcoords="offset points",
             ha="right",
             va="top" if several else "bottom",
@@ -151,11 +147,9 @@ def _either_order(paper: Paper) -> Outcome:
     figure = paper.figure(3)
     epsilon = figure["restitution_outline"].values
     late = figure["outline_t_end"].values > figure["outline_t_floor_end"].values
-    after = share(late, (epsilon, False))
-    return (
-        f"after it for {100 * after:.1f} % of the ε from {epsilon[0]:g} to {epsilon[-1]:g}",
-        0.0 < after < 1.0,
-    )
+    after = fraction(late, (epsilon, False))
+    text = f"after it for {100 * after:.1f} % of the ε from {epsilon[0]:g} to {epsilon[-1]:g}"
+    return text, 0.0 < after < 1.0
 
 
 @STATEMENTS.add("3 contacts at ε = 1", "Sec. IV A, Fig. 3")
@@ -195,12 +189,11 @@ def _one_maximum_everywhere(paper: Paper) -> Outcome:
     single = float(np.mean(by_gap == 1)), float(np.mean(by_ratio == 1))
     most = f"{by_gap.max()} maxima at Δh = {gaps[int(np.argmax(by_gap))] * 1e6:.2f} µm"
     hertz = maxima(paper.figure(7)["outline_n_contacts"].values)
-    return (
+    text = (
         f"linear: one maximum for {about(single[0])} of the Δh (logarithmic) and {about(single[1])} "
-        f"of the R1/R2 of Fig. 4; {most}; viscoelastic (Fig. 7): {hertz} maxima",
-        min(single) == 1.0 and hertz == 1,
-        min(single) > 0.5,
+        f"of the R1/R2 of Fig. 4; {most}; viscoelastic (Fig. 7): {hertz} maxima"
     )
+    return text, min(single) == 1.0 and hertz == 1, min(single) > 0.5
 
 
 @STATEMENTS.add("The duration of a contact depends only weakly on ε", "Sec. IV A")
@@ -232,12 +225,11 @@ def _adiabatic(paper: Paper) -> Outcome:
     tips = paper.figure(3)
     both_tips = tips["spike"].values[:1], tips["adiabatic_spike"].values[:1]
     shift = float(np.abs(both_tips[0] - both_tips[1]).max(initial=0.0))
-    return (
+    text = (
         f"equal counts for {100 * same:.1f} % of the ε from 0.1 to 1; contacts that begin during the floor "
-        f"contact within {100 * worst:.2f} % of its duration; first spike shifted by {shift:.4f} in ε",
-        worst < 0.01,
-        same > 0.999,
+        f"contact within {100 * worst:.2f} % of its duration; first spike shifted by {shift:.4f} in ε"
     )
+    return text, worst < 0.01, same > 0.999
 
 
 @STATEMENTS.add("The adiabatic solution becomes exact for R1 ≫ R2", "App. A")
@@ -268,8 +260,5 @@ def _order(paper: Paper) -> Outcome:
 def _spikes(paper: Paper) -> Outcome:
     tips = paper.figure(3)["spike"].values
     shown = ", ".join(f"{tip:.4f}" for tip in tips)
-    return (
-        f"tips at {shown or 'no ε'}",
-        tips.size > 0 and near(tips[0], 0.78, 0.005),
-        tips.size > 1 and near(tips[1], 0.67, 0.005),
-    )
+    text = f"tips at {shown or 'no ε'}"
+    return text, tips.size > 0 and near(tips[0], 0.78, 0.005), tips.size > 1 and near(tips[1], 0.67, 0.005)

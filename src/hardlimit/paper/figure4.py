@@ -3,26 +3,24 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FormatStrFormatter
 
 from ..plots.labels import QUANTITIES
 from ..plots.maps import label_regions
-from ..plots.style import MOST_COUNTED, PAGE_WIDTH, count_colours
+from ..plots.style import MAX_COUNTED, PAGE_WIDTH, count_colours
 from ..sweep import sweep
 from .caption import quantity, typeset
 from .drawing import MILLI
-from .sampling import Array, Axis, Counts, counts_over, middles, share, variable
+from .sampling import Array, Axis, Counts, counts_over, fraction, middles, variable
 from .setup import GAP, RADIUS_RATIO, RESTITUTION, Paper
 from .statement import Outcome, Statements, about
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 TITLE: Final = "Number of ball–ball contacts"
 CHOICES: Final = (
@@ -38,7 +36,7 @@ RATIOS: Final = (0.2, 20.0)
 VARIABLES: Final = ("n_contacts", "relative_velocity", "restitution_ratio", "outcome")
 
 #: A statement on the maps is a mean over ROWS rows with FINE points each: spikes are narrow. With more of
-#: either, the shares change by less than the rounding of :func:`about`.
+#: either, the fractions change by less than the rounding of :func:`about`.
 ROWS: Final = 60
 FINE: Final = 3000
 
@@ -74,18 +72,18 @@ def axes(data: xr.Dataset, name: str) -> tuple[Axis, Axis]:
 def meaning(data: xr.Dataset) -> str:
     single = data["n_contacts_over_gap"].values == 1
     close = np.abs(data["restitution_ratio_over_gap"].values - 1.0) < 0.05
-    right = 100.0 * share(single & close, *axes(data, "gap")) / share(single, *axes(data, "gap"))
+    right = 100.0 * fraction(single & close, *axes(data, "gap")) / fraction(single, *axes(data, "gap"))
     return (
-        f"Wherever the count is not 1 an event-driven simulation has the wrong sequence, and a count of 1 "
-        f"is no guarantee: in the upper map its effective restitution is within 5 % in only {right:.0f} % "
-        f"of the area with one contact."
+        f"Where the count is not 1, an event-driven simulation has the wrong sequence of contacts. Where it is 1, the "
+        f"result may be wrong as well: in the upper map, the effective restitution is right to 5 % in only {right:.0f} "
+        f"% of the area with one contact."
     )
 
 
 def highest(paper: Paper, name: str) -> tuple[float, str]:
-    """The largest ε_eff/ε on a map, and where it lies.
+    """The largest ε_eff/ε on a map, and its position.
 
-    The map gives ε of the maximum; its ridge is narrower than a cell, so that this ε is sampled again, finely.
+    The map gives ε of the maximum. The ridge is narrower than a cell, so this ε is sampled again with finer steps.
     """
     maps = paper.figure(4)
     values = maps[f"restitution_ratio_over_{name}"].values
@@ -95,8 +93,8 @@ def highest(paper: Paper, name: str) -> tuple[float, str]:
     found = sweep(paper.linear(epsilon), variables=["restitution_ratio"], **swept)
     row = found["restitution_ratio"].values
     i = int(np.nanargmax(row))
-    place = f"Δh = {fine[i] * 1e3:.2f} mm" if name == "gap" else f"R1/R2 = {fine[i]:.2f}"
-    return float(row[i]), f"at ε = {epsilon:.2f}, {place}"
+    where = f"Δh = {fine[i] * 1e3:.2f} mm" if name == "gap" else f"R1/R2 = {fine[i]:.2f}"
+    return float(row[i]), f"at ε = {epsilon:.2f}, {where}"
 
 
 # --- drawing ------------------------------------------------------------------------------------------------
@@ -127,8 +125,8 @@ def draw(data: xr.Dataset) -> Figure:
     _name_line(top, gap * MILLI, "Δh of Fig. 3")
     _name_line(bottom, ratio, "R1/R2 of Fig. 3")
     _name_line(bottom, 1.0, "R1 = R2")
-    shown = np.arange(lowest, min(highest, MOST_COUNTED) + 1)
-    extend = "max" if highest > MOST_COUNTED else "neither"
+    shown = np.arange(lowest, min(highest, MAX_COUNTED) + 1)
+    extend = "max" if highest > MAX_COUNTED else "neither"
     bar = figure.colorbar(mesh, ax=[top, bottom], ticks=shown, extend=extend, aspect=40)
     bar.ax.minorticks_off()
     bar.set_label(QUANTITIES["n_contacts"][0])
@@ -194,13 +192,12 @@ def _maximum_over_gap(paper: Paper) -> Outcome:
         grows.append(bool(np.all(np.diff(column[at_most[-1] :]) <= 0)))
         single.append(bool(at_most[-1] - at_most[0] + 1 == at_most.size))
     i, j = np.unravel_index(int(np.argmax(counts)), counts.shape)
-    return (
+    text = (
         f"growing from 10 mm down to the maximum for {about(float(np.mean(grows)))} of the ε of Fig. 4, the "
         f"maximum in one interval of Δh for {about(float(np.mean(single)))}; most contacts: {counts.max()}, at ε = "
-        f"{epsilon[i]:.3f}, Δh = {gaps[j] * 1e6:.1f} µm",
-        all(grows),
-        all(single),
+        f"{epsilon[i]:.3f}, Δh = {gaps[j] * 1e6:.1f} µm"
     )
+    return text, all(grows), all(single)
 
 
 @STATEMENTS.add("t_c,01/t_c,12 grows with m1/m2", "Sec. IV A")
@@ -214,7 +211,7 @@ def _durations(paper: Paper) -> Outcome:
 
 
 @STATEMENTS.add(
-    "The number of contacts grows with R1/R2, as the dominating of two effects", "Sec. IV A, Fig. 4", 4
+    "The number of contacts grows with R1/R2, the dominant of two effects", "Sec. IV A, Fig. 4", 4
 )
 def _grows_with_ratio(paper: Paper) -> Outcome:
     epsilon = middles(*RESTITUTIONS, ROWS)
@@ -222,9 +219,8 @@ def _grows_with_ratio(paper: Paper) -> Outcome:
     counts = counts_over(paper.linear(), restitution=epsilon, radius_ratio=ratios)
     never_falls = float(np.mean(np.all(np.diff(counts, axis=1) >= 0, axis=1)))
     ends_higher = float(np.mean(counts[:, -1] > counts[:, 0]))
-    return (
+    text = (
         f"higher at {ratios[-1]:g} than at {ratios[0]:g} for {about(ends_higher)} of the ε of Fig. 4; "
-        f"without falling in between for {about(never_falls)}",
-        ends_higher > 0.9,
-        never_falls > 0.5,
+        f"without falling in between for {about(never_falls)}"
     )
+    return text, ends_higher > 0.9, never_falls > 0.5

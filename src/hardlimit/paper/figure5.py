@@ -56,9 +56,9 @@ def safe_gap(data: xr.Dataset, within: float = 0.01) -> float:
 
 def meaning(data: xr.Dataset) -> str:
     return (
-        f"With ε = {RESTITUTION} an event-driven simulation has the right relative velocity, to one per "
-        f"cent of ε, only where the gap is larger than {safe_gap(data) * 1e3:.1f} mm; at smaller gaps the "
-        f"effective restitution varies by jumps, down to almost nothing."
+        f"With ε = {RESTITUTION} an event-driven simulation has the right relative velocity, to one per cent of ε, "
+        f"only for gaps above {safe_gap(data) * 1e3:.1f} mm; at smaller gaps the effective restitution jumps, down to "
+        f"almost 0."
     )
 
 
@@ -113,12 +113,11 @@ def _levels_off(paper: Paper) -> Outcome:
     figure = paper.figure(5)
     last = float(figure["restitution_ratio"][-1])
     single = int(figure["n_contacts"][-1]) == 1
-    return (
+    text = (
         f"{last:.4f} at {float(figure.gap[-1]) * 1e3:g} mm, with {int(figure.n_contacts[-1])} contact; it "
-        f"levels off slightly above 1 because gravity acts during the contact",
-        near(last, 1.0, 0.01),
-        single,
+        f"levels off slightly above 1 because gravity acts during the contact"
     )
+    return text, near(last, 1.0, 0.01), single
 
 
 @STATEMENTS.add(
@@ -153,12 +152,11 @@ def _not_sufficient(paper: Paper) -> Outcome:
     figure = paper.figure(5)
     good = np.abs(figure["restitution_ratio"].values - 1.0) < 0.01
     necessary = bool(np.all(figure["n_contacts"].values[good] == 1))
-    return (
+    text = (
         f"ε = 0.9, Δh = 0.5 mm: {result.n_contacts} contact, ε_eff/ε = {result.restitution_ratio:.3f} at "
-        f"t_f ({result.restitution_ratio_at_separation:.3f} at separation)",
-        necessary,
-        result.n_contacts == 1 and result.restitution_ratio < 0.95,
+        f"t_f ({result.restitution_ratio_at_separation:.3f} at separation)"
     )
+    return text, necessary, result.n_contacts == 1 and result.restitution_ratio < 0.95
 
 
 @STATEMENTS.add("The number of contacts over Δh has a maximum", "Sec. IV B, Fig. 5", 5)
@@ -185,9 +183,8 @@ def _oscillates(paper: Paper) -> Outcome:
     for at in falls:
         result = newton(paper.linear(RESTITUTION, gap=at * (1 - 1e-7)))
         late += int(ball_contacts(result)[0][-1] > result.t_floor_end)
-    return (
+    text = (
         f"below {peak * 1e6:.1f} µm it falls {len(falls)} times as Δh grows; in {late} of them the contact "
-        f"that is lost began after the floor contact",
-        bool(falls),
-        late == len(falls),
+        f"that is lost began after the floor contact"
     )
+    return text, bool(falls), late == len(falls)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+import math
+from typing import Final
 
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..plots.labels import QUANTITIES
@@ -13,12 +15,9 @@ from ..plots.style import PAGE_WIDTH
 from ..sweep import sweep
 from . import figure4, figure5
 from .drawing import BLUE, RATIO, broken, count_ticks, ratio_and_counts
-from .sampling import counts_of, refine, share
+from .sampling import counts_of, fraction, refine
 from .setup import RADIUS_RATIO, Paper
 from .statement import Outcome, Statements
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 TITLE: Final = "Effective restitution over the ratio of radii"
 CHOICES: Final = "The range of R1/R2, 1 to 20, is chosen here."
@@ -45,11 +44,11 @@ def compute(paper: Paper) -> xr.Dataset:
 
 
 def above_one(data: xr.Dataset) -> tuple[float, float, float, float]:
-    """First and last R1/R2 with a ratio above 1, place and height of the maximum (NaN if never above 1)."""
+    """First and last R1/R2 with a ratio above 1, position and value of the maximum (NaN if never above 1)."""
     x, y = data["radius_ratio"].values, data["restitution_ratio"].values
     above = np.flatnonzero(y > 1.0)
     if above.size == 0:
-        return (float("nan"),) * 4
+        return (math.nan,) * 4
     i = int(np.nanargmax(y))
     return float(x[above[0]]), float(x[above[-1]]), float(x[i]), float(y[i])
 
@@ -59,9 +58,9 @@ def meaning(data: xr.Dataset) -> str:
     first_bad = int(np.argmin(good)) if not good.all() else good.size - 1
     at_ten = float(np.interp(RADIUS_RATIO, data["radius_ratio"], data["restitution_ratio"]))
     return (
-        f"Event-driven simulations of unequal balls go wrong first: at this gap they are right to one per "
-        f"cent only up to R1/R2 = {float(data.radius_ratio[first_bad]):.2f}, and at R1/R2 = "
-        f"{RADIUS_RATIO:g} the balls part as if ε were {at_ten:.2f} of what was specified."
+        f"Event-driven simulations are least accurate for unequal balls: at this gap they are right to one per cent "
+        f"only up to R1/R2 = {float(data.radius_ratio[first_bad]):.2f}, and at R1/R2 = {RADIUS_RATIO:g} the effective "
+        f"restitution is {at_ten:.2f} times the specified one."
     )
 
 
@@ -127,21 +126,19 @@ def _falls_with_ratio(paper: Paper) -> Outcome:
 @STATEMENTS.add("For most parameters several contacts dissipate more: ε_eff/ε < 1", "Sec. IV B", 4, 5, 6)
 def _most(paper: Paper) -> Outcome:
     maps, radii = paper.figure(4), paper.figure(6)
-    shares, highest = [], 0.0
+    fractions, highest = [], 0.0
     for name in ("gap", "radius_ratio"):
         several = maps[f"n_contacts_over_{name}"].values > 1
-        shares.append(share(several, *figure4.axes(maps, name)))
+        fractions.append(fraction(several, *figure4.axes(maps, name)))
         ratio = maps[f"restitution_ratio_over_{name}"].values[several]
         highest = max(highest, float(np.nanmax(ratio, initial=0.0)))
-    shares.append(share(radii["n_contacts"].values > 1, (radii["radius_ratio"].values, False)))
+    fractions.append(fraction(radii["n_contacts"].values > 1, (radii["radius_ratio"].values, False)))
+    holds = [highest < 1.0, *(part > 0.5 for part in fractions)]
+    upper, lower, radii_of_figure = (f"{100 * part:.0f} %" for part in fractions)
     return (
-        f"several contacts on {100 * shares[0]:.0f} % of the upper map of Fig. 4 (Δh logarithmic), "
-        f"{100 * shares[1]:.0f} % of the lower one, and {100 * shares[2]:.0f} % of the R1/R2 of Fig. 6; with "
-        f"several contacts ε_eff/ε is at most {highest:.3f} on the maps",
-        shares[0] > 0.5,
-        shares[1] > 0.5,
-        shares[2] > 0.5,
-        highest < 1.0,
+        f"several contacts on {upper} of the upper map of Fig. 4 (Δh logarithmic), {lower} of the lower one, and "
+        f"{radii_of_figure} of the R1/R2 of Fig. 6; with several contacts ε_eff/ε is at most {highest:.3f} on the maps",
+        *holds,
     )
 
 
@@ -150,29 +147,26 @@ def _most(paper: Paper) -> Outcome:
 )
 def _reduced(paper: Paper) -> Outcome:
     low, high, at, top = above_one(paper.figure(6))
-    shown = (
-        f"ε = {RESTITUTION:g}: above 1 from R1/R2 = {low:.2f} to {high:.2f}, at most {top:.4f} at {at:.2f}"
-    )
+    interval = f"above 1 from R1/R2 = {low:.2f} to {high:.2f}, at most {top:.4f} at {at:.2f}"
+    shown = f"ε = {RESTITUTION:g}: {interval}"
     return (shown if top > 1.0 else "nowhere above 1", top > 1.0, high - low < 1.0)
 
 
-@STATEMENTS.add("Only in that interval is ε_eff > ε", "Sec. IV B", 4, 5, 6)
+@STATEMENTS.add("Only in that interval near R1 = R2 is ε_eff > ε", "Sec. IV B", 4, 5, 6)
 def _only_there(paper: Paper) -> Outcome:
     figure, maps = paper.figure(5), paper.figure(4)
     ratio, gap = figure["restitution_ratio"].values, figure["gap"].values
     above = gap[ratio > 1.0]
     radii = paper.figure(6)["restitution_ratio"].values
     one_interval = int(np.sum(np.diff((radii > 1.0).astype(int)) == 1)) <= 1
-    elsewhere = (
-        f"also for every Δh above {above[0] * 1e3:.2f} mm in Fig. 5 (up to {ratio.max():.4f})"
-        if above.size
-        else "nowhere in Fig. 5"
-    )
-    shares = []
+    elsewhere = "nowhere in Fig. 5"
+    if above.size:
+        elsewhere = f"also for every Δh above {above[0] * 1e3:.2f} mm in Fig. 5 (up to {ratio.max():.4f})"
+    on_maps = []
     for name in ("gap", "radius_ratio"):
         values = maps[f"restitution_ratio_over_{name}"].values
-        shares.append((share(values > 1.0, *figure4.axes(maps, name)), *figure4.highest(paper, name)))
-    (upper, upper_top, _), (lower, lower_top, where) = shares
+        on_maps.append((fraction(values > 1.0, *figure4.axes(maps, name)), *figure4.highest(paper, name)))
+    (upper, upper_top, _), (lower, lower_top, where) = on_maps
     return (
         f"{elsewhere}, on {100 * upper:.0f} % of the upper map of Fig. 4 (up to {upper_top:.4f}) and "
         f"{100 * lower:.0f} % of the lower one (up to {lower_top:.2f}, {where}); within Fig. 6, "
@@ -187,17 +181,20 @@ def _only_there(paper: Paper) -> Outcome:
 def _range(paper: Paper) -> Outcome:
     curves = [paper.figure(n)["restitution_ratio"].values for n in (5, 6)]
     both = np.sort(np.concatenate(curves))
-    hole = int(np.argmax(np.diff(both)))
+    gap = int(np.argmax(np.diff(both)))
     (upper, _), (lower, where) = (figure4.highest(paper, name) for name in ("gap", "radius_ratio"))
     shown = "; ".join(
         f"Fig. {n} (ε = {epsilon:g}): {curve.min():.1e} to {curve.max():.4f}"
         for n, epsilon, curve in zip((5, 6), (figure5.RESTITUTION, RESTITUTION), curves, strict=True)
     )
-    return (
-        f"{shown}; neither has a value between {both[hole]:.3f} and {both[hole + 1]:.3f}. Maps of Fig. 4: up to "
-        f"{upper:.4f} on the upper and {lower:.2f} on the lower one ({where})",
-        bool(both[0] < 0.01),
-        bool(1.0 < both[-1] < 1.05),
-        bool(both[hole + 1] - both[hole] < 0.01),
+    holds = (
+        both[0] < 0.01,
+        1.0 < both[-1] < 1.05,
+        both[gap + 1] - both[gap] < 0.01,
         max(upper, lower) < 1.05,
+    )
+    return (
+        f"{shown}; neither has a value between {both[gap]:.3f} and {both[gap + 1]:.3f}. Maps of Fig. 4: up to "
+        f"{upper:.4f} on the upper and {lower:.2f} on the lower one ({where})",
+        *map(bool, holds),
     )

@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..contact.balls import FLOOR
 from ..contact.laws import LAWS
 from ..plots.labels import QUANTITIES
-from ..plots.style import PAGE_WIDTH
 from .caption import quantity, typeset
-from .drawing import MILLI, TIME, draw_sequence, sequence_legend
+from .drawing import MILLI, draw_sequence, sequence_axes, sequence_legend
 from .sampling import counts_of, late_contacts, maxima, refine, sequences, variable
 from .setup import INPUT_SPEED, POISSON_RATIO, YOUNGS_MODULUS_INSET, Paper
 from .statement import Outcome, Statements, near
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 TITLE: Final = "Sequence of contacts, viscoelastic spheres"
 CHOICES: Final = (
@@ -63,8 +60,8 @@ def compute(paper: Paper) -> xr.Dataset:
 def meaning(data: xr.Dataset) -> str:
     n = int(data["outline_n_contacts"].max())
     return (
-        f"A more realistic contact force does not make event-driven simulation valid: viscoelastic spheres "
-        f"have up to {n} contacts in one drop, where it has one."
+        f"A more realistic contact force does not make event-driven simulation valid: viscoelastic spheres have up to "
+        f"{n} contacts in one drop, and an event-driven simulation has one."
     )
 
 
@@ -73,13 +70,9 @@ def meaning(data: xr.Dataset) -> str:
 
 def draw(data: xr.Dataset) -> Figure:
     """The sequence with its inset."""
-    figure = Figure(figsize=(PAGE_WIDTH * 0.85, 5.7))
-    ax = figure.subplots()
-    floor_end = float(data["outline_t_floor_end"].max()) * MILLI
-    ax.set_xlim(0.0, round(2.2 * floor_end))
+    figure, ax = sequence_axes(data)
     ax.set_ylim(float(data["restitution"].min()) - 0.012, 1.012)
     draw_sequence(ax, data, "restitution", "", 1.3)
-    ax.set_xlabel(f"{TIME} [ms]")
     ax.set_ylabel(rf"{QUANTITIES['restitution'][0]} at {float(data['input_speed']):g} m/s")
     _draw_inset(ax, data)
     ax.legend(handles=sequence_legend(), loc="upper right", bbox_to_anchor=(1.0, 0.72))
@@ -109,14 +102,12 @@ def _same_structure(paper: Paper) -> Outcome:
     counts = figure["outline_n_contacts"].values
     late = late_contacts("restitution_outline", figure, "outline_")
     rises = counts.max() > counts[-1] and counts[0] < counts[-1]
-    return (
+    text = (
         f"{counts[-1]} contacts at ε = 1, up to {counts.max()}, {counts[0]} at ε = 0.1; {len(late)} "
         f"intervals of ε with a contact after the floor contact; {maxima(counts)} maxima over ε instead of "
-        f"one",
-        bool(rises),
-        bool(late),
-        maxima(counts) == 1,
+        f"one"
     )
+    return text, bool(rises), bool(late), maxima(counts) == 1
 
 
 @STATEMENTS.add("Y = 6e9 N/m² matches the linear force at an overlap of (R1 + R2)/10", "App. B")
@@ -129,10 +120,8 @@ def _matched(paper: Paper) -> Outcome:
     pair, floor = (
         linear / unit.between(*bodies).force(overlap) for bodies in ((upper, lower), (lower, FLOOR))
     )
-    return (
-        f"Y = {pair:.3g} N/m² for the two balls, {floor:.3g} for ball and floor",
-        near(pair, YOUNGS_MODULUS_INSET, 0.05e9),
-    )
+    text = f"Y = {pair:.3g} N/m² for the two balls, {floor:.3g} for ball and floor"
+    return text, near(pair, YOUNGS_MODULUS_INSET, 0.05e9)
 
 
 @STATEMENTS.add(

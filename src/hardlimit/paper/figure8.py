@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FormatStrFormatter
 
-from ..plots.style import PAGE_WIDTH
-from .drawing import MICRO, MILLI, TIME, draw_sequence, sequence_legend
-from .sampling import Counts, counts_of, late_contacts, refine, sequences, successive, variable
+from .drawing import MICRO, draw_sequence, sequence_axes, sequence_legend
+from .sampling import Array, Counts, counts_of, late_contacts, refine, sequences, successive, variable
 from .setup import INPUT_SPEED, Paper
 from .statement import Outcome, Statements, near
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-    from .sampling import Array
 
 TITLE: Final = "Sequence of contacts, one material"
 CHOICES: Final = "The range of A, 0.1 to 100 µs (logarithmic, upside down as in Fig. 7), is chosen here."
@@ -56,8 +51,8 @@ def compute(paper: Paper) -> xr.Dataset:
 def meaning(data: xr.Dataset) -> str:
     n = int(data["outline_n_contacts"].max())
     return (
-        f"Giving both contacts one material instead of one ε changes little: up to {n} contacts in one "
-        f"drop, so the failure of the event-driven picture does not hinge on how dissipation is specified."
+        f"One material for both contacts instead of one ε changes little: there are up to {n} contacts in one drop, "
+        f"so event-driven simulation fails however the dissipation is specified."
     )
 
 
@@ -66,10 +61,7 @@ def meaning(data: xr.Dataset) -> str:
 
 def draw(data: xr.Dataset) -> Figure:
     """The sequence, with the restitution of the ball–ball contact on the right axis."""
-    figure = Figure(figsize=(PAGE_WIDTH * 0.85, 5.7))
-    ax = figure.subplots()
-    floor_end = float(data["outline_t_floor_end"].max()) * MILLI
-    ax.set_xlim(0.0, round(2.2 * floor_end))
+    figure, ax = sequence_axes(data)
     ax.set_yscale("log")
     a = data["dissipative_time"].values * MICRO
     scaled = data.assign_coords(
@@ -79,7 +71,6 @@ def draw(data: xr.Dataset) -> Figure:
     ax.set_ylim(a[-1] * margin, a[0] / margin)
     ax.yaxis.set_major_formatter(FormatStrFormatter("%g"))
     draw_sequence(ax, scaled, "dissipative_time", "", 1.3)
-    ax.set_xlabel(f"{TIME} [ms]")
     ax.set_ylabel("dissipative time $A$ [µs]")
     ax.tick_params(axis="y", which="both", right=False)
     _add_restitution(ax, a, data)
@@ -119,19 +110,16 @@ def _one_material(paper: Paper) -> Outcome:
     )
     path_one, path_both = successive(one[::-1]), successive(both)
     same_path = bool(np.array_equal(path_one, path_both))
-    return (
+    text = (
         f"Fig. 8: {', '.join(map(str, path_both))} contacts as A grows, Fig. 7 "
         f"{'the same' if same_path else ', '.join(map(str, path_one))}; late contacts in {late_both} "
-        f"intervals (Fig. 7: {late_one})",
-        both.max() > 1 and late_both > 0,
-        abs(int(both.max()) - int(one.max())) <= 1,
+        f"intervals (Fig. 7: {late_one})"
     )
+    return text, both.max() > 1 and late_both > 0, abs(int(both.max()) - int(one.max())) <= 1
 
 
 @STATEMENTS.add("One material means ε01 ≠ ε12", "App. C")
 def _two_restitutions(paper: Paper) -> Outcome:
     floor, pair = (float(c.restitution(INPUT_SPEED)) for c in paper.same_material(1e-5).contacts)
-    return (
-        f"A = 10 µs: ε01 = {floor:.4f}, ε12 = {pair:.4f} at {INPUT_SPEED:g} m/s",
-        not near(floor, pair, 1e-3),
-    )
+    text = f"A = 10 µs: ε01 = {floor:.4f}, ε12 = {pair:.4f} at {INPUT_SPEED:g} m/s"
+    return text, not near(floor, pair, 1e-3)

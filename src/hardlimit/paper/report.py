@@ -18,11 +18,16 @@ VERDICTS: Final[dict[Agreement, str]] = {
 }
 
 
+#: Titles of the tables of statements.
+DEVIATE: Final = "Statements that do not agree, or agree only in part"
+AGREE: Final = "Statements that agree"
+
+
 @dataclass(frozen=True)
 class Row:
     """A row of the table: one statement of the paper, and the result obtained here."""
 
-    statement: str  #: in our words
+    statement: str  #: a summary of the text
     where: str  #: place in the paper
     result: str  #: result obtained here
     agrees: Agreement
@@ -59,32 +64,34 @@ class Report:
         """The rows of one kind in the order of the paper, restricted to the given verdicts if any."""
         return [row for row in self.rows if row.kind == kind and (not agrees or row.agrees in agrees)]
 
+    def tables(self) -> list[tuple[str, list[Row]]]:
+        """Title and rows of each table, deviations first."""
+        return [
+            (DEVIATE, self.chosen("statement", "no", "partly")),
+            (AGREE, self.chosen("statement", "yes")),
+            ("Density", self.chosen("density")),
+            ("Misprints", self.chosen("misprint")),
+        ]
+
     def summary(self) -> str:
         """One sentence: the number of statements that agree."""
         stated = self.chosen("statement")
-        count = {verdict: len(self.chosen("statement", verdict)) for verdict in VERDICTS}
+        yes, partly, no = (len(self.chosen("statement", verdict)) for verdict in ("yes", "partly", "no"))
         misprints = len(self.chosen("misprint", "misprint"))
-        return (
-            f"{count['yes']} of {len(stated)} statements agree, {count['partly']} in part, {count['no']} not; "
-            f"{misprints} misprints"
-        )
+        return f"{yes} of {len(stated)} statements agree, {partly} in part, {no} not; {misprints} misprints"
 
     def to_markdown(self) -> str:
         """The report as Markdown: deviations first, then agreement, then the figures."""
         lines = [
-            "# Müller and Pöschel, Phys. Rev. E 83, 041304 (2011), computed",
+            "# Figures and statements of Müller and Pöschel, Phys. Rev. E 83, 041304 (2011), computed",
             "",
-            f"Density {self.density:g} kg/m³ (the paper prints none). {self.summary()}.",
+            f"Density of the balls: {self.density:g} kg/m³ (the paper states none). {self.summary()}.",
             "",
             "Verdicts: " + "; ".join(f"**{verdict}**: {means}" for verdict, means in VERDICTS.items()) + ".",
         ]
-        lines += _section(
-            "Statements that do not agree, or only in part", self.chosen("statement", "no", "partly")
-        )
-        lines += _section("Statements that agree", self.chosen("statement", "yes"))
-        lines += _section("Density", self.chosen("density"))
-        lines += _section("Misprints", self.chosen("misprint"))
-        lines += ["", "## Figures, and what they mean for event-driven simulations", ""]
+        for title, rows in self.tables():
+            lines += _section(title, rows)
+        lines += ["", "## What the figures mean for event-driven simulations", ""]
         for number, sentence in self.meanings.items():
             lines.append(f"* **Fig. {number}.** {sentence} {self.choices.get(number, '')}".rstrip())
         return "\n".join(lines) + "\n"
@@ -94,7 +101,13 @@ def _section(title: str, rows: list[Row]) -> list[str]:
     """A heading and a table; empty without rows."""
     if not rows:
         return []
-    lines = ["", f"## {title}", "", "| verdict | statement | where | what comes out |", "|---|---|---|---|"]
+    lines = [
+        "",
+        f"## {title}",
+        "",
+        "| verdict | statement | place in the paper | result |",
+        "|---|---|---|---|",
+    ]
     for row in rows:
         cells = (row.agrees, row.statement, row.where, row.result)
         lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")

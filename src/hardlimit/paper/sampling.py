@@ -1,4 +1,4 @@
-"""Sampling over one parameter or two: contacts of many drops, refinement at jumps, shares of an axis or a map."""
+"""Sampling over one parameter or two: contacts of many drops, refinement at jumps, fractions of an axis or a map."""
 
 from __future__ import annotations
 
@@ -105,7 +105,7 @@ def late_contacts(name: str, data: xr.Dataset, prefix: str = "") -> list[tuple[f
 
 
 def successive(counts: Counts) -> Counts:
-    """The counts without repetitions of the one before."""
+    """The counts without consecutive repetitions."""
     return counts[np.flatnonzero(np.diff(counts, prepend=counts[0] - 1))]
 
 
@@ -119,7 +119,7 @@ def maxima(counts: Counts) -> int:
 Axis = tuple[Array, bool]
 
 
-def share(holds: NDArray[np.bool_], *axes: Axis) -> float:
+def fraction(holds: NDArray[np.bool_], *axes: Axis) -> float:
     """Fraction of an axis, or of the area of a map, on which a condition holds.
 
     Each point is weighted by the part of the axis that is nearest to it, so that the fraction does not depend on the

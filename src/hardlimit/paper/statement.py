@@ -15,7 +15,7 @@ Check = Callable[[Paper], Outcome]
 
 
 class Statement(NamedTuple):
-    """A statement in our words, its place in the paper, the figures whose data it needs, and its check."""
+    """A summary of a statement, its place in the paper, the figures whose data it needs, and its check."""
 
     text: str
     where: str
@@ -65,7 +65,7 @@ def near(value: float, wanted: float, within: float) -> bool:
     return math.isfinite(value) and abs(value - wanted) <= within
 
 
-def about(share: float) -> str:
-    """A share that is known to a few per cent, rounded to 5 %, except exactly 0 and 1."""
-    rounded = min(max(5 * round(20 * share), 5), 95)
-    return f"{100 * share:.0f} %" if share in (0.0, 1.0) else f"about {rounded} %"
+def about(fraction: float) -> str:
+    """A fraction that is known to a few per cent, rounded to 5 %, except exactly 0 and 1."""
+    rounded = min(max(5 * round(20 * fraction), 5), 95)
+    return f"{100 * fraction:.0f} %" if fraction in (0.0, 1.0) else f"about {rounded} %"

@@ -6,21 +6,18 @@ in which gaps and deformations are enlarged more than the balls; the frames stat
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
+from ..column.result import Result
 from ..column.solvers import independent
-from ..support import validation
+from ..support import saving, validation
 from . import video
 from .stage import CloseUp, Wide
 from .storyboard import storyboard
 from .style import style
 from .video import STYLE, Frame
-
-if TYPE_CHECKING:
-    from ..column.result import Result
 
 ENDINGS: Final = (".mp4", ".gif")
 WIDTHS: Final = (160, 3840)  #: [pixels]
@@ -36,62 +33,27 @@ def animate(
     frames_per_second: int | None = None,
     progress: Callable[[int, int], object] | None = None,
 ) -> Path:
-    """Write a film of the drop as MP4 or GIF, by the ending of ``path``.
-
-    Parameters
-    ----------
-    result : Result
-    path : path
-        The file appears only when it is complete.
-    ghost : Result, optional
-        A result of the same column under another model, shown beside it; independent collisions by default.
-    width : int, optional
-        Width of the frames in pixels, 160 to 3840, rounded down to a multiple of 32; 1280 (MP4) or 640 (GIF)
-        by default. The frames are 16:9.
-    frames_per_second : int, optional
-        1 to 120; 30 (MP4) or 15 (GIF) by default.
-    progress : callable(done, total), optional
-
-    Raises
-    ------
-    ValueError
-        If ``path`` is not a path or has an unknown ending, a number is outside its range, ``ghost`` is not of the
-        same column, or MP4 is requested without imageio-ffmpeg (``pip install 'hardlimit[film]'``).
-    OSError
-        If the file cannot be written; names it.
-    """
-    if not isinstance(path, str | os.PathLike):
-        raise ValueError(f"path: got {validation.shown(path)}, must be a path")
+    """Write a film of the drop; parameters and errors as for ``Result.animate``."""
+    target = saving.checked("path", path, ENDINGS)
     if progress is not None and not callable(progress):
         raise ValueError(f"progress: got {validation.shown(progress)}, must be callable with (done, total)")
-    target = Path(path)
-    film = target.suffix.lower() == ".mp4"
-    if target.suffix.lower() not in ENDINGS:
-        raise ValueError(f"path: got {str(path)!r}, must end in {' or '.join(ENDINGS)}")
-    if not target.parent.is_dir() or not os.access(target.parent, os.W_OK) or target.is_dir():
-        raise ValueError(f"path: got {str(path)!r}, must be in a folder that can be written")
-    if film:
+    mp4 = target.suffix.lower() == ".mp4"
+    if mp4:
         video.require_ffmpeg()
-    if frames_per_second is None:
-        frames_per_second = 30 if film else 15
-    if width is None:
-        width = 1280 if film else 640
-    rate = validation.whole("frames_per_second", frames_per_second, *RATES)
-    pixels = validation.whole("width", width, *WIDTHS) // 32 * 32  # 16:9, and even
+    default_rate, default_width = (30, 1280) if mp4 else (15, 640)
+    given_rate = default_rate if frames_per_second is None else frames_per_second
+    rate = validation.whole("frames_per_second", given_rate, *RATES)
+    given_width = default_width if width is None else width
+    pixels = validation.whole("width", given_width, *WIDTHS) // 32 * 32  # 16:9, and even
     if ghost is None:
         ghost = independent(result.column, result.until)
     elif not isinstance(ghost, type(result)) or ghost.column != result.column:
         raise ValueError(f"ghost: got {validation.shown(ghost)}, must be a result of the same column")
-    pictures = frames(result, ghost, pixels, rate, progress)
-    return video.write(target, pictures, pixels, rate)
+    return video.write(target, frames(result, ghost, pixels, rate, progress), pixels, rate)
 
 
 def frames(
-    result: Result,
-    ghost: Result,
-    width: int,
-    rate: int,
-    progress: Callable[[int, int], object] | None = None,
+    result: Result, ghost: Result, width: int, rate: int, progress: Callable[[int, int], object] | None = None
 ) -> Iterator[Frame]:
     """The frames in order."""
     scenes = storyboard(result, ghost, rate)

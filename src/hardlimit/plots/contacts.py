@@ -2,29 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
+from ..contact.contact import Contact
 from .labels import scaled
 from .style import COLUMN_WIDTH, PAGE_WIDTH, PALETTE, style
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from ..contact.contact import Contact
-
-
 #: Smallest span of an axis of ε, so that a constant ε appears as a straight line.
 LEAST_SPAN: Final = 0.1
-
-
-def around(restitution: NDArray[np.float64]) -> tuple[float, float]:
-    """Limits of an axis for these values of ε."""
-    low, high = float(restitution.min()), float(restitution.max())
-    margin = max(0.1 * (high - low), 0.5 * (LEAST_SPAN - (high - low)))
-    return max(low - margin, 0.0), high + margin
 
 
 def restitution_over_speed(contact: Contact, speeds: NDArray[np.float64]) -> Figure:
@@ -35,7 +24,9 @@ def restitution_over_speed(contact: Contact, speeds: NDArray[np.float64]) -> Fig
         restitution = np.asarray(contact.restitution(speeds))
         upper.plot(speeds, restitution, color=PALETTE["blue"])
         upper.set_ylabel(r"coefficient of restitution $\varepsilon$")
-        upper.set_ylim(*around(restitution))
+        low, high = float(restitution.min()), float(restitution.max())
+        margin = max(0.1 * (high - low), 0.5 * (LEAST_SPAN - (high - low)))
+        upper.set_ylim(max(low - margin, 0.0), high + margin)
         duration = np.asarray(contact.duration(speeds))
         factor, unit = scaled(float(duration.max()), "s")
         lower.plot(speeds, duration * factor, color=PALETTE["vermillion"])

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from ..fidelity_study.contacts import EDGES
+from ..fidelity_study.replica import NEWTON
 from .gas import set_scale
 from .labels import scaled
 from .style import GREY, PAGE_WIDTH, PALETTE, style
@@ -27,7 +28,6 @@ LOOKS: Final[dict[str, dict[str, Any]]] = {
     "tc": {"color": PALETTE["green"], "ls": (0, (6, 1.5, 1, 1.5))},
     "soft": {"color": PALETTE["blue"], "ls": "-"},
 }
-NAMES: Final = {"newton": "Newton’s equations"}
 #: Smaller distances of trajectories [radii] are drawn at the edge.
 SMALLEST: Final = 1e-9
 
@@ -43,12 +43,9 @@ def fidelity(f: Fidelity) -> Figure:
         _temperature(axes[0, 0], f, factor)
         cools = bool(np.isfinite(f.dataset["cooling"].values[0, -1, 0]))
         measure = ("cooling", "cooling") if cools else ("granular_temperature", "granular temperature")
-        for ax, (name, label) in zip(
-            (axes[0, 1], axes[1, 0], axes[1, 1]),
-            (measure, ("collision_rate", "collision rate"), ("pressure", "pressure")),
-            strict=True,
-        ):
-            _difference(ax, f, name, label, factor)
+        _difference(axes[0, 1], f, *measure, factor)
+        _difference(axes[1, 0], f, "collision_rate", "collision rate", factor)
+        _difference(axes[1, 1], f, "pressure", "pressure", factor)
         _paths(axes[2, 0], f, factor)
         _contacts(axes[2, 1], f)
         for ax in axes.flat[:-1]:
@@ -81,9 +78,8 @@ def _band(ax: Axes, x: Any, mean: Any, error: Any, look: dict[str, Any], **more:
 def _temperature(ax: Axes, f: Fidelity, factor: float) -> None:
     values = f.dataset["granular_temperature"].values
     for model, found in zip(f.models, values, strict=True):
-        _band(
-            ax, f.plan.times * factor, found[:, 0], found[:, 1], LOOKS[model], label=NAMES.get(model, model)
-        )
+        name = "Newton’s equations" if model == NEWTON else model
+        _band(ax, f.plan.times * factor, found[:, 0], found[:, 1], LOOKS[model], label=name)
     set_scale(ax, values[..., 0].ravel(), [])
     ax.set_ylabel("granular temperature\n[m²/s²]")
 
@@ -96,15 +92,8 @@ def _difference(ax: Axes, f: Fidelity, name: str, label: str, factor: float) -> 
         _band(ax, f.plan.times * factor, 100.0 * found.value, 100.0 * found.error, LOOKS[model])
         left = f.departure(name, model)
         if left is not None:
-            ax.plot(
-                left.time * factor,
-                100.0 * left.size,
-                "o",
-                ms=4.5,
-                mec="white",
-                mew=0.6,
-                c=LOOKS[model]["color"],
-            )
+            dot = {"ms": 4.5, "mec": "white", "mew": 0.6, "c": LOOKS[model]["color"]}
+            ax.plot(left.time * factor, 100.0 * left.size, "o", **dot)
     ax.set_ylabel(f"{label},\ndifference [%]")
 
 

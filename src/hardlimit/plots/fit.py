@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Final
+from collections.abc import Iterator
+from itertools import cycle
+from typing import Any, Final
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from ..fitting.measurements import OBSERVED, Impacts, Rebounds
+from ..fitting.result import Fit, Trial
 from .labels import scaled
 from .style import GREY, PAGE_WIDTH, PALETTE, style
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-    from ..fitting.result import Fit, Trial
 
 #: Colour and line of the chosen law, then of the others in order.
 LOOKS: Final[tuple[dict[str, Any], ...]] = (
@@ -25,7 +24,7 @@ LOOKS: Final[tuple[dict[str, Any], ...]] = (
     {"color": PALETTE["purple"], "ls": (0, (6, 1.5, 1, 1.5))},
 )
 #: More points than this are drawn without error bars.
-MOST_BARS: Final = 300
+MAX_BARS: Final = 300
 DOTS: Final[dict[str, Any]] = {"fmt": "o", "ms": 3.2, "color": "black", "elinewidth": 0.8, "zorder": 3}
 
 
@@ -47,16 +46,16 @@ def fit(found: Fit) -> Figure:
 
 def _impacts(ax: Axes, found: Fit, data: Impacts) -> Any:
     speed = data.speed
-    if data.n > MOST_BARS:
+    if data.n > MAX_BARS:
         ax.plot(speed, data.restitution, ".", ms=2.0, color=GREY, zorder=0, rasterized=True)
     else:
         ax.errorbar(speed, data.restitution, yerr=data.restitution_error, **DOTS)
     margin = 1.15 if speed.max() > 1.02 * speed.min() else 2.0
     v = np.geomspace(speed.min() / margin, speed.max() * margin, 300)
     for trial, look in _looks(found):
-        curve = np.asarray(trial.law.between(trial.candidate.ball, trial.candidate.other).restitution(v))
+        curve = np.asarray(trial.contact.restitution(v))
         ax.plot(v, curve, label=trial.name, **look)
-        if trial is found.chosen and found.scatter is not None:
+        if trial is found and found.scatter is not None:
             s = found.scatter.value
             ax.fill_between(v, curve - s, curve + s, color=look["color"], alpha=0.15, lw=0.0)
     _logarithmic(ax)
@@ -93,15 +92,14 @@ def _logarithmic(ax: Axes) -> None:
     ax.xaxis.set_minor_formatter(NullFormatter())
 
 
-def _looks(found: Fit) -> list[tuple[Trial, dict[str, Any]]]:
-    trials = (found.chosen, *found.others)
-    return [(trial, LOOKS[i % len(LOOKS)]) for i, trial in enumerate(trials)]
+def _looks(found: Fit) -> Iterator[tuple[Trial, dict[str, Any]]]:
+    return zip((found, *found.others), cycle(LOOKS), strict=False)
 
 
 def _deviations(ax: Axes, x: Any, deviations: Any) -> None:
     ax.axhspan(-1.0, 1.0, color=GREY, alpha=0.2, lw=0.0)
     ax.axhline(0.0, color=PALETTE["vermillion"], lw=1.2)
-    ax.plot(x, deviations, "o", ms=3.2 if len(deviations) <= MOST_BARS else 1.0, color="black")
+    ax.plot(x, deviations, "o", ms=3.2 if len(deviations) <= MAX_BARS else 1.0, color="black")
     largest = max(2.5, 1.15 * float(np.abs(deviations).max()))
     ax.set_ylim(-largest, largest)
     ax.set_ylabel("deviation\n[errors]")

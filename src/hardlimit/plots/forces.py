@@ -4,45 +4,42 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FormatStrFormatter
+from numpy.typing import NDArray
 
+from ..column.result import Result
 from .labels import scaled
 from .style import GREY, PAGE_WIDTH, pair_colour, pair_label, style
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from numpy.typing import NDArray
-
-    from ..column.result import Result
-
 Curve = tuple["NDArray[np.float64]", "NDArray[np.float64]"]
 
-MOST_DRAWN = 400  #: contacts of a pair; of more contacts, this many are drawn, evenly spread
+MAX_DRAWN = 400  #: contacts of a pair that are drawn, evenly chosen from more
 
 
 def force_curve(result: Result, pair: int, stop: float, samples: int = 200) -> Curve:
     """Times [s] and forces [N] of a pair: each contact from begin to end, zero in between.
 
-    At most ``MOST_DRAWN`` contacts are included.
+    At most ``MAX_DRAWN`` contacts are included.
     """
     begin, end = contacts_of(result, pair)
     end = np.minimum(np.where(np.isnan(end), stop, end), stop)
     chosen = spread(np.flatnonzero(end > begin))
     begin, end = begin[chosen, None], end[chosen, None]
     # Samples lie just inside the contact, because the force jumps at its begin.
-    share = np.concatenate([[1e-6], np.linspace(0.0, 1.0, samples)[1:-1], [1 - 1e-6]])
-    inside = begin + (end - begin) * share
+    fraction = np.concatenate([[1e-6], np.linspace(0.0, 1.0, samples)[1:-1], [1 - 1e-6]])
+    inside = begin + (end - begin) * fraction
     force = result.trajectory(inside.ravel())["force"].sel(pair=pair).values.reshape(inside.shape)
     outside = np.zeros_like(begin)
     times, forces = np.hstack([begin, inside, end]), np.hstack([outside, force, outside])
     return times.ravel(), forces.ravel()
 
 
-def spread(indices: NDArray[np.int64], most: int = MOST_DRAWN) -> NDArray[np.int64]:
+def spread(indices: NDArray[np.int64], most: int = MAX_DRAWN) -> NDArray[np.int64]:
     """All indices, or ``most`` of them, evenly spread from the first to the last."""
     if len(indices) <= most:
         return indices
@@ -119,12 +116,12 @@ def draw_forces(axes: list[Axes], result: Result, ghost: Result | None) -> None:
             _draw_impulses(ax, result, pair, factor)
     else:
         _draw_curves(axes, result, pairs, span, factor)
-    for ax, pair in zip(axes, pairs, strict=True):
-        if ghost is not None and result.model != "independent":
-            _draw_instants(ax, contacts_of(ghost, pair)[0] * factor, GREY)
+        if ghost is not None:
+            for ax, pair in zip(axes, pairs, strict=True):
+                _draw_instants(ax, contacts_of(ghost, pair)[0] * factor, GREY)
     end = result.t_end if len(result.column.balls) > 1 else math.nan
     _mark_end(axes, end, span, factor)
-    # On the side away from the label of t_f, which it would overlap.
+    # The title must not overlap the label of t_f.
     side: Any = "right" if end < 0.5 * (span[0] + span[1]) else "left"
     for ax, pair in zip(axes, pairs, strict=True):
         ax.set_title(_bodies_and_contacts(result, pair), loc=side, fontsize="medium", pad=3.0)
@@ -135,7 +132,7 @@ def draw_forces(axes: list[Axes], result: Result, ghost: Result | None) -> None:
 
 def _bodies_and_contacts(result: Result, pair: int) -> str:
     n = len(contacts_of(result, pair)[0])
-    some = f", {MOST_DRAWN} of them drawn" if n > MOST_DRAWN else ""
+    some = f", {MAX_DRAWN} of them drawn" if n > MAX_DRAWN else ""
     contacts = "no contact" if n == 0 else "1 contact" if n == 1 else f"{n} contacts{some}"
     return f"{'floor' if pair == 0 else f'balls {pair}–{pair + 1}'}: {contacts}"
 
@@ -165,7 +162,8 @@ def _draw_curves(
     factor, unit = scaled(max(float(values.max(initial=0.0)) for _, values in curves), "N")
     for ax, pair, (times, values) in zip(axes, pairs, curves, strict=True):
         colour = pair_colour(pair)
-        last = values[-1] if _never_ends(result, pair) else 0.0
+        never_ends = bool(np.isnan(contacts_of(result, pair)[1][-1:]).any())
+        last = values[-1] if never_ends else 0.0
         t = np.concatenate([[span[0]], times, [span[1]]]) * time_factor
         f = np.concatenate([[0.0], values, [last]]) * factor
         ax.plot(t, f, color=colour)
@@ -173,11 +171,6 @@ def _draw_curves(
         ax.set_ylabel(f"{pair_label(pair)} [{unit}]")
         ax.set_ylim(0.0, 1.12 * float(f.max(initial=0.0)) or 1.0)
         ax.yaxis.set_major_formatter(FormatStrFormatter("%.4g"))
-
-
-def _never_ends(result: Result, pair: int) -> bool:
-    end = contacts_of(result, pair)[1]
-    return bool(len(end)) and math.isnan(end[-1])
 
 
 def _draw_impulses(ax: Axes, result: Result, pair: int, time_factor: float) -> None:
@@ -189,7 +182,7 @@ def _draw_impulses(ax: Axes, result: Result, pair: int, time_factor: float) -> N
 
 
 def _draw_instants(ax: Axes, instants: NDArray[np.float64], colour: str) -> None:
-    """At most ``MOST_DRAWN`` instants as arrows on the time axis."""
+    """At most ``MAX_DRAWN`` instants as arrows on the time axis."""
     for t in instants[spread(np.arange(len(instants)))]:
         ax.annotate(
             "",

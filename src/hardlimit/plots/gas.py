@@ -50,14 +50,13 @@ def gas(run: ParticleResult) -> Figure:
                 ax.plot(at * factor, expected, color="black", lw=0.9, ls=(0, (4, 3)), label=text)
                 ax.legend(loc="best")
             ax.set_ylabel(f"{label}\n[{units.replace('m2/s2', 'm²/s²')}]")
-            set_scale(ax, values, [v for _, v in [theories[name]]] if name in theories else [])
+            set_scale(ax, values, [theories[name][1]] if name in theories else [])
         axes[-1].set_xlim(0.0, float(time[-1]) * factor or 1.0)
         axes[-1].set_xlabel(f"time [{unit}]")
         figure.align_ylabels(axes)
         if not theories:
-            axes[0].set_title(
-                f"no theory: {theory.why_not(run.system)}", fontsize="small", color=GREY, loc="right"
-            )
+            reason = f"no theory: {theory.why_not(run.system)}"
+            axes[0].set_title(reason, fontsize="small", color=GREY, loc="right")
     return figure
 
 

@@ -40,7 +40,6 @@ class Snapshot:
 
     @classmethod
     def of(cls, time: float, system: ParticleSystem) -> Snapshot:
-        """The snapshot of a system at ``time`` [s]."""
         return cls(time, shown(system), root_mean_square(system), system.granular_temperature)
 
 
@@ -55,24 +54,9 @@ def film(
 ) -> Path:
     """Write a picture of each snapshot as MP4 or GIF, by the ending of ``path``.
 
-    Parameters
-    ----------
-    path : path
-    system : ParticleSystem
-        Any state; its box and its particles are those of the film.
-    frames : iterable of (Snapshot, collisions so far)
-        Consumed one by one while the film is written.
-    end : float [s]
-        End of the run; it sets the unit of the clock.
-    width : int
-        In pixels, a multiple of 32; 16:9.
-    rate : int
-        Pictures per second.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be written; names it.
+    ``frames`` has each snapshot with the number of collisions so far, and is consumed while the film is written. The
+    ``end`` of the run [s] sets the unit of the clock. ``width`` is in pixels, a multiple of 32; ``rate``
+    in pictures per second.
     """
     return video.write(path, pictures(system, frames, end, width), width, rate)
 
@@ -80,7 +64,6 @@ def film(
 def pictures(
     system: ParticleSystem, frames: Iterable[tuple[Snapshot, int]], end: float, width: int
 ) -> Iterator[Frame]:
-    """The pictures in order."""
     with style(**STYLE):
         stage = Stage(system, end, width)
         for snapshot, collisions in frames:
@@ -125,11 +108,10 @@ class Stage(Canvas):
         sides = [system.boundary[axis] for axis in (self.plane[1], self.plane[0])]
         for i, (a, b) in enumerate(itertools.pairwise(corners)):
             solid = sides[i % 2] == "wall"
-            look: dict[str, Any] = {"lw": 2.0, "ls": "-"} if solid else {"lw": 0.9, "ls": (0, (4, 3))}
-            self.ax.plot([a[0], b[0]], [a[1], b[1]], color="black", zorder=3, clip_on=False, **look)
+            line: dict[str, Any] = {"lw": 2.0, "ls": "-"} if solid else {"lw": 0.9, "ls": (0, (4, 3))}
+            self.ax.plot([a[0], b[0]], [a[1], b[1]], color="black", zorder=3, clip_on=False, **line)
 
     def picture(self, snapshot: Snapshot, collisions: int) -> Frame:
-        """The picture of one state."""
         at, radius, speed = snapshot.circles
         size, rms = 2.0 * radius, snapshot.rms_speed
         relative = speed / (rms or 1.0)
@@ -159,22 +141,18 @@ def caption(system: ParticleSystem) -> str:
 def shown(system: ParticleSystem) -> tuple[Floats, Floats, Floats]:
     """Centres (n, 2), radii (n,) and speeds (n,) of the circles, including periodic images at the edges."""
     radius = np.asarray(system.radius)
-    at = system.positions
+    at, speed = system.positions, np.linalg.norm(system.velocities, axis=1)
     if system.dimension == 3:
         off = np.abs(at[:, 1] - 0.5 * system.box[1])
         cut = off < radius
         at, radius, off = at[cut][:, [0, 2]], radius[cut], off[cut]
         radius = np.sqrt(radius**2 - off**2)
-        speed = np.linalg.norm(system.velocities[cut], axis=1)
-    else:
-        speed = np.linalg.norm(system.velocities, axis=1)
+        speed = speed[cut]
     for column, axis in enumerate((0, system.dimension - 1)):
         if system.boundary[axis] == "periodic":
             edge = float(system.box[axis])
             low, high = at[:, column] < radius, at[:, column] > edge - radius
-            shift = np.zeros(2)
-            shift[column] = edge
+            shift = edge * np.eye(2)[column]
             at = np.concatenate([at, at[low] + shift, at[high] - shift])
-            radius = np.concatenate([radius, radius[low], radius[high]])
-            speed = np.concatenate([speed, speed[low], speed[high]])
+            radius, speed = (np.concatenate([one, one[low], one[high]]) for one in (radius, speed))
     return at, radius, speed

@@ -5,26 +5,22 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure, FigureBase
+from numpy.typing import NDArray
 
 from ..column.models import MODELS
+from ..column.result import Result
 from ..column.solvers import adiabatic, newton
 from ..contact.compression import CompressionWarning
 from .forces import draw_forces, pairs_of, spread, unresolved, window
 from .labels import LOOKS, scaled
 from .style import PAGE_WIDTH, ball_colour, style
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import FigureBase
-    from numpy.typing import NDArray
-
-    from ..column.result import Result
-
-MOST_NAMED = 6  #: balls in the legend; for more, none is listed
+MAX_NAMED = 6  #: the legend lists the balls of columns up to this number
 
 
 def heights(*results: Result, until: float | None = None) -> Figure:
@@ -74,9 +70,8 @@ def release_time(result: Result) -> float:
 def tops(result: Result) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Time [s] and height [m] of the top of each ball's flight after the last contact, bottom ball first.
 
-    NaN for a ball that does not rise, without gravity, and where a contact became too deep. A ball that is hit again
-    on its way up keeps the top that its flight would have had. If a contact has no end, the flights begin at the last
-    instant solved.
+    NaN for a ball that does not rise, without gravity, and where a contact became too deep. Later contacts are ignored.
+    If a contact has no end, the flights begin at the last instant solved.
     """
     gravity, n = result.column.gravity, len(result.column.balls)
     after = min(_end_of_contacts(result), result.known_until)
@@ -104,10 +99,9 @@ def time_shown(results: Sequence[Result]) -> float:
     """
     span = 0.0
     for result in results:
-        release = -release_time(result) if result.column.floor else 0.0
-        default = max(1.3 * release, 3.0 * window([result])[1])
-        wanted = default if result.until is None else result.until
-        span = max(span, wanted, 1.06 * float(np.nanmax(tops(result)[0], initial=0.0)))
+        default = max(-1.3 * release_time(result), 3.0 * window([result])[1])
+        end = default if result.until is None else result.until
+        span = max(span, end, 1.06 * float(np.nanmax(tops(result)[0], initial=0.0)))
     return span
 
 
@@ -169,10 +163,10 @@ def _name_lines(ax: Axes, results: Sequence[Result]) -> None:
     what = "top ball rebounds" if len(results[0].column.balls) > 1 else "rebound"
     for result in results:
         highest = float(tops(result)[1][-1])
-        name = MODELS[result.model].label
-        label = name if math.isnan(highest) else f"{name}, {what} to {highest:.3g} m"
+        rebound = "" if math.isnan(highest) else f", {what} to {highest:.3g} m"
+        label = MODELS[result.model].label + rebound
         ax.plot([], [], color="black", label=label, **LOOKS[result.model])
-    if 1 < len(results[0].column.balls) <= MOST_NAMED:
+    if 1 < len(results[0].column.balls) <= MAX_NAMED:
         for ball in range(len(results[0].column.balls), 0, -1):
             ax.plot([], [], color=ball_colour(ball), label=f"ball {ball}")
 

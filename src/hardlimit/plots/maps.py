@@ -8,20 +8,21 @@ from typing import TYPE_CHECKING, Any, Final
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.colors import Colormap, ListedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator, NullLocator
+from numpy.typing import NDArray
+from scipy.ndimage import distance_transform_cdt, minimum_filter
 
 from .labels import axis_label, axis_scale
-from .style import MISSING, MOST_COUNTED, PAGE_WIDTH, PALETTE, count_colours, style
+from .style import MAX_COUNTED, MISSING, PAGE_WIDTH, PALETTE, count_colours, style
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.axes import Axes
-    from numpy.typing import NDArray
 
-MOST_CELLS: Final = 2000  #: along a side of a map; larger maps are thinned
+MAX_CELLS: Final = 2000  #: along a side of a map; larger maps are thinned
 LABEL_SIZES: Final = (9.0, 7.5, 6.0)  #: [points] font sizes of the counts on a map
 STROKE_WIDTH: Final = 1.8  #: [points] white outline of the counts
 RATIOS: Final = ("restitution_ratio", "restitution_ratio_at_separation")
@@ -33,10 +34,7 @@ def count_map(ds: xr.Dataset, variable: str = "n_contacts") -> Figure:
     Contact counts have the colours of :func:`count_colours` and are written into their regions; the colours of
     ratios are centred at 1.
 
-    Raises
-    ------
-    ValueError
-        If the variable is missing or does not have two dimensions.
+    Raises a ValueError if the variable is missing or does not have two dimensions.
     """
     array = _plane(ds, variable)
     if variable == "n_contacts":
@@ -63,14 +61,11 @@ def difference_map(
 ) -> Figure:
     """Map of newton − independent for a variable of two sweeps over the same axes; white is agreement.
 
-    Raises
-    ------
-    ValueError
-        If the variable is missing in one, or the axes differ.
+    Raises a ValueError if the variable is missing in one, or the axes differ.
     """
     first, second = _plane(newton, variable), _plane(independent, variable)
     if first.dims != second.dims or any(not np.array_equal(first[d], second[d]) for d in first.dims):
-        raise ValueError("independent: its axes differ from those of newton, must be the same")
+        raise ValueError("independent: got other axes, must have those of newton")
     difference = first.values.astype(float) - second.values.astype(float)
     finite = difference[np.isfinite(difference)]
     factor, name = _scaled_label(variable, dict(newton[variable].attrs), finite)
@@ -86,8 +81,8 @@ def _plane(ds: xr.Dataset, variable: str) -> xr.DataArray:
     if variable not in ds:
         raise ValueError(f"variable: got {variable!r}, must be one of {', '.join(map(str, ds.data_vars))}")
     if ds[variable].ndim != 2:
-        raise ValueError(f"{variable}: got {ds[variable].ndim} dimensions, a map must have 2")
-    step = [slice(None, None, math.ceil(n / MOST_CELLS)) for n in ds[variable].shape]
+        raise ValueError(f"{variable}: got {ds[variable].ndim} dimensions, must have 2 for a map")
+    step = [slice(None, None, math.ceil(n / MAX_CELLS)) for n in ds[variable].shape]
     return ds[variable][step[0], step[1]].load()
 
 
@@ -160,9 +155,9 @@ def _draw_counts(array: xr.DataArray) -> Figure:
     counts = array.values
     lowest, highest = (int(counts.min()), int(counts.max())) if counts.size else (0, 1)
     cmap, norm = count_colours(highest, lowest)
-    shown = np.arange(max(min(lowest, MOST_COUNTED), 0), min(max(highest, 1), MOST_COUNTED) + 1)
+    shown = np.arange(max(min(lowest, MAX_COUNTED), 0), min(max(highest, 1), MAX_COUNTED) + 1)
     label = axis_label("n_contacts", dict(array.attrs))
-    beyond = "max" if highest > MOST_COUNTED else "neither"
+    beyond = "max" if highest > MAX_COUNTED else "neither"
     figure = _draw_plane(array, counts, label, cmap, norm, extend=beyond, ticks=shown)
     with style():
         x, y = (_axis(array, str(dim))[0] for dim in array.dims)
@@ -185,9 +180,9 @@ def label_regions(ax: Axes, x: NDArray[Any], y: NDArray[Any], counts: NDArray[An
     for count in np.unique(coarse[coarse >= 0]):
         for size in LABEL_SIZES:
             box = np.ceil((_size(count, size) + 2.0 * STROKE_WIDTH) / cell).astype(int)
-            fits = _windows(coarse == count, box)
+            fits = minimum_filter(coarse == count, tuple(box), mode="constant")  # centres of labels
             if fits.any():
-                i, j = _deepest(fits) + box // 2
+                i, j = _deepest(fits)
                 label = ax.text(x[i], y[j], str(count), ha="center", va="center_baseline", fontsize=size)
                 label.set_path_effects([withStroke(linewidth=STROKE_WIDTH, foreground="white")])
                 break
@@ -220,26 +215,10 @@ def _label_at_edge(
             return
 
 
-def _windows(inside: NDArray[np.bool_], box: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """For each cell, whether a box of cells with its lowest corner there lies inside."""
-    if np.any(box > inside.shape):
-        return np.zeros((0, 0), bool)
-    sums = np.pad(inside.cumsum(0).cumsum(1), ((1, 0), (1, 0)))
-    a, b = box
-    filled: NDArray[np.bool_] = sums[a:, b:] - sums[:-a, b:] - sums[a:, :-b] + sums[:-a, :-b] == a * b
-    return filled
-
-
 def _deepest(inside: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """The cell farthest from the border of the region, found by repeated erosion."""
-    left = np.pad(inside, 1)
-    while True:
-        peeled = left & np.roll(left, 1, 0) & np.roll(left, -1, 0)
-        peeled &= np.roll(left, 1, 1) & np.roll(left, -1, 1)
-        if not peeled.any():
-            break
-        left = peeled
-    where = np.argwhere(left) - 1
+    """The cell farthest from the border of the region."""
+    distance = distance_transform_cdt(np.pad(inside, 1), "taxicab")
+    where = np.argwhere(distance == distance.max()) - 1
     deepest: NDArray[np.int64] = where[len(where) // 2]
     return deepest
 
@@ -247,10 +226,7 @@ def _deepest(inside: NDArray[np.bool_]) -> NDArray[np.int64]:
 def sweep_map(ds: xr.Dataset, variable: str = "n_contacts") -> Figure:
     """A variable of a sweep over one or two parameters as a line or a map.
 
-    Raises
-    ------
-    ValueError
-        If the variable is missing or has more than two dimensions.
+    Raises a ValueError if the variable is missing or has more than two dimensions.
     """
     if variable not in ds or ds[variable].ndim != 1:
         return count_map(ds, variable)

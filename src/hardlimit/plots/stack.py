@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from ..stacks import Stack
 from .labels import LOOKS
 from .style import GREY, PAGE_WIDTH, PALETTE, style
-
-if TYPE_CHECKING:
-    from ..stacks import Stack
 
 #: Gaps of the picture in units of V t_c.
 GAPS = np.geomspace(1e-3, 30.0, 61)

@@ -3,26 +3,23 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.patches import Ellipse, Rectangle
+from numpy.typing import NDArray
 
 from ..column.models import MODELS
+from ..column.result import Result
 from .forces import draw_forces, pairs_of, window
 from .labels import scaled
 from .storyboard import Scene, gaps_at, round_up
 from .style import ball_colour
 from .video import Canvas, Frame
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from numpy.typing import NDArray
-
-    from ..column.result import Result
-
-SQUEEZE: Final = 0.3  #: largest drawn deformation [radii]
-SMALLEST_DRAWN: Final = 0.28  #: smallest drawn radius in the close-up, relative to the largest
+MAX_DEFORMATION: Final = 0.3  #: as drawn, in radii
+MIN_RADIUS: Final = 0.28  #: as drawn in the close-up, relative to the largest
 
 
 class _Stage(Canvas):
@@ -79,19 +76,22 @@ class _Stage(Canvas):
         """The speed of the film, and a text below it."""
         slowed = self.scene.slowed
         factor, unit = scaled(1.0 / slowed, "s")
-        how = f"slowed {_grouped(slowed)} times" if slowed > 1.0 else "in real time"
-        how = f"{_grouped(1.0 / slowed)} times faster" if slowed < 1.0 else how
-        speed = f"{how}: 1 s of film is {_grouped(factor / slowed)} {unit}" if slowed != 1.0 else how
+        speed = "in real time"
+        if slowed != 1.0:
+            how = (
+                f"slowed {_grouped(slowed)} times"
+                if slowed > 1.0
+                else f"{_grouped(1.0 / slowed)} times faster"
+            )
+            speed = f"{how}: 1 s of film is {_grouped(factor / slowed)} {unit}"
         self.figure.text(0.645, 0.875, f"{speed}\n{text}", fontsize=9, color="#333333", va="top")
 
     def add_forces(self) -> None:
         """Forces over time with a cursor, beside the balls."""
-        pairs = pairs_of(self.result)
-        height = 0.6 / len(pairs)
-        axes = []
-        for k in range(len(pairs)):
-            box = (0.725, 0.12 + (len(pairs) - 1 - k) * height, 0.25, height - 0.045)
-            axes.append(self.figure.add_axes(box))
+        n = len(pairs_of(self.result))
+        height = 0.6 / n
+        boxes = [(0.725, 0.12 + k * height, 0.25, height - 0.045) for k in reversed(range(n))]
+        axes = [self.figure.add_axes(box) for box in boxes]
         draw_forces(axes, self.result, self.ghost)
         for ax in axes[:-1]:
             ax.tick_params(labelbottom=False)
@@ -104,11 +104,9 @@ class _Stage(Canvas):
 
 
 def _clock(t: float, close_up: bool) -> str:
-    if close_up and abs(t) < 0.01:
-        text = f"t = {t * 1e6:.1f} µs"
-    else:
-        text = f"t = {t * 1e3:.{3 if close_up else 1}f} ms"
-    return text.replace("-", "−")
+    in_ms = f"{t * 1e3:.{3 if close_up else 1}f} ms"
+    text = f"{t * 1e6:.1f} µs" if close_up and abs(t) < 0.01 else in_ms
+    return f"t = {text}".replace("-", "−")
 
 
 def _grouped(number: float) -> str:
@@ -162,8 +160,8 @@ class CloseUp(_Stage):
         column = self.result.column
         true = np.array([ball.radius for ball in column.balls])
         largest = float(true.max())
-        shrink = math.log(SMALLEST_DRAWN) / math.log(true.min() / largest) if true.min() < largest else 1.0
-        power = min(1.0, shrink) if true.min() / largest < SMALLEST_DRAWN else 1.0
+        smallest = float(true.min()) / largest
+        power = math.log(MIN_RADIUS) / math.log(smallest) if smallest < MIN_RADIUS else 1.0
         self.radii = (true / largest) ** power
         self.scales = [self._scale(pair, largest) for pair in range(len(true))]
         self.horizontal = not column.floor
@@ -186,27 +184,20 @@ class CloseUp(_Stage):
             ax.set_yticks([])
         self.length = length
         self.caption(self._scale_text(power))
-        self.gone = [
-            ax.text(
-                *((0.985, 0.5) if self.horizontal else (0.5, 0.985)),
-                "",
-                transform=ax.transAxes,
-                ha="right" if self.horizontal else "center",
-                va="center" if self.horizontal else "top",
-                fontsize=8.5,
-                color="#444444",
-            )
-            for ax in self.axes
-        ]
-        self.moving += self.gone
+        at, ha, va = (0.985, 0.5), "right", "center"
+        if not self.horizontal:
+            at, ha, va = (0.5, 0.985), "center", "top"
+        look: dict[str, Any] = {"ha": ha, "va": va, "fontsize": 8.5, "color": "#444444"}
+        self.out_of_view = [ax.text(*at, "", transform=ax.transAxes, **look) for ax in self.axes]
+        self.moving += self.out_of_view
 
     def _scale(self, pair: int, largest: float) -> float:
-        """Drawn length for one metre of gap, such that the largest deformation is SQUEEZE radii."""
+        """Drawn length for one metre of gap, such that the largest deformation is MAX_DEFORMATION."""
         deepest = -float(self.states[0][1][:, pair].min())
         if (pair == 0 and not self.result.column.floor) or not deepest > 0.0:
             return 1.0 / largest
         smaller = self.radii[pair] if pair == 0 else min(self.radii[pair - 1], self.radii[pair])
-        factor = SQUEEZE * smaller * largest / deepest  # relative to the scale of the largest ball
+        factor = MAX_DEFORMATION * smaller * largest / deepest  # relative to the scale of the largest ball
         if factor <= 1.0:
             return 1.0 / largest
         return round_up(factor) / (2.0 if round_up(factor) > factor * 1.2 else 1.0) / largest
@@ -217,20 +208,18 @@ class CloseUp(_Stage):
         for pair in pairs_of(self.result):
             where = "at the floor" if pair == 0 else f"balls {pair}–{pair + 1}"
             parts.append(f"{where} ×{_grouped(self.scales[pair] * largest)}")
-        text = "close-up, deformation and gaps enlarged:\n" + ", ".join(parts[:3])
-        if len(parts) > 3:
-            text += ", …"
-        return text + ("\nradii not to scale" if power < 1.0 else "")
+        more, radii = ", …" * (len(parts) > 3), "\nradii not to scale" * (power < 1.0)
+        return f"close-up, deformation and gaps enlarged:\n{', '.join(parts[:3])}{more}{radii}"
 
     def move(self, i: int) -> None:
         for k, (balls, (_, gaps)) in enumerate(zip(self.balls, self.states, strict=True)):
-            self._place(k, balls, gaps[i])
+            self._draw(k, balls, gaps[i])
 
-    def _place(self, which: int, balls: list[Ellipse], gaps: NDArray[np.float64]) -> None:
-        """Ellipses that touch while in contact: the bodies in contact share a compression equally."""
+    def _draw(self, which: int, balls: list[Ellipse], gaps: NDArray[np.float64]) -> None:
+        """Ellipses that touch while in contact; both bodies have half of the compression."""
         drawn = gaps * np.array(self.scales)
         if self.horizontal:
-            drawn[0] = 0.0  # the first ball of a cradle is drawn at a fixed place; only gaps are shown
+            drawn[0] = 0.0  # the first ball of a cradle does not move; only gaps are shown
         squeeze = np.maximum(-drawn, 0.0)
         bottom = 0.0
         missing = ""
@@ -246,11 +235,10 @@ class CloseUp(_Stage):
             else:
                 ball.set(center=(0.0, centre), width=across, height=size)
             if bottom > self.length and not missing:
-                away = float(gaps[b])
-                missing = f"▲ ball {b + 1} is {_distance(away)} away"
-                missing = missing.replace("▲", "▶") if self.horizontal else missing
+                arrow = "▶" if self.horizontal else "▲"
+                missing = f"{arrow} ball {b + 1} is {_distance(float(gaps[b]))} away"
             bottom += size
-        self.gone[which].set_text(missing)
+        self.out_of_view[which].set_text(missing)
 
 
 def _distance(metres: float) -> str:
@@ -274,7 +262,7 @@ def _make_balls(ax: Axes, radii: list[float], ghost: bool) -> list[Ellipse]:
         if ghost:
             inch = radius * ax.get_window_extent().height / abs(np.diff(ax.get_ylim())[0]) / ax.figure.dpi
             ball.set(facecolor="white", edgecolor=colour, linewidth=1.6)
-            if inch > 0.1:  # dashes need room
+            if inch > 0.1:  # dashes would not be visible on a smaller ball
                 ball.set_linestyle("--")
         ax.add_patch(ball)
         balls.append(ball)

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
+from ..column.result import Result
 from .heights import release_time, time_shown
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from ..column.result import Result
 
 SECONDS_OF_CONTACTS: Final = 8.0  #: of film, approximately; the factor of slow motion is rounded
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -16,7 +15,6 @@ from matplotlib.colors import BoundaryNorm, Colormap, ListedColormap
 from matplotlib.figure import Figure
 
 from ..support import saving, validation
-from ..support.formatting import listed
 
 #: Palette of Okabe and Ito (2008), for colour-blind readers.
 PALETTE: Final = {
@@ -98,15 +96,10 @@ def save(figure: Figure, path: str | Path, dpi: float | None = None) -> Path:
     OSError
         If the file cannot be written; names it.
     """
-    target = Path(path)
-    ending = target.suffix.lower()
-    if ending not in endings():
-        raise ValueError(f"plot: got {str(path)!r}, must end in {listed(endings(), 'or')}")
-    if not target.parent.is_dir():
-        raise ValueError(f"plot: got {str(path)!r}, must be in an existing folder")
+    target = saving.checked("plot", path, endings())
     resolution = checked_resolution(dpi)
     with style(), saving.whole(target) as unfinished:
-        figure.savefig(unfinished, dpi=resolution, format=ending.removeprefix("."))
+        figure.savefig(unfinished, dpi=resolution, format=target.suffix.lower().removeprefix("."))
     return target
 
 
@@ -140,42 +133,17 @@ def ball_colour(ball: int) -> str:
 
 # --- contact counts -----------------------------------------------------------------------------------------
 
-MOST_COUNTED: Final = 15  #: contacts; higher counts share one colour
+
+#: Colours of 0, 1, 2, … contacts in all pictures; web/src/theme.ts has the formula of these colours. They grow lighter
+#: with the count, from purple through orange to straw, so that the order remains visible in grey and to colour-blind
+#: readers. No contact is dark grey.
+COUNT_COLOURS: Final = (
+    *("#2c2e32", "#373a5a", "#5a437a", "#7a478a", "#994a8f", "#b64e8c", "#d05484", "#e55e78"),
+    *("#f66c6a", "#ff7d5d", "#ff9153", "#ffa552", "#ffba5c", "#ffce6f", "#ffe088", "#fdf1a4"),
+)
 
 
-def oklch(lightness: float, chroma: float, hue: float) -> tuple[float, float, float]:
-    """sRGB, 0 to 1, of a colour in the perceptual space OKLCH (Ottosson 2020); hue in degrees."""
-    a, b = (chroma * f(math.radians(hue)) for f in (math.cos, math.sin))
-    cones = np.array(
-        [
-            lightness + 0.3963377774 * a + 0.2158037573 * b,
-            lightness - 0.1055613458 * a - 0.0638541728 * b,
-            lightness - 0.0894841775 * a - 1.291485548 * b,
-        ]
-    )
-    to_linear_rgb = np.array(
-        [
-            [4.0767416621, -3.3077115913, 0.2309699292],
-            [-1.2684380046, 2.6097574011, -0.3413193965],
-            [-0.0041960863, -0.7034186147, 1.707614701],
-        ]
-    )
-    linear = np.clip(to_linear_rgb @ cones**3, 0.0, 1.0)
-    red, green, blue = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
-    return float(red), float(green), float(blue)
-
-
-def count_colour(n: int) -> tuple[float, float, float]:
-    """The colour of ``n`` contacts in all pictures and on the web page (``countColor`` in web/src/theme.ts).
-
-    The colours grow lighter with the count, from purple through orange to straw, so that the order remains visible
-    in grey and to colour-blind readers; no contact is dark grey.
-    """
-    if n == 0:
-        return 44 / 255, 46 / 255, 50 / 255
-    eased = ((min(n, MOST_COUNTED) - 1) / (MOST_COUNTED - 1)) ** 0.8
-    chroma = 0.055 + 0.115 * math.sin(math.pi * (1.0 - 0.88 * eased))
-    return oklch(0.36 + 0.59 * eased, chroma, -80.0 + 180.0 * eased)
+MAX_COUNTED: Final = len(COUNT_COLOURS) - 1  #: higher counts share one colour
 
 
 def count_colours(highest: int, lowest: int = 0) -> tuple[Colormap, BoundaryNorm]:
@@ -183,8 +151,9 @@ def count_colours(highest: int, lowest: int = 0) -> tuple[Colormap, BoundaryNorm
 
     Counts above 15 are white; missing values are grey.
     """
-    last = min(max(int(highest), 1), MOST_COUNTED)
+    last = min(max(int(highest), 1), MAX_COUNTED)
     first = min(max(int(lowest), 0), last)
-    colours = [count_colour(n) for n in range(first, last + 1)]
-    cmap = ListedColormap(colours, "contacts").with_extremes(over="white", bad=MISSING)
+    cmap = ListedColormap(COUNT_COLOURS[first : last + 1], "contacts").with_extremes(
+        over="white", bad=MISSING
+    )
     return cmap, BoundaryNorm(np.arange(first - 0.5, last + 1.0), last - first + 1)

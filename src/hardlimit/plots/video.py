@@ -43,10 +43,7 @@ def write(path: Path, pictures: Iterator[Frame], width: int, rate: int) -> Path:
 
     The file appears only when it is complete.
 
-    Raises
-    ------
-    OSError
-        If the file cannot be written; names it.
+    Raises an OSError if the file cannot be written; names it.
     """
     with saving.whole(path) as unfinished:
         if path.suffix.lower() == ".mp4":
@@ -59,10 +56,7 @@ def write(path: Path, pictures: Iterator[Frame], width: int, rate: int) -> Path:
 def require_ffmpeg() -> Any:
     """Import imageio_ffmpeg.
 
-    Raises
-    ------
-    ValueError
-        If it is not installed.
+    Raises a ValueError if it is not installed.
     """
     try:
         import imageio_ffmpeg
@@ -77,10 +71,7 @@ def require_ffmpeg() -> Any:
 def write_mp4(path: Path, pictures: Iterator[Frame], size: tuple[int, int], rate: int) -> None:
     """Write the frames as H.264; width and height are even.
 
-    Raises
-    ------
-    OSError
-        If ffmpeg does not write all frames.
+    Raises an OSError if ffmpeg does not write all frames.
     """
     ffmpeg = require_ffmpeg()
     options = ["-preset", "medium", "-crf", "23", "-tune", "animation", "-movflags", "+faststart"]

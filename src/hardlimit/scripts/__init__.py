@@ -36,7 +36,7 @@ SIGNS: Final = {
         re.MULTILINE,
     ),
     "liggghts": re.compile(
-        r"^[^#\n]*(?:\bpair_style\s+gran\s|\bproperty/global\b|\bparticletemplate/|\bmesh/surface\b)",
+        r"^[^#\n]*(?:\bpair_style\s+gran(?:/omp)?\s|\bproperty/global\b|\bparticletemplate/|\bmesh/surface\b)",
         re.MULTILINE,
     ),
     "lammps": re.compile(

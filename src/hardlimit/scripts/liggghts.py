@@ -8,7 +8,8 @@ from typing import Final
 
 from . import granular_words
 from .description import ContactSettings, Quote, Range, Setting, Settings
-from .granular_words import PROPERTIES, Words
+from .formulas import NUMBER
+from .granular_words import PROPERTIES, Words, unaccelerated
 from .materials import one_material
 from .population import Batch
 from .state import MOST_TYPES, Fix, State
@@ -83,7 +84,7 @@ class Liggghts(State):
 
     def command_pair_style(self, statement: Statement) -> None:
         self.last = statement
-        if statement.words[1:2] != ("gran",):
+        if not statement.words[1:] or unaccelerated(statement.words[1]) != "gran":
             raise refused(statement, "be pair_style gran model NAME")
         self.model, self.granular = None, True
         if self.understood(
@@ -143,10 +144,12 @@ class Liggghts(State):
         name, kind, *values = (*fix.words, "", "")
         if kind not in PROPERTIES:
             return
-        found = Property(fix.statement, kind, tuple(one for one in values if one))
+        given = [one for one in values if one]
+        if given[-2:-1] == ["every"]:
+            given = given[:-2]
         if name in OF_CONTACT:
-            for word in found.values:
-                self.number(fix.statement, word)
+            given = [one if NUMBER.fullmatch(one) else repr(self.number(fix.statement, one)) for one in given]
+        found = Property(fix.statement, kind, tuple(given))
         self.types = max(self.types, min(found.types(), MOST_TYPES))
         self.properties[name] = found
 
@@ -154,10 +157,12 @@ class Liggghts(State):
         """The material type of a mesh."""
         kind = self.option(fix, "type")
         self.meshes[fix.statement.words[1]] = self.type_of(kind) if kind else 0
+        if "servo" in fix.style:
+            self.moving_mesh(fix)
 
     def moving_mesh(self, fix: Fix) -> None:
         """A mesh that moves."""
-        self.ignore("a moving wall (move/mesh)", fix.statement)
+        self.ignore(f"a moving wall ({fix.style})", fix.statement)
 
     def refuse_pour(self, fix: Fix) -> None:
         """Pouring as before LIGGGHTS 3."""

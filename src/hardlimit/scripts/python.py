@@ -21,7 +21,7 @@ from .statements import Refusal, quoted, refusal
 
 #: A print statement of Python 2.
 PRINT: Final = re.compile(r"(^[ \t]*|[:;][ \t]*)print\b(?![ \t]*\()[^\n]*", re.MULTILINE)
-MOST_STEPS: Final = 200_000
+MOST_STEPS: Final = 500_000
 MOST_ITEMS: Final = 20_000  #: of a list
 DEEPEST: Final = 8  #: nesting of calls of the script's own functions
 
@@ -367,6 +367,8 @@ class Evaluator:
         return -value if isinstance(sign, ast.USub) else +value
 
     def binary(self, left: Any, sign: ast.operator, right: Any, node: ast.AST) -> Any:
+        if isinstance(left, Instance | list) and isinstance(right, Instance) and isinstance(sign, ast.Add):
+            return [*flat([left]), right]  # such as engines of motion
         if isinstance(left, Unknown | Instance) or isinstance(right, Unknown | Instance):
             return Unknown(ast.unparse(node))
         if isinstance(sign, ast.Pow):

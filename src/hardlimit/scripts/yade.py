@@ -459,7 +459,7 @@ class Yade(Evaluator):
 
     def step_now(self) -> float | None:
         """The time step; None if it is not known or an engine changes it."""
-        if self.used("GlobalStiffnessTimeStepper"):
+        if any(is_active(one) for one in self.used("GlobalStiffnessTimeStepper")):
             return None
         return self.time_step if self.time_step_given else DEFAULT_TIME_STEP
 
@@ -487,15 +487,27 @@ class Yade(Evaluator):
         label = self.materials[k].attributes.get("label")
         return label if isinstance(label, str) and label else str(k)
 
+    def spheres(self) -> list[Body]:
+        """Spheres of the script, and those that factories will make."""
+        found = [one for one in self.bodies if one.kind == "sphere"]
+        for one in (*self.used("BoxFactory"), *self.used("CircularFactory")):
+            given = one.attributes
+            radii = union([as_range(given.get(name)) for name in ("rMin", "rMax")])
+            number = given.get("materialId", 0)
+            if isinstance(number, int) and 0 <= number < len(self.materials):
+                sizes = None if "PSDsizes" in given else radii
+                found.append(Body("sphere", sizes, number, False, self.quote(one.line, one.text)))
+        return found
+
     def kinds(self) -> list[int]:
         """Materials of spheres, or all if the script makes none."""
-        found = sorted({one.material for one in self.bodies if one.kind == "sphere"})
+        found = sorted({one.material for one in self.spheres()})
         return list(range(len(self.materials))) if self.elsewhere or not found else found
 
     def grains(self) -> dict[str, Grains]:
         grains = {}
         for k in self.kinds():
-            held = [one for one in self.bodies if one.kind == "sphere" and one.material == k]
+            held = [one for one in self.spheres() if one.material == k]
             radii = None if self.elsewhere else union([one.radii for one in held])
             density = self.number(self.materials[k], "density") if held or self.elsewhere else None
             frozen = bool(held) and not self.elsewhere and all(one.frozen for one in held)
@@ -551,9 +563,7 @@ class Yade(Evaluator):
             return self.viscoelastic(functor, pair, ends)
         young = [self.number(each, "young") for each in pair]
         if functor.name.endswith("FrictPhys"):
-            sizes = union(
-                [body.radii for body in self.bodies if body.kind == "sphere" and body.material in ends]
-            )
+            sizes = union([one.radii for one in self.spheres() if one.material in ends])
             if young[0] != young[1] and (sizes is None or sizes[0] != sizes[1]):
                 return None  # the stiffness depends on the modulus and size of each
             return {"young": (2.0 * young[0] * young[1] / (young[0] + young[1]), one)}
@@ -564,7 +574,10 @@ class Yade(Evaluator):
         found = {"young": (modulus, one), "poisson": (ratio, one)}
         for name in ("en", "betan"):
             if name in functor.attributes:
-                found[name] = (self.matched(functor, name, ends), functor)
+                value = self.matched(functor, name, ends)
+                if value is None:
+                    return None
+                found[name] = (value, functor)
         if "en" not in found and "betan" not in found:
             found["betan"] = (0.0, functor)
         return found
@@ -577,7 +590,10 @@ class Yade(Evaluator):
         found: dict[str, tuple[float, Instance]] = {}
         for name in ("tc", "en"):
             if name in functor.attributes:
-                found[name] = (self.matched(functor, name, ends), functor)
+                value = self.matched(functor, name, ends)
+                if value is None:
+                    return None
+                found[name] = (value, functor)
             elif all(name in each.attributes for each in pair):
                 found[name] = (0.5 * sum(self.number(each, name) for each in pair), one)
         if "tc" in found and "en" in found:
@@ -594,14 +610,16 @@ class Yade(Evaluator):
             found["young"] = (young[0], one)
         return found
 
-    def matched(self, functor: Instance, name: str, ends: tuple[int, int]) -> float:
-        """A number of a functor: the same for all contacts, or a MatchMaker by numbers of materials."""
+    def matched(self, functor: Instance, name: str, ends: tuple[int, int]) -> float | None:
+        """A number of a functor: the same for all contacts, or that of a MatchMaker; None if it has none."""
         given = functor.attributes[name]
         if isinstance(given, Instance) and given.name == "MatchMaker":
             for entry in entries(given):
                 if sorted(entry[:2]) == sorted(ends):
                     return entry[2]
             given = given.attributes.get("val")
+            if given is None:
+                return None
         if isinstance(given, bool) or not isinstance(given, int | float):
             raise refusal(functor.line, functor.text, f"have a known number for {name}", self.file)
         return float(given)
@@ -639,7 +657,9 @@ class Yade(Evaluator):
                 self.contact_note(one, quote)
             elif name in MOTION:
                 self.ignored[Note(f"prescribed motion ({name})", None, quote)] = None
-            elif name == "GlobalStiffnessTimeStepper":
+            elif name.startswith("Ig2_") and one.attributes.get("hertzian"):
+                self.unknown[quote] = None  # another radius at facets
+            elif name == "GlobalStiffnessTimeStepper" and is_active(one):
                 self.ignored[Note("a time step that adapts (GlobalStiffnessTimeStepper)", None, quote)] = None
             elif name == "PyRunner":
                 self.runner_note(one, quote)
@@ -685,6 +705,11 @@ class Yade(Evaluator):
 def is_scene(owner: Any) -> bool:
     """Whether something is ``O``."""
     return isinstance(owner, str) and owner in ("O", "yade.O")
+
+
+def is_active(engine: Instance) -> bool:
+    """Whether an engine is neither dead nor inactive."""
+    return not engine.attributes.get("dead", False) and bool(engine.attributes.get("active", True))
 
 
 def as_range(value: Any) -> Range | None:

@@ -28,10 +28,7 @@ def topics() -> MappingProxyType[str, tuple[str, ...]]:
 def publications(*names: str) -> tuple[str, ...]:
     """Keys of the publications for these topics, without repetition.
 
-    Raises
-    ------
-    ValueError
-        If a name is not a topic.
+    Raises a ValueError if a name is not a topic.
     """
     known = {name: keys for kind in _references()["topics"].values() for name, keys in kind.items()}
     for name in names:
@@ -54,10 +51,7 @@ def in_words(key: str) -> str:
 def bibtex(*names: str) -> str:
     """BibTeX of this package and of the publications for these topics, in UTF-8.
 
-    Raises
-    ------
-    ValueError
-        If a name is not a topic.
+    Raises a ValueError if a name is not a topic.
     """
     return "\n".join([_software(), *map(_entry, publications(*names))])
 

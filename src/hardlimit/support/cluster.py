@@ -13,28 +13,21 @@ from .. import _core
 if TYPE_CHECKING:
     from distributed import Client, Future
 
-#: Timeout of the connection to a scheduler.
-PATIENCE = "10s"
+TIMEOUT = "10s"  #: of the connection to a scheduler
 
 
 @contextmanager
 def connection(scheduler: Any, asked: str) -> Iterator[Client]:
     """Connect to the scheduler at an address; use an open client; or start a cluster on this machine.
 
-    Raises
-    ------
-    ImportError
-        If dask.distributed is not installed; the message begins with ``asked``, such as ``engine: got 'dask'``.
-    ValueError
-        If no scheduler answers.
-    RuntimeError
-        If the connection to the scheduler is lost.
+    Raises an ImportError if dask.distributed is not installed; the message begins with ``asked``, such as ``engine: got
+    'dask'``. Raises a RuntimeError if the connection to the scheduler is lost.
     """
     try:
         from distributed import CancelledError
     except ImportError:
         raise ImportError(
-            f"{asked}, must have the package distributed: pip install 'hardlimit[cluster]'"
+            f"{asked}, needs the package distributed: pip install 'hardlimit[cluster]'"
         ) from None
     with _quiet(), _connected(scheduler) as client:
         try:
@@ -44,10 +37,8 @@ def connection(scheduler: Any, asked: str) -> Iterator[Client]:
             if not isinstance(gone, CancelledError | OSError) and _is_open(client):
                 raise
             why = str(gone).splitlines()[:1] if isinstance(gone, OSError) else []
-            raise RuntimeError(
-                f"scheduler: connection lost{''.join(f' ({line})' for line in why)}; "
-                "a store keeps what is finished, repeat the call"
-            ) from None
+            lost = f"scheduler: connection lost{''.join(f' ({line})' for line in why)}"
+            raise RuntimeError(f"{lost}; a store keeps what is finished, repeat the call") from None
 
 
 def cancel(client: Client, futures: list[Future]) -> None:
@@ -99,8 +90,7 @@ def _connected(scheduler: Any) -> Iterator[Client]:
     if isinstance(scheduler, Client):
         yield scheduler
     elif scheduler is None:
-        # Threads, not processes: the core releases the interpreter lock, and a script needs no
-        # `if __name__ == "__main__"`.
+        # Threads: the core releases the interpreter lock, and a script needs no `if __name__ == "__main__"`.
         here = {"dashboard_address": "127.0.0.1:0", "worker_dashboard_address": "127.0.0.1:0"}
         with (
             LocalCluster(processes=False, silence_logs=logging.ERROR, **here) as cluster,
@@ -110,14 +100,14 @@ def _connected(scheduler: Any) -> Iterator[Client]:
     else:
         fault = None
         try:
-            client = Client(scheduler, timeout=PATIENCE, set_as_default=False)
+            client = Client(scheduler, timeout=TIMEOUT, set_as_default=False)
         except (OSError, ValueError, TypeError) as error:
             fault = str(error)
         if fault is not None:
-            # A client without connection closes itself when it is garbage-collected. Force that now: it deadlocks in
-            # a thread that is just starting.
+            # A client without connection closes itself when it is garbage-collected. Force that here, because it
+            # deadlocks in a thread that is just starting.
             gc.collect()
-            need = f"scheduler: got {scheduler!r}, must be the address of a scheduler that answers"
-            raise ValueError(f"{need} ({fault})")
+            need = "must be the address of a scheduler that answers"
+            raise ValueError(f"scheduler: got {scheduler!r}, {need} ({fault})")
         with client:
             yield client

@@ -11,7 +11,7 @@ PREFIXES: Final = (
     *((1e15, "P"), (1e12, "T"), (1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, "")),
     *((1e-3, "m"), (1e-6, "µ"), (1e-9, "n")),
 )
-#: Percentages below this are not written out.
+#: Smaller percentages are shown as "less than" this.
 SMALLEST_PERCENTAGE: Final = 0.001
 
 
@@ -71,9 +71,9 @@ def listed(names: Sequence[str], last: str = "and") -> str:
 # --- percentages and errors ---------------------------------------------------------------------------------
 
 
-def percent(share: float) -> str:
+def percent(fraction: float) -> str:
     """A percentage with two digits (three from 100 % on) and no exponent; a dash for NaN."""
-    value = 100.0 * share
+    value = 100.0 * fraction
     if math.isnan(value):
         return "–"
     if 0.0 < abs(value) < SMALLEST_PERCENTAGE:
@@ -82,14 +82,14 @@ def percent(share: float) -> str:
     return f"{text.rstrip('0').rstrip('.') if '.' in text else text} %"
 
 
-def percent_with_error(share: float, error: float) -> str:
+def percent_with_error(fraction: float, error: float) -> str:
     """A percentage and its standard error, ``4.1 ± 0.3 %``.
 
     The error has one digit, or two if the first is 1. The value has as many decimals, but at most three digits.
     """
-    value, error = 100.0 * share, 100.0 * error
+    value, error = 100.0 * fraction, 100.0 * error
     if math.isnan(value) or math.isnan(error):
-        return percent(share)
+        return percent(fraction)
     if max(abs(value), error) < SMALLEST_PERCENTAGE:
         return f"less than {SMALLEST_PERCENTAGE} %"
     decimals = min(_decimals(error), 2 - _exponent(value) if value else 3, 3)

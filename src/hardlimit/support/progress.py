@@ -13,8 +13,8 @@ from .validation import shown
 if TYPE_CHECKING:
     from rich.console import Console
 
-#: Time until the first line in a log, and longest time between two lines [s, wall clock].
-FIRST, LONGEST = 10.0, 600.0
+#: Time until the first line in a log, and longest time between two lines [s].
+FIRST_INTERVAL, LONGEST_INTERVAL = 10.0, 600.0
 
 Report = Callable[[int, int], object]  #: called with (done, total)
 
@@ -22,10 +22,7 @@ Report = Callable[[int, int], object]  #: called with (done, total)
 def reporter(progress: bool | Report | None, title: str, rate: str) -> AbstractContextManager[Report]:
     """The function that takes reports, for the argument ``progress``: a bar for True, none for False and None.
 
-    Raises
-    ------
-    ValueError
-        If ``progress`` is neither of these nor callable.
+    Raises a ValueError if ``progress`` is neither of these nor callable.
     """
     if progress is None or progress is False:
         return nullcontext(lambda done, total: None)
@@ -51,20 +48,12 @@ class Shown:
 
 @contextmanager
 def bar(title: str, rate: str | None = None, console: Console | None = None) -> Iterator[Shown]:
-    """A progress bar on stderr, removed at the end. If stderr is neither a terminal nor a notebook, lines are written
-    instead, the first after 10 s.
+    """A progress bar on stderr, removed at the end; lines of a log if stderr is neither a terminal nor a notebook.
 
     ``rate`` is the unit that is counted; its number per second is shown beside the bar.
     """
+    from rich import progress as rich
     from rich.console import Console, RenderableType
-    from rich.progress import (
-        BarColumn,
-        Progress,
-        ProgressColumn,
-        TaskProgressColumn,
-        TextColumn,
-        TimeRemainingColumn,
-    )
     from rich.text import Text
 
     out = Console(stderr=True, highlight=False) if console is None else console
@@ -72,12 +61,12 @@ def bar(title: str, rate: str | None = None, console: Console | None = None) -> 
         yield Shown(Lines(title, rate, out))
         return
 
-    class Rate(ProgressColumn):
+    class Rate(rich.ProgressColumn):
         def render(self, task: Any) -> Text:
             speed = task.finished_speed or task.speed
             return Text(formatting.rate(speed, rate) if speed and rate else "", style="cyan")
 
-    class WithNote(Progress):
+    class WithNote(rich.Progress):
         note = ""
 
         def get_renderables(self) -> Iterator[RenderableType]:
@@ -85,9 +74,8 @@ def bar(title: str, rate: str | None = None, console: Console | None = None) -> 
             if self.note:
                 yield Text(self.note, style="cyan")
 
-    columns: list[Any] = [TextColumn("{task.description}"), BarColumn(), TaskProgressColumn()]
-    columns += [Rate()] if rate else []
-    columns += [TimeRemainingColumn()]
+    columns: list[Any] = [rich.TextColumn("{task.description}"), rich.BarColumn(), rich.TaskProgressColumn()]
+    columns += [*([Rate()] if rate else []), rich.TimeRemainingColumn()]
     with WithNote(*columns, console=out, transient=True) as shown_bar:
         task = shown_bar.add_task(title, total=None)
 
@@ -99,27 +87,23 @@ def bar(title: str, rate: str | None = None, console: Console | None = None) -> 
 
 
 class Lines:
-    """Progress in a log: a line after ``FIRST`` seconds, then at intervals that double up to ``LONGEST``."""
+    """Progress in a log: a line after ``FIRST_INTERVAL``, then at doubling intervals up to ``LONGEST_INTERVAL``."""
 
     def __init__(self, title: str, rate: str | None, out: Console) -> None:
         self._title, self._rate, self._out = title, rate, out
-        self._begun = clock.monotonic()
-        self._seen, self._next = (self._begun, 0), FIRST
+        self._start = clock.monotonic()
+        self._last, self._next = (self._start, 0), FIRST_INTERVAL
 
     def __call__(self, done: int, total: int, note: str) -> None:
         now = clock.monotonic()
-        if now - self._begun < self._next:
+        elapsed = now - self._start
+        if elapsed < self._next:
             return
-        before, had = self._seen
+        last_time, last_done = self._last
         parts = [f"{done / total:.0%}"] if total else []
-        parts += [f"after {formatting.duration(now - self._begun)}"]
-        parts += (
-            [formatting.rate((done - had) / (now - before), self._rate)]
-            if self._rate and now > before
-            else []
-        )
+        parts.append(f"after {formatting.duration(elapsed)}")
+        if self._rate and now > last_time:
+            parts.append(formatting.rate((done - last_done) / (now - last_time), self._rate))
         line = f"{self._title}: {', '.join(parts)}{f'; {note}' if note else ''}"
         self._out.print(line, soft_wrap=True, markup=False)
-        self._seen = now, done
-        lasted = now - self._begun
-        self._next = lasted + min(lasted, LONGEST)
+        self._last, self._next = (now, done), elapsed + min(elapsed, LONGEST_INTERVAL)

@@ -1,14 +1,17 @@
-"""Write files completely or not at all, by one process at a time."""
+"""Write files completely or not at all, by one process at a time; an OSError names the file."""
 
 from __future__ import annotations
 
 import os
 import secrets
 import shutil
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
+
+from .formatting import listed
+from .validation import shown
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -21,12 +24,7 @@ PATIENCE: Final = 2.0
 def locked(path: Path, patience: float = PATIENCE) -> Iterator[None]:
     """Keep other processes from writing the store ``path``; the lock is the file ``.NAME.lock`` beside it.
 
-    Raises
-    ------
-    ValueError
-        If another process holds the lock for longer than ``patience`` [s].
-    OSError
-        If the lock cannot be created; names the store.
+    Raises a ValueError if another process holds the lock for longer than ``patience`` [s].
     """
     from filelock import FileLock, Timeout
 
@@ -50,17 +48,41 @@ def store_failure(path: Path, error: OSError, what: str = "write") -> OSError:
     return told
 
 
+def checked(name: str, path: Any, endings: Sequence[str] = ()) -> Path:
+    """The path of a file to write; call it before computing.
+
+    Raises a ValueError unless the system accepts the name, its folder exists, the file can be written, and it ends in
+    one of ``endings`` if given. A device is written in place and may have any name.
+    """
+    got = f"{name}: got {shown(str(path) if isinstance(path, os.PathLike) else path)}"
+    if not isinstance(path, str | os.PathLike):
+        raise ValueError(f"{got}, must be a path")
+    target = Path(path)
+    try:
+        with suppress(FileNotFoundError, NotADirectoryError):
+            target.stat()
+        in_folder = target.parent.is_dir()
+    except (OSError, ValueError) as error:  # too long, or with a null character
+        reason = error.strerror if isinstance(error, OSError) else "embedded null character"
+        raise ValueError(f"{got}, must be the name of a file: {reason}") from None
+    if not target.name:
+        raise ValueError(f"{got}, must be the name of a file")
+    if not in_folder:
+        raise ValueError(f"{got}, must be in an existing folder")
+    special = target.exists() and not target.is_file()
+    if endings and not special and target.suffix.lower() not in endings:
+        raise ValueError(f"{got}, must end in {listed(endings, 'or')}")
+    if endings and (target.is_dir() or not os.access(target if special else target.parent, os.W_OK)):
+        raise ValueError(f"{got}, must be writable")
+    return target
+
+
 @contextmanager
 def whole(path: str | Path) -> Iterator[Path]:
     """A temporary file, with the same suffix, that replaces ``path`` at the end of the block.
 
     If the block fails, the temporary file is removed and ``path`` stays as it was. Devices and pipes are written
     directly.
-
-    Raises
-    ------
-    OSError
-        If it cannot be written; names ``path``.
     """
     target = Path(os.path.realpath(path))
     special = target.exists() and not target.is_file()
@@ -79,13 +101,7 @@ def whole(path: str | Path) -> Iterator[Path]:
 
 
 def write(path: str | Path, content: bytes | bytearray | memoryview) -> Path:
-    """Write a file.
-
-    Raises
-    ------
-    OSError
-        If it cannot be written; names it.
-    """
+    """Write a file."""
     with memoryview(content) as view, whole(path) as temporary, open(temporary, "wb", buffering=0) as file:
         done = 0
         while done < len(view):
@@ -108,24 +124,13 @@ def dataset(
     """Write a Dataset as NetCDF; ``encoding`` is that of ``xarray.Dataset.to_netcdf``.
 
     The file is built in memory: HDF5 crashes Python if the disk fills up while a file is open.
-
-    Raises
-    ------
-    OSError
-        If it cannot be written; names it.
     """
     content = data.to_netcdf(None, engine="h5netcdf", encoding=encoding)
     return _write_and_release(path, content)
 
 
 def groups(data: Mapping[str, xr.Dataset], path: str | Path) -> Path:
-    """Write Datasets as groups of one NetCDF file, by name such as ``newton/contacts``; ``/`` is the root.
-
-    Raises
-    ------
-    OSError
-        If it cannot be written; names it.
-    """
+    """Write Datasets as groups of one NetCDF file, by name such as ``newton/contacts``; ``/`` is the root."""
     import xarray as xr
 
     content = xr.DataTree.from_dict(dict(data)).to_netcdf(None, engine="h5netcdf")

@@ -17,20 +17,20 @@ T = TypeVar("T")
 Kind = Callable[[str, Any], Any]
 
 #: A larger file is not read.
-MOST_BYTES: Final = 10_000_000
+MAX_BYTES: Final = 10_000_000
 
 
 def read(path: str | Path) -> dict[str, Any]:
     """The content of a TOML file."""
     try:
         with open(path, "rb") as file:
-            content = file.read(MOST_BYTES + 1)
+            content = file.read(MAX_BYTES + 1)
     except OSError as error:
         raise ValueError(f"{path}: cannot be read: {error.strerror or error}") from None
     except ValueError as error:  # a null character in the name
         raise ValueError(f"{validation.shown(str(path))}: cannot be read: {error}") from None
-    if len(content) > MOST_BYTES:
-        raise ValueError(f"{path}: not valid TOML: more than {MOST_BYTES // 1_000_000} MB")
+    if len(content) > MAX_BYTES:
+        raise ValueError(f"{path}: not valid TOML: more than {MAX_BYTES // 1_000_000} MB")
     try:
         return parse(content.decode("utf-8-sig"))
     except UnicodeDecodeError:
@@ -77,7 +77,7 @@ def table(name: str, content: Any, kinds: Mapping[str, Kind]) -> dict[str, Any]:
 def text(name: str, value: Any) -> str:
     """Check that a value is text."""
     if not isinstance(value, str):
-        raise ValueError(f"{name}: got {validation.shown(value)}, must be a text")
+        raise ValueError(f"{name}: got {validation.shown(value)}, must be text")
     return value
 
 

@@ -1,4 +1,4 @@
-"""Checks of input. The error message is one line with the parameter, its value and the accepted values.
+"""Checks of input. They raise a ValueError in one line with the parameter, its value and the accepted values.
 
 A *number* is an int, a float, a Fraction, a Decimal, a real NumPy scalar, or an array without dimensions that contains
 one of these. Bools, text, dates, complex numbers and quantities with a unit are refused although some of them convert
@@ -9,10 +9,12 @@ from __future__ import annotations
 
 import math
 import operator
+import os
 from collections.abc import Sequence
 from contextlib import suppress
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from numbers import Real
+from pathlib import Path
 from typing import Any, Final, TypeVar
 
 import numpy as np
@@ -20,9 +22,8 @@ from numpy.typing import NDArray
 
 T = TypeVar("T")
 
-#: Largest number of characters of a value in a message.
-LONGEST: Final = 60
-#: Bounds of whole numbers from here on are technical; a message names them only if they are exceeded.
+MAX_CHARACTERS: Final = 60  #: of a value in a message
+#: Messages name larger bounds of whole numbers, which are technical, only if they are exceeded.
 TECHNICAL: Final = 2**31 - 1
 
 
@@ -32,7 +33,7 @@ def shown(value: Any) -> str:
         text = " ".join(repr(value).split())
     except Exception:  # any class may have a failing repr; ints may have too many digits
         text = f"a {type(value).__name__}"
-    return text if len(text) <= LONGEST else f"{text[: LONGEST - 1]}…"
+    return text if len(text) <= MAX_CHARACTERS else f"{text[: MAX_CHARACTERS - 1]}…"
 
 
 def at_least(bound: float) -> str:
@@ -73,13 +74,7 @@ def number(
     lowest_allowed: bool = False,
     highest_allowed: bool = False,
 ) -> float:
-    """``value`` as a finite float within the range.
-
-    Raises
-    ------
-    ValueError
-        If it is not a number or outside the range; names parameter, value and range.
-    """
+    """``value`` as a finite float within the range."""
     x = value if type(value) is float else _as_float(value)  # floats first: a solver takes microseconds
     if x is not None and math.isfinite(x):
         above = x >= lowest if lowest_allowed else x > lowest
@@ -95,13 +90,7 @@ def number(
 
 
 def whole(name: str, value: Any, lowest: int, highest: int) -> int:
-    """``value`` as an int in [lowest, highest]; floats are refused, including 2.0.
-
-    Raises
-    ------
-    ValueError
-        If it is not a whole number or outside the range.
-    """
+    """``value`` as an int in [lowest, highest]; floats are refused, including 2.0."""
     is_whole = isinstance(value, int | np.integer) and not isinstance(value, bool | np.timedelta64)
     if not is_whole or not lowest <= value <= highest:
         accepted = _describe_whole(value if is_whole else None, lowest, highest)
@@ -121,13 +110,7 @@ def _describe_whole(value: int | None, lowest: int, highest: int) -> str:
 
 
 def numbers(name: str, values: Any, count: int, **limits: Any) -> tuple[float, ...]:
-    """``count`` numbers from a sequence or a one-dimensional array; a single number is repeated.
-
-    Raises
-    ------
-    ValueError
-        If there are not ``count`` numbers, or one of them is outside the range.
-    """
+    """``count`` numbers within the range, from a sequence or a one-dimensional array; a single number is repeated."""
     if _as_float(values) is not None:
         return (number(name, values, **limits),) * count
     listed = _as_list(values)
@@ -154,14 +137,8 @@ def array(
     Accepts a number, which becomes an array without dimensions, a nested sequence of numbers, and any object that
     converts to a NumPy array of a real type (xarray, pandas, …). ``ndim`` is the largest number of dimensions, None
     means any.
-
-    Raises
-    ------
-    ValueError
-        If it is none of these, has masked entries, or a value is outside the range.
     """
-    one_dimensional = "a number or a one-dimensional array of numbers"
-    wanted = one_dimensional if ndim == 1 else "a number or an array of numbers"
+    wanted = f"a number or {'a one-dimensional' if ndim == 1 else 'an'} array of numbers"
     found = _as_array(values)
     if found is None:
         raise ValueError(f"{name}: got {shown(values)}, must be {wanted}")
@@ -179,13 +156,7 @@ def array(
 
 
 def each(name: str, values: Any, count: int, **limits: Any) -> NDArray[np.float64]:
-    """``count`` numbers as a read-only array; a single number is broadcast, not copied.
-
-    Raises
-    ------
-    ValueError
-        If there are not ``count`` numbers, or one of them is outside the range; names its index.
-    """
+    """``count`` numbers within the range as a read-only array; a single number is broadcast, not copied."""
     if _as_float(values) is not None:
         return np.broadcast_to(np.float64(number(name, values, **limits)), count)
     found = _as_array(values)
@@ -193,27 +164,17 @@ def each(name: str, values: Any, count: int, **limits: Any) -> NDArray[np.float6
         raise ValueError(f"{name}: got {shown(values)}, must be a number or {count} numbers")
     if len(found) != count:
         raise ValueError(f"{name}: got {len(found)} values, must be {count}")
-    _check_each(name, found, **limits)
-    return _read_only(found, values)
-
-
-def _check_each(name: str, found: NDArray[np.float64], **limits: Any) -> None:
     try:
         array(name, found, empty_allowed=True, **limits)
     except ValueError:
         for i, value in enumerate(found):  # raises at the first bad value, with its index
             number(f"{name}[{i}]", value, **limits)
         raise
+    return _read_only(found, values)
 
 
 def rows(name: str, values: Any, widths: Sequence[int]) -> NDArray[np.float64]:
-    """Finite numbers in rows of one of these widths, as a read-only array.
-
-    Raises
-    ------
-    ValueError
-        If it has another shape or no rows, or a number is not finite; names the row.
-    """
+    """Finite numbers in one or more rows of one of these widths, as a read-only array."""
     shapes = " or ".join(f"(N, {width})" for width in widths)
     found = _as_array(values)
     if found is None:
@@ -307,39 +268,34 @@ def _is_list(values: Any) -> bool:
 
 
 def one_of(name: str, value: Any, choices: Sequence[str]) -> str:
-    """``value``, if it is one of the choices.
-
-    Raises
-    ------
-    ValueError
-        If it is not.
-    """
+    """``value``, if it is one of the choices."""
     if not isinstance(value, str) or value not in choices:
         raise ValueError(f"{name}: got {shown(value)}, must be one of {', '.join(choices)}")
     return str(value)
 
 
-def flag(name: str, value: Any) -> bool:
-    """``value``, if it is True or False.
+def path(name: str, value: Any) -> Path:
+    """``value`` as a path.
 
     Raises
     ------
     ValueError
-        If it is something else, such as 1 or "yes".
+        If it is neither a text nor a path.
     """
+    if not isinstance(value, str | os.PathLike):
+        raise ValueError(f"{name}: got {shown(value)}, must be a path")
+    return Path(value)
+
+
+def flag(name: str, value: Any) -> bool:
+    """``value``, if it is True or False; 1 and "yes" are refused."""
     if not isinstance(value, bool):
         raise ValueError(f"{name}: got {shown(value)}, must be True or False")
     return value
 
 
 def instances(name: str, values: Any, kind: type[T], what: str) -> tuple[T, ...]:
-    """The members of a sequence, which must be instances of ``kind``; ``what`` is its name in messages.
-
-    Raises
-    ------
-    ValueError
-        If it is not a sequence, or a member is something else.
-    """
+    """The members of a sequence, which must be instances of ``kind``; ``what`` is its name in messages."""
     if not _is_list(values):
         raise ValueError(f"{name}: got {shown(values)}, must be a list of {what}")
     for i, member in enumerate(values):
@@ -349,16 +305,11 @@ def instances(name: str, values: Any, kind: type[T], what: str) -> tuple[T, ...]
 
 
 def exactly_one(**given: Any) -> str:
-    """The name of the alternative that is given (not None).
-
-    Raises
-    ------
-    ValueError
-        If none or several are given.
-    """
+    """The name of the only alternative that is given (not None)."""
     names = [name for name, value in given.items() if value is not None]
     if len(names) != 1:
-        few = len(given) == 2
-        got = (" and ".join(names) or "none") if not few else "both" if names else "neither"
+        got = " and ".join(names) or "none"
+        if len(given) == 2:
+            got = "both" if names else "neither"
         raise ValueError(f"{' | '.join(given)}: got {got}, must be exactly one of them")
     return names[0]

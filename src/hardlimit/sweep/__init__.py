@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from contextlib import closing, nullcontext
+from contextlib import AbstractContextManager, closing, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,14 +13,13 @@ from ..support import machine, validation
 from ..support.progress import reporter
 from .chunks import Chunks
 from .engines import ENGINES, Engine
-from .memory import Memory, insist_on_room
+from .memory import Memory, check_size
 from .plan import make_plan
 from .variables import VARIABLES
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from .plan import Plan
     from .store import Store
 
 __all__ = ["ENGINES", "VARIABLES", "sweep"]
@@ -114,9 +113,14 @@ def sweep(
     workers = _threads(threads, chosen)
     started = time.perf_counter()
     chunks = Chunks.whole(plan) if store is None and chosen.whole else Chunks.of(plan)
-    insist_on_room(plan, chunks, in_store=store is not None)
+    check_size(plan, chunks, in_store=store is not None)
     bar = reporter(progress, "sweep", "points")
-    opened = nullcontext(Memory(plan, chunks)) if store is None else _store(store, plan, chunks)
+    if store is None:
+        opened: AbstractContextManager[Memory | Store] = nullcontext(Memory(plan, chunks))
+    else:
+        from .store import Store
+
+        opened = Store(store, plan, chunks)
     with bar as tell, opened as results:
         missing = results.missing()
         done = plan.size - sum(chunks.span(chunk)[1] for chunk in missing)
@@ -135,23 +139,15 @@ def sweep(
     return ds.assign_attrs(engine=engine, wall_time_s=time.perf_counter() - started)
 
 
-def _store(path: Any, plan: Plan, chunks: Chunks) -> Store:
-    from .store import Store
-
-    return Store(path, plan, chunks)
-
-
 def _engine(name: Any, scheduler: Any) -> Engine:
     engine = ENGINES[validation.one_of("engine", name, list(ENGINES))]
     if scheduler is not None and not engine.scheduled:
-        need = "must not be given unless engine is 'dask'"
-        raise ValueError(f"scheduler: got {validation.shown(scheduler)}, {need}")
+        got = f"scheduler: got {validation.shown(scheduler)}"
+        raise ValueError(f"{got}, must not be given unless engine is 'dask'")
     return engine
 
 
 def _threads(threads: Any, engine: Engine) -> int:
     if threads is not None:
         return validation.whole("threads", threads, 1, 1024)
-    if engine.many_tasks:
-        return 1
-    return machine.processors()
+    return 1 if engine.many_tasks else machine.processors()

@@ -29,9 +29,8 @@ class Axes:
     def __init__(self, swept: Mapping[str, Any], known: Mapping[str, Parameter]) -> None:
         self.sizes: dict[str, int] = {}
         self.coordinates: list[Coordinate] = []
-        self._labels: dict[
-            str, tuple[str, NDArray[Any]]
-        ] = {}  # coordinates of each dimension, and the parameter that has them
+        #: Coordinates of each dimension, and the parameter that has them.
+        self._labels: dict[str, tuple[str, NDArray[Any]]] = {}
         for name, given in swept.items():
             if name not in known:
                 raise ValueError(f"{name}: unknown, a sweep takes {', '.join(known)}")
@@ -49,13 +48,12 @@ class Axes:
         values = validation.array(name, given, **parameter.limits)
         dim = _dimension(name, given) if values.ndim else None
         if dim is not None:
-            if self.sizes.setdefault(dim, len(values)) != len(values):
-                wanted = f"{self.sizes[dim]} like dimension {dim!r}"
-                raise ValueError(f"{name}: got {len(values)} values, must be {wanted}")
+            size = self.sizes.setdefault(dim, len(values))
+            if size != len(values):
+                raise ValueError(f"{name}: got {len(values)} values, must be {size} like dimension {dim!r}")
             self._compare_labels(name, dim, given)
-        self.coordinates.append(
-            Coordinate(name, dim, np.atleast_1d(values), parameter.unit, parameter.meaning)
-        )
+        values = np.atleast_1d(values)
+        self.coordinates.append(Coordinate(name, dim, values, parameter.unit, parameter.meaning))
 
     def _compare_labels(self, name: str, dim: str, given: Any) -> None:
         """Refuse different coordinates along a shared dimension: points are paired by position."""
@@ -74,9 +72,7 @@ class Axes:
         single = {c.name for c in self.coordinates if c.dim is None}
         for name, dim in dim_of.items():
             if dim in VARIABLES or dim == BALL or dim in single or dim_of.get(dim, dim) != dim:
-                raise ValueError(
-                    f"{name}: got dimension {dim!r}, must differ from all other names in the result"
-                )
+                raise ValueError(f"{name}: got dimension {dim!r}, must differ from other names in the result")
 
     def _keep_labels(self) -> None:
         swept = {c.name for c in self.coordinates}

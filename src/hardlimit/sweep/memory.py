@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 #: Largest number of chunks of a store; each is a file for every variable.
-MOST_CHUNKS: Final = 1 << 22
+MAX_CHUNKS: Final = 1 << 22
 
 
 class Memory:
@@ -49,24 +49,17 @@ class Memory:
         return dataset(self.computation, self.values)
 
 
-def insist_on_room(computation: Computation, chunks: Chunks, in_store: bool) -> None:
+def check_size(computation: Computation, chunks: Chunks, in_store: bool) -> None:
     """Refuse results that do not fit in memory, or too many chunks for a store.
 
-    Raises
-    ------
-    ValueError
-        With the size of the results.
+    Raises a ValueError with the size of the results.
     """
-    each = sum(variable.bytes_of_point for variable in computation.results.values())
-    points, taken = computation.size, f"{size(computation.size * each)} of results"
-    if in_store:
-        most = MOST_CHUNKS * (points // chunks.number or 1)
-        if chunks.number > MOST_CHUNKS:
-            raise ValueError(f"points: got {points:.3g}, {taken}, must be <= {most:.2g} in one store")
-        return
-    room = machine.free_memory()
-    if points * each > room:
-        need = (
-            f"must fit in the {size(room)} of free memory; store= keeps them on disk, variables= keeps fewer"
-        )
-        raise ValueError(f"points: got {points:.3g}, {taken}, {need}")
+    points = computation.size
+    needed = points * sum(variable.bytes_of_point for variable in computation.results.values())
+    got = f"points: got {points:.3g}, {size(needed)} of results"
+    if in_store and chunks.number > MAX_CHUNKS:
+        most = MAX_CHUNKS * (points // chunks.number or 1)
+        raise ValueError(f"{got}, must be <= {most:.2g} in one store")
+    if not in_store and needed > (free := machine.free_memory()):
+        need = f"must fit in the {size(free)} of free memory"
+        raise ValueError(f"{got}, {need}; store= keeps them on disk, variables= keeps fewer")

@@ -17,7 +17,7 @@ class Parameter:
     #: The name without the number of a ball, gap or contact.
     kind: str
     #: Indices of its values; a name without number has those of all balls, gaps or contacts.
-    places: tuple[int, ...]
+    indices: tuple[int, ...]
     unit: str
     meaning: str
     #: Range, for ``validation.number``.
@@ -34,23 +34,23 @@ def geometry(balls: int) -> dict[str, Parameter]:
 
 def _named(row: dict[str, Any], balls: int) -> Iterator[Parameter]:
     """The parameters of a row of the core's table: the name alone and, for several balls or gaps, numbered names."""
-    name, per, places = row["name"], row["per"], tuple(range(row["first"], row["first"] + row["count"]))
+    name, per, indices = row["name"], row["per"], tuple(range(row["first"], row["first"] + row["count"]))
     unit, meaning = row["unit"], row["meaning"]
     limits = {"lowest": row["lowest"], "lowest_allowed": row["lowest_allowed"]}
     if name == "radius_ratio":
         if balls == 2:
             lower = next(r["first"] for r in _core.swept_parameters(balls) if r["name"] == "radius")
-            yield Parameter(name, name, places, unit, meaning, limits, (lower,))
+            yield Parameter(name, name, indices, unit, meaning, limits, (lower,))
         return
-    if not places:
+    if not indices:
         return
     whose = {"column": "", "ball": " of every ball", "gap": ""}
-    yield Parameter(name, name, places, unit, meaning + whose[per], limits)
+    yield Parameter(name, name, indices, unit, meaning + whose[per], limits)
     if per == "column" or (per == "gap" and balls == 2):
         return
-    for i, place in enumerate(places, 1):
+    for i, index in enumerate(indices, 1):
         one = f" of ball {i} (1 = lowest)" if per == "ball" else f", of balls {i} and {i + 1} (1 = lowest)"
-        yield Parameter(f"{name}_{i}", name, (place,), unit, meaning + one, limits)
+        yield Parameter(f"{name}_{i}", name, (index,), unit, meaning + one, limits)
 
 
 def of_law(record: dict[str, Any], alternative: int, balls: int) -> dict[str, Parameter]:
@@ -59,13 +59,11 @@ def of_law(record: dict[str, Any], alternative: int, balls: int) -> dict[str, Pa
     for i, row in enumerate([*record["common"], *record["alternatives"][alternative]]):
         name, unit, meaning = row["name"], row["unit"], row["meaning"]
         limits = {k: row[k] for k in ("lowest", "highest", "lowest_allowed", "highest_allowed")}
-        places = tuple(_core.law_place(contact, balls) + i for contact in range(balls))
-        found[name] = Parameter(name, name, places, unit, meaning, limits)
-        for contact, place in enumerate(places):
-            one, words = contact_name(contact), contact_meaning(contact)
-            found[f"{name}_{one}"] = Parameter(
-                f"{name}_{one}", name, (place,), unit, f"{meaning}, {words}", limits
-            )
+        indices = tuple(_core.law_place(contact, balls) + i for contact in range(balls))
+        found[name] = Parameter(name, name, indices, unit, meaning, limits)
+        for contact, index in enumerate(indices):
+            one, of = f"{name}_{contact_name(contact)}", contact_meaning(contact)
+            found[one] = Parameter(one, name, (index,), unit, f"{meaning}, {of}", limits)
     return found
 
 

@@ -20,7 +20,7 @@ from ..support import validation
 from .axes import Axes
 from .computation import Coordinate, Report, Values, Variable
 from .parameters import Parameter, contact_name, geometry, of_law
-from .variables import BALL, OF_BALL, OF_TWO_BALLS, VARIABLES, usual
+from .variables import BALL, OF_BALL, OF_TWO_BALLS, VARIABLES, default_variables
 
 #: Names of the models in the order of the core.
 MODELS: Final = tuple(models.MODELS)
@@ -124,14 +124,10 @@ class Plan:
         """
         alone = [name for name in self.variables if name in OF_BALL or self.balls != 2]
         kernel = [name for name in self.variables if name not in alone]
-        passes = (kernel != []) + (alone != [])
+        passes = [p for p in ((self._through_kernel, kernel), (self._one_by_one, alone)) if p[1]]
         found: Values = {}
-        if kernel:
-            found |= self._through_kernel(kernel, first, count, threads, _share(progress, 0, passes, count))
-        if alone:
-            found |= self._one_by_one(
-                alone, first, count, threads, _share(progress, passes - 1, passes, count)
-            )
+        for i, (solve, names) in enumerate(passes):
+            found |= solve(names, first, count, threads, _part_of(progress, i, len(passes), count))
         return {name: found[name] for name in self.variables}
 
     def _through_kernel(
@@ -139,22 +135,10 @@ class Plan:
     ) -> Values:
         out: Values = {name: np.empty(count, VARIABLES[name].dtype) for name in names}
         lower, upper = self.densities
-        large = _core.run_map(
-            self.law,
-            MODELS.index(self.model),
-            self.alternative,
-            lower,
-            upper,
-            self.restitution_at,
-            list(self.values),
-            list(self.strides),
-            first,
-            count,
-            threads,
-            math.nan if self.tolerance is None else self.tolerance,
-            out,
-            progress,
-        )
+        law = (self.law, MODELS.index(self.model), self.alternative, lower, upper, self.restitution_at)
+        points = (list(self.values), list(self.strides), first, count)
+        tolerance = math.nan if self.tolerance is None else self.tolerance
+        large = _core.run_map(*law, *points, threads, tolerance, out, progress)
         if large:  # more than 255 contacts somewhere
             out["n_contacts"] = out["n_contacts"].astype(np.uint32)
             for point, n in large:
@@ -168,26 +152,16 @@ class Plan:
         for name in names:
             variable = self.results[name]
             out[name] = np.empty((count, *variable.shape), variable.stored or variable.dtype)
-        _core.run_columns(
-            self.law,
-            MODELS.index(self.model),
-            self.alternative,
-            list(self.densities),
-            list(self.values),
-            list(self.strides),
-            first,
-            count,
-            threads,
-            self.general_tolerance,
-            {name: values.reshape(-1) for name, values in out.items()},
-            progress,
-        )
+        law = (self.law, MODELS.index(self.model), self.alternative, list(self.densities))
+        points = (list(self.values), list(self.strides), first, count)
+        flat = {name: values.reshape(-1) for name, values in out.items()}
+        _core.run_columns(*law, *points, threads, self.general_tolerance, flat, progress)
         if "n_contacts" in out and out["n_contacts"].max(initial=0) <= 255:
             out["n_contacts"] = out["n_contacts"].astype(np.uint8)
         return out
 
 
-def _share(progress: Report | None, part: int, parts: int, count: int) -> Report | None:
+def _part_of(progress: Report | None, part: int, parts: int, count: int) -> Report | None:
     """Progress of one of several passes over the same points."""
     if progress is None or parts == 1:
         return progress
@@ -206,10 +180,7 @@ def make_plan(
 ) -> Plan:
     """Make the plan of a sweep from the arguments of ``hl.sweep``.
 
-    Raises
-    ------
-    ValueError
-        For an unknown name, a value outside its range, or a column that cannot be swept.
+    Raises a ValueError for an unknown name, a value outside its range, or a column that cannot be swept.
     """
     if not isinstance(column, Column) or not column.floor:
         raise ValueError(f"column: got {validation.shown(column)}, must be a column of balls on a floor")
@@ -222,7 +193,7 @@ def make_plan(
     taken = _taken(known[name] for name in swept)
     densities, fixed = _numbers(column, alternative, taken)
     values, strides = _vary(fixed, taken, axes)
-    _insist_on_law(column, alternative, values)
+    _require_parameters(column, alternative, values)
     exact = model != "newton" or column.solvable_exactly
     in_kernel = balls == 2 and _core.has_kernel(record["name"], MODELS.index(model))
     names = [p["name"] for p in [*record["common"], *record["alternatives"][alternative]]]
@@ -257,7 +228,7 @@ def _check_model(name: Any, column: Column) -> None:
 def _kept(variables: Iterable[str] | None, balls: int) -> tuple[str, ...]:
     """The requested variables."""
     if variables is None:
-        return usual(balls)
+        return default_variables(balls)
     one = isinstance(variables, str) or getattr(variables, "ndim", 1) == 0  # an array without dimensions
     if one or not isinstance(variables, Iterable):
         raise ValueError(f"variables: got {validation.shown(variables)}, must be a list of names")
@@ -283,39 +254,33 @@ def _tolerance(tolerance: Any, exact: bool, in_kernel: bool) -> float | None:
         raise ValueError(f"tolerance: got {validation.shown(tolerance)}, {need}")
     if tolerance is None:
         return KERNEL_TOLERANCE if in_kernel else GENERAL_TOLERANCE
-    lowest, highest = (1e-13, 1e-6) if in_kernel else (1e-15, 1e-2)
-    return validation.number(
-        "tolerance", tolerance, lowest, highest, lowest_allowed=True, highest_allowed=True
-    )
+    limits = (1e-13, 1e-6) if in_kernel else (1e-15, 1e-2)
+    return validation.number("tolerance", tolerance, *limits, lowest_allowed=True, highest_allowed=True)
 
 
 def _alternative(laws: Sequence[Law], swept: Mapping[str, Any]) -> int:
     """Number of the law's set of parameters: the one with the swept names, otherwise that of the column."""
     contacts = ["", *(f"_{contact_name(i)}" for i in range(len(laws)))]
     choices = [{p["name"] for p in choice} for choice in laws[0].record["alternatives"]]
+    chosen = {name for name in set().union(*choices) if any(name + contact in swept for contact in contacts)}
     for i, names in enumerate(choices):
-        others = set().union(*choices) - names
-        if _any_of(names, contacts, swept) and not _any_of(others, contacts, swept):
+        if chosen and chosen <= names:
             return i
     if len({law.alternative for law in laws}) > 1:
-        raise ValueError("law: the laws of all contacts must be given by the same parameters")
+        raise ValueError("law: got laws given by different parameters, must be given by the same ones")
     return laws[0].alternative
 
 
-def _any_of(names: Iterable[str], contacts: Sequence[str], swept: Mapping[str, Any]) -> bool:
-    return any(name + contact in swept for name in names for contact in contacts)
-
-
 def _taken(swept: Iterable[Parameter]) -> dict[int, Parameter]:
-    """The parameter that gives each number of the row; two are refused."""
+    """The swept parameter that determines each number of the row; two for one number are refused."""
     claimed: dict[int, Parameter] = {}
     for parameter in swept:
-        for place in (*parameter.places, *parameter.overrides):
-            if place in claimed:
-                names = f"{parameter.name} | {claimed[place].name}"
+        for index in (*parameter.indices, *parameter.overrides):
+            if index in claimed:
+                names = f"{parameter.name} | {claimed[index].name}"
                 raise ValueError(f"{names}: got both, must be at most one of them")
-            claimed[place] = parameter
-    return {place: p for place, p in claimed.items() if place not in p.overrides}
+            claimed[index] = parameter
+    return {index: p for index, p in claimed.items() if index not in p.overrides}
 
 
 def _numbers(
@@ -323,23 +288,23 @@ def _numbers(
 ) -> tuple[tuple[bool, ...], list[float]]:
     """The row of numbers of the column itself; NaN for parameters that its law does not have."""
     balls = len(column.balls)
-    place = {row["name"]: row["first"] for row in _core.swept_parameters(balls)}
+    index = {row["name"]: row["first"] for row in _core.swept_parameters(balls)}
     kinds = [
-        taken[at].kind if (at := place["density"] + i) in taken else ball.given
+        taken[at].kind if (at := index["density"] + i) in taken else ball.given
         for i, ball in enumerate(column.balls)
     ]
     row = [math.nan] * _core.law_place(balls, balls)
     for i, ball in enumerate(column.balls):
-        row[place["radius"] + i] = ball.radius
-        row[place["density"] + i] = ball.density if kinds[i] == "density" else ball.mass
-        row[place["velocity"] + i] = column.velocities[i]
+        row[index["radius"] + i] = ball.radius
+        row[index["density"] + i] = ball.density if kinds[i] == "density" else ball.mass
+        row[index["velocity"] + i] = column.velocities[i]
     for i, gap in enumerate(column.gaps):
-        row[place["gap"] + i] = gap
-    row[place["height"]], row[place["gravity"]] = column.height, column.gravity
+        row[index["gap"] + i] = gap
+    row[index["height"]], row[index["gravity"]] = column.height, column.gravity
     for contact, law in enumerate(column.laws):
         for p in of_law(law.record, alternative, balls).values():
             if p.name == p.kind:
-                row[p.places[contact]] = law.parameters.get(p.name, math.nan)
+                row[p.indices[contact]] = law.parameters.get(p.name, math.nan)
     return tuple(kind == "density" for kind in kinds), row
 
 
@@ -350,18 +315,18 @@ def _vary(
     swept = {c.name: c for c in axes.coordinates}
     stride = axes.strides()
     values, strides = [], []
-    for place, number in enumerate(fixed):
-        coordinate = swept[taken[place].name] if place in taken else None
+    for index, number in enumerate(fixed):
+        coordinate = swept[taken[index].name] if index in taken else None
         values.append(np.array([number]) if coordinate is None else coordinate.values)
         strides.append(1 if coordinate is None or coordinate.dim is None else stride[coordinate.dim])
     return tuple(values), tuple(strides)
 
 
-def _insist_on_law(column: Column, alternative: int, values: Sequence[NDArray[np.float64]]) -> None:
+def _require_parameters(column: Column, alternative: int, values: Sequence[NDArray[np.float64]]) -> None:
     """Refuse a law with a parameter that is neither swept nor given for all contacts."""
     record, balls = column.laws[0].record, len(column.balls)
     choice = [p["name"] for p in record["alternatives"][alternative]]
     for p in of_law(record, alternative, balls).values():
-        if p.name == p.kind and any(np.isnan(values[place][0]) for place in p.places):
+        if p.name == p.kind and any(np.isnan(values[index][0]) for index in p.indices):
             need = f"must be swept or given for every contact when {', '.join(choice)} are"
             raise ValueError(f"{p.name}: missing, {need}")

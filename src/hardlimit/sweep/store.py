@@ -79,9 +79,8 @@ class Store:
         """Write a chunk."""
         box = self.chunks.box(chunk)
         with _one_line(self.path):
-            for name in sorted(
-                values, key="outcome".__eq__
-            ):  # the outcome is written last, because it marks a point as computed
+            # The outcome is written last, because it marks a point as computed.
+            for name in sorted(values, key="outcome".__eq__):
                 shape = *(s.stop - s.start for s in box), *self.computation.results[name].shape
                 self._arrays[name][box] = values[name].reshape(shape)
 
@@ -124,7 +123,7 @@ class Store:
 
     def _resume(self, files: dict[str, bytes]) -> None:
         """Find the missing chunks; restore damaged metadata and coordinates. A complete store is only read."""
-        _insist_on_the_same(self.path, self.computation, json.loads(files[GROUP]))
+        _require_same(self.path, self.computation, json.loads(files[GROUP]))
         restored = [name for name, content in files.items() if _content(self.path / name) != content]
         if restored or not all(map(self._exists, range(len(self.chunks)))):
             self._begin_writing()
@@ -139,9 +138,8 @@ class Store:
             self._begin_writing()
         if restored or damaged:
             said = [f"{name} was damaged and has been restored" for name in restored]
-            said += [f"{damaged} of {len(self.chunks)} chunks are damaged and will be recomputed"] * (
-                damaged > 0
-            )
+            if damaged:
+                said.append(f"{damaged} of {len(self.chunks)} chunks are damaged and will be recomputed")
             warnings.warn(f"store: {self.path}: {'; '.join(said)}", stacklevel=4)
 
     def _exists(self, chunk: int) -> bool:
@@ -258,9 +256,7 @@ def _require_zarr(path: Path) -> None:
     try:
         import zarr  # noqa: F401
     except ImportError:
-        raise ValueError(
-            f"store: got {str(path)!r}, must have Zarr: pip install 'hardlimit[store]'"
-        ) from None
+        raise ValueError(f"store: got {str(path)!r}, needs Zarr: pip install 'hardlimit[store]'") from None
 
 
 def _local(path: str | Path) -> Path:
@@ -281,19 +277,19 @@ def _is_new(path: Path) -> bool:
         raise saving.store_failure(path, error) from None
 
 
-def _insist_on_the_same(path: Path, computation: Computation, expected: dict[str, Any]) -> None:
+def _require_same(path: Path, computation: Computation, expected: dict[str, Any]) -> None:
     """Refuse a store of any other computation, and say what differs."""
     wanted, found = expected["attributes"], _attributes_on_disk(path)
     if "fingerprint" not in found:
-        need = f"must be a store of hl.sweep with its {GROUP}, empty or missing"
-        raise ValueError(f"store: {path} holds something else, {need}")
+        need = f"must be a store of hl.sweep with its {GROUP}, an empty folder, or missing"
+        raise ValueError(f"store: {path} has other contents, {need}")
     if found["fingerprint"] == wanted["fingerprint"]:
         return
-    made = "other values of what is swept"
-    for name in ("variables", *computation.attributes()):  # the message is about the last one that differs
+    made = "other values of the swept parameters"
+    for name in ("variables", *computation.attributes()):  # the message names the last one that differs
         if found.get(name) != wanted.get(name):
             made = f"{name.replace('hardlimit_', '')} {found.get(name)}, not {wanted.get(name)}"
-    raise ValueError(f"store: {path} was made with {made}; repeat that call or take another path")
+    raise ValueError(f"store: {path} was made with {made}; repeat that call or choose another path")
 
 
 def _attributes_on_disk(path: Path) -> dict[str, Any]:

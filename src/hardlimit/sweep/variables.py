@@ -38,16 +38,11 @@ OF_BALL: Final = {
 VARIABLES: Final = OF_POINT | OF_BALL
 
 #: Defined for two balls only.
-OF_TWO_BALLS: Final = (
-    "relative_velocity",
-    "separation_velocity",
-    "effective_restitution",
-    "restitution_ratio",
-)
+OF_TWO_BALLS: Final = tuple(name for name in OF_POINT if "velocity" in name or "restitution" in name)
 
 
-def usual(balls: int) -> tuple[str, ...]:
-    """Default variables."""
+def default_variables(balls: int) -> tuple[str, ...]:
+    """The variables that a sweep computes if none are requested."""
     if balls == 2:
         return tuple(name for name in OF_POINT if name != "t_floor_end")
     return ("n_contacts", "rebound_height", "final_velocity", "t_end", "outcome")

@@ -17,7 +17,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 
 from .. import _core
-from ..boxes.falling_frame import law_arguments
+from ..boxes.contacts import law_arguments
 from ..boxes.rules import RULES
 from ..boxes.system import ParticleSystem
 from ..contact.balls import Ball

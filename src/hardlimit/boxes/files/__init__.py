@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -12,7 +11,7 @@ from typing import Any, Final
 from ...support import saving, validation
 from ...support.formatting import listed
 from . import extended_xyz, gsd_file, lammps_data
-from .frame import Append, Frame
+from .frame import Append, Found, Frame
 
 FORMATS: Final[dict[str, ModuleType]] = {
     ".xyz": extended_xyz,
@@ -23,36 +22,29 @@ FORMATS: Final[dict[str, ModuleType]] = {
 }
 
 
-def format_of(path: str | Path, parameter: str = "path") -> tuple[Path, Any]:
+def format_of(path: str | Path) -> tuple[Path, Any]:
     """The path, and the module of the format that belongs to its ending."""
-    if not isinstance(path, str | os.PathLike):
-        raise ValueError(f"{parameter}: got {validation.shown(path)}, must be a path")
-    target = Path(path)
+    target = validation.path("path", path)
     if target.suffix.lower() not in FORMATS:
-        raise ValueError(
-            f"{parameter}: got {validation.shown(str(path))}, must end in {listed([*FORMATS], 'or')}"
-        )
+        raise ValueError(f"path: got {validation.shown(str(path))}, must end in {listed([*FORMATS], 'or')}")
     return target, FORMATS[target.suffix.lower()]
 
 
-def read(path: str | Path, frame: int = -1) -> tuple[dict[str, Any], float]:
-    """The arguments of ParticleSystem in a file, and the rounding error of distances.
-
-    The error is relative to the smallest radius; it is 0 in double precision.
-    """
+def read(path: str | Path, frame: int = -1) -> Found:
+    """Read one frame of a file."""
     target, kind = format_of(path)
     which = validation.whole("frame", frame, -(2**31), 2**31 - 1)
     try:
         if not target.is_file():
             raise ValueError("cannot be read: no such file")
-        found = kind.read(target, which)
+        found: Found = kind.read(target, which)
     except OSError as error:
         raise ValueError(f"{path}: cannot be read: {error.strerror or error}") from None
     except MemoryError:
-        raise ValueError(f"{path}: cannot be read: more than fits in memory") from None
+        raise ValueError(f"{path}: cannot be read: larger than the memory") from None
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from None
-    return found.arguments, found.rounding
+    return found
 
 
 def write(path: str | Path, frames: Iterable[Frame]) -> Path:

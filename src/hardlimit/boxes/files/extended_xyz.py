@@ -8,14 +8,14 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
-from itertools import islice
+from itertools import islice, repeat
 from pathlib import Path
 from typing import Any, BinaryIO, Final
 
 import numpy as np
 
 from ...support import validation
-from .frame import Append, Floats, Found, Frame, boundary_of, three
+from .frame import Append, Floats, Found, Frame, boundary_of, read_table, three, write_rows
 
 COLUMNS: Final = "species:S:1:pos:R:3:velo:R:3:radius:R:1:mass:R:1"
 NAMES: Final = {
@@ -26,24 +26,19 @@ NAMES: Final = {
     "mass": "mass",
     "masses": "mass",
 }
-BLOCK: Final = 65536  #: number of rows formatted at a time
-
 _ENTRY: Final = re.compile(r'([^\s="]+)=(?:"([^"]*)"|(\S+))')
 
 
 @contextmanager
 def appender(path: Path) -> Iterator[Append]:
-    """Create a file to which frames can be appended."""
     with open(path, "wb") as file:
         yield lambda frame: _append(file, frame)
 
 
 def _append(file: BinaryIO, frame: Frame) -> None:
     file.write(f"{len(frame.positions)}\n{_comment(frame)}\n".encode())
-    table = np.column_stack([three(frame.positions), three(frame.velocities), frame.radius, frame.mass])
-    for first in range(0, len(table), BLOCK):
-        rows = (f"X {' '.join(map(repr, row))}\n" for row in table[first : first + BLOCK].tolist())
-        file.write("".join(rows).encode())
+    columns = three(frame.positions), three(frame.velocities), frame.radius, frame.mass
+    write_rows(file, repeat("X"), *columns)
 
 
 def _comment(frame: Frame) -> str:
@@ -60,7 +55,6 @@ def _comment(frame: Frame) -> str:
 
 
 def read(path: Path, frame: int) -> Found:
-    """Read one frame of a file."""
     with open(path, "rb") as file:
         starts = list(_frames(file))
         if not -len(starts) <= frame < len(starts):
@@ -69,7 +63,7 @@ def read(path: Path, frame: int) -> Found:
         n = int(file.readline())
         entries = _entries(_text(file.readline()))
         table, where = _table(file, n, entries)
-    return Found(_arguments(table, where, entries))
+    return _arguments(table, where, entries), 0.0
 
 
 def _frames(file: BinaryIO) -> Iterator[int]:
@@ -87,7 +81,9 @@ def _frames(file: BinaryIO) -> Iterator[int]:
         n = int(first)
         lines = sum(1 for _ in islice(file, n + 1))
         if n == 0 or lines != n + 1:
-            raise ValueError(f"number of particles: got {n}, but {max(lines - 1, 0)} lines of them")
+            raise ValueError(
+                f"number of particles: got {n}, must be >= 1 and the number of its lines, {max(lines - 1, 0)}"
+            )
         yield start
 
 
@@ -120,21 +116,14 @@ def _table(file: BinaryIO, n: int, entries: dict[str, str]) -> tuple[Floats, dic
         column += count
     for wanted, needed in (("positions", 3), ("velocities", 3), ("radius", 1), ("mass", 1)):
         if wanted not in where or where[wanted].stop - where[wanted].start != needed:
-            raise ValueError("Properties: must hold pos:R:3, velo:R:3, radius:R:1 and mass:R:1")
-    return _numbers(islice(file, n), used), where
-
-
-def _numbers(lines: Iterator[bytes], columns: list[int]) -> Floats:
-    try:
-        return np.loadtxt(lines, usecols=columns, comments=None, ndmin=2, encoding="utf-8")
-    except (ValueError, IndexError) as error:
-        raise ValueError(f"particles: {str(error).splitlines()[0]}") from None
+            raise ValueError("Properties: must contain pos:R:3, velo:R:3, radius:R:1 and mass:R:1")
+    return read_table("particles", islice(file, n), used), where
 
 
 def _arguments(table: Floats, where: dict[str, slice], entries: dict[str, str]) -> dict[str, Any]:
     cell = _vector(entries, "Lattice", 9).reshape(3, 3)
     if np.any(cell != np.diag(np.diag(cell))) or np.any(_vector(entries, "Origin", 3, 0.0) != 0.0):
-        raise ValueError("Lattice: must be a box along the axes with its corner at the origin")
+        raise ValueError("Lattice | Origin: must be a box along the axes with a corner at the origin")
     d = {"2": 2, "3": 3}.get(entries.get("dimension", "3"))
     if d is None:
         raise ValueError(f"dimension: got {validation.shown(entries['dimension'])}, must be 2 or 3")
@@ -143,7 +132,7 @@ def _arguments(table: Floats, where: dict[str, slice], entries: dict[str, str]) 
         raise ValueError(f"pbc: got {validation.shown(entries['pbc'])}, must be T or F for each axis")
     positions, velocities = (table[:, where[name]] for name in ("positions", "velocities"))
     if np.any(positions[:, d:]) or np.any(velocities[:, d:]):
-        raise ValueError("dimension: got 2, must be 3: some z are not 0")
+        raise ValueError("dimension: got 2, must be 3 for particles with z ≠ 0")
     return {
         "positions": positions[:, :d],
         "velocities": velocities[:, :d],

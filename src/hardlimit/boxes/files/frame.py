@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, BinaryIO, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,19 +29,33 @@ class Frame:
 #: Function that appends a frame to a file.
 Append = Callable[[Frame], None]
 
+BLOCK: Final = 65536  #: number of rows formatted at a time
 
-@dataclass(frozen=True)
-class Found:
-    """The arguments of ParticleSystem read from a file, unchecked."""
 
-    arguments: dict[str, Any]
-    rounding: float = 0.0  #: rounding error of distances, relative to a radius
+#: Unchecked arguments of ParticleSystem from a file, and the rounding error of distances over the smallest radius.
+Found = tuple[dict[str, Any], float]
 
 
 def three(values: Floats, last: float = 0.0) -> Floats:
     """Rows of three columns; in 2-D the third column is filled with ``last``."""
     missing = 3 - values.shape[-1]
     return np.concatenate([values, np.full((*values.shape[:-1], missing), last)], axis=-1)
+
+
+def write_rows(file: BinaryIO, labels: Iterable[str], *columns: Floats) -> None:
+    """Write a line for each row of numbers, which begins with its label."""
+    table, label = np.column_stack(columns), iter(labels)
+    for first in range(0, len(table), BLOCK):
+        rows = table[first : first + BLOCK].tolist()
+        file.write("".join(f"{next(label)} {' '.join(map(repr, row))}\n" for row in rows).encode())
+
+
+def read_table(name: str, lines: Iterable[Any], columns: list[int] | None = None) -> Floats:
+    """Lines of numbers as an array; ``name`` is for error messages."""
+    try:
+        return np.loadtxt(lines, usecols=columns, comments=None, ndmin=2, encoding="utf-8")
+    except (ValueError, IndexError) as error:
+        raise ValueError(f"{name}: {str(error).splitlines()[0]}") from None
 
 
 def boundary_of(periodic: Any) -> tuple[str, ...]:

@@ -27,13 +27,12 @@ def _library() -> Any:
     try:
         import gsd.hoomd
     except ImportError:
-        raise ValueError("a .gsd file needs the library gsd: pip install 'hardlimit[files]'") from None
+        raise ValueError("a .gsd file requires the library gsd: pip install 'hardlimit[files]'") from None
     return gsd.hoomd
 
 
 @contextmanager
 def appender(path: Path) -> Iterator[Append]:
-    """Create a file to which frames can be appended."""
     library = _library()
     with library.open(str(path), "w") as file:
         yield lambda frame: file.append(_made(library.Frame(), len(file), frame))
@@ -60,7 +59,7 @@ def _single(values: Floats) -> Any:
     with np.errstate(over="ignore"):
         found = values.astype(np.float32)
     if not np.isfinite(found).all():
-        raise ValueError("gsd: got a value beyond single precision, must be below 3.4e38 in every unit")
+        raise ValueError("got a value too large for GSD, must be below 3.4e38 (single precision)")
     return found
 
 
@@ -75,7 +74,6 @@ def _in_single(values: dict[str, Any]) -> dict[str, Any]:
 
 
 def read(path: Path, frame: int) -> Found:
-    """Read one frame of a file."""
     library = _library()
     try:
         with library.open(str(path), "r") as file:
@@ -89,7 +87,9 @@ def read(path: Path, frame: int) -> Found:
         raise ValueError(f"not a GSD file of particles, or damaged: {_line(error)}") from None
     tilted = np.any(found.configuration.box[3:])
     if found.particles.N == 0 or tilted:
-        raise ValueError("the box is tilted" if tilted else "the file holds no particles")
+        raise ValueError(
+            f"got {'a tilted box' if tilted else 'no particles'}, must be particles in a box along the axes"
+        )
     if OF_PARTICLES["positions"] in found.log:
         return _in_double(found)
     return _of_another_program(found)
@@ -103,7 +103,7 @@ def _check_counts(file: Any, frame: int, size: int) -> None:
             count = file.read_chunk(frame=frame, name=name)
             if count.size != 1 or not 0 <= int(count.flat[0]) <= size // 4:
                 raise ValueError(
-                    f"{name}: got {count.flat[0] if count.size else 'nothing'}, more than the file holds"
+                    f"{name}: got {count.flat[0] if count.size else 'nothing'}, must fit into the size of the file"
                 )
 
 
@@ -115,7 +115,7 @@ def _in_double(found: Any) -> Found:
     """The values under ``log``; refused if the values in single precision differ from them."""
     missing = [key for key in (*OF_PARTICLES.values(), *OF_BOX.values()) if key not in found.log]
     if missing:
-        raise ValueError(f"log: {missing[0]} is missing")
+        raise ValueError(f"log: must contain {missing[0]}")
     values = {name: found.log[key] for name, key in (OF_PARTICLES | OF_BOX).items()}
     try:
         single = _in_single(values)
@@ -124,10 +124,10 @@ def _in_double(found: Any) -> Found:
         same = False
     if not same:
         raise ValueError(
-            "log: differs from the values in single precision, which another program has changed"
+            "log: must equal the values in single precision; another program has changed one of them"
         )
     values.pop("time")
-    return Found(values | {"boundary": boundary_of(values.pop("periodic"))})
+    return values | {"boundary": boundary_of(values.pop("periodic"))}, 0.0
 
 
 def _of_another_program(found: Any) -> Found:
@@ -137,10 +137,8 @@ def _of_another_program(found: Any) -> Found:
     box = found.configuration.box[:d].astype(np.float64)
     positions = p.position[:, :d].astype(np.float64) + 0.5 * box
     rounding = float(np.finfo(np.float32).eps) * box
-    beyond = (positions < 0.0) & (positions > -rounding)
-    positions[beyond] = 0.0
-    beyond = (positions > box) & (positions < box + rounding)
-    positions[beyond] = np.broadcast_to(box, positions.shape)[beyond]
+    just_outside = (positions > -rounding) & (positions < box + rounding)
+    positions = np.where(just_outside, np.clip(positions, 0.0, box), positions)
     arguments = {
         "positions": positions,
         "velocities": p.velocity[:, :d].astype(np.float64),
@@ -149,4 +147,4 @@ def _of_another_program(found: Any) -> Found:
         "box": box,
     }
     smallest = max(float(arguments["radius"].min()), np.finfo(np.float64).tiny)
-    return Found(arguments, min(2.0 * float(rounding.max()) / smallest, 1e-2))
+    return arguments, min(2.0 * float(rounding.max()) / smallest, 1e-2)

@@ -16,11 +16,10 @@ from typing import Any, BinaryIO, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ... import _core
+from ...contact.balls import ball_masses
 from ...support import validation
-from .frame import Append, Floats, Found, Frame, boundary_of, three
+from .frame import Append, Floats, Found, Frame, boundary_of, read_table, three, write_rows
 
-BLOCK: Final = 65536  #: number of rows formatted at a time
 SECTIONS: Final = ("Atoms", "Velocities")
 _MARK: Final = re.compile(
     r"LAMMPS data file by hardlimit, SI units, dimension ([23]), boundary ([pf ]+), gravity (.+)"
@@ -34,7 +33,7 @@ def appender(path: Path) -> Iterator[Append]:
 
         def append(frame: Frame) -> None:
             if file.tell():
-                raise ValueError("a LAMMPS data file holds one frame, must end in .gsd or .xyz for more")
+                raise ValueError("got a second frame, must be one in LAMMPS data; .gsd and .xyz hold more")
             _write(file, frame, np.ones(len(frame.radius), np.int64))
 
         yield append
@@ -48,25 +47,12 @@ def write(path: Path, frame: Frame, types: NDArray[np.int64]) -> None:
 
 def _write(file: BinaryIO, frame: Frame, types: NDArray[np.int64]) -> None:
     file.write(_header(frame, int(types.max())).encode())
-    density = densities(frame.mass, frame.radius)
-    _rows(file, "Atoms # sphere", [2.0 * frame.radius, density, three(frame.positions)], types)
-    _rows(file, "Velocities", [three(frame.velocities), np.zeros((len(density), 3))])
-
-
-def _rows(file: BinaryIO, title: str, columns: list[Floats], types: NDArray[np.int64] | None = None) -> None:
-    """Write the rows of a section: number, type if given, and the columns."""
-    table = np.column_stack(columns)
-    file.write(f"\n{title}\n\n".encode())
-    for first in range(0, len(table), BLOCK):
-        block = table[first : first + BLOCK].tolist()
-        kinds = (
-            [""] * len(block) if types is None else [f" {t}" for t in types[first : first + BLOCK].tolist()]
-        )
-        rows = (
-            f"{i}{kind} {' '.join(map(repr, row))}\n"
-            for i, (kind, row) in enumerate(zip(kinds, block, strict=True), start=first + 1)
-        )
-        file.write("".join(rows).encode())
+    density, n = densities(frame.mass, frame.radius), len(frame.mass)
+    numbers = [f"{i} {kind}" for i, kind in enumerate(types.tolist(), 1)]
+    file.write(b"\nAtoms # sphere\n\n")
+    write_rows(file, numbers, 2.0 * frame.radius, density, three(frame.positions))
+    file.write(b"\nVelocities\n\n")
+    write_rows(file, map(str, range(1, n + 1)), three(frame.velocities), np.zeros((n, 3)))
 
 
 def _header(frame: Frame, types: int) -> str:
@@ -90,26 +76,20 @@ def densities(mass: Floats, radius: Floats) -> Floats:
     """Densities [kg/m³] that give these masses, to the last bit if such a density exists."""
     rho = mass / (4.0 / 3.0 * math.pi * radius**3)
     best = rho.copy()
-    found = sphere_masses(rho, radius) == mass
+    found = ball_masses(rho, radius) == mass
     for direction in (-math.inf, math.inf):
         near = rho
         for _ in range(4):
             near = np.nextafter(near, direction)
-            hit = ~found & (sphere_masses(near, radius) == mass)
+            hit = ~found & (ball_masses(near, radius) == mass)
             best[hit] = near[hit]
             found |= hit
     return best
 
 
-def sphere_masses(density: Floats, radius: Floats) -> Floats:
-    """Masses of solid spheres [kg]."""
-    return np.fromiter(map(_core.ball_mass, density.tolist(), radius.tolist()), np.float64, len(density))
-
-
 def read(path: Path, frame: int) -> Found:
-    """Read the system from a file."""
     if frame not in (0, -1):
-        raise ValueError(f"frame: got {frame}, must be 0 or -1: the format holds one")
+        raise ValueError(f"frame: got {frame}, must be 0 or -1, because the format holds one frame")
     try:
         lines = path.read_bytes().decode().splitlines()
     except UnicodeDecodeError:
@@ -122,18 +102,15 @@ def read(path: Path, frame: int) -> Found:
     atoms = _table("Atoms", sections, n, (7, 10))
     speeds = _table("Velocities", sections, n, (7, 4))
     if np.any(atoms[:, 4 + d : 7]) or np.any(speeds[:, 1 + d : 4]):
-        raise ValueError("dimension: got 2, must be 3: some z are not 0")
-    radius = 0.5 * atoms[:, 2]
-    return Found(
-        {
-            "positions": atoms[:, 4 : 4 + d] - limits[:d, 0],
-            "velocities": speeds[:, 1 : 1 + d],
-            "radius": radius,
-            "density": atoms[:, 3],
-            "box": limits[:d, 1] - limits[:d, 0],
-            **_from_mark(mark, d),
-        }
-    )
+        raise ValueError("dimension: got 2, must be 3 for particles with z ≠ 0")
+    arguments = {
+        "positions": atoms[:, 4 : 4 + d] - limits[:d, 0],
+        "velocities": speeds[:, 1 : 1 + d],
+        "radius": 0.5 * atoms[:, 2],
+        "density": atoms[:, 3],
+        "box": limits[:d, 1] - limits[:d, 0],
+    }
+    return arguments | _from_mark(mark, d), 0.0
 
 
 def _parts(lines: list[str]) -> tuple[list[str], dict[str, tuple[str, list[str]]]]:
@@ -146,7 +123,7 @@ def _parts(lines: list[str]) -> tuple[list[str], dict[str, tuple[str, list[str]]
         if re.match(r"[A-Z]", text):
             title = text.strip()
             if title in sections:
-                raise ValueError(f"{title}: given twice")
+                raise ValueError(f"{title}: got two sections, must be one")
             here = []
             sections[title] = (comment.strip(), here)
         elif text.strip():
@@ -157,7 +134,7 @@ def _parts(lines: list[str]) -> tuple[list[str], dict[str, tuple[str, list[str]]
 def _count(header: Iterable[str]) -> int:
     counts = [match[1] for line in header if (match := re.fullmatch(r"\s*(\d{1,12})\s+atoms\s*", line))]
     if len(counts) != 1 or int(counts[0]) == 0:
-        raise ValueError("header: must say once how many atoms there are, such as '1000 atoms'")
+        raise ValueError("header: must contain the number of atoms once, such as '1000 atoms'")
     return int(counts[0])
 
 
@@ -166,13 +143,13 @@ def _limits(header: Iterable[str]) -> Floats:
     found: dict[str, list[float]] = {}
     for line in header:
         if re.search(r"\b(xy\s+xz\s+yz|avec|bvec|cvec)\b", line):
-            raise ValueError("header: got a tilted box, must be along the axes")
+            raise ValueError("header: got a tilted box, must be a box along the axes")
         match = re.fullmatch(r"\s*(\S+)\s+(\S+)\s+([xyz])lo\s+\3hi\s*", line)
         if match:
             found[match[3]] = [_float(f"{match[3]}lo {match[3]}hi", word) for word in match.groups()[:2]]
     missing = [axis for axis in "xyz" if axis not in found]
     if missing:
-        raise ValueError(f"header: must hold the line '… … {missing[0]}lo {missing[0]}hi'")
+        raise ValueError(f"header: must contain a line such as '0 1 {missing[0]}lo {missing[0]}hi'")
     return np.array([found[axis] for axis in "xyz"])
 
 
@@ -192,17 +169,14 @@ def _table(title: str, sections: dict[str, tuple[str, list[str]]], n: int, width
         raise ValueError(f"Atoms: got the style {validation.shown(style)}, must be sphere")
     if len(lines) != n:
         raise ValueError(f"{title}: got {len(lines)} lines, must be {n}, one for each atom")
-    try:
-        found = np.loadtxt(lines, ndmin=2, comments=None)
-    except ValueError as error:
-        raise ValueError(f"{title}: {str(error).splitlines()[0]}") from None
+    found = read_table(title, lines)
     if found.shape[1] not in widths:
         raise ValueError(
-            f"{title}: got {found.shape[1]} columns, must be {widths[0]} as of atom_style sphere"
+            f"{title}: got {found.shape[1]} columns, must be {widths[0]}, as in atom_style sphere"
         )
     found = found[np.argsort(found[:, 0], kind="stable")]
     if not np.all(np.diff(found[:, 0]) > 0.0):
-        raise ValueError(f"{title}: some numbers of atoms stand twice or are none")
+        raise ValueError(f"{title}: got an atom twice, must have a number of its own for each atom")
     return found
 
 
@@ -212,7 +186,7 @@ def _from_mark(mark: re.Match[str] | None, d: int) -> dict[str, Any]:
         return {}
     sides, gravity = mark[2].split(), mark[3].split()
     if len(sides) != d or len(gravity) != d:
-        raise ValueError("first line: must name a side and a gravity for each axis")
+        raise ValueError("first line: must contain a boundary and a gravity for each axis")
     return {
         "boundary": boundary_of(side == "p" for side in sides),
         "gravity": [_float("gravity", word) for word in gravity],

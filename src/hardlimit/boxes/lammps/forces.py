@@ -27,13 +27,14 @@ from numpy.typing import NDArray
 from ... import _core
 from ...contact.contact import Law
 from ..box import Floats
+from ..contacts import contact, of_pairs
 from ..system import ParticleSystem
 
 Integers = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
 #: LAMMPS has 32 groups, and each type needs one for the walls.
-MOST_TYPES: Final = 30
+MAX_TYPES: Final = 30
 #: Largest ratio of damping to critical damping; above it e would underflow.
 LARGEST_RATIO: Final = 0.99
 COMMON: Final = "limit_damping tangential linear_nohistory 0.0 0.0"
@@ -58,10 +59,10 @@ def types_of(system: ParticleSystem, law: Law) -> Types:
         one = (float(system.mass[0]), float(system.radius[0]))
         return Types(np.zeros(system.n, np.int64), [one])
     _, first, inverse = np.unique(np.stack(columns, axis=1), axis=0, return_index=True, return_inverse=True)
-    if len(first) > MOST_TYPES:
+    if len(first) > MAX_TYPES:
         raise ValueError(
-            f"{' | '.join(needed)}: got {len(first)} different ones, must be at most {MOST_TYPES} for engine 'lammps', "
-            f"whose coefficients depend on them under this law"
+            f"{' | '.join(needed)}: got {len(first)} different values, must be at most {MAX_TYPES} for engine "
+            "'lammps', whose coefficients depend on them under this law"
         )
     bodies = [(float(system.mass[i]), float(system.radius[i])) for i in first]
     return Types(inverse.reshape(-1).astype(np.int64), bodies)
@@ -71,10 +72,8 @@ def _needs(law: Law) -> tuple[str, ...]:
     """The attributes of particles on which the coefficients depend."""
     name = law.record["name"]
     if name not in COEFFICIENTS:
-        raise ValueError(
-            f"law: got {law!r}, must be one of {', '.join(COEFFICIENTS)} for engine 'lammps', which has no other"
-        )
-    unit = _contact(law, 1.0, 1.0)
+        raise ValueError(f"law: got {law!r}, must be one of {', '.join(COEFFICIENTS)} for engine 'lammps'")
+    unit = contact(law, 1.0, 1.0)
     if name == "linear":
         strong = _damping_ratio(unit, 1.0) > LARGEST_RATIO
         return ("mass",) if "restitution" in law.parameters and strong else ()
@@ -85,8 +84,8 @@ def _needs(law: Law) -> tuple[str, ...]:
     ratio = unit.values()[1] / math.sqrt(5.0)
     if ratio > LARGEST_RATIO:
         raise ValueError(
-            f"law: got {law!r}, damped {ratio:.3g} times critically, must be at most {LARGEST_RATIO:g} times for "
-            "engine 'lammps', which has no stronger damping of this form"
+            f"law: got {law!r}, whose damping is {ratio:.3g} times the critical one, must be at most "
+            f"{LARGEST_RATIO:g} times it for engine 'lammps'"
         )
     return ("radius",) if "elastic_prefactor" in law.parameters else ()
 
@@ -94,43 +93,38 @@ def _needs(law: Law) -> tuple[str, ...]:
 def between(law: Law, body: tuple[float, float], other: tuple[float, float]) -> str:
     """The coefficients for a contact of two bodies, given as mass [kg] and radius [m]; both are infinite for a wall."""
     mass, radius = (_core.effective(a, b) for a, b in zip(body, other, strict=True))
-    coefficients = COEFFICIENTS[law.record["name"]](law, _contact(law, mass, radius), mass, radius)
+    coefficients = COEFFICIENTS[law.record["name"]](law, contact(law, mass, radius), mass, radius)
     return f"{coefficients} {COMMON}"
 
 
-def _contact(law: Law, mass: float, radius: float) -> Any:
-    parameters = list(law.parameters.values())
-    return _core.make_contact(law.record["name"], law.alternative, parameters, mass, radius)
-
-
-def _damping_ratio(contact: Any, mass: float) -> float:
-    stiffness, damping = contact.values()
+def _damping_ratio(of: Any, mass: float) -> float:
+    stiffness, damping = of.values()
     return float(0.5 * damping / (math.sqrt(stiffness) * math.sqrt(mass)))
 
 
-def _usual_restitution(ratio: float) -> float:
-    """The e with −ln e/√(π² + ln² e) = b."""
+def _lammps_restitution(ratio: float) -> float:
+    """The e of LAMMPS, with −ln e/√(π² + ln² e) = b."""
     return math.exp(-math.pi * ratio / math.sqrt((1.0 - ratio) * (1.0 + ratio)))
 
 
-def _linear(law: Law, contact: Any, mass: float, radius: float) -> str:
-    stiffness, damping = contact.values()
-    ratio = _damping_ratio(contact, mass)
+def _linear(law: Law, of: Any, mass: float, radius: float) -> str:
+    stiffness, damping = of.values()
+    ratio = _damping_ratio(of, mass)
     if "damping" in law.parameters or ratio > LARGEST_RATIO:
         return f"hooke {stiffness!r} {damping!r} damping velocity"
-    return f"hooke {stiffness!r} {_usual_restitution(ratio)!r} damping coeff_restitution"
+    return f"hooke {stiffness!r} {_lammps_restitution(ratio)!r} damping coeff_restitution"
 
 
-def _viscoelastic(law: Law, contact: Any, mass: float, radius: float) -> str:
-    rho, time = contact.values()
+def _viscoelastic(law: Law, of: Any, mass: float, radius: float) -> str:
+    rho, time = of.values()
     along = rho / math.sqrt(radius)
     return f"hertz {along!r} {1.5 * along * time / mass!r} damping viscoelastic"
 
 
-def _tsuji(law: Law, contact: Any, mass: float, radius: float) -> str:
-    prefactor, alpha = contact.values()
-    usual = _usual_restitution(alpha / math.sqrt(5.0))
-    return f"hertz {prefactor / math.sqrt(radius)!r} {usual!r} damping coeff_restitution"
+def _tsuji(law: Law, of: Any, mass: float, radius: float) -> str:
+    prefactor, alpha = of.values()
+    e = _lammps_restitution(alpha / math.sqrt(5.0))
+    return f"hertz {prefactor / math.sqrt(radius)!r} {e!r} damping coeff_restitution"
 
 
 COEFFICIENTS: Final[dict[str, Callable[[Law, Any, float, float], str]]] = {
@@ -144,18 +138,16 @@ class Pairs:
     """Forces and energies of our law for the contacts of a system."""
 
     def __init__(self, system: ParticleSystem, law: Law) -> None:
-        self._law, self._mass, self._radius = law, np.asarray(system.mass), np.asarray(system.radius)
-        kinds, inverse = np.unique(np.stack([self._mass, self._radius], 1), axis=0, return_inverse=True)
-        self._bodies = [*map(tuple, kinds.tolist()), (math.inf, math.inf)]
-        self._kind = inverse.reshape(-1)
+        self._system, self._law = system, law
 
     def apart(self, first: Integers, second: Integers) -> Floats:
         """Distance of the centres at touch [m]; for a wall (``second`` < 0), the radius."""
-        return self._radius[first] + np.where(second < 0, 0.0, self._radius[second])
+        radius = self._system.radius
+        return radius[first] + np.where(second < 0, 0.0, radius[second])
 
     def effective_mass(self, first: Integers, second: Integers) -> Floats:
         """Effective mass [kg]."""
-        one, other = self._mass[first], self._mass[second]
+        one, other = self._system.mass[first], self._system.mass[second]
         return np.where(second < 0, one, one * other / (one + other))
 
     def force(self, first: Integers, second: Integers, compression: Floats, rate: Floats) -> Floats:
@@ -167,15 +159,8 @@ class Pairs:
         return self._each(first, second, lambda contact, at: contact.energy(compression[at]))
 
     def _each(self, first: Integers, second: Integers, value: Callable[[Any, Integers], Floats]) -> Floats:
-        """Evaluate a function of all contacts, with one call per pair of kinds of particles."""
+        """Evaluate a function of all contacts, with one call per kind of contact."""
         found = np.zeros(len(first))
-        wall = len(self._bodies) - 1
-        other = np.where(second < 0, wall, self._kind[second])
-        code = self._kind[first] * (wall + 1) + other
-        order = np.argsort(code, kind="stable")
-        for at in np.split(order, np.flatnonzero(np.diff(code[order])) + 1):
-            if len(at):
-                body, partner = (self._bodies[k] for k in divmod(int(code[at[0]]), wall + 1))
-                mass, radius = (_core.effective(a, b) for a, b in zip(body, partner, strict=True))
-                found[at] = value(_contact(self._law, mass, radius), at)
+        for rows, one in of_pairs(self._system, self._law, first, second):
+            found[rows] = value(one, rows)
         return found

@@ -14,7 +14,7 @@ from ...support import saving, validation
 from ..engines import law_entry
 from ..files import lammps_data
 from ..system import ParticleSystem
-from .forces import Pairs, Types, between, types_of
+from .forces import Types, between, types_of
 from .script import Plan, script
 
 INPUT: Final = "in.hardlimit"
@@ -34,16 +34,6 @@ class Job:
     system: ParticleSystem
     law: Any
     plan: Plan
-
-    @property
-    def pairs(self) -> Pairs:
-        """Forces and energies of the law for the contacts of the system."""
-        return Pairs(self.system, self.law)
-
-    @property
-    def streams(self) -> list[str]:
-        """Names of the dumps of contacts."""
-        return [PAIRS, *([WALLS] if "wall" in self.system.boundary else [])]
 
 
 def write(job: Job, folder: Path) -> Path:

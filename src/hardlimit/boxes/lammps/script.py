@@ -47,7 +47,7 @@ def script(
         _forces(coefficients),
         _walls(system, types, coefficients),
         _motion(system, plan),
-        _what_comes_out(system, plan),
+        _output(system, plan),
     ]
     return "\n".join(line for part in parts for line in [*part, ""]).replace("\n\n\n", "\n\n")
 
@@ -76,9 +76,8 @@ def _forces(coefficients: Mapping[tuple[int, int | None], str]) -> list[str]:
 def skin(system: ParticleSystem) -> float:
     """Skin of the neighbour list [m]."""
     mean = float(system.radius.mean())
-    apart = (float(np.prod(system.box)) / system.n) ** (1.0 / system.dimension)
-    low, high = SKINS
-    return float(mean * min(max(0.5 * (apart / mean - 2.0), low), high))
+    spacing = (system.domain.volume / system.n) ** (1.0 / system.dimension)
+    return float(mean * np.clip(0.5 * (spacing / mean - 2.0), *SKINS))
 
 
 def _walls(
@@ -94,9 +93,9 @@ def _walls(
             yield f"group {group} type {i + 1}"
         for axis, name in enumerate(AXES[: system.dimension]):
             if system.boundary[axis] == "wall":
-                of = f"{group} wall/gran granular {coefficients[i, None]} {name}plane"
-                yield f"fix {name}low{i + 1} {of} 0.0 NULL"
-                yield f"fix {name}high{i + 1} {of} NULL {float(system.box[axis])!r}"
+                wall = f"{group} wall/gran granular {coefficients[i, None]} {name}plane"
+                yield f"fix {name}low{i + 1} {wall} 0.0 NULL"
+                yield f"fix {name}high{i + 1} {wall} NULL {float(system.box[axis])!r}"
 
 
 def _motion(system: ParticleSystem, plan: Plan) -> Iterator[str]:
@@ -113,7 +112,7 @@ def _motion(system: ParticleSystem, plan: Plan) -> Iterator[str]:
     yield f"timestep {plan.time_step!r}"
 
 
-def _what_comes_out(system: ParticleSystem, plan: Plan) -> Iterator[str]:
+def _output(system: ParticleSystem, plan: Plan) -> Iterator[str]:
     every = 1 if plan.log else plan.per_sample
     yield "# at each sample: energies, momentum, the virial of pairs as a mean over the steps since the previous sample"
     yield "compute kinetic all ke"
@@ -131,9 +130,9 @@ def _what_comes_out(system: ParticleSystem, plan: Plan) -> Iterator[str]:
     yield f"thermo_modify line one lost error flush yes {NUMBERS}"
     yield f"thermo {plan.per_sample}"
     yield f"# contacts, {'at every step' if plan.log else 'at each sample'}"
-    yield "compute who all property/local patom1 patom2 cutoff radius"
-    yield "compute how all pair/local dist force cutoff radius"
-    yield f"dump pairs all local {every} pairs.dump c_who[1] c_who[2] c_how[1] c_how[2]"
+    yield "compute pair all property/local patom1 patom2 cutoff radius"
+    yield "compute force all pair/local dist force cutoff radius"
+    yield f"dump pairs all local {every} pairs.dump c_pair[1] c_pair[2] c_force[1] c_force[2]"
     yield f"dump_modify pairs {NUMBERS}"
     if "wall" in system.boundary:
         yield f'variable touches atom "{_touches(system)}"'
@@ -146,9 +145,5 @@ def _what_comes_out(system: ParticleSystem, plan: Plan) -> Iterator[str]:
 
 def _touches(system: ParticleSystem) -> str:
     """A formula for LAMMPS that is true for particles that overlap a wall."""
-    ways = [
-        f"{name}<radius||{name}>{float(edge)!r}-radius"
-        for name, edge, side in zip(AXES, system.box, system.boundary, strict=False)
-        if side == "wall"
-    ]
-    return "||".join(ways)
+    sides = zip(AXES, system.box.tolist(), system.boundary, strict=False)
+    return "||".join(f"{x}<radius||{x}>{edge!r}-radius" for x, edge, side in sides if side == "wall")

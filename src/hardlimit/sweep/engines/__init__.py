@@ -2,43 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Iterable
+from collections.abc import Callable, Generator
 from dataclasses import dataclass
-from typing import Any, Final, Protocol
+from typing import Any, Final
 
-from ..chunks import Chunks
-from ..computation import Computation, Report, Values
+from ..computation import Values
 from . import cpu, cuda, dask
-
-
-class Compute(Protocol):
-    """Compute each wanted chunk once, in any order, and yield it when it is finished.
-
-    ``report`` may be called with the number of finished points of chunks that have not been yielded.
-    """
-
-    def __call__(
-        self,
-        computation: Any,
-        chunks: Chunks,
-        wanted: Iterable[int],
-        threads: int,
-        report: Report,
-        scheduler: Any,
-    ) -> Generator[tuple[int, Values], None, None]: ...
-
-
-def any_computation(_: Computation) -> None:
-    """Accept every computation."""
 
 
 @dataclass(frozen=True)
 class Engine:
     """Properties of an engine."""
 
-    compute: Compute
+    #: Takes (computation, chunks, wanted chunks, threads, report, scheduler). Computes each wanted chunk once, in any
+    #: order, and yields it when it is finished. Calls ``report`` with the number of finished points not yet yielded.
+    compute: Callable[..., Generator[tuple[int, Values], None, None]]
     #: Raises ValueError for an unsupported computation.
-    check: Callable[[Any], None] = any_computation
+    check: Callable[[Any], None] = lambda computation: None
     #: Whether it computes a grid as one chunk if there is no store.
     whole: bool = True
     #: Whether ``threads`` is per task (default 1) rather than for this machine (default: all).

@@ -25,14 +25,8 @@ LEFT_TO_HOST: Final = 255
 
 #: Results in the order of the kernel's struct Task.
 RESULTS: Final = (
-    "n_contacts",
-    "outcome",
-    "relative_velocity",
-    "separation_velocity",
-    "effective_restitution",
-    "restitution_ratio",
-    "t_end",
-    "t_floor_end",
+    *("n_contacts", "outcome", "relative_velocity", "separation_velocity"),
+    *("effective_restitution", "restitution_ratio", "t_end", "t_floor_end"),
 )
 
 #: Size of the kernel's struct Task in 64-bit words.
@@ -45,10 +39,8 @@ POINTS: Final = 1 << 22
 def check(plan: Any) -> None:
     """Refuse sweeps that the kernel does not support.
 
-    Raises
-    ------
-    ValueError
-        Unless the column has two balls, its law and model have a kernel, and all variables have one value per point.
+    Raises a ValueError unless the column has two balls, its law and model have a kernel, and all variables have one
+    value per point.
     """
     if not isinstance(plan, Plan) or plan.balls != 2:
         need = "must be 'cpu' or 'dask' unless two balls are swept"
@@ -128,7 +120,7 @@ def _solve_on_host(plan: Plan, values: Values, points: NDArray[np.int64], thread
 
 
 class Slot:
-    """Memory for one piece on the device and, pinned, on the host, with its own stream."""
+    """Memory for one piece on the device and on the host (pinned), with its own stream."""
 
     def __init__(self, gpu: Gpu, plan: Plan, points: int) -> None:
         self.gpu = gpu
@@ -142,8 +134,8 @@ class Slot:
     def start(self, plan: Plan, copy_out: bool = True) -> None:
         """Start a piece."""
         self.count = plan.size
-        words, places = self.inputs.host.view(np.uint64), self._places(self.results.address)
-        write_task(plan, words, self.inputs.address, places)
+        words, addresses = self.inputs.host.view(np.uint64), self._addresses(self.results.address)
+        write_task(plan, words, self.inputs.address, addresses)
         self.gpu.to_device(self.stream, self.inputs)
         if plan.restitution_at >= 0:
             self.gpu.launch(self.stream, "damping_ratios", self.inputs.address)
@@ -154,20 +146,19 @@ class Slot:
     def finish(self) -> Values:
         """Results of the piece, valid until the next start."""
         self.gpu.wait(self.stream)
+        host, count = self.results.host, self.count
         return {
-            name: self.results.host[at : at + _bytes(name, self.count)].view(VARIABLES[name].dtype)[
-                : self.count
-            ]
-            for name, at in self._places(0).items()
+            name: host[at : at + _bytes(name, count)].view(VARIABLES[name].dtype)[:count]
+            for name, at in self._addresses(0).items()
         }
 
-    def _places(self, start: int) -> dict[str, int]:
+    def _addresses(self, start: int) -> dict[str, int]:
         """Address of each result if the first is at ``start``."""
-        places = {}
+        addresses = {}
         for name in self.kept:
-            places[name] = start
+            addresses[name] = start
             start += _bytes(name, self.count)
-        return places
+        return addresses
 
 
 def _bytes(name: str, points: int) -> int:

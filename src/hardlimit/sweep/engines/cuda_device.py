@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import cache
 from importlib import resources
 from pathlib import Path
-from typing import Any, Final, Protocol
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,35 +33,11 @@ class Memory:
     on_host: Any = None
 
 
-class Gpu(Protocol):
-    """Interface of a device. Calls on one stream run in order; all but ``wait`` may return before they end."""
+class Gpu:
+    """The first CUDA device. Calls on one stream run in order; all but ``wait`` may return before they end.
 
-    name: str
-
-    def room(self) -> int:
-        """Free memory in bytes."""
-
-    def stream(self) -> Any:
-        """A new stream."""
-
-    def memory(self, size: int, stream: Any) -> Memory:
-        """New memory of ``size`` bytes, a multiple of eight."""
-
-    def to_device(self, stream: Any, memory: Memory) -> None:
-        """Copy all of it."""
-
-    def to_host(self, stream: Any, memory: Memory) -> None:
-        """Copy all of it back."""
-
-    def launch(self, stream: Any, kernel: str, task: int) -> None:
-        """Run a kernel with the task at this address on as many threads as are resident at once."""
-
-    def wait(self, stream: Any) -> None:
-        """Return when the work is done."""
-
-
-class CudaGpu:
-    """The first CUDA device."""
+    Tests have an emulated device with the same methods.
+    """
 
     def __init__(self) -> None:
         from cuda import core
@@ -89,21 +65,21 @@ class CudaGpu:
         return self._device.create_stream()
 
     def memory(self, size: int, stream: Any) -> Memory:
-        """New memory; the host's copy is pinned, so that the device can access it directly."""
+        """New memory of ``size`` bytes, a multiple of eight; the host's copy is pinned: the device can access it."""
         on_device, on_host = self._device.allocate(size, stream=stream), self._pinned.allocate(size)
         whole = (ctypes.c_uint8 * size).from_address(int(on_host.handle))
         return Memory(int(on_device.handle), np.ctypeslib.as_array(whole), on_device, on_host)
 
     def to_device(self, stream: Any, memory: Memory) -> None:
-        """Copy all of it."""
+        """Copy the memory from the host to the device."""
         memory.on_host.copy_to(memory.on_device, stream=stream)
 
     def to_host(self, stream: Any, memory: Memory) -> None:
-        """Copy all of it back."""
+        """Copy the memory from the device to the host."""
         memory.on_device.copy_to(memory.on_host, stream=stream)
 
     def launch(self, stream: Any, kernel: str, task: int) -> None:
-        """Run a kernel on as many threads as fit."""
+        """Run a kernel with the task at this address on as many threads as are resident at once."""
         from cuda import core
 
         code = self._kernels[kernel]
@@ -119,15 +95,10 @@ class CudaGpu:
 def open_gpu() -> Gpu:
     """The GPU, made current in the calling thread; an error of one line if it is not available.
 
-    The driver uses the current device of the calling thread, and a new thread has none: each thread that uses the GPU
-    must call this. The kernel is compiled and loaded once.
+    Each thread that uses the GPU must call this, because the driver has a current device per thread. The kernel is
+    compiled and loaded once.
 
-    Raises
-    ------
-    ImportError
-        Without the packages of the extra ``hardlimit[cuda]``.
-    ValueError
-        Without a driver, or without a device that the compiler supports.
+    Raises an ImportError without the packages of the extra ``hardlimit[cuda]``.
     """
     gpu = _opened_once()
     gpu.make_current()
@@ -135,13 +106,13 @@ def open_gpu() -> Gpu:
 
 
 @cache
-def _opened_once() -> CudaGpu:
-    _insist_on_packages()
-    _insist_on_device()
-    return CudaGpu()
+def _opened_once() -> Gpu:
+    _require_packages()
+    _require_device()
+    return Gpu()
 
 
-def _insist_on_packages() -> None:
+def _require_packages() -> None:
     install = "pip install 'hardlimit[cuda]'"
     try:
         from cuda import core  # noqa: F401
@@ -155,7 +126,7 @@ def _insist_on_packages() -> None:
         raise ImportError(f"engine: got 'cuda', {need}: {install}") from None
 
 
-def _insist_on_device() -> None:
+def _require_device() -> None:
     from cuda.bindings import driver, nvrtc
 
     try:

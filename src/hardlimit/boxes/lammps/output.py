@@ -1,4 +1,4 @@
-"""Parsers for the output of LAMMPS: dumps, which may still be written, the log and the final state."""
+"""Parse the output of LAMMPS: dumps, which may still be written, the log and the final state."""
 
 from __future__ import annotations
 
@@ -32,9 +32,8 @@ def snapshots(lines: Iterable[str]) -> Iterator[Snapshot]:
             step = int(next(source))
             next(source)
             n = int(next(source))
-            for _ in range(4):
+            for _ in range(5):  # the box and the names of the columns
                 next(source)
-            next(source)
             rows = [next(source) for _ in range(n)]
         except (StopIteration, ValueError):
             raise ValueError("an incomplete dump") from None
@@ -51,12 +50,8 @@ def table(rows: list[str], width: int) -> Floats:
 
 def thermo(path: Path) -> Floats:
     """The rows of the log with the columns ``THERMO``."""
-    rows: list[list[float]] = []
     with open(path, encoding="utf-8", errors="replace") as file:
-        for line in file:
-            found = row_of(line)
-            if found is not None:
-                rows.append(found)
+        rows = [row for row in map(row_of, file) if row is not None]
     return np.array(rows).reshape(-1, len(THERMO))
 
 
@@ -71,7 +66,7 @@ def row_of(line: str) -> list[float] | None:
 def state(path: Path, dimension: int) -> tuple[Floats, Floats]:
     """Unfolded positions and velocities, (N, d) each."""
     with open(path, encoding="utf-8") as file:
-        (shot,) = snapshots(file)
-    found = table(shot.rows, 7)
-    at, moving = found[:, 1 : 1 + dimension], found[:, 4 : 4 + dimension]
-    return np.ascontiguousarray(at), np.ascontiguousarray(moving)
+        (last,) = snapshots(file)
+    found = table(last.rows, 7)
+    positions, velocities = found[:, 1 : 1 + dimension], found[:, 4 : 4 + dimension]
+    return np.ascontiguousarray(positions), np.ascontiguousarray(velocities)

@@ -1,4 +1,4 @@
-"""Contacts, found in the overlaps that LAMMPS writes: energy and number at samples, times and speeds for the log.
+"""Find contacts in the overlaps that LAMMPS writes: energy and number at samples, times and speeds for the log.
 
 LAMMPS writes the distances of all overlapping pairs. The difference between two steps gives the velocity half a step
 earlier, with which LAMMPS computes its forces. With the same forces from our law, we obtain the velocities before the
@@ -15,14 +15,14 @@ import numpy as np
 from ..box import Floats
 from ..system import ParticleSystem
 from .forces import Flags, Integers, Pairs
-from .rows import Snapshot, snapshots, table
+from .output import Snapshot, snapshots, table
 
-#: Number of lines of a dump parsed at a time.
-BATCH: Final = 50_000
-#: Number of rows searched at a time.
-PORTION: Final = 500_000
+#: Number of lines of a dump that are parsed at a time.
+LINES: Final = 50_000
+#: Number of overlaps that are searched at a time.
+ROWS: Final = 500_000
 #: Number of fixed-point iterations for the rate before a touch; each gains more than a digit.
-REPETITIONS: Final = 20
+ITERATIONS: Final = 20
 
 
 class Overlaps(NamedTuple):
@@ -32,7 +32,7 @@ class Overlaps(NamedTuple):
     first: Integers
     second: Integers  #: a negative number is a wall
     compression: Floats  #: [m]
-    pushing: Flags  #: whether the force is not zero
+    force_acts: Flags  #: whether the force is not zero
 
 
 class PairDump:
@@ -44,7 +44,6 @@ class PairDump:
         self._pairs = pairs
 
     def overlaps(self, step: Integers, table: Floats) -> Overlaps:
-        """The pairs that overlap."""
         both = np.sort(table[:, :2].astype(np.int64), axis=1) - 1
         first, second = both[:, 0], both[:, 1]
         compression = self._pairs.apart(first, second) - table[:, 2]
@@ -60,7 +59,6 @@ class WallDump:
         self._pairs, self._system = pairs, system
 
     def overlaps(self, step: Integers, table: Floats) -> Overlaps:
-        """The particles and walls that overlap."""
         sides = zip(*self._sides(step, table), strict=True)
         step, first, second, compression, rate = (np.concatenate(part) for part in sides)
         force = self._pairs.force(first, second, compression, rate)
@@ -89,37 +87,35 @@ class DumpReader:
         self, dump: PairDump | WallDump, pairs: Pairs, per_sample: int, finder: Finder | None
     ) -> None:
         self._dump, self._pairs, self._per_sample, self.finder = dump, pairs, per_sample, finder
-        self._shots: list[Snapshot] = []
-        self._waiting = 0  # number of lines not yet parsed
         self.sums: dict[int, Sums] = {}  #: by step
 
-    def follow(self, lines: Iterable[str]) -> None:
-        """Read a whole dump."""
-        for shot in snapshots(lines):
-            self._shots.append(shot)
-            self._waiting += 1 + len(shot.rows)
-            if self._waiting > BATCH:
-                self._see()
-        if self._shots:
-            self._see()
+    def read(self, lines: Iterable[str]) -> None:
+        unread: list[Snapshot] = []
+        n_lines = 0
+        for snapshot in snapshots(lines):
+            unread.append(snapshot)
+            n_lines += 1 + len(snapshot.rows)
+            if n_lines > LINES:
+                self._parse(unread)
+                unread, n_lines = [], 0
+        if unread:
+            self._parse(unread)
 
-    def _see(self) -> None:
-        shots, self._shots, self._waiting = self._shots, [], 0
-        steps = np.array([shot.step for shot in shots])
-        numbers = table([row for shot in shots for row in shot.rows], self._dump.width)
-        found = self._dump.overlaps(np.repeat(steps, [len(shot.rows) for shot in shots]), numbers)
+    def _parse(self, parts: list[Snapshot]) -> None:
+        steps = np.array([part.step for part in parts])
+        numbers = table([row for part in parts for row in part.rows], self._dump.width)
+        found = self._dump.overlaps(np.repeat(steps, [len(part.rows) for part in parts]), numbers)
         self._sum(steps[steps % self._per_sample == 0], found)
         if self.finder is not None:
             self.finder.add(found, int(steps[-1]))
 
     def _sum(self, samples: Integers, found: Overlaps) -> None:
-        """Compute the sums at these samples."""
         now = found.step % self._per_sample == 0
         energies = self._pairs.energy(found.first[now], found.second[now], found.compression[now])
         at, n = np.searchsorted(samples, found.step[now]), len(samples)
         energy = np.bincount(at, energies, n)
-        pushing = np.bincount(at, found.pushing[now], n)
-        for sample, stored, count in zip(samples.tolist(), energy.tolist(), pushing.tolist(), strict=True):
+        acting = np.bincount(at, found.force_acts[now], n)
+        for sample, stored, count in zip(samples.tolist(), energy.tolist(), acting.tolist(), strict=True):
             self.sums[sample] = Sums(stored, int(count))
 
 
@@ -137,43 +133,43 @@ class Finder:
 
     def __init__(self, pairs: Pairs, time_step: float, last: int) -> None:
         self._pairs, self._dt, self._last = pairs, time_step, last
-        self._held: list[Overlaps] = []
+        self._kept: list[Overlaps] = []
         self._count, self._done = 0, -1  # number of rows kept; last step searched
         self.begins: list[Change] = []
         self.ends: list[Change] = []
 
     def add(self, found: Overlaps, until: int) -> None:
         """Add the overlaps of the next steps up to ``until``."""
-        self._held.append(found)
+        self._kept.append(found)
         self._count += len(found.step)
         if until == self._last:
             self._search(until)
-        elif self._count > PORTION:
+        elif self._count > ROWS:
             self._search(until - 1)
 
     def _search(self, until: int) -> None:
         """Find begins and ends from the last searched step to ``until``, and keep the last rows for differences."""
-        held = Overlaps._make(np.concatenate(column) for column in zip(*self._held, strict=True))
-        rows = Rows(self._pairs, self._dt, held)
+        found = Overlaps._make(np.concatenate(column) for column in zip(*self._kept, strict=True))
+        rows = Rows(self._pairs, self._dt, found)
         new = (rows.step > self._done) & (rows.step <= until)
         self.begins.append(rows.begins(new))
         self.ends.append(rows.ends(new & (rows.step < self._last)))
-        kept = held.step >= until - 1
-        self._held = [Overlaps._make(column[kept] for column in held)]
-        self._count, self._done = int(kept.sum()), until
+        last = found.step >= until - 1
+        self._kept = [Overlaps._make(column[last] for column in found)]
+        self._count, self._done = int(last.sum()), until
 
 
 class Rows:
     """Overlaps of many steps, sorted by pair and then by time."""
 
-    def __init__(self, pairs: Pairs, dt: float, held: Overlaps) -> None:
-        order = np.lexsort((held.step, held.second, held.first))
-        step, depth = held.step[order], held.compression[order]
-        first, second = held.first[order], held.second[order]
+    def __init__(self, pairs: Pairs, dt: float, found: Overlaps) -> None:
+        order = np.lexsort((found.step, found.second, found.first))
+        columns: tuple[Any, ...] = found
+        step, first, second, depth, _ = (column[order] for column in columns)
         self.step, self._first, self._second, self._depth, self._dt = step, first, second, depth, dt
         same = (np.diff(first) == 0) & (np.diff(second) == 0) & (np.diff(step) == 1)
-        self._has_before = np.concatenate([[False], same]) if len(step) else np.zeros(0, bool)
-        self._has_after = np.concatenate([same, [False]]) if len(step) else np.zeros(0, bool)
+        self._has_before = np.append(False, same)[: len(step)]
+        self._has_after = np.append(same, False)[: len(step)]
         # Change of velocity per force from one half step to the next; the first change of LAMMPS is half a step long.
         self._kick = np.where(step == 0, 0.5, 1.0) * dt / pairs.effective_mass(first, second)
         self._rate = np.full(len(step), np.nan)
@@ -185,7 +181,7 @@ class Rows:
         touch = np.flatnonzero(self._has_after & ~self._has_before)
         self._rate[touch] = self._before_touch(pairs, touch)
         self._force = pairs.force(first, second, depth, np.nan_to_num(self._rate))
-        self._pushes = self._force > 0.0
+        self._acts = self._force > 0.0
         leaving = np.isnan(self._after)
         self._after[leaving] = (self._rate - self._kick * self._force)[leaving]
 
@@ -193,16 +189,15 @@ class Rows:
         """The rates u before the touch, which satisfy u − F(ξ, u) Δt/m = measured rate after it."""
         measured = self._after[at]
         rate = measured
-        for _ in range(REPETITIONS):
+        for _ in range(ITERATIONS):
             force = pairs.force(self._first[at], self._second[at], self._depth[at], rate)
             rate = measured + self._kick[at] * force
         return rate
 
     def begins(self, among: Flags) -> Change:
         """The contacts whose force begins to act at one of the rows ``among``."""
-        pushed_before = np.zeros(len(self.step), bool)
-        pushed_before[1:] = self._pushes[:-1] & self._has_before[1:]
-        at = np.flatnonzero(among & self._pushes & ~pushed_before)
+        acted_before = np.append(False, self._acts[:-1])[: len(self.step)] & self._has_before
+        at = np.flatnonzero(among & self._acts & ~acted_before)
         since = np.clip(self._depth[at] / self._rate[at], 0.0, self._dt)
         since = np.where(self._has_before[at] | np.isnan(since), 0.5 * self._dt, since)
         time = np.where(self.step[at] == 0, 0.0, self.step[at] * self._dt - since)
@@ -210,9 +205,8 @@ class Rows:
 
     def ends(self, among: Flags) -> Change:
         """The contacts whose force acts for the last time at one of the rows ``among``."""
-        pushes_after = np.zeros(len(self.step), bool)
-        pushes_after[:-1] = self._pushes[1:] & self._has_after[:-1]
-        at = np.flatnonzero(among & self._pushes & ~pushes_after)
+        acts_after = np.append(self._acts[1:], False)[: len(self.step)] & self._has_after
+        at = np.flatnonzero(among & self._acts & ~acts_after)
         force = self._force[at]
         fell = np.where(self._has_before[at], self._force[at - 1] - force, np.nan)
         with np.errstate(divide="ignore", invalid="ignore"):

@@ -12,82 +12,65 @@ from ...support import validation
 from ...support.progress import Report
 from ..box import Floats
 from ..engines import ENGINES
-from ..falling_frame import laboratory_sums, present
+from ..falling_frame import laboratory_sums, system_at
 from ..result import ContactResult
-from . import child, rows
 from . import job as jobs
-from .contacts import Contacts, contacts
+from . import output, process
+from .contact_log import Contacts, contacts
+from .forces import Pairs
 from .job import Job
+from .overlaps import DumpReader, Finder, PairDump, WallDump
 from .program import find
-from .touching import DumpReader, Finder, PairDump, WallDump
 
-MOST_RANKS: Final = 1_000_000
+MAX_RANKS: Final = 1_000_000
+#: Numbers of contacts, which need a log.
+COUNTS: Final = ("n_contacts", "n_pairs", "n_ended", "n_overlapped")
 
 
 def checked_ranks(ranks: Any) -> int:
-    """The number of processes."""
-    return 1 if ranks is None else validation.whole("ranks", ranks, 1, MOST_RANKS)
+    return 1 if ranks is None else validation.whole("ranks", ranks, 1, MAX_RANKS)
 
 
 def run(job: Job, ranks: int, report: Report) -> ContactResult:
-    """Run LAMMPS in a temporary folder.
-
-    Raises
-    ------
-    ImportError
-        If no suitable LAMMPS is found.
-    RuntimeError
-        If LAMMPS fails; with its error message.
-    """
+    """Run LAMMPS in a temporary folder. Raises ImportError without a suitable LAMMPS, RuntimeError if it fails."""
     program = find(ranks)
-    with tempfile.TemporaryDirectory(prefix="hardlimit-lammps-", ignore_cleanup_errors=True) as place:
-        folder = Path(place)
+    with tempfile.TemporaryDirectory(prefix="hardlimit-lammps-", ignore_cleanup_errors=True) as name:
+        folder = Path(name)
         jobs.write(job, folder)
         readers = dump_readers(job)
 
-        def said(line: str) -> None:
-            row = rows.row_of(line)
+        def on_line(line: str) -> None:
+            row = output.row_of(line)
             if row is not None:
                 report(int(row[0]), job.plan.n_steps)
 
-        child.run(
-            program.command(ranks, "-in", jobs.INPUT, "-log", jobs.LOG),
-            folder,
-            program.environment(),
-            {name: reader.follow for name, reader in readers.items()},
-            said,
-        )
+        command = program.command(ranks, "-in", jobs.INPUT, "-log", jobs.LOG)
+        dumps = {name: reader.read for name, reader in readers.items()}
+        process.run(command, folder, program.environment(), dumps, on_line)
         return result(job, folder, list(readers.values()))
 
 
 def dump_readers(job: Job) -> dict[str, DumpReader]:
-    """A reader for each dump of contacts."""
-    pairs, plan = job.pairs, job.plan
+    pairs, plan = Pairs(job.system, job.law), job.plan
     dumps: dict[str, PairDump | WallDump] = {jobs.PAIRS: PairDump(pairs)}
-    if jobs.WALLS in job.streams:
+    if "wall" in job.system.boundary:
         dumps[jobs.WALLS] = WallDump(pairs, job.system)
-    return {
-        name: DumpReader(
-            dump,
-            pairs,
-            plan.per_sample,
-            Finder(pairs, plan.time_step, plan.n_steps) if plan.log else None,
-        )
-        for name, dump in dumps.items()
-    }
+
+    def finder() -> Finder | None:
+        return Finder(pairs, plan.time_step, plan.n_steps) if plan.log else None
+
+    return {name: DumpReader(dump, pairs, plan.per_sample, finder()) for name, dump in dumps.items()}
 
 
 def result(job: Job, folder: Path, readers: list[DumpReader]) -> ContactResult:
     """Build the result from the files that LAMMPS wrote to the folder."""
     plan = job.plan
-    positions, velocities = rows.state(folder / jobs.END, job.system.dimension)
+    falling = output.state(folder / jobs.END, job.system.dimension)
     found = _contacts(readers) if plan.log else None
-    kept = _samples(job, rows.thermo(folder / jobs.LOG), readers, found)
-    counts: dict[str, Any] = dict.fromkeys(("n_contacts", "n_pairs", "n_ended", "n_overlapped"))
-    if found is not None:
-        counts = {name: int(kept[name][-1]) for name in counts}
+    kept = _samples(job, output.thermo(folder / jobs.LOG), readers, found)
+    counts: dict[str, Any] = {name: None if found is None else int(kept[name][-1]) for name in COUNTS}
     return ContactResult(
-        system=present(job.system, plan.until, (positions, velocities)),
+        system=system_at(job.system, plan.until, falling),
         time=plan.until,
         law=job.law,
         engine="lammps",
@@ -110,10 +93,11 @@ def _contacts(readers: list[DumpReader]) -> Contacts:
 def _samples(job: Job, thermo: Floats, readers: list[DumpReader], log: Contacts | None) -> dict[str, Floats]:
     """The quantities recorded at the samples."""
     plan, system = job.plan, job.system
-    seen = dict(zip(rows.THERMO, thermo.T, strict=True))
-    if len(thermo) != (plan.samples if plan.n_steps else 0) + 1 or seen["step"][-1] != plan.n_steps:
+    seen = dict(zip(output.THERMO, thermo.T, strict=True))
+    expected = (plan.samples if plan.n_steps else 0) + 1
+    if len(thermo) != expected or seen["step"][-1] != plan.n_steps:
         raise ValueError(
-            f"{jobs.LOG}: got {len(thermo)} samples up to step {thermo[-1:, :1]}, the run did not end"
+            f"{jobs.LOG}: got {len(thermo)} samples, must be {expected}, the last at step {plan.n_steps}"
         )
     time = plan.until * (np.arange(len(thermo)) / plan.samples)
     seen["momentum"] = np.stack([seen[name] for name in ("px", "py", "pz")[: system.dimension]], axis=1)
@@ -142,9 +126,7 @@ def _samples(job: Job, thermo: Floats, readers: list[DumpReader], log: Contacts 
 def _counts(time: Floats, log: Contacts | None) -> dict[str, Floats]:
     """Number of contacts up to each sample; NaN without a log."""
     if log is None:
-        return {
-            name: np.full(len(time), np.nan) for name in ("n_contacts", "n_pairs", "n_ended", "n_overlapped")
-        }
+        return dict.fromkeys(COUNTS, np.full(len(time), np.nan))
     ended = ~np.isnan(log.end)
     of = {
         "n_contacts": log.begin,

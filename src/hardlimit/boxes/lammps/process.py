@@ -8,12 +8,13 @@ import re
 import signal
 import subprocess
 import threading
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 #: Time that LAMMPS has to end after a signal [s].
-PATIENCE: Final = 2.0
+TIMEOUT: Final = 2.0
 
 
 class Pipe:
@@ -36,13 +37,7 @@ class Pipe:
                     pass
 
     def close(self) -> None:
-        """Wait until all output is read.
-
-        Raises
-        ------
-        Exception
-            The exception of the reader, if it raised one.
-        """
+        """Wait until all output is read. Raises the exception of the reader, if there was one."""
         with contextlib.suppress(OSError):  # LAMMPS may never have opened it
             os.close(os.open(self._path, os.O_WRONLY | os.O_NONBLOCK))
         self._thread.join()
@@ -55,49 +50,36 @@ def run(
     folder: Path,
     environment: Mapping[str, str],
     readers: Mapping[str, Callable[[Iterable[str]], None]],
-    said: Callable[[str], object],
+    on_line: Callable[[str], object],
 ) -> None:
-    """Run LAMMPS in a folder. ``readers`` are called with the dumps of these names, ``said`` with every line of output.
+    """Run LAMMPS in a folder. ``readers`` get the dumps of these names, ``on_line`` every line of its output.
 
-    Raises
-    ------
-    RuntimeError
-        If LAMMPS fails; one line with its error message.
-    KeyboardInterrupt
-        At Ctrl-C, after LAMMPS has ended.
+    Raises RuntimeError with the error message if LAMMPS fails, and KeyboardInterrupt at Ctrl-C after LAMMPS has ended.
     """
     pipes = [Pipe(folder / name, read) for name, read in readers.items()]
     failed = True
     try:
         with _started(command, folder, environment) as child:
-            lines = _told(child.stdout, said)
+            lines: deque[str] = deque(maxlen=31)  # the last lines have the error message, if there is one
+            for line in child.stdout or ():
+                lines.append(line)
+                on_line(line)
             code = child.wait()
         if code != 0:
             raise RuntimeError(f"engine: LAMMPS failed: {_reason(lines, code)}")
         failed = False
     finally:
+        ignored = [Exception] if failed else []  # after a failure the dump is incomplete
         for pipe in pipes:
-            if failed:
-                with contextlib.suppress(Exception):  # the dump is incomplete
-                    pipe.close()
-            else:
+            with contextlib.suppress(*ignored):
                 pipe.close()
 
 
-def _told(output: Any, said: Callable[[str], object]) -> list[str]:
-    """Pass on every line; returns the last lines, which contain the error message if there is one."""
-    lines: list[str] = []
-    for line in output:
-        lines = [*lines[-30:], line]
-        said(line)
-    return lines
-
-
-def _reason(lines: list[str], code: int) -> str:
+def _reason(lines: Iterable[str], code: int) -> str:
     """The error line of LAMMPS without its source location."""
     errors = [line for line in lines if "ERROR" in line] or [line for line in lines if line.strip()]
     if not errors:
-        return f"it ended with code {code} and said nothing"
+        return f"exit code {code} without a message"
     return re.sub(r"\s*\(src/\S+\)|^ERROR( on proc \d+)?:\s*", "", errors[0].strip())
 
 
@@ -135,5 +117,5 @@ def _end(child: subprocess.Popen[str]) -> None:
         with contextlib.suppress(ProcessLookupError):
             os.killpg(child.pid, number)
         with contextlib.suppress(subprocess.TimeoutExpired):
-            child.wait(PATIENCE)
+            child.wait(TIMEOUT)
             return

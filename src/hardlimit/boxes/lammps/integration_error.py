@@ -15,11 +15,11 @@ import numpy as np
 #: between these phases it is at most a few per cent larger.
 PHASES: Final = (np.arange(128) + 0.6) / 128
 BETWEEN: Final = 1.03
-FEWEST: Final = 10  #: smallest number of steps per contact, as for engine "steps"
+MIN_STEPS: Final = 10  #: smallest number of steps per contact, as for engine "steps"
 #: Largest number of steps per contact that is tested. Beyond it the error is assumed proportional to the step.
-MOST: Final = 2000
-MARGIN: Final = 1.1
-FINER: Final = np.array([1.0, 1.03, 1.07, 1.12, 1.2])  #: relative numbers of steps tested together
+MAX_STEPS: Final = 2000
+MARGIN: Final = 1.1  #: safety factor of this assumption
+TESTED: Final = np.array([1.0, 1.03, 1.07, 1.12, 1.2])  #: relative numbers of steps tested together
 
 
 def restitution_error(contact: Any, speed: float, time_step: float) -> float:
@@ -43,13 +43,13 @@ def longest_step(contact: Any, speed: float, error: float) -> float:
     """The longest time step [s] with an error of ε of at most ``error``; at most a tenth of the contact duration."""
     duration = float(contact.duration(np.array([speed]))[0])
 
-    def made(steps: float) -> float:
-        # The error is not monotonic in the step, so slightly finer steps are tested as well.
-        return BETWEEN * max(restitution_error(contact, speed, duration / n) for n in FINER * steps)
+    def largest_error(steps: float) -> float:
+        # The error is not monotonic in the step, so slightly shorter steps are tested as well.
+        return BETWEEN * max(restitution_error(contact, speed, duration / n) for n in TESTED * steps)
 
-    steps = float(FEWEST)
-    while (found := made(steps)) > error:
-        if steps >= MOST:
+    steps = float(MIN_STEPS)
+    while (found := largest_error(steps)) > error:
+        if steps >= MAX_STEPS:
             return duration / (MARGIN * steps * found / error)
-        steps = min(MOST, steps * min(4.0, max(1.1, found / error)))
+        steps = min(MAX_STEPS, steps * min(4.0, max(1.1, found / error)))
     return duration / steps

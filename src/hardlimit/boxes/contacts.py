@@ -1,0 +1,101 @@
+"""Contacts that the particles of a system have under a law, and a check that they are stiff enough."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _core
+from ..contact import compression
+from ..contact.contact import Law
+from ..support import validation
+from .box import Floats
+from .system import ParticleSystem
+
+Indices = NDArray[np.int64]
+
+#: With more kinds of particles than this, only the lightest, heaviest, smallest and largest are considered.
+MAX_KINDS: Final = 6
+
+
+def checked_law(law: Any) -> Law:
+    if not isinstance(law, Law):
+        raise ValueError(f"law: got {validation.shown(law)}, must be a contact law such as LinearDashpot")
+    return law
+
+
+def checked_system(system: Any) -> ParticleSystem:
+    if not isinstance(system, ParticleSystem):
+        raise ValueError(f"system: got {validation.shown(system)}, must be a ParticleSystem")
+    return system
+
+
+def law_arguments(law: Law) -> tuple[str, int, list[float]]:
+    """A law as arguments of the core: name, alternative, parameters."""
+    return law.record["name"], law.alternative, list(law.parameters.values())
+
+
+def contact(law: Law, mass: float, radius: float) -> _core.Contact:
+    """A contact with this effective mass [kg] and radius [m]."""
+    return _core.make_contact(*law_arguments(law), mass, radius)
+
+
+def mean_contact(system: ParticleSystem, law: Law) -> _core.Contact:
+    """The contact of two particles of mean mass and radius."""
+    return contact(law, 0.5 * float(system.mass.mean()), 0.5 * float(system.radius.mean()))
+
+
+def of_kinds(system: ParticleSystem, law: Law) -> Iterator[_core.Contact]:
+    """A contact for each pair of kinds of particles, and for each kind with a wall if there are walls."""
+    kinds = np.unique(np.stack([system.mass, system.radius], axis=1), axis=0)
+    if len(kinds) > MAX_KINDS:
+        ends = [f(kinds[:, column]) for column in (0, 1) for f in (np.argmin, np.argmax)]
+        kinds = kinds[sorted(set(map(int, ends)))]
+    partners = kinds.tolist() + ([[math.inf, math.inf]] if "wall" in system.boundary else [])
+    for i, kind in enumerate(kinds.tolist()):
+        for partner in partners[i:]:
+            mass, radius = map(_core.effective, kind, partner)
+            yield contact(law, mass, radius)
+
+
+def of_pairs(
+    system: ParticleSystem, law: Law, first: Indices, second: Indices
+) -> Iterator[tuple[Indices, _core.Contact]]:
+    """The contact of each pair of particles; a negative ``second`` is a wall. Yields the rows of equal contacts."""
+    wall = second < 0
+    mass, radius = (
+        np.where(wall, values[first], values[first] * values[second] / (values[first] + values[second]))
+        for values in (system.mass, system.radius)
+    )
+    kinds, kind = np.unique(np.stack([mass, radius], axis=1), axis=0, return_inverse=True)
+    order = np.argsort(kind.ravel(), kind="stable")
+    ends = np.cumsum(np.bincount(kind.ravel(), minlength=len(kinds)))
+    for (m, r), rows in zip(kinds.tolist(), np.split(order, ends[:-1]), strict=False):
+        if len(rows):
+            yield rows, contact(law, m, r)
+
+
+def impact_temperature(system: ParticleSystem) -> float:
+    """Granular temperature T [m²/s²], with the mean motion if there are walls. The mean impact speed is √(πT)."""
+    if "wall" in system.boundary:
+        return 2.0 * system.kinetic_energy / (system.dimension * float(system.mass.sum()))
+    return system.granular_temperature
+
+
+def refuse_too_soft(system: ParticleSystem, law: Law | None) -> None:
+    """Refuse a law under which every impact at the mean speed would exceed the largest allowed compression."""
+    speed = math.sqrt(math.pi * impact_temperature(system))
+    if law is None or not 0.0 < speed < math.inf:
+        return
+    impact: Floats = np.array([speed])
+    # The smaller radius is at most twice the effective one.
+    least = min(float(c.compression(impact)[0]) / (2.0 * c.effective_radius) for c in of_kinds(system, law))
+    if least >= compression.DEEPEST:
+        raise ValueError(
+            f"law: got {law!r}, must be stiffer: at the mean impact speed of {speed:.3g} m/s it compresses contacts by "
+            f"{least:.3g} of the smaller radius or more; contact laws hold below {compression.DEEPEST:g}"
+        )
