@@ -96,6 +96,52 @@ def test_a_limit_is_kept_surely_or_lost_surely() -> None:
         assert (held.item(), lost.item()) == expected
 
 
+@pytest.fixture
+def small_law(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> ModuleType:
+    """The script of the law of the error with one gas of spheres and one of disks, written elsewhere."""
+    found = script("error_law")
+    small = {
+        "N": 200,
+        "RELAXATION": 5,
+        "TC_NU": {3: {0.2: (0.1,)}, 2: {0.4: (0.1,)}},
+        "RESTITUTION": {3: (0.9,), 2: (0.8,)},
+        "VISCOELASTIC": {3: {0.2: (0.1,)}, 2: {}},
+        "VISCOELASTIC_RESTITUTION": (0.8,),
+    }
+    for name, value in (small | {"DATA": tmp_path / "data.nc", "IMAGES": tmp_path}).items():
+        monkeypatch.setattr(found, name, value)
+    return found
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::hardlimit.CompressionWarning")
+def test_the_law_of_the_error_from_measurement_to_figures(
+    small_law: ModuleType, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    store = tmp_path / "runs.jsonl"
+    for replicas in (3, 4, 4):  # stopped and resumed
+        small_law.measure(argparse.Namespace(store=store, replicas=replicas))
+    assert len(store.read_text().splitlines()) == 3 * 4 * 4
+    small_law.collect(argparse.Namespace(store=store))
+    small_law.draw(argparse.Namespace())
+    ds = small_law.opened()
+    assert ds.sizes == {"point": 3, "model": 4, "replica": 4}
+    assert np.isfinite(ds.duration.sel(model="newton")).all()
+    assert "law: χ² = " in capsys.readouterr().out
+
+
+@pytest.mark.slow
+def test_the_law_of_the_error_agrees_with_its_data() -> None:
+    """From the data beside the script: figures that can be read, and χ² of the law near the number of values."""
+    found = script("error_law")
+    ds = found.opened()
+    for figure in (found.of_packing(ds), found.of_rules(ds)):
+        assert_legible(figure)
+    for line in found.agreement(ds).splitlines():
+        chi, count = map(float, line.split(" = ")[1].replace(" values", "").split(" of "))
+        assert chi < 1.3 * count > 50.0
+
+
 @pytest.mark.slow
 def test_stacks_and_oblique_drops_are_drawn(capsys: pytest.CaptureFixture[str]) -> None:
     """What the pictures of docs/stacks.md show, of fewer balls and points."""

@@ -34,6 +34,22 @@ def test_nearly_elastic_spheres(phi):
     assert found.source == "theory"
 
 
+#: (φ, ε): a measured at t_c ν = 0.1 with 20,000 spheres, and its standard error.
+INELASTIC = {
+    (0.05, 0.99): (1.558, 0.018), (0.05, 0.9): (1.474, 0.025), (0.05, 0.8): (1.325, 0.028), (0.05, 0.7): (1.303, 0.017),
+    (0.2, 0.99): (0.702, 0.022), (0.2, 0.9): (0.660, 0.022), (0.2, 0.8): (0.563, 0.028), (0.2, 0.7): (0.546, 0.031),
+    (0.35, 0.99): (0.536, 0.010), (0.35, 0.9): (0.440, 0.012), (0.35, 0.8): (0.402, 0.015), (0.35, 0.7): (0.387, 0.021),
+    (0.5, 0.8): (0.352, 0.012), (0.5, 0.7): (0.273, 0.015),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("phi, epsilon", INELASTIC)
+def test_inelastic_spheres(phi, epsilon):
+    value, error = INELASTIC[phi, epsilon]
+    found = law(phi, epsilon)
+    assert abs(found.coefficient - value) < 2.0 * math.hypot(error, found.coefficient_error)
+
+
 @pytest.mark.parametrize("phi, value", [(0.05, -0.64), (0.2, -1.35), (0.35, -1.50), (0.5, -1.60)])
 def test_rule_tc_at_one_tenth(phi, value):
     assert law(phi, 1.0, rule="tc").error(0.1) / 0.1 == pytest.approx(value, abs=0.01)

@@ -279,10 +279,8 @@ def print_newton(out: Any, result: hl.ContactResult) -> None:
 
 def print_hard_spheres(out: Any, result: hl.ParticleResult) -> None:
     """The numbers of a run of hard spheres with those of theory."""
-    names, rows = (
-        ["", "event-driven"],
-        [[label, digits(value)] for label, value in (*result.quantities(), *softness_rows(result))],
-    )
+    rows = [[label, digits(value)] for label, value in (*result.quantities(), *softness_rows(result))]
+    names = ["", "event-driven"]
     if theories := predictions(result):
         names.append("theory")
         rows = [[*row, digits(theories.get(row[0], math.nan))] for row in rows]

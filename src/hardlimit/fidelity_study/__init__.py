@@ -124,7 +124,7 @@ def fidelity(
     >>> print(found)
     At t_c ν = 0.014 (δ/d = 0.0038) the rule law is not resolved by cooling: ± 5.6 %
     with 4 replicas (99 % confidence); for ± 1 % about 29 replicas would be needed.
-    The law of the error predicts 2.0 ± ... for law.
+    The law of the error predicts 1.9 ± 0.4 % for law.
     """
     checked_law(law)
     count = validation.whole("replicas", replicas, 1, statistics.MAX_REPLICAS)

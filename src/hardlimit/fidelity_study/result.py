@@ -324,10 +324,11 @@ class Fidelity:
         }
 
     def _global_attributes(self, what: str) -> dict[str, Any]:
-        own = ("system", "contact_duration", "tc_nu", "delta_over_d", "n_replicas", "bars", "resolution")
+        own = ("contact_duration", "tc_nu", "delta_over_d", "n_replicas", "bars", "resolution")
         return {
             "title": f"{what} of a comparison of rules for hard spheres with Newton’s equations",
             "source": f"hardlimit {_core.version}",
+            "system": repr(self.start),
             "law": repr(self.plan.law),
             "engine": self.plan.engine,
             "restitution": self.plan.restitution,

@@ -16,8 +16,7 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from .. import _core
-from ..boxes.contacts import law_arguments
+from ..boxes.contacts import mean_contact
 from ..boxes.rules import RULES
 from ..boxes.system import ParticleSystem
 from ..contact.balls import Ball
@@ -28,11 +27,13 @@ from ..support import validation
 DENSEST: Final = {2: 0.84, 3: 0.64}
 #: Ranges in which the law was measured, by dimension.
 MEASURED_PACKING: Final = {2: (0.05, 0.7), 3: (0.02, 0.5)}
-MEASURED_RESTITUTION: Final = (0.4, 1.0)
+MEASURED_RESTITUTION: Final = {2: 0.6, 3: 0.4}
 #: Largest t_c ν at which the law was measured.
 MEASURED_TC_NU: Final = 0.3
 #: Coefficients of :func:`correlations`, by dimension.
-CORRELATIONS: Final = {2: (2.0, -0.48, -8.4, 6.6), 3: (2.0, -0.48, -8.4, 6.6)}
+CORRELATIONS: Final = {2: (2.35, 5.2, -5.65, -0.36, 2.2), 3: (1.78, 0.34, -7.27, 5.0, 0.0)}
+#: Relative standard error of a by dimension: for ε → 1, its growth with x, and what is added at the largest measured φ.
+UNCERTAINTY: Final = {2: (0.02, 0.25, 0.15), 3: (0.015, 0.1, 0.04)}
 #: From this ε on the theory has no free parameter.
 NEARLY_ELASTIC: Final = 0.99
 
@@ -124,12 +125,11 @@ def softness(law: Law, system: ParticleSystem, temperature: Any) -> Softness:
     speed = math.sqrt(math.pi) * float(np.sqrt(np.maximum(temperature, 0.0)).mean())
     if not 0.0 < speed < math.inf:
         return Softness(math.nan, math.nan, math.nan)
-    mass, radius = float(system.mass.mean()), float(system.radius.mean())
-    contact, at = _core.make_contact(*law_arguments(law), 0.5 * mass, 0.5 * radius), np.array([speed])
+    contact, at = mean_contact(system, law), np.array([speed])
     duration, restitution, depth = (
         float(of(at)[0]) for of in (contact.duration, contact.restitution, contact.compression)
     )
-    return Softness(duration, restitution, depth / (2.0 * radius))
+    return Softness(duration, restitution, depth / (2.0 * float(system.radius.mean())))
 
 
 # --- theory -------------------------------------------------------------------------------------------------
@@ -163,25 +163,29 @@ def inelastic(gas: Fluid, x: float) -> float:
 def correlations(gas: Fluid, x: float) -> float:
     """h: cooling of hard spheres over Enskog's, 3 to 9 collisions per particle after an elastic equilibrium.
 
-    A fit to the measured values, within 0.01 (rms). h falls as the velocities of neighbours become correlated.
+    A fit to the measured values, within 0.012 (spheres) and 0.015 (disks) rms. h falls as the velocities of neighbours
+    become correlated. The last coefficient is the error of Henderson's χ of dense disks.
     """
-    phi = gas.packing_fraction
-    first, second, third, fourth = CORRELATIONS[gas.dimension]
-    return 1.0 - phi * x * x * (first + second * x + (third + fourth * x) * phi * phi)
+    phi, square = gas.packing_fraction, x * x
+    first, second, third, fourth, fifth = CORRELATIONS[gas.dimension]
+    slowed = phi * square * (first + second * square + (third + fourth * square) * phi * phi)
+    return 1.0 / (1.0 + slowed + fifth * phi**8)
 
 
 def elastic_by_tc(gas: Fluid) -> float:
     """k for ε → 1: under the rule tc the cooling falls as e^{−2k t_c ν}, as collisions soon after others are elastic.
 
-    k → 1.123 in a thin gas agrees with simulations of Luding & Goldshtein, Granular Matter 5, 159 (2003), whose cooling
-    is exp(−1.268X + …) with X = √π t_c ν. At finite ε the measured k is h² times this.
+    1.123 is the value of independent collisions of spheres: the collision rate of the partners, weighted by the loss,
+    over ν. It is the first term of the cooling of Luding & Goldshtein, Granular Matter 5, 159 (2003),
+    exp(−1.268X + …) with X = √π t_c ν. The second term, a fit: the partner shields a particle from third ones. At
+    finite ε the measured k is h² times this. Disks have the same k within the errors.
     """
     return 1.123 - 0.083 * (gas.slope + gas.growth) / (12.0 * gas.packing_fraction * gas.contact_value)
 
 
-def left_by_soft(gas: Fluid) -> float:
-    """a of the rule soft, a fit: the rule ignores third particles and the energy in contacts."""
-    return 0.06 + 0.35 / (1.0 + gas.packing_fraction / 0.04)
+def left_by_soft(gas: Fluid, x: float) -> float:
+    """a of the rule soft, a fit without a theory: the rule ignores third particles and the energy in contacts."""
+    return (1.0 - x * x) * (0.07 + 0.14 / (1.0 + gas.packing_fraction / 0.06))
 
 
 # --- the result ---------------------------------------------------------------------------------------------
@@ -329,7 +333,7 @@ def error_law(
     Returns
     -------
     ErrorLaw
-        Outside the range of the measurements, 0.02 ≤ φ ≤ 0.5 for spheres, 0.05 ≤ φ ≤ 0.7 for disks and ε ≥ 0.4, it says
+        Outside the range of the measurements (spheres: 0.02 ≤ φ ≤ 0.5, ε ≥ 0.4; disks: 0.05 ≤ φ ≤ 0.7, ε ≥ 0.6) it says
         so, and its error is larger.
 
     Raises
@@ -368,8 +372,8 @@ def error_law(
         value -= decay
         error = math.hypot(error, _uncertainty(gas, x) * decay)
     elif name == "soft":
-        value = left_by_soft(gas)
-        error, source = 0.04 + 0.5 * value * x, "measured"
+        value = left_by_soft(gas, x)
+        error, source = 0.03 + 0.5 * value * x, "measured"
     beyond = _outside(dim, phi, epsilon)
     return ErrorLaw(
         phi, epsilon, dim, name, value, error * _widened(dim, phi, epsilon), source, beyond, decay
@@ -378,12 +382,14 @@ def error_law(
 
 def _uncertainty(gas: Fluid, x: float) -> float:
     """Relative standard error of a inside the range of the measurements."""
-    return math.hypot(0.015 + 0.1 * x, 0.04 * (2.0 * gas.packing_fraction) ** 6)
+    elastic, grows, dense = UNCERTAINTY[gas.dimension]
+    filled = gas.packing_fraction / MEASURED_PACKING[gas.dimension][1]
+    return math.hypot(elastic + grows * x, dense * filled**6)
 
 
 def _outside(dimension: int, phi: float, epsilon: float) -> str:
     """Which arguments are outside the range of the measurements, in words."""
-    (thin, dense), (least, _) = MEASURED_PACKING[dimension], MEASURED_RESTITUTION
+    (thin, dense), least = MEASURED_PACKING[dimension], MEASURED_RESTITUTION[dimension]
     found = []
     if not thin <= phi <= dense:
         found.append(f"the packing fraction {phi:.3g} is outside the measured range {thin:g} to {dense:g}")
@@ -394,8 +400,8 @@ def _outside(dimension: int, phi: float, epsilon: float) -> str:
 
 def _widened(dimension: int, phi: float, epsilon: float) -> float:
     """Factor by which the error grows outside the range of the measurements; 1 inside."""
-    (thin, dense), (least, _) = MEASURED_PACKING[dimension], MEASURED_RESTITUTION
+    (thin, dense), least = MEASURED_PACKING[dimension], MEASURED_RESTITUTION[dimension]
     far = (
-        max(0.0, math.log(thin / phi)) + max(0.0, phi / dense - 1.0) * 10.0 + max(0.0, least - epsilon) * 10.0
+        max(0.0, math.log(thin / phi)) + 10.0 * max(0.0, phi / dense - 1.0) + 10.0 * max(0.0, least - epsilon)
     )
     return 1.0 + far
