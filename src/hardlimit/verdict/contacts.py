@@ -89,6 +89,10 @@ class Case:
     spring: tuple[str, float, float] | None = None
 
 
+#: The error of cooling and its error bar, by rule of collision.
+Errors = Mapping[str, tuple[float, float]]
+
+
 @dataclass(frozen=True)
 class CheckedContact:
     """A contact at one impact speed; returned by :func:`hardlimit.check`. None stands for what is not known."""
@@ -113,8 +117,7 @@ class CheckedContact:
     largest_overlap: float | None = None  #: over the smaller radius
     tc_nu: float | None = None  #: duration times collision rate of a grain
     delta_over_d: float | None = None  #: greatest overlap at the mean impact speed, over the diameter
-    #: Of cooling, by rule, with its error bar.
-    error: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    error: Errors = field(default_factory=dict)  #: of event-driven cooling
     rule: str = "constant"  #: of the event-driven simulation that the answer is about: "law" if ε depends on the speed
     softening: float | None = None  #: factor of the stiffness with which the error of cooling is 1 %
     spring: tuple[str, float, float] | None = None  #: name of the stiffness, value, value for an error of 1 %
