@@ -7,10 +7,12 @@ on an H200.
 """
 
 import ctypes
+import functools
 import statistics
 import sys
 import tempfile
 import time
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -77,33 +79,35 @@ def floor() -> None:
             )
 
 
+def rate(points: int, run: Callable[[], None]) -> str:
+    """Points per second: the median of five runs after a warm-up."""
+    seconds = []
+    for _ in range(6):
+        start = time.perf_counter()
+        run()
+        seconds.append(time.perf_counter() - start)
+    return f"{points:.1e} points, {points / statistics.median(seconds[1:]):.2e} points/s"
+
+
 def measure(gpu: cuda_device.Gpu, side: int) -> None:
-    """Print points per second of a whole sweep, with results in host memory."""
+    """Print the speed of a whole sweep, with results in host memory."""
     for name, plan in {"grid": fig4(side), "unordered list": scattered(side * side)}.items():
-        seconds = []
         with ThreadPoolExecutor(4) as pool:
-            for _ in range(6):
-                start = time.perf_counter()
-                cuda.compute_on(gpu, plan, 4, pool, lambda _: None)
-                seconds.append(time.perf_counter() - start)
-        rate = plan.size / statistics.median(seconds[1:])  # the first run is a warm-up
-        print(f"{gpu.name}: {name}, {plan.size:.1e} points, {rate:.2e} points/s")
+            sweep = functools.partial(cuda.compute_on, gpu, plan, 4, pool, lambda _: None)
+            speed = rate(plan.size, sweep)
+        print(f"{gpu.name}: {name}, {speed}")
 
 
 def kernel_alone(gpu: cuda_device.Gpu, side: int) -> None:
-    """Print points per second of the kernel, with results left on the device."""
+    """Print the speed of the kernel, with results left on the device."""
     plan = fig4(side)
     slot = cuda.Slot(gpu, plan, plan.size)
-    seconds = []
-    for _ in range(6):
+
+    def run() -> None:
         slot.start(plan, copy_out=False)
         gpu.wait(slot.stream)
-        start = time.perf_counter()
-        slot.start(plan, copy_out=False)
-        gpu.wait(slot.stream)
-        seconds.append(time.perf_counter() - start)
-    rate = plan.size / statistics.median(seconds)
-    print(f"{gpu.name}: kernel alone, {plan.size:.1e} points, {rate:.2e} points/s")
+
+    print(f"{gpu.name}: kernel alone, {rate(plan.size, run)}")
 
 
 def main() -> None:

@@ -152,13 +152,8 @@ def cooling(n: int, restitution: float) -> list[str]:
         run.advance(math.inf, 10 * n)
         costs.append((time.process_time() - before) / (run.n_contacts - rows))
     first, last = np.median(costs[:5]), np.median(costs[-5:])
-    return [
-        f"{n:g}",
-        f"{restitution:g}",
-        f"{run.n_contacts / n:.0f}",
-        f"{1e6 * first:.2f}",
-        f"{last / first:.2f}",
-    ]
+    collisions = f"{run.n_contacts / n:.0f}"
+    return [f"{n:g}", f"{restitution:g}", collisions, f"{1e6 * first:.2f}", f"{last / first:.2f}"]
 
 
 def main() -> None:
@@ -181,9 +176,8 @@ def main() -> None:
         publish("hard_spheres", table(head, rows), write=False)
     if "kinds" in given.tables:
         head = ["spheres", "φ", "kind", "collisions/s", "share of constant"]
-        publish(
-            "hard_spheres_kinds", table(head, kinds(n, 0.3, given.repetitions, given.seconds)), write=False
-        )
+        rows = kinds(n, 0.3, given.repetitions, given.seconds)
+        publish("hard_spheres_kinds", table(head, rows), write=False)
     if "cooling" in given.tables:
         head = ["spheres", "ε", "collisions/sphere", "at the start [µs]", "end/start"]
         publish("hard_spheres_cooling", table(head, [cooling(n, e) for e in (0.9, 0.95)]), write=False)

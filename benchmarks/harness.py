@@ -70,6 +70,23 @@ def compare(ours: Sequence[tuple[Method, Callable]], peers, points, columns, rep
     return table([*head, "equal counts", "points", "ours faster by (CPU)", "(wall)"], rows)
 
 
+def sweep_method(setting: str, column, at, count: int, **arguments) -> tuple[Method, Callable]:
+    """A sweep on one thread as a method, and the function that gives its counts and v'_r at the indices ``at``."""
+    from peers import scaled
+
+    import hardlimit as hl
+
+    kept = {}
+
+    def run() -> None:
+        kept["ds"] = hl.sweep(column, threads=1, variables=scaled.RESULTS, **arguments)
+
+    def at_points():
+        return kept["ds"].n_contacts.values[at], kept["ds"].relative_velocity.values[at]
+
+    return Method("hardlimit", setting, run, count), at_points
+
+
 def accuracy(n_contacts, velocity, exact_n, exact_velocity, speed) -> tuple[float, float, float]:
     """Share of points with the right count; median and 95th percentile of their errors of v'_r [impact speed]."""
     m = len(n_contacts)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 import xarray as xr
-from harness import Method, arguments, compare, publish
+from harness import arguments, compare, publish, sweep_method
 from map_linear import DRAWN, PEERS
 from peers import scaled
 
@@ -26,17 +26,9 @@ def main() -> None:
     points = scaled.Points(restitution, gap, 0.01 * ratio, np.full(n, 0.01), stiffness).first(DRAWN)
     swept = {"restitution": restitution, "gap": gap, "radius_ratio": ratio, "stiffness": stiffness}
     arrays = {name: xr.DataArray(values, dims="point") for name, values in swept.items()}
-    kept = {}
-
-    def run() -> None:
-        kept["ds"] = hl.sweep(hl.Column.paper(), threads=1, variables=scaled.RESULTS, **arrays)
-
-    def at_drawn():
-        return kept["ds"].n_contacts.values[:DRAWN], kept["ds"].relative_velocity.values[:DRAWN]
-
-    ours = Method("hardlimit", "exact", run, n)
+    ours = [sweep_method("exact", hl.Column.paper(), slice(DRAWN), n, **arrays)]
     columns = [scaled.column_linear(points, k) for k in range(DRAWN)]
-    publish("list_linear", compare([(ours, at_drawn)], PEERS, points, columns, a.repetitions), a.write)
+    publish("list_linear", compare(ours, PEERS, points, columns, a.repetitions), a.write)
 
 
 if __name__ == "__main__":

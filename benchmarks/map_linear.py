@@ -8,7 +8,7 @@ Ours computes the whole map, the peers random points of its grid, all on one thr
 from __future__ import annotations
 
 import numpy as np
-from harness import Method, arguments, compare, publish
+from harness import arguments, compare, publish, sweep_method
 from peers import linear_heyoka, linear_numba, linear_scipy, scaled
 
 import hardlimit as hl
@@ -31,20 +31,10 @@ def main() -> None:
     i, j = rng.integers(0, a.size, (2, DRAWN))
     full = np.ones(DRAWN)
     points = scaled.Points(restitution[i], gap[j], 0.1 * full, 0.01 * full, 5e7 * full)
-    kept = {}
-
-    def run() -> None:
-        kept["ds"] = hl.sweep(
-            hl.Column.paper(), threads=1, variables=scaled.RESULTS, restitution=restitution, gap=gap
-        )
-
-    def at_drawn():
-        ds = kept["ds"]
-        return ds.n_contacts.values[i, j], ds.relative_velocity.values[i, j]
-
-    ours = Method("hardlimit", "exact", run, a.size**2)
+    axes = {"restitution": restitution, "gap": gap}
+    ours = [sweep_method("exact", hl.Column.paper(), (i, j), a.size**2, **axes)]
     columns = [scaled.column_linear(points, k) for k in range(DRAWN)]
-    publish("map_linear", compare([(ours, at_drawn)], PEERS, points, columns, a.repetitions), a.write)
+    publish("map_linear", compare(ours, PEERS, points, columns, a.repetitions), a.write)
 
 
 if __name__ == "__main__":

@@ -9,7 +9,7 @@ peers are given ρ and A of each contact; ours computes A from the restitution. 
 from __future__ import annotations
 
 import numpy as np
-from harness import Method, arguments, compare, publish
+from harness import arguments, compare, publish, sweep_method
 from peers import scaled, viscoelastic_heyoka, viscoelastic_numba
 
 import hardlimit as hl
@@ -45,27 +45,12 @@ def main() -> None:
         elastic=np.array([[c.elastic_prefactor for c in col.contacts] for col in columns]),
         dissipative_time=np.array([[c.dissipative_time for c in col.contacts] for col in columns]),
     )
-    kept = {}
-
-    def ours(setting: str, tolerance: float | None):
-        def run() -> None:
-            kept[setting] = hl.sweep(
-                column(0.7, 1e-4),
-                threads=1,
-                variables=scaled.RESULTS,
-                tolerance=tolerance,
-                restitution=restitution,
-                gap=gap,
-            )
-
-        def at_drawn():
-            ds = kept[setting]
-            return ds.n_contacts.values[i, j], ds.relative_velocity.values[i, j]
-
-        return Method("hardlimit", setting, run, a.size**2), at_drawn
-
-    methods = [ours(*given) for given in OURS]
-    publish("map_viscoelastic", compare(methods, PEERS, points, columns, a.repetitions), a.write)
+    given = {"restitution": restitution, "gap": gap}
+    ours = [
+        sweep_method(setting, column(0.7, 1e-4), (i, j), a.size**2, tolerance=tolerance, **given)
+        for setting, tolerance in OURS
+    ]
+    publish("map_viscoelastic", compare(ours, PEERS, points, columns, a.repetitions), a.write)
 
 
 if __name__ == "__main__":

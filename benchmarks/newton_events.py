@@ -75,9 +75,8 @@ def rows_of(n: int, touch: float, repetitions: int) -> list[list[str]]:
     interleave(methods, repetitions)
     counts = [run.engine.n_contacts for run in (events, stepping, hard)]
     paces = [n / run.engine.time for n, run in zip(counts, (events, stepping, hard), strict=True)]
-    cpu = [
-        np.array(m.cpu) / span for m, span in zip(methods, spans, strict=True)
-    ]  # of a second of physical time
+    # CPU time of a second of physical time.
+    cpu = [np.array(m.cpu) / span for m, span in zip(methods, spans, strict=True)]
     paces.append(paces[1])  # LAMMPS counts no contacts
     return [
         [f"{system.n}", f"{touch}", name, f"{pace / np.median(c):.3g}", f"{float(np.median(c / cpu[0])):.3g}"]
@@ -87,13 +86,8 @@ def rows_of(n: int, touch: float, repetitions: int) -> list[list[str]]:
 
 def main() -> None:
     a = arguments(__doc__, SIZES[-1], 7)
-    rows = [
-        row
-        for n in SIZES
-        for touch in STIFFNESSES_OF_TOUCH
-        if n <= a.size
-        for row in rows_of(n, touch, a.repetitions)
-    ]
+    cases = [(n, touch) for n in SIZES if n <= a.size for touch in STIFFNESSES_OF_TOUCH]
+    rows = [row for case in cases for row in rows_of(*case, a.repetitions)]
     head = ["N", "t_c ν", "engine", "contacts/s (CPU)", "CPU time for the same physical time, events = 1"]
     publish("newton_events", table(head, rows), a.write)
 

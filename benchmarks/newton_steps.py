@@ -70,11 +70,8 @@ def row(system: hl.ParticleSystem, fraction: float, m: Method, ours: Method, ski
 
 def main() -> None:
     a = arguments(__doc__, SIZES[-1])
-    rows = []
-    for fraction in FRACTIONS:
-        for n in SIZES:
-            if n <= a.size:
-                rows += rows_of(n, fraction, a.repetitions)
+    cases = [(n, fraction) for fraction in FRACTIONS for n in SIZES if n <= a.size]
+    rows = [row for case in cases for row in rows_of(*case, a.repetitions)]
     head = ["N", "φ", "engine", "setting", "skin/diameter", "10⁶ particle-steps/s (CPU)", "(wall)"]
     head += ["CPU time, ours = 1", "speed-up (wall)"]
     publish("newton_steps", table(head, rows), a.write)

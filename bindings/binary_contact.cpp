@@ -1,5 +1,4 @@
 // Bindings of one isolated contact: solved in the plane of approach, tabulated, and integrated with a fixed time step.
-#include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
@@ -29,18 +28,12 @@ nb::dict planar_contact(const Contact& c, double distance, double normal, double
     const auto end =
         std::visit([&](const auto& law) { return hl::boxes::solve_planar_contact(law, approach); }, c.law);
     const auto collision = hl::boxes::equivalent_collision(approach, end);
-    nb::dict d;
-    d["outcome"] = hl::outcome_records[static_cast<int>(end.outcome)].name;
-    d["duration"] = end.duration;
-    d["turn"] = end.turn;
-    d["compression"] = end.compression;
-    d["radial_speed"] = end.radial_speed;
-    d["tangential_speed"] = end.tangential_speed;
-    d["normal_velocity"] = collision.normal_velocity;
-    d["tangential_velocity"] = collision.tangential_velocity;
-    d["normal_shift"] = collision.normal_shift;
-    d["tangential_shift"] = collision.tangential_shift;
-    return d;
+    return hl::bindings::dict_of("outcome", hl::outcome_records[static_cast<int>(end.outcome)].name,
+                                 "duration", end.duration, "turn", end.turn, "compression", end.compression,
+                                 "radial_speed", end.radial_speed, "tangential_speed", end.tangential_speed,
+                                 "normal_velocity", collision.normal_velocity, "tangential_velocity",
+                                 collision.tangential_velocity, "normal_shift", collision.normal_shift,
+                                 "tangential_shift", collision.tangential_shift);
 }
 
 // Compression, its rate and rotation of the line of centres at each time [n, 3].
@@ -48,10 +41,9 @@ auto planar_path(const Contact& c, double distance, double normal, double tangen
                  double gravity) {
     const Approach approach{c.pair.effective_mass, distance, normal, tangential, gravity};
     const std::size_t n = times.shape(0);
-    for (std::size_t i = 0; i < n; ++i) {
-        if (times.data()[i] >= (i == 0 ? 0.0 : times.data()[i - 1])) continue;
-        throw nb::value_error("times: must not be negative and must not fall");
-    }
+    for (std::size_t i = 0; i < n; ++i)
+        hl::bindings::require(times.data()[i] >= (i == 0 ? 0.0 : times.data()[i - 1]),
+                              "times: must not be negative and must not fall");
     std::vector<hl::boxes::PlanarState> states(n);
     std::visit(
         [&](const auto& law) {
@@ -69,10 +61,7 @@ auto planar_path(const Contact& c, double distance, double normal, double tangen
 auto soft_contacts(const Contact& own, double own_distance, bool damping_varies, const Contact& c,
                    double distance, In normal, In tangential) {
     const std::size_t n = normal.shape(0);
-    if (tangential.shape(0) != n)
-        throw nb::value_error(("tangential_speed: got " + std::to_string(tangential.shape(0)) +
-                               " values, must be " + std::to_string(n) + " as of normal_speed")
-                                  .c_str());
+    hl::bindings::require_values("tangential_speed", tangential.shape(0), n, "as of normal_speed");
     std::vector<double> rows;
     std::visit(
         [&](const auto& law) {

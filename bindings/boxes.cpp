@@ -1,7 +1,5 @@
 // Bindings of particle simulations: the box, one class for all engines, random packings, the deepest overlap.
-#include <nanobind/nanobind.h>
 #include <nanobind/stl/optional.h>
-#include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
@@ -12,20 +10,26 @@
 #include <utility>
 #include <vector>
 
-#include "arrays.hpp"
 #include "boxes/common/system_check.hpp"
 #include "boxes/hard_spheres/rules/registry.hpp"
 #include "boxes/neighbours/overlap.hpp"
+#include "contact.hpp"
 #include "engines.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
 namespace hl = hardlimit;
 namespace box = hardlimit::boxes;
+using hl::bindings::dict_of;
 using hl::bindings::In;
+using hl::bindings::list_of;
 using hl::bindings::make_array;
+using hl::bindings::require;
+using hl::bindings::require_values;
+using hl::bindings::shown;
 using hl::bindings::unlocked;
 using hl::bindings::Unlocked;
+using hl::bindings::value_error;
 
 namespace {
 
@@ -33,23 +37,10 @@ using Rows = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cp
 
 // --- checks -------------------------------------------------------------------------------------------------
 
-std::string shown(double x) {
-    char text[32];
-    PyOS_snprintf(text, sizeof text, "%.16g", x);
-    return text;
-}
-nb::builtin_exception refusal(const std::string& line) { return nb::value_error(line.c_str()); }
-
-void require_values(const char* name, std::size_t got, std::size_t wanted, const char* what) {
-    if (got != wanted)
-        throw refusal(std::string(name) + ": got " + std::to_string(got) + " values, must be " +
-                      std::to_string(wanted) + ", " + what);
-}
-
 void require_particles(std::size_t n) {
-    if (n == 0) throw refusal("positions: got no particles, must be at least one");
+    if (n == 0) throw value_error("positions: got no particles, must be at least one");
     if (n >= (std::size_t{1} << 27))
-        throw refusal("positions: got " + std::to_string(n) + " particles, must be < 2^27");
+        throw value_error("positions: got " + std::to_string(n) + " particles, must be < 2^27");
 }
 
 std::string of_particle(const char* name, std::size_t i) {
@@ -81,26 +72,36 @@ std::string message_of(const box::Fault& f, const box::System& s) {
 
 constexpr const char* boundary_names[] = {"none", "periodic", "wall"};
 
+using WallVelocities = std::vector<std::tuple<double, double>>;
+
 box::Box make_box(const std::vector<double>& edges, const std::vector<std::string>& boundary,
-                  const std::optional<std::vector<double>>& gravity) {
+                  const std::optional<std::vector<double>>& gravity, const WallVelocities& wall_velocity) {
     const std::size_t d = edges.size();
-    if (d != 2 && d != 3) throw refusal("box: got " + std::to_string(d) + " edges, must be 2 or 3");
+    if (d != 2 && d != 3) throw value_error("box: got " + std::to_string(d) + " edges, must be 2 or 3");
     require_values("boundary", boundary.size(), d, "one for each axis");
     if (gravity) require_values("gravity", gravity->size(), d, "one for each axis");
     box::Box made;
     made.dimension = static_cast<int>(d);
     for (std::size_t k = 0; k < d; ++k) {
         made.edge[k] = edges[k];
-        if (!(edges[k] > 0.0)) throw refusal("box: got " + shown(edges[k]) + ", must be > 0");
+        if (!(edges[k] > 0.0)) throw value_error("box: got " + shown(edges[k]) + ", must be > 0");
         if (boundary[k] == "periodic")
             made.boundary[k] = box::Boundary::periodic;
         else if (boundary[k] == "wall")
             made.boundary[k] = box::Boundary::wall;
         else
-            throw refusal("boundary: got " + boundary[k] + ", must be periodic or wall");
+            throw value_error("boundary: got " + boundary[k] + ", must be periodic or wall");
         if (gravity) made.gravity[k] = (*gravity)[k];
         if (!hl::math::is_finite(made.gravity[k]))
-            throw refusal("gravity: got " + shown(made.gravity[k]) + ", must be finite");
+            throw value_error("gravity: got " + shown(made.gravity[k]) + ", must be finite");
+    }
+    if (wall_velocity.empty()) return made;
+    require_values("wall_velocity", wall_velocity.size(), d, "one pair for each axis");
+    for (std::size_t k = 0; k < d; ++k) {
+        std::tie(made.wall_velocity[k][0], made.wall_velocity[k][1]) = wall_velocity[k];
+        for (const double v : made.wall_velocity[k])
+            if (!hl::math::is_finite(v) || (v != 0.0 && boundary[k] != "wall"))
+                throw value_error("wall_velocity: got " + shown(v) + ", must be finite, and 0 without walls");
     }
     return made;
 }
@@ -126,35 +127,14 @@ constexpr const hl::bindings::EngineRecord* engines[] = {&hl::bindings::hard_sph
 const hl::bindings::EngineRecord& engine_record(const std::string& kind) {
     for (const auto* record : engines)
         if (kind == record->name) return *record;
-    throw refusal("kind: got " + kind + ", must be hard_spheres, newton_events or newton_steps");
+    throw value_error("kind: got " + kind + ", must be hard_spheres, newton_events or newton_steps");
 }
 
 // A law as (name, alternative, parameters), as make_contact takes it.
 using Law = std::tuple<std::string, int, std::vector<double>>;
 
 box::LawChoice law_choice(const Law& law) {
-    const auto& [name, alternative, parameters] = law;
-    box::LawChoice choice;
-    int place = 0;
-    const auto consider = [&](const hl::LawRecord& record) {
-        if (name == record.name) {
-            choice.law = place;
-            if (alternative < 0 || alternative >= record.n_alternatives)
-                throw refusal("alternative: got " + std::to_string(alternative) +
-                              ", must be a set of parameters of the law");
-            const int wanted = record.n_common + record.n_in_alternative[alternative];
-            require_values("parameters", parameters.size(), static_cast<std::size_t>(wanted),
-                           "those of the law");
-        }
-        ++place;
-    };
-#define HL_CONSIDER(Law) consider(hl::contact::Law::record);
-    HARDLIMIT_LAWS(HL_CONSIDER)
-#undef HL_CONSIDER
-    if (!choice) throw refusal("law: got " + name + ", must be a registered law");
-    choice.alternative = alternative;
-    std::copy(parameters.begin(), parameters.end(), choice.parameters);
-    return choice;
+    return std::apply([](const auto&... given) { return hl::bindings::law_choice(given...); }, law);
 }
 
 box::RuleChoice rule_choice(const std::string& name, double restitution, const std::optional<Law>& law,
@@ -162,55 +142,45 @@ box::RuleChoice rule_choice(const std::string& name, double restitution, const s
     box::RuleChoice choice;
     if (law) choice.law = law_choice(*law);
     while (choice.rule < box::rule_count && name != box::rule_records[choice.rule].name) ++choice.rule;
-    if (choice.rule == box::rule_count) throw refusal("rule: got " + name + ", must be a registered rule");
+    if (choice.rule == box::rule_count)
+        throw value_error("rule: got " + name + ", must be a registered rule");
     const box::RuleRecord& record = box::rule_records[choice.rule];
-    if (!record.takes_restitution && !law) throw refusal("law: got None, must be a law for the rule " + name);
+    if (!record.takes_restitution && !law)
+        throw value_error("law: got None, must be a law for the rule " + name);
     if (!record.takes_law) choice.law = {};
     if (!choice.law) {
         if (!(restitution >= 0.0 && restitution <= 1.0))
-            throw refusal("restitution: got " + shown(restitution) + ", must be >= 0 and <= 1");
+            throw value_error("restitution: got " + shown(restitution) + ", must be >= 0 and <= 1");
         choice.restitution = restitution;
     }
     require_values("rule_parameters", parameters.size(), static_cast<std::size_t>(record.n_parameters),
                    "those of the rule");
     for (std::size_t k = 0; k < parameters.size(); ++k) {
         if (!(parameters[k] >= 0.0))
-            throw refusal(std::string(record.parameters[k].name) + ": got " + shown(parameters[k]) +
-                          ", must be >= 0");
+            throw value_error(std::string(record.parameters[k].name) + ": got " + shown(parameters[k]) +
+                              ", must be >= 0");
         choice.parameters[k] = parameters[k];
     }
     return choice;
 }
 
 nb::tuple rule_records() {
-    nb::list rules;
-    for (const box::RuleRecord& r : box::rule_records) {
-        nb::list parameters;
-        for (int k = 0; k < r.n_parameters; ++k) {
-            nb::dict p;
-            p["name"] = r.parameters[k].name, p["unit"] = r.parameters[k].unit;
-            p["meaning"] = r.parameters[k].meaning;
-            parameters.append(p);
-        }
-        nb::dict rule;
-        rule["name"] = r.name, rule["meaning"] = r.meaning, rule["assumes"] = r.assumes;
-        rule["source"] = r.source;
-        rule["restitution"] = r.takes_restitution, rule["law"] = r.takes_law;
-        rule["parameters"] = nb::tuple(parameters);
-        rules.append(rule);
-    }
-    return nb::tuple(rules);
+    const auto parameter = [](const auto& p) {
+        return dict_of("name", p.name, "unit", p.unit, "meaning", p.meaning);
+    };
+    return nb::tuple(list_of(box::rule_records, [&](const box::RuleRecord& r) {
+        const auto n = static_cast<std::size_t>(r.n_parameters);
+        return dict_of("name", r.name, "meaning", r.meaning, "assumes", r.assumes, "source", r.source,
+                       "restitution", r.takes_restitution, "law", r.takes_law, "parameters",
+                       nb::tuple(list_of(r.parameters, n, parameter)));
+    }));
 }
 
 // Columns of the contact log. `lasting`: contacts have a begin and an end; otherwise collisions have one time.
 nb::dict columns(const std::vector<box::ContactRecord>& rows, bool lasting) {
     nb::dict d;
     const auto column = [&](const char* name, const auto& value) {
-        using Value = std::decay_t<decltype(value(rows[0]))>;
-        std::vector<Value> values;
-        values.reserve(rows.size());
-        for (const box::ContactRecord& r : rows) values.push_back(value(r));
-        d[name] = make_array(std::move(values), {rows.size()});
+        d[name] = hl::bindings::column_of(rows, value);
     };
     using Row = box::ContactRecord;
     column(lasting ? "begin" : "time", [](const Row& r) { return r.begin; });
@@ -236,9 +206,9 @@ public:
     }
 
     void advance(double until, hl::u64 max_work, int threads) {
-        if (hl::math::is_nan(until)) throw refusal("until: got nan, must be a time");
-        if (max_work < 1) throw refusal("max_work: got 0, must be >= 1");
-        if (threads < 1) throw refusal("threads: got " + std::to_string(threads) + ", must be >= 1");
+        if (hl::math::is_nan(until)) throw value_error("until: got nan, must be a time");
+        if (max_work < 1) throw value_error("max_work: got 0, must be >= 1");
+        if (threads < 1) throw value_error("threads: got " + std::to_string(threads) + ", must be >= 1");
         box::Engine& engine = get();
         const Running running(running_);
         unlocked([&](hl::Stop& stop) {
@@ -278,9 +248,9 @@ Engine make_engine(const std::string& kind, const box::Box& bounds, Rows positio
     else if (law)
         arguments.rule.law = law_choice(*law);
     else
-        throw refusal("law: got None, must be a contact law");
+        throw value_error("law: got None, must be a contact law");
     if (kind == "newton_steps" && !(time_step > 0.0))
-        throw refusal("time_step: got " + shown(time_step) + ", must be > 0");
+        throw value_error("time_step: got " + shown(time_step) + ", must be > 0");
     arguments.time_step = time_step;
     arguments.log = log;
     box::Fault fault;
@@ -288,7 +258,7 @@ Engine make_engine(const std::string& kind, const box::Box& bounds, Rows positio
         fault = box::validate(s);
         return fault.kind == box::Fault::none ? record.make(s, arguments, stop) : nullptr;
     });
-    if (!engine) throw refusal(message_of(fault, s));
+    if (!engine) throw value_error(message_of(fault, s));
     return Engine(record.name, std::move(engine));
 }
 
@@ -298,7 +268,7 @@ Engine load_engine(const std::string& kind, const nb::bytes& saved) {
     const std::size_t n = saved.size();
     auto engine = unlocked([&](hl::Stop&) { return record.load(data, n); });
     if (!engine)
-        throw refusal(
+        throw value_error(
             "saved: got " + std::to_string(n) +
             " bytes that are damaged, cut short or of another engine or version, must be what save() "
             "gave");
@@ -317,6 +287,15 @@ auto state(const Engine& e) {
     return nb::make_tuple(make_array(std::move(position), {n, d}), make_array(std::move(velocity), {n, d}));
 }
 
+// The components of the axes of the box, in LAMMPS' order.
+auto tensor(const box::SymmetricTensor& t, int dimension) {
+    std::vector<double> values;
+    for (std::size_t k = 0; k < t.size; ++k)
+        if (t.column[k] < dimension) values.push_back(t.component[k]);
+    const std::size_t count = values.size();
+    return make_array(std::move(values), {count});
+}
+
 nb::dict observe(const Engine& e) {
     const box::Observation o = e.get().observe();
     const std::size_t d = static_cast<std::size_t>(e.get().dimension());
@@ -326,7 +305,9 @@ nb::dict observe(const Engine& e) {
     seen["contact_energy"] = o.contact_energy;
     seen["momentum"] = make_array(std::vector<double>(o.momentum, o.momentum + d), {d});
     seen["dissipated_energy"] = o.dissipated_energy;
-    seen["virial"] = o.virial;
+    seen["kinetic_tensor"] = tensor(o.kinetic_tensor, e.get().dimension());
+    seen["virial_tensor"] = tensor(o.virial, e.get().dimension());
+    seen["wall_work"] = o.wall_work;
     seen["kinetic_integral"] = o.kinetic_integral;
     seen["largest_compression"] = o.largest_compression;
     seen["n_contacts"] = o.begun;
@@ -366,9 +347,9 @@ nb::object grow_packing(const box::Box& bounds, In radius, hl::u64 seed, const n
     box::System s{bounds, radius.size(), nullptr, nullptr, radius.data(), nullptr};
     require_particles(s.n);
     if (const box::Fault fault = box::fault_of_sizes(s); fault.kind != box::Fault::none)
-        throw refusal(message_of(fault, s));
+        throw value_error(message_of(fault, s));
     const std::string fraction = "packing_fraction: got " + shown(s.packing_fraction());
-    if (!(s.packing_fraction() < 1.0)) throw refusal(fraction + ", must be < 1");
+    if (!(s.packing_fraction() < 1.0)) throw value_error(fraction + ", must be < 1");
     bool stopped, refused = false;
     std::optional<std::vector<double>> positions;
     {
@@ -388,7 +369,7 @@ nb::object grow_packing(const box::Box& bounds, In radius, hl::u64 seed, const n
     }
     if (stopped || refused) throw nb::python_error();
     if (!positions)
-        throw refusal(fraction + ", at which no random places without overlap were found, must be lower");
+        throw value_error(fraction + ", at which no random places without overlap were found, must be lower");
     return nb::cast(make_array(std::move(*positions), {s.n, static_cast<std::size_t>(bounds.dimension)}));
 }
 
@@ -398,7 +379,7 @@ auto deepest_overlap(const box::Box& bounds, Rows positions, In radius) {
     require_values("radius", radius.size(), positions.shape(0), "one for each particle");
     for (std::size_t i = 0; i < radius.size(); ++i)
         if (!(radius.data()[i] > 0.0))
-            throw refusal(of_particle("radius", i) + shown(radius.data()[i]) + ", must be > 0");
+            throw value_error(of_particle("radius", i) + shown(radius.data()[i]) + ", must be > 0");
     const box::Overlap found = unlocked([&](hl::Stop& stop) {
         return box::deepest_overlap(bounds, positions.data(), radius.data(), positions.shape(0), stop);
     });
@@ -408,13 +389,15 @@ auto deepest_overlap(const box::Box& bounds, Rows positions, In radius) {
 }  // namespace
 
 void bind_boxes(nb::module_& m) {
-    nb::list names;
-    for (const auto* record : engines) names.append(record->name);
-    m.attr("engine_names") = nb::tuple(names);
+    m.attr("engine_names") = nb::tuple(list_of(engines, [](const auto* record) { return record->name; }));
     m.attr("rules") = rule_records();
 
-    nb::class_<box::Box>(m, "Box", "Edges [m], boundary of each axis (periodic or wall), gravity [m/s²].")
-        .def(nb::new_(&make_box), "edges"_a, "boundary"_a, "gravity"_a.none() = nb::none())
+    nb::class_<box::Box>(
+        m, "Box",
+        "Edges [m], boundary of each axis (periodic or wall), gravity [m/s²], velocities of the walls at 0 "
+        "and at L [m/s].")
+        .def(nb::new_(&make_box), "edges"_a, "boundary"_a, "gravity"_a.none() = nb::none(),
+             "wall_velocity"_a = WallVelocities())
         .def_prop_ro("edges", [](const box::Box& b) { return std::vector(b.edge, b.edge + b.dimension); })
         .def_prop_ro("boundary", &boundaries)
         .def_prop_ro("gravity",

@@ -1,6 +1,4 @@
 // Bindings of the column solvers: column in, Solution out. The solvers run without the interpreter lock.
-#include <nanobind/nanobind.h>
-#include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
@@ -22,7 +20,10 @@ namespace col = hardlimit::column;
 using hl::bindings::Contact;
 using hl::bindings::In;
 using hl::bindings::make_array;
+using hl::bindings::require_values;
+using hl::bindings::shown;
 using hl::bindings::unlocked;
+using hl::bindings::value_error;
 
 namespace {
 
@@ -31,13 +32,6 @@ struct Column {
     hl::bindings::OfEachLaw<col::SharedColumn>::Variant value;
 };
 
-void require_length(const char* name, std::size_t length, std::size_t balls) {
-    if (length == balls) return;
-    throw nb::value_error((std::string(name) + ": got " + std::to_string(length) + " values, must be " +
-                           std::to_string(balls) + ", one for each ball")
-                              .c_str());
-}
-
 template <class Law>
 col::SharedColumn<Law> column_under(bool floor, double gravity, const std::vector<double>& mass,
                                     const std::vector<double>& radius, const std::vector<Contact>& contacts,
@@ -45,7 +39,7 @@ col::SharedColumn<Law> column_under(bool floor, double gravity, const std::vecto
     std::vector<Law> laws;
     for (const Contact& k : contacts) {
         const Law* law = std::get_if<Law>(&k.law);
-        if (!law) throw nb::value_error("law: every contact of a column must follow the same kind of law");
+        if (!law) throw value_error("law: every contact of a column must follow the same kind of law");
         laws.push_back(*law);
     }
     return std::make_shared<const col::Column<Law>>(col::Column<Law>{
@@ -55,11 +49,11 @@ col::SharedColumn<Law> column_under(bool floor, double gravity, const std::vecto
 Column make_column(bool floor, double gravity, const std::vector<double>& mass,
                    const std::vector<double>& radius, const std::vector<Contact>& contacts,
                    const std::vector<double>& gaps, const std::vector<double>& velocity) {
-    if (mass.empty()) throw nb::value_error("mass: got no values, must be one for each ball");
-    require_length("radius", radius.size(), mass.size());
-    require_length("contacts", contacts.size(), mass.size());
-    require_length("gaps", gaps.size(), mass.size());
-    require_length("velocity", velocity.size(), mass.size());
+    if (mass.empty()) throw value_error("mass: got no values, must be one for each ball");
+    require_values("radius", radius.size(), mass.size(), "one for each ball");
+    require_values("contacts", contacts.size(), mass.size(), "one for each ball");
+    require_values("gaps", gaps.size(), mass.size(), "one for each ball");
+    require_values("velocity", velocity.size(), mass.size(), "one for each ball");
     return std::visit(
         [&](const auto& law) {
             using Law = std::decay_t<decltype(law)>;
@@ -88,68 +82,47 @@ Solution solve(const Column& c, col::Model model, col::SolveOptions options) {
                 return col::solve_column(column, model, stoppable);
             });
             if (!found)
-                throw nb::value_error(
+                throw value_error(
                     "column: the adiabatic solution is that of two balls on a floor under the linear law");
             return Solution{c, model, options, std::move(found), column->mass.size()};
         },
         c.value);
 }
 
-Solution newton(const Column& c, double until, bool general, double tolerance) {
-    return solve(c, col::Model::newton, {.until = until, .general = general, .tolerance = tolerance});
-}
-Solution adiabatic(const Column& c, double until) {
-    return solve(c, col::Model::adiabatic, {.until = until});
-}
-Solution independent(const Column& c, double until) {
-    return solve(c, col::Model::independent, {.until = until});
-}
-
-std::vector<double> rebound_heights(const Solution& s) {
+// Calls f(column, options) for the column of a solution without the interpreter lock; Ctrl-C stops it.
+template <class F>
+auto continue_from(const Solution& s, const F& f) {
     return std::visit(
         [&](const auto& column) {
             return unlocked([&](hl::Stop& stop) {
                 col::SolveOptions options = s.options;
                 options.stop = &stop;
-                return col::rebound_heights(column, s.model, options, *s.found);
+                return f(column, options);
             });
         },
         s.column.value);
 }
 
+std::vector<double> rebound_heights(const Solution& s) {
+    return continue_from(s, [&](const auto& column, const col::SolveOptions& options) {
+        return col::rebound_heights(column, s.model, options, *s.found);
+    });
+}
+
 auto parting(const Solution& s, const std::vector<int>& missing) {
-    if (!missing.empty()) require_length("missing", missing.size() + 2, s.balls);
-    col::Parting found = std::visit(
-        [&](const auto& column) {
-            return unlocked([&](hl::Stop& stop) {
-                col::SolveOptions options = s.options;
-                options.stop = &stop;
-                return col::parting(column, s.model, options, *s.found, missing);
-            });
-        },
-        s.column.value);
+    if (!missing.empty()) require_values("missing", missing.size() + 2, s.balls, "one for each ball");
+    col::Parting found = continue_from(s, [&](const auto& column, const col::SolveOptions& options) {
+        return col::parting(column, s.model, options, *s.found, missing);
+    });
     return std::tuple(make_array(std::move(found.velocity), {s.balls}),
                       make_array(std::move(found.since), {s.balls}));
 }
 
 auto contact_arrays(const Solution& s) {
-    const std::vector<col::Contact>& contacts = s.found->contacts;
-    const std::size_t n = contacts.size();
-    std::vector<int> pair(n);
-    std::vector<double> begin(n), end(n);
-    for (std::size_t i = 0; i < n; ++i) {
-        pair[i] = contacts[i].pair;
-        begin[i] = contacts[i].begin;
-        end[i] = contacts[i].end;
-    }
-    return std::tuple(make_array(std::move(pair), {n}), make_array(std::move(begin), {n}),
-                      make_array(std::move(end), {n}));
-}
-
-std::string in_words(double x) {
-    char text[32];
-    PyOS_snprintf(text, sizeof text, "%.16g", x);
-    return text;
+    const auto column = [&](auto member) {
+        return hl::bindings::column_of(s.found->contacts, [=](const col::Contact& k) { return k.*member; });
+    };
+    return std::tuple(column(&col::Contact::pair), column(&col::Contact::begin), column(&col::Contact::end));
 }
 
 void require_recorded(const col::Solution& s, const double* times, std::size_t n) {
@@ -157,9 +130,8 @@ void require_recorded(const col::Solution& s, const double* times, std::size_t n
     const std::string why = outcome == hl::Outcome::ok ? "" : std::string(": ") + hl::message(outcome);
     for (std::size_t i = 0; i < n; ++i)
         if (!(times[i] >= s.first && times[i] <= s.last))
-            throw nb::value_error(("times: got " + in_words(times[i]) + ", must be >= " + in_words(s.first) +
-                                   " and <= " + in_words(s.last) + ", where the solution ends" + why)
-                                      .c_str());
+            throw value_error("times: got " + shown(times[i]) + ", must be >= " + shown(s.first) +
+                              " and <= " + shown(s.last) + ", where the solution ends" + why);
 }
 
 // Arrays returned to Python, appended in chunks of a few thousand times.
@@ -210,16 +182,10 @@ auto sample(const Solution& s, In times) {
 }
 
 nb::list model_records() {
-    nb::list rows;
-    for (const col::ModelRecord& r : col::model_records) {
-        nb::dict d;
-        d["name"] = r.name;
-        d["label"] = r.label;
-        d["short"] = r.short_label;
-        d["limits"] = r.limits;
-        rows.append(d);
-    }
-    return rows;
+    return hl::bindings::list_of(col::model_records, [](const col::ModelRecord& r) {
+        return hl::bindings::dict_of("name", r.name, "label", r.label, "short", r.short_label, "limits",
+                                     r.limits);
+    });
 }
 
 }  // namespace
@@ -261,9 +227,17 @@ void bind_columns(nb::module_& m) {
             "each ball's last contact [s]. missing: number of further contacts to follow for each upper "
             "pair.")
         .def("sample", &sample, "times"_a);
-    m.def("newton", &newton, "column"_a, "until"_a, "general"_a, "tolerance"_a);
-    m.def("adiabatic", &adiabatic, "column"_a, "until"_a);
-    m.def("independent", &independent, "column"_a, "until"_a);
+    m.def(
+        "newton",
+        [](const Column& c, double until, bool general, double tolerance) {
+            return solve(c, col::Model::newton, {.until = until, .general = general, .tolerance = tolerance});
+        },
+        "column"_a, "until"_a, "general"_a, "tolerance"_a);
+    const auto under = [](col::Model model) {
+        return [model](const Column& c, double until) { return solve(c, model, {.until = until}); };
+    };
+    m.def("adiabatic", under(col::Model::adiabatic), "column"_a, "until"_a);
+    m.def("independent", under(col::Model::independent), "column"_a, "until"_a);
     m.def("fall_time", &col::fall_time, "gap"_a, "velocity"_a, "gravity"_a);
     m.def("impact_speed", &col::impact_speed, "gap"_a, "velocity"_a, "gravity"_a);
     m.def("effective_restitution", &col::effective_restitution<double>, "relative_velocity"_a,

@@ -1,8 +1,10 @@
-// The Python type of one contact under any registered law.
+// The Python type of one contact under any registered law, and the laws by name.
 #pragma once
+#include <string>
 #include <variant>
 
-#include "contact/registry.hpp"
+#include "arrays.hpp"
+#include "boxes/common/law_choice.hpp"
 
 namespace hardlimit::bindings {
 
@@ -23,5 +25,30 @@ struct Contact {
     OfEachLaw<Itself>::Variant law;
     PairGeometry pair;
 };
+
+#define HL_RECORD(Law) &contact::Law::record,
+inline constexpr const LawRecord* law_records[] = {HARDLIMIT_LAWS(HL_RECORD)};
+#undef HL_RECORD
+
+inline int law_index(const std::string& name) {
+    for (int i = 0; i < static_cast<int>(std::size(law_records)); ++i)
+        if (name == law_records[i]->name) return i;
+    throw value_error("law: got " + name + ", must be a registered law");
+}
+inline void require_alternative(const LawRecord& law, int alternative) {
+    require(alternative >= 0 && alternative < law.n_alternatives,
+            "alternative: got " + std::to_string(alternative) + ", must be a set of parameters of the law");
+}
+// Checks a law given by name, parameter set and parameters.
+inline boxes::LawChoice law_choice(const std::string& name, int alternative,
+                                   const std::vector<double>& parameters) {
+    boxes::LawChoice choice{law_index(name), alternative, {}};
+    const LawRecord& law = *law_records[choice.law];
+    require_alternative(law, alternative);
+    const int wanted = law.n_common + law.n_in_alternative[alternative];
+    require_values("parameters", parameters.size(), static_cast<std::size_t>(wanted), "those of the law");
+    std::copy(parameters.begin(), parameters.end(), choice.parameters);
+    return choice;
+}
 
 }  // namespace hardlimit::bindings

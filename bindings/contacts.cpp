@@ -1,5 +1,4 @@
 // Bindings of the contact laws: their records, and one contact of two bodies.
-#include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
 #include <string>
@@ -14,52 +13,24 @@ namespace nb = nanobind;
 using namespace nb::literals;
 namespace hl = hardlimit;
 using hl::bindings::Contact;
+using hl::bindings::dict_of;
 using hl::bindings::In;
+using hl::bindings::list_of;
 using hl::bindings::make_array;
 using hl::bindings::map;
 
 namespace {
 
-template <class F>
-void for_each_law(F&& f) {
-#define HL_VISIT(name) f.template operator()<hl::contact::name>();
-    HARDLIMIT_LAWS(HL_VISIT)
-#undef HL_VISIT
-}
-
-template <class Law>
-Law from_parameters(int alternative, const std::vector<double>& parameters, hl::PairGeometry pair) {
-    const hl::LawRecord& r = Law::record;
-    if (alternative < 0 || alternative >= r.n_alternatives)
-        throw nb::value_error(
-            ("alternative: got " + std::to_string(alternative) + ", must be a set of parameters of the law")
-                .c_str());
-    const int wanted = r.n_common + r.n_in_alternative[alternative];
-    if (parameters.size() != static_cast<std::size_t>(wanted))
-        throw nb::value_error(("parameters: got " + std::to_string(parameters.size()) + " values, must be " +
-                               std::to_string(wanted))
-                                  .c_str());
-    return Law::from_parameters(alternative, parameters.data(), pair);
-}
-
 Contact make_contact(const std::string& name, int alternative, const std::vector<double>& parameters,
                      double mass, double radius) {
-    Contact made{};
-    bool found = false;
-    for_each_law([&]<class Law>() {
-        if (name != Law::record.name) return;
-        made = {from_parameters<Law>(alternative, parameters, {mass, radius}), {mass, radius}};
-        found = true;
-    });
-    if (!found) throw nb::value_error(("law: unknown name " + name).c_str());
-    return made;
+    const hl::boxes::LawChoice choice = hl::bindings::law_choice(name, alternative, parameters);
+    const hl::PairGeometry pair{mass, radius};
+    return hl::boxes::with_law<Contact>(
+        choice.law, [&]<class Law>() { return Contact{hl::boxes::make_law<Law>(choice, pair), pair}; });
 }
 
 auto force(const Contact& c, In compression, In rate) {
-    if (rate.shape(0) != compression.shape(0))
-        throw nb::value_error(("rate: got " + std::to_string(rate.shape(0)) + " values, must be " +
-                               std::to_string(compression.shape(0)) + " as of compression")
-                                  .c_str());
+    hl::bindings::require_values("rate", rate.shape(0), compression.shape(0), "as of compression");
     std::vector<double> f(compression.shape(0));
     std::visit(
         [&](const auto& law) {
@@ -74,47 +45,39 @@ auto force(const Contact& c, In compression, In rate) {
     return make_array(std::move(f), {n});
 }
 
+// The function that applies f(law, value, effective mass) of a contact to each value of an array.
+template <class F>
+auto elementwise(F f) {
+    return [f](const Contact& c, In values) {
+        return std::visit(
+            [&](const auto& law) {
+                return map(values, [&](double x) { return f(law, x, c.pair.effective_mass); });
+            },
+            c.law);
+    };
+}
+
 nb::dict parameter_dict(const hl::Parameter& p) {
-    nb::dict d;
-    d["name"] = p.name;
-    d["unit"] = p.unit;
-    d["lowest"] = p.lowest;
-    d["highest"] = p.highest;
-    d["lowest_allowed"] = p.lowest_allowed;
-    d["highest_allowed"] = p.highest_allowed;
-    d["meaning"] = p.meaning;
-    return d;
+    return dict_of("name", p.name, "unit", p.unit, "lowest", p.lowest, "highest", p.highest, "lowest_allowed",
+                   p.lowest_allowed, "highest_allowed", p.highest_allowed, "meaning", p.meaning);
 }
 
 nb::list law_records() {
-    nb::list laws;
-    for_each_law([&]<class Law>() {
-        const hl::LawRecord& r = Law::record;
-        nb::dict d;
-        d["name"] = r.name;
-        d["class_name"] = r.class_name;
-        d["summary"] = r.summary;
-        d["source"] = r.source;
-        nb::list common, alternatives, constants;
-        for (int i = 0; i < r.n_common; ++i) common.append(parameter_dict(r.common[i]));
+    return list_of(hl::bindings::law_records, [](const hl::LawRecord* law) {
+        const hl::LawRecord& r = *law;
+        nb::list alternatives;
         for (int a = 0; a < r.n_alternatives; ++a) {
-            nb::list one;
-            for (int i = 0; i < r.n_in_alternative[a]; ++i) one.append(parameter_dict(r.alternatives[a][i]));
-            alternatives.append(one);
+            const auto n = static_cast<std::size_t>(r.n_in_alternative[a]);
+            alternatives.append(list_of(r.alternatives[a], n, parameter_dict));
         }
-        for (int i = 0; i < r.n_constants; ++i) {
-            nb::dict one;
-            one["name"] = r.constants[i].name;
-            one["unit"] = r.constants[i].unit;
-            one["meaning"] = r.constants[i].meaning;
-            constants.append(one);
-        }
-        d["common"] = common;
-        d["alternatives"] = alternatives;
-        d["constants"] = constants;
-        laws.append(d);
+        const auto constant = [](const hl::ContactConstant& c) {
+            return dict_of("name", c.name, "unit", c.unit, "meaning", c.meaning);
+        };
+        return dict_of("name", r.name, "class_name", r.class_name, "summary", r.summary, "source", r.source,
+                       "common", list_of(r.common, static_cast<std::size_t>(r.n_common), parameter_dict),
+                       "alternatives", alternatives, "constants",
+                       list_of(r.constants, static_cast<std::size_t>(r.n_constants), constant));
     });
-    return laws;
 }
 
 }  // namespace
@@ -136,92 +99,35 @@ void bind_contacts(nb::module_& m) {
                  return v;
              })
         .def("force", &force, "compression"_a, "rate"_a)
-        .def(
-            "restitution",
-            [](const Contact& c, In speed) {
-                return std::visit(
-                    [&](const auto& law) {
-                        return map(speed,
-                                   [&](double v) { return law.restitution(v, c.pair.effective_mass); });
-                    },
-                    c.law);
-            },
-            "speed"_a)
-        .def(
-            "duration",
-            [](const Contact& c, In speed) {
-                return std::visit(
-                    [&](const auto& law) {
-                        return map(speed, [&](double v) { return law.duration(v, c.pair.effective_mass); });
-                    },
-                    c.law);
-            },
-            "speed"_a)
-        .def(
-            "compression",
-            [](const Contact& c, In speed) {
-                return std::visit(
-                    [&](const auto& law) {
-                        return map(speed, [&](double v) {
-                            const double mass = c.pair.effective_mass;
-                            return hl::boxes::solve_planar_contact(law, {mass, hl::math::infinity, v})
-                                .greatest;
-                        });
-                    },
-                    c.law);
-            },
-            "speed"_a)
-        .def(
-            "energy",
-            [](const Contact& c, In compression) {
-                return std::visit(
-                    [&](const auto& law) {
-                        using Law = std::decay_t<decltype(law)>;
-                        return map(compression, [&](double xi) {
-                            return xi > 0.0 ? law.energy(hl::onset_root<Law::onset_power>(xi)) : 0.0;
-                        });
-                    },
-                    c.law);
-            },
-            "compression"_a);
+        .def("restitution",
+             elementwise([](const auto& law, double v, double mass) { return law.restitution(v, mass); }),
+             "speed"_a)
+        .def("duration",
+             elementwise([](const auto& law, double v, double mass) { return law.duration(v, mass); }),
+             "speed"_a)
+        .def("compression", elementwise([](const auto& law, double v, double mass) {
+                 return hl::boxes::solve_planar_contact(law, {mass, hl::math::infinity, v}).greatest;
+             }),
+             "speed"_a)
+        .def("energy", elementwise([](const auto& law, double xi, double) {
+                 using Law = std::decay_t<decltype(law)>;
+                 return xi > 0.0 ? law.energy(hl::onset_root<Law::onset_power>(xi)) : 0.0;
+             }),
+             "compression"_a);
     m.def("make_contact", &make_contact, "law"_a, "alternative"_a, "parameters"_a, "effective_mass"_a,
           "effective_radius"_a);
     m.def("effective", &hl::effective, "a"_a, "b"_a, "a b/(a + b); also if one of them is infinite.");
-    m.def(
-        "viscoelastic_restitution",
-        [](In x) {
-            return map(x, [](double v) { return hl::contact::viscoelastic_collision(v).restitution; });
-        },
-        "x"_a);
-    m.def(
-        "viscoelastic_duration",
-        [](In x) { return map(x, [](double v) { return hl::contact::viscoelastic_collision(v).duration; }); },
-        "x"_a);
-    m.def(
-        "viscoelastic_series",
-        [](In x, int terms) {
-            return map(x, [=](double v) { return hl::contact::viscoelastic_series(v, terms); });
-        },
-        "x"_a, "terms"_a = hl::contact::series_terms);
-    m.attr("series_terms") = hl::contact::series_terms;
-    m.def(
-        "viscoelastic_pade",
-        [](In x, int p, int q) {
-            if (p < 0 || q < 0 || q > 6 || p + q >= hl::contact::series_terms)
-                throw nb::value_error("orders: need numerator + denominator <= 9, denominator <= 6");
-            return map(x, [=](double v) { return hl::contact::viscoelastic_pade(v, p, q); });
-        },
-        "x"_a, "numerator"_a, "denominator"_a);
-    m.def(
-        "linear_restitution",
-        [](In b) {
-            return map(b, [](double v) { return hl::math::exp(-hl::contact::linear_loss_exponent(v)); });
-        },
-        "damping_ratio"_a);
-    m.def(
-        "linear_duration", [](In b) { return map(b, &hl::contact::linear_scaled_duration<double>); },
-        "damping_ratio"_a);
-
+    using hl::contact::viscoelastic_collision;
+    const auto over = [](auto f) { return [f](In values) { return map(values, f); }; };
+    m.def("viscoelastic_restitution", over([](double x) { return viscoelastic_collision(x).restitution; }),
+          "x"_a);
+    m.def("viscoelastic_duration", over([](double x) { return viscoelastic_collision(x).duration; }), "x"_a);
+    m.attr("series_coefficients") =
+        nb::tuple(list_of(hl::contact::series_coefficients, [](double h) { return h; }));
+    m.def("linear_restitution",
+          over([](double b) { return hl::math::exp(-hl::contact::linear_loss_exponent(b)); }),
+          "damping_ratio"_a);
+    m.def("linear_duration", over(&hl::contact::linear_scaled_duration<double>), "damping_ratio"_a);
     m.def(
         "power_collision",
         [](int elastic, int damping, bool attracts, double c) {

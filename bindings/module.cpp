@@ -1,6 +1,4 @@
 // The Python extension module _core. Bindings only convert arguments and release the interpreter lock.
-#include <nanobind/stl/string.h>
-
 #include <string>
 #include <utility>
 
@@ -26,11 +24,11 @@ void bind_math(nb::module_& m) {
         "math",
         [](const std::string& name, hl::bindings::In x) {
             namespace hm = hl::math;
-            const std::pair<const char*, double (*)(double)> functions[] = {{"exp", &hm::exp<double>},
-                                                                            {"log", &hm::log<double>},
-                                                                            {"log1p", &hm::log1p<double>},
-                                                                            {"sin", &hm::sin<double>},
-                                                                            {"cos", &hm::cos<double>}};
+            constexpr std::pair<const char*, double (*)(double)> functions[] = {{"exp", &hm::exp<double>},
+                                                                                {"log", &hm::log<double>},
+                                                                                {"log1p", &hm::log1p<double>},
+                                                                                {"sin", &hm::sin<double>},
+                                                                                {"cos", &hm::cos<double>}};
             for (const auto& [known, f] : functions)
                 if (name == known) return hl::bindings::map(x, f);
             throw nb::value_error("name: exp, log, log1p, sin or cos");
@@ -44,15 +42,13 @@ void bind_math(nb::module_& m) {
 NB_MODULE(_core, m) {
     nb::set_leak_warnings(false);  // objects alive at exit, for example in a traceback, are not an error
     m.attr("version") = HARDLIMIT_VERSION;
-    m.def("compiler",
-          [] { return HARDLIMIT_COMPILER; });  // a function: an attribute's value would appear in the stub
-    nb::list names, messages;
-    for (const hl::OutcomeRecord& r : hl::outcome_records) {
-        names.append(r.name);
-        messages.append(r.message);
-    }
-    m.attr("outcome_names") = nb::tuple(names);
-    m.attr("outcome_messages") = nb::tuple(messages);
+    // A function, because the stub would contain the value of an attribute.
+    m.def("compiler", [] { return HARDLIMIT_COMPILER; });
+    const auto of_outcomes = [](const char* hl::OutcomeRecord::* field) {
+        return nb::tuple(hl::bindings::list_of(hl::outcome_records, [=](const auto& r) { return r.*field; }));
+    };
+    m.attr("outcome_names") = of_outcomes(&hl::OutcomeRecord::name);
+    m.attr("outcome_messages") = of_outcomes(&hl::OutcomeRecord::message);
     m.attr("deepest_compression") = hl::deepest_compression;
     bind_contacts(m);
     bind_math(m);

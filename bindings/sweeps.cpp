@@ -1,12 +1,9 @@
 // Bindings of the parameter maps: pass the arrays, run the threads without the interpreter lock, handle interrupts.
-#include <nanobind/nanobind.h>
-#include <nanobind/ndarray.h>
-#include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
-#include "contact/registry.hpp"
-#include "interpreter.hpp"
+#include "contact.hpp"
+#include "processor.hpp"
 #include "sweep/column_map.hpp"
 #include "sweep/map.hpp"
 #include "sweep/parameter_table.hpp"
@@ -15,12 +12,11 @@ namespace nb = nanobind;
 using namespace nb::literals;
 namespace hl = hardlimit;
 namespace sw = hardlimit::sweep;
-
-extern const hardlimit_abi::Kernel hardlimit_kernel_base, hardlimit_kernel_avx2, hardlimit_kernel_avx512;
+using hl::bindings::require;
+using hl::bindings::value_error;
+using Values = hl::bindings::In;
 
 namespace {
-
-using Values = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 
 // The caller's output array for one variable, never a converted copy; null if not requested.
 template <class T>
@@ -33,23 +29,16 @@ T* output(const nb::dict& out, const char* name, hl::u64 count) {
         throw nb::type_error(("out: " + std::string(name) + " must be a contiguous, writable array of " +
                               type + " in one dimension")
                                  .c_str());
-    if (array.shape(0) != count)
-        throw nb::value_error(("out: " + std::string(name) + " has " + std::to_string(array.shape(0)) +
-                               " values, must have " + std::to_string(count))
-                                  .c_str());
+    require(array.shape(0) == count, "out: " + std::string(name) + " has " + std::to_string(array.shape(0)) +
+                                         " values, must have " + std::to_string(count));
     return array.data();
 }
 
 // Available kernels in order of preference; the last one runs on every processor.
 std::vector<const hardlimit_abi::Kernel*> kernels() {
     std::vector<const hardlimit_abi::Kernel*> found;
-#if defined(HARDLIMIT_X86)
-    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-        __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw"))
-        found.push_back(&hardlimit_kernel_avx512);
-    if (__builtin_cpu_supports("avx2")) found.push_back(&hardlimit_kernel_avx2);
-#endif
-    found.push_back(&hardlimit_kernel_base);
+    for (int set = hl::bindings::widest_instruction_set(); set >= 0; --set)
+        found.push_back(hl::bindings::sweep_kernels[set]);
     return found;
 }
 
@@ -57,12 +46,12 @@ const hardlimit_abi::Kernel* kernel_named(const std::string& name) {
     if (name == "scalar") return nullptr;
     for (const hardlimit_abi::Kernel* k : kernels())
         if (name == k->name || name == "auto") return k;
-    throw nb::value_error(("instruction_set: " + name + " is not available here").c_str());
+    throw value_error("instruction_set: " + name + " is not available here");
 }
 
 // Entry points of the maps for one law.
 struct LawEntry {
-    const hl::LawRecord& record;
+    const hl::LawRecord* record;
     void (*work)(sw::Job&, hl::u64, hl::Stop&);
     void (*work_columns)(sw::ColumnJob&, hl::u64, hl::Stop&);
     bool (*has_kernel)(sw::Model);
@@ -70,21 +59,14 @@ struct LawEntry {
 };
 
 LawEntry law_named(const std::string& law) {
-#define HL_LAW(Law)                                        \
-    if (law == hl::contact::Law::record.name)              \
-        return {hl::contact::Law::record,                  \
-                &sw::work<hl::contact::Law>,               \
-                &sw::work_columns<hl::contact::Law>,       \
-                &sw::Vectorised<hl::contact::Law>::covers, \
-                sw::Vectorised<hl::contact::Law>::on_gpu,  \
-                hl::column::has_exact_solver<hl::contact::Law>};
-    HARDLIMIT_LAWS(HL_LAW)
-#undef HL_LAW
-    throw nb::value_error(("law: unknown name " + law).c_str());
-}
-
-void require(bool met, const char* what) {
-    if (!met) throw nb::value_error(what);
+    return hl::boxes::with_law<LawEntry>(hl::bindings::law_index(law), []<class Law>() {
+        return LawEntry{&Law::record,
+                        &sw::work<Law>,
+                        &sw::work_columns<Law>,
+                        &sw::Vectorised<Law>::covers,
+                        sw::Vectorised<Law>::on_gpu,
+                        hl::column::has_exact_solver<Law>};
+    });
 }
 
 sw::Model model_of(int number) {
@@ -107,14 +89,11 @@ std::vector<sw::Axis> axes_of(int balls, const std::vector<Values>& values,
 }
 
 sw::Outputs outputs(const nb::dict& out, hl::u64 count) {
-    return {output<std::uint8_t>(out, "n_contacts", count),
-            output<std::uint8_t>(out, "outcome", count),
-            output<double>(out, "relative_velocity", count),
-            output<double>(out, "separation_velocity", count),
-            output<double>(out, "effective_restitution", count),
-            output<double>(out, "restitution_ratio", count),
-            output<double>(out, "t_end", count),
-            output<double>(out, "t_floor_end", count)};
+    sw::Outputs o{
+        output<std::uint8_t>(out, "n_contacts", count), output<std::uint8_t>(out, "outcome", count), {}};
+    for (int k = 0; k < sw::quantity_count; ++k)
+        o.quantity[k] = output<double>(out, sw::quantity_names[k], count);
+    return o;
 }
 
 // Runs the job without the interpreter lock. An exception from `progress` or a signal handler ends it.
@@ -147,20 +126,15 @@ void run(Job& job, void (*work)(Job&, hl::u64, hl::Stop&), hl::u64 most, int thr
     if (raised) throw nb::python_error();
 }
 
-void require_alternative(const hl::LawRecord& record, int alternative) {
-    require(alternative >= 0 && alternative < record.n_alternatives,
-            "alternative: the law has no such set of parameters");
-}
-
 // Solves points first … first + count − 1 of a two-ball map. Returns the contact counts above 255 as (point, count).
 nb::list run_map(const std::string& law, int model, int alternative, bool density_1, bool density_2,
                  int restitution_at, const std::vector<Values>& values, const std::vector<hl::u64>& strides,
                  hl::u64 first, hl::u64 count, int threads, double tolerance, const nb::dict& out,
                  nb::object progress, const std::string& instruction_set) {
     const LawEntry entry = law_named(law);
-    require_alternative(entry.record, alternative);
+    hl::bindings::require_alternative(*entry.record, alternative);
     require(restitution_at >= -1 && restitution_at < hl::max_parameters,
-            "restitution_at: must be a place among the parameters of the law, or -1");
+            "restitution_at: must be a field among the parameters of the law, or -1");
     sw::Job job{};
     job.axes = axes_of(2, values, strides);
     job.setting = {model_of(model), alternative, density_1, density_2, restitution_at};
@@ -182,7 +156,7 @@ void run_columns(const std::string& law, int model, int alternative, const std::
                  const std::vector<Values>& values, const std::vector<hl::u64>& strides, hl::u64 first,
                  hl::u64 count, int threads, double tolerance, const nb::dict& out, nb::object progress) {
     const LawEntry entry = law_named(law);
-    require_alternative(entry.record, alternative);
+    hl::bindings::require_alternative(*entry.record, alternative);
     require(!density.empty(), "density: must have an entry for each ball");
     const int balls = static_cast<int>(density.size());
     require(model_of(model) != sw::Model::adiabatic || (balls == 2 && entry.exact),
@@ -210,22 +184,13 @@ void run_columns(const std::string& law, int model, int alternative, const std::
 // The parameters that can be swept for a column of N balls, with their indices in the row of a point.
 nb::list swept_parameters(int balls) {
     require(balls >= 1, "balls: must be >= 1");
-    nb::list rows;
-    for (const sw::SweptRecord& r : sw::swept_records) {
-        nb::dict d;
-        d["name"] = r.name;
-        d["per"] = sw::per(r.place) == sw::Per::ball  ? "ball"
-                   : sw::per(r.place) == sw::Per::gap ? "gap"
-                                                      : "column";
-        d["first"] = sw::first_of(r.place, balls);
-        d["count"] = sw::count_of(r.place, balls);
-        d["unit"] = r.unit;
-        d["meaning"] = r.meaning;
-        d["lowest"] = r.lowest;
-        d["lowest_allowed"] = r.lowest_allowed;
-        rows.append(d);
-    }
-    return rows;
+    constexpr const char* per[] = {"column", "ball", "gap"};
+    return hl::bindings::list_of(sw::swept_records, [&](const sw::SweptRecord& r) {
+        return hl::bindings::dict_of("name", r.name, "per", per[static_cast<int>(sw::per(r.field))], "first",
+                                     sw::first_of(r.field, balls), "count", sw::count_of(r.field, balls),
+                                     "unit", r.unit, "meaning", r.meaning, "lowest", r.lowest,
+                                     "lowest_allowed", r.lowest_allowed);
+    });
 }
 
 }  // namespace

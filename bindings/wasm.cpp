@@ -47,6 +47,26 @@ int restitution_parameter(const hl::LawRecord& law, int alternative) {
 }
 int alternative() { return static_cast<int>(request[1]); }
 
+// Sets the contacts of a column from the parameters of its law.
+template <class Law>
+void set_contacts(col::Column<Law>& c, const double* parameters) {
+    c.contacts.clear();
+    for (int j = 0; j < c.balls; ++j) {
+        const double mass = j == 0 ? hl::math::infinity : c.mass[j - 1];
+        const double radius = j == 0 ? hl::math::infinity : c.radius[j - 1];
+        const hl::PairGeometry pair{hl::effective(mass, c.mass[j]), hl::effective(radius, c.radius[j])};
+        c.contacts.push_back(Law::from_parameters(alternative(), parameters, pair));
+    }
+}
+// The same with another coefficient of restitution than in the request.
+template <class Law>
+void set_restitution(col::Column<Law>& c, double restitution) {
+    double parameters[hl::max_parameters];
+    std::copy_n(request + 2, hl::max_parameters, parameters);
+    parameters[restitution_parameter(Law::record, alternative())] = restitution;
+    set_contacts(c, parameters);
+}
+
 // The column in the request buffer.
 template <class Law>
 col::Column<Law> make_column() {
@@ -59,13 +79,7 @@ col::Column<Law> make_column() {
         c.gaps.push_back(ball[2]);
         c.velocity.push_back(ball[3]);
     }
-    for (int j = 0; j < n; ++j) {
-        const double below_mass = j == 0 ? hl::math::infinity : c.mass[j - 1];
-        const double below_radius = j == 0 ? hl::math::infinity : c.radius[j - 1];
-        const hl::PairGeometry pair{hl::effective(below_mass, c.mass[j]),
-                                    hl::effective(below_radius, c.radius[j])};
-        c.contacts.push_back(Law::from_parameters(alternative(), request + 2, pair));
-    }
+    set_contacts(c, request + 2);
     return c;
 }
 
@@ -127,19 +141,6 @@ void set_radius_ratio(col::Column<Law>& c, double ratio) {
     c.gaps[0] += before - now;
 }
 
-template <class Law>
-void set_contacts(col::Column<Law>& c, double restitution) {
-    double parameters[hl::max_parameters];
-    for (int i = 0; i < hl::max_parameters; ++i) parameters[i] = request[2 + i];
-    parameters[restitution_parameter(Law::record, alternative())] = restitution;
-    for (int j = 0; j < c.balls; ++j) {
-        const double mass = j == 0 ? hl::math::infinity : c.mass[j - 1];
-        const double radius = j == 0 ? hl::math::infinity : c.radius[j - 1];
-        c.contacts[j] = Law::from_parameters(
-            alternative(), parameters, {hl::effective(mass, c.mass[j]), hl::effective(radius, c.radius[j])});
-    }
-}
-
 // Index of the first gap that a scan varies. In a cradle the first gap only determines the time of the first collision.
 template <class Law>
 int first_gap(const col::Column<Law>& c) {
@@ -169,7 +170,7 @@ struct Points {
     double restitution(long i) const { return points[2 * i]; }
     // The column of the current point, with contacts.
     const col::Column<Law>& column(long i) {
-        if (restitution(i) != known) set_contacts(c, restitution(i));
+        if (restitution(i) != known) set_restitution(c, restitution(i));
         known = restitution(i);
         return c;
     }
@@ -282,8 +283,8 @@ void scan_batch(int axis, long n, const double* points, double* out) {
             const bool lands = again.move_to(first + i);
             const int k = drop_of[i];
             col::Sequence q = refused();
-            if (k >= 0 && !drops.left(k)) q = drops.sequence(k);
-            const bool known = k >= 0 && !drops.left(k) && shallow[i].holds(q.n_contacts, q.t_end);
+            if (k >= 0 && !drops.unsolved(k)) q = drops.sequence(k);
+            const bool known = k >= 0 && !drops.unsolved(k) && shallow[i].holds(q.n_contacts, q.t_end);
             if (!known && lands) q = again.solve(first + i);
             again.write(first + i, q, out);
         }
@@ -296,7 +297,7 @@ long timeline(int model, long n, const double* restitution, double* out, long ro
     std::vector<col::Contact> contacts;
     long used = 0;
     for (long i = 0; i < n; ++i) {
-        set_contacts(c, restitution[i]);
+        set_restitution(c, restitution[i]);
         contacts.clear();
         const col::Sequence q = col::solve_sequence(c, static_cast<col::Model>(model), coarse(), &contacts);
         if (used + 4 + 3 * static_cast<long>(contacts.size()) > room) break;
@@ -393,7 +394,7 @@ int solve(int model, double until, double most_events = 0.0) {
                              col::effective_restitution(q.separation_velocity, speed),
                              slot.found->largest_compression(),
                              static_cast<double>(slot.found->too_deep)};
-    for (std::size_t i = 0; i < sizeof values / sizeof *values; ++i) reply[i] = values[i];
+    std::copy(std::begin(values), std::end(values), reply);
     return 1;
 }
 

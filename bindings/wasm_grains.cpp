@@ -167,8 +167,8 @@ int box_advance(double until, double most_rows) {
 }
 
 // Returns: time; numbers of collisions of pairs, with walls, made elastic by the TC rule, soft, and soft with a third
-// body; kinetic and potential energy, momentum (3), dissipated energy, virial, ∫ Σ m v'² dt; time, first and second
-// particle of an early end.
+// body; kinetic and potential energy, momentum (3), dissipated energy, trace of the virial, ∫ Σ m v'² dt; time, first
+// and second particle of an early end.
 double* box_observe() {
     const box::Engine& engine = *run().engine;
     const box::Observation o = engine.observe();
@@ -176,8 +176,9 @@ double* box_observe() {
     run().out = {engine.time()};
     for (const box::Statistic& s : engine.statistics())
         if (std::string_view(s.name) != "n_events") run().out.push_back(s.value);
-    run().out.insert(run().out.end(), {o.kinetic_energy, o.potential_energy, o.momentum[0], o.momentum[1],
-                                       o.momentum[2], o.dissipated_energy, o.virial, o.kinetic_integral});
+    run().out.insert(run().out.end(),
+                     {o.kinetic_energy, o.potential_energy, o.momentum[0], o.momentum[1], o.momentum[2],
+                      o.dissipated_energy, o.virial.trace(), o.kinetic_integral});
     const std::size_t n = end.particles.size();
     const hl::i64 second = end.wall ? end.wall.number : n > 1 ? end.particles[1] : 0;
     run().out.insert(run().out.end(), {end.time, n > 0 ? static_cast<double>(end.particles[0]) : -1.0,

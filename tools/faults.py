@@ -18,7 +18,7 @@ import shutil
 import subprocess
 import sys
 import tomllib
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -37,8 +37,10 @@ class Fault:
     old: str
     new: str
     why: str
-    units: list[str]  #: files of bindings/, without suffix
     tests: list[str]
+    units: list[str] = field(
+        default_factory=list
+    )  #: files of bindings/, without suffix; by default those of `unit_of`
 
     def apply(self, core: Path) -> None:
         """Put the fault into the headers below `core`; ValueError unless the old text occurs exactly once."""
@@ -51,9 +53,17 @@ class Fault:
         header.write_text(text.replace(self.old, self.new), encoding="utf-8")
 
 
+def unit_of(test: str) -> str:
+    """The file of bindings/ that a test needs: that of its folder or, for boxes, that of its name."""
+    _, room, name = Path(test.split("::")[0]).with_suffix("").parts
+    folders = {"contact": "contacts", "convert": "contacts", "column": "columns"}
+    return folders.get(room, name.removeprefix("test_"))
+
+
 def read_faults(path: Path = FAULTS) -> list[Fault]:
     """The faults in the order of the file."""
-    return [Fault(**entry) for entry in tomllib.loads(path.read_text(encoding="utf-8"))["fault"]]
+    entries = tomllib.loads(path.read_text(encoding="utf-8"))["fault"]
+    return [Fault(**({"units": [unit_of(entry["tests"][0])]} | entry)) for entry in entries]
 
 
 def digest(fault: Fault, source: Path) -> str:
@@ -134,14 +144,8 @@ class Workplace:
         """Exit status of pytest over these tests in the copy; its output goes to `self.log`."""
         environment = os.environ | {"PYTHONPATH": str(self.site)}
         options = ["-q", "-x", "-n", "0", "-p", "no:cacheprovider", "--timeout", "300"]
-        command = [
-            sys.executable,
-            "-m",
-            "pytest",
-            *options,
-            "-m",
-            "",
-        ]  # with slow tests and all draws of properties
+        # -m "": with slow tests and all draws of properties.
+        command = [sys.executable, "-m", "pytest", *options, "-m", ""]
         with self.log.open("w", encoding="utf-8") as log:
             return subprocess.run(
                 [*command, *tests], cwd=self.source, env=environment, stdout=log, stderr=subprocess.STDOUT

@@ -6,12 +6,10 @@ once the gap has opened, which is a second event.
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import heyoka as hy
 
 from . import scaled
-from .taylor import MODES, Problem
+from .taylor import Problem, solve_all
 
 KAPPA, G, D1, D2, FLOOR, PAIR, SIGN_U, C_U, SIGN_W, C_W = range(10)
 
@@ -51,12 +49,9 @@ def parameters(row):
     return kappa, g, d1, d2, 1.0, 0.0, 1.0, d1, -1.0, 0.0
 
 
-@lru_cache
-def integrator(mode: str, tol: float):
-    return MODES[mode](Problem(system, handle, parameters, 4, 10), tol)
+PROBLEM = Problem(system, handle, parameters, 4, 10)
 
 
 def run(points: scaled.Points, mode: str, tol: float) -> scaled.Results:
     """``mode`` is "scalar" or "batch"."""
-    rows, speed, rate = scaled.linear(points)
-    return scaled.Results.of(integrator(mode, tol).solve_all(rows), speed, rate)
+    return solve_all(PROBLEM, scaled.linear(points), mode, tol)

@@ -7,11 +7,13 @@ continue. In a batch, the callback that ends a point loads the next point into i
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 from typing import NamedTuple
 
 import heyoka as hy
 import numpy as np
 
+from . import scaled
 from .sequence import Sequence
 
 FAR = 1e9
@@ -92,9 +94,8 @@ class Batch:
         """Load the next point into a lane; returns whether any lane has work."""
         if self.next == len(self.rows):
             self.sequence[lane] = None
-            self.state[:, lane] = [1.0, 1.0] + [0.0] * (
-                self.problem.n_variables - 2
-            )  # at rest, out of contact
+            at_rest = [1.0, 1.0] + [0.0] * (self.problem.n_variables - 2)  # out of contact
+            self.state[:, lane] = at_rest
             self.pars[:, lane] = 0.0
             self.busy -= 1
             return self.busy > 0
@@ -119,4 +120,13 @@ class Batch:
         return self.out
 
 
-MODES = {"scalar": Scalar, "batch": Batch}
+@lru_cache
+def integrator(problem: Problem, mode: str, tol: float) -> Scalar | Batch:
+    """``mode`` is "scalar" or "batch"."""
+    return {"scalar": Scalar, "batch": Batch}[mode](problem, tol)
+
+
+def solve_all(problem: Problem, units: tuple, mode: str, tol: float) -> scaled.Results:
+    """``units``: rows, speeds and rates of the points, as from `scaled.py`."""
+    rows, speed, rate = units
+    return scaled.Results.of(integrator(problem, mode, tol).solve_all(rows), speed, rate)

@@ -7,12 +7,11 @@ Physical time is a fifth variable.
 from __future__ import annotations
 
 import math
-from functools import lru_cache
 
 import heyoka as hy
 
 from . import scaled
-from .taylor import MODES, Problem
+from .taylor import Problem, solve_all
 
 KAPPA, G, C1, C2, K1, FLOOR, PAIR, SLACK_U, SLACK_W = range(9)
 
@@ -69,12 +68,9 @@ def parameters(row):
     return kappa, g, c1, c2, k1, 1.0, 0.0, 0.0, 0.0
 
 
-@lru_cache
-def integrator(mode: str, tol: float):
-    return MODES[mode](Problem(system, handle, parameters, 5, 9), tol)
+PROBLEM = Problem(system, handle, parameters, 5, 9)
 
 
 def run(points: scaled.Points, mode: str, tol: float) -> scaled.Results:
     """``mode`` is "scalar" or "batch"."""
-    rows, speed, rate = scaled.viscoelastic(points)
-    return scaled.Results.of(integrator(mode, tol).solve_all(rows), speed, rate)
+    return solve_all(PROBLEM, scaled.viscoelastic(points), mode, tol)

@@ -77,30 +77,40 @@ struct DormandPrince {
                                         0.244094488188976377952755905512, 0.733846688281611857341361741547,
                                         0.220588235294117647058823529412e-1};
 
-    // out = y(h) from y and k[0..n) = f(y). `k` [stages * n] receives the stages. `out` must not alias `y`.
+    // out = y(h) from y and k[0..n) = f(y). `k` [stages * n] receives the stages. `out` must not alias `y`. Components
+    // from `needed` on are pure integrals: f does not read them, and they are not computed within the step.
+    template <class Rhs>
+    HL_FN static void step(const Rhs& f, const double* y, double h, int n, double* k, double* out,
+                           int needed) {
+        run_stage<1>(f, y, h, n, k, out, needed);
+        combine<stages>(y, h, n, k, out, n);
+    }
     template <class Rhs>
     HL_FN static void step(const Rhs& f, const double* y, double h, int n, double* k, double* out) {
-        run_stage<1>(f, y, h, n, k, out);
-        combine<stages>(y, h, n, k, out);
+        step(f, y, h, n, k, out, n);
     }
 
     // Error of the step just taken in units of `scale` [n]; below 1 it is acceptable.
     HL_FN static double error(const double* k, double h, int n, const double* scale) {
+        return error(k, h, n, scale, n, n);
+    }
+    // The same from the first `used` of n components, as a mean over `number` components.
+    HL_FN static double error(const double* k, double h, int n, const double* scale, int used, int number) {
         double fifth = 0.0, third_order = 0.0;
         const auto add = [&](double high, double low) {
             fifth += high * high;
             third_order += low * low;
         };
         int c = 0;
-        for (; c + 2 <= n; c += 2) {
+        for (; c + 2 <= used; c += 2) {
             const Two unit = load<Two>(scale + c), high = high_error<Two>(k + c, n) / unit,
                       low = low_error<Two>(k + c, n) / unit;
             add(high[0], low[0]);
             add(high[1], low[1]);
         }
-        if (c < n) add(high_error<double>(k + c, n) / scale[c], low_error<double>(k + c, n) / scale[c]);
+        if (c < used) add(high_error<double>(k + c, n) / scale[c], low_error<double>(k + c, n) / scale[c]);
         if (fifth == 0.0 && third_order == 0.0) return 0.0;
-        return math::abs(h) * fifth / math::sqrt((fifth + 0.01 * third_order) * n);
+        return math::abs(h) * fifth / math::sqrt((fifth + 0.01 * third_order) * number);
     }
 
     // Factor for the next step size. A result that is not finite asks for a much shorter step.
@@ -122,22 +132,23 @@ private:
     }
 
     template <int i, class Rhs>
-    HL_FN static void run_stage(const Rhs& f, const double* y, double h, int n, double* k, double* out) {
+    HL_FN static void run_stage(const Rhs& f, const double* y, double h, int n, double* k, double* out,
+                                int needed) {
         if constexpr (i < stages) {
-            combine<i>(y, h, n, k, out);
+            combine<i>(y, h, n, k, out, needed);
             f(out, k + i * n);
-            run_stage<i + 1>(f, y, h, n, k, out);
+            run_stage<i + 1>(f, y, h, n, k, out, needed);
         }
     }
 
-    // out = y + h Σ a_ij k_j for a stage i, with b_j for i = `stages`; several components at a time, whose sums stay in
-    // registers.
+    // out = y + h Σ a_ij k_j for a stage i, with b_j for i = `stages`, of the first `used` of n components. Several are
+    // computed at a time, whose sums stay in registers.
     template <int i>
-    HL_FN static void combine(const double* y, double h, int n, const double* k, double* out) {
+    HL_FN static void combine(const double* y, double h, int n, const double* k, double* out, int used) {
         int c = 0;
-        for (; c + 8 <= n; c += 8) combine_some<i, 4, Two>(y, h, n, k, out, c);
-        for (; c + 2 <= n; c += 2) combine_some<i, 1, Two>(y, h, n, k, out, c);
-        if (c < n) combine_some<i, 1, double>(y, h, n, k, out, c);
+        for (; c + 8 <= used; c += 8) combine_some<i, 4, Two>(y, h, n, k, out, c);
+        for (; c + 2 <= used; c += 2) combine_some<i, 1, Two>(y, h, n, k, out, c);
+        if (c < used) combine_some<i, 1, double>(y, h, n, k, out, c);
     }
 
     template <int i, int width, class Real>

@@ -39,28 +39,36 @@ bool dips(EventFunction a, EventFunction b, double& high, const At& at) {
 }
 
 // Whether a function falls to zero in (0, high], from its values at both ends; `high` moves to a point where it is not
-// positive. `fresh`: the state at 0 was just placed on the zero, so that a negative value of a function that rises is
-// rounding. at(x): the function at x.
+// positive. `disarmed`: the event has just occurred and the state at 0 was placed on the zero, so that a negative value
+// of a function that rises is rounding error. at(x): the function at x.
 template <class At>
-bool falls_to_zero(const EventFunction& start, const EventFunction& end, bool fresh, double& high,
+bool falls_to_zero(const EventFunction& start, const EventFunction& end, bool disarmed, double& high,
                    const At& at) {
-    if (end.value > 0.0 || (fresh && end.value == 0.0))
+    if (end.value > 0.0 || (disarmed && end.value == 0.0))
         return start.smooth_slope < 0.0 && end.smooth_slope > 0.0 && dips(start, end, high, at);
-    return !(fresh && start.smooth_slope >= 0.0 && end.smooth_slope >= 0.0);
+    return !(disarmed && start.smooth_slope >= 0.0 && end.smooth_slope >= 0.0);
 }
 
 // First zero in (0, high], where the function is not positive at `high`: Newton's method in a bracket. The caller holds
 // the state at `at`, whose function is value(); move(at, next) moves the state; close(f, at, next): whether the
 // state is close enough to the zero. Returns where the state is.
+//
+// Close to the zero, rounding errors may make the steps alternate between the two ends of the bracket: a step leads
+// back to the previous point, and the bracket no longer changes. The result is then the point of the last step.
 template <class Value, class Close, class Move>
 double locate_zero(double at, double high, const Value& value, const Close& close, const Move& move) {
-    double low = 0.0;
-    for (int i = 0; i < 100; ++i) {
+    constexpr int most_steps = 100;
+    double low = 0.0, previous = at;
+    for (int i = 0; i < most_steps; ++i) {
         const EventFunction f = value();
-        (f.value > 0.0 ? low : high) = at;
+        double& end = f.value > 0.0 ? low : high;
+        const bool unchanged = end == at;
+        end = at;
         const double newton = at - f.value / f.slope;
         const double next = newton >= low && newton <= high && f.slope < 0.0 ? newton : 0.5 * (low + high);
         if (next == at || close(f, at, next)) break;
+        if (unchanged && next == previous) i = most_steps - 2 + i % 2;
+        previous = at;
         move(at, next);
         at = next;
     }

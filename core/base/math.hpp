@@ -102,17 +102,9 @@ template <class R>
 HL_FN R log_of_one_plus(R f) {
     const R s = f / (2.0 + f);
     const R z = s * s;
-    R p = z * (2.0 / 25.0) + 2.0 / 23.0;
-    p = p * z + 2.0 / 21.0;
-    p = p * z + 2.0 / 19.0;
-    p = p * z + 2.0 / 17.0;
-    p = p * z + 2.0 / 15.0;
-    p = p * z + 2.0 / 13.0;
-    p = p * z + 2.0 / 11.0;
-    p = p * z + 2.0 / 9.0;
-    p = p * z + 2.0 / 7.0;
-    p = p * z + 2.0 / 5.0;
-    p = p * z + 2.0 / 3.0;
+    R p = broadcast<R>(2.0 / 25.0);
+    HL_UNROLL
+    for (int n = 23; n >= 3; n -= 2) p = p * z + 2.0 / n;
     const R r = z * p;
     return f - s * (f - r);
 }
@@ -203,17 +195,9 @@ HL_FN R atan2_upper(R y, R x) {
     const R t2 = t1 / (1.0 + sqrt<R>(1.0 + t1 * t1));
     const R t = t2 / (1.0 + sqrt<R>(1.0 + t2 * t2));
     const R z = t * t;
-    R p = 1.0 / 23.0 - z * (1.0 / 25.0);
-    p = 1.0 / 21.0 - p * z;
-    p = 1.0 / 19.0 - p * z;
-    p = 1.0 / 17.0 - p * z;
-    p = 1.0 / 15.0 - p * z;
-    p = 1.0 / 13.0 - p * z;
-    p = 1.0 / 11.0 - p * z;
-    p = 1.0 / 9.0 - p * z;
-    p = 1.0 / 7.0 - p * z;
-    p = 1.0 / 5.0 - p * z;
-    p = 1.0 / 3.0 - p * z;
+    R p = broadcast<R>(1.0 / 25.0);
+    HL_UNROLL
+    for (int n = 23; n >= 3; n -= 2) p = 1.0 / n - p * z;
     const R angle = 8.0 * (t - t * (z * p));
     return select<R>(x < 0.0, pi - angle, angle);
 }

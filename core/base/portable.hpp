@@ -181,7 +181,9 @@ inline constexpr bool is_pair<Pair<V>> = true;
 // One lane of a Real or of a Mask.
 template <class T>
 HL_FN auto lane_of(const T& x, int lane) {
-    if constexpr (is_pair<T>) {
+    if constexpr (sizeof(T) <= sizeof(double)) {
+        return x;
+    } else if constexpr (is_pair<T>) {
         constexpr int half = sizeof(T) / 16;
         return lane < half ? lane_of(x.lo, lane) : lane_of(x.hi, lane - half);
     } else {
@@ -190,7 +192,9 @@ HL_FN auto lane_of(const T& x, int lane) {
 }
 template <class T, class Value>
 HL_FN void set_lane(T& x, int lane, Value value) {
-    if constexpr (is_pair<T>) {
+    if constexpr (sizeof(T) <= sizeof(double)) {
+        x = value;
+    } else if constexpr (is_pair<T>) {
         constexpr int half = sizeof(T) / 16;
         set_lane(lane < half ? x.lo : x.hi, lane % half, value);
     } else {

@@ -19,11 +19,11 @@ namespace hardlimit::column {
 
 struct CompressionBound {
     double m1, m2, gravity;
-    double height, v1, v2;             // gap of the floor, and velocities, at release
-    double floor, pair;                // L1, L2 [m]
-    double floor_energy, pair_energy;  // stored at L1 and L2 [J]
-    bool coupled;                      // the lower ball feels the upper one
-    double stored = 0.0;               // in the contacts at release [J]
+    double height, v1, v2;                         // gap of the floor, and velocities, at release
+    double floor, pair;                            // L1, L2 [m]
+    double floor_energy = 0.0, pair_energy = 0.0;  // stored at L1 and L2 [J]
+    bool coupled = true;                           // the lower ball feels the upper one
+    double stored = 0.0;                           // in the contacts at release [J]
 
     // The bound for L1 and L2 equal to `part` times the smaller radius.
     template <class Law>
@@ -32,17 +32,11 @@ struct CompressionBound {
                                      double v2, bool coupled) {
         constexpr int p = Law::onset_power;
         const double l1 = part * r1, l2 = part * math::min(r1, r2);
-        return {m1,
-                m2,
-                gravity,
-                height,
-                v1,
-                v2,
-                l1,
-                l2,
-                floor.energy(onset_root<p>(l1)),
-                pair.energy(onset_root<p>(l2)),
-                coupled};
+        CompressionBound b{m1, m2, gravity, height, v1, v2, l1, l2};
+        b.floor_energy = floor.energy(onset_root<p>(l1));
+        b.pair_energy = pair.energy(onset_root<p>(l2));
+        b.coupled = coupled;
+        return b;
     }
 
     // Value of g t [m/s], with t the time since release, up to which neither compression can be reached. `gap`: gap of

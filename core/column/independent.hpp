@@ -181,7 +181,7 @@ public:
                 break;
             }
             if (i % IndependentRun::every(c.balls) == 0) run.states.push_back(f);
-            meet(e);
+            process_collision(e);
         }
         if (run.states.empty()) run.states.push_back(f);
         finish();
@@ -209,7 +209,7 @@ private:
         return q.finished && !(f.t < end());
     }
 
-    void meet(const Event& e) {
+    void process_collision(const Event& e) {
         const double before = f.t;
         advance(c, f, e.in);
         const double speed = approach_speed<Law>(f, e.pair);

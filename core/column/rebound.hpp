@@ -51,11 +51,13 @@ inline double apex(const Solution& s, std::size_t ball, States& at, double low, 
 }
 
 // Whether a ball that turns between two knots may rise above `greatest`. `ends` is the higher of its positions at the
-// knots, `way` the time between the knots times the change of velocity. The ball rises by less than `way` above `ends`,
-// because its speed stays below that change: it decreases monotonically in flight and smoothly within an integration
-// step. The test avoids the search for the top, tens of steps, for a ball at rest, which turns in every step by
-// rounding error.
-inline bool may_exceed(double greatest, double ends, double way) { return !(ends + 4.0 * way <= greatest); }
+// knots, `travel` the time between the knots times the change of velocity. The ball rises by less than `travel` above
+// `ends`, because its speed stays below that change: it decreases monotonically in flight and smoothly within an
+// integration step. The factor 4 is a margin. The test avoids the search for the top, tens of steps, for a ball at
+// rest, which turns in every step by rounding error.
+inline bool may_exceed(double greatest, double ends, double travel) {
+    return !(ends + 4.0 * travel <= greatest);
+}
 
 // Knots of the run and limits of the time windows, sorted.
 inline std::vector<double> marks(const Solution& s, const std::vector<double>& from,
@@ -71,7 +73,7 @@ inline std::vector<double> marks(const Solution& s, const std::vector<double>& f
 
 // Finds the largest height of each ball in its time window [found.from, to]. `origin`: height of the first ball of a
 // cradle at release.
-inline void look_through(const Solution& s, double origin, const std::vector<double>& to, Stop* stop,
+inline void find_heights(const Solution& s, double origin, const std::vector<double>& to, Stop* stop,
                          Heights& found) {
     constexpr std::size_t most = 1024;
     const std::size_t balls = to.size();
@@ -100,7 +102,7 @@ inline void look_through(const Solution& s, double origin, const std::vector<dou
 
 // Heights in the static equilibrium. Adiabatic model: the upper ball does not act on the lower one.
 template <class Law>
-void lie_still(const Column<Law>& c, Model model, Heights& found) {
+void equilibrium_heights(const Column<Law>& c, Model model, Heights& found) {
     double above = 0.0;
     std::vector<double> depth(c.mass.size(), 0.0);
     for (std::size_t j = c.mass.size(); j-- > 0 && model != Model::independent;) {
@@ -118,7 +120,7 @@ void lie_still(const Column<Law>& c, Model model, Heights& found) {
 }
 
 // Heights to which the balls from `lowest` upwards rise in free flight.
-inline void fly_to_top(const States& end, std::size_t lowest, double gravity, Heights& found) {
+inline void flight_heights(const States& end, std::size_t lowest, double gravity, Heights& found) {
     for (std::size_t j = lowest; j < end.balls; ++j) {
         if (found.from[j] == math::infinity) continue;
         const double v = math::max(end.velocity[j], 0.0);
@@ -148,8 +150,8 @@ SharedColumn<Law> without_lowest(const Column<Law>& c, const States& at) {
 
 // Heights of the upper balls, with their contacts, after the lowest ball is removed at its second floor touch.
 template <class Law>
-void go_on_without_lowest(const Column<Law>& c, Model model, SolveOptions o, const States& at,
-                          Heights& found) {
+void continue_without_lowest(const Column<Law>& c, Model model, SolveOptions o, const States& at,
+                             Heights& found) {
     o.until = math::nan;
     const SharedColumn<Law> upper = without_lowest(c, at);
     const std::unique_ptr<Solution> s = solve_column(upper, model, o);
@@ -158,10 +160,10 @@ void go_on_without_lowest(const Column<Law>& c, Model model, SolveOptions o, con
     for (std::size_t j = 1; j < at.balls; ++j)
         if (found.from[j] < math::infinity) rest.from[j - 1] = 0.0;
     find_bounces(*s, rest.from);
-    look_through(*s, origin, std::vector<double>(rest.from.size(), s->last), o.stop, rest);
+    find_heights(*s, origin, std::vector<double>(rest.from.size(), s->last), o.stop, rest);
     States end(1, upper->balls, origin);
     s->sample(&s->last, end);
-    fly_to_top(end, 0, c.gravity, rest);
+    flight_heights(end, 0, c.gravity, rest);
     const bool resolved = s->sequence.outcome != Outcome::unresolved;
     for (std::size_t j = 1; j < at.balls; ++j) {
         if (rest.from[j - 1] == math::infinity) continue;
@@ -204,18 +206,18 @@ std::vector<double> rebound_heights(SharedColumn<Law> c, Model model, const Solv
     const bool timed = !math::is_nan(o.until);
     find_bounces(s, found.from);
     std::vector<double> to(found.from.size(), timed ? math::min(o.until, s.last) : s.last);
-    if (!timed && q.met_again) to[0] = math::min(to[0], q.t_second_touch);
-    look_through(s, 0.0, to, o.stop, found);
+    if (!timed && q.second_floor_contact) to[0] = math::min(to[0], q.t_second_touch);
+    find_heights(s, 0.0, to, o.stop, found);
     if (q.outcome == Outcome::at_rest) {
-        lie_still(*c, model, found);
+        equilibrium_heights(*c, model, found);
     } else if (!timed) {
         double at;
         const States end = end_of_sequence(c, model, o, s, at);
-        const std::size_t lowest = q.met_again ? 1 : 0;
+        const std::size_t lowest = q.second_floor_contact ? 1 : 0;
         if (lowest == 1 && some_approach(end, 1))
-            go_on_without_lowest(*c, model, o, end, found);
+            continue_without_lowest(*c, model, o, end, found);
         else
-            fly_to_top(end, lowest, c->gravity, found);
+            flight_heights(end, lowest, c->gravity, found);
     }
     return found.greatest;
 }
@@ -252,7 +254,7 @@ Parting parting(SharedColumn<Law> c, Model model, const SolveOptions& o, const S
     });
     for (double& v : found.velocity) v += c->gravity * last;
     const auto all_met = [&] { return std::ranges::all_of(missing, [](int n) { return n <= 0; }); };
-    if (all_met() || !s.sequence.met_again || math::is_nan(found.velocity[0])) return found;
+    if (all_met() || !s.sequence.second_floor_contact || math::is_nan(found.velocity[0])) return found;
     double at;
     const States end = end_of_sequence(c, model, o, s, at);
     const SharedColumn<Law> upper = without_lowest(*c, end);

@@ -22,19 +22,19 @@ struct Sequence {
     double separation_velocity = math::nan;  // once no force acts
     Outcome outcome = Outcome::ok;
 
-    bool one_ball = false;      // no pairs: the sequence is the floor contact
-    bool floor_opened = false;  // the floor gap has opened after the first floor contact
-    bool met_again = false;     // the second floor contact has begun
-    bool finished = false;      // later contacts do not belong to the sequence
-    int open_pairs = 0;         // ball–ball contacts of the sequence that act now
+    bool one_ball = false;              // no pairs: the sequence is the floor contact
+    bool floor_opened = false;          // the floor gap has opened after the first floor contact
+    bool second_floor_contact = false;  // the second floor contact has begun
+    bool finished = false;              // later contacts do not belong to the sequence
+    int open_pairs = 0;                 // ball–ball contacts of the sequence that act now
 
     // The floor gap reaches zero from above, or the clipped floor force sets in again.
     HL_FN void floor_begins(double t) {
         if (math::is_nan(t_first_touch)) {
             t_first_touch = t;
         } else if (floor_opened) {
-            if (!met_again) t_second_touch = t;
-            met_again = true;
+            if (!second_floor_contact) t_second_touch = t;
+            second_floor_contact = true;
             if (open_pairs == 0) finished = true;
         } else if (one_ball) {
             t_end = math::nan;
@@ -47,14 +47,14 @@ struct Sequence {
     }
     HL_FN void floor_ends(double t) {
         if (math::is_nan(t_floor_end)) t_floor_end = t;
-        if (one_ball && !met_again) t_end = t;
+        if (one_ball && !second_floor_contact) t_end = t;
     }
     // The floor gap reaches zero from below: the overlap ends, and with it the floor contact.
     HL_FN void floor_opens() { floor_opened = true; }
 
     // Returns whether the contact belongs to the sequence; if so, its end must be reported by pair_ends().
     HL_FN bool pair_begins() {
-        if (met_again || finished) return false;
+        if (second_floor_contact || finished) return false;
         ++n_contacts;
         ++open_pairs;
         relative_velocity = separation_velocity = t_end = math::nan;
@@ -65,7 +65,7 @@ struct Sequence {
         t_end = t;
         relative_velocity = gap_rate;
         separation_velocity = math::nan;
-        if (met_again && open_pairs == 0) finished = true;
+        if (second_floor_contact && open_pairs == 0) finished = true;
     }
 
     // No force acts on any ball. `gap_rate`: smallest rate of the ball–ball gaps. `floor_clear`: the lowest ball has

@@ -30,11 +30,11 @@ struct States {
           energy(n * balls),
           total(n) {}
 
-    // Computes positions and energies of time i from its gaps and velocities. `way`: displacement of the first ball of
-    // a cradle since release.
+    // Computes positions and energies of time i from its gaps and velocities. `displacement`: that of the first ball
+    // of a cradle since release.
     template <class Law>
-    void complete(const Column<Law>& c, std::size_t i, double way) {
-        double z = c.floor ? 0.0 : origin + way;
+    void complete(const Column<Law>& c, std::size_t i, double displacement) {
+        double z = c.floor ? 0.0 : origin + displacement;
         for (std::size_t j = 0; j < balls; ++j) {
             if (j > 0 || c.floor) z += (j > 0 ? c.radius[j - 1] : 0.0) + gap[i * balls + j] + c.radius[j];
             position[i * balls + j] = z;

@@ -73,8 +73,8 @@ public:
         if (too_deep >= 0) return deepest_compression;
         drop::Compressions all(drop_.start.groups);
         const std::vector<Node>& nodes = drop_.nodes;
-        for (std::size_t i = 0; i + 1 < nodes.size(); ++i) all.look(nodes[i], nodes[i + 1].t - nodes[i].t);
-        if (rests()) all.look(nodes.back(), exact::never);
+        for (std::size_t i = 0; i + 1 < nodes.size(); ++i) all.track(nodes[i], nodes[i + 1].t - nodes[i].t);
+        if (rests()) all.track(nodes.back(), exact::never);
         const double metre = drop_.start.per_metre;
         return math::max(all.greatest[0] / (smaller_radius(*column_, 0) * metre),
                          all.greatest[1] / (smaller_radius(*column_, 1) * metre));
@@ -82,7 +82,7 @@ public:
     bool presses_by(double part) const override {
         if (drop_.nodes.empty()) return false;
         const CompressionBound bound = drop::bound_of(*column_, coupling_, part);
-        const bool sure = drop::bound_of(bound, drop_.start, column_->gaps[1]).holds(last);
+        const bool sure = DropBound::of(bound, column_->gaps[1], drop_.start.units.speed).holds(last);
         if (sure && (!rests() || drop::settles(*column_, drop_, bound))) return false;
         return Solution::presses_by(part);
     }
@@ -97,8 +97,8 @@ private:
     Coupling coupling_;
     bool timed_;
     Drop drop_;
-    mutable std::atomic<const std::vector<double>*> dissipated_{
-        nullptr};  // energy up to each node [J]; null: not computed yet
+    // Energy dissipated up to each node [J]; null: not computed yet.
+    mutable std::atomic<const std::vector<double>*> dissipated_{nullptr};
 
     double at(const Node& n) const { return n.t / drop_.start.units.rate; }
     // Whether the contacts last forever after the last node.
@@ -135,7 +135,7 @@ public:
         column::sample(*column_, run_, times, static_cast<long>(out.n),
                        {out.gap.data(), out.velocity.data(), out.force.data(), out.total.data()});
         for (std::size_t i = 0; i < out.n; ++i)
-            out.complete(*column_, i, column_->floor ? 0.0 : way(&out.gap[i * out.balls], times[i]));
+            out.complete(*column_, i, column_->floor ? 0.0 : displacement(&out.gap[i * out.balls], times[i]));
     }
     // If the run ended at rest, continues it until all oscillations have decayed.
     double largest_compression() const override {
@@ -164,7 +164,7 @@ private:
     }
 
     // Displacement of the first ball of a cradle, from the free fall of the centre of mass.
-    double way(const double* gap, double t) const {
+    double displacement(const double* gap, double t) const {
         const Column<Law>& c = *column_;
         double mass = 0.0, momentum = 0.0, above = 0.0, offset = 0.0;
         for (std::size_t i = 0; i < c.mass.size(); ++i) {

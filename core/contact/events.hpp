@@ -25,7 +25,7 @@ enum class ContactEvent : unsigned char {
 struct PairMotion {
     double depth, depth_slope;  // ξ
     double rate, rate_slope;    // dξ/dt; the slope is used for `ends` and `engages` only
-    bool rooted;                // the integrated coordinate is s = ξ^{1/p}
+    bool uses_root;             // the integrated coordinate is s = ξ^{1/p}
     double s, s_slope;          // if rooted
 };
 
@@ -39,7 +39,7 @@ EventFunction event_function(const Law& law, ContactEvent kind, const PairMotion
     const Slack slack = law.slack(m.rate);
     const double excess = m.depth - slack.depth, excess_slope = m.depth_slope - slack.slope * m.rate_slope;
     if (kind == ContactEvent::engages) return simple(-excess, -excess_slope);
-    if (!m.rooted) return simple(excess, excess_slope);
+    if (!m.uses_root) return simple(excess, excess_slope);
     if (!(slack.depth > 0.0)) return {m.s, m.s_slope, excess, excess_slope};
     const double least = onset_root<p>(slack.depth);
     const double exponent = slack.slope * m.rate / slack.depth;  // d ln depth/d ln rate
@@ -47,18 +47,18 @@ EventFunction event_function(const Law& law, ContactEvent kind, const PairMotion
 }
 
 // Time until a slack pair engages in free flight: the first t >= 0 at which ξ(t) = depth + rate t + g t²/2 reaches the
-// law's slack at the rate rate + g t; infinity if the pair opens first. `fresh`: the state is exactly on this zero
+// law's slack at the rate rate + g t; infinity if the pair opens first. `disarmed`: the state is exactly on this zero
 // after an event. For a law with a relaxation time there is a closed form.
 //
 // For any other law: while the bodies separate, ξ and the slack both decrease. Within a time interval their difference
 // is therefore at most ξ at its start minus the slack at its end. If this is negative, the interval contains no zero;
 // otherwise it is halved, down to rounding, so that no zero is missed.
 template <class Law>
-double time_to_engage(const Law& law, double depth, double rate, double g, bool fresh) {
+double time_to_engage(const Law& law, double depth, double rate, double g, bool disarmed) {
     if constexpr (requires { law.relaxation_time(); }) {
         // ξ + τ_r rate is −missing now and grows by (rate + τ_r g) t + g t²/2.
         const double relaxation = law.relaxation_time(), speed = rate + relaxation * g;
-        const double missing = fresh ? 0.0 : math::max(-depth - relaxation * rate, 0.0);
+        const double missing = disarmed ? 0.0 : math::max(-depth - relaxation * rate, 0.0);
         const double grown = math::sqrt(speed * speed + 2.0 * g * missing);
         if (speed > 0.0) return 2.0 * missing / (speed + grown);
         return g > 0.0 ? (grown - speed) / g : math::infinity;
@@ -72,7 +72,7 @@ double time_to_engage(const Law& law, double depth, double rate, double g, bool 
     const double last = square > 0.0 ? 2.0 * depth / (math::sqrt(square) - rate) : turn;
     const double finest = 2.0 * math::epsilon * last;
     double t = 0.0, stretch = last;
-    if (fresh) {
+    if (disarmed) {
         if (rate - law.slack(rate).slope * g >= 0.0) return 0.0;
         for (t = last; compression(t) >= slack(t); t *= 0.5)
             if (t <= finest) return 0.0;

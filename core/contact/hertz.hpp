@@ -5,10 +5,8 @@
 
 namespace hardlimit::contact {
 
-inline constexpr Parameter youngs_modulus = {"youngs_modulus",   "Pa", 0.0, math::infinity, false, false,
-                                             "Young's modulus Y"};
-inline constexpr Parameter poisson_ratio = {"poisson_ratio",    "1", -1.0, 0.5, false, true,
-                                            "Poisson's ratio ν"};
+inline constexpr Parameter youngs_modulus = positive("youngs_modulus", "Pa", "Young's modulus Y");
+inline constexpr Parameter poisson_ratio{"poisson_ratio", "1", -1.0, 0.5, false, true, "Poisson's ratio ν"};
 
 // ρ. 1 − ν² is computed as a product, which is accurate also for ν near −1.
 HL_FN double hertz_prefactor(double youngs, double poisson, double effective_radius) {

@@ -21,6 +21,7 @@
 //   History                  state of one contact: trivially copyable, value-initialized at touch; reverse() swaps the
 //                            two bodies
 //   tangential_force(m, h)   tangential force on the second body [N] for a ContactMotion; updates its History
+//   tangential_energy(h)     elastic energy of the tangential deformation [J]; 0 if the law has none
 // Only the time-stepping engine accepts such a law. Columns, clusters of bodies in contact and tables of contacts need
 // a FrictionlessLaw.
 #pragma once
@@ -85,22 +86,11 @@ concept NormalLaw = requires(const Law& law, double x) {
 template <class Law>
 concept FrictionalLaw =
     NormalLaw<Law> && requires(const Law& law, const ContactMotion& m, typename Law::History& h) {
-        law.tangential_force(m, h).component[0];
+        law.tangential_force(m, h).component[0] + law.tangential_energy(h);
         h.reverse();
     };
 template <class Law>
 concept FrictionlessLaw = NormalLaw<Law> && !FrictionalLaw<Law>;
-
-// History of a contact under any law; empty without friction.
-struct NoHistory {};
-template <class Law>
-struct HistoryOf {
-    using Type = NoHistory;
-};
-template <FrictionalLaw Law>
-struct HistoryOf<Law> {
-    using Type = typename Law::History;
-};
 
 struct Parameter {
     const char* name;
@@ -109,6 +99,17 @@ struct Parameter {
     bool lowest_allowed, highest_allowed;
     const char* meaning;
 };
+
+// Parameters with the ranges (0, ∞), [0, ∞) and (0, 1].
+constexpr Parameter positive(const char* name, const char* unit, const char* meaning) {
+    return {name, unit, 0.0, math::infinity, false, false, meaning};
+}
+constexpr Parameter not_negative(const char* name, const char* unit, const char* meaning) {
+    return {name, unit, 0.0, math::infinity, true, false, meaning};
+}
+constexpr Parameter fraction(const char* name, const char* meaning) {
+    return {name, "1", 0.0, 1.0, false, true, meaning};
+}
 
 // Description of a constant of one contact, which the law computes from the user's parameters and the two bodies.
 struct ContactConstant {

@@ -60,13 +60,12 @@ struct LinearDashpot {
         "Linear dashpot: F = max(0, k ξ + γ dξ/dt) while ξ > 0.",
         "Müller & Pöschel, Phys. Rev. E 83, 041304 (2011), Eqs. 7 and 11–13",
         1,
-        {{"stiffness", "N/m", 0.0, math::infinity, false, false, "spring constant k"}},
+        {positive("stiffness", "N/m", "spring constant k")},
         2,
         {1, 1},
-        {{{"restitution", "1", 0.0, 1.0, false, true,
-           "coefficient of restitution ε; every contact gets the damping that yields it"}},
-         {{"damping", "N s/m", 0.0, math::infinity, true, false,
-           "dashpot constant γ, the same for every contact"}}},
+        {{fraction("restitution",
+                   "coefficient of restitution ε; every contact gets the damping that yields it")},
+         {not_negative("damping", "N s/m", "dashpot constant γ, the same for every contact")}},
         2,
         {{"stiffness", "N/m", "k"}, {"damping", "N s/m", "γ"}}};
 

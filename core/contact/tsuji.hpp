@@ -17,23 +17,12 @@ struct Tsuji {
 
     static constexpr int onset_power = 4;
     static constexpr bool similar = true;
-    static constexpr Parameter prefactor = {"elastic_prefactor",
-                                            "N/m^1.5",
-                                            0.0,
-                                            math::infinity,
-                                            false,
-                                            false,
-                                            "Hertz stiffness k, the same for every contact"};
-    static constexpr Parameter restitution_given = {
-        "restitution", "1", 0.0, 1.0, false, true, "coefficient of restitution ε, the same at every speed"};
-    static constexpr Parameter damping_given = {
-        "damping_coefficient",
-        "1",
-        0.0,
-        math::infinity,
-        true,
-        false,
-        "damping coefficient α; ε is that of the linear dashpot at β/ω0 = α/√5"};
+    static constexpr Parameter prefactor =
+        positive("elastic_prefactor", "N/m^1.5", "Hertz stiffness k, the same for every contact");
+    static constexpr Parameter restitution_given =
+        fraction("restitution", "coefficient of restitution ε, the same at every speed");
+    static constexpr Parameter damping_given = not_negative(
+        "damping_coefficient", "1", "damping coefficient α; ε is that of the linear dashpot at β/ω0 = α/√5");
     static constexpr LawRecord record = {
         "tsuji",
         "Tsuji",

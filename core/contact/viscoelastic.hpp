@@ -38,18 +38,18 @@ HL_FN void expand(double sigma, double velocity, double p, double r, Series& c) 
         double square = 0.0;
         for (int i = 0; i <= n; ++i) square += c.s[i] * c.s[n - i];
         a[n] = square;
-        double fourth = 0.0, mixed = 0.0;
+        double fourth = 0.0, product = 0.0;
         for (int i = 0; i <= n; ++i) {
             fourth += a[i] * a[n - i];
-            mixed += a[i] * c.v[n - i];
+            product += a[i] * c.v[n - i];
         }
-        av[n] = mixed;
+        av[n] = product;
         double power = 0.0;  // σ² V²
         for (int i = 0; i <= n; ++i) power += av[i] * c.v[n - i];
         const double inverse = 1.0 / (n + 1);
         c.t[n + 1] = c.s[n] * inverse;
         c.s[n + 1] = 0.5 * c.v[n] * inverse;
-        c.v[n + 1] = -(p * fourth + r * mixed) * inverse;
+        c.v[n + 1] = -(p * fourth + r * product) * inverse;
         c.d[n + 1] = r * power * inverse;
     }
 }
@@ -175,52 +175,6 @@ inline constexpr double series_coefficients[series_terms] = {1.0,
                                                              0.348742675260386,
                                                              0.45235105120205};
 
-// Eq. B3 truncated after the term x^{(terms−1)/2}; for comparison only.
-HL_FN double viscoelastic_series(double x, int terms) {
-    const double y = math::sqrt(x);
-    double sum = 0.0;
-    for (int k = terms - 1; k >= 0; --k) sum = sum * y + series_coefficients[k];
-    return sum;
-}
-
-// Padé approximant in y = √x of the series; [1/4] and [3/6] are in use (Müller & Pöschel, Phys. Rev. E 84, 021302
-// (2011)). The denominator is found by Gaussian elimination, the numerator by multiplication. For comparison only.
-HL_FN double viscoelastic_pade(double x, int numerator, int denominator) {
-    constexpr int most = 6;
-    const auto h = [](int k) { return k < 0 ? 0.0 : series_coefficients[k]; };
-    double m[most][most + 1];
-    for (int i = 0; i < denominator; ++i) {
-        for (int j = 0; j < denominator; ++j) m[i][j] = h(numerator + 1 + i - (j + 1));
-        m[i][denominator] = -h(numerator + 1 + i);
-    }
-    for (int col = 0; col < denominator; ++col) {
-        int pivot = col;
-        for (int i = col + 1; i < denominator; ++i)
-            if (math::abs(m[i][col]) > math::abs(m[pivot][col])) pivot = i;
-        for (int j = 0; j <= denominator; ++j) {
-            const double keep = m[col][j];
-            m[col][j] = m[pivot][j];
-            m[pivot][j] = keep;
-        }
-        for (int i = 0; i < denominator; ++i) {
-            if (i == col) continue;
-            const double factor = m[i][col] / m[col][col];
-            for (int j = col; j <= denominator; ++j) m[i][j] -= factor * m[col][j];
-        }
-    }
-    double b[most + 1] = {1.0};
-    for (int j = 0; j < denominator; ++j) b[j + 1] = m[j][denominator] / m[j][j];
-    const double y = math::sqrt(x);
-    double top = 0.0, bottom = 0.0;
-    for (int k = numerator; k >= 0; --k) {
-        double a = 0.0;
-        for (int j = 0; j <= k; ++j) a += b[j] * h(k - j);
-        top = top * y + a;
-    }
-    for (int k = denominator; k >= 0; --k) bottom = bottom * y + b[k];
-    return top / bottom;
-}
-
 struct Viscoelastic {
     double elastic_prefactor;  // ρ [N/m^{3/2}]
     double dissipative_time;   // A [s]
@@ -237,12 +191,11 @@ struct Viscoelastic {
         {youngs_modulus, poisson_ratio},
         2,
         {1, 2},
-        {{{"dissipative_time", "s", 0.0, math::infinity, true, false,
-           "material constant A, the same for every contact (Appendix C)"}},
-         {{"restitution", "1", 0.0, 1.0, false, true,
-           "coefficient of restitution ε at impact_speed; every contact gets the A that yields it"},
-          {"impact_speed", "m/s", 0.0, math::infinity, false, false,
-           "speed of approach at which ε is given"}}},
+        {{not_negative("dissipative_time", "s",
+                       "material constant A, the same for every contact (Appendix C)")},
+         {fraction("restitution",
+                   "coefficient of restitution ε at impact_speed; every contact gets the A that yields it"),
+          positive("impact_speed", "m/s", "speed of approach at which ε is given")}},
         2,
         {{"elastic_prefactor", "N/m^1.5", "ρ"}, {"dissipative_time", "s", "A"}}};
 

@@ -1,9 +1,10 @@
-// Axes of a map: the values of each parameter along the dimensions of the result.
+// Axes of a map: the values of each parameter along the dimensions of the result. Threads take its points in batches.
 #pragma once
+#include <atomic>
 #include <cstddef>
 #include <vector>
 
-#include "../base/portable.hpp"
+#include "../base/stop.hpp"
 
 namespace hardlimit::sweep {
 
@@ -51,6 +52,38 @@ public:
             if (++v.index == v.axis.size) v.index = 0;
             value_[v.at] = v.axis.values[v.index];
         }
+    }
+};
+
+// A map or a part of it, shared by the threads that solve it. Results do not depend on the number of threads or the
+// order of the points.
+struct PointQueue {
+    std::vector<Axis> axes;  // one for each parameter of a point
+    u64 first, count;
+    std::atomic<u64> next{0}, done{0};
+
+    // Calls solve(begin, end) for batches of `size` points until none is left.
+    template <class Solve>
+    void for_each_batch(u64 size, Stop& stop, const Solve& solve) {
+        for (;;) {
+            const u64 begin = next.fetch_add(size);
+            if (begin >= count || stop.now()) return;
+            const u64 end = begin + size < count ? begin + size : count;
+            solve(begin, end);
+            done += end - begin;
+        }
+    }
+    // Calls put(i, solve(parameters)) for each point; the result of a stopped solver is not used.
+    template <class Solve, class Put>
+    void for_each_point(u64 size, Stop& stop, const Solve& solve, const Put& put) {
+        for_each_batch(size, stop, [&](u64 begin, u64 end) {
+            Cursor at(axes, first + begin);
+            for (u64 i = begin; i < end; ++i, at.next()) {
+                const auto result = solve(at.values());
+                if (stop.stopped()) return;
+                put(i, result);
+            }
+        });
     }
 };
 

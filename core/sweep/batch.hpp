@@ -11,26 +11,29 @@ using hardlimit_abi::Status;
 
 template <int most>
 struct Drops {
+    static constexpr int inputs = hardlimit_abi::batch_inputs, outputs = hardlimit_abi::batch_outputs;
     static constexpr int room =
-        most + 8;  // padding, so that equal indices of all arrays do not share one cache set
+        most + 8;  // padding: equal indices of all arrays must not share one cache set
     int count, status[most];
-    double in[10][room], out[6][room], speed[room], rate[room];
+    double in[inputs][room], out[outputs][room], speed[room], rate[room];
 
     void add(const column::Start& s) {
-        const double values[10] = {s.groups.a1, s.groups.a2, s.groups.c1, s.groups.c2, s.groups.gravity,
-                                   s.first.u,   s.first.du,  s.first.w,   s.first.dw,  s.t};
-        for (int j = 0; j < 10; ++j) in[j][count] = values[j];
+        const double values[inputs] = {s.groups.a1, s.groups.a2, s.groups.c1, s.groups.c2, s.groups.gravity,
+                                       s.first.u,   s.first.du,  s.first.w,   s.first.dw,  s.t};
+        for (int j = 0; j < inputs; ++j) in[j][count] = values[j];
         speed[count] = s.units.speed;
         rate[count] = s.units.rate;
         ++count;
     }
     hardlimit_abi::Batch batch() {
-        return {count, in[0], in[1],  in[2],  in[3],  in[4],  in[5],  in[6],  in[7],
-                in[8], in[9], out[0], out[1], out[2], out[3], out[4], out[5], status};
+        hardlimit_abi::Batch b{count, {}, {}, status};
+        for (int j = 0; j < inputs; ++j) b.in[j] = in[j];
+        for (int j = 0; j < outputs; ++j) b.out[j] = out[j];
+        return b;
     }
 
-    // Valid after the kernel has run. left: the scalar solver must solve this drop.
-    bool left(int k) const { return status[k] == static_cast<int>(Status::left); }
+    // Valid after the kernel has run. unsolved: the scalar solver must solve this drop.
+    bool unsolved(int k) const { return status[k] == static_cast<int>(Status::unsolved); }
     Outcome outcome(int k) const {
         return status[k] == static_cast<int>(Status::rests) ? Outcome::at_rest : Outcome::ok;
     }
@@ -60,14 +63,11 @@ HL_FN void leave_batch(const hardlimit_abi::Ends& ends) {
         read(q.relative_velocity, ends.relative);
         read(q.separation_velocity, ends.separation);
         column::to_si(q, speed, rate);
-        Quantities<R> r;
-        keep(q, restitution, speed, r);
-        write(ends.relative, r.relative_velocity);
-        write(ends.separation, r.separation_velocity);
-        write(ends.effective_restitution, r.effective_restitution);
-        write(ends.restitution_ratio, r.restitution_ratio);
-        write(ends.t_end, r.t_end);
-        write(ends.t_floor_end, r.t_floor_end);
+        const Quantities<R> r = quantities_of(q, restitution, speed);
+        double* const to[quantity_count] = {
+            ends.relative,          ends.separation, ends.effective_restitution,
+            ends.restitution_ratio, ends.t_end,      ends.t_floor_end};
+        for (int k = 0; k < quantity_count; ++k) write(to[k], r.of[k]);
     }
 }
 

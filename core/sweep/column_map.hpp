@@ -1,6 +1,5 @@
 // Solves a map of columns with any number of balls, point by point, on several threads.
 #pragma once
-#include <atomic>
 #include <cstdint>
 
 #include "axes.hpp"
@@ -16,13 +15,9 @@ struct ColumnOutputs {
     double *rebound_height, *final_velocity;  // [count × N]
 };
 
-// A map or a part of it, shared by the threads that solve it.
-struct ColumnJob {
-    std::vector<Axis> axes;  // one for each parameter of a point
+struct ColumnJob : PointQueue {
     ColumnSetting setting;
-    u64 first, count;
     ColumnOutputs out;
-    std::atomic<u64> next{0}, done{0};
 
     void put(u64 i, const ColumnResult& r) const {
         const column::Sequence& q = r.sequence;
@@ -41,22 +36,12 @@ private:
     }
 };
 
-// Work of one thread: solves batches of `size` points until none is left. Results do not depend on the number of
-// threads or the order of the points.
+// Work of one thread, in batches of `size` points.
 template <class Law>
 void work_columns(ColumnJob& job, u64 size, Stop& stop) {
-    for (;;) {
-        const u64 begin = job.next.fetch_add(size);
-        if (begin >= job.count || stop.now()) return;
-        const u64 end = begin + size < job.count ? begin + size : job.count;
-        Cursor at(job.axes, job.first + begin);
-        for (u64 i = begin; i < end; ++i, at.next()) {
-            const ColumnResult r = solve_one<Law>(job.setting, at.values(), stop);
-            if (stop.stopped()) return;
-            job.put(i, r);
-        }
-        job.done += end - begin;
-    }
+    job.for_each_point(
+        size, stop, [&](const double* values) { return solve_one<Law>(job.setting, values, stop); },
+        [&](u64 i, const ColumnResult& r) { job.put(i, r); });
 }
 
 }  // namespace hardlimit::sweep

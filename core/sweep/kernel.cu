@@ -18,8 +18,7 @@ struct Task {
     i64 adiabatic, density_1, density_2, restitution_at;
     // Results; null: not wanted, except the outcome.
     unsigned char *n_contacts, *outcome;
-    double *relative_velocity, *separation_velocity, *effective_restitution, *restitution_ratio, *t_end,
-        *t_floor_end;
+    double* quantity[quantity_count];
 };
 
 // Outcome of a point that is left to the scalar solver on the host.
@@ -62,20 +61,16 @@ HL_FN void put(const Task& task, unsigned point, const PointResult& r) {
     const bool large = r.n_contacts > largest_count;
     task.outcome[point] = large ? left_to_host : static_cast<unsigned char>(r.outcome);
     if (task.n_contacts) task.n_contacts[point] = static_cast<unsigned char>(r.n_contacts);
-    if (task.relative_velocity) task.relative_velocity[point] = r.relative_velocity;
-    if (task.separation_velocity) task.separation_velocity[point] = r.separation_velocity;
-    if (task.effective_restitution) task.effective_restitution[point] = r.effective_restitution;
-    if (task.restitution_ratio) task.restitution_ratio[point] = r.restitution_ratio;
-    if (task.t_end) task.t_end[point] = r.t_end;
-    if (task.t_floor_end) task.t_floor_end[point] = r.t_floor_end;
+    for (int k = 0; k < quantity_count; ++k)
+        if (task.quantity[k]) task.quantity[k][point] = r.of[k];
 }
 
-enum Step : unsigned char { flying, lying, pressed, lasting, stuck, vacant, none };
+enum Step : unsigned char { flight, floor_step, pair_step, large_step, taylor_step, vacant, none };
 
 // A drop in progress.
 struct Drop {
     lanes::State<double> q;
-    lanes::Waiting<bool> wait;
+    lanes::NextSteps<bool> next;
     column::Units units;
     unsigned point;
 
@@ -86,16 +81,18 @@ struct Drop {
         if (!enter(setting_of(task), p, ratio_of(task, 0, point), ratio_of(task, 1, point), s)) return false;
         units = s.units;
         const hardlimit_abi::Batch one = {
-            1,          &s.groups.a1, &s.groups.a2, &s.groups.c1, &s.groups.c2, &s.groups.gravity,
-            &s.first.u, &s.first.du,  &s.first.w,   &s.first.dw,  &s.t,         nullptr,
-            nullptr,    nullptr,      nullptr,      nullptr,      nullptr,      nullptr};
+            1,
+            {&s.groups.a1, &s.groups.a2, &s.groups.c1, &s.groups.c2, &s.groups.gravity, &s.first.u,
+             &s.first.du, &s.first.w, &s.first.dw, &s.t},
+            {},
+            nullptr};
         lanes::load(q, 0, one, 0);
         lanes::start<double>(q, true);
         return true;
     }
 
     HL_FN void give(const Task& task) const {
-        if (q.left) {
+        if (q.unsolved) {
             task.outcome[point] = left_to_host;
             return;
         }
@@ -103,18 +100,17 @@ struct Drop {
         const Parameters p = parameters_of(task, point);
         const PointResult r = leave(setting_of(task), p, units, found);
         const auto sure = column::DropBound::of(linear_bound(setting_of(task), p), p.gap, units.speed);
-        if (sure.holds(0.0) && sure.holds(r.n_contacts, r.t_end))
+        if (sure.holds(0.0) && sure.holds(r.n_contacts, r.of[t_end_index]))
             put(task, point, r);
         else
             task.outcome[point] = left_to_host;
     }
 
-    HL_FN Step next() const {
-        return wait.flying    ? flying
-               : wait.lying   ? lying
-               : wait.pressed ? pressed
-               : wait.lasting ? lasting
-                              : stuck;
+    HL_FN Step next_step() const {
+        if (next.flight) return flight;
+        if (next.floor) return floor_step;
+        if (next.pair) return pair_step;
+        return next.large ? large_step : taylor_step;
     }
 
     // Takes the step it waits for unless it has just started; returns what it waits for then.
@@ -122,12 +118,12 @@ struct Drop {
         bool moved = started;
         if (!started) {
             lanes::Modes<double> k;  // recomputed each time: storing them would leave room for fewer drops
-            if (wait.lying) lanes::find_floor_mode<double>(q.s, k);
-            if (wait.pressed || wait.lasting) lanes::find_pair_modes<double>(q.s, k);
-            moved = lanes::step<double>(q, k, wait);
+            if (next.floor) lanes::find_floor_mode<double>(q.s, k);
+            if (next.pair || next.large) lanes::find_pair_modes<double>(q.s, k);
+            moved = lanes::step<double>(q, k, next);
         }
-        if (moved) lanes::sort<double>(q, wait, true);
-        if (q.active) return next();
+        if (moved) lanes::sort<double>(q, next, true);
+        if (q.active) return next_step();
         give(task);
         return vacant;
     }

@@ -4,19 +4,14 @@
 
 namespace hardlimit_abi {
 
-enum class Status : int {
-    running = 0,
-    done = 1,
-    left = 2,
-    rests = 3
-};  // left: not solved, left to the scalar solver
+enum class Status : int { solved = 1, unsolved = 2, rests = 3 };  // unsolved: the scalar solver must solve it
 
-// Drops of a batch, one array for each quantity. Input: groups, initial state and time t; output: the sequence. Scaled
-// units.
+// Drops of a batch in scaled units, one array for each quantity.
+inline constexpr int batch_inputs = 10, batch_groups = 5, batch_outputs = 6;
 struct Batch {
     int count;
-    const double *a1, *a2, *c1, *c2, *gravity, *u, *du, *w, *dw, *t;
-    double *contacts, *t_first, *t_end, *t_floor_end, *relative, *separation;
+    const double* in[batch_inputs];  // groups a1, a2, c1, c2, gravity; initial state u, du, w, dw; time t
+    double* out[batch_outputs];  // n_contacts, t_first, t_end, t_floor_end, relative and separation velocity
     int* status;
 };
 

@@ -23,10 +23,10 @@ struct State {
     R t, t_first, t_end, t_floor_end, relative, separation, contacts, pieces;
     // Contacts that are closed; contacts that are open (gap >= 0); event functions that are exactly zero.
     M floor, pair, floor_open, pair_open, on_u, on_w, on_l1, on_l2;
-    M opened, met, counted, active, left;
-    M glided;   // glide() has already been applied to the current pair contact
-    M lifts;    // the floor contact may end before the pair contact
-    R parting;  // time until the first zero of L2; valid if `lifts`
+    M opened, second_floor_contact, counted, active, unsolved;
+    M large_step_tried;  // large_step() has already been applied to the current pair contact
+    M floor_may_end;     // the floor contact may end before the pair contact
+    R pair_end;          // time until the first zero of L2; valid if `floor_may_end`
 };
 
 template <class R>
@@ -84,7 +84,7 @@ HL_FN void floor_begins(State<R>& q, Mask<R> m) {
     assign<R>(first, q.t_end, q.t_end - q.t);
     assign<R>(first, q.t_first, R{});
     assign<R>(first, q.t, R{});
-    raise(q.met, second);
+    raise(q.second_floor_contact, second);
     finish<R>(q, second & negation(q.counted));
 }
 
@@ -119,8 +119,8 @@ HL_FN void pair_begins(State<R>& q, Mask<R> m) {
     set(q.on_l2, m, again | (fresh & ((q.s.c2 == 0.0) | (q.x.dw == 0.0))));
     raise(q.pair, m);
     clear(q.pair_open, m);
-    clear(q.glided, m);
-    const Mask<R> belongs = m & negation(q.met);
+    clear(q.large_step_tried, m);
+    const Mask<R> belongs = m & negation(q.second_floor_contact);
     set(q.counted, m, belongs);
     assign<R>(belongs, q.contacts, q.contacts + 1.0);
     const R unknown = constant<R>(math::nan);
@@ -142,7 +142,7 @@ HL_FN void pair_ends(State<R>& q, Mask<R> m) {
     assign<R>(belongs, q.t_end, q.t);
     assign<R>(belongs, q.relative, q.x.dw);
     clear(q.counted, m);
-    finish<R>(q, belongs & q.met);
+    finish<R>(q, belongs & q.second_floor_contact);
 }
 
 template <class R>
@@ -165,7 +165,7 @@ HL_FN void advance(State<R>& q, Mask<R> m, R dt, const GapState<R>& y) {
     const Mask<R> moved = m & (dt > 0.0);
     assign<R>(moved, q.x, y);
     assign<R>(moved, q.t, q.t + dt);
-    clear(q.lifts, m);
+    clear(q.floor_may_end, m);
     clear(q.on_u, moved);
     clear(q.on_w, moved);
     clear(q.on_l1, moved);
@@ -193,7 +193,7 @@ HL_FN R first_rise(R v, R s, R g) {
 }
 
 template <class R>
-HL_FN void fly(State<R>& q, Mask<R> m) {
+HL_FN void free_motion(State<R>& q, Mask<R> m) {
     moves_freely<R>(q, m);
     m = m & q.active;
     if (!any(m)) return;
@@ -205,12 +205,12 @@ HL_FN void fly(State<R>& q, Mask<R> m) {
     const R pair_at = select<R>(q.pair_open, first_fall<R>(q.x.w, q.x.dw, R{}), constant<R>(never));
     const R parts_at = select<R>(q.pair_open, constant<R>(never), first_rise<R>(q.x.w, q.x.dw, R{}));
     const R first = math::min<R>(math::min<R>(floor_at, opens_at), math::min<R>(pair_at, parts_at));
-    raise(q.left, m & (first == never));  // never lands
+    raise(q.unsolved, m & (first == never));  // never lands
     finish<R>(q, m & (first == never));
     m = m & q.active;
     const Mask<R> a = m & (opens_at == first), b = m & negation(a) & (floor_at == first);
     const Mask<R> c = m & negation(a | b) & (pair_at == first), d = m & negation(a | b | c);
-    advance<R>(q, m, first, column::exact::fly<R>(q.s, q.x, select<R>(m, first, R{})));
+    advance<R>(q, m, first, column::exact::free_motion<R>(q.s, q.x, select<R>(m, first, R{})));
     floor_opens<R>(q, a);
     floor_begins<R>(q, b);
     pair_begins<R>(q, c);
@@ -219,33 +219,12 @@ HL_FN void fly(State<R>& q, Mask<R> m) {
 
 // ---- batch -------------------------------------------------------------------------------------------------------
 
-template <class R>
-HL_FN void put(R& to, int lane, double value) {
-    if constexpr (Lanes<R>::count == 1)
-        to = value;
-    else
-        set_lane(to, lane, value);
-}
-template <class R>
-HL_FN double get(const R& from, int lane) {
-    if constexpr (Lanes<R>::count == 1)
-        return from;
-    else
-        return lane_of(from, lane);
-}
 template <class M>
-HL_FN void put_flag(M& to, int lane, bool value) {
+HL_FN void set_flag(M& to, int lane, bool value) {
     if constexpr (sizeof(M) == sizeof(bool))
         to = value;
     else
         set_lane(to, lane, value ? -1 : 0);
-}
-template <class M>
-HL_FN bool get_flag(const M& from, int lane) {
-    if constexpr (sizeof(M) == sizeof(bool))
-        return from;
-    else
-        return lane_of(from, lane) != 0;
 }
 
 template <class M>
@@ -255,10 +234,10 @@ HL_FN int count(const M& m) {
 
 // Whether the groups of drop i equal those of the previous one to a relative difference of `tolerance`.
 HL_FN bool alike(const Batch& b, int i, double tolerance) {
-    const auto near = [&](const double* of) {
-        return math::abs(of[i] - of[i - 1]) <= tolerance * math::abs(of[i]);
-    };
-    return i > 0 && near(b.a1) && near(b.a2) && near(b.c1) && near(b.c2) && near(b.gravity);
+    bool all = i > 0;
+    for (int k = 0; k < hardlimit_abi::batch_groups && all; ++k)
+        all = math::abs(b.in[k][i] - b.in[k][i - 1]) <= tolerance * math::abs(b.in[k][i]);
+    return all;
 }
 
 // Number of idle lanes at which the next drops are loaded: a few, or `most` if the drops are similar, as neighbours in
@@ -268,19 +247,18 @@ HL_FN int due(const Batch& b, int next, int most) {
     return next < b.count && alike(b, next, 0.1) ? most : (Lanes<R>::count + 7) / 8;
 }
 
-// Loads drop i of the batch into a lane; start() initializes the rest of the state.
+// Loads the groups of drop i, or drop i of the batch, into a lane; start() initializes the rest of the state.
+template <class R>
+HL_FN void load(Groups<R>& s, int lane, const Batch& b, int i) {
+    R* const to[] = {&s.a1, &s.a2, &s.c1, &s.c2, &s.gravity};
+    for (int k = 0; k < hardlimit_abi::batch_groups; ++k) set_lane(*to[k], lane, b.in[k][i]);
+}
 template <class R>
 HL_FN void load(State<R>& q, int lane, const Batch& b, int i) {
-    put(q.s.a1, lane, b.a1[i]);
-    put(q.s.a2, lane, b.a2[i]);
-    put(q.s.c1, lane, b.c1[i]);
-    put(q.s.c2, lane, b.c2[i]);
-    put(q.s.gravity, lane, b.gravity[i]);
-    put(q.x.u, lane, b.u[i]);
-    put(q.x.du, lane, b.du[i]);
-    put(q.x.w, lane, b.w[i]);
-    put(q.x.dw, lane, b.dw[i]);
-    put(q.t, lane, b.t[i]);
+    load(q.s, lane, b, i);
+    R* const to[] = {&q.x.u, &q.x.du, &q.x.w, &q.x.dw, &q.t};
+    for (int k = hardlimit_abi::batch_groups; k < hardlimit_abi::batch_inputs; ++k)
+        set_lane(*to[k - hardlimit_abi::batch_groups], lane, b.in[k][i]);
 }
 
 // Starts the drops just loaded into the lanes of m: in flight, or with the floor contact if it begins at once.
@@ -290,8 +268,10 @@ HL_FN void start(State<R>& q, Mask<R> m) {
     for (R* value : unknown) assign<R>(m, *value, constant<R>(math::nan));
     assign<R>(m, q.contacts, R{});
     assign<R>(m, q.pieces, R{});
-    Mask<R>* const no[] = {&q.floor, &q.pair,    &q.on_l1, &q.on_l2,  &q.opened,
-                           &q.met,   &q.counted, &q.left,  &q.glided, &q.lifts};
+    Mask<R>* const no[] = {&q.floor,        &q.pair,     &q.on_l1,
+                           &q.on_l2,        &q.opened,   &q.second_floor_contact,
+                           &q.counted,      &q.unsolved, &q.large_step_tried,
+                           &q.floor_may_end};
     for (Mask<R>* flag : no) clear(*flag, m);
     Mask<R>* const yes[] = {&q.floor_open, &q.pair_open, &q.active};
     for (Mask<R>* flag : yes) raise(*flag, m);
@@ -301,7 +281,7 @@ HL_FN void start(State<R>& q, Mask<R> m) {
     // gravity (squares would overflow).
     const Mask<R> extreme =
         m & ((1.0 - q.s.a2 < column::light_below) | (q.s.gravity > column::strongest_gravity));
-    raise(q.left, extreme);
+    raise(q.unsolved, extreme);
     finish<R>(q, extreme);
     floor_begins<R>(q, m & (q.x.u == 0.0) & (q.x.du < 0.0));
 }
@@ -309,13 +289,9 @@ HL_FN void start(State<R>& q, Mask<R> m) {
 // Stores the result of a lane as drop i of the batch.
 template <class R>
 HL_FN void store(const State<R>& q, int lane, const Batch& b, int i) {
-    b.contacts[i] = get(q.contacts, lane);
-    b.t_first[i] = get(q.t_first, lane);
-    b.t_end[i] = get(q.t_end, lane);
-    b.t_floor_end[i] = get(q.t_floor_end, lane);
-    b.relative[i] = get(q.relative, lane);
-    b.separation[i] = get(q.separation, lane);
-    b.status[i] = static_cast<int>(get_flag(q.left, lane) ? Status::left : Status::done);
+    const R* const from[] = {&q.contacts, &q.t_first, &q.t_end, &q.t_floor_end, &q.relative, &q.separation};
+    for (int k = 0; k < hardlimit_abi::batch_outputs; ++k) b.out[k][i] = lane_of(*from[k], lane);
+    b.status[i] = static_cast<int>(lane_of(q.unsolved, lane) ? Status::unsolved : Status::solved);
 }
 
 }  // namespace lanes

@@ -6,8 +6,8 @@
 // one piece as column/exact/run.hpp does. Each round executes the step that most lanes wait for; finished lanes load
 // the next drops.
 //
-// Resting contacts and very long sequences are left to the scalar solver (Status::left). The result of a lane does not
-// depend on the other lanes, and therefore not on the vector width or the order of the drops.
+// Resting contacts and very long sequences are solved by the scalar solver (Status::unsolved). The result of a lane
+// does not depend on the other lanes, and therefore not on the vector width or the order of the drops.
 #pragma once
 #include "lane_state.hpp"
 #include "linear_modes.hpp"
@@ -20,7 +20,7 @@ inline constexpr double most_pieces = 3000.0;
 
 // ---- careful step ----------------------------------------------------------------------------------------------
 
-// Lanes in which gravity keeps a contact closed forever; they are left to the scalar solver.
+// Lanes in which gravity keeps a contact closed forever; they are not solved here.
 template <class R>
 HL_FN Mask<R> rests(const State<R>& q) {
     using namespace column::exact;
@@ -30,10 +30,10 @@ HL_FN Mask<R> rests(const State<R>& q) {
 }
 
 template <class R>
-HL_FN void careful(State<R>& q, Mask<R> m) {
+HL_FN void taylor_step(State<R>& q, Mask<R> m) {
     using namespace column::exact;
     const Mask<R> still = m & rests<R>(q);
-    raise(q.left, still);
+    raise(q.unsolved, still);
     finish<R>(q, still);
     m = m & q.active;
     if (!any(m)) return;
@@ -74,7 +74,7 @@ HL_FN void careful(State<R>& q, Mask<R> m) {
     pair_begins<R>(q, (two & negation(was_pair) & was_open2) | again2);
     pair_opens<R>(q, two & negation(was_pair | was_open2));
     const Mask<R> long_run = m & (q.pieces > most_pieces);
-    raise(q.left, long_run);
+    raise(q.unsolved, long_run);
     finish<R>(q, long_run);
 }
 
@@ -111,7 +111,7 @@ inline constexpr double nearby = 0.02, polished = 1e-6;
 // contact ends. While the floor force acts w is concave, so it has a zero before the end of the contact if and only if
 // it is negative at that end. Returns the lanes that were advanced.
 template <class R>
-HL_FN Mask<R> quick_floor(State<R>& q, const Modes<R>& k, Mask<R> m) {
+HL_FN Mask<R> floor_step(State<R>& q, const Modes<R>& k, Mask<R> m) {
     const Groups<R>& s = q.s;
     const R rest = k.floor_rest, omega = k.floor_rate;
     const Complex<R> rate = {-0.5 * (s.a1 * s.c1), omega};
@@ -214,7 +214,7 @@ HL_FN Mask<R> quick_floor(State<R>& q, const Modes<R>& k, Mask<R> m) {
 // there. If the floor contact may end earlier, that zero is stored in q.parting, and the next such step searches for
 // the zero of L1. Returns the lanes that were advanced.
 template <class R>
-HL_FN Mask<R> quick_pair(State<R>& q, const Modes<R>& k, Mask<R> m) {
+HL_FN Mask<R> pair_step(State<R>& q, const Modes<R>& k, Mask<R> m) {
     const Groups<R>& s = q.s;
     const Mask<R> both = q.floor;
     const R rest2 = select<R>(both, k.rest2, R{}), rest1 = select<R>(both, k.rest1, R{}), beta = 0.5 * s.c2;
@@ -228,11 +228,11 @@ HL_FN Mask<R> quick_pair(State<R>& q, const Modes<R>& k, Mask<R> m) {
                      slow_shape = choose<R>(both, k.slow.shape, none);
     m = m & (select<R>(both, k.can_ring, k.pair_rate) > 0.0);
     // f = S + ring is L2, or L1 if the floor contact may end first.
-    const Mask<R> lifts = both & q.lifts;
+    const Mask<R> floor_may_end = both & q.floor_may_end;
     const Complex<R> at_floor = shape * fast, at_floor_slow = slow_shape * slow;
-    const R c = select<R>(lifts, s.c1, s.c2), rest = select<R>(lifts, rest1, rest2);
-    const Complex<R> ring = pull<R>(c, rate) * choose<R>(lifts, at_floor, fast),
-                     drift = pull<R>(c, slow_rate) * choose<R>(lifts, at_floor_slow, slow);
+    const R c = select<R>(floor_may_end, s.c1, s.c2), rest = select<R>(floor_may_end, rest1, rest2);
+    const Complex<R> ring = pull<R>(c, rate) * choose<R>(floor_may_end, at_floor, fast),
+                     drift = pull<R>(c, slow_rate) * choose<R>(floor_may_end, at_floor_slow, slow);
     const Complex<R> drift1 = slow_rate * drift;
     const R ring1 = real_product<R>(rate, ring), drift2 = real_product<R>(slow_rate, drift1);
     const R size2 = ring.re * ring.re + ring.im * ring.im, size = math::sqrt<R>(size2),
@@ -247,10 +247,12 @@ HL_FN Mask<R> quick_pair(State<R>& q, const Modes<R>& k, Mask<R> m) {
     const R start = rest + drift.re, level = start + ahead * (drift1.re + 0.5 * (ahead * drift2));
     const R ratio =
         select<R>(drifts, start, level) / select<R>(drifts, drift1.re, size * rough_exp(rate.re * middle));
-    const R share = math::clamp<R>(-ratio, -1.0, 1.0),
-            of_crest = math::min<R>(share * k.crest_inverse, constant<R>(1.0));
+    const R sine = math::clamp<R>(-ratio, -1.0, 1.0),
+            of_crest = math::min<R>(sine * k.crest_inverse, constant<R>(1.0));
+    // Near the crest the arcsine is scaled to its phase and height. Both estimates err equally at about 0.55 of the
+    // height (0.48 … 0.57 for damping ratios of 0.02 … 0.3).
     const Mask<R> high = both & (of_crest > 0.55);
-    const R angle = rough_arcsine<R>(select<R>(high, of_crest, share));
+    const R angle = rough_arcsine<R>(select<R>(high, of_crest, sine));
     const R lean = select<R>(high, angle * (k.crest_phase * (2.0 / math::pi)), angle);
     R t = math::max<R>(select<R>(drifts, -ratio, middle + lean * period), R{});
     const auto derivatives = [&](Complex<R> z, Complex<R> zs, R* f) {
@@ -281,9 +283,10 @@ HL_FN Mask<R> quick_pair(State<R>& q, const Modes<R>& k, Mask<R> m) {
     const R ddw = press - l2, ddu = (s.a2 * l2 - s.gravity) - press;
     const R rate1 = at.du + s.c1 * ddu, rate2 = at.dw + s.c2 * ddw;  // L1', L2'
     const R press1 = select<R>(both, s.a1 * rate1, R{});
-    const R slope = select<R>(lifts, rate1, rate2);
-    const R bend = select<R>(lifts, ddu + s.c1 * (s.a2 * rate2 - press1), ddw + s.c2 * (press1 - rate2));
-    const R last = polish<R>(select<R>(lifts, l1, l2), slope, bend);
+    const R slope = select<R>(floor_may_end, rate1, rate2);
+    const R bend =
+        select<R>(floor_may_end, ddu + s.c1 * (s.a2 * rate2 - press1), ddw + s.c2 * (press1 - rate2));
+    const R last = polish<R>(select<R>(floor_may_end, l1, l2), slope, bend);
     const GapState<R> end = {at.u + last * (at.du + 0.5 * (last * ddu)), at.du + last * ddu,
                              at.w + last * (at.dw + 0.5 * (last * ddw)), at.dw + last * ddw};
     const R when = t + last;
@@ -291,7 +294,9 @@ HL_FN Mask<R> quick_pair(State<R>& q, const Modes<R>& k, Mask<R> m) {
         (slope > 0.0) & (math::abs<R>(dt) < nearby) & (math::abs<R>(last) < polished) & (when > 0.0);
     // It is the first zero if L2 has at most one extremum before it, a minimum. That holds in three cases: the slope of
     // the ring dominates that of S up to its peak at phase 2π (ringing); S always rises faster than the ring can fall
-    // (drifting); S rises and the ring has no peak in between (rising).
+    // (drifting); S rises and the ring has no peak in between (rising). For ringing, |S'| stays below half the largest
+    // slope of the ring (0.25 in squares). For rising, the phase is past 2π/3: until the ring rises at π, its curvature
+    // is at least half the largest one, and |S''| stays below 0.4 of that (0.16 in squares), so the slope increases.
     const Complex<R> drift_then = drift1 * zs;
     const R drift2_then = real_product<R>(slow_rate, drift_then),
             least = math::min<R>(drift1.re, drift_then.re);
@@ -316,17 +321,17 @@ HL_FN Mask<R> quick_pair(State<R>& q, const Modes<R>& k, Mask<R> m) {
         slack, (end.du > s.c1 * (s.gravity + s.a2 * size)) & (math::abs<R>(end.u) > 1e-12 * end.du),
         end.u > 0.0);
     const Mask<R> first = m & found & (ringing | drifting | rising);
-    const Mask<R> good =
-        first & select<Mask<R>>(lifts, when < q.parting, select<Mask<R>>(both, stays, clear_of_floor));
-    const Mask<R> unsure = first & both & negation(lifts | stays);
+    const Mask<R> good = first & select<Mask<R>>(floor_may_end, when < q.pair_end,
+                                                 select<Mask<R>>(both, stays, clear_of_floor));
+    const Mask<R> unsure = first & both & negation(floor_may_end | stays);
     advance<R>(q, good, when, end);
-    set(q.lifts, m, unsure);
-    assign<R>(unsure, q.parting, when);
+    set(q.floor_may_end, m, unsure);
+    assign<R>(unsure, q.pair_end, when);
     const Mask<R> opened = good & slack & (end.u > 0.0);
     raise(q.floor_open, opened);
     raise(q.opened, opened);
-    floor_ends<R>(q, good & lifts);
-    pair_ends<R>(q, good & negation(lifts));
+    floor_ends<R>(q, good & floor_may_end);
+    pair_ends<R>(q, good & negation(floor_may_end));
     return good;
 }
 
@@ -349,14 +354,16 @@ struct Envelope {
 // has first acted towards separation, no event occurs while S + ring amplitude < 0 in L1 and L2. One step advances
 // close to the end of that interval. Returns the lanes that were advanced.
 template <class R>
-HL_FN Mask<R> glide(State<R>& q, const Modes<R>& k, Mask<R> m) {
+HL_FN Mask<R> large_step(State<R>& q, const Modes<R>& k, Mask<R> m) {
     const Groups<R>& s = q.s;
     const GapState<R> x = {q.x.u - k.rest1, q.x.du, q.x.w - k.rest2, q.x.dw};
     const Complex<R> rate = k.fast.rate, slow_rate = k.slow.rate;
     const Complex<R> fast = k.fast.share(x), slow = k.slow.share(x);
     const Complex<R> fast2 = pull<R>(s.c2, rate) * fast, slow2 = pull<R>(s.c2, slow_rate) * slow,
                      slow1 = pull<R>(s.c1, slow_rate) * (k.slow.shape * slow);
-    m = m & negation(q.glided) & (k.can_ring > 0.0) & (s.gravity * s.gravity * 400.0 < s.a1);
+    // Only where the weight is below 1/20 of the force of an impact on the floor (G < √a1/20): the slow parts then rise
+    // through zero near phase 3π/2, as is assumed below.
+    m = m & negation(q.large_step_tried) & (k.can_ring > 0.0) & (s.gravity * s.gravity * 400.0 < s.a1);
     const R ring = magnitude(fast2);
     const Envelope<R> one = {k.rest1, ring * k.floor_share, rate.re, slow1, slow_rate};
     const Envelope<R> two = {k.rest2, ring, rate.re, slow2, slow_rate};
@@ -406,87 +413,89 @@ HL_FN Mask<R> glide(State<R>& q, const Modes<R>& k, Mask<R> m) {
     return m;
 }
 
-// The step that each lane needs next, so that each round executes the step that most lanes wait for.
+// The kind of step that each lane takes next. Each round executes the kind that most lanes wait for.
 template <class M>
-struct Waiting {
-    M flying{}, lying{}, pressed{}, lasting{}, stuck{};  // fly, quick_floor, quick_pair, glide, careful
-    M refused{};                                         // by quick_pair
+struct NextSteps {
+    M flight{}, floor{}, pair{}, large{},
+        taylor{};  // free flight, floor_step, pair_step, large_step, taylor_step
+    M rejected{};  // by pair_step
 
-    HL_FN void forget(M m) {
-        M* const all[] = {&flying, &lying, &pressed, &lasting, &stuck, &refused};
-        for (M* kind : all) clear(*kind, m);
+    HL_FN void clear(M m) {
+        M* const all[] = {&flight, &floor, &pair, &large, &taylor, &rejected};
+        for (M* kind : all) lanes::clear(*kind, m);
     }
 };
 
-// Lanes for which glide() is worthwhile: the ring about the slow force S = a1 L1 is not much larger than S.
+// Lanes for which large_step() is worthwhile: the ring about the slow force S = a1 L1 is not much larger than S.
 template <class R>
-HL_FN Mask<R> may_glide(const State<R>& q) {
+HL_FN Mask<R> may_take_large_step(const State<R>& q) {
     const R slow = q.s.a1 * (q.x.u + q.s.c1 * q.x.du), off = (q.x.w + q.s.c2 * q.x.dw) - slow;
     const R bound = (1.0 + q.s.c2) * slow;
-    return q.floor & q.pair & negation(q.glided) & (slow < 0.0) &
+    return q.floor & q.pair & negation(q.large_step_tried) & (slow < 0.0) &
            (off * off + q.x.dw * q.x.dw < bound * bound);
 }
 
 // Assigns the lanes of m, whose last step is done, to their next step.
 template <class R>
-HL_FN void sort(const State<R>& q, Waiting<Mask<R>>& wait, Mask<R> m) {
-    wait.forget(m);
+HL_FN void sort(const State<R>& q, NextSteps<Mask<R>>& next, Mask<R> m) {
+    next.clear(m);
     m = m & q.active;
-    const Mask<R> lasting = m & may_glide<R>(q);
-    raise(wait.flying, m & negation(q.floor | q.pair));
-    raise(wait.lying, m & q.floor & negation(q.pair));
-    raise(wait.pressed, m & q.pair & negation(lasting));
-    raise(wait.lasting, lasting);
+    const Mask<R> lasting = m & may_take_large_step<R>(q);
+    raise(next.flight, m & negation(q.floor | q.pair));
+    raise(next.floor, m & q.floor & negation(q.pair));
+    raise(next.pair, m & q.pair & negation(lasting));
+    raise(next.large, lasting);
 }
 
 // Executes one round: the step that most lanes wait for, or free flight, which is short, as soon as a few lanes wait
 // for it. Returns the lanes whose step is done.
 template <class R>
-HL_FN Mask<R> step(State<R>& q, const Modes<R>& k, Waiting<Mask<R>>& wait) {
+HL_FN Mask<R> step(State<R>& q, const Modes<R>& k, NextSteps<Mask<R>>& next) {
     constexpr int few = (Lanes<R>::count + 3) / 4;
-    const int n[4] = {count(wait.lying), count(wait.pressed), count(wait.lasting), count(wait.stuck)};
+    const int n[4] = {count(next.floor), count(next.pair), count(next.large), count(next.taylor)};
     int most = 0;
     for (int i = 1; i < 4; ++i)
         if (n[i] > n[most]) most = i;
-    const int flights = count(wait.flying);
+    const int flights = count(next.flight);
     if (flights >= few || flights > n[most]) {
-        const Mask<R> m = wait.flying;
-        fly<R>(q, m);
+        const Mask<R> m = next.flight;
+        free_motion<R>(q, m);
         return m;
     }
     if (most == 0) {
-        const Mask<R> m = wait.lying, done = quick_floor<R>(q, k, m);
-        clear(wait.lying, m);
-        raise(wait.stuck, m & negation(done));
+        const Mask<R> m = next.floor, done = floor_step<R>(q, k, m);
+        clear(next.floor, m);
+        raise(next.taylor, m & negation(done));
         return done;
     }
     if (most == 1) {
-        const Mask<R> m = wait.pressed, done = quick_pair<R>(q, k, m);
-        const Mask<R> again = m & q.lifts, lasting = m & q.floor & negation(done | q.glided | again);
-        clear(wait.pressed, m & negation(again));
-        raise(wait.lasting, lasting);
-        raise(wait.refused, lasting);
-        raise(wait.stuck, m & negation(done | lasting | again));
+        const Mask<R> m = next.pair, done = pair_step<R>(q, k, m);
+        const Mask<R> again = m & q.floor_may_end,
+                      lasting = m & q.floor & negation(done | q.large_step_tried | again);
+        clear(next.pair, m & negation(again));
+        raise(next.large, lasting);
+        raise(next.rejected, lasting);
+        raise(next.taylor, m & negation(done | lasting | again));
         return done;
     }
     if (most == 2) {
-        const Mask<R> m = wait.lasting, done = glide<R>(q, k, m);
-        const Mask<R> refused = m & wait.refused & negation(done);
-        clear(wait.lasting, m);
-        raise(q.glided, done);
-        clear(wait.refused, m);
-        raise(wait.stuck, refused);
-        raise(wait.pressed, m & negation(refused));
+        const Mask<R> m = next.large, done = large_step<R>(q, k, m);
+        const Mask<R> refused = m & next.rejected & negation(done);
+        clear(next.large, m);
+        raise(q.large_step_tried, done);
+        clear(next.rejected, m);
+        raise(next.taylor, refused);
+        raise(next.pair, m & negation(refused));
         return Mask<R>{};
     }
-    const Mask<R> m = wait.stuck;
-    careful<R>(q, m);
+    const Mask<R> m = next.taylor;
+    taylor_step<R>(q, m);
     return m;
 }
 
 // Computes the modes of the next drops of a batch, once for consecutive drops with equal groups.
 template <class R>
-class ModesAhead {
+class ModesCache {
     static constexpr int W = Lanes<R>::count;
     Modes<R> modes{};
     int first = 0, end = 0, source = 0, row = -1;
@@ -504,7 +513,8 @@ public:
         held = row;
         const R* from = reinterpret_cast<const R*>(&modes);
         R* const to = reinterpret_cast<R*>(&k);
-        for (unsigned j = 0; j < sizeof(Modes<R>) / sizeof(R); ++j) put(to[j], lane, get(from[j], source));
+        for (unsigned j = 0; j < sizeof(Modes<R>) / sizeof(R); ++j)
+            set_lane(to[j], lane, lane_of(from[j], source));
     }
 
 private:
@@ -514,11 +524,7 @@ private:
         Groups<R> s{};
         for (int lane = 0; lane < W; ++lane) {
             const int j = i + lane < b.count ? i + lane : b.count - 1;
-            put(s.a1, lane, b.a1[j]);
-            put(s.a2, lane, b.a2[j]);
-            put(s.c1, lane, b.c1[j]);
-            put(s.c2, lane, b.c2[j]);
-            put(s.gravity, lane, b.gravity[j]);
+            load(s, lane, b, j);
         }
         modes = find_modes<R>(s);
     }
@@ -532,9 +538,9 @@ HL_FN void damping_ratios(double* values, int count) {
     constexpr int W = Lanes<R>::count;
     for (int i = 0; i < count; i += W) {
         R x{};
-        for (int lane = 0; lane < W && i + lane < count; ++lane) lanes::put(x, lane, values[i + lane]);
+        for (int lane = 0; lane < W && i + lane < count; ++lane) set_lane(x, lane, values[i + lane]);
         x = contact::linear_damping_ratio<R>(x);
-        for (int lane = 0; lane < W && i + lane < count; ++lane) values[i + lane] = lanes::get(x, lane);
+        for (int lane = 0; lane < W && i + lane < count; ++lane) values[i + lane] = lane_of(x, lane);
     }
 }
 
@@ -545,8 +551,8 @@ HL_FN void solve_batch(const Batch& b) {
     constexpr int W = Lanes<R>::count;
     State<R> q{};
     Modes<R> k{};
-    ModesAhead<R> ahead;
-    Waiting<Mask<R>> wait;
+    ModesCache<R> ahead;
+    NextSteps<Mask<R>> steps;
     int drop[W], row[W];
     for (int& none : drop) none = -1;
     for (int& none : row) none = -1;
@@ -562,15 +568,15 @@ HL_FN void solve_batch(const Batch& b) {
                 if (next == b.count) continue;
                 load(q, lane, b, next);
                 ahead.put_into(k, lane, row[lane], b, next);
-                put_flag(loaded, lane, true);
+                set_flag(loaded, lane, true);
                 drop[lane] = next++;
             }
             if (running == 0 && !any(loaded)) break;
             start<R>(q, loaded);
-            sort<R>(q, wait, loaded);
+            sort<R>(q, steps, loaded);
         }
-        const Mask<R> moved = step<R>(q, k, wait);
-        sort<R>(q, wait, moved);
+        const Mask<R> moved = step<R>(q, k, steps);
+        sort<R>(q, steps, moved);
     }
 }
 

@@ -1,7 +1,6 @@
 // Solves a map of two-ball drops, a grid or list of parameter points, in batches on several threads.
 #pragma once
 #include <algorithm>
-#include <atomic>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -27,10 +26,8 @@ inline Parameters parameters_at(const double* values) {
 
 // Output arrays; those that are null are skipped. Index 0 is the first point of the call.
 struct Outputs {
-    std::uint8_t* n_contacts;
-    std::uint8_t* outcome;
-    double *relative_velocity, *separation_velocity, *effective_restitution, *restitution_ratio, *t_end,
-        *t_floor_end;
+    std::uint8_t *n_contacts, *outcome;
+    double* quantity[quantity_count];
 };
 
 // A number of contacts above 255, which does not fit into the byte array.
@@ -39,15 +36,12 @@ struct LargeCount {
     int count;
 };
 
-// A map or a part of it, shared by the threads that solve it.
-struct Job {
-    std::vector<Axis> axes;  // one for each field of Parameters
+// `axes` has one entry for each field of Parameters.
+struct Job : PointQueue {
     Setting setting;
     const hardlimit_abi::Kernel* kernel;
     double log2_tolerance;  // error tolerance of a step of the viscoelastic kernel
-    u64 first, count;
     Outputs out;
-    std::atomic<u64> next{0}, done{0};
     std::mutex guard;
     std::vector<LargeCount> large;  // protected by guard
     std::once_flag begun;
@@ -73,12 +67,8 @@ struct Job {
     }
     void put(u64 i, const PointResult& r) {
         put(i, r.n_contacts, r.outcome);
-        if (out.relative_velocity) out.relative_velocity[i] = r.relative_velocity;
-        if (out.separation_velocity) out.separation_velocity[i] = r.separation_velocity;
-        if (out.effective_restitution) out.effective_restitution[i] = r.effective_restitution;
-        if (out.restitution_ratio) out.restitution_ratio[i] = r.restitution_ratio;
-        if (out.t_end) out.t_end[i] = r.t_end;
-        if (out.t_floor_end) out.t_floor_end[i] = r.t_floor_end;
+        for (int k = 0; k < quantity_count; ++k)
+            if (out.quantity[k]) out.quantity[k][i] = r.of[k];
     }
 };
 
@@ -244,7 +234,8 @@ private:
         });
     }
 
-    // Stores the results. Solves again the points that the kernel left and those in which a contact may be too deep.
+    // Stores the results. The scalar solver solves the points that the kernel did not solve and those in which a
+    // contact may be too deep.
     void leave() {
         const int n = drops.count;
         auto& out = drops.out;
@@ -257,14 +248,11 @@ private:
             else
                 for (int k = 0; k < n; ++k) to[first + static_cast<u64>(point[k])] = from[k];
         };
-        give(job.out.relative_velocity, out[4]);
-        give(job.out.separation_velocity, out[5]);
-        give(job.out.effective_restitution, quotient[0]);
-        give(job.out.restitution_ratio, quotient[1]);
-        give(job.out.t_end, out[2]);
-        give(job.out.t_floor_end, out[3]);
+        const double* const solved[quantity_count] = {out[4],      out[5], quotient[0],
+                                                      quotient[1], out[2], out[3]};
+        for (int k = 0; k < quantity_count; ++k) give(job.out.quantity[k], solved[k]);
         for (int k = 0; k < n && !stop(); ++k) {
-            if (drops.left(k) || !shallow[k].holds(drops.n_contacts(k), out[2][k])) {
+            if (drops.unsolved(k) || !shallow[k].holds(drops.n_contacts(k), out[2][k])) {
                 solve_alone(point[k]);
                 continue;
             }
@@ -300,40 +288,25 @@ void tabulate_damping(Job& job) {
     }
 }
 
-// Work of one thread: solves batches of `size` points until none is left. Results do not depend on the number of
-// threads or the order of the points.
+// Work of one thread, in batches of `size` points.
 template <class Law>
 void work(Job& job, u64 size, Stop& stop) {
-    const auto each_batch = [&](const auto& solve) {
-        for (;;) {
-            const u64 begin = job.next.fetch_add(size);
-            if (begin >= job.count || stop.now()) break;
-            const u64 end = begin + size < job.count ? begin + size : job.count;
-            solve(begin, end);
-            job.done += end - begin;
-        }
-    };
-    const auto by_point = [&](u64 begin, u64 end) {
-        Cursor at(job.axes, job.first + begin);
-        for (u64 i = begin; i < end; ++i, at.next()) {
-            const PointResult r = solve_point<Law>(job.setting, parameters_at(at.values()), stop);
-            if (stop.stopped()) return;
-            job.put(i, r);
-        }
-    };
-    if (job.kernel && Vectorised<Law>::covers(job.setting.model)) {
-        if constexpr (requires { typename Vectorised<Law>::Kernel; }) {
+    if constexpr (requires { typename Vectorised<Law>::Kernel; }) {
+        if (job.kernel && Vectorised<Law>::covers(job.setting.model)) {
             constexpr int most = VectorBatch<Law>::most;
             std::call_once(job.begun, tabulate_damping<Law>, std::ref(job));
             const auto lanes = std::make_unique<VectorBatch<Law>>(job, stop);
-            each_batch([&](u64 begin, u64 end) {
+            job.for_each_batch(size, stop, [&](u64 begin, u64 end) {
                 for (u64 i = begin; i < end && !stop(); i += most)
                     lanes->solve(i, static_cast<int>(end - i < most ? end - i : most));
             });
+            return;
         }
-    } else {
-        each_batch(by_point);
     }
+    job.for_each_point(
+        size, stop,
+        [&](const double* values) { return solve_point<Law>(job.setting, parameters_at(values), stop); },
+        [&](u64 i, const PointResult& r) { job.put(i, r); });
 }
 
 }  // namespace hardlimit::sweep

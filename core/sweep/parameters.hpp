@@ -30,15 +30,19 @@ struct Setting {
 };
 
 // The results of a sequence that a sweep stores, in SI units.
+inline constexpr int quantity_count = 6;
+inline constexpr const char* quantity_names[quantity_count] = {
+    "relative_velocity", "separation_velocity", "effective_restitution", "restitution_ratio", "t_end",
+    "t_floor_end"};
+inline constexpr int t_end_index = 4;
 template <class R>
 struct Quantities {
-    R relative_velocity = broadcast<R>(math::nan), separation_velocity = relative_velocity,
-      effective_restitution = relative_velocity, restitution_ratio = relative_velocity,
-      t_end = relative_velocity, t_floor_end = relative_velocity;
+    R of[quantity_count];
 };
 struct PointResult : Quantities<double> {
     int n_contacts = 0;
     Outcome outcome = Outcome::invalid;
+    HL_FN PointResult() : Quantities{{math::nan, math::nan, math::nan, math::nan, math::nan, math::nan}} {}
 };
 
 HL_FN double ball_mass(double matter, bool density, double radius) {
@@ -57,22 +61,20 @@ HL_FN double restitution_of(const Setting& s, const Parameters& p) {
     return at >= 0 && p.floor_law[at] == p.pair_law[at] ? p.floor_law[at] : math::nan;
 }
 
-// Stores the quantities of a sequence in SI units.
+// The quantities of a sequence in SI units.
 template <class Q, class R>
-HL_FN void keep(const Q& q, R restitution, R speed, Quantities<R>& r) {
-    r.relative_velocity = one_nan<R>(q.relative_velocity);
-    r.separation_velocity = one_nan<R>(q.separation_velocity);
-    r.t_end = one_nan<R>(q.t_end);
-    r.t_floor_end = one_nan<R>(q.t_floor_end);
-    r.effective_restitution = one_nan<R>(column::effective_restitution<R>(q.relative_velocity, speed));
-    r.restitution_ratio = one_nan<R>(r.effective_restitution / restitution);
+HL_FN Quantities<R> quantities_of(const Q& q, R restitution, R speed) {
+    const R effective = one_nan<R>(column::effective_restitution<R>(q.relative_velocity, speed));
+    return {{one_nan<R>(q.relative_velocity), one_nan<R>(q.separation_velocity), effective,
+             one_nan<R>(effective / restitution), one_nan<R>(q.t_end), one_nan<R>(q.t_floor_end)}};
 }
 
 HL_FN void finish(const column::Sequence& q, const Setting& s, const Parameters& p, double speed,
                   PointResult& r) {
     r.n_contacts = q.n_contacts;
     r.outcome = q.outcome;
-    keep<column::Sequence, double>(q, restitution_of(s, p), speed, r);
+    static_cast<Quantities<double>&>(r) =
+        quantities_of<column::Sequence, double>(q, restitution_of(s, p), speed);
 }
 
 struct Bodies {

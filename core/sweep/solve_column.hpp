@@ -28,18 +28,18 @@ struct ColumnResult {
 template <class Law>
 column::SharedColumn<Law> column_of(const ColumnSetting& setting, const double* p) {
     const int n = setting.balls();
-    const auto at = [&](Place place) { return p + first_of(place, n); };
+    const auto at = [&](Field field) { return p + first_of(field, n); };
     const std::size_t balls = setting.density.size();
-    column::Column<Law> c{n, true, *at(Place::gravity), {}, {}, {}, {}, {}};
-    c.radius.assign(at(Place::radius), at(Place::radius) + n);
-    const double ratio = *at(Place::radius_ratio);
+    column::Column<Law> c{n, true, *at(Field::gravity), {}, {}, {}, {}, {}};
+    c.radius.assign(at(Field::radius), at(Field::radius) + n);
+    const double ratio = *at(Field::radius_ratio);
     if (n > 1 && !math::is_nan(ratio)) c.radius[0] = ratio * c.radius[1];
-    c.velocity.assign(at(Place::velocity), at(Place::velocity) + n);
-    c.gaps.assign(at(Place::gap), at(Place::gap) + n - 1);
-    c.gaps.insert(c.gaps.begin(), *at(Place::height) - c.radius[0]);
+    c.velocity.assign(at(Field::velocity), at(Field::velocity) + n);
+    c.gaps.assign(at(Field::gap), at(Field::gap) + n - 1);
+    c.gaps.insert(c.gaps.begin(), *at(Field::height) - c.radius[0]);
     double sum = 0.0;
     for (std::size_t i = 0; i < balls; ++i) {
-        c.mass.push_back(ball_mass(at(Place::matter)[i], setting.density[i] != 0, c.radius[i]));
+        c.mass.push_back(ball_mass(at(Field::matter)[i], setting.density[i] != 0, c.radius[i]));
         sum += c.mass[i];
         const double below = i == 0 ? math::infinity : c.mass[i - 1];
         const double size = i == 0 ? math::infinity : c.radius[i - 1];

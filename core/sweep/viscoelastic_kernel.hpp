@@ -11,8 +11,8 @@
 // step, and each event is the first zero of a polynomial. The root √ξ_b limits the step where b is near its onset; b
 // then becomes contact a.
 //
-// A drop that needs too many steps is left to the general solver (Status::left). A drop whose energy is too small to
-// end any contact is at rest (Status::rests).
+// A drop that needs too many steps is solved by the general solver (Status::unsolved). A drop whose energy is too small
+// to end any contact is at rest (Status::rests).
 #pragma once
 #include "lane_state.hpp"
 
@@ -276,7 +276,7 @@ HL_FN_APART void expand(const Couplings<R>& k, Mask<R> b_closed, Expansion<R>& p
 
 // Step for which the last terms stay below the tolerance. The weights convert errors of lengths to errors of
 // velocities: that of s by about 2s √(1.5s), which is 0.4 while the balls oscillate, that of ξ_b by the frequency of
-// contact b.
+// contact b. The factors 0.25 and 0.125 below are of this order.
 template <class R>
 HL_FN R length(const Expansion<R>& p, R log2_of_tolerance) {
     R log_h = constant<R>(40.0);
@@ -308,6 +308,7 @@ HL_FN_APART Mask<R> at_rest(const State<R>& q, Mask<R> m) {
         const R depth = math::exp<R>(math::log<R>(W[j] / K[j]) * (2.0 / 3.0));
         const R reach = 0.5 * depth / math::max<R>(c[j], constant<R>(1e-100));
         energy = energy + ((0.4 * K[j]) * (x[j] * x[j] * s[j]) + W[j] * (0.6 * depth - x[j]));
+        // B(ξs/2) = W ξs (0.4/2^{5/2} − 0.5 + 0.6) = 0.1707 W ξs.
         barrier =
             math::min<R>(barrier, math::min<R>(0.17 * (W[j] * depth), 0.5 * (mass[j] * (reach * reach))));
     }
@@ -433,7 +434,7 @@ HL_FN_APART void step(State<R>& q, Mask<R>& resting, double log2_tolerance) {
     assign<R>(m, q.pieces, q.pieces + 1.0);
     const R sum = (q.x.u + q.x.du) + (q.x.w + q.x.dw) + q.t;
     const M lost = m & negation(((sum - sum) == 0.0) & (q.pieces < most_steps));
-    raise(q.left, lost);
+    raise(q.unsolved, lost);
     finish<R>(q, lost);
     const M still = rests<R>(q, m & q.active & negation(hit));
     raise(resting, still);
@@ -475,21 +476,21 @@ HL_FN void solve_viscoelastic_batch(const Batch& b, double log2_tolerance) {
         for (;;) {
             const Mask<R> free = q.active & negation(q.floor | q.pair);
             if (!any(free)) break;
-            fly<R>(q, free);
+            free_motion<R>(q, free);
         }
         const int running = count(q.active);
         if (running == 0 || (W - running >= due<R>(b, next, W) && next < b.count)) {
             Mask<R> loaded{};
             for (int lane = 0; lane < W; ++lane) {
-                if (get_flag(q.active, lane)) continue;
+                if (lane_of(q.active, lane)) continue;
                 if (drop[lane] >= 0) store(q, lane, b, drop[lane]);
-                if (get_flag(resting, lane)) b.status[drop[lane]] = static_cast<int>(Status::rests);
-                put_flag(resting, lane, false);
+                if (lane_of(resting, lane)) b.status[drop[lane]] = static_cast<int>(Status::rests);
+                set_flag(resting, lane, false);
                 drop[lane] = -1;
                 if (next == b.count) continue;
                 load(q, lane, b, next);
                 drop[lane] = next++;
-                put_flag(loaded, lane, true);
+                set_flag(loaded, lane, true);
             }
             if (any(loaded)) {
                 start<R>(q, loaded);

@@ -3,9 +3,12 @@
 //   friction frictionless   prints three numbers of differing values: friction coefficient 0 against the linear law;
 //                           with friction, one thread against three threads with pauses; with friction against without
 //   friction rolling        a sphere slides on the floor until it rolls: prints the ratio of its final to its initial
-//                           speed, and that of the final speed of its surface at the floor
+//                           speed, that of the final speed of its surface at the floor, and the ratio of the
+//                           dissipated to the initial energy
 //   friction oblique        two spheres collide off-centre: prints the relative changes of momentum and of angular
 //                           momentum, the sum of the spins, and the largest |F_t|/F_n
+//   friction energy         the same collision, with a time step and with half of it: prints for each the largest
+//                           relative change of the total energy, and the part of it that friction dissipates
 #include "boxes/common/random.hpp"
 #include "boxes/newton_steps/engine.hpp"
 #include "contact/linear_dashpot.hpp"
@@ -56,6 +59,11 @@ struct CundallStrack : contact::LinearDashpot {
         if (m.normal_force > 0.0) largest_ratio = std::max(largest_ratio, std::sqrt(square) / m.normal_force);
         return f;
     }
+    double tangential_energy(const History& h) const {
+        double square = 0.0;
+        for (const double x : h.spring) square += x * x;
+        return 0.5 * tangential_stiffness * square;
+    }
 };
 static_assert(FrictionalLaw<CundallStrack> && !FrictionlessLaw<CundallStrack>);
 static_assert(FrictionlessLaw<contact::LinearDashpot>);
@@ -66,11 +74,11 @@ constexpr Boundary periodic = Boundary::periodic;
 
 template <class Law>
 struct Run {
-    static constexpr double step = 2e-6;
     std::size_t n;
     std::unique_ptr<NewtonSteps<Law>> engine;
 
-    Run(const Box& box, const Numbers& x, const Numbers& v, double restitution) : n(x.size() / 3) {
+    Run(const Box& box, const Numbers& x, const Numbers& v, double restitution, double step = 2e-6)
+        : n(x.size() / 3) {
         const Numbers each(n, 0.01);  // radius and mass
         const System system = {box, n, x.data(), v.data(), each.data(), each.data()};
         LawChoice choice{};
@@ -92,6 +100,13 @@ struct Run {
         Numbers spin(3 * n);
         engine->angular_velocity(spin.data());
         return spin;
+    }
+    // Kinetic energy with that of the rotation, energy of the contacts, and dissipated energy [J].
+    double total_energy() const {
+        const Observation o = engine->observe();
+        double sum = o.kinetic_energy + o.potential_energy + o.contact_energy + o.dissipated_energy;
+        for (const double w : spins()) sum += 0.5 * (0.4 * 0.01 * 1e-4) * w * w;
+        return sum;
     }
 };
 
@@ -133,15 +148,17 @@ int rolling() {
     Run<CundallStrack> run(box, {0.5, radius - sunk, 0.05}, {1.0, 0.0, 0.0}, 0.5);
     run.advance(0.3);
     const Numbers v = run.state(), spin = run.spins();
-    std::printf("%.9g %.3g\n", v[0], v[0] + spin[2] * (radius - sunk));
+    std::printf("%.9g %.3g %.9g\n", v[0], v[0] + spin[2] * (radius - sunk),
+                run.engine->observe().dissipated_energy / (0.5 * 0.01));
     return 0;
 }
 
+const Box empty_space{3, {1.0, 1.0, 1.0}, {periodic, periodic, periodic}, {}};
+const Numbers off_centre = {0.47, 0.5, 0.5, 0.5, 0.512, 0.504}, towards = {1.0, 0.2, 0.0, -1.0, 0.1, 0.3};
+
 int oblique() {
     coefficient = 0.2;
-    const Box box{3, {1.0, 1.0, 1.0}, {periodic, periodic, periodic}, {}};
-    const Numbers x = {0.47, 0.5, 0.5, 0.5, 0.512, 0.504}, v = {1.0, 0.2, 0.0, -1.0, 0.1, 0.3};
-    Run<CundallStrack> run(box, x, v, 0.8);
+    Run<CundallStrack> run(empty_space, off_centre, towards, 0.8);
     const auto sums = [](const Numbers& s, const Numbers& spin) {
         Numbers p(3), l(3);
         for (std::size_t i = 0; i < 2; ++i) {
@@ -166,9 +183,30 @@ int oblique() {
     return 0;
 }
 
+int energy() {
+    for (const double step : {4e-6, 2e-6}) {
+        coefficient = 0.2;
+        Run<CundallStrack> run(empty_space, off_centre, towards, 0.8, step);
+        const double before = run.total_energy();
+        double worst = 0.0;  // during the contact too
+        for (int k = 1; k <= 300; ++k) {
+            run.advance(1e-4 * k);
+            worst = std::max(worst, std::abs(run.total_energy() / before - 1.0));
+        }
+        const double lost = run.engine->observe().dissipated_energy / before;
+        coefficient = 0.0;
+        Run<CundallStrack> smooth(empty_space, off_centre, towards, 0.8, step);
+        smooth.advance(0.03);
+        std::printf("%.3g %.9g ", worst, lost - smooth.engine->observe().dissipated_energy / before);
+    }
+    std::printf("\n");
+    return 0;
+}
+
 }  // namespace
 
 int main(int, char** words) {
     if (std::strcmp(words[1], "frictionless") == 0) return frictionless();
+    if (std::strcmp(words[1], "energy") == 0) return energy();
     return std::strcmp(words[1], "rolling") == 0 ? rolling() : oblique();
 }

@@ -69,9 +69,14 @@ def run_rows(run: _core.Engine, rows: int) -> None:
 def blocks(run: _core.Engine, rows: int, count: int = 20) -> Iterator[tuple[float, float, int]]:
     """Duration, virial and number of pair collisions of each of `count` blocks with equal numbers of log rows."""
     for _ in range(count):
-        time, virial, pairs = run.time, run.observe()["virial"], run.statistics()["n_pairs"]
+        time, virial, pairs = run.time, trace(run), run.statistics()["n_pairs"]
         run_rows(run, rows)
-        yield run.time - time, run.observe()["virial"] - virial, run.statistics()["n_pairs"] - pairs
+        yield run.time - time, trace(run) - virial, run.statistics()["n_pairs"] - pairs
+
+
+def trace(run: _core.Engine) -> float:
+    """Σ r·Δp so far."""
+    return float(run.observe()["virial_tensor"][: run.dimension].sum())
 
 
 def mean_and_error(values: list[float]) -> tuple[float, float]:

@@ -395,7 +395,7 @@ def test_series_and_counts_are_those_of_our_engines():
     for name in ("n_contacts", "n_in_contact", "overlapped_share", "collision_rate"):
         assert run.series[name].values == pytest.approx(ours.series[name].values, nan_ok=True)
     energies = ("kinetic_energy", "potential_energy", "dissipated_energy")
-    for name in (*energies, "granular_temperature", "pressure"):
+    for name in (*energies, "granular_temperature", "pressure", "pressure_tensor"):
         wanted = ours.series[name].values
         scale = np.nanmax(np.abs(wanted))
         assert run.series[name].values == pytest.approx(wanted, abs=5e-3 * scale, nan_ok=True)

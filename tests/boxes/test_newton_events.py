@@ -1,5 +1,6 @@
 """The event-driven engine for Newton's equations: reference systems, columns, balances, saved states, clusters."""
 
+import itertools
 import math
 import subprocess
 from collections import defaultdict
@@ -561,6 +562,21 @@ def test_pressure_of_hard_contacts_is_that_of_hard_spheres() -> None:
     soft = by_events(system, law=hl.LinearDashpot(stiffness=2e8, restitution=1.0), until=0.02, samples=200)
     expected = float(hard.series.pressure.values[-1])
     assert float(soft.series.pressure.values[1:].mean()) == pytest.approx(expected, rel=0.03)
+
+
+def test_contacts_with_walls_add_no_virial() -> None:
+    x = np.array(list(itertools.product(range(3), repeat=3)), float) * 0.03 + 0.015
+    v = np.random.default_rng(7).standard_normal(x.shape)
+    radius = np.full(27, 0.01)
+    law, virial = ("linear", 0, [1e6, 0.8]), []
+    for kind in ("newton_events", "newton_steps"):
+        box = _core.Box([0.09] * 3, ["wall"] * 3)
+        run = _core.make_engine(kind, box, x, v, radius, 1e4 * radius**3, law=law, time_step=2e-6)
+        run.advance(0.02)
+        seen = run.observe()
+        assert 10 < seen["n_pairs"] < seen["n_contacts"] - 10
+        virial.append(seen["virial"])
+    assert virial[0] == pytest.approx(virial[1], rel=1e-3)
 
 
 def test_the_virial_of_two_bodies_is_that_of_their_motion() -> None:

@@ -88,7 +88,8 @@ bool same(const Drop& d, const lanes::State<Real>& q, int lane) {
     return static_cast<double>(s.n_contacts) == q.contacts[lane] && same(s.t_first_touch, q.t_first[lane]) &&
            same(s.t_end, q.t_end[lane]) && same(s.t_floor_end, q.t_floor_end[lane]) &&
            same(s.relative_velocity, q.relative[lane]) && same(s.separation_velocity, q.separation[lane]) &&
-           s.finished == (q.active[lane] == 0) && s.met_again == (q.met[lane] != 0) &&
+           s.finished == (q.active[lane] == 0) &&
+           s.second_floor_contact == (q.second_floor_contact[lane] != 0) &&
            s.floor_opened == (q.opened[lane] != 0) && d.counted == (q.counted[lane] != 0) &&
            d.floor == (q.floor[lane] != 0) && d.pair == (q.pair[lane] != 0) &&
            d.floor_open == (q.floor_open[lane] != 0) && d.pair_open == (q.pair_open[lane] != 0);

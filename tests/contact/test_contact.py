@@ -230,31 +230,29 @@ def test_series_beside_the_exact_function():
     """Accurate below x = 0.1, useless above 0.6: there more terms increase the error, and ε leaves (0, 1]."""
     x = np.array([0.01, 0.1, 1.0, 2.0])
     exact = _core.viscoelastic_restitution(x)
-    deviation = np.abs(_core.viscoelastic_series(x) - exact)
+    deviation = np.abs(hl.restitution_series(x) - exact)
     assert deviation[0] < 1e-9
     assert deviation[1] < 3e-6
     assert deviation[2] > 0.3
-    shorter = np.abs(_core.viscoelastic_series(x, 7) - exact)
+    shorter = np.abs(hl.restitution_series(x, 7) - exact)
     assert shorter[0] > deviation[0] and shorter[2] < deviation[2]
-    assert not 0.0 < _core.viscoelastic_series(np.array([2.0]))[0] <= 1.0
+    assert not 0.0 < hl.restitution_series(2.0) <= 1.0
 
 
 def test_terms_of_the_series():
     y = 0.7
     for terms in range(1, 11):
         wanted = 1.0 + sum(h * y**k for k, h in SERIES.items() if k < terms)
-        assert _core.viscoelastic_series(np.array([y * y]), terms)[0] == pytest.approx(wanted, rel=1e-14)
+        assert hl.restitution_series(y * y, terms) == pytest.approx(wanted, rel=1e-14)
 
 
 @pytest.mark.parametrize(("orders", "least", "most"), [((1, 4), 8.5e-3, 9e-3), ((3, 6), 6.6e-4, 7e-4)])
 def test_pade_forms_err_as_published(orders, least, most):
     x = np.logspace(-3, 3, 2000)
-    deviation = np.abs(_core.viscoelastic_pade(x, *orders) - _core.viscoelastic_restitution(x))
+    deviation = np.abs(hl.restitution_pade(x, *orders) - _core.viscoelastic_restitution(x))
     assert least < deviation.max() < most
     small = np.array([1e-3])  # p + q + 1 terms of the series are reproduced
-    assert _core.viscoelastic_pade(small, *orders) == pytest.approx(
-        _core.viscoelastic_series(small), abs=1e-8
-    )
+    assert hl.restitution_pade(small, *orders) == pytest.approx(hl.restitution_series(small), abs=1e-8)
 
 
 @pytest.mark.parametrize("restitution", [*RESTITUTIONS, 1e-30, 1e-100])
@@ -431,12 +429,10 @@ def test_tsuji_force():
 
 
 def test_approximations_are_public():
-    """The public functions return the values of the tests above."""
+    """Results have the shape of the argument, and the limits are exact."""
     x = np.array([[0.01, 0.1, 1.0]])
-    assert (hl.restitution_series(x) == _core.viscoelastic_series(x.ravel()).reshape(1, 3)).all()
     assert hl.restitution_series(0.49, 5) == pytest.approx(1.0 + SERIES[2] * 0.49 + SERIES[4] * 0.49**2)
-    assert (hl.restitution_pade(x, 1, 4) == _core.viscoelastic_pade(x.ravel(), 1, 4).reshape(1, 3)).all()
-    assert hl.restitution_pade(0.3) == _core.viscoelastic_pade(np.array([0.3]), 3, 6)[0]
+    assert hl.restitution_series(x).shape == hl.restitution_pade(x, 1, 4).shape == x.shape
     assert hl.restitution_series(0.0) == hl.restitution_pade(0.0) == 1.0
     damping = hl.usual_damping(0.5, 1e6, 0.1)
     law = hl.LinearDashpot(stiffness=1e6, damping=damping)

@@ -90,6 +90,40 @@ class Written:
             self.walls[f"w{k}"] = model
             self.add(f"fix w{k} all wall/gran granular {words} zplane {self.written(0.0)} NULL")
 
+    def liggghts(self):
+        every = range(self.types)
+        moduli, ratios = ([self.value(low, high) for _ in every] for low, high in ((1e6, 1e8), (0.1, 0.4)))
+        given = {(i, j): self.value(0.1, 0.9) for i in every for j in every if i <= j}
+        self.add(f"create_box {self.types} box")
+        matrix = [self.written(given[min(i, j), max(i, j)]) for i in every for j in every]
+        for name, words in (
+            ("youngsModulus peratomtype", [self.written(x) for x in moduli]),
+            ("poissonsRatio peratomtype", [self.written(x) for x in ratios]),
+            (f"coefficientRestitution peratomtypepair {self.types}", matrix),
+        ):
+            self.add(f"fix p{len(self.lines)} all property/global {name} {' '.join(words)}")
+        limited = self.choose("", " limitForce on")
+        self.add(f"pair_style gran model hertz tangential history{limited}")
+        for k in every:
+            radius = self.value(0.1, 1.0)
+            self.radii[str(k + 1)] = (radius, radius)
+            template = f"atom_type {k + 1} density constant 2500 radius constant {self.written(radius)}"
+            self.add(f"fix t{k} all particletemplate/sphere 7 {template}")
+        names = " ".join(f"t{k} 1.0" for k in every)
+        self.add(f"fix d all particledistribution/discrete 7 {self.types} {names}")
+        self.add("fix ins all insert/pack seed 7 distributiontemplate d")
+        end = self.random.choice(every)
+        self.add(
+            f"fix w all wall/gran model hertz primitive type {end + 1} zplane {self.written(0.0)}{limited}"
+        )
+
+        def contact(i, j):
+            effective = 1.0 / sum((1.0 - ratios[k] ** 2) / moduli[k] for k in (i, j))
+            return given[min(i, j), max(i, j)], effective, bool(limited)
+
+        self.pairs = {(str(i + 1), str(j + 1)): contact(i, j) for i, j in given}
+        self.walls = {(str(i + 1), "wall"): contact(i, end) for i in every}
+
     def model(self):
         """The words of a model of pair granular, and its settings."""
         k, e = self.value(1e4, 1e6), self.value(0.1, 0.9)
@@ -123,6 +157,22 @@ def test_random_scripts(seed):
     assert {kind: one.radii for kind, one in stage.grains.items()} == {
         kind: pytest.approx(radii) for kind, radii in written.radii.items()
     }
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_random_scripts_of_liggghts(seed):
+    written = Written(seed)
+    written.liggghts()
+    stage = read(written.text()).stages[-1]
+    found = {}
+    for one in stage.contacts:
+        names = ("coefficientRestitution", "youngsModulus", "poissonsRatio")
+        restitution, modulus, ratio = (float(one.settings[name].words[0]) for name in names)
+        effective = 0.5 * modulus / (1.0 - ratio**2)
+        limited = "limitForce" in one.settings
+        found[one.types] = (restitution, pytest.approx(effective, rel=1e-12), limited)
+    assert found == {**written.pairs, **written.walls}
+    assert {kind: one.radii for kind, one in stage.grains.items()} == written.radii
 
 
 # --- faults -----------------------------------------------------------------------------------------------------

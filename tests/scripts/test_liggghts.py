@@ -1,5 +1,7 @@
 """What is read from scripts of LIGGGHTS: models, properties per type and pair, walls and meshes, templates."""
 
+import math
+
 import pytest
 
 from hardlimit.scripts import read
@@ -56,6 +58,13 @@ def test_templates():
     lines = "create_atoms 1 box\nset group all density 9\nset group all diameter 0.1\nrun 1\n"
     changed = read(f"{HEAD}{PROPERTIES}{MODEL}{lines}")
     assert changed.stages[0].grains["1"].densities == (9.0, 9.0)  # LIGGGHTS keeps the density
+
+
+def test_two_dimensions():
+    """There, LIGGGHTS takes the mass of a disk."""
+    text = f"dimension 2\n{HEAD}{PROPERTIES}{MODEL}create_atoms 1 box\nset group all diameter 0.2 density 5\nrun 1\n"
+    grains = read(text).stages[0].grains["1"]
+    assert grains.densities is None and grains.masses == pytest.approx((0.05 * math.pi,) * 2)
 
 
 def test_walls_and_meshes():

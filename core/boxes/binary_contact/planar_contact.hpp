@@ -14,6 +14,12 @@
 // dT = σ^{p−1} dτ the equations are smooth: dσ/dτ = U/p. An elastic contact ends at a simple zero of σ, through which
 // the solution is smooth.
 //
+// Virial: ∫ r⊗F dt = ∫ F r n⊗n dt, n the line of centres, lies in the plane. By d/dt (m r⊗v) = m v⊗v + r⊗F its trace is
+// m ([r ṙ] − ∫ ξ̇² dt − h θ_end). Two components are integrated, along the normal n0 and the tangent t0 at touch, with
+// n = cosθ n0 + sinθ t0:
+//   nt: ∫ F r sinθ cosθ dt,   tt: ∫ F r sin²θ dt.
+// Nothing depends on them, so that they are not under error control.
+//
 // The contact ends when the law's force ends (law.hpp). While bodies separate without a force, r̈ = h²/r³ >= 0 and the
 // slack does not decrease, so that the contact does not begin again. Between two bodies ξ̈ < 0 throughout, and the
 // contact always ends. At a wall gravity may hold a contact closed. Once the compression rises again, the contact never
@@ -50,6 +56,8 @@ struct PlanarContact {
     double speed_loss;        // normal_speed − radial_speed [m/s], without cancellation
     double rate_square;       // ∫ (dξ/dt)² dt [m²/s], for the virial
     double greatest;          // compression [m]
+    // ∫ F r (sinθ cosθ, sin²θ) dt per effective mass [m²/s]: components nt and tt of the virial; NaN unless asked for.
+    double virial_nt = math::nan, virial_tt = math::nan;
 };
 
 // State during a contact, or after it.
@@ -66,10 +74,11 @@ HL_FN double tangential_speed(const Approach& a, double compression) {
                                         : a.tangential_speed * (a.distance / (a.distance - compression));
 }
 
-// The equations of motion in the units above.
-template <class Law>
+// The equations of motion in the units above. `virial`: includes the components nt and tt of the virial.
+template <class Law, bool virial = false>
 struct PlanarMotion {
     static constexpr int p = Law::onset_power;
+    // Components of the state: σ, U, T, ∫(f − f_elastic) dX, J, ∫U² dT, ∫ f w (sinθ cosθ, sin²θ) dT.
     enum : int {
         root_depth,
         rate,
@@ -77,8 +86,11 @@ struct PlanarMotion {
         loss,
         turn,
         square,
-        dimension
-    };  // σ, U, T, ∫(f − f_elastic) dX, J, ∫U² dT
+        needed,  // components up to here are under error control
+        virial_nt = needed,
+        virial_tt,
+        dimension = virial ? needed + 2 : needed
+    };
 
     const Law* law;
     Approach approach;
@@ -89,8 +101,8 @@ struct PlanarMotion {
         const double energy = 0.5 * a.effective_mass * a.normal_speed * a.normal_speed;
         const auto stored = [&](double s) { return of.energy(s); };
         const double elastic = power(roots::solve_power(stored, energy));
-        const double share = a.tangential_speed / a.normal_speed;
-        length = elastic / (1.0 + share * share * (elastic / a.distance));
+        const double slope = a.tangential_speed / a.normal_speed;
+        length = elastic / (1.0 + slope * slope * (elastic / a.distance));
         speed = a.normal_speed;
         if (a.gravity * length > faint_pull * speed * speed) rescale_under_gravity(of);
         root = onset_root<p>(length);
@@ -116,6 +128,12 @@ struct PlanarMotion {
         dy[loss] = clock * damping * y[rate];
         dy[turn] = clock * (x * (2.0 - ratio * x) * inverse2);
         dy[square] = clock * (y[rate] * y[rate]);
+        if constexpr (virial) {
+            const auto angle = math::sincos(turned(y));
+            const double pressing = clock * force * (1.0 - ratio * x) * angle.sin;
+            dy[virial_nt] = pressing * angle.cos;
+            dy[virial_tt] = pressing * angle.sin;
+        }
     }
 
     // Event function that falls to zero where the force ends, and its derivative in τ. The zero is simple even for a
@@ -128,16 +146,17 @@ struct PlanarMotion {
         const Slack slack = law->slack(closing);
         if (!(slack.depth > 0.0)) return {y[root_depth], dy[root_depth]};
         const double least = onset_root<p>(slack.depth) / root;
-        const double share = slack.slope * closing / slack.depth;  // d ln depth/d ln rate
-        return {y[root_depth] - least, dy[root_depth] - least * share * dy[rate] / (p * y[rate])};
+        const double exponent = slack.slope * closing / slack.depth;  // d ln depth/d ln rate
+        return {y[root_depth] - least, dy[root_depth] - least * exponent * dy[rate] / (p * y[rate])};
     }
 
     PlanarState state(const double* y) const {
         const double x = power(y[root_depth]);
+        return {y[time] * (length / speed), length * x, speed * y[rate], turned(y)};
+    }
+    double turned(const double* y) const {  // θ
         const double angle = y[time] + ratio * y[turn];
-        const double turned =
-            approach.distance == math::infinity ? 0.0 : approach.tangential_speed / speed * ratio * angle;
-        return {y[time] * (length / speed), length * x, speed * y[rate], turned};
+        return approach.distance == math::infinity ? 0.0 : approach.tangential_speed / speed * ratio * angle;
     }
 
     // The result, from the state at the end. The speed of separation follows from the energy balance, so that an
@@ -149,20 +168,20 @@ struct PlanarMotion {
         const double stored = force_unit / length * law->energy(onset_root<p>(left));
         const double lost =
             2.0 * (y[loss] + stored) + x * (swing * (2.0 - ratio * x) / (w * w) - 2.0 * gravity);
-        PlanarContact end{Outcome::ok,
-                          at.time,
-                          at.turn,
-                          left,
-                          -at.rate,
-                          0.0,
-                          approach.normal_speed + at.rate,
-                          speed * length * y[square],
-                          math::nan};
+        const double across = boxes::tangential_speed(approach, left),
+                     slowed = approach.normal_speed + at.rate;
+        const double rate_square = speed * length * y[square];
+        PlanarContact end{Outcome::ok, at.time, at.turn,     left,     -at.rate,
+                          across,      slowed,  rate_square, math::nan};
         if (lost < 0.75 * start * start) {
             end.radial_speed = speed * math::sqrt(start * start - lost);
             end.speed_loss = speed * lost / (start + end.radial_speed / speed);
         }
-        end.tangential_speed = boxes::tangential_speed(approach, left);
+        if constexpr (virial) {
+            const bool wall = approach.distance == math::infinity;
+            end.virial_nt = wall ? 0.0 : speed * approach.distance * y[virial_nt];
+            end.virial_tt = wall ? 0.0 : speed * approach.distance * y[virial_tt];
+        }
         return end;
     }
 
@@ -177,7 +196,7 @@ private:
 };
 
 // Integrates a contact from touch to its end.
-template <class Law>
+template <class Law, bool virial = false>
 class PlanarSolver {
 public:
     static constexpr double tolerance = 1e-14;  // relative, of one step
@@ -198,7 +217,7 @@ public:
                math::is_finite(a.effective_mass) && (a.gravity == 0.0 || a.distance == math::infinity);
     }
 
-    const PlanarMotion<Law>& motion() const { return motion_; }
+    const PlanarMotion<Law, virial>& motion() const { return motion_; }
 
     // Calls visit(*this) after every step; at() then gives the states within that step.
     template <class Visit>
@@ -237,15 +256,8 @@ public:
     PlanarContact pulled_off() const {
         const Approach& a = motion_.approach;
         const double speed = a.normal_speed, duration = 2.0 * speed / -a.gravity;
-        return {Outcome::ok,
-                duration,
-                0.0,
-                0.0,
-                speed,
-                a.tangential_speed,
-                0.0,
-                speed * speed / 3.0 * duration,
-                0.25 * speed * duration};
+        const double square = speed * speed / 3.0 * duration, greatest = 0.25 * speed * duration;
+        return {Outcome::ok, duration, 0.0, 0.0, speed, a.tangential_speed, 0.0, square, greatest, 0.0, 0.0};
     }
 
     static PlanarContact without_end(Outcome outcome) {
@@ -254,7 +266,6 @@ public:
         return {outcome, never, none, none, none, none, none, none, none};
     }
 
-    double begin_time() const { return begin_[M::time] * time_unit(); }
     double end_time() const { return end_[M::time] * time_unit(); }
 
     // The state at a time [s] within the step just taken, by Newton's method on T(τ), which is increasing.
@@ -265,7 +276,7 @@ public:
         x /= end_[M::time] - begin_[M::time];
         double out[n], slope[n];
         for (int i = 0; i < 80; ++i) {
-            DormandPrince::step(motion_, begin_, x, n, stages_, out);
+            DormandPrince::step(motion_, begin_, x, n, stages_, out, M::needed);
             motion_(out, slope);
             const double excess = out[M::time] - wanted;
             (excess > 0.0 ? high : low) = x;
@@ -280,7 +291,7 @@ public:
     }
 
 private:
-    using M = PlanarMotion<Law>;
+    using M = PlanarMotion<Law, virial>;
     static constexpr int n = M::dimension;
 
     M motion_;
@@ -303,13 +314,14 @@ private:
     }
 
     bool take_step() {
-        DormandPrince::step(motion_, begin_, h_, n, stages_, end_);
-        double scale[n] = {0.0, 0.0, 0.0, 1.0, 1.0, 1.0};  // errors of the integrals relative to their total
-        for (int i = 0; i < n; ++i) {
+        DormandPrince::step(motion_, begin_, h_, n, stages_, end_, M::needed);
+        double scale[M::needed] = {0.0, 0.0, 0.0,
+                                   1.0, 1.0, 1.0};  // errors of the integrals relative to their total
+        for (int i = 0; i < M::needed; ++i) {
             scale[i] = tolerance * math::max(scale[i], math::max(math::abs(begin_[i]), math::abs(end_[i])));
         }
         if (motion_.gravity > 0.0) scale[M::rate] = math::max(scale[M::rate], rounding_of_rate());
-        const double error = DormandPrince::error(stages_, h_, n, scale);
+        const double error = DormandPrince::error(stages_, h_, n, scale, M::needed, M::needed);
         length_ = h_;
         h_ = math::min(h_ * DormandPrince::growth(error), longest());
         if (!(error <= 1.0)) return false;
@@ -329,7 +341,7 @@ private:
         double x = length_ * (begin_[M::rate] / (begin_[M::rate] - end_[M::rate]));
         double at[n], slope[n];
         for (int i = 0; i < 8; ++i) {
-            DormandPrince::step(motion_, begin_, x, n, stages_, at);
+            DormandPrince::step(motion_, begin_, x, n, stages_, at, M::needed);
             motion_(at, slope);
             const double step = at[M::rate] / slope[M::rate];
             if (!(math::abs(step) > 1e-7 * length_)) break;
@@ -347,7 +359,7 @@ private:
     }
 
     void probe(double at) {
-        DormandPrince::step(motion_, begin_, at, n, stages_, end_);
+        DormandPrince::step(motion_, begin_, at, n, stages_, end_, M::needed);
         motion_(end_, slope_);
         length_ = at;
     }
@@ -394,20 +406,22 @@ private:
     }
 };
 
-// Solves the contact from touch to its end. The outcome is `invalid` if PlanarRun::accepts refuses the input, and
+// Solves the contact from touch to its end. The outcome is `invalid` if PlanarSolver::accepts refuses the input, and
 // `too_deep` if the centres come closer than half of their distance at touch. An approach slower than slowest_approach
 // is solved at that speed, and the result is scaled in proportion.
-template <class Law>
+template <bool virial = false, class Law>
 PlanarContact solve_planar_contact(const Law& law, const Approach& approach) {
-    if (!PlanarSolver<Law>::accepts(approach)) return PlanarSolver<Law>::without_end(Outcome::invalid);
-    if (approach.normal_speed >= slowest_approach)
-        return PlanarSolver<Law>(law, approach).integrate([](const auto&) {});
+    using Solver = PlanarSolver<Law, virial>;
+    if (!Solver::accepts(approach)) return Solver::without_end(Outcome::invalid);
+    if (approach.normal_speed >= slowest_approach) return Solver(law, approach).integrate([](const auto&) {});
     const double part = approach.normal_speed / slowest_approach;
     Approach faster = approach;
     faster.normal_speed = slowest_approach;
     if (approach.gravity < 0.0) faster.gravity = math::max(approach.gravity / part, -1e100);
-    PlanarContact end = PlanarSolver<Law>(law, faster).integrate([](const auto&) {});
-    for (double* x : {&end.compression, &end.radial_speed, &end.speed_loss, &end.greatest}) *x *= part;
+    PlanarContact end = Solver(law, faster).integrate([](const auto&) {});
+    for (double* x : {&end.compression, &end.radial_speed, &end.speed_loss, &end.greatest, &end.virial_nt,
+                      &end.virial_tt})
+        *x *= part;
     end.rate_square *= part * part;
     return end;
 }

@@ -17,11 +17,12 @@
 // are zero, and no energy is lost.
 //
 // A cell is fitted when it is first needed, and compared with the solver between the nodes. A cell that misses the
-// accuracy is not used. With two variables there are several sets of cells of different widths in speed: slow contacts
-// depend so little on their speed that one wide cell suffices; if it misses the accuracy, narrow ones are used. If λ =
-// v_n/v_l exactly, as under a linear law, the contact depends smoothly on λ down to 0: then λ is the variable of the
-// first set, and one cell covers all slow contacts. The solver is called if there is no cell, at a wall with gravity
-// along its normal, and for pairs of another kind. The result depends only on the arguments of the call and of the
+// accuracy is not used; of the virial, which no motion depends on, only ∫ (dξ/dt)² dt is compared. With two variables
+// there are several sets of cells of different widths in speed: slow contacts depend so little on their speed that one
+// wide cell suffices; if it misses the accuracy, narrow ones are used. If λ = v_n/v_l exactly, as under a linear law,
+// the contact depends smoothly on λ down to 0: then λ is the variable of the first set, and one cell covers all slow
+// contacts. The solver is called if there is no cell, at a wall with gravity along its normal, and for pairs of another
+// kind. The result depends only on the arguments of the call and of the
 // constructor, not on earlier calls.
 #pragma once
 #include <memory>
@@ -49,7 +50,8 @@ struct ScaledDamping {
     }
 };
 
-// `virial`: also gives ∫ (dξ/dt)² dt and the greatest compression, which are NaN otherwise; takes 50 % longer.
+// `virial`: also gives ∫ (dξ/dt)² dt, the greatest compression, and the components nt and tt of the virial, which are
+// NaN otherwise; takes 50 % longer.
 template <class Law, bool virial = false>
 class TabulatedContacts {
 public:
@@ -87,7 +89,7 @@ public:
             a.gravity == 0.0 && a.normal_speed >= slowest_approach && a.tangential_speed >= 0.0;
         const bool own = is_own(law, a);
         const Reduced reduced = own ? own_ : reduce(law, a.effective_mass, length_of(a));
-        if (!simple || !(own || covers(reduced))) return solve_planar_contact(law, a);
+        if (!simple || !(own || covers(reduced))) return solve_planar_contact<virial>(law, a);
         const double speed = a.normal_speed * reduced.per_speed, speed2 = speed * speed;
         Places at{};
         if (varies_) at.damping = damping_of(reduced);
@@ -106,7 +108,7 @@ public:
                 return varies_ ? read(*deep_[slot].cell, a, at, slant.part)
                                : read(*level.flat[slot].cell, a, at, slant.part);
         }
-        return solve_planar_contact(law, a);
+        return solve_planar_contact<virial>(law, a);
     }
 
 private:
@@ -293,10 +295,16 @@ private:
         const double lost = f[2] * a.normal_speed;
         const double turn = a.tangential_speed / a.distance * duration * (1.0 + part * f[3]);
         const double across = tangential_speed(a, left);
-        double square = math::nan, greatest = math::nan;
-        if constexpr (virial)
-            square = f[4] * (a.normal_speed * a.normal_speed * duration), greatest = f[5] * unit;
-        return {Outcome::ok, duration, turn, left, a.normal_speed - lost, across, lost, square, greatest};
+        PlanarContact end{Outcome::ok, duration, turn,      left,     a.normal_speed - lost,
+                          across,      lost,     math::nan, math::nan};
+        if constexpr (virial) {
+            end.rate_square = f[4] * (a.normal_speed * a.normal_speed * duration);
+            end.greatest = f[5] * unit;
+            const double turning = turn > 0.0 ? turn * (a.normal_speed * a.distance) : 0.0;  // 0 at a wall
+            end.virial_nt = f[6] * turning;
+            end.virial_tt = f[7] * (turning * turn);
+        }
+        return end;
     }
     static Values functions_of(const Approach& a, double part, const PlanarContact& end) {
         const double unit = part * a.distance;
@@ -306,6 +314,8 @@ private:
         if constexpr (virial) {
             f[4] = end.rate_square / (a.normal_speed * a.normal_speed * end.duration);
             f[5] = end.greatest / unit;
+            f[6] = end.virial_nt / (a.normal_speed * a.distance * end.turn);
+            f[7] = end.virial_tt / (a.normal_speed * a.distance * (end.turn * end.turn));
         }
         return f;
     }
@@ -340,10 +350,10 @@ private:
             if (varies_) {
                 const double place = at.damping.cell + 0.5 * (at.damping.x + 1.0);
                 const double damping = math::exp(lowest_damping + damping_width * place);
-                return solve_planar_contact(ScaledDamping<Law>{&law_, damping / own_.damping}, a);
+                return solve_planar_contact<virial>(ScaledDamping<Law>{&law_, damping / own_.damping}, a);
             }
         }
-        return solve_planar_contact(law_, a);
+        return solve_planar_contact<virial>(law_, a);
     }
 
     // Whether the cell can be used; fits it on first use.

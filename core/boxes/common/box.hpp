@@ -28,25 +28,38 @@ enum class Boundary : int {
     wall,
 };
 
+// A wall at rest or with a constant velocity. wall_contact_time() (queue/prediction.hpp) locates collisions with it.
 struct Wall {
     WallId id;
-    double place;  // [m]
+    double start;        // coordinate at time 0 [m]
+    double speed = 0.0;  // velocity along the axis [m/s]
 
-    constexpr double position(double /*time*/) const { return place; }
-    static constexpr double velocity(double /*time*/) { return 0.0; }
+    constexpr bool moves() const { return speed != 0.0; }
+    constexpr double position(double time) const { return moves() ? start + speed * time : start; }
+    constexpr double velocity(double /*time*/) const { return speed; }
     // Sign of the inward normal along the axis, and distance of a coordinate inside the box from the wall [m].
     constexpr double inward() const { return id.high() ? -1.0 : 1.0; }
     constexpr double distance(double x, double time) const {
         return id.high() ? position(time) - x : x - position(time);
     }
+    // The smallest distance between two times.
+    double least_distance(double x, double from, double until) const {
+        return math::min(distance(x, from), distance(x, until));
+    }
 };
 
-// The box extends from 0 to L along each axis.
+// What a periodic image adds to the particle itself: unfolded minus folded position and velocity.
+struct ImageMotion {
+    double shift[3], velocity[3];  // [m], [m/s]
+};
+
+// The box extends from 0 to L along each axis, at time 0 if its walls move.
 struct Box {
     int dimension = 3;
     double edge[3] = {};  // L [m]; 0 along an axis that does not exist
     Boundary boundary[3] = {};
-    double gravity[3] = {};  // acceleration [m/s²]
+    double wall_velocity[3][2] = {};  // along the axis, of the walls at 0 and at L [m/s]
+    double gravity[3] = {};           // acceleration [m/s²]
 
     bool is_periodic(int axis) const { return boundary[axis] == Boundary::periodic; }
     bool has_walls(int axis) const { return boundary[axis] == Boundary::wall; }
@@ -58,9 +71,20 @@ struct Box {
         return product;
     }
 
+    bool has_moving_walls(int axis) const {
+        return wall_velocity[axis][0] != 0.0 || wall_velocity[axis][1] != 0.0;
+    }
+    // Largest speed of a wall [m/s].
+    double fastest_wall() const {
+        double most = 0.0;
+        for (const auto& axis : wall_velocity)
+            for (const double v : axis) most = math::max(most, math::abs(v));
+        return most;
+    }
+
     // The wall at one end of an axis that has walls.
     constexpr Wall wall(int axis, bool high) const {
-        return {WallId::at(axis, high), high ? edge[axis] : 0.0};
+        return {WallId::at(axis, high), high ? edge[axis] : 0.0, wall_velocity[axis][high ? 1 : 0]};
     }
     constexpr Wall wall(WallId id) const { return wall(id.axis(), id.high()); }
     std::vector<Wall> walls() const {
@@ -70,11 +94,25 @@ struct Box {
         return all;
     }
 
-    // Unfolded minus folded coordinate of a particle with this image flag [m]. The flag counts crossings of the far
-    // side (+1) and of the side at 0 (−1).
-    double image_shift(int axis, int flags) const { return flags * edge[axis]; }
-    // The same for the velocity: zero, since images move with the particle.
-    static constexpr double image_velocity(int /*axis*/, int /*flags*/) { return 0.0; }
+    // The image with these flags, one for each axis. A flag counts crossings of the far side (+1) and of the side at 0
+    // (−1). Cells, kernels and clusters use only shifts that are constant. A boundary whose images move must be refused
+    // in fault_of_sizes() (system_check.hpp) by engines that do not add its velocity there.
+    template <class Flags>
+    ImageMotion image(const Flags& flags, double /*time*/) const {
+        ImageMotion of{};
+        for (int k = 0; k < dimension; ++k) of.shift[k] = static_cast<int>(flags[k]) * edge[k];
+        return of;
+    }
+    // Moves a particle that has left through a periodic side, the far one (step 1) or that at 0 (−1), to its image in
+    // the box.
+    template <class Position, class Velocity, class Flags>
+    void wrap(Position& x, Velocity& v, Flags& flags, int axis, int step, double time) const {
+        int crossed[3] = {};
+        crossed[axis] = step;
+        const ImageMotion left = image(crossed, time);
+        for (int k = 0; k < dimension; ++k) x[k] -= left.shift[k], v[k] -= left.velocity[k];
+        flags[axis] += step;
+    }
     // Minimum image of a coordinate difference along a periodic axis [m].
     double minimum_image(double distance, int axis) const {
         return distance - edge[axis] * math::round_small(distance / edge[axis]);

@@ -8,6 +8,7 @@
 #include "../../base/outcome.hpp"
 #include "../../base/stop.hpp"
 #include "box.hpp"
+#include "symmetric_tensor.hpp"
 
 namespace hardlimit::boxes {
 
@@ -34,7 +35,9 @@ struct Observation {
     double contact_energy = 0.0;                          // elastic, of all contacts [J]
     double momentum[3] = {};                              // [kg m/s]
     double dissipated_energy = 0.0;                       // so far [J]
-    double virial = 0.0;                     // ∫ Σ r·F dt of pairs, Σ r·Δp of collisions, so far [J s]
+    SymmetricTensor kinetic_tensor;                       // Σ m v⊗v [J]
+    double wall_work = 0.0;                               // done by moving walls, so far [J]
+    SymmetricTensor virial;                  // ∫ Σ r⊗F dt of pairs, Σ r⊗Δp of collisions, so far [J s]
     double kinetic_integral = math::nan;     // ∫ Σ m v'² dt so far [J s], v' relative to the mean
     double largest_compression = math::nan;  // in units of the smaller radius, so far; NaN without a law
     u64 begun = 0, pairs = 0;                // contacts so far; of these, contacts of two particles

@@ -36,15 +36,17 @@ enum class SelfEvent : u32 {
     low_y,
     high_y,
     low_z,
-    high_z,  // leaves its cell, or meets a wall, on that side
-    rescan,  // searches again for smaller particles
-    ends,    // its cluster ends
+    high_z,       // leaves its cell on that side
+    rescan,       // searches again for smaller particles
+    ends,         // its cluster ends
+    at_wall = 8,  // added to a side: meets the wall there
 };
-constexpr SelfEvent self_event(int axis, bool high) {
-    return static_cast<SelfEvent>(2 * axis + (high ? 1 : 0));
+constexpr SelfEvent self_event(int axis, bool high, bool wall) {
+    return static_cast<SelfEvent>(2 * axis + (high ? 1 : 0) + (wall ? 8 : 0));
 }
-constexpr int axis_of(SelfEvent own) { return static_cast<int>(own) / 2; }
+constexpr int axis_of(SelfEvent own) { return (static_cast<int>(own) & 7) / 2; }
 constexpr bool is_high(SelfEvent own) { return (static_cast<u32>(own) & 1u) != 0; }
+constexpr bool is_wall(SelfEvent own) { return (static_cast<u32>(own) & 8u) != 0; }
 constexpr WallId wall_at(SelfEvent own) { return WallId::at(axis_of(own), is_high(own)); }
 
 // Earliest predicted collision and earliest single-particle event. The collision is stale if the partner's collision
@@ -55,13 +57,13 @@ struct PendingEvents {
     u32 partner = no_particle;
     u32 partner_count = 0;  // collisions of the partner at the time of the prediction
     u32 count = 0;          // collisions of the particle, unless counted in Particle::radius
-    u32 cell : 29 = 0;      // cell of the particle
-    u32 own : 3 = 0;
+    u32 cell : 28 = 0;      // cell of the particle
+    u32 own : 4 = 0;        // SelfEvent
 
     double time() const { return math::min(pair_time, own_time); }
 };
 static_assert(sizeof(PendingEvents) == 32);
-inline constexpr u32 most_cells = 1u << 29;
+inline constexpr u32 most_cells = 1u << 28;
 
 // How particles move between collisions.
 enum class Motion {

@@ -22,13 +22,32 @@ private:
     double sum_ = 0.0, lost_ = 0.0;
 };
 
+// Several compensated sums. Has no branches, so that a compiler can use vectors (O. Møller's error of a sum, BIT 5, 37
+// (1965)).
+template <int n>
+class Sums {
+public:
+    void add(const double (&x)[n]) {
+        for (int k = 0; k < n; ++k) {
+            const double next = sum_[k] + x[k], added = next - sum_[k];
+            lost_[k] += (sum_[k] - (next - added)) + (x[k] - added);
+            sum_[k] = next;
+        }
+    }
+    double value(int k) const { return sum_[k] + lost_[k]; }
+
+private:
+    double sum_[n] = {}, lost_[n] = {};
+};
+
 template <int d>
 struct Accumulators {
     u64 pairs = 0, walls = 0;  // collisions
     u64 elastic_by_tc = 0;
-    Sum dissipated;     // energy lost in collisions [J]
-    Sum virial;         // Σ r·Δp of pair collisions [J s]
-    double mass = 0.0;  // M [kg]
+    Sum dissipated;              // energy lost in collisions [J]
+    Sums<d*(d + 1) / 2> virial;  // Σ r⊗Δp of pair collisions, components xx, yy, (zz,) xy, (xz, yz) [J s]
+    Sum wall_work;               // done by moving walls [J]
+    double mass = 0.0;           // M [kg]
     double gravity[d] = {};
     double time = 0.0;     // at which kinetic energy and momentum are valid [s]
     double kinetic = 0.0;  // E [J]
@@ -36,6 +55,17 @@ struct Accumulators {
     Sum kinetic_integral;  // ∫ Σ m v'² dt [J s]
 
     u64 collisions() const { return pairs + walls; }
+
+    // Adds factor · (a⊗b + b⊗a)/2 to the virial.
+    void add_virial(double factor, const double (&a)[d], const double (&b)[d]) {
+        double x[d * (d + 1) / 2];
+        int mixed = d;
+        for (int i = 0; i < d; ++i) {
+            x[i] = factor * (a[i] * b[i]);
+            for (int j = i + 1; j < d; ++j) x[mixed++] = (0.5 * factor) * (a[i] * b[j] + a[j] * b[i]);
+        }
+        virial.add(x);
+    }
 
     // Σ m v'² [J]
     double thermal() const {
@@ -56,6 +86,15 @@ struct Accumulators {
             momentum[k] += gain;
         }
         time = until;
+    }
+    // Collision with a wall at `time`; `lost`: kinetic energy lost in the frame of the wall [J].
+    void add_wall(int axis, double impulse, double lost, const Wall& wall) {
+        ++walls;
+        kinetic -= lost;
+        momentum[axis] += impulse;
+        if (!wall.moves()) return;
+        kinetic += impulse * wall.velocity(time);
+        wall_work.add(impulse * wall.velocity(time));
     }
 };
 

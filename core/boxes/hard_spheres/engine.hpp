@@ -150,7 +150,7 @@ private:
     void schedule(u32 i) {
         calendar_.push(i, event_time(i), [this](u32 id) { return original_index_[id]; });
     }
-    const Due* next_due() {
+    const QueuedEvent* next_due() {
         return calendar_.next([this](u32 id) { return event_time(id); },
                               [this](u32 id) { return original_index_[id]; },
                               [this] {
@@ -190,6 +190,7 @@ private:
     void predict(u32 i, u32 except);
     void predict_unscheduled(u32 i, u32 except);
     void predict_self_event(u32 i, const Place<d>& at);
+    double wall_time(u32 i, const Wall& wall) const;
     void predict_in_block(NextCollision& next, int level, const Place<d>& from, const Place<d>& to);
     void predict_in_images(NextCollision& next, int level, const Place<d>& from, const Place<d>& to);
     void predict_finer(NextCollision& next, int level);
@@ -203,7 +204,7 @@ private:
     // events.hpp
     void process_event(u32 i);
     void leave_cell(u32 i, Place<d> at);
-    void collide_with_wall(u32 i);
+    void collide_with_wall(u32 i, const Wall& wall);
     void collide(u32 i, u32 j);
     void advance_to_now(u32 i) { boxes::advance<motion>(particles_[i], now_, box_); }
     void to_nearest_image(u32 i, u32 j, double (&r)[d]) const;
@@ -220,7 +221,7 @@ private:
 
     // soft_contact.hpp
     void contact(u32 i, u32 j, const double (&r)[d], const double (&v)[d], double distance, double speed);
-    void contact_with_wall(u32 i, const Wall& wall, double away, double speed);
+    void contact_with_wall(u32 i, const Wall& wall, double speed);
     void displace(u32 i, double share, const double (&velocity)[d], const double (&shift)[d]);
     void update_cell(u32 i);
     void remember_contact(u32 i, u32 j, double duration, WallId wall = {});
@@ -245,7 +246,7 @@ void HardSpheres<d, motion, mixed>::advance(double until, u64 most_work, int /*t
             return;
         }
         if (prefetches_ && accumulators_.collisions() >= next_sort_) sort_along_cells();
-        const Due* due = next_due();
+        const QueuedEvent* due = next_due();
         if (!due || due->time > until) {
             now_ = math::max(now_, until);
             return;
@@ -267,11 +268,11 @@ template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::state(double* position, double* velocity) const {
     for (u32 i = 0; i < size32(); ++i) {
         const Particle<d>& p = particles_[i];
+        const ImageMotion image = box_.image(image_flags_[i], now_);
         for (int k = 0; k < d; ++k) {
             const std::size_t at = std::size_t{original_index_[i]} * d + static_cast<std::size_t>(k);
             const double after = now_ - p.time;
-            position[at] =
-                position_after<motion>(p, k, after, box_) + box_.image_shift(k, image_flags_[i][k]);
+            position[at] = position_after<motion>(p, k, after, box_) + image.shift[k];
             velocity[at] = velocity_after<motion>(p, k, after, box_);
         }
     }

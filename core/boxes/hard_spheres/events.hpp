@@ -16,14 +16,8 @@ void HardSpheres<d, motion, mixed>::process_event(u32 i) {
     }
     const SelfEvent own = static_cast<SelfEvent>(e.own);
     if (own == SelfEvent::rescan) return predict(i, excluded_partner(i));
-    const int axis = axis_of(own), level_i = level(i);
-    const Place<d> at = cells_.place(level_i, e.cell);
-    const Grid<d>& g = cells_.grids()[static_cast<std::size_t>(level_i)];
-    const int last = is_high(own) ? g.cells[axis] - 1 : 0;
-    if (at[axis] == last && box_.has_walls(axis))
-        collide_with_wall(i);
-    else
-        leave_cell(i, at);
+    if (is_wall(own)) return collide_with_wall(i, box_.wall(wall_at(own)));
+    leave_cell(i, cells_.place(level(i), e.cell));
 }
 
 // Moves a particle from cell `at` to the next one, and predicts its collisions in the cells that have become
@@ -39,8 +33,7 @@ void HardSpheres<d, motion, mixed>::leave_cell(u32 i, Place<d> at) {
     at[axis] += step;
     if (at[axis] < 0 || at[axis] == g.cells[axis]) {
         at[axis] -= step * g.cells[axis];
-        p.position[axis] -= box_.image_shift(axis, step);
-        image_flags_[i][static_cast<std::size_t>(axis)] += step;
+        box_.wrap(p.position, p.velocity, image_flags_[i], axis, step, p.time);
     }
     e.cell = cells_.number(fine, at) & (most_cells - 1);
     cells_.insert(e.cell, i);
@@ -62,20 +55,18 @@ void HardSpheres<d, motion, mixed>::leave_cell(u32 i, Place<d> at) {
     schedule(i);
 }
 
-// Collision with the wall of the particle's self event. A particle that arrives at zero speed rests there if gravity
-// presses it on the wall.
+// Collision with a wall, in the frame of the wall. A particle that arrives at zero speed rests there if gravity presses
+// it on the wall.
 template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::collide_with_wall(u32 i) {
+void HardSpheres<d, motion, mixed>::collide_with_wall(u32 i, const Wall& wall) {
     Particle<d>& p = particles_[i];
-    const SelfEvent own = static_cast<SelfEvent>(pending_[i].own);
-    const int axis = axis_of(own);
-    const Wall wall = box_.wall(axis, is_high(own));
-    const double away = is_high(own) ? -1.0 : 1.0, waited = now_ - p.time;
+    const int axis = wall.id.axis();
+    const double away = wall.inward(), waited = now_ - p.time;
     advance_to_now(i);
     const double place = wall.position(now_) + away * (radius(i) * growth_.at(now_));
     const double moved = place - p.position[axis];  // nonzero by rounding, or if a soft contact was cut short
     p.position[axis] = place;
-    const double before = p.velocity[axis], speed = math::abs(before);
+    const double before = p.velocity[axis], speed = math::abs(before - wall.velocity(now_));
     if (takes_time_) accumulators_.dissipated.add(mass(i) * box_.gravity[axis] * moved);
     if constexpr (motion == Motion::growing) {
         p.velocity[axis] = away * math::max(speed, separation_of_growing * radius(i) * growth_.rate);
@@ -85,19 +76,17 @@ void HardSpheres<d, motion, mixed>::collide_with_wall(u32 i) {
         record(i, wall.id.number, speed, 0.0, 0.0, math::infinity);
         if (!(away * box_.gravity[axis] > 0.0)) return end_run(Outcome::at_rest, i, wall.id.number);
     } else if (takes_time_) {
-        contact_with_wall(i, wall, away, speed);
+        contact_with_wall(i, wall, speed);
     } else {
         const double m = mass(i);
         const double e =
             rebound_of({{m, math::infinity, speed}, {m, radius(i)}, radius(i), since_last(i, waited)})
                 .restitution;
         if (deepest_.too_deep) return end_unsolved(Outcome::too_deep, i, wall.id.number, speed);
-        p.velocity[axis] = away * (e * speed);
+        p.velocity[axis] = away * (e * speed) + wall.velocity(now_);
         const double lost = 0.5 * m * (1.0 - e) * (1.0 + e) * speed * speed;
         accumulators_.advance(now_);
-        accumulators_.kinetic -= lost;
-        accumulators_.momentum[axis] += m * (p.velocity[axis] - before);
-        ++accumulators_.walls;
+        accumulators_.add_wall(axis, m * (p.velocity[axis] - before), lost, wall);
         record(i, wall.id.number, speed, e * speed, lost, waited);
     }
     count_collision(i);
@@ -226,7 +215,8 @@ void HardSpheres<d, motion, mixed>::rebound(u32 i, u32 j, const double (&r)[d], 
         if (deepest_.too_deep) return end_unsolved(Outcome::too_deep, i, j, speed);
         gain = (1.0 + e) * (-dot(r, v) / dot(r, r));
         const double lost = 0.5 * reduced * (1.0 - e) * (1.0 + e) * speed * speed;
-        accumulators_.virial.add(distance * distance * reduced * gain);
+        accumulators_.add_virial(reduced * gain, r,
+                                 r);  // r⊗Δp, exactly: the force acts along r at one instant
         if (lost != 0.0) {
             accumulators_.advance(now_);
             accumulators_.kinetic -= lost;

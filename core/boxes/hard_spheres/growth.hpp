@@ -117,13 +117,14 @@ struct GrowthReport {
 template <int d>
 class PackingGrowth {
 public:
-    // Velocities, masses, positions and gravity of the system are not used.
+    // Velocities, masses, positions and gravity of the system are not used, and walls stay where they start.
     PackingGrowth(const System& s, u64 seed)
         : s_(s), random_(seed), position_(s.n * d), velocity_(s.n * d), mass_(s.n, 1.0) {
         s_.position = position_.data();
         s_.velocity = velocity_.data();
         s_.mass = mass_.data();
         for (double& g : s_.box.gravity) g = 0.0;
+        for (auto& axis : s_.box.wall_velocity) axis[0] = axis[1] = 0.0;
         fraction_ = s.packing_fraction();
         diameter_ = 2.0 * *std::max_element(s.radius, s.radius + s.n);
     }

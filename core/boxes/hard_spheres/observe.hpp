@@ -39,25 +39,31 @@ template <int d, Motion motion, bool mixed>
 Observation HardSpheres<d, motion, mixed>::observe() const {
     Observation o;
     Sum kinetic, potential, momentum[d];
+    double velocity[3] = {};
     for (const u32 i : in_original_order()) {
         const Particle<d>& p = particles_[i];
         const double after = now_ - p.time, m = mass(i);
+        const ImageMotion image = box_.image(image_flags_[i], now_);
         double square = 0.0;
         for (int k = 0; k < d; ++k) {
             const double v = velocity_after<motion>(p, k, after, box_);
-            const double x = position_after<motion>(p, k, after, box_) +
-                             box_.image_shift(k, image_flags_[i][static_cast<std::size_t>(k)]);
+            const double x = position_after<motion>(p, k, after, box_) + image.shift[k];
             square += v * v;
+            velocity[k] = v;
             momentum[k].add(m * v);
             potential.add(-m * box_.gravity[k] * x);
         }
         kinetic.add(0.5 * m * square);
+        o.kinetic_tensor.add_square(m, velocity);
     }
     o.kinetic_energy = kinetic.value();
     o.potential_energy = potential.value();
     for (int k = 0; k < d; ++k) o.momentum[k] = momentum[k].value();
     o.dissipated_energy = accumulators_.dissipated.value();
-    o.virial = accumulators_.virial.value();
+    int k = 0;
+    for (std::size_t c = 0; c < SymmetricTensor::size; ++c)
+        if (SymmetricTensor::column[c] < d) o.virial.component[c] = accumulators_.virial.value(k++);
+    o.wall_work = accumulators_.wall_work.value();
     o.kinetic_integral = accumulators_.integral_until(now_);
     o.largest_compression = deepest_.compression;
     o.begun = o.ended = accumulators_.collisions();

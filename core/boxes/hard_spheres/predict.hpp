@@ -10,8 +10,8 @@ void HardSpheres<d, motion, mixed>::prepare_query() {
     query_ = {};
     query_.radius = mixed ? 0.0 : 2.0 * largest_radius_;
     query_.others = mixed ? 1.0 : 0.0;
-    query_.share = 1.0;
-    query_.rate = growth_.rate;
+    query_.radius_factor = 1.0;
+    query_.growth_rate = growth_.rate;
     for (int k = 0; k < d; ++k) {
         query_.edge[k] = box_.edge[k];
         query_.per_edge[k] = box_.is_periodic(k) ? 1.0 / box_.edge[k] : 0.0;
@@ -25,7 +25,7 @@ auto HardSpheres<d, motion, mixed>::begin_prediction(u32 i, u32 except) -> NextC
     const Particle<d>& p = particles_[i];
     query_.now = now_;
     if constexpr (mixed) query_.radius = radius(i);
-    if constexpr (motion == Motion::growing) query_.share = growth_.at(now_);
+    if constexpr (motion == Motion::growing) query_.radius_factor = growth_.at(now_);
     for (int k = 0; k < d; ++k) {
         query_.position[k] = position_after<motion>(p, k, now_ - p.time, box_);
         query_.velocity[k] = velocity_after<motion>(p, k, now_ - p.time, box_);
@@ -44,7 +44,7 @@ bool HardSpheres<d, motion, mixed>::touches(u32 id, bool nearest) const {
         if (nearest) r -= query_.edge[k] * math::round_small(r * query_.per_edge[k]);
         square += r * r;
     }
-    const double touch = (query_.radius + query_.others * radius(id)) * query_.share;
+    const double touch = (query_.radius + query_.others * radius(id)) * query_.radius_factor;
     return square <= touch * touch * (1.0 + 1e-9);
 }
 
@@ -153,12 +153,17 @@ double HardSpheres<d, motion, mixed>::frame_speed(const double* velocity) const 
     }
     return math::sqrt(square);
 }
-// Bound on that speed for all particles: between walls a fall is limited by the height of the box.
+// Bound on that speed for all particles: between walls a fall is limited by the height of the box. The factor leaves
+// time for moving walls.
 template <int d, Motion motion, bool mixed>
 double HardSpheres<d, motion, mixed>::speed_bound() const {
     double square = fastest_ * fastest_;
     for (int k = 0; k < d; ++k)
-        if (box_.has_walls(k)) square += 2.0 * math::abs(box_.gravity[k]) * box_.edge[k];
+        if (box_.has_walls(k)) {
+            const bool moving = box_.has_moving_walls(k);
+            const double height = box_.edge[k] + (moving ? 4.0 * box_.fastest_wall() * now_ : 0.0);
+            square += 2.0 * math::abs(box_.gravity[k]) * height;
+        }
     return math::sqrt(square);
 }
 
@@ -187,7 +192,18 @@ void HardSpheres<d, motion, mixed>::predict_finer(NextCollision& next, int level
     rescans_[next.id] = now_ + horizon;
 }
 
-// Predicts when the particle leaves its cell `at` or meets a wall, whichever comes first.
+// Time from the last collision of a particle until it touches a wall, found from the present state.
+template <int d, Motion motion, bool mixed>
+double HardSpheres<d, motion, mixed>::wall_time(u32 i, const Wall& wall) const {
+    const Particle<d>& p = particles_[i];
+    const int k = wall.id.axis();
+    const double from = wall_blocked_until(i, wall.id), since = from - p.time;
+    const double x = position_after<motion>(p, k, since, box_), v = velocity_after<motion>(p, k, since, box_);
+    return since + wall_contact_time(wall, from, x, v, box_.gravity[k], radius(i));
+}
+
+// Predicts when the particle leaves its cell `at` or meets a wall, whichever comes first. A wall at rest is the face of
+// the outermost cells. A moving wall may be in any cell.
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::predict_self_event(u32 i, const Place<d>& at) {
     PendingEvents& e = pending_[i];
@@ -197,47 +213,58 @@ void HardSpheres<d, motion, mixed>::predict_self_event(u32 i, const Place<d>& at
     double in = math::infinity;
     SelfEvent which = SelfEvent::low_x;
     // Without branches, which would be unpredictable.
-    const auto consider = [&](double time, int axis, bool high) {
-        which = time < in ? self_event(axis, high) : which;
+    const auto consider = [&](double time, int axis, bool high, bool wall) {
+        which = time < in ? self_event(axis, high, wall) : which;
         in = math::min(in, time);
     };
     HL_UNROLL
     for (int k = 0; k < d; ++k) {
         const double x = p.position[k], v = p.velocity[k], size = radius(i);
         const double low = at[k] * g.edge[k], high = (at[k] + 1) * g.edge[k];
-        const bool walls = motion != Motion::growing && box_.has_walls(k);
-        const double lowest = walls && at[k] == 0 ? box_.wall(k, false).position(now_) + size : low;
-        const double highest =
-            walls && at[k] == g.cells[k] - 1 ? box_.wall(k, true).position(now_) - size : high;
+        const bool walls = box_.has_walls(k);
+        const bool outermost[2] = {walls && at[k] == 0, walls && at[k] == g.cells[k] - 1};
+        const bool moving = motion != Motion::growing && box_.has_moving_walls(k);
+        double lowest = low, highest = high;
+        if (moving) [[unlikely]] {
+            if (outermost[0]) lowest = -math::infinity;
+            if (outermost[1]) highest = math::infinity;
+            for (const bool upper : {false, true})
+                consider(wall_time(i, box_.wall(k, upper)), k, upper, true);
+        } else if (motion != Motion::growing) {
+            if (outermost[0]) lowest = box_.wall(k, false).position(now_) + size;
+            if (outermost[1]) highest = box_.wall(k, true).position(now_) - size;
+        }
         if constexpr (motion == Motion::falling) {
             // Starts now: a face crossed on the way up must not be found again in the past.
             for (const bool upper : {true, false}) {
-                const bool wall = walls && at[k] == (upper ? g.cells[k] - 1 : 0);
+                if (moving && outermost[upper]) continue;
+                const bool wall = outermost[upper];
                 const double since = (wall ? wall_blocked_until(i, WallId::at(k, upper)) : now_) - p.time;
                 const double x_then = position_after<motion>(p, k, since, box_);
                 const double v_then = velocity_after<motion>(p, k, since, box_);
                 const double g_k = box_.gravity[k];
                 consider(since + (upper ? time_below(x_then, v_then, g_k, highest)
                                         : time_below(-x_then, -v_then, -g_k, -lowest)),
-                         k, upper);
+                         k, upper, wall);
             }
         } else {
             const double borders[2] = {lowest, highest};
             const bool up = v > 0.0;
-            consider(time_to(borders[up] - x, v), k, up);
+            consider(time_to(borders[up] - x, v), k, up, outermost[up]);
         }
         if (motion == Motion::growing && box_.has_walls(k)) {
             const double touch = size * growth_.at(p.time), rate = size * growth_.rate;
-            if (at[k] == 0) consider(time_below(touch - x, rate - v, 0.0), k, false);
-            if (at[k] == g.cells[k] - 1) consider(time_below(x + touch, v + rate, box_.edge[k]), k, true);
+            if (at[k] == 0) consider(time_below(touch - x, rate - v, 0.0), k, false, true);
+            if (at[k] == g.cells[k] - 1)
+                consider(time_below(x + touch, v + rate, box_.edge[k]), k, true, true);
         }
     }
     e.own_time = math::max(now_, p.time + in);
-    e.own = static_cast<u32>(which) & 7u;
+    e.own = static_cast<u32>(which) & 15u;
     if constexpr (mixed)
         if (own > 0 && rescans_[i] < e.own_time) {
             e.own_time = rescans_[i];
-            e.own = static_cast<u32>(SelfEvent::rescan) & 7u;
+            e.own = static_cast<u32>(SelfEvent::rescan) & 15u;
         }
 }
 

@@ -22,11 +22,8 @@ template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::update_cell(u32 i) {
     Particle<d>& p = particles_[i];
     for (int k = 0; k < d; ++k)
-        while (box_.is_periodic(k) && (p.position[k] < 0.0 || p.position[k] > box_.edge[k])) {
-            const int step = p.position[k] < 0.0 ? -1 : 1;
-            p.position[k] -= box_.image_shift(k, step);
-            image_flags_[i][static_cast<std::size_t>(k)] += step;
-        }
+        while (box_.is_periodic(k) && (p.position[k] < 0.0 || p.position[k] > box_.edge[k]))
+            box_.wrap(p.position, p.velocity, image_flags_[i], k, p.position[k] < 0.0 ? -1 : 1, p.time);
     const u32 cell = cells_.number(level(i), cells_.place_of(level(i), p.position));
     if (cell == pending_[i].cell) return;
     cells_.remove(pending_[i].cell, i);
@@ -60,7 +57,15 @@ void HardSpheres<d, motion, mixed>::contact(u32 i, u32 j, const double (&r)[d], 
     const double after =
         end.normal_velocity * end.normal_velocity + end.tangential_velocity * end.tangential_velocity;
     const double lost = 0.5 * pair.effective_mass * (before - after);
-    accumulators_.virial.add(pair.effective_mass * distance * (end.normal_velocity + speed));
+    // Virial: d/dt (m r⊗v) = m v⊗v + r⊗F, with the effective mass m. The equivalent collision takes the pair from r⊗v
+    // to (r + shift)⊗v' at the instant of touch, and the states after the contact are exact. So the virial
+    //   W = m ((r + shift)⊗v' − r⊗v)
+    // plus the time integral of m v⊗v along the straight paths is exact over the whole contact. W is symmetric, since
+    // the angular momentum is conserved. If a third body takes part, W is as inexact as the states.
+    double departing[d];
+    for (int k = 0; k < d; ++k) departing[k] = v[k] + change[k];
+    accumulators_.add_virial(pair.effective_mass, r, change);
+    accumulators_.add_virial(pair.effective_mass, shift, departing);
     accumulators_.advance(now_);
     accumulators_.kinetic -= lost;
     const double whole = mass(i) + mass(j);
@@ -73,23 +78,21 @@ void HardSpheres<d, motion, mixed>::contact(u32 i, u32 j, const double (&r)[d], 
     ++accumulators_.pairs;
 }
 
-// Contact of a particle with a wall. away: −1 or 1, the direction away from the wall.
+// Contact of a particle with a wall, in the frame of the wall. speed: of approach.
 template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::contact_with_wall(u32 i, const Wall& wall, double away, double speed) {
+void HardSpheres<d, motion, mixed>::contact_with_wall(u32 i, const Wall& wall, double speed) {
     const int axis = wall.id.axis();
-    const double m = mass(i), pressing = -away * box_.gravity[axis];
+    const double away = wall.inward(), m = mass(i), pressing = -away * box_.gravity[axis];
     const SoftContact found = rule_->contact(
         {{m, math::infinity, speed, 0.0, pressing}, {m, radius(i)}, radius(i), math::infinity}, deepest_);
     if (found.outcome != Outcome::ok) return end_unsolved(found.outcome, i, wall.id.number, speed);
-    ++accumulators_.walls;
     const EquivalentCollision& end = found.collision;
     double change[d] = {}, shift[d] = {};
     change[axis] = away * (end.normal_velocity + speed);
     shift[axis] = away * end.normal_shift;
     const double lost = 0.5 * m * (speed - end.normal_velocity) * (speed + end.normal_velocity);
     accumulators_.advance(now_);
-    accumulators_.kinetic -= lost;
-    accumulators_.momentum[axis] += m * change[axis];
+    accumulators_.add_wall(axis, m * change[axis], lost, wall);
     displace(i, 1.0, change, shift);
     remember_contact(i, no_particle, found.duration, wall.id);
     const double dissipated = lost - m * pressing * end.normal_shift;

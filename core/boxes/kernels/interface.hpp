@@ -16,7 +16,8 @@ struct ContactQuery {
     double edge[3];                      // L [m]
     double per_edge[3];                  // 1/L for minimum images, otherwise 0
     double half_gravity[3], gravity[3];  // g/2 and g [m/s²]
-    double share, rate;  // factor of all radii at `now`, and its growth rate [1/s]; 1 and 0 without growth
+    double radius_factor,
+        growth_rate;  // factor of all radii at `now`, its growth rate [1/s]; 1, 0 without growth
 };
 
 // A block of cells as rows along the first axis, in two parts if the block crosses a periodic boundary. A cell has four
@@ -49,7 +50,8 @@ using PredictBlock = EarliestContact (*)(const ContactQuery& query, const void* 
 
 // Kernels of power_series.hpp. `paths` [bodies] and `contacts` [n] are arrays of series::Path and series::Contact;
 // body_order [bodies]: first the `in_contact` bodies in contact, then the others; gravity [4]; chord_deviation [bodies]
-// or null; state: positions, then velocities [bodies, 3]; sums: dissipated energy and ∫ Σ r·F dt.
+// or null; state: positions, then velocities [bodies, 3]. Adds to the dissipated energy and to the virial [6],
+// ∫ Σ r⊗F dt of pairs of bodies in LAMMPS' order.
 struct SeriesKernels {
     void (*expand)(void* paths, int bodies, void* contacts, int n, const double* gravity, double unit);
     double (*last_terms)(const void* paths, const int* body_order, int in_contact);
@@ -60,8 +62,8 @@ struct SeriesKernels {
     double (*first_zero)(const double* series, double end);
     double (*next_zero)(const double* series, double end, double step, double rounding);
     void (*move)(const void* paths, const int* body_order, int in_contact, int bodies, const void* contacts,
-                 int n, double at, double unit, const double* gravity, double* state, double* sums,
-                 double* chord_deviation);
+                 int n, double at, double unit, const double* gravity, double* state, double* dissipated,
+                 double* virial, double* chord_deviation);
 };
 
 struct TouchKernels {

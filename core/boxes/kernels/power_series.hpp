@@ -10,6 +10,7 @@
 #pragma once
 #include <cstddef>
 
+#include "../common/symmetric_tensor.hpp"
 #include "interface.hpp"
 #include "polynomial_zeros.hpp"
 
@@ -132,38 +133,14 @@ inline void square(const void* first, const void* second, const double* image, d
     square_from(between, out);
 }
 
-// ∫ (dd/dt)² dt and ∫ F d dt with F = k (l − d) − γ dd/dt, from 0 to t, by Gauss-Legendre quadrature. The integrand
-// oscillates through less than half a period in a step, and the error is far below rounding.
-struct Integrals {
-    double square, product;
-};
-inline Integrals integrals(const Terms& d, double t, double spring, double damper, double contact_distance) {
-    using Eight = Vector<8>::Real;
-    constexpr Eight node = {0.01985507175123188, 0.10166676129318663, 0.2372337950418355, 0.4082826787521751,
-                            0.5917173212478249,  0.7627662049581645,  0.8983332387068134, 0.9801449282487681};
-    constexpr Eight weight = {0.05061426814518813, 0.11119051722668724, 0.15685332293894363,
-                              0.18134189168918100, 0.18134189168918100, 0.15685332293894363,
-                              0.11119051722668724, 0.05061426814518813};
-    const Eight at = t * node;
-    Eight value = Eight{} + d[order], slope{};
-    for (int k = order - 1; k >= 0; --k) {
-        slope = slope * at + value;
-        value = value * at + d[static_cast<std::size_t>(k)];
-    }
-    const Eight squares = weight * (slope * slope);
-    const Eight products = weight * ((spring * (contact_distance - value) - damper * slope) * value);
-    Integrals sum{};
-    for (int i = 0; i < 8; ++i) sum.square += squares[i], sum.product += products[i];
-    return {t * sum.square, t * sum.product};
-}
-
 // An overlapping pair of bodies, or of a body and a wall.
 struct Contact {
     int pair;           // index in the cluster
     int first, second;  // second < 0: a wall
     int axis;           // of the wall's normal
     bool closed;        // exerts a force
-    double side, wall;  // as in ContactPair
+    double side;        // as in ContactPair
+    double wall[2];     // coordinate of the wall, as a series
     double contact_distance;
     alignas(sizeof(Four)) Four image;
     double spring, damper;  // in the unit of time
@@ -181,8 +158,8 @@ template <int n>
 void expand_distance(const Path* paths, Contact& f) {
     const Four& first = paths[f.first][n];
     if (f.second < 0) {
-        f.depth[n] =
-            n == 0 ? f.contact_distance - f.side * (first[f.axis] - f.wall) : -f.side * first[f.axis];
+        const double x = n < 2 ? first[f.axis] - f.wall[n] : first[f.axis];
+        f.depth[n] = n == 0 ? f.contact_distance - f.side * x : -f.side * x;
         return;
     }
     Four r = paths[f.second][n] - first;
@@ -265,18 +242,48 @@ inline void travels(const void* paths, const int* body_order, int in_contact, in
     }
 }
 
+// Adds the integrals from 0 to t of a closed contact, by Gauss-Legendre quadrature: γ ∫ (dd/dt)² dt to the dissipated
+// energy and, between two bodies, ∫ F/d r⊗r dt to the virial, with F = k (l − d) − γ dd/dt. `unit`: of time [s]. The
+// integrands oscillate through less than one period in a step, and the error is far below rounding.
+inline void add_integrals(const Contact& f, double t, double unit, double* dissipated, double* virial) {
+    using Eight = Vector<8>::Real;
+    constexpr Eight node = {0.01985507175123188, 0.10166676129318663, 0.2372337950418355, 0.4082826787521751,
+                            0.5917173212478249,  0.7627662049581645,  0.8983332387068134, 0.9801449282487681};
+    constexpr Eight weight = {0.05061426814518813, 0.11119051722668724, 0.15685332293894363,
+                              0.18134189168918100, 0.18134189168918100, 0.15685332293894363,
+                              0.11119051722668724, 0.05061426814518813};
+    const Terms& d = f.second < 0 ? f.depth : f.bodies.distance;
+    const Eight at = t * node;
+    Eight value = Eight{} + d[order], slope{};
+    for (int k = order - 1; k >= 0; --k) {
+        slope = slope * at + value;
+        value = value * at + d[static_cast<std::size_t>(k)];
+    }
+    const auto integral = [t](const Eight& x) {
+        double sum = 0.0;
+        for (int i = 0; i < 8; ++i) sum += x[i];
+        return t * sum;
+    };
+    *dissipated += f.damper * integral(weight * (slope * slope));
+    if (f.second < 0) return;
+    Eight r[3];
+    for (int a = 0; a < 3; ++a) r[a] = Eight{} + f.bodies.between[order][a];
+    for (std::size_t k = order; k-- > 0;)
+        for (int a = 0; a < 3; ++a) r[a] = r[a] * at + f.bodies.between[k][a];
+    const Eight force = f.spring * (f.contact_distance - value) - f.damper * slope;
+    const Eight pressing = unit * weight * force / value;
+    for (std::size_t c = 0; c < SymmetricTensor::size; ++c)
+        virial[c] += integral(pressing * r[SymmetricTensor::row[c]] * r[SymmetricTensor::column[c]]);
+}
+
 // Advances the state to a time within the step.
 inline void move(const void* paths, const int* body_order, int in_contact, int bodies, const void* contacts,
-                 int n, double at, double unit, const double* gravity, double* places, double* sums,
-                 double* chord_deviations) {
+                 int n, double at, double unit, const double* gravity, double* places, double* dissipated,
+                 double* virial, double* chord_deviations) {
     const Path* const path = static_cast<const Path*>(paths);
     for (int c = 0; c < n; ++c) {
         const Contact& f = static_cast<const Contact*>(contacts)[c];
-        if (!f.closed) continue;
-        const Terms& shape = f.second < 0 ? f.depth : f.bodies.distance;
-        const Integrals sum = integrals(shape, at, f.spring, f.damper, f.contact_distance);
-        sums[0] += f.damper * sum.square;
-        if (f.second >= 0) sums[1] += unit * sum.product;
+        if (f.closed) add_integrals(f, at, unit, dissipated, virial);
     }
     const Four fall = load_four(gravity) * (unit * unit);
     const double per_unit = 1.0 / unit;

@@ -52,7 +52,7 @@ HL_FN Real touch_times_of(const hardlimit_abi::ContactQuery& q, const Columns<Re
     }
     const Real touch = q.radius + q.others * p.of[2 * d + 1], never = broadcast<Real>(math::infinity);
     if constexpr (motion == Motion::growing) {
-        const Real distance = touch * q.share, speed = touch * q.rate;
+        const Real distance = touch * q.radius_factor, speed = touch * q.growth_rate;
         a = a - speed * speed;
         b = b - distance * speed;
         const Real c = square - distance * distance;

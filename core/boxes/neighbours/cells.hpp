@@ -46,7 +46,7 @@ struct Place {
 template <int d>
 class Cells {
 public:
-    static constexpr std::size_t slack = 128;
+    static constexpr std::size_t padding = 128;
 
     // Grids for `n` particles, the finest first.
     Cells() = default;
@@ -129,7 +129,7 @@ public:
         free_.clear();
     }
 
-    // Writes the ids to list[n …] and returns the new n. The list has room for `slack` more ids before and after.
+    // Writes the ids to list[n …] and returns the new n. The list has room for `padding` more ids before and after.
     std::size_t collect(u32 cell, Scratch<u32>& list, std::size_t n) const {
         const Cell* c = &cells_[cell];
         u32* to = list.data() + n;
@@ -164,7 +164,7 @@ public:
         block.rows = d == 3 ? rows * static_cast<u32>(to[d - 1] - from[d - 1] + 1) : rows;
         return false;
     }
-    std::size_t room() const { return 27 * inline_ids * (longest_chain_ + 1) + slack; }
+    std::size_t room() const { return 27 * inline_ids * (longest_chain_ + 1) + padding; }
 
     // Cells that a particle will search, as offsets from its own: the neighbours, or the layer beyond them on one side.
     struct Stencil {
@@ -200,13 +200,16 @@ public:
         Place<d> at = from;
         for (;;) {
             Place<d> cell = at;
-            double shift[d] = {};
+            int flags[d] = {};
             bool inside = true;
             for (int k = 0; k < d; ++k) {
-                while (cell[k] < 0) cell[k] += g.cells[k], shift[k] -= box.image_shift(k, 1);
-                while (cell[k] >= g.cells[k]) cell[k] -= g.cells[k], shift[k] += box.image_shift(k, 1);
-                inside = inside && (box.is_periodic(k) || shift[k] == 0.0);
+                while (cell[k] < 0) cell[k] += g.cells[k], --flags[k];
+                while (cell[k] >= g.cells[k]) cell[k] -= g.cells[k], ++flags[k];
+                inside = inside && (box.is_periodic(k) || flags[k] == 0);
             }
+            double shift[d];
+            const ImageMotion image = box.image(flags, 0.0);
+            for (int k = 0; k < d; ++k) shift[k] = image.shift[k];
             if (inside) f(number(level, cell), shift);
             int k = 0;
             for (; k < d && at[k] == to[k]; ++k) at[k] = from[k];
@@ -316,7 +319,7 @@ private:
 
     std::size_t collect_chain(const Cell* c, Scratch<u32>& list, std::size_t n) const {
         for (;;) {
-            if (list.size() < n + slack) list.resize(2 * n + slack);
+            if (list.size() < n + padding) list.resize(2 * n + padding);
             for (u32 k = 0; k < inline_ids; ++k) list[n + k] = c->id[k];
             n += std::min(c->tail, inline_ids);
             if (c->tail <= inline_ids) return n;
@@ -327,7 +330,7 @@ private:
     // The cells of the coarsest grid are as long as the largest diameter, or longer if there would be more than two per
     // particle. Finer grids are added while there are smaller particles, up to the same number of cells.
     void lay(const Box& box, std::size_t n, double smallest, double largest) {
-        const double most = 2.0 * static_cast<double>(n) + 32.0;
+        const double most = math::min(2.0 * static_cast<double>(n) + 32.0, 0.7 * most_cells);
         double edge = largest;
         Grid<d> coarse = grid(box, edge);
         while (count(coarse) > most) coarse = grid(box, edge *= 1.05);
@@ -335,14 +338,14 @@ private:
         grids_ = {coarse};
         for (;;) {
             Grid<d> g = grids_.back();
-            double longest = g.edge[0];
+            double shortest = g.edge[0];
             for (int k = 0; k < d; ++k) {
                 g.cells[k] *= 2;
                 g.edge[k] *= 0.5;
-                longest = k == 0 ? g.edge[0] : std::min(longest, g.edge[k]);
+                shortest = k == 0 ? g.edge[0] : std::min(shortest, g.edge[k]);
             }
-            if (longest < smallest || count(g) > most) break;
-            g.diameter = longest;
+            if (shortest < smallest || count(g) > most) break;
+            g.diameter = shortest;
             grids_.push_back(g);
         }
         std::reverse(grids_.begin(), grids_.end());

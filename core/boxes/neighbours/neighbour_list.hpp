@@ -56,7 +56,8 @@ public:
         for (std::uint32_t code = 0; code < 27; ++code) {
             const int step[3] = {static_cast<int>(code % 3) - 1, static_cast<int>(code / 3 % 3) - 1,
                                  static_cast<int>(code / 9) - 1};
-            for (int a = 0; a < 3; ++a) shift_[code][a] = box.image_shift(a, step[a]);
+            const ImageMotion image = box.image(step, 0.0);
+            for (int a = 0; a < 3; ++a) shift_[code][a] = image.shift[a];
         }
     }
 
@@ -164,13 +165,14 @@ inline void list_pairs(const CellLayers& grid, const Records<Double4>& position,
     }
 }
 
-// Appends the walls that the bodies first … last − 1 may touch while they move by less than half the skin.
+// Appends the walls that the bodies first … last − 1 may touch while bodies and walls move by less than half the skin.
 inline void list_walls(const Box& box, const Records<Double4>& position, std::uint32_t first,
                        std::uint32_t last, double skin, double time, std::vector<WallNeighbour>& walls) {
     for (std::uint32_t i = first; i < last; ++i)
         for (int axis = 0; axis < box.dimension; ++axis) {
             if (!box.has_walls(axis)) continue;
-            const double near = position[i][3] + 0.5 * skin, x = position[i][axis];
+            const double reach = box.has_moving_walls(axis) ? skin : 0.5 * skin;
+            const double near = position[i][3] + reach, x = position[i][axis];
             for (const bool high : {false, true})
                 if (const Wall wall = box.wall(axis, high); wall.distance(x, time) < near)
                     walls.push_back({i, wall.id});

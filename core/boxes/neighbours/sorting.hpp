@@ -15,10 +15,10 @@ public:
 
     // Wraps the bodies first … last − 1 into the box and finds their cells.
     void find_cells(const Box& box, const CellLayers& grid, Bodies& bodies, std::size_t first,
-                    std::size_t last) {
+                    std::size_t last, double time) {
         for (std::size_t i = first; i < last; ++i) {
             for (int axis = 0; axis < box.dimension; ++axis)
-                if (box.is_periodic(axis)) wrap(bodies.position[i], bodies.tag[i], axis, box.edge[axis]);
+                if (box.is_periodic(axis)) wrap(box, bodies, i, axis, time);
             cell_[i] = grid.cell_of(bodies.position[i]);
         }
     }
@@ -62,9 +62,11 @@ private:
     Records<BodyTag> tag_;
     Records<Double4> spin_;  // as long as Bodies::spin
 
-    static void wrap(Double4& position, BodyTag& tag, int axis, double edge) {
-        if (position[axis] < 0.0) position[axis] += edge, --tag.image_flags[axis];
-        if (position[axis] >= edge) position[axis] -= edge, ++tag.image_flags[axis];
+    static void wrap(const Box& box, Bodies& bodies, std::size_t i, int axis, double time) {
+        Double4 &x = bodies.position[i], &v = bodies.velocity[i];
+        auto& flags = bodies.tag[i].image_flags;
+        if (x[axis] < 0.0) box.wrap(x, v, flags, axis, -1, time);
+        if (x[axis] >= box.edge[axis]) box.wrap(x, v, flags, axis, 1, time);
     }
 };
 

@@ -29,8 +29,8 @@ void NewtonEvents<Law>::find_extreme_radii(std::size_t n) {
     }
 }
 
-// A multiple of the compression of contacts at the initial speeds; a larger radius requires wider cells, which hold
-// more candidates. The largest value under gravity, since speeds grow.
+// A multiple of the compression of contacts at the initial speeds of bodies and walls; a larger radius requires wider
+// cells, which hold more candidates. The largest value under gravity, since speeds grow.
 template <class Law>
 double NewtonEvents<Law>::initial_safety_radius(const double* velocity) const {
     const double most = 0.1 * largest_radius_;
@@ -41,7 +41,7 @@ double NewtonEvents<Law>::initial_safety_radius(const double* velocity) const {
     for (std::size_t k = 0; k < n * setting_.axes(); ++k) square += velocity[k] * velocity[k];
     for (std::size_t i = 0; i < n; ++i)
         if (laws_.radius(i) == largest_radius_) at = i;
-    const double speed = math::sqrt(square / static_cast<double>(n));
+    const double speed = math::max(math::sqrt(square / static_cast<double>(n)), 2.0 * box_.fastest_wall());
     if (!(speed > 0.0)) return most;
     const auto body = static_cast<std::int64_t>(at);
     const double duration = laws_(body, body).duration(speed, 0.5 * laws_.mass(at));
@@ -76,7 +76,9 @@ void NewtonEvents<Law>::make_cells(std::size_t n, const hardlimit_abi::TouchKern
     cells_ = Cells<3>(cell_box_, n, most, most);
     level_ = cells_.level_for(most);
     prefetches_ = n > most_in_caches;
-    // In a small box, no second image of a body may come near.
+    // R/4 limits the number of pairs in a cluster. In a small box, no second image of a body may come near while a
+    // group lasts: it is at least L/2 away along its axis, and both bodies move by D, so L/2 − 2 D > 2 R. This bound,
+    // D < 0.25 L − R, is lowered by 0.03 L − 0.1 R, positive in every box that this engine accepts (L >= 4.2 R).
     largest_displacement_ =
         math::min(0.25 * smallest_radius_, 0.22 * smallest_edge() - 0.9 * largest_radius_);
     const Grid<3>& g = cells_.grids()[static_cast<std::size_t>(level_)];
@@ -161,7 +163,7 @@ void NewtonEvents<Law>::for_neighbours(int i, const F& f) const {
 // Moves the body into the next cell and predicts collisions in the cells that become neighbours.
 template <class Law>
 void NewtonEvents<Law>::leave_cell(int i) {
-    PendingEvents& e = pending_[i];
+    BodyEvents& e = pending_[i];
     const SelfEvent own = static_cast<SelfEvent>(e.own);
     const int axis = axis_of(own), step = is_high(own) ? 1 : -1;
     const Grid<3>& g = cells_.grids()[static_cast<std::size_t>(level_)];
@@ -170,8 +172,8 @@ void NewtonEvents<Law>::leave_cell(int i) {
     at[axis] += step;
     if (at[axis] < 0 || at[axis] == g.cells[axis]) {
         at[axis] -= step * g.cells[axis];
-        particles_[i].position[axis] -= box_.image_shift(axis, step);
-        pending_[i].image_flags[static_cast<std::size_t>(axis)] += step;
+        Particle<3>& p = particles_[i];
+        box_.wrap(p.position, p.velocity, e.image_flags, axis, step, p.time);
     }
     e.cell = cells_.number(level_, at) & (most_cells - 1);
     cells_.insert(e.cell, static_cast<u32>(i));

@@ -15,7 +15,7 @@ void NewtonEvents<Law>::build_cluster(int index, ClusterSeed& set) {
     Cluster<Law>& after = g.cluster->after;
     double horizon = horizon_of(g);
     const double left = set.until - now_;
-    if (left > 1e-6 * horizon) horizon = math::min(horizon, left);
+    if (left > 1e-6 * horizon) horizon = math::min(horizon, left);  // less is the rounding error of times
     g.until = now_ + horizon;
     for (;;) {
         after = before;
@@ -187,6 +187,7 @@ ContactPair<Law> NewtonEvents<Law>::wall_pair(const Group& g, int i, const Wall&
     q.axis = wall.id.axis();
     q.side = wall.inward();
     q.wall = wall.position(now_) - g.origin[static_cast<std::size_t>(q.axis)];
+    q.wall_velocity = wall.velocity(now_);
     q.contact_distance = radius(body);
     q.mass = mass(body);
     q.law = law(body, -1);
@@ -199,6 +200,7 @@ ContactPair<Law> NewtonEvents<Law>::wall_pair(const Group& g, int i, const Wall&
 template <class Law>
 double NewtonEvents<Law>::horizon_of(const Group& g) const {
     const Cluster<Law>& c = g.cluster->before;
+    // A contact under Hertz's force lasts without end at zero speed: at least 1e-3 of the cluster's speed is used.
     constexpr double contacts = 1.5, contacts_without_force = 100.0;
     const double speed = c.speed();
     double closed = 0.0, slack = 0.0;
@@ -220,7 +222,7 @@ double NewtonEvents<Law>::time_to_cover(double distance, double speed, bool fall
     return 2.0 * distance / (speed + math::sqrt(speed * speed + 2.0 * distance * pull));
 }
 
-// Lower bound on the time in which a member reaches a wall that forms no pair of the cluster. It includes the common
+// Lower bound on the time in which a member and a wall that forms no pair of the cluster meet. It includes the common
 // motion of all members.
 template <class Law>
 double NewtonEvents<Law>::time_to_a_wall(const Group& g, double speed) const {
@@ -231,8 +233,8 @@ double NewtonEvents<Law>::time_to_a_wall(const Group& g, double speed) const {
                 if (const Wall wall = box_.wall(axis, high); box_.has_walls(axis) && !near_wall(i, wall))
                     gap = math::min(gap, wall_distance(i, wall) - radius(i));
     if (gap == math::infinity) return gap;
-    const Vector3 drift = g.cluster->before.mean_velocity();
-    return time_to_cover(gap, speed + math::sqrt(dot(drift, drift)), true);
+    const Vector3 drift = g.cluster->before.frame_velocity();
+    return time_to_cover(gap, speed + math::sqrt(dot(drift, drift)) + box_.fastest_wall(), true);
 }
 
 // Sets c to the state of the group at its start.

@@ -135,7 +135,8 @@ private:
     bool several_images_ = false;         // whether several images of a body may be near
     bool walled_ = false;                 // whether there are walls
     bool prefetches_ = false;             // whether the data exceed the caches
-    double now_ = 0.0, virial_ = 0.0, clustered_ = 0.0;
+    double now_ = 0.0, wall_work_ = 0.0, clustered_ = 0.0;
+    SymmetricTensor virial_;
     double dissipated_ = 0.0;  // including the elastic energy that slack pairs still store [J]
     std::uint64_t begun_ = 0, begun_pairs_ = 0, ended_ = 0, overlapped_ = 0, events_ = 0;
     int largest_cluster_ = 0;
@@ -273,10 +274,10 @@ private:
     // isolated_contact.hpp
     static TabulatedContacts<Law, true> soft_contacts(const PairLaws<Law>& laws, std::size_t count,
                                                       const hardlimit_abi::TouchKernels& kernels);
-    bool solve_pair(IsolatedContact& l, SeparatedMembers& after);
+    bool solve_pair(Group& g, SeparatedMembers& after);
     void separate_pair(IsolatedContact& l, SeparatedMembers& after, const PlanarContact& end,
                        const Vector3& normal, const Vector3& tangent) const;
-    bool solve_wall(IsolatedContact& l, SeparatedMembers& after);
+    bool solve_wall(Group& g, SeparatedMembers& after);
     bool far_from_walls(const Group& g, const SeparatedMembers& after) const;
 
     // observe.hpp
@@ -302,7 +303,7 @@ void NewtonEvents<Law>::advance(double until, u64 most_work, int /*threads*/, St
     const u64 last = most_work > ~events_ ? ~u64{0} : events_ + most_work;
     paused_ = false;
     while (outcome_ == Outcome::ok) {
-        const Due* due =
+        const QueuedEvent* due =
             calendar_queue_.next([this](u32 id) { return pending_[id].time(); }, by_original_index(),
                                  [this] {
                                      if (prefetches_) prefetcher().enter_bin();
@@ -359,10 +360,7 @@ void NewtonEvents<Law>::process_event(int i) {
     }
     const SelfEvent own = static_cast<SelfEvent>(e.own);
     if (own == SelfEvent::ends) return end_cluster(i);
-    const int axis = axis_of(own);
-    const int last = is_high(own) ? cells_.grids()[static_cast<std::size_t>(level_)].cells[axis] - 1 : 0;
-    if (!box_.is_periodic(axis) && cells_.place(level_, e.cell)[axis] == last)
-        return begin_contact(i, -1, wall_at(own));
+    if (is_wall(own)) return begin_contact(i, -1, wall_at(own));
     leave_cell(i);
 }
 

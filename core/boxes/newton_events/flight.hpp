@@ -214,7 +214,8 @@ double NewtonEvents<Law>::time_at_distance(int j, double distance) const {
 }
 
 // Predicts the self event of body i: it leaves its cell `at`, or meets a wall if it is free, or its cluster ends if it
-// is the first member. Has few branches, since which face comes first is unpredictable for a processor.
+// is the first member. Has few branches, since which face comes first is unpredictable for a processor. A wall at rest
+// is the face of the outermost cells. A moving wall may be in any cell.
 template <class Law>
 void NewtonEvents<Law>::predict_self_event(int i, const Place<3>& at) {
     BodyEvents& e = pending_[i];
@@ -222,10 +223,10 @@ void NewtonEvents<Law>::predict_self_event(int i, const Place<3>& at) {
     const bool is_free = free(i);
     double in = math::infinity;
     SelfEvent which = SelfEvent::low_x;
-    const auto consider = [&](double time, int axis, bool up) {
+    const auto consider = [&](double time, int axis, bool up, bool wall) {
         const auto sooner =
             0u - static_cast<u32>(time < in);  // a mask, since gcc would turn ?: into a branch
-        which = static_cast<SelfEvent>((static_cast<u32>(self_event(axis, up)) & sooner) |
+        which = static_cast<SelfEvent>((static_cast<u32>(self_event(axis, up, wall)) & sooner) |
                                        (static_cast<u32>(which) & ~sooner));
         in = math::min(in, time);
     };
@@ -234,26 +235,33 @@ void NewtonEvents<Law>::predict_self_event(int i, const Place<3>& at) {
         if (a == box_.dimension) break;
         const double x = query_.position[a], v = query_.velocity[a], pull = box_.gravity[a];
         double low = at[a] * g.edge[a], high = (at[a] + 1) * g.edge[a];
+        bool outermost[2] = {};
         if (walled_ && box_.has_walls(a)) {
-            if (at[a] == 0)
-                low = is_free ? box_.wall(a, false).position(now_) + query_.radius : -math::infinity;
-            if (at[a] == g.cells[a] - 1)
-                high = is_free ? box_.wall(a, true).position(now_) - query_.radius : math::infinity;
+            const bool moving = box_.has_moving_walls(a), face = is_free && !moving;
+            outermost[0] = at[a] == 0, outermost[1] = at[a] == g.cells[a] - 1;
+            if (outermost[0])
+                low = face ? box_.wall(a, false).position(now_) + query_.radius : -math::infinity;
+            if (outermost[1])
+                high = face ? box_.wall(a, true).position(now_) - query_.radius : math::infinity;
+            if (moving && is_free)
+                for (const bool up : {false, true})
+                    consider(wall_contact_time(box_.wall(a, up), now_, x, v, pull, query_.radius), a, up,
+                             true);
         }
         if (pull == 0.0) {
             const double borders[2] = {low, high};
             const bool up = v > 0.0;
-            consider(time_to(borders[up] - x, v), a, up);
+            consider(time_to(borders[up] - x, v), a, up, outermost[up]);
         } else {
-            consider(time_below(x, v, pull, high), a, true);
-            consider(time_below(-x, -v, -pull, -low), a, false);
+            consider(time_below(x, v, pull, high), a, true, outermost[1]);
+            consider(time_below(-x, -v, -pull, -low), a, false, outermost[0]);
         }
     }
     e.own_time = now_ + in;
-    e.own = static_cast<u32>(which) & 7u;
+    e.own = static_cast<u32>(which) & 15u;
     if (!e.first || !e.clustered || e.end > e.own_time) return;
     e.own_time = e.end;
-    e.own = static_cast<u32>(SelfEvent::ends) & 7u;
+    e.own = static_cast<u32>(SelfEvent::ends) & 15u;
 }
 
 }  // namespace hardlimit::boxes

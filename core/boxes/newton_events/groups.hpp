@@ -38,7 +38,7 @@ void NewtonEvents<Law>::begin_contacts() {
             for (const bool high : {false, true}) {
                 const Wall wall = box_.wall(axis, high);
                 overlap(i, -1, wall.id, radius(i) - wall.distance(p.position[axis], now_),
-                        -wall.inward() * p.velocity[axis]);
+                        -wall.inward() * (p.velocity[axis] - wall.velocity(now_)));
             }
         }
     }
@@ -104,10 +104,11 @@ template <class Law>
 void NewtonEvents<Law>::end_isolated_contact(int index) {
     const IsolatedContact& l = group(index).isolated_contact;
     ++ended_;
-    largest_compression_ = math::max(largest_compression_, l.compression);
+    largest_compression_ = math::max(largest_compression_, group(index).compression);
     if (setting_.log) log_.push_back(contact_row(group(index), l.pair, l.contact));
     dissipated_ += l.dissipated;
     virial_ += l.virial;
+    wall_work_ += group(index).wall_work;
     const int first = l.body[0], second = l.body[1];
     const auto for_both = [&](const auto& f) {
         f(first);
@@ -191,7 +192,7 @@ bool NewtonEvents<Law>::try_isolated_contact(int i, int j, WallId wall, int& thi
     IsolatedContact& l = g.isolated_contact;
     SeparatedMembers after;
     const std::size_t members = g.body.size();
-    const bool solved = j >= 0 ? solve_pair(l, after) : solve_wall(l, after);
+    const bool solved = j >= 0 ? solve_pair(g, after) : solve_wall(g, after);
     if (solved) set_safety_radii(l);
     if (!solved || !far_from_walls(g, after)) {
         discard_group(index);

@@ -30,7 +30,8 @@ TabulatedContacts<Law, true> NewtonEvents<Law>::soft_contacts(const PairLaws<Law
 // Solves the contact of two bodies in their plane of approach. Returns false if the contact does not end, or if a
 // member moves too far for its cell.
 template <class Law>
-bool NewtonEvents<Law>::solve_pair(IsolatedContact& l, SeparatedMembers& after) {
+bool NewtonEvents<Law>::solve_pair(Group& g, SeparatedMembers& after) {
+    IsolatedContact& l = g.isolated_contact;
     ContactPair<Law>& q = l.pair;
     const Member &a = l.before[0], &b = l.before[1];
     Vector3 normal, v, tangent;
@@ -52,17 +53,30 @@ bool NewtonEvents<Law>::solve_pair(IsolatedContact& l, SeparatedMembers& after) 
     const double separation = end.radial_speed, tangential_after = end.tangential_speed;
     l.contact = {0, now_, now_ + end.duration, approach, separation, false};
     q.impact_speed = approach;
-    l.compression = end.greatest / math::min(a.radius, b.radius);
+    g.compression = end.greatest / math::min(a.radius, b.radius);
+    g.wall_work = 0.0;
     l.dissipated = 0.5 * q.mass *
                    (end.speed_loss * (approach + separation) +
                     (tangential - tangential_after) * (tangential + tangential_after));
-    // Virial from r · (equation of motion), integrated over the contact.
+    // The virial (planar_contact.hpp): its trace, and its components along normal and tangent at touch.
     const double left = distance - end.compression;
-    l.virial = q.mass * ((separation * left + approach * distance) - end.rate_square -
-                         tangential * distance * end.turn);
+    const double trace =
+        (separation * left + approach * distance) - end.rate_square - tangential * distance * end.turn;
+    const double nn = q.mass * (trace - end.virial_tt), nt = q.mass * end.virial_nt,
+                 tt = q.mass * end.virial_tt;
+    Vector3 along, across;
+    for (std::size_t k = 0; k < 3; ++k) {
+        along[k] = nn * normal[k] + nt * tangent[k];
+        across[k] = nt * normal[k] + tt * tangent[k];
+    }
+    for (std::size_t c = 0; c < SymmetricTensor::size; ++c) {
+        const auto i = static_cast<std::size_t>(SymmetricTensor::row[c]);
+        const auto j = static_cast<std::size_t>(SymmetricTensor::column[c]);
+        l.virial.component[c] = normal[i] * along[j] + tangent[i] * across[j];
+    }
     separate_pair(l, after, end, normal, tangent);
     const double share = math::max(a.mass, b.mass) / (a.mass + b.mass);
-    return l.compression < deepest_compression && end.turn < largest_rotation &&
+    return g.compression < deepest_compression && end.turn < largest_rotation &&
            l.span * (approach + tangential) <= largest_displacement_ &&
            share * l.deviation <= largest_safety_radius_;
 }
@@ -105,13 +119,16 @@ void NewtonEvents<Law>::separate_pair(IsolatedContact& l, SeparatedMembers& afte
         l.initial_offset[k] = -per_cosine * (off_n * normal[k] + off_t * tangent[k]);
 }
 
-// solve_pair() for a body and a wall.
+// solve_pair() for a body and a wall that moves uniformly, in the frame of the wall.
 template <class Law>
-bool NewtonEvents<Law>::solve_wall(IsolatedContact& l, SeparatedMembers& after) {
+bool NewtonEvents<Law>::solve_wall(Group& g, SeparatedMembers& after) {
+    IsolatedContact& l = g.isolated_contact;
     ContactPair<Law>& q = l.pair;
     const auto axis = static_cast<std::size_t>(q.axis);
     const Member& a = l.before[0];
-    const double approach = -q.side * a.velocity[axis], weight = -q.side * box_.gravity[axis];
+    Vector3 v = a.velocity;
+    v[axis] -= q.wall_velocity;
+    const double approach = -q.side * v[axis], weight = -q.side * box_.gravity[axis];
     if (!(approach > 0.0)) return false;
     const PlanarContact end = soft_(q.law, Approach{q.mass, math::infinity, approach, 0.0, weight});
     if (end.outcome != Outcome::ok) return false;
@@ -120,15 +137,18 @@ bool NewtonEvents<Law>::solve_wall(IsolatedContact& l, SeparatedMembers& after) 
     const double opening =
         end.compression > 0.0 ? 2.0 * end.compression / (end.radial_speed + math::sqrt(square)) : 0.0;
     l.span = end.duration + opening;
-    l.compression = end.greatest / a.radius;
+    g.compression = end.greatest / a.radius;
     Member& to = after[0] = a;
     for (std::size_t k = 0; k < 3; ++k) {
         to.position[k] += l.span * (a.velocity[k] + 0.5 * box_.gravity[k] * l.span);
         to.velocity[k] += box_.gravity[k] * l.span;
     }
-    to.position[axis] = q.wall + q.side * q.contact_distance;
-    to.velocity[axis] = q.side * (end.radial_speed - weight * opening);
+    to.position[axis] = q.wall_position(l.span) + q.side * q.contact_distance;
+    to.velocity[axis] = q.side * (end.radial_speed - weight * opening) + q.wall_velocity;
+    const double gained = to.velocity[axis] - a.velocity[axis] - l.span * box_.gravity[axis];
+    g.wall_work = q.mass * gained * q.wall_velocity;
     l.dissipated = q.mass * (0.5 * end.speed_loss * (approach + end.radial_speed) + weight * end.compression);
+    l.virial = {};  // counts pairs of bodies only
     l.contact = {0, now_, now_ + end.duration, approach, end.radial_speed, false};
     q.impact_speed = approach;
     // The force per mass a keeps its direction: the deviation of the path is largest at touch, ∫ t a dt.
@@ -138,8 +158,7 @@ bool NewtonEvents<Law>::solve_wall(IsolatedContact& l, SeparatedMembers& after) 
     l.deviation = math::abs(off);
     l.initial_offset = {};
     l.initial_offset[axis] = -q.side * off;
-    return l.compression < deepest_compression &&
-           l.span * math::sqrt(dot(a.velocity, a.velocity)) <= largest_displacement_ &&
+    return g.compression < deepest_compression && l.span * math::sqrt(dot(v, v)) <= largest_displacement_ &&
            l.deviation <= largest_safety_radius_;
 }
 
@@ -164,7 +183,7 @@ bool NewtonEvents<Law>::far_from_walls(const Group& g, const SeparatedMembers& a
             for (const bool high : {false, true}) {
                 const Wall wall = box_.wall(axis, high);
                 if (l.pair.second < 0 && l.pair.wall_id == wall.id) continue;
-                if (!(wall.distance(high ? most : least, now_) > needed)) return false;
+                if (!(wall.least_distance(high ? most : least, now_, now_ + l.span) > needed)) return false;
             }
         }
     }

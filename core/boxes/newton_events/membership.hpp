@@ -68,6 +68,7 @@ void NewtonEvents<Law>::dissolve_group(int index, bool at_end, std::vector<Activ
     const Cluster<Law>& c = g.cluster->after;
     dissipated_ += c.dissipated;
     virial_ += c.virial;
+    wall_work_ += c.wall_work;
     largest_compression_ = math::max(largest_compression_, c.largest_compression);
     begun_ += static_cast<std::uint64_t>(c.begun);
     begun_pairs_ += static_cast<std::uint64_t>(c.begun_pairs);

@@ -11,6 +11,7 @@ NewtonSnapshot NewtonEvents<Law>::snapshot() const {
     s.velocity.resize(s.position.size());
     Observation& o = s.sums;
     o.dissipated_energy = dissipated_, o.virial = virial_, o.largest_compression = largest_compression_;
+    o.wall_work = wall_work_;
     o.begun = begun_, o.pairs = begun_pairs_, o.ended = ended_, o.overlapped = overlapped_;
     for (int i = 0; i < static_cast<int>(particles_.size()); ++i)
         if (free(i)) add_body(s, i, position(i, now_), velocity(i, now_));
@@ -24,13 +25,15 @@ template <class Law>
 void NewtonEvents<Law>::add_body(NewtonSnapshot& s, int i, const Vector3& x, const Vector3& v) const {
     const std::size_t d = setting_.axes(), at = d * std::size_t{pending_[i].original_index};
     const double m = mass(i);
+    const ImageMotion image = box_.image(pending_[i].image_flags, now_);
     for (std::size_t a = 0; a < d; ++a) {
-        s.position[at + a] = x[a] + box_.image_shift(static_cast<int>(a), pending_[i].image_flags[a]);
+        s.position[at + a] = x[a] + image.shift[a];
         s.velocity[at + a] = v[a];
         s.sums.kinetic_energy += 0.5 * m * v[a] * v[a];
         s.sums.potential_energy -= m * box_.gravity[a] * s.position[at + a];
         s.sums.momentum[a] += m * v[a];
     }
+    s.sums.kinetic_tensor.add_square(m, v);
 }
 
 // Adds a group, integrated in c up to the current time.
@@ -43,6 +46,7 @@ void NewtonEvents<Law>::add_group(NewtonSnapshot& s, const Group& g, Cluster<Law
     o.contact_energy += c.stored(ContactState::closed) + slack;
     o.dissipated_energy += c.dissipated - slack;
     o.virial += c.virial;
+    o.wall_work += c.wall_work;
     o.largest_compression = math::max(o.largest_compression, c.largest_compression);
     o.begun += static_cast<u64>(c.begun);
     o.pairs += static_cast<u64>(c.begun_pairs);

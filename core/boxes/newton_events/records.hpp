@@ -33,8 +33,7 @@ template <class Law>
 struct IsolatedContact {
     int body[2];              // second < 0: a wall
     double dissipated;        // [J]
-    double virial;            // [J s]
-    double compression;       // largest, in units of the smaller radius
+    SymmetricTensor virial;   // ∫ r⊗F dt; 0 at a wall [J s]
     alignas(64) double span;  // time from touch until the surfaces separate [s]
     double share[2];          // each member's part of the relative displacement: m_other/(m_1 + m_2)
     double safety_radius[2];  // by which a member's path can leave the triangle of stays_clear() [m]
@@ -56,7 +55,9 @@ template <class Law>
 struct ContactGroup {
     IsolatedContact<Law> isolated_contact{};  // if isolated
     bool alive = false, isolated = false;
-    double until = 0.0;  // latest end of a large cluster [s]
+    double compression = 0.0;  // of an isolated contact: largest, in units of the smaller radius
+    double wall_work = 0.0;    // of an isolated contact with a moving wall [J]
+    double until = 0.0;        // latest end of a large cluster [s]
     Vector3 origin{};
     SmallVector<int, 2> body;
     SmallVector<Vector3, 2> image_offset;         // [members] image flags of the member's position

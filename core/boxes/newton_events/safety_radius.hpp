@@ -22,7 +22,7 @@ bool NewtonEvents<Law>::set_safety_radii(int index) {
 
 // Largest distance of a member's true path from its parabola. Between steps the chord deviation is added. If that is
 // unknown, the distance is close to a cubic within a step: it exceeds its values at the ends by at most a quarter of
-// the step times the larger slope.
+// the step times the larger slope, and 0.3 of it leaves a margin for the terms of higher order.
 template <class Law>
 double NewtonEvents<Law>::deviation_from_path(const Group& g, std::size_t m) const {
     const std::size_t n = g.body.size();

@@ -19,6 +19,19 @@ struct ContactBegin {
     std::uint32_t overlaps_first, overlaps_second;  // overlap counts at the begin (ContactLog)
 };
 
+// State of the friction of a contact; empty without friction.
+template <class Law>
+struct Friction {};
+template <FrictionalLaw Law>
+struct Friction<Law> {
+    typename Law::History history{};
+    Double4 force{};     // on the second body at the last step [N]
+    double power = 0.0;  // that it takes from the bodies [W]
+
+    double energy(const Law& law) const { return law.tangential_energy(history); }
+    void reverse() { history.reverse(), force = -force; }
+};
+
 // Two bodies, or a body and a wall, that overlap. They are in contact while their force is repulsive.
 template <class Law>
 struct Contact : ContactBegin, ContactForce {  // the force of the last step
@@ -27,6 +40,7 @@ struct Contact : ContactBegin, ContactForce {  // the force of the last step
     std::uint32_t index_first, index_second;  // in Bodies; no_body: a free slot (first), a wall (second)
     Double4 normal;                           // unit vector from the first to the second
     double distance;                          // of the centres, or to the wall [m]
+    double wall_velocity;                     // of a wall, inwards [m/s]; 0 for two bodies
     double compression;                       // at the last step [m]
     double damped;                            // impulse of the damping during the last step [N s]
     double excess;                            // of the compression over the slack of the law [m]
@@ -34,7 +48,7 @@ struct Contact : ContactBegin, ContactForce {  // the force of the last step
     bool is_new;  // the last step was its first
     bool in_contact;
     std::int32_t begin_event;  // index of its begin in Slab::events; −1 once logged
-    [[no_unique_address]] typename HistoryOf<Law>::Type history;
+    [[no_unique_address]] Friction<Law> friction;
 };
 
 // The begin or the end of a contact between two steps. It is logged after several steps, when the slot of the contact

@@ -41,6 +41,7 @@ public:
             criterion_.fastest =
                 math::max(criterion_.fastest, math::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]));
         }
+        criterion_.fastest = math::max(criterion_.fastest, box_.fastest_wall());
         bodies_.acceleration.resize(bodies_.count());
         if constexpr (FrictionalLaw<Law>) make_spins();
         begin_rebuild();
@@ -86,15 +87,17 @@ public:
         const int d = box_.dimension;
         for (std::size_t i = 0; i < bodies_.count(); ++i) {
             const Double4 v = velocity_of(i);
+            const ImageMotion image = box_.image(bodies_.tag[i].image_flags, time_);
             const std::size_t to = std::size_t{bodies_.tag[i].original_index} * static_cast<std::size_t>(d);
             for (int axis = 0; axis < d; ++axis) {
-                position[to + static_cast<std::size_t>(axis)] = steps::unfolded(box_, bodies_, i, axis);
+                position[to + static_cast<std::size_t>(axis)] = bodies_.position[i][axis] + image.shift[axis];
                 velocity[to + static_cast<std::size_t>(axis)] = v[axis];
             }
         }
     }
     Observation observe() const override {
-        Observation o = steps::observe(box_, domain_, [this](std::size_t i) { return velocity_of(i); });
+        Observation o =
+            steps::observe(box_, domain_, time_, [this](std::size_t i) { return velocity_of(i); });
         o.begun = log_.begun(), o.pairs = log_.pairs(), o.ended = log_.ended();
         o.overlapped = log_.overlapped();
         return o;
@@ -239,7 +242,7 @@ private:
             case Phase::measure:
                 return for_slabs([&](std::uint32_t slab) { domain_.measure(slabs_[slab]); });
             case Phase::cells:
-                return domain_.find_cells(first, last);
+                return domain_.find_cells(first, last, time_);
             case Phase::gather:
                 return domain_.gather(first, last);
             case Phase::list:
@@ -275,7 +278,7 @@ private:
                 phase_ = Phase::list;
                 return;
             case Phase::list:
-                domain_.restore_contacts();
+                domain_.restore_contacts(time_);
                 criterion_.list_built(domain_.skin());
                 return begin_batch(stop);
             case Phase::inside:
@@ -334,7 +337,7 @@ private:
     }
 
     void end_measure(Stop& stop) {
-        const auto [farthest, fastest, finite] = domain_.take_measurement();
+        const auto [farthest, fastest, finite] = domain_.take_measurement(time_);
         const bool missed = criterion_.measured(farthest, fastest, plan_.h, domain_.skin());
         // Bodies that move further in a step could pass through each other.
         if (missed || !(finite && fastest * plan_.h < 0.25 * domain_.smallest_diameter())) {

@@ -42,7 +42,9 @@ public:
                           force.impulse_until_step(c.onset, c.force);
                 add_impulse(slab, bodies, c, impulse);
             }
-            if (c.index_second != no_body) slab.virial += (0.5 * h * c.force + impulse) * c.distance;
+            add_virial(slab, c, 0.5 * h * c.force + impulse);
+            if constexpr (FrictionalLaw<Law>) add_friction_virial(slab, c, 0.5 * h);
+            slab.wall_work += (0.5 * h * c.force + impulse) * c.wall_velocity;
         }
     }
 
@@ -62,6 +64,7 @@ private:
         double distance, reach;  // reach: distance at touch [m]
         Double4 velocity;        // [m/s], known velocity_lag before now
         Double4 acceleration;    // at the step before [m/s²]
+        double wall_velocity;    // inwards [m/s]; 0 for two bodies
 
         double compression() const { return reach - distance; }
     };
@@ -100,18 +103,21 @@ private:
         const Double4 a =
             bodies_.acceleration[j].previous(now_.step) - bodies_.acceleration[i].previous(now_.step);
         const auto number = static_cast<std::int32_t>(bodies_.tag[j].original_index);
-        update_contact(slab, slot, {i, j, number, p.image(), normal, distance, reach, v, a}, separation);
+        update_contact(slab, slot, {i, j, number, p.image(), normal, distance, reach, v, a, 0.0}, separation);
     }
     HL_FN_APART void wall_contact(Slab<Law>& slab, std::int32_t& slot, WallNeighbour w, double distance) {
         const std::uint32_t i = w.body;
         const Wall wall = box_.wall(w.wall);
         Double4 normal{}, v = -bodies_.velocity[i];
         normal[w.wall.axis()] = -wall.inward();
-        v[w.wall.axis()] += wall.velocity(now_.time);
+        const double speed = wall.velocity(now_.time - now_.velocity_lag);
+        v[w.wall.axis()] += speed;
         const Double4 a = -bodies_.acceleration[i].previous(now_.step) - gravity_of(box_);
         const double reach = bodies_.position[i][3];
-        update_contact(slab, slot, {i, no_body, w.wall.number, no_image, normal, distance, reach, v, a},
-                       normal * distance);
+        update_contact(
+            slab, slot,
+            {i, no_body, w.wall.number, no_image, normal, distance, reach, v, a, wall.inward() * speed},
+            normal * distance);
     }
 
     void update_contact(Slab<Law>& slab, std::int32_t& slot, const RelativeMotion& m, Double4 separation) {
@@ -134,13 +140,13 @@ private:
         if (now_.velocity_lag > 0.0)
             slab.dissipated += is_new ? dissipated_at_onset(c.law, f, c.onset) : dissipated(c, f, m);
         c.index_first = m.first, c.index_second = m.second;
-        c.normal = m.normal, c.distance = m.distance;
+        c.normal = m.normal, c.distance = m.distance, c.wall_velocity = m.wall_velocity;
         c.excess = excess, c.is_new = is_new, c.compression = compression;
         static_cast<ContactForce&>(c) = f;
         record_depth(slab, c, m);
         apply(slab, c);
         if constexpr (FrictionalLaw<Law>)
-            if (compression > 0.0) apply_friction(slab, c, m);
+            compression > 0.0 ? apply_friction(slab, c, m) : end_friction(slab, c);
         if (!(compression > 0.0)) {
             c.index_first = no_body;
             slab.freed_slots.push_back(slot);
@@ -240,39 +246,68 @@ private:
                                    : force.missed_impulse(c.onset, now_.h);
             add_impulse(slab, bodies_, c, impulse);
         }
-        if (c.index_second != no_body) slab.virial += (now_.weight * c.force + impulse) * c.distance;
+        add_virial(slab, c, now_.weight * c.force + impulse);
+        slab.wall_work += (now_.weight * c.force + impulse) * c.wall_velocity;
         if (!(c.force > 0.0)) return;
         accelerate(slab, c.index_first, c.normal * (-c.force * bodies_.velocity[c.index_first][3]));
         if (c.index_second != no_body)
             accelerate(slab, c.index_second, c.normal * (c.force * bodies_.velocity[c.index_second][3]));
     }
     // The lever arms of two bodies end in the middle of their overlap, so that angular momentum is conserved.
+    //
+    // Of the power −F_t·v that the tangential force takes from the bodies, v the sliding velocity, the tangential
+    // spring stores a part; the rest is dissipated. The power is integrated by the trapezoidal rule from touch on, with
+    // an error of order h².
     void apply_friction(Slab<Law>& slab, Contact<Law>& c, const RelativeMotion& m) {
         const std::uint32_t i = m.first, j = m.second;
         const bool wall = j == no_body;
         const double radius = bodies_.position[i][3];
         const double arm = wall ? m.distance : radius - 0.5 * c.compression;
         const double other_arm = wall ? 0.0 : m.distance - arm;
-        Double4 turning = bodies_.spin[i] * arm;
-        if (!wall) turning += bodies_.spin[j] * other_arm;
+        Double4 turning = spin_at(i) * arm;
+        if (!wall) turning += spin_at(j) * other_arm;
         Double4 v = m.velocity + m.acceleration * now_.velocity_lag - cross(turning, m.normal);
         v -= m.normal * dot(v, m.normal);
         const double duration = c.is_new ? c.onset.since : now_.h;
         const ContactMotion motion = {
             c.compression,      c.rate,  c.force, {m.normal[0], m.normal[1], m.normal[2]},
             {v[0], v[1], v[2]}, duration};
-        const TangentialForce f = c.law.tangential_force(motion, c.history);
+        const double stored = c.friction.energy(c.law), power = c.friction.power;
+        const TangentialForce f = c.law.tangential_force(motion, c.friction.history);
         const Double4 force{f.component[0], f.component[1], f.component[2], 0.0};
+        c.friction.force = force;
+        c.friction.power = -dot(force, v);
+        slab.dissipated += 0.5 * duration * (power + c.friction.power) - (c.friction.energy(c.law) - stored);
         const Double4 torque = -cross(m.normal, force);  // over the lever arm, on either body
         accelerate(slab, i, -force * bodies_.velocity[i][3]);
         bodies_.angular_acceleration[i].add(now_.step, torque * (arm * bodies_.spin[i][3]));
         if (wall) return;
+        add_friction_virial(slab, c, now_.weight);
         accelerate(slab, j, force * bodies_.velocity[j][3]);
         bodies_.angular_acceleration[j].add(now_.step, torque * (other_arm * bodies_.spin[j][3]));
+    }
+    // The bodies have separated since the last step. The tangential force ends with the normal force, and the energy of
+    // its spring is dissipated.
+    void end_friction(Slab<Law>& slab, const Contact<Law>& c) const {
+        const double apart = c.rate < 0.0 ? math::clamp(c.compression / c.rate, 0.0, now_.h) : 0.0;
+        slab.dissipated += 0.5 * (now_.h - apart) * c.friction.power + c.friction.energy(c.law);
+    }
+    // Angular velocity now [rad/s], from the torques of the step before.
+    Double4 spin_at(std::uint32_t body) const {
+        return bodies_.spin[body] +
+               bodies_.angular_acceleration[body].previous(now_.step) * now_.velocity_lag;
     }
     void accelerate(Slab<Law>& slab, std::uint32_t body, Double4 acceleration) {
         if (bodies_.acceleration[body].add(now_.step, acceleration))
             (slab.holds(body) ? slab.accelerated : slab.accelerated_next).push_back(body);
+    }
+    // r⊗Δp of an impulse along the line of centres r. With friction r⊗F is not symmetric; its symmetric part is added.
+    static void add_virial(Slab<Law>& slab, const Contact<Law>& c, double impulse) {
+        if (c.index_second != no_body) slab.virial.add_square(impulse * c.distance, c.normal);
+    }
+    static void add_friction_virial(Slab<Law>& slab, const Contact<Law>& c, double duration) {
+        if (c.index_second != no_body)
+            slab.virial.add_product(duration * c.distance, c.normal, c.friction.force);
     }
     static void add_impulse(Slab<Law>& slab, const Bodies& bodies, const Contact<Law>& c, double impulse) {
         slab.impulses.push_back({c.index_first, c.normal * (-impulse * bodies.velocity[c.index_first][3])});

@@ -5,32 +5,32 @@
 
 namespace hardlimit::boxes::steps {
 
-// Coordinate along the unfolded path [m].
-inline double unfolded(const Box& box, const Bodies& bodies, std::size_t i, int axis) {
-    return bodies.position[i][axis] + box.image_shift(axis, bodies.tag[i].image_flags[axis]);
-}
-
 // All observables except the counts of begun and ended contacts. velocity_of(i): velocity of body i at the time of the
 // positions [m/s].
 template <class Law, class VelocityOf>
-Observation observe(const Box& box, const Decomposition<Law>& domain, const VelocityOf& velocity_of) {
+Observation observe(const Box& box, const Decomposition<Law>& domain, double time,
+                    const VelocityOf& velocity_of) {
     const Bodies& bodies = domain.bodies;
     Observation o;
     for (std::size_t i = 0; i < bodies.count(); ++i) {
         const Double4 v = velocity_of(i);
         const double mass = 1.0 / bodies.velocity[i][3];
+        const ImageMotion image = box.image(bodies.tag[i].image_flags, time);
         o.kinetic_energy += 0.5 * mass * dot(v, v);
+        o.kinetic_tensor.add_square(mass, v);
         for (int axis = 0; axis < box.dimension; ++axis) {
-            o.potential_energy -= mass * box.gravity[axis] * unfolded(box, bodies, i, axis);
+            const double unfolded = bodies.position[i][axis] + image.shift[axis];
+            o.potential_energy -= mass * box.gravity[axis] * unfolded;
             o.momentum[axis] += mass * v[axis];
         }
     }
-    o.dissipated_energy = domain.dissipated, o.virial = domain.virial;
+    o.dissipated_energy = domain.dissipated, o.wall_work = domain.wall_work, o.virial = domain.virial;
     for (const Slab<Law>& s : domain.slabs) {
-        o.dissipated_energy += s.dissipated, o.virial += s.virial;
+        o.dissipated_energy += s.dissipated, o.wall_work += s.wall_work, o.virial += s.virial;
         for (const Contact<Law>& c : s.contacts) {
             if (c.index_first == no_body) continue;
             o.contact_energy += c.law.energy(onset_root<Law::onset_power>(c.compression));
+            if constexpr (FrictionalLaw<Law>) o.contact_energy += c.friction.energy(c.law);
             o.in_contact += c.in_contact;
         }
     }

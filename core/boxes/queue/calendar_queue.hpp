@@ -14,7 +14,7 @@
 
 namespace hardlimit::boxes {
 
-struct Due {
+struct QueuedEvent {
     double time;  // [s]
     u32 id;
 };
@@ -41,7 +41,7 @@ public:
         if (!(time < math::infinity)) return;
         const u64 bin = bin_of(time);
         if (bin <= current_)
-            insert(Due{time, id}, tie_break);
+            insert(QueuedEvent{time, id}, tie_break);
         else if (bin < current_ + buckets_.size())
             add(buckets_[bin & mask_], id);
         else
@@ -50,7 +50,7 @@ public:
 
     // The next event, or nullptr. It stays until pop(). Calls loaded() after loading a bin.
     template <class Key, class TieBreak, class Loaded>
-    const Due* next(const Key& key, const TieBreak& tie_break, const Loaded& loaded) {
+    const QueuedEvent* next(const Key& key, const TieBreak& tie_break, const Loaded& loaded) {
         while (!front_.empty()) {
             if (key(front_.back().id) == front_.back().time) return &front_.back();
             front_.pop_back();  // superseded
@@ -91,7 +91,7 @@ public:
 
     std::size_t bytes() const {
         return buckets_.capacity() * sizeof(u32) + chunks_.capacity() * sizeof(Chunk) +
-               overflow_.capacity() * sizeof(u32) + front_.capacity() * sizeof(Due);
+               overflow_.capacity() * sizeof(u32) + front_.capacity() * sizeof(QueuedEvent);
     }
 
 private:
@@ -109,7 +109,7 @@ private:
     Records<Chunk> chunks_;
     u32 free_ = no_particle;
     Records<u32> overflow_;
-    std::vector<Due> front_;  // events of the current bin, latest first
+    std::vector<QueuedEvent> front_;  // events of the current bin, latest first
     u64 current_ = 0, year_end_ = 0, mask_ = 0, held_ = 0, taken_ = 0;
     u32 n_ = 0;
     double origin_ = 0.0, per_time_ = 1.0;
@@ -153,12 +153,12 @@ private:
     }
 
     template <class TieBreak>
-    void insert(Due due, const TieBreak& tie_break) {
-        const auto after = [&](const Due& a, const Due& b) { return later(a, b, tie_break); };
+    void insert(QueuedEvent due, const TieBreak& tie_break) {
+        const auto after = [&](const QueuedEvent& a, const QueuedEvent& b) { return later(a, b, tie_break); };
         front_.insert(std::upper_bound(front_.begin(), front_.end(), due, after), due);
     }
     template <class TieBreak>
-    static bool later(const Due& a, const Due& b, const TieBreak& tie_break) {
+    static bool later(const QueuedEvent& a, const QueuedEvent& b, const TieBreak& tie_break) {
         return a.time != b.time ? a.time > b.time : tie_break(a.id) > tie_break(b.id);
     }
 
@@ -208,8 +208,8 @@ private:
     template <class TieBreak>
     void sort(const TieBreak& tie_break) {
         std::sort(front_.begin(), front_.end(),
-                  [&](const Due& a, const Due& b) { return later(a, b, tie_break); });
-        const auto twice = [](const Due& a, const Due& b) { return a.id == b.id; };
+                  [&](const QueuedEvent& a, const QueuedEvent& b) { return later(a, b, tie_break); });
+        const auto twice = [](const QueuedEvent& a, const QueuedEvent& b) { return a.id == b.id; };
         front_.erase(std::unique(front_.begin(), front_.end(), twice), front_.end());
     }
 

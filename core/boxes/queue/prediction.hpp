@@ -28,4 +28,11 @@ HL_FN double time_below(double x, double v, double g, double high) {
     return v > 0.0 && square >= 0.0 ? 2.0 * room / (v + math::sqrt(square)) : math::infinity;
 }
 
+// Time after `now` at which a particle in free flight, at x with velocity v and acceleration g along the axis, comes
+// within `reach` of a wall. The wall moves uniformly: collisions with a wall that accelerates would be located here.
+HL_FN double wall_contact_time(const Wall& wall, double now, double x, double v, double g, double reach) {
+    const double out = -wall.inward();
+    return time_below(reach - wall.distance(x, now), out * (v - wall.velocity(now)), out * g, 0.0);
+}
+
 }  // namespace hardlimit::boxes

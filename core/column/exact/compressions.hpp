@@ -9,11 +9,11 @@ namespace drop {
 // State a time dt after a node.
 inline Gaps state_at(const TwoBall& s, const Node& n, double dt) {
     if (dt == 0.0) return n.x;
-    if (!n.floor && !n.pair) return exact::fly<double>(s, n.x, dt);
-    if (n.floor && !n.pair) return exact::lie_on_floor(s, n.x, dt);
+    if (!n.floor && !n.pair) return exact::free_motion<double>(s, n.x, dt);
+    if (n.floor && !n.pair) return exact::floor_motion(s, n.x, dt);
     exact::Piece piece;
     const double h = exact::piece_length(s, n.floor, n.pair);
-    if (n.floor && dt > 8.0 * h) return exact::lie_together(s, n.x, dt);
+    if (n.floor && dt > 8.0 * h) return exact::double_contact_motion(s, n.x, dt);
     Gaps x = n.x;
     for (; dt > h; dt -= h) {
         exact::expand(s, x, n.floor, n.pair, h, piece);
@@ -36,7 +36,7 @@ public:
 
     // Follows the motion for dt, possibly infinite, after a node. A gap has at most one extremum in a quarter of a
     // piece. After 4 pieces the step grows: by then a contact oscillates about its rest position or creeps.
-    void look(const Node& n, double dt) {
+    void track(const Node& n, double dt) {
         if (too_deep >= 0 || !(n.floor || n.pair)) return;
         const double least = 0.25 * exact::piece_length(s, n.floor, n.pair);
         dt = math::min(dt, 0x1p50 * least);

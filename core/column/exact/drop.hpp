@@ -30,7 +30,7 @@ struct Recorder {
         if (math::is_nan(released))
             released = n.t;
         else if (watched)
-            watched->look(last, n.t - last.t);
+            watched->track(last, n.t - last.t);
         last = n;
     }
     bool stopped() const { return (watched && watched->too_deep >= 0) || (stop && (*stop)()); }
@@ -89,7 +89,7 @@ inline constexpr double gauss_weight[4] = {0.36268378337836198297, 0.31370664587
 // Energy dissipated by the dashpots in motion C of the adiabatic model. It is not the loss of mechanical energy,
 // because the model neglects the work of the reaction. Over a time t it is a quadratic form W(t) of the state, with
 // W(2t) = W(t) + Φᵀ W(t) Φ, Φ = exp(M t).
-inline double work_together(const LinearColumn& c, const Start& s, const Gaps& x, double t) {
+inline double double_contact_work(const LinearColumn& c, const Start& s, const Gaps& x, double t) {
     const TwoBall& groups = s.groups;
     const double half_piece = 0.5 * exact::piece_length(groups, true, true);
     int doublings = 0;
@@ -128,7 +128,7 @@ inline double dissipated_over(const LinearColumn& c, const Start& s, const Node&
     if ((n.floor && c.contacts[0].damping > 0.0) || (n.pair && c.contacts[1].damping > 0.0)) {
         const double h = exact::piece_length(s.groups, n.floor, n.pair);
         const bool together = n.floor && n.pair;
-        if (together && !(s.groups.a2 > 0.0) && dt > 8.0 * h) return work_together(c, s, n.x, dt);
+        if (together && !(s.groups.a2 > 0.0) && dt > 8.0 * h) return double_contact_work(c, s, n.x, dt);
         if (dt > (together ? 8.0 : 100.0) * h) {
             return mechanical_energy(c, s.units, n.x).sum() -
                    mechanical_energy(c, s.units, state_at(s.groups, n, dt)).sum();
@@ -151,18 +151,10 @@ inline double dissipated_over(const LinearColumn& c, const Start& s, const Node&
     return work;
 }
 
-}  // namespace drop
-
-namespace drop {
-
 inline CompressionBound bound_of(const LinearColumn& c, Coupling coupling, double part) {
     return CompressionBound::of(part, c.contacts[0], c.contacts[1], c.mass[0], c.mass[1], c.radius[0],
                                 c.radius[1], c.gravity, c.gaps[0], c.velocity[0], c.velocity[1],
                                 coupling == Coupling::full);
-}
-
-inline DropBound bound_of(const CompressionBound& bound, const Start& s, double gap) {
-    return DropBound::of(bound, gap, s.units.speed);
 }
 
 // Time up to which contacts may last: infinity at rest unless `until` is given, otherwise `last`.
@@ -176,11 +168,11 @@ inline Sequence run_watched(const Start& s, const CompressionBound& bound, doubl
     watch = Compressions(s.groups, bound.floor * s.per_metre, bound.pair * s.per_metre);
     record.watched = &watch;
     Sequence q = run_two_ball(s.groups, s.first, s.t, span, record);
-    if (lasts(q, 0.0, span) > 0.0) watch.look(record.last, exact::never);
+    if (lasts(q, 0.0, span) > 0.0) watch.track(record.last, exact::never);
     if (watch.too_deep < 0) return q;
     // The run may have applied one event after that instant.
     const auto later = [&](const Contact& k) { return k.begin > watch.at; };
-    if (!q.met_again && !q.finished)
+    if (!q.second_floor_contact && !q.finished)
         q.n_contacts -=
             static_cast<int>(std::count_if(record.contacts.begin(), record.contacts.end(),
                                            [&](const Contact& k) { return k.pair == 1 && later(k); }));
@@ -200,7 +192,7 @@ inline Sequence run_watched(const Start& s, const CompressionBound& bound, doubl
 // Solves the sequence, in scaled units.
 inline Sequence sequence_of(const Start& s, const CompressionBound& bound, double gap, double span,
                             Stop* stop) {
-    const DropBound sure = bound_of(bound, s, gap);
+    const DropBound sure = DropBound::of(bound, gap, s.units.speed);
     if (sure.holds(0.0)) {
         NoRecorder none{stop};
         const Sequence q = run_two_ball(s.groups, s.first, s.t, span, none);
@@ -212,8 +204,6 @@ inline Sequence sequence_of(const Start& s, const CompressionBound& bound, doubl
     return run_watched(s, bound, span, record, watch);
 }
 
-}  // namespace drop
-
 inline Start start_drop(const LinearColumn& c, Coupling coupling) {
     return start_two_ball(c.contacts[0], c.contacts[1], c.mass[0], c.mass[1], c.gravity,
                           {c.gaps[0], c.velocity[0], c.gaps[1], c.velocity[1] - c.velocity[0]}, coupling);
@@ -223,8 +213,6 @@ inline Start start_drop(const LinearColumn& c, Coupling coupling) {
 inline double scaled_span(double until, const Units& units) {
     return math::is_nan(until) ? -math::infinity : math::min(until * units.rate, 0x1p52);
 }
-
-namespace drop {
 
 // Whether the energies at the last node exclude the compressions of `bound` at all later times.
 inline bool settles(const LinearColumn& c, const Drop& d, CompressionBound bound) {
@@ -242,32 +230,32 @@ inline bool settles(const LinearColumn& c, const Drop& d, CompressionBound bound
 
 // Solves only the sequence, in SI units.
 inline Sequence solve_drop_sequence(const LinearColumn& c, Coupling coupling, double until, Stop* stop) {
-    const Start s = start_drop(c, coupling);
+    const Start s = drop::start_drop(c, coupling);
     Sequence q;
     q.outcome = s.outcome;
     if (s.outcome != Outcome::ok) return q;
     q = drop::sequence_of(s, drop::bound_of(c, coupling, deepest_compression), c.gaps[1],
-                          scaled_span(until, s.units), stop);
+                          drop::scaled_span(until, s.units), stop);
     to_si(q, s.units);
     return q;
 }
 
 inline Drop solve_drop(const LinearColumn& c, Coupling coupling, double until, bool keep_nodes, Stop* stop) {
     Drop d;
-    d.start = start_drop(c, coupling);
+    d.start = drop::start_drop(c, coupling);
     d.sequence.outcome = d.start.outcome;
     if (d.start.outcome != Outcome::ok) return d;
     const Start& start = d.start;
     const Units units = start.units;
     const CompressionBound bound = drop::bound_of(c, coupling, deepest_compression);
-    const double span = scaled_span(until, units);
+    const double span = drop::scaled_span(until, units);
     drop::Compressions watch(start.groups);
     Recorder record;
     const auto restart = [&] {
         record = {.keep_nodes = keep_nodes, .stop = stop};
         if (start.t == 0.0 && start.fall > 0.0) record.node({-start.fall, start.released, false, false});
     };
-    const DropBound sure = drop::bound_of(bound, start, c.gaps[1]);
+    const DropBound sure = DropBound::of(bound, c.gaps[1], units.speed);
     bool shallow = sure.holds(0.0);
     if (shallow) {
         restart();

@@ -6,7 +6,7 @@ namespace hardlimit::column::exact {
 
 enum class Event { none, floor_begins, floor_ends, floor_opens, pair_begins, pair_ends, pair_opens };
 
-struct Next {
+struct NextEvent {
     double at = never;  // θ within a piece; time in free flight (motion A)
     Event what = Event::none;
     HL_FN void consider(double when, Event candidate) {
@@ -28,8 +28,8 @@ struct Phase {
     bool floor_open = true, pair_open = true;  // gap >= 0
 };
 
-HL_FN Next next_in_flight(const TwoBall& s, const Gaps& x, const Phase& p) {
-    Next next;
+HL_FN NextEvent next_in_flight(const TwoBall& s, const Gaps& x, const Phase& p) {
+    NextEvent next;
     if (p.floor_open) {
         next.consider(first_fall(x.u, x.du, s.gravity), Event::floor_begins);
     } else {
@@ -43,8 +43,8 @@ HL_FN Next next_in_flight(const TwoBall& s, const Gaps& x, const Phase& p) {
     return next;
 }
 
-HL_FN Next next_in_piece(const Piece& piece, const Phase& p, const OnSurface& on) {
-    Next next;
+HL_FN NextEvent next_in_piece(const Piece& piece, const Phase& p, const OnSurface& on) {
+    NextEvent next;
     if (p.floor) {
         next.consider(first_crossing<order - 1>(piece.l1, 1.0, on.l1), Event::floor_ends);
     } else if (p.floor_open) {

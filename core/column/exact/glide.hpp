@@ -101,7 +101,7 @@ private:
 inline constexpr int most_doublings = 200;
 
 // State after a time t of motion C.
-HL_FN Gaps lie_together(const TwoBall& s, const Gaps& x, double t) {
+HL_FN Gaps double_contact_motion(const TwoBall& s, const Gaps& x, double t) {
     const double h = piece_length(s, true, true);
     int doublings = 0;
     double piece = t;
@@ -112,15 +112,15 @@ HL_FN Gaps lie_together(const TwoBall& s, const Gaps& x, double t) {
 }
 
 // Upper bounds on L1 and L2 at all later times, while both contacts are closed.
-struct Glide {
+struct ContactBounds {
     double l1, l2, rate1, rate2;  // L1, L2 and their current rates
     double level1, level2;        // bounds on the rates
     double bend1, bend2;          // bounds on the second derivatives
     double own, gain;  // second bound on L2'': own + gain t, the pair as an oscillator driven by the floor
 
-    HL_FN static Glide of(const TwoBall& s, const Gaps& x) {
+    HL_FN static ContactBounds of(const TwoBall& s, const Gaps& x) {
         const Derivatives d = derivatives(s, x);
-        Glide g{d.l1[0], d.l2[0], d.l1[1], d.l2[1], never, never, never, never, never, never};
+        ContactBounds g{d.l1[0], d.l2[0], d.l1[1], d.l2[1], never, never, never, never, never, never};
         const double reach = 1.0 / math::sqrt(s.a1) + s.c1;
         if (s.a2 > 0.0) {
             const double second = amplitude(s, d, 2), third = amplitude(s, d, 3);
@@ -152,9 +152,9 @@ struct Glide {
 // q̈ + C q̇ + K q = 0 for q = (p, r), with symmetric C and K. Along the eigenvectors of K, slow (sin θ, cos θ) and fast
 // (cos θ, −sin θ), only the element C_fs couples, and the energy bounds every velocity by E = √(|q̇|² + q·K q). So the
 // amplitudes of both grow no faster than |C_fs| E.
-class Ringing {
+class ModeBounds {
 public:
-    HL_FN static Ringing of(const TwoBall& s, const Gaps& x) {
+    HL_FN static ModeBounds of(const TwoBall& s, const Gaps& x) {
         const double root1 = math::sqrt(s.a2), root2 = math::sqrt(s.b2);
         const double half = 0.5 * (s.a1 + 1.0), product = s.a1 * s.b2;
         const double fast = half + math::sqrt(math::max(half * half - product, 0.0)), slow = product / fast;
@@ -166,7 +166,7 @@ public:
         const double along = root2 * cos - root1 * sin,
                      across = -(root1 * cos + root2 * sin);  // w of the modes
 
-        Ringing m;
+        ModeBounds m;
         const double floor = s.a1 * s.c1, ringing = cos * p - sin * r, rate = cos * dp - sin * dr;
         const double damping_slow = floor * (sin * sin) + s.c2 * (along * along);
         const double damping_fast = floor * (cos * cos) + s.c2 * (across * across);
@@ -225,9 +225,9 @@ public:
     // Largest n such that no event can occur within 2^n pieces and these fit into `span`; −1: too few to be worthwhile.
     HL_FN static int doublings(const TwoBall& s, const Gaps& x, double span) {
         constexpr int least = 3;
-        const Glide g = Glide::of(s, x);
+        const ContactBounds g = ContactBounds::of(s, x);
         const bool coupled = s.a2 > 0.0;
-        const Ringing ringing = coupled ? Ringing::of(s, x) : Ringing{};
+        const ModeBounds ringing = coupled ? ModeBounds::of(s, x) : ModeBounds{};
         double t = 8.0 * piece_length(s, true, true);
         int n = least - 1;
         for (; n + 1 < most && t <= span && (g.holds(t) || (coupled && ringing.holds(t))); t *= 2.0) ++n;

@@ -115,7 +115,7 @@ HL_FN double impulse(const Piece& p, double theta) {
 
 // State after a time t of free flight (motion A).
 template <class R>
-HL_FN GapState<R> fly(const Groups<R>& s, const GapState<R>& x, R t) {
+HL_FN GapState<R> free_motion(const Groups<R>& s, const GapState<R>& x, R t) {
     return {x.u + t * (x.du - 0.5 * s.gravity * t), x.du - s.gravity * t, x.w + x.dw * t, x.dw};
 }
 
@@ -143,7 +143,7 @@ HL_FN void oscillate(double kappa, double lambda, double t, double& y, double& d
 }
 
 // State after a time t of motion B, in closed form.
-HL_FN Gaps lie_on_floor(const TwoBall& s, const Gaps& x, double t) {
+HL_FN Gaps floor_motion(const TwoBall& s, const Gaps& x, double t) {
     const double u0 = -s.gravity / s.a1;
     double y = x.u - u0, dy = x.du;
     oscillate(s.a1, 0.5 * s.a1 * s.c1, t, y, dy);

@@ -22,6 +22,8 @@ HL_FN Mask<R> rests_on_both(const Groups<R>& s, R upper, const GapState<R>& x) {
     const R amplitude = math::sqrt<R>(floor / s.a2 + sum * sum / upper + v * v);
     const Mask<R> coupled =
         (amplitude * math::sqrt<R>(s.a2) * floor_reach < -u0) & (amplitude * pair_reach < -w0);
+    // 1e-3: the floor must be nearly at rest, because its motion drives the pair; less damping lets the pair resonate
+    // longer. 0.5: the other half of the margin of the pair is left to that motion.
     const R damping = math::min<R>(broadcast<R>(1.0), s.a1 * s.c1 + s.c2);
     const Mask<R> adiabatic = (math::sqrt<R>(floor) * floor_reach < -1e-3 * u0 * damping) &
                               (math::sqrt<R>(pair) * pair_reach < -0.5 * w0);
@@ -126,7 +128,7 @@ HL_FN double slack_for(const TwoBall& s, const Gaps& x) {
     const double ddw = -s.gravity - u2, rate = x.dw + s.c2 * ddw;  // dL2/dt
     const double opens = first_rise(x.w, x.dw, math::max(s.gravity - acceleration, 0.0));
     const double pushes = first_fall(x.w + s.c2 * x.dw, rate, (s.gravity + acceleration) + s.c2 * jerk);
-    return 0.99 * math::min(opens, pushes);
+    return 0.99 * math::min(opens, pushes);  // 1 % below the bound, for rounding errors
 }
 
 // Time at which the pair gap closes on a lower ball that rests on the floor. w is concave there. Newton's method starts
@@ -136,7 +138,7 @@ HL_FN double closing_on_rest(const TwoBall& s, const Gaps& x) {
     const double largest = math::sqrt(x.du * x.du / s.a1 + (x.u - u0) * (x.u - u0));
     double t = first_fall(x.u + x.w - u0 + largest, x.du + x.dw, s.gravity);
     for (int i = 0; i < 100; ++i) {
-        const Gaps y = lie_on_floor(s, x, t);
+        const Gaps y = floor_motion(s, x, t);
         if (!(y.dw < 0.0)) break;
         const double step = y.w / y.dw;
         t -= step;

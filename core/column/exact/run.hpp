@@ -12,8 +12,13 @@ namespace exact {
 template <class Observer>
 class Run {
 public:
-    HL_FN Run(const TwoBall& groups, const Gaps& start, double time, double span_, Observer& seen)
-        : s(groups), x(start), t(time), span(span_), until(span_ > -never ? never : -never), observer(seen) {
+    HL_FN Run(const TwoBall& groups, const Gaps& start, double time, double span_, Observer& observer_)
+        : s(groups),
+          x(start),
+          t(time),
+          span(span_),
+          until(span_ > -never ? never : -never),
+          observer(observer_) {
         if (s.gravity > strongest_gravity) {
             unit = s.gravity;
             in_units_of_gravity(s, x);
@@ -25,7 +30,7 @@ public:
 
     HL_FN Sequence run() {
         for (long steps = 0; !sequence.finished || t < until; ++steps) {
-            if (!spanned()) see();
+            if (!spanned()) record_node();
             const bool finite = math::is_finite(x.u + x.du + x.w + x.dw);
             if (steps == max_pieces || lasting == max_lasting || !finite || observer.stopped()) {
                 sequence.outcome = Outcome::unresolved;
@@ -36,7 +41,7 @@ public:
             move();
             apply_event();
         }
-        see();
+        record_node();
         sequence.close();
         sequence.relative_velocity *= unit;
         sequence.separation_velocity *= unit;
@@ -44,10 +49,10 @@ public:
     }
 
 private:
-    enum class Motion { flight, floor_rest, floor_glide, rest, glide, series };
+    enum class Motion { flight, floor_rest, floor_large_step, rest, large_step, series };
     // Number of pieces without an event after which the run tests for creep, and after which it may take large steps
     // (glide.hpp) during and after the sequence.
-    static constexpr long creeps_after = 32, glides_after = 4000, glides_later_after = 32;
+    static constexpr long creeps_after = 32, large_steps_after = 4000, large_steps_later_after = 32;
     // Number of pieces between two recorded nodes of a lasting contact of both balls after the sequence.
     static constexpr long pieces_per_node = 32;
 
@@ -64,7 +69,7 @@ private:
     // The next step: kind of motion, duration dt and the event at its end.
     Motion motion = Motion::flight;
     Piece piece;
-    Next next;
+    NextEvent next;
     double dt = 0.0;
     long lasting = 0;  // pieces since the last event
     double rise =
@@ -72,7 +77,7 @@ private:
     Powers powers;
     int doublings = 0;  // a large step spans 2^doublings pieces
 
-    HL_FN void see() {
+    HL_FN void record_node() {
         observer.node(Node{t, {x.u * unit, x.du * unit, x.w * unit, x.dw * unit}, phase.floor, phase.pair});
     }
 
@@ -91,16 +96,16 @@ private:
             if (!creeping || !creeps_on_floor(s, x)) return Motion::series;
             if (alone) return Motion::floor_rest;
             dt = phase.pair_open ? 0.0 : slack_for(s, x);
-            return dt > 8.0 * piece_length(s, true, false) ? Motion::floor_glide : Motion::series;
+            return dt > 8.0 * piece_length(s, true, false) ? Motion::floor_large_step : Motion::series;
         }
         if (rests_on_both(s, s.b2, x) || (creeping && creeps_on_both(s, x))) return Motion::rest;
-        const bool gliding = lasting > (sequence.finished ? glides_later_after : glides_after);
-        doublings = gliding ? Powers::doublings(s, x, t < until ? until - t : never) : -1;
-        return doublings >= 0 ? Motion::glide : Motion::series;
+        const bool may_be_large = lasting > (sequence.finished ? large_steps_later_after : large_steps_after);
+        doublings = may_be_large ? Powers::doublings(s, x, t < until ? until - t : never) : -1;
+        return doublings >= 0 ? Motion::large_step : Motion::series;
     }
 
     HL_FN void find_next() {
-        next = Next{};
+        next = NextEvent{};
         motion = next_motion();
         ++lasting;
         if (motion == Motion::flight)
@@ -109,13 +114,13 @@ private:
             next.consider(dt = closing_on_rest(s, x), Event::pair_begins);
         else if (motion == Motion::rest)
             rest();
-        else if (motion == Motion::glide)
+        else if (motion == Motion::large_step)
             dt = math::exp2_integer(static_cast<double>(doublings)) * piece_length(s, true, true);
         else if (motion == Motion::series)
             find_in_piece();
         if (dt == never && !(math::abs(until) < never)) stopped = true;
         if (t < until && t + dt >= until) {  // the requested time comes first
-            if (next.at != never && dt > until - t) next = Next{};
+            if (next.at != never && dt > until - t) next = NextEvent{};
             dt = until - t;
         }
     }
@@ -148,27 +153,18 @@ private:
     HL_FN void move() {
         if (!(dt > 0.0)) return;  // the state stays exactly on the zero of its event function
         if (s.light()) follow_upper_ball();
-        switch (motion) {
-            case Motion::flight:
-                x = fly<double>(s, x, dt);
-                break;
-            case Motion::floor_rest:
-            case Motion::floor_glide:
-                x = lie_on_floor(s, x, dt);
-                break;
-            case Motion::rest:
-                x = lie_together(s, x, dt);
-                break;
-            case Motion::glide:
-                x = powers.of(s, doublings).moved(s, x);
-                break;
-            case Motion::series:
-                x = evaluate(piece, dt / piece.h);
-                break;
-        }
+        x = moved();
         if (s.light()) match_upper_ball();
         t += dt;
         on = OnSurface{};
+    }
+
+    HL_FN Gaps moved() {
+        if (motion == Motion::flight) return free_motion<double>(s, x, dt);
+        if (motion == Motion::rest) return double_contact_motion(s, x, dt);
+        if (motion == Motion::large_step) return powers.of(s, doublings).moved(s, x);
+        if (motion == Motion::series) return evaluate(piece, dt / piece.h);
+        return floor_motion(s, x, dt);
     }
 
     // Updates the velocity of the upper ball from gravity and the pair force. Computed as u̇ + ẇ, which both follow the
@@ -179,7 +175,7 @@ private:
     }
     // Makes u̇ + ẇ equal to the velocity of the upper ball, by correcting u̇ (with a pair force) or ẇ (without).
     HL_FN void match_upper_ball() {
-        if (motion == Motion::glide || motion == Motion::rest)
+        if (motion == Motion::large_step || motion == Motion::rest)
             rise = x.du + x.dw;
         else if (phase.pair)
             x.du = rise - x.dw;
@@ -191,25 +187,19 @@ private:
         if (next.what != Event::none) lasting = 0;
         switch (next.what) {
             case Event::none:
-                break;
+                return;
             case Event::floor_begins:
-                floor_begins();
-                break;
+                return floor_begins();
             case Event::floor_ends:
-                floor_ends();
-                break;
+                return floor_ends();
             case Event::floor_opens:
-                floor_opens();
-                break;
+                return floor_opens();
             case Event::pair_begins:
-                pair_begins();
-                break;
+                return pair_begins();
             case Event::pair_ends:
-                pair_ends();
-                break;
+                return pair_ends();
             case Event::pair_opens:
-                pair_opens();
-                break;
+                return pair_opens();
         }
     }
 

@@ -17,7 +17,7 @@ using Event = ContactEvent;
 // ---- free flight: closed forms --------------------------------------------------------------------------------
 
 // The earliest event in free flight: time until it, kind, pair.
-struct Next {
+struct NextEvent {
     double dt = math::infinity;
     Event what = Event::none;
     int pair = 0;
@@ -37,9 +37,9 @@ inline double time_to_close(double gap, double rate, double g) {
 }
 
 // Considers the next event of pair j in free flight. Gaps between balls are linear in time, the floor gap is quadratic.
-// `fresh`: the last event left the state exactly on the zero of its event function.
+// `disarmed`: the last event left the state exactly on the zero of its event function.
 template <class Law>
-void next_of_pair(const Motion<Law>& motion, const double* y, int j, bool fresh, Next& next) {
+void next_event_of_pair(const Motion<Law>& motion, const double* y, int j, bool disarmed, NextEvent& next) {
     const double gap = y[j], rate = motion.rate(j, y), g = j == 0 ? motion.column->gravity : 0.0;
     if (motion.pair[j] == Pair::open) {
         next.consider(time_to_close(gap, rate, g), Event::begins, j);
@@ -49,7 +49,7 @@ void next_of_pair(const Motion<Law>& motion, const double* y, int j, bool fresh,
     if (rate < 0.0 && square >= 0.0) {
         next.consider(math::max(2.0 * gap / (rate - math::sqrt(square)), 0.0), Event::opens, j);
     }
-    next.consider(time_to_engage(motion.column->contacts[j], -gap, rate, g, fresh), Event::engages, j);
+    next.consider(time_to_engage(motion.column->contacts[j], -gap, rate, g, disarmed), Event::engages, j);
 }
 
 // ---- with forces: zeros inside a step ----------------------------------------------------------------------
@@ -60,7 +60,8 @@ struct Step {
     Motion<Law> motion;
     double noise;  // compressions below noise × scales.depth are rounding error
     std::vector<double> y, k, end, k_end, trial, k_trial;
-    std::vector<unsigned char> fresh;  // [N] the last event left the pair on the zero of its event function
+    std::vector<unsigned char>
+        disarmed;  // [N] the last event left the pair on the zero of its event function
 
     Step(const Column<Law>& c, double rounding)
         : motion(c),
@@ -71,7 +72,7 @@ struct Step {
           k_end(y),
           trial(y),
           k_trial(y),
-          fresh(c.balls, 0) {
+          disarmed(c.balls, 0) {
         std::copy(c.gaps.begin(), c.gaps.end(), y.begin());
         std::copy(c.velocity.begin(), c.velocity.end(), y.begin() + c.balls);
     }
@@ -97,15 +98,15 @@ struct Step {
         constexpr int p = Law::onset_power;
         const double at = state[j], change = slope[j];
         const double depth = -motion.gap(j, state);
-        const double depth_slope = motion.rooted[j] ? p * math::power<p - 1>(at) * change : -change;
+        const double depth_slope = motion.uses_root[j] ? p * math::power<p - 1>(at) * change : -change;
         if (kind == Event::parts) return {tiny(j) + depth, depth_slope, tiny(j) + depth, depth_slope};
         return event_function(motion.column->contacts[j], kind,
                               {depth, depth_slope, motion.rate(j, state), motion.rate(j, slope),
-                               static_cast<bool>(motion.rooted[j]), at, change});
+                               static_cast<bool>(motion.uses_root[j]), at, change});
     }
 
     // Whether an event function of the pair is still not positive at the end of the step.
-    bool still_fresh(int j) const {
+    bool still_disarmed(int j) const {
         for (const Event kind : events_of(j)) {
             if (kind == Event::none) continue;
             if (!(function(j, kind, end.data(), k_end.data()).value > 0.0)) return true;
@@ -128,9 +129,9 @@ struct Step {
             return at_trial();
         };
         double high = length;
-        if (!falls_to_zero(a, b, fresh[j], high, at)) return false;
+        if (!falls_to_zero(a, b, disarmed[j], high, at)) return false;
         double guess = 0.5 * high;
-        if (!fresh[j] && a.smooth_slope < 0.0) guess = math::min(-a.smooth / a.smooth_slope, guess);
+        if (!disarmed[j] && a.smooth_slope < 0.0) guess = math::min(-a.smooth / a.smooth_slope, guess);
         probe(guess);
         const auto close = [](const EventFunction&, double x, double next) {
             return math::abs(next - x) <= 4.0 * math::epsilon * math::abs(x);

@@ -92,7 +92,7 @@ struct Motion {
     const Column<Law>* column;
     Scales scales;
     std::vector<Pair> pair;
-    std::vector<unsigned char> rooted;
+    std::vector<unsigned char> uses_root;
     bool implicit = false;  // the implicit method advances the state
     mutable std::vector<double> force, factor, stages;
     mutable Radau radau;
@@ -101,7 +101,7 @@ struct Motion {
         : column(&c),
           scales(c),
           pair(c.balls, Pair::open),
-          rooted(c.balls, 0),
+          uses_root(c.balls, 0),
           force(c.balls + 1, 0.0),
           factor(c.balls, 0.0),
           stages(DormandPrince::stages * dimension()) {}
@@ -118,18 +118,18 @@ struct Motion {
         const double* v = y + balls();
         return (j == 0 ? 0.0 : v[j - 1]) - v[j];
     }
-    double gap(int j, const double* y) const { return rooted[j] ? -math::power<p>(y[j]) : y[j]; }
-    double s(int j, const double* y) const { return rooted[j] ? y[j] : onset_root<p>(-y[j]); }
+    double gap(int j, const double* y) const { return uses_root[j] ? -math::power<p>(y[j]) : y[j]; }
+    double s(int j, const double* y) const { return uses_root[j] ? y[j] : onset_root<p>(-y[j]); }
 
     // Returns γ = dt/dτ and stores γ (ℓ_j/s_j)^{p−1} in factor[j].
     double clock_rate(const double* y) const {
         if constexpr (p == 1) return 1.0;
-        const auto for_rooted = [this](const auto& f) {
+        const auto for_each_root = [this](const auto& f) {
             for (int j = 0; j < balls(); ++j)
-                if (rooted[j]) f(j);
+                if (uses_root[j]) f(j);
         };
-        for_rooted([&](int j) { factor[j] = math::power<p - 1>(y[j] / scales.s[j]); });
-        return smooth_time_rate(for_rooted, factor.data());
+        for_each_root([&](int j) { factor[j] = math::power<p - 1>(y[j] / scales.s[j]); });
+        return smooth_time_rate(for_each_root, factor.data());
     }
 
     void operator()(const double* y, double* dy) const {
@@ -145,7 +145,7 @@ struct Motion {
             const double at = s(j, y);
             force[j] = law.force(at, closing);
             dissipation += (force[j] - law.elastic_force(at)) * closing;
-            if (rooted[j]) dy[j] = closing / p * factor[j] / math::power<p - 1>(scales.s[j]);
+            if (uses_root[j]) dy[j] = closing / p * factor[j] / math::power<p - 1>(scales.s[j]);
         }
         for (int i = 0; i < n; ++i) {
             dy[n + i] = g * ((force[i] - force[i + 1]) / column->mass[i] - column->gravity);
@@ -179,7 +179,7 @@ struct Motion {
         const int n = balls();
         std::vector<double> unit(clock());
         for (int j = 0; j < n; ++j) {
-            unit[j] = math::abs(y[j]) + (rooted[j] ? scales.s[j] : scales.depth[j]);
+            unit[j] = math::abs(y[j]) + (uses_root[j] ? scales.s[j] : scales.depth[j]);
             unit[n + j] = math::abs(y[n + j]) + scales.speed;
         }
         return radau.step(*this, y, length, dimension(), clock(), unit.data(), out);
@@ -192,7 +192,7 @@ struct Motion {
             std::copy(y, y + dimension(), out);
             return;
         }
-        if (std::find(rooted.begin(), rooted.end(), 1) == rooted.end()) {
+        if (std::find(uses_root.begin(), uses_root.end(), 1) == uses_root.end()) {
             advance(y, k0, wanted, out);
             return;
         }
@@ -226,9 +226,9 @@ struct Motion {
     }
 
     void choose_coordinate(int j, double* y, bool use_root) {
-        if (use_root == static_cast<bool>(rooted[j])) return;
+        if (use_root == static_cast<bool>(uses_root[j])) return;
         y[j] = use_root ? onset_root<p>(-y[j]) : -math::power<p>(y[j]);
-        rooted[j] = use_root;
+        uses_root[j] = use_root;
     }
 
     // Chooses s for contacts that are noticeably compressed or change fast, the gap for all others. Returns whether any
@@ -238,10 +238,10 @@ struct Motion {
         bool changed = false, at_zero = false;
         for (int j = 0; j < balls(); ++j) {
             const double sigma = pair[j] == Pair::closed ? s(j, y) / scales.s[j] : 0.0;
-            const bool earnest = sigma > 0.1 || math::abs(rate(j, y)) > sigma * scales.speed;
-            const bool use_root = pair[j] == Pair::closed && earnest && !(sigma == 0.0 && at_zero);
+            const bool noticeable = sigma > 0.1 || math::abs(rate(j, y)) > sigma * scales.speed;
+            const bool use_root = pair[j] == Pair::closed && noticeable && !(sigma == 0.0 && at_zero);
             at_zero = at_zero || (use_root && sigma == 0.0);
-            changed = changed || use_root != static_cast<bool>(rooted[j]);
+            changed = changed || use_root != static_cast<bool>(uses_root[j]);
             choose_coordinate(j, y, use_root);
         }
         return changed;

@@ -24,8 +24,8 @@ namespace newton {
 // Discrete state of the integration; constant within an interval.
 struct Modes {
     std::vector<Pair> pair;
-    std::vector<unsigned char> rooted;  // whether the coordinate is s
-    bool implicit;                      // implicit method
+    std::vector<unsigned char> uses_root;  // whether the coordinate is s
+    bool implicit;                         // implicit method
     bool operator==(const Modes&) const = default;
 };
 
@@ -87,7 +87,7 @@ public:
                 break;
             }
             if (motion.free()) {
-                fly();
+                free_flight();
             } else {
                 integrate_step();
             }
@@ -109,7 +109,7 @@ private:
     std::vector<Equilibrium<Law>> equilibrium;  // empty until first needed
     bool timed = !math::is_nan(options.until), stopped = false, kept = false;
     double initial_energy = 0.0, h = 0.0;
-    int quiet = 0;                 // explicit steps since the last change of the contacts
+    int steps_without_change = 0;  // explicit steps since the last change of the contacts
     double explicit_length = 0.0;  // of the last explicit step
 
     // The implicit method is tried after `patience` explicit steps without a change of contacts, kept while its steps
@@ -190,7 +190,7 @@ private:
 
     void record(double length) {
         if (!options.record) return;
-        Modes modes{motion.pair, motion.rooted, motion.implicit};
+        Modes modes{motion.pair, motion.uses_root, motion.implicit};
         if (result.modes.empty() || result.modes.back() != modes) result.modes.push_back(std::move(modes));
         result.intervals.push_back({now(), length, result.modes.size() - 1});
         result.states.insert(result.states.end(), y.begin(), y.end());
@@ -213,7 +213,7 @@ private:
 
     // ---- free flight --------------------------------------------------------------------------------------
 
-    void fly() {
+    void free_flight() {
         if (release_pressed()) return;
         double least = math::infinity;
         for (int j = 0; j < column.balls; ++j) {
@@ -223,9 +223,9 @@ private:
         sequence().moves_freely(least,
                                 !column.floor || (sequence().floor_opened && motion.pair[0] == Pair::open));
         if ((stopped = complete())) return;
-        Next next;
+        NextEvent next;
         for (int j = column.floor ? 0 : 1; j < column.balls; ++j)
-            next_of_pair(motion, y.data(), j, step.fresh[j], next);
+            next_event_of_pair(motion, y.data(), j, step.disarmed[j], next);
         if (next.what == Event::none) {
             if (!clock_started()) sequence().outcome = Outcome::never_lands;
             stopped = true;
@@ -235,7 +235,7 @@ private:
         motion(y.data(), step.k.data());
         motion.advance(y.data(), step.k.data(), next.dt, step.end.data());
         if (next.what == Event::none) step.end[motion.clock()] = options.until;  // exactly, despite rounding
-        if (next.dt > 0.0) std::fill(step.fresh.begin(), step.fresh.end(), 0);
+        if (next.dt > 0.0) std::fill(step.disarmed.begin(), step.disarmed.end(), 0);
         close_interval(next.dt, next.what, next.pair);
     }
 
@@ -262,7 +262,8 @@ private:
             }
         }
         for (int j = 0; j < column.balls; ++j) {
-            if (step.fresh[j] && (what == Event::none || which != j)) step.fresh[j] = step.still_fresh(j);
+            if (step.disarmed[j] && (what == Event::none || which != j))
+                step.disarmed[j] = step.still_disarmed(j);
         }
         close_interval(length, what, which);
         if (what == Event::none) consider_implicit();
@@ -300,14 +301,14 @@ private:
     }
 
     void consider_implicit() {
-        if (motion.implicit || ++quiet < patience || column.balls > most_implicit) return;
+        if (motion.implicit || ++steps_without_change < patience || column.balls > most_implicit) return;
         motion.implicit = true;
         explicit_length = h;
         h *= 2.0 * least_gain;
     }
 
     void leave_implicit() {
-        quiet = 0;
+        steps_without_change = 0;
         if (!motion.implicit) return;
         motion.implicit = false;
         h = explicit_length;
@@ -322,7 +323,7 @@ private:
         const int n = column.balls;
         const Scales& unit = motion.scales;
         for (int j = 0; j < n; ++j) {
-            tolerance[j] = math::abs(y[j]) + (motion.rooted[j] ? unit.s[j] : unit.depth[j]);
+            tolerance[j] = math::abs(y[j]) + (motion.uses_root[j] ? unit.s[j] : unit.depth[j]);
             tolerance[n + j] = math::abs(y[n + j]) + unit.speed;
         }
         tolerance[motion.clock()] = unit.time;
@@ -365,7 +366,7 @@ private:
             if (motion.pair[j] != Pair::pressed || !(-y[j] > step.tiny(j))) continue;
             leave_implicit();
             motion.pair[j] = Pair::closed;
-            step.fresh[j] = 1;
+            step.disarmed[j] = 1;
         }
     }
 
@@ -377,7 +378,7 @@ private:
             if (motion.pair[j] != Pair::pressed) continue;
             any = true;
             y[j] = 0.0;
-            step.fresh[j] = 1;
+            step.disarmed[j] = 1;
             motion.pair[j] = Pair::closed;
             const double rate = motion.rate(j, y.data());
             if (!(rate > 0.0)) close_contact(j, -rate);
@@ -387,16 +388,16 @@ private:
 
     // ---- events -------------------------------------------------------------------------------------------
 
-    // Applies an event whose function is not positive at the start of the step, unless the pair is fresh. Returns
+    // Applies an event whose function is not positive at the start of the step, unless the pair is disarmed. Returns
     // whether there was one.
     bool event_at_start() {
         for (int j = 0; j < column.balls; ++j) {
             for (const Event kind : step.events_of(j)) {
-                if (kind == Event::none || step.fresh[j]) continue;
+                if (kind == Event::none || step.disarmed[j]) continue;
                 if (step.function(j, kind, y.data(), step.k.data()).value > 0.0) continue;
                 if (kind == Event::begins && !(motion.rate(j, y.data()) > 0.0)) {
                     y[j] = 0.0;  // touches without closing
-                    step.fresh[j] = 1;
+                    step.disarmed[j] = 1;
                     continue;
                 }
                 apply(kind, j);
@@ -410,7 +411,7 @@ private:
         motion.choose_coordinate(j, y.data(), false);
         const double rate = motion.rate(j, y.data());
         const double balanced = -column.contacts[j].slack(rate).depth;  // gap of zero force
-        step.fresh[j] = 1;
+        step.disarmed[j] = 1;
         switch (what) {
             case Event::none:
             case Event::deepens:
@@ -434,7 +435,7 @@ private:
                 break;
             case Event::parts:
                 close_contact(j, -rate);
-                step.fresh[j] = 0;
+                step.disarmed[j] = 0;
                 break;
         }
         result.steps += 1;
@@ -504,23 +505,23 @@ private:
         if (equilibrium.empty()) equilibrium.emplace_back(column);
         const double energy = equilibrium.front().energy(motion, y.data());
         if (!equilibrium.front().holds(energy)) return false;
-        double sagging = 0.0;
+        double sag = 0.0;
         for (int j = 0; j < column.balls; ++j) {
             if (equilibrium.front().reaches(column.contacts[j], j, deepest_compression * radius[j], energy))
                 return false;
             const double depth = equilibrium.front().depth[j];
             result.compression[j] = math::max(result.compression[j], depth / radius[j]);
-            sagging += depth;
+            sag += depth;
         }
-        result.settling = 20.0 * (2.0 * math::pi) * math::sqrt(sagging / column.gravity);
+        result.settling = 20.0 * (2.0 * math::pi) * math::sqrt(sag / column.gravity);
         if (!sequence().finished) sequence().comes_to_rest(column.balls > 1);
         stopped = complete();
-        if (!stopped && equilibrium.front().settled(energy)) stand_still();
+        if (!stopped && equilibrium.front().settled(energy)) set_equilibrium();
         return stopped;
     }
 
     // Sets the state to the static equilibrium until `until`, recorded as an interval of length 0.
-    void stand_still() {
+    void set_equilibrium() {
         for (int j = 0; j < column.balls; ++j) {
             motion.choose_coordinate(j, y.data(), false);
             y[j] = -equilibrium.front().depth[j];

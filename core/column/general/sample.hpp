@@ -32,7 +32,7 @@ void sample(const Column<Law>& column, const Integration<Law>& run, const double
             const double* start =
                 run.states.data() + (after - 1 - run.intervals.begin()) * motion.dimension();
             motion.pair = run.modes[from.modes].pair;
-            motion.rooted = run.modes[from.modes].rooted;
+            motion.uses_root = run.modes[from.modes].uses_root;
             motion.implicit = run.modes[from.modes].implicit;
             motion(start, k.data());
             if (from.length > 0.0) {

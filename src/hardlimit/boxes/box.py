@@ -87,6 +87,12 @@ class Box:
                 )
 
 
+def component_axes(dimension: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """First and second axis of each component of a symmetric tensor, in LAMMPS' order: xx, yy, zz, xy, xz, yz."""
+    equal, (first, second) = np.arange(dimension), np.triu_indices(dimension, 1)
+    return np.concatenate([equal, first]), np.concatenate([equal, second])
+
+
 def wall_name(number: int) -> str:
     """Name of a wall, such as ``z = 0``, from its number in logs: −1 − 2·axis at 0, −2 − 2·axis at the edge."""
     axis, upper = divmod(-1 - number, 2)

@@ -23,7 +23,15 @@ from .system import ParticleSystem
 
 ENERGIES: Final = ("kinetic_energy", "potential_energy", "dissipated_energy")
 #: Quantities that every engine records at a sample.
-COMMON: Final = ("time", *ENERGIES, "granular_temperature", "momentum", "virial", "n_pairs")
+COMMON: Final = (
+    "time",
+    *ENERGIES,
+    "granular_temperature",
+    "momentum",
+    "kinetic_tensor",
+    "virial_tensor",
+    "n_pairs",
+)
 #: Those of hard spheres, and those of engines for Newton's equations.
 OF_COLLISIONS: Final = (*COMMON, "kinetic_integral", "n_collisions")
 OF_CONTACTS: Final = (*COMMON, "contact_energy", "n_contacts", "n_ended", "n_overlapped", "n_in_contact")

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from .. import _core
-from .box import Floats
+from .box import Floats, component_axes
 from .system import ParticleSystem
 
 
@@ -50,11 +50,13 @@ def laboratory_sums(system: ParticleSystem, time: Any, sums: dict[str, Any]) -> 
     """Energies and momentum in the laboratory from those in the falling frame, and the granular temperature.
 
     Each is a number, or an array over ``time`` [s]. ``sums["potential_energy"]`` includes all gravity. The temperature
-    is the same in both frames; computed in the laboratory, it would lose digits in a fast fall.
+    and ``kinetic_tensor``, Σ m v⊗v and then Σ m v'⊗v', are the same in both frames; computed in the laboratory, they
+    would lose digits in a fast fall.
     """
     mass, kinetic, momentum = float(system.mass.sum()), sums["kinetic_energy"], np.asarray(sums["momentum"])
     drift = (momentum * momentum).sum(axis=-1)
     temperature = np.maximum(2.0 * kinetic - drift / mass, 0.0) / (system.dimension * mass)
+    first, second = component_axes(system.dimension)
     gained = np.multiply.outer(time, system.domain.common_fall)
     fallen = 0.5 * mass * (gained * gained).sum(axis=-1)
     return sums | {
@@ -62,4 +64,5 @@ def laboratory_sums(system: ParticleSystem, time: Any, sums: dict[str, Any]) -> 
         "potential_energy": sums["potential_energy"] - fallen,
         "momentum": momentum + mass * gained,
         "granular_temperature": temperature,
+        "kinetic_tensor": sums["kinetic_tensor"] - momentum[..., first] * momentum[..., second] / mass,
     }

@@ -10,7 +10,7 @@ from typing import Any, Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from .box import AXES, Floats, read_only
+from .box import AXES, Floats, component_axes, read_only
 from .system import ParticleSystem
 
 Shape = Literal["scalar", "vector", "tensor"]
@@ -89,8 +89,10 @@ def _collision_rate(samples: Samples) -> Floats:
 
 
 def _pressure(samples: Samples) -> Floats:
-    volume = samples.system.dimension * samples.system.domain.volume
-    return (samples.mean_thermal_energy() + samples.rate("virial")) / volume
+    d = samples.system.dimension
+    virial = samples.rate("virial_tensor")[:, :d].sum(axis=1)
+    mean: Floats = (samples.mean_thermal_energy() + virial) / (d * samples.system.domain.volume)
+    return mean
 
 
 def _pressure_tensor(samples: Samples) -> Floats:
@@ -138,12 +140,12 @@ _RECORDS: Final = (
         "pressure",
         "Pa",
         "(Σ m v'² + Σ r·Δp of pairs per time)/(d·volume)",
-        ("granular_temperature", "virial"),
+        ("granular_temperature", "virial_tensor"),
         "rate",
         unit_of_disks="N/m",
         of=_pressure,
     ),
-    Observable(  # no engine provides virial_tensor yet
+    Observable(
         "pressure_tensor",
         "Pa",
         "(Σ m v'⊗v' + Σ r⊗Δp of pairs per time)/volume, components xx, yy, zz, xy, xz, yz",
@@ -176,8 +178,7 @@ def provided(records: Any) -> Iterator[Observable]:
 
 def components(dimension: int) -> list[str]:
     """Names of the components of a symmetric tensor, in LAMMPS' order: xx, yy, zz, xy, xz, yz."""
-    axes = AXES[:dimension]
-    return [a + a for a in axes] + [a + b for i, a in enumerate(axes) for b in axes[i + 1 :]]
+    return [AXES[a] + AXES[b] for a, b in zip(*component_axes(dimension), strict=True)]
 
 
 def variables(samples: Samples) -> tuple[dict[str, Any], dict[str, Any]]:

@@ -227,8 +227,9 @@ class ParticleResult(_Result):
         """Dataset over ``time`` [s], equally spaced; the last sample is the end of the run.
 
         ``kinetic_energy``, ``potential_energy`` and ``dissipated_energy`` [J], ``granular_temperature`` [m²/s²],
-        ``momentum`` [kg m/s], ``n_collisions``, ``collision_rate`` [1/s], ``pressure`` [Pa; disks N/m], and the values
-        of ``observe``. Rate and pressure are means since the previous sample, and NaN at the first sample.
+        ``momentum`` [kg m/s], ``n_collisions``, ``collision_rate`` [1/s], ``pressure`` and ``pressure_tensor`` [Pa;
+        disks N/m], and the values of ``observe``. Rate and pressures are means since the previous sample, and NaN at
+        the first sample. The tensor is positive in compression; its ``component`` is xx, yy, zz, xy, xz or yz.
         """
         return self._series.copy()
 
@@ -357,8 +358,9 @@ class ContactResult(_Result):
 
         ``kinetic_energy``, ``potential_energy``, ``contact_energy`` and ``dissipated_energy`` [J],
         ``granular_temperature`` [m²/s²], ``momentum`` [kg m/s], ``n_contacts``, ``n_in_contact``, ``collision_rate``
-        [1/s], ``pressure`` [Pa; disks N/m], ``overlapped_share``, and the values of ``observe``. Rate, pressure and
-        share are means since the previous sample, and NaN at the first sample. With LAMMPS and without a log
+        [1/s], ``pressure`` and ``pressure_tensor`` [Pa; disks N/m], ``overlapped_share``, and the values of
+        ``observe``. Rate, pressures and share are means since the previous sample, and NaN at the first sample. The
+        tensor is positive in compression; its ``component`` is xx, yy, zz, xy, xz or yz. With LAMMPS and without a log
         ``n_contacts``, ``collision_rate`` and ``overlapped_share`` are NaN.
         """
         return self._series.copy()

@@ -8,6 +8,8 @@ from __future__ import annotations
 import math
 from typing import overload
 
+import numpy as np
+
 from .. import _core
 from ..support import validation
 from .contact import Floats, Values, shaped
@@ -89,9 +91,10 @@ def restitution_series(x: float | Values, terms: int = 10) -> float | Floats:
     >>> hl.restitution_pade([0.1, 0.5, 1.0]).round(4)
     array([0.8929, 0.5953, 0.394 ])
     """
-    count = validation.whole("terms", terms, 1, _core.series_terms)
+    count = validation.whole("terms", terms, 1, len(_core.series_coefficients))
     at = _argument(x)
-    return shaped(_core.viscoelastic_series(at.ravel(), count), at.shape)
+    series = np.polynomial.Polynomial(_core.series_coefficients[:count])
+    return shaped(series(np.sqrt(at.ravel())), at.shape)
 
 
 @overload
@@ -123,11 +126,15 @@ def restitution_pade(x: float | Values, numerator: int = 3, denominator: int = 6
     -----
     Source: Müller & Pöschel, Phys. Rev. E 84, 021302 (2011). The form is computed from the series.
     """
-    most = _core.series_terms - 1
+    from scipy.interpolate import pade
+
+    most = len(_core.series_coefficients) - 1
     above = validation.whole("numerator", numerator, 0, most)
     below = validation.whole("denominator", denominator, 0, min(6, most - above))
     at = _argument(x)
-    return shaped(_core.viscoelastic_pade(at.ravel(), above, below), at.shape)
+    top, bottom = pade(_core.series_coefficients[: above + below + 1], below, above)
+    y = np.sqrt(at.ravel())
+    return shaped(top(y) / bottom(y), at.shape)
 
 
 def _argument(x: float | Values) -> Floats:

@@ -96,7 +96,9 @@ def _opened(source: str | Path) -> tuple[str, str, Path | None]:
         return text.removeprefix("\ufeff"), path.name, path.parent
     if isinstance(source, str) and len(source.split()) > 1:
         return source, "", None
-    raise ValueError(f"script: got {validation.shown(str(source))}, must be a file that can be read")
+    raise ValueError(
+        f"script: got {validation.shown(str(source))}, must be a file of at most 200 MB that can be read"
+    )
 
 
 def _code_of(text: str, folder: Path | None) -> str:

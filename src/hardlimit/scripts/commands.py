@@ -34,7 +34,7 @@ KEPT: Final = ("index", "loop", "world", "universe", "uloop", "file", "atomfile"
 DEEPEST: Final = 20
 MOST_STATEMENTS: Final = 300_000
 MOST_VALUES: Final = 1_000_000
-LARGEST_FILE: Final = 50_000_000  #: bytes
+LARGEST_FILE: Final = 200_000_000  #: bytes
 USE_LOG: Final = "give the log instead, in which loops and conditions are resolved"
 #: Constants of formulas.
 LOGICAL: Final = {

@@ -11,7 +11,7 @@ from typing import Final
 
 from .commands import UNRESOLVED, Variables
 from .state import HARMLESS, State
-from .statements import Statement, scan, split
+from .statements import LONGEST_QUOTE, Statement, scan, split
 
 HEADER: Final = re.compile(r"\s*(LAMMPS|LIGGGHTS) \((?:Version )?((?:[^()]|\([^()]*\))*)\)?", re.ASCII)
 #: Lines before the header, such as messages of MPI or a shell.
@@ -35,15 +35,14 @@ def commands(text: str, file: str, variables: Variables, state: type[State]) -> 
     k = 0
     while k < len(lines):
         first = k + 1
-        pieces, quote = scan(lines[k])
-        code = "".join(one for one, _ in pieces)
-        words = code.split(maxsplit=1)
+        words = lines[k].split(maxsplit=1)
         k += 1
         # LAMMPS reports the time of some commands: "  create_atoms CPU = 0.001 seconds".
-        timing = words[1:] and words[1].startswith("CPU = ")
-        if not words or words[0] not in known or timing:
+        if not words or words[0] not in known or (words[1:] and words[1].startswith("CPU = ")):
             continue
-        while quote == '"""' and k < len(lines):
+        pieces, quote = scan(lines[k - 1])
+        code = "".join(one for one, _ in pieces)
+        while quote == '"""' and k < min(len(lines), first + LONGEST_QUOTE):
             code, k = f"{code}\n{lines[k]}", k + 1
             pieces, quote = scan(code)
         # The same command follows once more after each replacement.

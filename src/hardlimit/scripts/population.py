@@ -72,9 +72,9 @@ class Population:
         for one in moved:
             self.add(kind, one)
 
-    def grains(self, kind: int, name: str, frozen: bool) -> Grains:
-        """The grains of one type."""
-        held = self.batches.get(kind, [])
+    def grains(self, kind: int, name: str, frozen: bool, disks: bool = False) -> Grains:
+        """The grains of one type, whose densities may be those of disks."""
+        held = [one.with_mass_of(2) if disks else one for one in self.batches.get(kind, [])]
         if self.elsewhere:
             held = [*held, Batch()]
         densities = union([one.densities for one in held])

@@ -375,7 +375,10 @@ class State:
             return
         self.changed_since = False
         kinds = self.present()
-        grains = {str(kind): self.population.grains(kind, str(kind), self.frozen(kind)) for kind in kinds}
+        disks = self.code == "liggghts" and self.dimension == 2
+        grains = {
+            str(kind): self.population.grains(kind, str(kind), self.frozen(kind), disks) for kind in kinds
+        }
         new = Stage(
             quote,
             self.step_now(),

@@ -42,7 +42,8 @@ public:
     double base = 0.0;                                      // absolute time at time = 0 [s]
     double time = 0.0;                                      // since `base` [s]
     double dissipated = 0.0;   // including the elastic energy that slack pairs still store [J]
-    double virial = 0.0;       // ∫ Σ r·F dt over pairs of bodies [J s]
+    SymmetricTensor virial;    // ∫ Σ r⊗F dt over pairs of bodies [J s]
+    double wall_work = 0.0;    // done by moving walls [J]
     double tolerance = 1e-11;  // of a step, relative to the units of length, speed and time
     bool record = false;       // whether to keep the trajectory
     std::vector<EndedContact> ended;
@@ -58,7 +59,8 @@ public:
         pairs.clear();
         ended.clear();
         trajectory.clear();
-        base = time = dissipated = virial = largest_compression = 0.0;
+        base = time = dissipated = wall_work = largest_compression = 0.0;
+        virial = {};
         too_deep = -1;
         record = unresolved = known_ = false;
         begun = begun_pairs = steps_ = 0;
@@ -90,8 +92,8 @@ public:
         return std::any_of(pairs.begin(), pairs.end(), [](const auto& q) { return q.second < 0; });
     }
 
-    // Velocity of the centre of mass; zero near a wall, where speeds are relative to the wall [m/s].
-    Vector3 mean_velocity() const;
+    // Velocity to which speeds are relative: of the centre of mass, or near walls that of the walls [m/s].
+    Vector3 frame_velocity() const;
 
     // Elastic energy of the pairs in this state, closed or slack [J].
     double stored(ContactState state) const {
@@ -137,9 +139,10 @@ private:
     Scratch<char> is_ordered_;      // [members]
     int in_contact_ = 0;            // number of members in contact
     Scratch<series::Contact> contacts_;
-    Scratch<int> rooted_;  // pairs whose s is a component, in the order of the state
-    Scratch<int> slot_;    // [pairs] index of s in the state
-    bool known_ = false;   // whether k_ is the derivative of y_
+    Scratch<int> rooted_;      // pairs whose s is a component, in the order of the state
+    Scratch<int> slot_;        // [pairs] index of s in the state
+    bool known_ = false;       // whether k_ is the derivative of y_
+    bool walls_move_ = false;  // whether a wall of a pair moves: the state then holds wall_work
     double h_ = 0.0, speed_unit_ = 0.0, lightest_ = 0.0;
     double step_ = 0.0;  // of the series, in its unit, at most 1
     long steps_ = 0;
@@ -147,9 +150,11 @@ private:
     int count() const { return static_cast<int>(members.size()); }
     int time_index() const { return 6 * count(); }
     int loss_index() const { return 6 * count() + 1; }
-    int work_index() const { return 6 * count() + 2; }
-    int first_root_index() const { return 6 * count() + 3; }
-    int dimension() const { return first_root_index() + static_cast<int>(rooted_.size()); }
+    int wall_work_index() const { return 6 * count() + 2; }
+    int first_root_index() const { return 6 * count() + 2 + (walls_move_ ? 1 : 0); }
+    // The virial stands last: nothing depends on it.
+    int virial_index() const { return first_root_index() + static_cast<int>(rooted_.size()); }
+    int dimension() const { return virial_index() + static_cast<int>(SymmetricTensor::size); }
 
     bool all(ContactState state) const {
         return std::all_of(pairs.begin(), pairs.end(), [&](const auto& q) { return q.state == state; });
@@ -180,14 +185,17 @@ private:
     }
     Geometry geometry(const ContactPair<Law>& q, const double* y) const {
         const double *xa = y + 3 * q.first, *va = y + 3 * (count() + q.first);
-        if (q.second < 0) return geometry(q, xa, va, nullptr, nullptr);
+        if (q.second < 0) return wall_geometry(q, xa, va, y[time_index()]);
         return geometry(q, xa, va, y + 3 * q.second, y + 3 * (count() + q.second));
     }
     Geometry geometry_of_members(const ContactPair<Law>& q) const {
         const Member& a = members[static_cast<std::size_t>(q.first)];
-        const Member& b = members[static_cast<std::size_t>(q.second < 0 ? q.first : q.second)];
+        if (q.second < 0) return wall_geometry(q, a.position.data(), a.velocity.data(), time);
+        const Member& b = members[static_cast<std::size_t>(q.second)];
         return geometry(q, a.position.data(), a.velocity.data(), b.position.data(), b.velocity.data());
     }
+    static inline Geometry wall_geometry(const ContactPair<Law>& q, const double* x, const double* v,
+                                         double t);
     static inline Geometry geometry(const ContactPair<Law>& q, const double* xa, const double* va,
                                     const double* xb, const double* vb);
     // s of a pair, from the members or from a state y.
@@ -206,7 +214,8 @@ private:
     void derivative(const double* y, double* dy) const;
     void advance(double length, double* out) const {
         std::copy(k_.begin(), k_.end(), stages_.begin());
-        DormandPrince::step(Equations{this}, y_.data(), length, dimension(), stages_.data(), out);
+        DormandPrince::step(Equations{this}, y_.data(), length, dimension(), stages_.data(), out,
+                            virial_index());
     }
     void probe(double at) {
         advance(at, trial_.data());
@@ -235,8 +244,8 @@ private:
     void record_compressions(const series::Contact& f, double at);
     void open_pairs(StepEvent& found);
     void order_bodies();
-    void predict_begins(StepEvent& found);
-    void predict_begin(int index, StepEvent& found);
+    void predict_begins(double unit, StepEvent& found);
+    void predict_begin(int index, double unit, StepEvent& found);
     void consider(int index, Event kind, const series::Terms& f, double unit, StepEvent& found) const;
     void advance_series(double at, double unit);
     std::array<double, 4> gravity4() const { return {gravity[0], gravity[1], gravity[2], 0.0}; }

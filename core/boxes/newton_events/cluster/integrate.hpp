@@ -22,7 +22,8 @@ void Cluster<Law>::derivative(const double* y, double* dy) const {
     for (int i = 0; i < 3 * n; ++i) dy[i] = gamma * y[3 * n + i];
     for (int i = 3 * n; i < 6 * n; i += 3)
         for (std::size_t a = 0; a < 3; ++a) dy[static_cast<std::size_t>(i) + a] = gravity[a];
-    double loss_rate = 0.0, pressing = 0.0;
+    double loss_rate = 0.0, power = 0.0;
+    SymmetricTensor pressing;  // Σ r⊗F
     for (std::size_t q = 0; q < pairs.size(); ++q) {
         const ContactPair<Law>& pair = pairs[q];
         if (pair.state != ContactState::closed) continue;
@@ -30,7 +31,8 @@ void Cluster<Law>::derivative(const double* y, double* dy) const {
         const double s = depth_root(static_cast<int>(q), g, y);
         const double force = pair.law.force(s, g.rate);
         loss_rate += (force - pair.law.elastic_force(s)) * g.rate;
-        if (pair.second >= 0) pressing += force * g.distance;
+        if (pair.second >= 0) pressing.add_square(force * g.distance, g.normal);
+        if (pair.second < 0) power += force * pair.side * pair.wall_velocity;
         for (int a = 0; a < 3; ++a) {
             const double along = force * g.normal[static_cast<std::size_t>(a)];
             dy[3 * (n + pair.first) + a] -= along / members[pair.first].mass;
@@ -42,7 +44,9 @@ void Cluster<Law>::derivative(const double* y, double* dy) const {
         for (int i = 3 * n; i < 6 * n; ++i) dy[i] *= gamma;
     dy[time_index()] = gamma;
     dy[loss_index()] = gamma * loss_rate;
-    dy[work_index()] = gamma * pressing;
+    if (walls_move_) dy[wall_work_index()] = gamma * power;
+    for (std::size_t k = 0; k < SymmetricTensor::size; ++k)
+        dy[static_cast<std::size_t>(virial_index()) + k] = gamma * pressing.component[k];
 }
 
 // Chooses the coordinate of each closed contact: s if it is compressed or approaches fast, otherwise the positions. s
@@ -77,6 +81,7 @@ void Cluster<Law>::rearrange(const std::vector<int>& chosen) {
     Scratch<double> y;
     y.assign(y_.begin(), y_.begin() + first_root_index());
     for (const int q : chosen) y.push_back(depth_root(q, geometry(pairs[q], y_.data()), y_.data()));
+    y.insert(y.end(), y_.begin() + virial_index(), y_.end());
     for (ContactPair<Law>& q : pairs) q.rooted = false;
     rooted_.assign(chosen.begin(), chosen.end());
     for (std::size_t i = 0; i < chosen.size(); ++i) {
@@ -113,7 +118,10 @@ template <class Law>
 bool Cluster<Law>::try_step(double length, bool last) {
     advance(length, end_.data());
     set_tolerance(length);
-    const double error = DormandPrince::error(stages_.data(), length, dimension(), tolerance_.data());
+    // The virial has no tolerance of its own, but counts as one component.
+    const int used = virial_index();
+    const double error =
+        DormandPrince::error(stages_.data(), length, dimension(), tolerance_.data(), used, used + 1);
     const double growth = DormandPrince::growth(error);
     const bool accepted = error <= 1.0;
     if (!accepted || !last || growth < 1.0) h_ = length * growth;
@@ -229,7 +237,7 @@ void Cluster<Law>::set_tolerance(double length) {
     }
     tolerance_[time_index()] = tolerance * time_unit();
     tolerance_[loss_index()] = tolerance * math::max(energy_unit(), math::abs(y_[loss_index()] - dissipated));
-    tolerance_[work_index()] = math::infinity;
+    if (walls_move_) tolerance_[wall_work_index()] = math::infinity;
     for (const int q : rooted_)
         tolerance_[slot_[q]] = tolerance * (math::abs(y_[slot_[q]]) + pairs[q].s_unit);
 }

@@ -19,7 +19,7 @@ void Cluster<Law>::series_step(double until) {
     StepEvent found{math::min(step, rest)};
     const bool last = rest <= step;
     for (const series::Contact& f : contacts_) predict_end(f, found);
-    if (contacts_.size() < pairs.size()) predict_begins(found);
+    if (contacts_.size() < pairs.size()) predict_begins(unit, found);
     for (const series::Contact& f : contacts_) record_compressions(f, found.at);
     advance_series(found.at, unit);
     if (last && found.what == Event::none) y_[time_index()] = until;
@@ -104,7 +104,8 @@ void Cluster<Law>::add_contact(int index, double unit) {
     f.axis = q.axis;
     f.closed = q.state == ContactState::closed;
     f.side = q.side;
-    f.wall = q.wall;
+    f.wall[0] = q.wall_position(y_[time_index()]);
+    f.wall[1] = q.wall_velocity * unit;
     f.image = series::Four{q.image[0], q.image[1], q.image[2], 0.0};
     f.contact_distance = f.bodies.contact_distance = q.contact_distance;
     f.spring = f.bodies.spring = q.law.elastic_force(1.0);
@@ -198,22 +199,24 @@ void Cluster<Law>::open_pairs(StepEvent& found) {
 }
 
 template <class Law>
-void Cluster<Law>::predict_begins(StepEvent& found) {
+void Cluster<Law>::predict_begins(double unit, StepEvent& found) {
     kernels->travel(series_.data(), body_order_.data(), in_contact_, count(), found.at, travel_.data());
     for (std::size_t q = 0; q < pairs.size(); ++q)
-        if (pairs[q].state == ContactState::open) predict_begin(static_cast<int>(q), found);
+        if (pairs[q].state == ContactState::open) predict_begin(static_cast<int>(q), unit, found);
 }
 
 template <class Law>
-void Cluster<Law>::predict_begin(int index, StepEvent& found) {
+void Cluster<Law>::predict_begin(int index, double unit, StepEvent& found) {
     const ContactPair<Law>& q = pairs[static_cast<std::size_t>(index)];
     const Geometry g = geometry(q, y_.data());
-    const double both = travel_[q.first] + (q.second < 0 ? 0.0 : travel_[q.second]);
+    const double wall = q.wall_velocity * unit;
+    const double both = travel_[q.first] + (q.second < 0 ? math::abs(wall) * found.at : travel_[q.second]);
     if (-g.depth > both) return;
     series::Terms gap;
     if (q.second < 0) {
         for (std::size_t n = 0; n < series::length; ++n) gap[n] = q.side * series_[q.first][n][q.axis];
         gap[0] = -g.depth;
+        gap[1] -= q.side * wall;
     } else {
         kernels->square(&series_[q.first], &series_[q.second], q.image.data(), gap.of);
         gap[0] = -g.depth * (g.distance + q.contact_distance);
@@ -249,12 +252,16 @@ void Cluster<Law>::advance_series(double at, double unit) {
         chord_deviation =
             trajectory.chord_deviation.data() + (trajectory.chord_deviation.size() - members.size());
     }
-    double sums[2] = {y_[loss_index()], y_[work_index()]};
     kernels->move(series_.data(), body_order_.data(), in_contact_, count(), contacts_.data(),
-                  static_cast<int>(contacts_.size()), at, unit, gravity4().data(), y_.data(), sums,
-                  chord_deviation);
-    y_[loss_index()] = sums[0];
-    y_[work_index()] = sums[1];
+                  static_cast<int>(contacts_.size()), at, unit, gravity4().data(), y_.data(),
+                  &y_[loss_index()], &y_[virial_index()], chord_deviation);
+    for (const series::Contact& f : contacts_) {
+        if (!walls_move_ || !f.closed || f.second >= 0) continue;
+        double impulse = 0.0;  // of the force on the body, over the unit of time
+        for (int k = series::order; k >= 0; --k)
+            impulse = (impulse + f.force[static_cast<std::size_t>(k)] / (k + 1)) * at;
+        y_[wall_work_index()] += impulse * f.side * f.wall[1];
+    }
     y_[time_index()] += at * unit;
 }
 

@@ -6,6 +6,8 @@ namespace hardlimit::boxes {
 
 template <class Law>
 void Cluster<Law>::load_state() {
+    walls_move_ =
+        std::any_of(pairs.begin(), pairs.end(), [](const auto& q) { return q.wall_velocity != 0.0; });
     slot_.assign(pairs.size(), -1);
     rooted_.clear();
     for (std::size_t q = 0; q < pairs.size(); ++q) {
@@ -21,7 +23,8 @@ void Cluster<Law>::load_state() {
         }
     y_[time_index()] = time;
     y_[loss_index()] = dissipated;
-    y_[work_index()] = virial;
+    std::ranges::copy(virial.component, &y_[virial_index()]);
+    if (walls_move_) y_[wall_work_index()] = wall_work;
     for (const int q : rooted_) y_[slot_[q]] = pairs[q].s;
     if constexpr (!LinearLaw<Law>) resize();
     lightest_ = lightest();
@@ -47,7 +50,8 @@ void Cluster<Law>::store_state() {
             members[i].velocity[a] = y_[3 * (count() + i) + a];
         }
     dissipated = y_[loss_index()];
-    virial = y_[work_index()];
+    std::copy_n(&y_[virial_index()], SymmetricTensor::size, virial.component);
+    if (walls_move_) wall_work = y_[wall_work_index()];
     for (const int q : rooted_) pairs[q].s = y_[slot_[q]];
 }
 
@@ -60,9 +64,13 @@ void Cluster<Law>::record_state() {
 }
 
 template <class Law>
-Vector3 Cluster<Law>::mean_velocity() const {
+Vector3 Cluster<Law>::frame_velocity() const {
     Vector3 mean{};
-    if (near_a_wall()) return mean;
+    if (near_a_wall()) {
+        for (const ContactPair<Law>& q : pairs)
+            if (q.second < 0) mean[static_cast<std::size_t>(q.axis)] = q.wall_velocity;
+        return mean;
+    }
     double mass = 0.0;
     for (const Member& m : members) {
         mass += m.mass;
@@ -79,21 +87,25 @@ double Cluster<Law>::lightest() const {
     return least;
 }
 
-// Speed that the lightest member would have with all energy: kinetic relative to the mean velocity, and elastic.
+// Speed that the lightest member would have with all energy, kinetic in the cluster's frame and elastic. A second wall
+// with another velocity does work in this frame: it may add several times its relative velocity.
 template <class Law>
 double Cluster<Law>::unit_of_speed() const {
-    const Vector3 mean = mean_velocity();
-    double energy = 0.0;
+    const Vector3 mean = frame_velocity();
+    double energy = 0.0, gain = 0.0;
     for (const Member& m : members)
         for (int a = 0; a < 3; ++a)
             energy += 0.5 * m.mass * (m.velocity[a] - mean[a]) * (m.velocity[a] - mean[a]);
-    for (const ContactPair<Law>& q : pairs)
+    for (const ContactPair<Law>& q : pairs) {
         if (q.state == ContactState::closed) energy += q.law.energy(depth_root(q));
+        if (q.second >= 0) continue;
+        gain = math::max(gain, 4.0 * math::abs(q.wall_velocity - mean[static_cast<std::size_t>(q.axis)]));
+    }
     // Speed that gravity adds within a millionth of a radius, since bodies may lie at rest.
     double smallest = math::infinity;
     for (const Member& m : members) smallest = math::min(smallest, m.radius);
     const double fall = 1e-6 * smallest * math::sqrt(dot(gravity, gravity));
-    return math::max(math::sqrt(2.0 * energy / lightest() + fall), slowest_approach);
+    return math::max(math::sqrt(2.0 * energy / lightest() + fall) + gain, slowest_approach);
 }
 
 template <class Law>
@@ -133,18 +145,23 @@ double Cluster<Law>::time_unit() const {
     return least / speed_unit_;
 }
 
+// A body at x with the velocity v, and a wall, at the time t since `base`.
+template <class Law>
+typename Cluster<Law>::Geometry Cluster<Law>::wall_geometry(const ContactPair<Law>& q, const double* x,
+                                                            const double* v, double t) {
+    Geometry g{};
+    const double away = q.side * (x[q.axis] - q.wall_position(t));
+    g.normal[static_cast<std::size_t>(q.axis)] = -q.side;
+    g.depth = q.contact_distance - away;
+    g.rate = -q.side * (v[q.axis] - q.wall_velocity);
+    g.distance = math::infinity;
+    return g;
+}
+
 template <class Law>
 typename Cluster<Law>::Geometry Cluster<Law>::geometry(const ContactPair<Law>& q, const double* xa,
                                                        const double* va, const double* xb, const double* vb) {
     Geometry g{};
-    if (q.second < 0) {
-        const double away = q.side * (xa[q.axis] - q.wall);
-        g.normal[static_cast<std::size_t>(q.axis)] = -q.side;
-        g.depth = q.contact_distance - away;
-        g.rate = -q.side * va[q.axis];
-        g.distance = math::infinity;
-        return g;
-    }
     Vector3 v;
     for (std::size_t a = 0; a < 3; ++a) {
         g.normal[a] = (xb[a] - xa[a]) + q.image[a];

@@ -13,6 +13,7 @@ from ...support.progress import Report
 from ..box import Floats
 from ..engines import ENGINES
 from ..falling_frame import laboratory_sums, system_at
+from ..observables import components
 from ..result import ContactResult
 from . import job as jobs
 from . import output, process
@@ -101,13 +102,17 @@ def _samples(job: Job, thermo: Floats, readers: list[DumpReader], log: Contacts 
         )
     time = plan.until * (np.arange(len(thermo)) / plan.samples)
     seen["momentum"] = np.stack([seen[name] for name in ("px", "py", "pz")[: system.dimension]], axis=1)
+    kinetic_tensor, virial = (
+        np.stack([seen[f"{name}_{component}"] for component in components(system.dimension)], axis=1)
+        for name in ("kinetic", "virial")
+    )
+    seen["kinetic_tensor"] = kinetic_tensor
     seen = laboratory_sums(system, time, seen)
     kinetic, potential = seen["kinetic_energy"], seen["potential_energy"]
     sums = [[reader.sums[int(step)] for step in seen["step"]] for reader in readers]
     stored = np.array([[s.energy for s in one] for one in sums]).sum(axis=0)
     total = kinetic + potential + stored
-    volume = system.dimension * system.domain.volume
-    lasted = np.diff(time, prepend=0.0)
+    lasted = np.diff(time, prepend=0.0)[:, None]
     columns = {
         "time": time,
         "kinetic_energy": kinetic,
@@ -117,7 +122,8 @@ def _samples(job: Job, thermo: Floats, readers: list[DumpReader], log: Contacts 
         "granular_temperature": seen["granular_temperature"],
         "momentum": seen["momentum"],
         "n_in_contact": np.array([[s.in_contact for s in one] for one in sums]).sum(axis=0),
-        "virial": np.cumsum(seen["virial"] * volume * lasted),
+        "kinetic_tensor": seen["kinetic_tensor"],
+        "virial_tensor": np.cumsum(virial * system.domain.volume * lasted, axis=0),
         **_counts(time, log),
     }
     return {name: columns[name] for name in ENGINES["lammps"].records}

@@ -10,9 +10,13 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from ..box import Floats
+from ..observables import components
 
 #: Columns of the log of LAMMPS, which has one row for each sample.
-THERMO: Final = ("step", "kinetic_energy", "potential_energy", "px", "py", "pz", "virial")
+THERMO: Final = (
+    *("step", "kinetic_energy", "potential_energy", "px", "py", "pz"),
+    *(f"{name}_{component}" for name in ("kinetic", "virial") for component in components(3)),
+)
 
 
 class Snapshot(NamedTuple):

@@ -114,10 +114,11 @@ def _motion(system: ParticleSystem, plan: Plan) -> Iterator[str]:
 
 def _output(system: ParticleSystem, plan: Plan) -> Iterator[str]:
     every = 1 if plan.log else plan.per_sample
-    yield "# at each sample: energies, momentum, the virial of pairs as a mean over the steps since the previous sample"
+    yield "# at each sample: energies, momentum, Σ m v⊗v, virial of pairs as a mean over the steps since the last one"
     yield "compute kinetic all ke"
+    yield "compute moving all temp"
     yield "compute virial all pressure NULL pair"
-    yield f"fix virial all ave/time 1 {plan.per_sample} {plan.per_sample} c_virial"
+    yield f"fix virial all ave/time 1 {plan.per_sample} {plan.per_sample} {_six('c_virial')}"
     if system.gravity.any():  # the energy of fix gravity uses positions that jump at periodic boundaries
         yield "compute path all property/atom xu yu zu"
         lifted = "".join(f"{-g:+.17g}*c_path[{axis + 1}]" for axis, g in enumerate(system.gravity.tolist()))
@@ -126,7 +127,7 @@ def _output(system: ParticleSystem, plan: Plan) -> Iterator[str]:
     yield f"variable potential equal {'c_potential' if system.gravity.any() else '0.0'}"
     for axis in AXES:
         yield f"variable p{axis} equal vcm(all,{axis})*mass(all)"
-    yield "thermo_style custom step c_kinetic v_potential v_px v_py v_pz f_virial"
+    yield f"thermo_style custom step c_kinetic v_potential v_px v_py v_pz {_six('c_moving')} {_six('f_virial')}"
     yield f"thermo_modify line one lost error flush yes {NUMBERS}"
     yield f"thermo {plan.per_sample}"
     yield f"# contacts, {'at every step' if plan.log else 'at each sample'}"
@@ -141,6 +142,10 @@ def _output(system: ParticleSystem, plan: Plan) -> Iterator[str]:
     yield ""
     yield f"run {plan.n_steps}"
     yield f"write_dump all custom end.dump id xu yu zu vx vy vz modify sort id {NUMBERS}"
+
+
+def _six(name: str) -> str:
+    return " ".join(f"{name}[{k}]" for k in range(1, 7))
 
 
 def _touches(system: ParticleSystem) -> str:

@@ -1,0 +1,36 @@
+// The kernels compiled for each instruction set, and the widest set of this processor. All give identical results.
+#pragma once
+#include "boxes/kernels/interface.hpp"
+#include "sweep/kernel_abi.hpp"
+
+extern const hardlimit_abi::Kernel hardlimit_kernel_base, hardlimit_kernel_avx2, hardlimit_kernel_avx512;
+extern const hardlimit_abi::TouchKernels hardlimit_touch_base, hardlimit_touch_avx2, hardlimit_touch_avx512;
+
+namespace hardlimit::bindings {
+
+#if defined(HARDLIMIT_X86)
+inline constexpr const hardlimit_abi::Kernel* sweep_kernels[] = {
+    &hardlimit_kernel_base, &hardlimit_kernel_avx2, &hardlimit_kernel_avx512};
+inline constexpr const hardlimit_abi::TouchKernels* touch_kernel_sets[] = {
+    &hardlimit_touch_base, &hardlimit_touch_avx2, &hardlimit_touch_avx512};
+#else
+inline constexpr const hardlimit_abi::Kernel* sweep_kernels[] = {&hardlimit_kernel_base};
+inline constexpr const hardlimit_abi::TouchKernels* touch_kernel_sets[] = {&hardlimit_touch_base};
+#endif
+
+// Index into these tables.
+inline int widest_instruction_set() {
+#if defined(HARDLIMIT_X86)
+    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+        __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw"))
+        return 2;
+    if (__builtin_cpu_supports("avx2")) return 1;
+#endif
+    return 0;
+}
+inline const hardlimit_abi::TouchKernels& touch_kernels() {
+    static const hardlimit_abi::TouchKernels& widest = *touch_kernel_sets[widest_instruction_set()];
+    return widest;
+}
+
+}  // namespace hardlimit::bindings
