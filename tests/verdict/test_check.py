@@ -118,7 +118,9 @@ def test_clipping_and_time_step():
     endless = hl.check(script(CLIPPED).replace("timestep 1e-7", "timestep 1e-3"), speed=0.3)
     assert endless.rows[0].restitution_error_of_step > 1.0 and endless.corrected == coarse.corrected
     assert "too long" in " ".join(endless.remarks)
-    without_end = hl.check(script(HOOKE.replace("0.9", "0.05")).replace("timestep 1e-7", "timestep 1e3"), speed=0.3)
+    without_end = hl.check(
+        script(HOOKE.replace("0.9", "0.05")).replace("timestep 1e-7", "timestep 1e3"), speed=0.3
+    )
     assert "too long" in " ".join(without_end.remarks) and without_end.rows[0].steps_per_contact == 0
 
 
