@@ -17,7 +17,7 @@ separation velocity is 3.73 m/s instead of 0.125 m/s.
 from importlib import import_module
 
 from . import _core
-from .column.comparison import Comparison, Verdict, compare
+from .column.comparison import ColumnVerdict, Comparison, compare
 from .column.result import Result
 from .column.scenario import PAPER_DENSITY, Column
 from .column.solvers import adiabatic, independent, newton
@@ -51,7 +51,9 @@ _LATER = {
     "boxes.resume": ("resume",),
     "boxes.system": ("ParticleSystem",),
     "stacks": ("Stack", "stack"),
+    "verdict": ("check",),
     "verdict.error_law": ("ErrorLaw", "error_law"),
+    "verdict.result": ("Verdict",),
 }
 
 __all__ = [
@@ -61,12 +63,12 @@ __all__ = [
     "PAPER_DENSITY",
     "Ball",
     "Column",
+    "ColumnVerdict",
     "Comparison",
     "CompressionWarning",
     "Contact",
     "Law",
     "Result",
-    "Verdict",
     "adiabatic",
     "compare",
     "convert",

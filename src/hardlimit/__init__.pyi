@@ -1,7 +1,7 @@
 # Written by tools/stubs.py from __init__.py and the laws' records.
 
+from .column.comparison import ColumnVerdict as ColumnVerdict
 from .column.comparison import Comparison as Comparison
-from .column.comparison import Verdict as Verdict
 from .column.comparison import compare as compare
 from .column.result import Result as Result
 from .column.scenario import PAPER_DENSITY as PAPER_DENSITY
@@ -45,5 +45,7 @@ from .boxes.resume import resume as resume
 from .boxes.system import ParticleSystem as ParticleSystem
 from .stacks import Stack as Stack
 from .stacks import stack as stack
+from .verdict import check as check
 from .verdict.error_law import ErrorLaw as ErrorLaw
 from .verdict.error_law import error_law as error_law
+from .verdict.result import Verdict as Verdict

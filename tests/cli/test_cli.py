@@ -37,7 +37,7 @@ HERTZ = ["--youngs-modulus", "5e7", "--poisson-ratio", "0.45"]
 # --- help ---------------------------------------------------------------------------------------------------
 
 COMMANDS = [
-    *("drop", "contact", "convert", "fit", "stack", "paper", "sweep", "gas", "explore", "cite"),
+    *("check", "drop", "contact", "convert", "fit", "stack", "paper", "sweep", "gas", "explore", "cite"),
     *("completion",),
 ]
 

@@ -135,6 +135,10 @@ def beside(name: str, typed: str) -> list[str]:
         pairs = {"--radius": "1mm", "--density": "2500", "--other-radius": "1mm", "--other-density": "2500"}
         pairs.pop({"--mass": "--density", "--other-mass": "--other-density"}.get(typed, typed))
         words += [word for pair in pairs.items() for word in pair]
+    if name == "check":
+        given = {"--radius": "1mm", "--density": "2500"} | ({} if law else {"--stiffness": 1, "--restitution": 1})
+        given.pop("--density" if typed == "--mass" else typed, None)
+        words += [f"{option}={value}" for option, value in given.items()]
     if name == "gas" and typed in ("--restitution-error", "--time-step"):
         words += ["--engine", "steps", "--stiffness", "1e5", "--restitution", "0.5"]
     return words + (["--rule", "tc"] if (name, typed) == ("gas", "--contact-duration") else [])
@@ -234,7 +238,7 @@ def test_a_file_that_cannot_be_read_is_bad_input(words: list[str], tmp_path: Pat
 
 def outputs(name: str) -> list[str]:
     """Options that name a file to write by its ending."""
-    others = ("--checkpoint", "--resume", "--store", "--read", "--column")
+    others = ("--checkpoint", "--resume", "--store", "--read", "--column", "--dump")
     options = [o for of, o in every_option() if of == name and (o.metavar or "").startswith("FILE")]
     return [o.opts[0] for o in options if o.opts[0] not in others]
 

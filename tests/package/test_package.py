@@ -11,7 +11,7 @@ import hardlimit as hl
 
 PUBLIC = {
     "FLOOR", "LAWS", "OUTCOMES", "PAPER_DENSITY", "Ball", "Column", "Comparison", "Contact", "ParticleSystem", "Result",
-    "Verdict", "adiabatic", "compare", "event_driven", "independent", "newton", "resume", "sweep",
+    "ColumnVerdict", "adiabatic", "compare", "event_driven", "independent", "newton", "resume", "sweep",
 }  # fmt: skip
 
 

@@ -13,6 +13,7 @@ from .program import Program, no_such_command
 
 #: Each command with the first line of its help. A command is imported when it is run.
 COMMANDS = {
+    "check": "Check what a script's contacts do, and if events may replace it.",
     "cite": "Print BibTeX entries for the package and the methods you used.",
     "completion": "Print a script that completes commands in your shell.",
     "contact": "Compute duration, restitution and damping of one contact.",

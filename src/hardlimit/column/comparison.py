@@ -22,7 +22,7 @@ from .solvers import adiabatic, independent, newton
 TOLERANCE: Final = 0.01
 
 
-class Verdict(NamedTuple):
+class ColumnVerdict(NamedTuple):
     """Whether an event-driven simulation is good enough for a column; returned by :attr:`Comparison.verdict`."""
 
     answer: Literal["yes", "by luck", "no", "undecided"]  #: one word
@@ -43,7 +43,7 @@ class Comparison:
         return tuple(r for r in (self.newton, self.adiabatic, self.independent) if r is not None)
 
     @property
-    def verdict(self) -> Verdict:
+    def verdict(self) -> ColumnVerdict:
         """Whether independent collisions are good enough for this column, in one sentence."""
         return _verdict(self)
 
@@ -104,26 +104,26 @@ _FAILURES: Final = {
 }
 
 
-def _verdict(c: Comparison) -> Verdict:
+def _verdict(c: Comparison) -> ColumnVerdict:
     true, hard = (_core.outcome_names[r.outcome_code] for r in (c.newton, c.independent))
     unclear = _unclear(c, true, hard)
     if unclear is not None:
-        return Verdict("undecided", f"No verdict: {unclear}.")
+        return ColumnVerdict("undecided", f"No verdict: {unclear}.")
     if true == "at_rest":
         reason = (
             "under Newton’s equations a contact never ends, but event-driven collisions are instantaneous"
         )
-        return Verdict("no", f"No: {reason}.")
+        return ColumnVerdict("no", f"No: {reason}.")
     if hard in _FAILURES:
         reason = f"the event-driven sequence {_FAILURES[hard]}; that of Newton’s equations does not"
-        return Verdict("no", f"No: {reason}.")
+        return ColumnVerdict("no", f"No: {reason}.")
     found = _difference(c)
     counts = [r.n_contacts for r in (c.newton, c.independent)]
     if 0 in counts and any(counts) and not found.error <= TOLERANCE:
         models = ["under Newton’s equations", "in the event-driven model"]
         met, missed = models if counts[0] else models[::-1]
         before = " before the second floor contact" if c.newton.column.floor else ""
-        return Verdict("no", f"No: the balls meet {met} but not {missed}{before}.")
+        return ColumnVerdict("no", f"No: the balls meet {met} but not {missed}{before}.")
     return _by_numbers(c, found)
 
 
@@ -144,7 +144,7 @@ class _Difference(NamedTuple):
     later: bool = False  #: whether contacts of the upper balls after the second floor contact count
 
 
-def _by_numbers(c: Comparison, found: _Difference) -> Verdict:
+def _by_numbers(c: Comparison, found: _Difference) -> ColumnVerdict:
     """The verdict if both models reached the end of the sequence."""
     overlap = overlapping_contacts(c.newton)
     if len(c.newton.column.balls) == 1:
@@ -155,9 +155,9 @@ def _by_numbers(c: Comparison, found: _Difference) -> Verdict:
         contacts += ", under one model the last one follows the second floor contact"
     if found.error <= TOLERANCE:
         if overlap:
-            return Verdict("by luck", f"Only by luck: {contacts}, yet {found.clause}.")
-        return Verdict("yes", f"Yes: {contacts}, and {found.clause}.")
-    return Verdict("no", f"No: {contacts}{';' if overlap else ', yet'} {found.clause}.")
+            return ColumnVerdict("by luck", f"Only by luck: {contacts}, yet {found.clause}.")
+        return ColumnVerdict("yes", f"Yes: {contacts}, and {found.clause}.")
+    return ColumnVerdict("no", f"No: {contacts}{';' if overlap else ', yet'} {found.clause}.")
 
 
 def _overlaps(overlap: int, n: int) -> str:

@@ -95,6 +95,16 @@ class Input:
 
 
 @dataclass(frozen=True)
+class Difference:
+    """How a model differs in versions of its code that were not examined: since one version, or before one."""
+
+    damping: Damping
+    since: str = ""  #: the first version, such as ``2 Sep 2026`` or ``2023.02``
+    before: str = ""  #: the first version without it
+    attracts: Literal["", "always", "never", "unless"] = ""  #: if it differs
+
+
+@dataclass(frozen=True)
 class Model:
     """One contact model of a code; returned by :func:`hardlimit.convert`."""
 
@@ -109,6 +119,7 @@ class Model:
     mass: Mass = Mass()  #: in the formulas, if it is not the effective mass
     note: str = ""  #: remark on the model
     checked: Literal["", "source"] = ""  #: if it was checked less thoroughly than its code
+    difference: Difference | None = None  #: in other versions of the code
 
     def unit(self, name: str) -> tuple[float, float, float]:
         """Powers of mass, length and time in the unit of a number.
@@ -192,6 +203,7 @@ INNER: Final[dict[str, Any]] = {
     "models": Model,
     "spring": Spring,
     "damping": Damping,
+    "difference": Difference,
     "mass": Mass,
     "input": Input,
     "extra": Extra,

@@ -52,7 +52,7 @@ class Force:
 
     def collision(self, speed: float) -> Collision:
         """The collision at ``speed`` [m/s]. Its restitution is 0 if the bodies stay together."""
-        length, time = self._scales(speed)
+        length, time = self.scales(speed)
         return _collision(self.powers, self.relative_damping(speed)).scaled(length, time, self.effective_mass)
 
     def numerically_damped(self, speed: float, damping: float) -> Collision:
@@ -92,7 +92,7 @@ class Force:
         """The longest time step [s] with an error of ε of at most ``error``; NaN if the bodies stay together."""
         # Rounding lets pairs and codes with the same damping share one search.
         damping = float(f"{self.relative_damping(speed):.10g}")
-        return float(self._scales(speed)[1] * _longest_step(self.powers, damping, error))
+        return float(self.scales(speed)[1] * _longest_step(self.powers, damping, error))
 
     def error_of_step(self, speed: float, time_step: float) -> float:
         """The error of ε by a time step [s]; infinite if the contact does not end with this step."""
@@ -102,18 +102,19 @@ class Force:
         # Beyond the largest number of steps tried, the error is taken as proportional to the step.
         tried = max(time_step, collision.duration / integration_error.MAX_STEPS)
         scaled = Force(self.powers, 1.0, self.relative_damping(speed), 1.0)
-        error = integration_error.restitution_error(scaled, 1.0, tried / self._scales(speed)[1])
+        with np.errstate(over="ignore", invalid="ignore"):  # a contact that gains energy without end
+            error = integration_error.restitution_error(scaled, 1.0, tried / self.scales(speed)[1])
         return float(error * time_step / tried)
 
-    def _scales(self, speed: float) -> tuple[float, float]:
-        """Units of length [m] and time [s] of a collision."""
+    def scales(self, speed: float) -> tuple[float, float]:
+        """Units of length [m] and time [s] of a collision, in which K, the mass and the speed are 1."""
         p = 0.25 * self.powers.elastic
         length = (self.effective_mass / self.stiffness * speed * speed) ** (1.0 / (p + 1.0))
         return length, length / speed
 
     def _unit(self, speed: float) -> float:
         """Unit of the damping C."""
-        length, time = self._scales(speed)
+        length, time = self.scales(speed)
         return float(self.effective_mass / (time * length ** (0.25 * self.powers.damping)))
 
 

@@ -40,11 +40,11 @@ def written(
     walls = [one for one in contacts if one[0].wall]
     for group in (balls, walls) if texts.apart else (contacts,):
         lines += _contacts(code, model, group, lines)
-    lines += texts.foot.replace("{time_step}", _rounded_down(time_step)).splitlines()
+    lines += texts.foot.replace("{time_step}", rounded_down(time_step)).splitlines()
     return "\n".join(line.replace("{keyword}", keyword) for line in lines)
 
 
-def _rounded_down(time_step: float) -> str:
+def rounded_down(time_step: float) -> str:
     """The time step rounded down to four digits."""
     return f"{float(Context(prec=4, rounding=ROUND_FLOOR).create_decimal(time_step)):.4g}"
 
@@ -111,6 +111,24 @@ def read(
     names = {name for one in models for reads in (one.input.reads, one.input.reads_wall) for name in reads}
     reading = READERS[code.reader](text, Asked(frozenset(names), code.defaults, code.sticky))
     settings = _contact(code, models, reading, wall, contact, names)
+    return interpreted(code, models, settings, wall, reading.units, reading.numerical_damping)
+
+
+def interpreted(
+    code: Code,
+    models: Sequence[Model],
+    settings: Settings,
+    wall: bool,
+    units: str = "si",
+    numerical_damping: float | None = None,
+) -> Read:
+    """The model that the settings of a contact select, and its numbers, converted from ``units`` to SI.
+
+    Raises
+    ------
+    ValueError
+        If there is no model or several, or a number is outside its range.
+    """
     found = _only_model(code, models, settings, wall)
     numbers: Numbers = {}
     for name, words in _reads(found, wall).items():
@@ -119,8 +137,8 @@ def read(
             if place.startswith("{"):
                 kind, _, number = place[1:-1].rpartition(":")
                 value = _number(number, word, setting)
-                units = zip(UNITS[reading.units], found.unit(number), strict=True)
-                scale = math.prod(unit**power for unit, power in units)
+                powers = zip(UNITS[units], found.unit(number), strict=True)
+                scale = math.prod(unit**power for unit, power in powers)
                 numbers[number] = _checked(
                     found, number, scale * (abs(value) if kind == "negative" else value), setting
                 )
@@ -130,7 +148,7 @@ def read(
         found,
         numbers,
         found.attracts == "always" or not (found.attracts == "never" or limited),
-        reading.numerical_damping,
+        numerical_damping,
     )
 
 

@@ -1,1 +1,86 @@
 """How far an event-driven simulation can be trusted: the law of the error, and the check of other codes' scripts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..boxes.system import ParticleSystem
+from ..contact.balls import Ball
+from ..contact.contact import Law
+
+if TYPE_CHECKING:
+    from .result import Verdict
+
+__all__ = ["check"]
+
+
+def check(
+    source: str | Path | ParticleSystem | Ball,
+    *,
+    code: str | None = None,
+    dump: str | Path | None = None,
+    speed: float | tuple[float, float] | None = None,
+    variables: Mapping[str, str | float] = {},
+    packing_fraction: float | None = None,
+    law: Law | None = None,
+    time_step: float | None = None,
+    dimension: int | None = None,
+) -> Verdict:
+    """Check what the contacts of a simulation really do, and whether an event-driven simulation may replace it.
+
+    Parameters
+    ----------
+    source : path, str, ParticleSystem or Ball
+        Script or log of LAMMPS, LIGGGHTS or YADE, or its text; nothing in it is executed. Or a system, or one of many
+        equal balls, under ``law``.
+    code : str, optional
+        "lammps", "liggghts" or "yade"; found in the script by default.
+    dump : path, optional
+        Text dump of LAMMPS or LIGGGHTS, also .gz. It gives the packing fraction, the impact speeds at 10, 50 and 90 %,
+        and the share of lasting contacts. With several frames, the hottest one decides.
+    speed : float or (float, float) [m/s]
+        Mean impact speed √(πT), or its lowest and highest value; in ``lj`` units as in the script. It comes before the
+        dump's.
+    variables : mapping
+        Variables of the script by name, as on the command line of its code.
+    packing_fraction : float, optional
+        φ of the grains. It comes before the dump's.
+    law : Law, optional
+        Contact law of a system or a ball.
+    time_step : float [s], optional
+        Time step under which a ball or a system is simulated.
+    dimension : int, optional
+        For a ball: 3 for spheres, the default, or 2 for disks.
+
+    Returns
+    -------
+    Verdict
+        ``.admissible`` is True if event-driven cooling is right within 1 %, False if it is not or if something cannot
+        be simulated by events, such as cohesion or grains at rest, and None if it cannot be said.
+
+    Raises
+    ------
+    ValueError
+        If the script is not granular or cannot be resolved, the dump cannot be read, or a value is outside its range.
+
+    Notes
+    -----
+    The error is that of :func:`error_law` at Enskog's collision rate (Chapman & Cowling, The Mathematical Theory of
+    Non-uniform Gases, 1970), as for a gas of equal grains of each pair's mean diameter. A force that never attracts
+    ends a contact early: Schwager & Pöschel, Granular Matter 9, 465 (2007). The error of ε by the time step is that of
+    the code's integration in an isolated contact. Rayleigh time: Thornton & Randall, Micromechanics of Granular
+    Materials (1988).
+
+    Examples
+    --------
+    >>> bead = hl.Ball(1e-3, density=2500.0)
+    >>> soft = hl.LinearDashpot(stiffness=1e3, restitution=0.9)
+    >>> print(hl.check(bead, law=soft, speed=0.3, packing_fraction=0.3))
+    No: event-driven cools 9.6 ± 0.3 % too fast at t_c ν = 0.19, δ/d = 0.01 (grains
+    1–1); 1 % takes a stiffness of 9.2e4 instead of 1e3.
+    """
+    from .checking import checked
+
+    return checked(source, code, dump, speed, variables, packing_fraction, law, time_step, dimension)

@@ -1,0 +1,376 @@
+"""``hardlimit check``: what a script's contacts really do, and whether event-driven simulation may replace it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from ..column import files
+from ..contact.balls import Ball
+from ..convert.codes import code as code_of
+from ..support.formatting import digits, length, listed, percent, percent_with_error, quantity
+from ..verdict import check as checked
+from ..verdict.answer import NAMES
+from ..verdict.contacts import CheckedContact
+from ..verdict.result import Finding, Verdict
+from .options import Quantity, json_option, law_options, options, quantity_option, spelled, take_law
+from .printing import console, print_json
+from .program import FAILURE, Command
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+EXAMPLES = """\
+\b
+Example:
+  hardlimit check --radius 1mm --density 2500 --stiffness 1e5 --restitution 0.9 \\
+      --speed 0.3m/s --packing-fraction 0.3
+  hardlimit check in.box --speed 0.1:2m/s --packing-fraction 0.3
+  hardlimit check log.lammps --dump dump.box.gz"""
+
+CODES = ("lammps", "liggghts", "yade")
+#: Largest number of rows without ``--verbose``.
+MOST_ROWS = 8
+#: Errors of ε below this are not written out.
+SMALLEST_ERROR = 1e-4
+
+
+class SpeedRange(Quantity):
+    """A speed, or the lowest and the highest one as in ``0.1:2m/s``."""
+
+    def read(self, option: str, text: str) -> tuple[float, float]:
+        low, _, high = text.rpartition(":")
+        top = super().read(option, high)
+        unit = high.lstrip("+-0123456789.eE ")
+        bare = low and not low.strip(" +-0123456789.eE")
+        return (super().read(option, low + unit if bare else low) if low else top), top
+
+
+def variable(ctx: click.Context, param: click.Parameter, given: Sequence[str]) -> dict[str, str]:
+    """The variables of ``--var NAME=VALUE``."""
+    found = {}
+    for text in given:
+        name, equals, value = text.partition("=")
+        if not equals or not name:
+            raise click.UsageError(f"--var: got {text!r}, must be NAME=VALUE", ctx)
+        found[name] = value
+    return found
+
+
+script_options = options(
+    click.option(
+        "--dump", metavar="FILE", help="Text dump of LAMMPS or LIGGGHTS, also .gz: packing, speeds, contacts."
+    ),
+    click.option(
+        "--speed",
+        type=SpeedRange("m/s"),
+        metavar="SPEED[:SPEED]",
+        help="Mean impact speed, or lowest and highest [m/s]; as in the script if it is in lj units.",
+    ),
+    quantity_option("--packing-fraction", unit="1", help="Packing fraction φ, instead of that of the dump."),
+    click.option(
+        "--var",
+        "variables",
+        multiple=True,
+        callback=variable,
+        metavar="NAME=VALUE",
+        help="Variable of the script, as on the command line of its code.",
+    ),
+    click.option(
+        "--code", type=click.Choice(CODES), help="Code of the script.  [default: found in the script]"
+    ),
+)
+number_options = options(
+    quantity_option("--radius", unit="m", help="Radius of the grains [m], without a script."),
+    quantity_option("--density", unit="kg/m3", help="Density of the grains [kg/m³]."),
+    quantity_option("--mass", unit="kg", help="Mass of a grain [kg] instead of the density."),
+    quantity_option("--time-step", unit="s", help="Time step [s] to check."),
+    click.option("--dimension", type=click.Choice(["2", "3"]), help="Disks or spheres.  [default: 3]"),
+)
+
+
+@click.command(cls=Command, epilog=EXAMPLES)
+@click.argument("file", required=False)
+@script_options
+@number_options
+@law_options()
+@click.option("--strict", is_flag=True, help="Exit with code 1 if the answer is no.")
+@click.option("--verbose", is_flag=True, help="Print everything: each speed, all rules, quoted lines.")
+@json_option()
+def check(
+    file: str | None,
+    strict: bool,
+    verbose: bool,
+    as_json: bool,
+    dump: str | None,
+    speed: tuple[float, float] | None,
+    packing_fraction: float | None,
+    variables: dict[str, str],
+    code: str | None,
+    **numbers: Any,
+) -> None:
+    """Check what a script's contacts do, and if events may replace it.
+
+    Reads a script or, better, a log of LAMMPS, LIGGGHTS or YADE; nothing in it is executed. For each pair of types and
+    each wall, it prints the restitution that the code really gives, the duration, the steps per contact with the error
+    that they cause, and the error of event-driven cooling. Without a file, it checks numbers.
+    """
+    given: dict[str, Any] = {"dump": dump, "speed": speed, "packing_fraction": packing_fraction}
+    if file is None:
+        found = from_numbers(numbers, variables, code, given)
+    else:
+        for name, value in numbers.items():
+            if value is not None:
+                raise ValueError(f"{spelled(name)}: got {value}, must be left out with a file")
+        found = checked(Path(file), code=code, variables=variables, **given)
+    if as_json:
+        print_json(found.to_dict())
+    else:
+        report(found, verbose)
+    if strict and found.admissible is False:
+        click.get_current_context().exit(FAILURE)
+
+
+def from_numbers(
+    numbers: dict[str, Any], variables: dict[str, str], code: str | None, given: dict[str, Any]
+) -> Verdict:
+    """The check of equal grains under one of our laws."""
+    name, parameters = take_law(numbers)
+    if numbers["radius"] is None:
+        raise ValueError("check: give a file, or --radius with --density, a stiffness and --restitution")
+    for option, value in (("--code", code), ("--var", variables or None)):
+        if value is not None:
+            raise ValueError(f"{option}: must be left out without a file")
+    ball = Ball(numbers["radius"], numbers["density"], numbers["mass"])
+    law = files.changed_law(None, name, parameters)
+    dimension = None if numbers["dimension"] is None else int(numbers["dimension"])
+    return checked(ball, law=law, time_step=numbers["time_step"], dimension=dimension, **given)
+
+
+# --- output -------------------------------------------------------------------------------------------------
+
+
+def report(found: Verdict, verbose: bool) -> None:
+    """The table of contacts, what was checked, the answer, and corrected lines."""
+    plain = found.units == "lj"
+    last = max((row.stage for row in found.rows), default=1)
+    groups = list(grouped(found.rows if verbose else [row for row in found.rows if row.stage == last]))
+    say(title(found), style="bold")
+    shown = groups if verbose else groups[:MOST_ROWS]
+    if shown:
+        stages = verbose and last > 1
+        rows = [[str(g[0].stage), name(g[0], plain), *cells(g, plain)] for g in shown]
+        head = ["run", "contact", *HEAD]
+        # Columns of which nothing is known are left out.
+        kept = [
+            k for k in range(len(head)) if (k or stages) and (k < 2 or any(row[k] != "–" for row in rows))
+        ]
+        console().print(narrow([head[k] for k in kept], [[row[k] for k in kept] for row in rows], 1 + stages))
+    if len(shown) < len(groups):
+        say(f"… and {len(groups) - len(shown)} more contacts: --verbose")
+    if not verbose and len({row.stage for row in found.rows}) > 1:
+        say(f"Settings change between runs. These are of run {last}; --verbose has the others.")
+    if found.remarks:
+        say(" ".join(found.remarks))
+    if verbose:
+        details(found, plain)
+    say(lists(found))
+    more = " More: --verbose" if found.admissible is False and not verbose else ""
+    say(f"{found.sentence}{more}", style="bold")
+    for line in found.corrected:
+        click.echo(f"  {line}")
+
+
+HEAD = [
+    "ε\nasked",
+    "ε\ngiven",
+    "t_c",
+    "steps",
+    "error\nof ε",
+    "over-\nlap",
+    "t_c ν",
+    "cools\nfaster by",
+]
+
+
+def narrow(columns: Sequence[str], rows: Iterable[Sequence[str]], left: int) -> Table:
+    """A table without lines, so that it fits into 80 columns."""
+    from rich.table import Table
+    from rich.text import Text
+
+    made = Table(box=None, pad_edge=False, padding=(0, 1))
+    for i, head in enumerate(columns):
+        made.add_column(
+            Text(head), justify="left" if i < left else "right", no_wrap=i < left, vertical="bottom"
+        )
+    for row in rows:
+        made.add_row(*map(Text, row))
+    return made
+
+
+def say(text: str, style: str = "") -> None:
+    """Print a paragraph."""
+    from rich.text import Text
+
+    console().print(Text(text, style=style))
+
+
+def title(found: Verdict) -> str:
+    """Code, models, units and time step."""
+    names = list(dict.fromkeys(row.model for row in found.rows if row.model))
+    if found.code is None:
+        parts = [f"{listed(names)} law" if names else ""]
+    else:
+        known = code_of(found.code)
+        titles = [
+            known.model(one).title.removeprefix("pair_style ").replace(", damping", ",") for one in names
+        ]
+        what = titles[0] if len(titles) == 1 else listed(names) if names else "no known contact model"
+        parts = [f"{known.title}{f' {found.version}:' if found.version else ''} {what}"]
+        parts.append(f"{found.units} units{'' if found.units_given else ' (none given)'}")
+    speeds = [row.speed for row in found.rows if row.speed is not None and row.types[1] != "wall"]
+    if speeds and min(speeds) < max(speeds):
+        ends = "–".join(digits(v, 3) for v in (min(speeds), max(speeds)))
+        parts.append(
+            f"{'speeds ' if found.units == 'lj' else ''}{ends}{'' if found.units == 'lj' else ' m/s'}"
+        )
+    if found.time_step is not None:
+        parts.append(f"time step {time(found.time_step, found.units == 'lj', 4)}")
+    return " · ".join(filter(None, parts))
+
+
+def grouped(rows: Iterable[CheckedContact]) -> Iterator[list[CheckedContact]]:
+    """The rows of each contact, which differ in the speed."""
+    found: dict[Any, list[CheckedContact]] = {}
+    for row in rows:
+        found.setdefault((row.stage, row.types, row.wall, row.radius, row.other_radius), []).append(row)
+    yield from found.values()
+
+
+def name(row: CheckedContact, plain: bool) -> str:
+    """Types and sizes."""
+    radii = [r for r in (row.radius, row.other_radius) if r is not None]
+    sizes = ", ".join(dict.fromkeys(digits(r, 4) if plain else length(float(f"{r:.4g}")) for r in radii))
+    return f"{'–'.join(row.types)}{f' R {sizes}' if sizes else ''}"
+
+
+def span(rows: Sequence[CheckedContact]) -> str:
+    """ε over the speeds; a dash if it is not known."""
+    values = [row.restitution for row in rows if row.restitution is not None]
+    ends = [digits(v, 3) for v in (min(values), max(values))] if values else ["–"]
+    return "–".join(dict.fromkeys(ends))
+
+
+def time(value: float, plain: bool, significant: int = 3) -> str:
+    """A time with its unit, or a number in lj units."""
+    return digits(value, significant) if plain else quantity(value, "s", significant)
+
+
+def cells(rows: Sequence[CheckedContact], plain: bool) -> list[str]:
+    """One contact: ε over all speeds, other numbers at the highest one."""
+    row = rows[-1]
+    asked, tc, steps = row.restitution_asked, row.duration, row.steps_per_contact
+    error, overlap, tc_nu = row.restitution_error_of_step, row.largest_overlap, row.tc_nu
+    cooling = row.error.get(row.rule)
+    return [
+        "–" if asked is None else digits(asked, 3),
+        span(rows),
+        "–" if tc is None else time(tc, plain),
+        "–" if steps is None else str(steps),
+        "–" if error is None else small(error),
+        "–" if overlap is None else percent(overlap),
+        "–" if tc_nu is None else digits(tc_nu, 2),
+        "–" if cooling is None else cools(*cooling),
+    ]
+
+
+def small(error: float) -> str:
+    """An error of ε."""
+    if error > 1.0:
+        return "> 1"
+    return "< 1e-4" if error < SMALLEST_ERROR else digits(error, 2)
+
+
+def cools(value: float, bar: float) -> str:
+    """The error of cooling, negative if event-driven cools too slowly."""
+    text = percent_with_error(abs(value), bar)
+    return text if value >= 0.0 else f"−{text}"
+
+
+def lists(found: Verdict) -> str:
+    """What was checked, ignored, invalidates the answer and is not known."""
+    parts = [f"Checked: {whats(found.checked)}." if found.checked else ""]
+    if found.ignored:
+        parts.append(f"Ignored: {whats(found.ignored)} (head-on ε stands).")
+    if len(found.invalidates) > 1:  # the first is in the sentence
+        parts.append(f"Not possible by events either: {whats(found.invalidates[1:])}.")
+    if found.unknown:
+        parts.append(f"Not understood: {whats(found.unknown)}.")
+    if found.missing:
+        parts.append(f"Not known: {listed(found.missing)}.")
+    return " ".join(filter(None, parts))
+
+
+def whats(findings: Sequence[Finding]) -> str:
+    """Findings in a few words, without repetition."""
+    return ", ".join(dict.fromkeys(one.what for one in findings))
+
+
+def details(found: Verdict, plain: bool) -> None:
+    """Each contact at each speed, the runs, the dump, and quoted lines."""
+    for row in found.rows:
+        say(detail(row, plain))
+    for stage in found.stages:
+        say(f"Run {stage.number}: {stage.command}")
+    for state in found.states:
+        phi, t, unit = state.packing_fraction, state.temperature, "" if plain else " m/s"
+        parts = [
+            f"φ {digits(phi, 3)}" if phi is not None else "",
+            f"temperature {digits(t, 3)}{'' if plain else ' m²/s²'}" if t is not None else "",
+            f"impact speeds {', '.join(digits(v, 3) for v in state.speeds)}{unit}" if state.speeds else "",
+            f"largest overlap {percent(state.largest_overlap)}" if state.largest_overlap is not None else "",
+            f"{digits(state.coordination, 3)} contacts per grain" if state.coordination is not None else "",
+            f"{percent(state.in_several_contacts)} in several"
+            if state.in_several_contacts is not None
+            else "",
+        ]
+        say(f"Frame {state.step}, {state.grains} grains: {', '.join(filter(None, parts))}")
+    for title, findings in (
+        ("Ignored", found.ignored),
+        ("Not possible", found.invalidates),
+        ("Not understood", found.unknown),
+    ):
+        for one in findings:
+            types = f" ({', '.join(one.types)})" if one.types else ""
+            say(f"{title}: {one.what}{types}{f', {one.where}' if one.where else ''}")
+
+
+def detail(row: CheckedContact, plain: bool) -> str:
+    """All numbers of a contact at one speed."""
+
+    def number(value: float | None, significant: int = 3) -> str | None:
+        return None if value is None else digits(value, significant)
+
+    def when(value: float | None) -> str | None:
+        return None if value is None else time(value, plain)
+
+    spring = row.spring
+    parts = {
+        "ε": number(row.restitution, 4),
+        "t_c": when(row.duration),
+        "δ/d": number(row.delta_over_d, 2),
+        "time step for an error of 0.001": when(row.time_step),
+        "Rayleigh time": when(row.rayleigh_time),
+        "P-wave time": when(row.p_wave_time),
+        "error 1 % at": None if spring is None else f"{NAMES[spring[0]]} of {digits(spring[2], 3)}",
+        "cools faster by": ", ".join(f"{cools(*e)} (rule {rule})" for rule, e in row.error.items()) or None,
+    }
+    unit = "" if plain else " m/s"
+    speed = "" if row.speed is None else f" at {digits(row.speed, 3)}{unit}"
+    force = "" if row.clipped is None else " (never attracts)" if row.clipped else " (attracts at its end)"
+    return f"{name(row, plain)}{speed}, {row.model or 'no model'}{force}: " + ", ".join(
+        f"{key} {value}" for key, value in parts.items() if value is not None
+    )

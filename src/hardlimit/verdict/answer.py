@@ -1,0 +1,105 @@
+"""The answer in one sentence: yes, no, or that it cannot be said, with the number that decides."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ..support.formatting import digits, listed, percent, percent_with_error
+from .contacts import CheckedContact
+from .error_law import MEASURED_TC_NU
+from .expectation import ACCEPTED
+from .result import Finding
+
+#: Options that supply what is missing.
+OPTIONS = {
+    "speeds": "--speed",
+    "packing": "--packing-fraction",
+}
+
+
+NAMES = {
+    "stiffness": "a stiffness",
+    "youngs_modulus": "a Young's modulus",
+    "elastic_prefactor": "an elastic prefactor",
+}
+
+
+def answer(
+    rows: Sequence[CheckedContact],
+    invalidates: Sequence[Finding],
+    unknown: Sequence[Finding],
+    missing: Sequence[str],
+    rubs: bool = False,
+) -> tuple[bool | None, str]:
+    """Whether event-driven simulation is admissible, and the sentence. ``rubs``: the script has friction, left out."""
+    if invalidates:
+        return False, _invalid(invalidates)
+    known = [row for row in rows if row.rule in row.error]
+    worst = max(known, key=lambda row: abs(row.error[row.rule][0]) + row.error[row.rule][1], default=None)
+    if worst is not None:
+        value, bar = worst.error[worst.rule]
+        if (worst.tc_nu or 0.0) > MEASURED_TC_NU:
+            return False, f"No: {_far(worst)}; {_needs(worst)}."
+        if abs(value) - bar > ACCEPTED:
+            return False, f"No: {_cools(worst)}; {_needs(worst)}."
+    if unknown:
+        return None, f"Cannot be said: this is not understood: {unknown[0].where or unknown[0].what}"
+    pairs = [row for row in rows if row.types[1] != "wall"]
+    if missing or len(known) < len(pairs) or worst is None:
+        if not missing:
+            return None, "Cannot be said: the error is not known for so dense a packing."
+        options = [OPTIONS[one] for one in missing if one in OPTIONS]
+        offered = f" (give --dump, or {listed(options)})" if options else " (they are not in the script)"
+        return (
+            None,
+            f"Cannot be said: {listed(missing)} {'is' if list(missing) == ['packing'] else 'are'} not known{offered}.",
+        )
+    if abs(value) + bar > ACCEPTED:
+        return None, f"Cannot be said: {_cools(worst)}, and {percent(ACCEPTED)} is within the error bar."
+    condition = ", for grains without friction" if rubs else ""
+    return True, f"Yes{condition}: {_cools(worst)}, less than {percent(ACCEPTED)}; {_may(worst)}."
+
+
+def _invalid(invalidates: Sequence[Finding]) -> str:
+    first = invalidates[0]
+    kinds = tuple(dict.fromkeys(first.types or ()))
+    where = f" of type{'s' * (len(kinds) > 1)} {listed(kinds)}" if kinds else ""
+    others = f" and {len(invalidates) - 1} more" if len(invalidates) > 1 else ""
+    return f"No: {first.what}{where}{others}, which no event-driven simulation can follow."
+
+
+def _cools(row: CheckedContact) -> str:
+    """How far the cooling is off, and where."""
+    value, bar = row.error[row.rule]
+    pair = "–".join(row.types)
+    how = "too fast" if value > 0.0 else "too slowly"
+    numbers = f"t_c ν = {digits(row.tc_nu or 0.0, 2)}, δ/d = {digits(row.delta_over_d or 0.0, 2)}"
+    return (
+        f"event-driven cools {percent_with_error(abs(value), bar)} {how} at {numbers} "
+        f"(grains {pair}{'' if row.rule == 'constant' else f', rule {row.rule}'})"
+    )
+
+
+def _far(row: CheckedContact) -> str:
+    """That contacts last too long for the law of the error."""
+    return (
+        f"t_c ν = {digits(row.tc_nu or 0.0, 2)} (grains {'–'.join(row.types)}) is above {MEASURED_TC_NU:g}, "
+        f"where event-driven is off by far more than {percent(ACCEPTED)}"
+    )
+
+
+def _needs(row: CheckedContact) -> str:
+    """The stiffness with which the error is 1 %."""
+    if row.spring is None:
+        return f"{percent(ACCEPTED)} takes {digits(row.softening or 0.0, 2)} times the stiffness"
+    name, value, needed = row.spring
+    return f"{percent(ACCEPTED)} takes {NAMES[name]} of {digits(needed, 2)} instead of {digits(value, 3)}"
+
+
+def _may(row: CheckedContact) -> str:
+    """How soft the grains may be."""
+    softer = row.softening or 1.0
+    if row.spring is None or softer >= 1.0:
+        return f"{percent(ACCEPTED)} allows {digits(softer, 2)} times the stiffness"
+    name, value, needed = row.spring
+    return f"you may soften to {NAMES[name]} of {digits(needed, 2)} from {digits(value, 3)}"

@@ -1,0 +1,248 @@
+"""The contacts of a script, of a system or of numbers: which bodies meet, and by which force."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from datetime import datetime
+
+import numpy as np
+
+from .. import _core
+from ..boxes.system import ParticleSystem
+from ..contact.balls import Ball
+from ..contact.contact import Law
+from ..convert import texts
+from ..convert.codes import Code, Model, Pair, Written, code
+from ..convert.force import Force
+from ..convert.formulas import DEFAULT_POISSON_RATIO, Numbers
+from ..convert.wanted import LAWS
+from ..scripts import ContactSettings, Description, Grains, Setting, Stage
+from .contacts import Body, Case, KnownBody
+
+WALL = "wall"
+
+
+@dataclass(frozen=True)
+class ModelForce:
+    """The force of a model of a code, with the settings that it was read from."""
+
+    model: Model
+    numbers: Numbers
+    attraction: bool
+    contact: ContactSettings
+
+    def written(self, first: KnownBody, second: KnownBody | None, speed: float) -> Written:
+        """The model applied to two bodies."""
+        other = KnownBody(math.inf, math.inf) if second is None else second
+        mass, radius = _core.effective(first.mass, other.mass), _core.effective(first.radius, other.radius)
+        nu = self.numbers.get("poisson_ratio", DEFAULT_POISSON_RATIO)
+        return Written(self.model, Pair("", mass, radius, second is None), speed, self.attraction, nu)
+
+    def __call__(self, first: KnownBody, second: KnownBody | None, speed: float) -> Force:
+        return self.written(first, second, speed).force(self.numbers)
+
+    @property
+    def spring(self) -> tuple[str, float, float] | None:
+        """The number that sets the stiffness, its value, and the power with which it does."""
+        power = 0.8 if self.model.spring.given == "impact" else 1.0
+        return _spring(self.numbers, power)
+
+
+def _spring(numbers: Mapping[str, float], power: float) -> tuple[str, float, float] | None:
+    name = next((one for one in ("stiffness", "youngs_modulus", "elastic_prefactor") if one in numbers), None)
+    return None if name is None else (name, numbers[name], power)
+
+
+@dataclass(frozen=True)
+class LawForce:
+    """The force of one of our own laws."""
+
+    law: Law
+
+    def __call__(self, first: KnownBody, second: KnownBody | None, speed: float) -> Force:
+        ball = Ball(first.radius, mass=first.mass)
+        contact = self.law.between(
+            *[ball] if second is None else [ball, Ball(second.radius, mass=second.mass)]
+        )
+        name, mass = self.law.record["name"], contact.effective_mass
+        if name == "linear":
+            return Force(LAWS[name], contact.stiffness, contact.damping, mass)
+        k = contact.elastic_prefactor
+        c = (
+            contact.damping_coefficient * math.sqrt(mass * k)
+            if name == "tsuji"
+            else 1.5 * k * contact.dissipative_time
+        )
+        return Force(LAWS[name], k, c, mass)
+
+
+# --- scripts ------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Remarks:
+    """What the contacts of a script add to its lists."""
+
+    versions: tuple[str, ...]  #: differences between versions of the code
+    not_modelled: tuple[
+        tuple[tuple[str, str], str], ...
+    ]  #: types of contacts that no model describes, and why
+
+
+def of_script(description: Description) -> tuple[list[Case], Remarks]:
+    """Each contact of each stage at the smallest and the largest sizes, in the units of the script.
+
+    A stage whose contacts and time step are those of the stage before is left out, as are pairs that do not move.
+    """
+    found = code(description.code)
+    cases: list[Case] = []
+    versions, failed = dict[str, None](), dict[tuple[tuple[str, str], str], None]()
+    before: Stage | None = None
+    for number, stage in enumerate(description.stages, 1):
+        if before is not None and _state(stage) == _state(before):
+            continue
+        before = stage
+        for contact in stage.contacts:
+            force: ModelForce | None = None
+            try:
+                force, remark = _force(found, contact, description.version)
+                versions |= {remark: None} if remark else {}
+            except ValueError as error:
+                failed[contact.types, str(error).removeprefix("input: ")] = None
+            cases += _ends(number, stage, contact, force)
+    return cases, Remarks(tuple(versions), tuple(failed))
+
+
+def _state(stage: Stage) -> object:
+    """What two stages must share for their contacts to be the same."""
+    contacts = [
+        (one.types, one.wall, {name: setting.words for name, setting in one.settings.items()})
+        for one in stage.contacts
+    ]
+    return contacts, stage.grains, stage.time_step, stage.numerical_damping
+
+
+def _force(found: Code, contact: ContactSettings, version: str | None) -> tuple[ModelForce, str]:
+    """The force of a contact, and a remark if it is another one in other versions of the code."""
+    settings = dict(contact.settings)
+    if settings.get("damping", Setting((), 0, "")).words == ("none",) and "normal" in settings:
+        normal = settings["normal"]
+        words = list(normal.words)
+        words[2] = "0"  # the place of the damping in LAMMPS' hooke, hertz and hertz/material
+        settings |= {
+            "normal": replace(normal, words=tuple(words)),
+            "damping": replace(normal, words=("velocity",)),
+        }
+    wall = contact.types[1] == WALL
+    read = texts.interpreted(found, found.models, settings, wall)
+    model, remark = _of_version(found, read.model, version)
+    attracts = {"always": True, "never": False}.get(model.attracts, read.attracts)
+    return ModelForce(model, read.numbers, attracts, contact), remark
+
+
+def _of_version(found: Code, model: Model, version: str | None) -> tuple[Model, str]:
+    """The model as in this version of the code, by default the newest, and a remark on the others."""
+    other = model.difference
+    if other is None:
+        return model, ""
+    changed = replace(model, damping=other.damping, attracts=other.attracts or model.attracts)
+    limit = other.since or other.before
+    known = None if version is None else _date(version)
+    newer = known is None or known >= (_date(limit) or known)
+    chosen = changed if newer == bool(other.since) else model
+    if version is not None:
+        return chosen, ""
+    return chosen, f"{model.name} as in {found.title} since {limit}; before, it gave another ε."
+
+
+def _date(version: str) -> tuple[int, ...] | None:
+    """A version as numbers that can be compared: ``2 Sep 2026`` or ``2023.02a``."""
+    if day := re.search(r"\d{1,2} [A-Z][a-z]{2} \d{4}", version):
+        try:
+            moment = datetime.strptime(day[0], "%d %b %Y")
+        except ValueError:
+            return None
+        return moment.year, moment.month, moment.day
+    numbers = re.search(r"\d+(?:\.\d+)+", version)
+    return tuple(map(int, numbers[0].split("."))) if numbers else None
+
+
+def _ends(number: int, stage: Stage, contact: ContactSettings, force: ModelForce | None) -> Iterator[Case]:
+    """The contact at the smallest and at the largest sizes; one if they are equal."""
+    grains = [stage.grains.get(name, Grains(name)) for name in contact.types if name != WALL]
+    if all(one.frozen for one in grains):
+        return
+    grains.sort(key=lambda one: one.frozen)  # the first moves
+    ends = [[_body(one, k) for one in grains] for k in (0, 1)]
+    for bodies in ends if ends[0] != ends[1] else ends[:1]:
+        yield Case(
+            contact.types,
+            number,
+            contact.wall,
+            bodies[0],
+            bodies[1] if len(bodies) > 1 else None,
+            force,
+            None if force is None else force.model.name,
+            None if force is None else force.numbers.get("restitution"),
+            None if force is None else not force.attraction,
+            stage.time_step,
+            stage.numerical_damping,
+            None if force is None else force.numbers.get("youngs_modulus"),
+            None if force is None else force.numbers.get("poisson_ratio"),
+            None if force is None else force.spring,
+        )
+
+
+def _body(grains: Grains, end: int) -> Body:
+    """The smallest (``end`` 0) or the largest grain."""
+    radius, density, mass = (
+        None if ends is None or not 0.0 < ends[end] < math.inf else ends[end]
+        for ends in (grains.radii, grains.densities, grains.masses)
+    )
+    if radius is not None:
+        volume = 4.0 / 3.0 * math.pi * radius**3
+        if mass is None and density is not None:
+            mass = volume * density or None
+        elif density is None and mass is not None and volume > 0.0:
+            density = mass / volume
+    return Body(radius, math.inf if grains.frozen else mass, density)
+
+
+# --- systems and numbers --------------------------------------------------------------------------------------
+
+
+def of_law(balls: Sequence[Ball], law: Law, walls: bool, time_step: float | None) -> list[Case]:
+    """The contacts of the smallest and the largest ball under one of our laws, and with a wall."""
+    bodies = [Body(ball.radius, ball.mass, ball.density) for ball in balls]
+    force = LawForce(law)
+
+    def case(first: Body, second: Body | None) -> Case:
+        types = (str(bodies.index(first) + 1), WALL if second is None else str(bodies.index(second) + 1))
+        return Case(
+            types,
+            1,
+            None,
+            first,
+            second,
+            force,
+            law.record["name"],
+            law.parameters.get("restitution"),
+            True,
+            time_step,
+            youngs_modulus=law.parameters.get("youngs_modulus"),
+            poisson_ratio=law.parameters.get("poisson_ratio"),
+            spring=_spring(law.parameters, 1.0),
+        )
+
+    pairs = [case(one, other) for i, one in enumerate(bodies) for other in bodies[i:]]
+    return pairs + [case(one, None) for one in bodies] * walls
+
+
+def sizes(system: ParticleSystem) -> list[Ball]:
+    """The smallest and the largest particle of a system."""
+    ends = dict.fromkeys(int(f(system.radius)) for f in (np.argmin, np.argmax))
+    balls = [Ball(float(system.radius[k]), mass=float(system.mass[k])) for k in ends]
+    return balls[:1] if len(set(balls)) == 1 else balls

@@ -1,0 +1,396 @@
+"""The check of a script, a text, a system or a ball: contacts, dump, findings and the answer."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Final
+
+from ..boxes.system import ParticleSystem
+from ..contact.balls import Ball
+from ..contact.contact import Law
+from ..convert.readers import UNITS
+from ..scripts import Description, Note, Quote, Stage
+from ..scripts import read as read_script
+from ..support import validation
+from . import answer, cases, corrections, dumps
+from .contacts import Case, CheckedContact, Surroundings, examine
+from .expectation import checked_packing_fraction
+from .result import CheckedStage, Finding, Verdict
+
+#: Units of mass, length and time in SI; ``lj`` stays as it is.
+SCALES: Final = {**UNITS, "lj": (1.0, 1.0, 1.0)}
+NO_RUN: Final = Stage(Quote("", 0, ""), None, False, None, (), {}, None, None)
+#: Powers of mass, length and time in the numbers of a contact.
+POWERS: Final = {
+    "radius": (0, 1, 0),
+    "other_radius": (0, 1, 0),
+    "density": (1, -3, 0),
+    "speed": (0, 1, -1),
+    "duration": (0, 0, 1),
+    "time_step": (0, 0, 1),
+    "rayleigh_time": (0, 0, 1),
+    "p_wave_time": (0, 0, 1),
+}
+
+
+@dataclass(frozen=True)
+class Given:
+    """The options of a check, in SI units or in those of a script in ``lj`` units."""
+
+    dump: Path | None
+    speeds: tuple[float, ...]
+    packing_fraction: float | None
+    variables: Mapping[str, str]
+
+
+def checked(
+    source: Any,
+    code: Any,
+    dump: Any,
+    speed: Any,
+    variables: Any,
+    packing_fraction: Any,
+    law: Any,
+    time_step: Any,
+    dimension: Any,
+) -> Verdict:
+    """As :func:`hardlimit.check`."""
+    given = Given(
+        None if dump is None else Path(dump),
+        _speeds(speed),
+        packing_fraction,
+        {str(name): str(value) for name, value in dict(variables).items()},
+    )
+    if isinstance(source, str | Path):
+        for name, value in (("law", law), ("time_step", time_step), ("dimension", dimension)):
+            if value is not None:
+                raise ValueError(
+                    f"{name}: got {validation.shown(value)}, must be left out with a script, which sets it"
+                )
+        return _of_script(read_script(source, code=code, variables=given.variables), given)
+    if code is not None:
+        raise ValueError(f"code: got {validation.shown(code)}, must be left out without a script")
+    if not isinstance(law, Law):
+        raise ValueError(f"law: got {validation.shown(law)}, must be the contact law, such as LinearDashpot")
+    step = None if time_step is None else validation.number("time_step", time_step, 0.0)
+    if isinstance(source, ParticleSystem):
+        if dimension not in (None, source.dimension):
+            raise ValueError(f"dimension: got {dimension}, must be left out with a system")
+        return _of_system(source, law, given, step)
+    if isinstance(source, Ball):
+        d = 3 if dimension is None else validation.whole("dimension", dimension, 2, 3)
+        return _of_law([source], law, given, step, d, walls=True)
+    raise ValueError(
+        f"source: got {validation.shown(source)}, must be a path, a text, a ParticleSystem or a Ball"
+    )
+
+
+def _speeds(given: Any) -> tuple[float, ...]:
+    """One speed or the ends of a range."""
+    if given is None:
+        return ()
+    if validation.is_number(given):
+        return (validation.number("speed", given, 0.0),)
+    low, high = validation.numbers("speed", given, 2, lowest=0.0)
+    if low > high:
+        raise ValueError(f"speed: got {low:g} to {high:g}, must be the lowest and then the highest speed")
+    return tuple(dict.fromkeys((low, high)))
+
+
+# --- surroundings ---------------------------------------------------------------------------------------------
+
+
+def _states(given: Given, radii: Mapping[str, float], dimension: int) -> tuple[dumps.State, ...]:
+    if given.dump is None:
+        return ()
+    return tuple(dumps.state(frame, radii, dimension) for frame in dumps.read(given.dump))
+
+
+def _busiest(states: Sequence[dumps.State]) -> dumps.State | None:
+    """The frame with the largest temperature, in which t_c ν is largest; the last if there are no velocities."""
+    return max(states, key=lambda one: (one.temperature or 0.0, one.step), default=None)
+
+
+def _surroundings(
+    given: Given, states: Sequence[dumps.State], dimension: int
+) -> tuple[Surroundings, tuple[float, ...]]:
+    """The gas, and the impact speeds at which contacts are examined; options come before the dump."""
+    state = _busiest(states)
+    phi = given.packing_fraction
+    if phi is not None:
+        phi = checked_packing_fraction(phi, dimension)
+    elif state is not None and state.packing_fraction is not None:
+        phi = min(state.packing_fraction, 0.99)
+    measured = state is not None and bool(state.temperature) and not given.speeds
+    gas = Surroundings(
+        dimension,
+        phi,
+        state.mean_speed if measured and state else None,
+        state.mean_diameter if measured and state else None,
+    )
+    return gas, given.speeds or (state.speeds if state else ())
+
+
+def _examined(
+    found: Sequence[Case], gas: Surroundings, speeds: Sequence[float]
+) -> list[tuple[Case, CheckedContact]]:
+    """Each contact at each speed. Normal impact speeds at a wall are 1/√2 of those of grains in a gas."""
+    share = math.sqrt(0.5) if gas.mean_speed is not None else 1.0
+    return [
+        (case, examine(case, None if v is None else v * (share if case.second is None else 1.0), gas))
+        for case in found
+        for v in (speeds or (None,))
+    ]
+
+
+# --- scripts --------------------------------------------------------------------------------------------------
+
+
+def _of_script(script: Description, given: Given) -> Verdict:
+    if script.units not in SCALES:
+        raise ValueError(f"units: got {validation.shown(script.units)}, must be one of {', '.join(SCALES)}")
+    if not script.unknown and not any(stage.contacts for stage in script.stages):
+        others = "".join(f"; it has {note.what}" for note in script.invalidates[:1])
+        raise ValueError(f"script: it has no run with granular contacts{others}")
+    mass, length, time = SCALES[script.units]
+    given = replace(given, speeds=tuple(v * time / length for v in given.speeds))
+    found, remarks = cases.of_script(script)
+    last = script.stages[-1] if script.stages else NO_RUN
+    states = _states(given, _radii(last), script.dimension)
+    gas, speeds = _surroundings(given, states, script.dimension)
+    examined = _examined(found, gas, speeds)
+    rows = [row for _, row in examined]
+    invalidates = [_finding(note) for note in script.invalidates]
+    invalidates += _lasting(script.stages, rows, states)
+    taken = {types for one in invalidates if (types := one.types)}
+    unknown = [Finding(quote.text.strip(), None, _where(quote)) for quote in script.unknown]
+    unknown += [
+        Finding(why, types, f"{'–'.join(types)}: {why}")
+        for types, why in remarks.not_modelled
+        if not any(set(types) & set(one) for one in taken)
+        and not any(one.types is None for one in invalidates)
+    ]
+    notes = [*remarks.versions, *_notes(examined), *_numerically_damped(last.numerical_damping)]
+    missing = _missing(rows, gas, speeds, states)
+    rubs = any(re.search(r"tangential|friction|rolling|twisting", note.what) for note in script.ignored)
+    admissible, sentence = answer.answer(rows, invalidates, unknown, missing, rubs)
+    return Verdict(
+        admissible,
+        sentence,
+        script.code,
+        script.version,
+        script.units,
+        script.units_given,
+        None if last.time_step is None else last.time_step * time,
+        last.numerical_damping,
+        tuple(_in_si(row, (mass, length, time)) for row in rows),
+        tuple(_stage(number, stage, (mass, length, time)) for number, stage in enumerate(script.stages, 1)),
+        tuple(_state_in_si(one, length, time) for one in states),
+        tuple(_checked(rows, last.gravity, states)),
+        tuple(_finding(note) for note in script.ignored),
+        tuple(invalidates),
+        tuple(unknown),
+        missing,
+        tuple(notes),
+        tuple(corrections.lines(script.code, examined, 1.0)),
+    )
+
+
+def _radii(stage: Stage) -> dict[str, float]:
+    """The radius of each type with one size."""
+    return {
+        name: grains.radii[0]
+        for name, grains in stage.grains.items()
+        if grains.radii is not None and grains.radii[0] == grains.radii[1]
+    }
+
+
+def _lasting(
+    stages: Sequence[Stage], rows: Sequence[CheckedContact], states: Sequence[dumps.State]
+) -> Iterator[Finding]:
+    """Contacts that last: grains that rest under gravity or are packed, and grains that do not separate."""
+    last = states[-1] if states else None
+    known = last is not None and last.coordination is not None
+    if known and last is not None and last.coordination is not None:
+        allowed = 0.1 + 2.0 * max((row.tc_nu or 0.0 for row in rows), default=0.0)
+        if last.coordination > allowed:
+            yield Finding(
+                f"grains have {last.coordination:.2g} contacts on average in the dump, so contacts last"
+            )
+    else:
+        for stage in stages:
+            if stage.gravity and any(
+                one.types[1] == cases.WALL or _fixed(stage, one.types) for one in stage.contacts
+            ):
+                yield Finding("grains rest on each other under gravity", None, _where(stage.quote))
+                break
+    for types in dict.fromkeys(row.types for row in rows if row.restitution == 0.0):
+        yield Finding("overdamped contacts", types)
+
+
+def _fixed(stage: Stage, types: Sequence[str]) -> bool:
+    return any(name in stage.grains and stage.grains[name].frozen for name in types)
+
+
+def _finding(note: Note) -> Finding:
+    return Finding(note.what, note.types, "" if note.quote is None else _where(note.quote))
+
+
+def _where(quote: Quote) -> str:
+    """A statement with its line."""
+    file = f"{Path(quote.file).name}, " if quote.file else ""
+    return f"{file}line {quote.line}: {' '.join(quote.text.split())}"
+
+
+def _checked(
+    rows: Sequence[CheckedContact], gravity: float | None, states: Sequence[dumps.State]
+) -> Iterator[Finding]:
+    if any(row.restitution is not None and row.types[1] != cases.WALL for row in rows):
+        yield Finding("normal contact")
+    if any(row.steps_per_contact is not None for row in rows):
+        yield Finding("time step")
+    if any(row.restitution is not None and row.types[1] == cases.WALL for row in rows):
+        yield Finding("walls")
+    if gravity:
+        yield Finding("gravity")
+    if states:
+        yield Finding(f"dump of {len(states)} frame{'s' if len(states) > 1 else ''}")
+
+
+def _missing(
+    rows: Sequence[CheckedContact], gas: Surroundings, speeds: Sequence[float], states: Sequence[dumps.State]
+) -> tuple[str, ...]:
+    """What is not known, in words."""
+    pairs = [row for row in rows if row.types[1] != cases.WALL]
+    found = []
+    if not speeds:
+        found.append("speeds")
+    if gas.packing_fraction is None:
+        found.append("packing")
+    if any(row.radius is None for row in rows):
+        found.append("sizes")
+    elif any(row.density is None for row in pairs):
+        found.append("masses")
+    return tuple(found)
+
+
+def _notes(examined: Sequence[tuple[Case, CheckedContact]]) -> Iterator[str]:
+    """Remarks on numbers that do not mean what they seem to."""
+    groups: dict[tuple[Any, ...], list[tuple[Case, CheckedContact]]] = {}
+    for case, row in examined:
+        groups.setdefault((case.stage, case.model), []).append((case, row))
+    for (_, model), members in groups.items():
+        epsilons = [row.restitution for _, row in members if row.restitution is not None]
+        force = members[0][0].force
+        if not isinstance(force, cases.ModelForce) or not epsilons:
+            continue
+        low, high = min(epsilons), max(epsilons)
+        if force.model.damping.formula == "given" and high - low > 0.01:
+            yield (
+                f"The script gives a damping, not a restitution; with {model} it gives ε from {low:.3g} to {high:.3g}, "
+                "not one ε."
+            )
+        asked = [case.restitution_asked for case, _ in members if case.restitution_asked is not None]
+        if asked and any(abs(e - a) > corrections.TOLERATED for e, a in zip(epsilons, asked, strict=False)):
+            yield "ε given differs from ε asked."
+    rows = [row for _, row in examined]
+    error = max((row.restitution_error_of_step or 0.0 for row in rows), default=0.0)
+    endless = any(row.steps_per_contact is not None and row.restitution_error_of_step is None for row in rows)
+    if endless or error > 1.0:
+        yield "The time step is too long: contacts do not end, or gain energy."
+    elif error > corrections.ENOUGH:
+        yield f"The time step changes ε by up to {error:.2g}."
+
+
+def _numerically_damped(damping: float | None) -> Iterator[str]:
+    if damping:
+        yield (
+            f"NewtonIntegrator's damping of {damping:g} is part of these ε, for grains whose centre of mass is at rest."
+        )
+
+
+def _in_si(row: CheckedContact, scales: tuple[float, float, float]) -> CheckedContact:
+    changed = {}
+    for name, powers in POWERS.items():
+        if (value := getattr(row, name)) is not None:
+            changed[name] = value * math.prod(s**p for s, p in zip(scales, powers, strict=True))
+    return replace(row, **changed)
+
+
+def _state_in_si(state: dumps.State, length: float, time: float) -> dumps.State:
+    t, d = state.temperature, state.mean_diameter
+    return replace(
+        state,
+        temperature=None if t is None else t * (length / time) ** 2,
+        mean_diameter=None if d is None else d * length,
+    )
+
+
+def _stage(number: int, stage: Stage, scales: tuple[float, float, float]) -> CheckedStage:
+    _, length, time = scales
+    step, gravity = stage.time_step, stage.gravity
+    return CheckedStage(
+        number,
+        _where(stage.quote),
+        None if step is None else step * time,
+        stage.steps,
+        None if gravity is None else gravity * length / time**2,
+    )
+
+
+# --- systems and numbers --------------------------------------------------------------------------------------
+
+
+def _of_system(system: ParticleSystem, law: Law, given: Given, step: float | None) -> Verdict:
+    walls = "wall" in system.boundary
+    temperature = system.granular_temperature
+    state = dumps.State(
+        0, system.n, system.packing_fraction, temperature, 2.0 * float(system.radius.mean()), None, None, None
+    )
+    resting = [Finding("grains rest on each other under gravity")] * (walls and bool(system.gravity.any()))
+    return _of_law(cases.sizes(system), law, given, step, system.dimension, walls, (state,), resting)
+
+
+def _of_law(
+    balls: Sequence[Ball],
+    law: Law,
+    given: Given,
+    step: float | None,
+    dimension: int,
+    walls: bool,
+    states: tuple[dumps.State, ...] = (),
+    resting: Sequence[Finding] = (),
+) -> Verdict:
+    found = cases.of_law(balls, law, walls, step)
+    radii = {str(k): ball.radius for k, ball in enumerate(balls, 1)}
+    dumped = _states(given, radii, dimension)
+    gas, speeds = _surroundings(given, dumped or states, dimension)
+    examined = _examined(found, gas, speeds)
+    rows = [row for _, row in examined]
+    invalidates = [*resting, *_lasting((), rows, dumped)]
+    missing = _missing(rows, gas, speeds, dumped)
+    admissible, sentence = answer.answer(rows, invalidates, (), missing)
+    return Verdict(
+        admissible,
+        sentence,
+        None,
+        None,
+        "si",
+        True,
+        step,
+        None,
+        tuple(rows),
+        (),
+        dumped or states,
+        tuple(_checked(rows, None, dumped)),
+        (),
+        tuple(invalidates),
+        (),
+        missing,
+        tuple(_notes(examined)),
+        (),
+    )

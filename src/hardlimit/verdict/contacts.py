@@ -1,0 +1,272 @@
+"""Compute one contact at one impact speed: restitution, duration, steps, overlap, error of event-driven cooling.
+
+A radius, a mass or a speed may be unknown. A result is then computed for two trial values, and kept if they agree.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, Final, NamedTuple
+
+from scipy.integrate import solve_ivp
+
+from ..boxes.theory import Gas
+from ..boxes.time_step import DEFAULT_ERROR
+from ..convert.force import Collision, Force, Powers
+from .expectation import RULES, expected
+
+#: Two values tried for an unknown radius, mass and speed.
+TRIALS: Final = {"radius": (1e-3, 3e-3), "mass": (1e-6, 5e-6), "speed": (1.0, 0.3)}
+AGREEMENT: Final = 1e-6  #: relative difference of results that count as equal
+
+
+@dataclass(frozen=True)
+class Body:
+    """A grain in a contact. Its mass is infinite if it does not move; radius and mass are None if unknown."""
+
+    radius: float | None
+    mass: float | None
+    density: float | None = None
+
+    def tried(self, k: int) -> KnownBody:
+        """The body, with trial values in place of unknown ones."""
+        return KnownBody(
+            TRIALS["radius"][k] if self.radius is None else self.radius,
+            TRIALS["mass"][k] if self.mass is None else self.mass,
+        )
+
+
+class KnownBody(NamedTuple):
+    """Radius and mass of a body, known or tried."""
+
+    radius: float
+    mass: float
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """What is known of the gas in which the contacts take place."""
+
+    dimension: int = 3
+    packing_fraction: float | None = None
+    #: Mean impact speed √(πT) and mean diameter, if measured in a dump; else those of each contact.
+    mean_speed: float | None = None
+    diameter: float | None = None
+
+    def collision_rate(self, speed: float, diameter: float) -> float:
+        """Enskog's collision rate of one grain, where ``speed`` is the mean impact speed √(πT)."""
+        assert self.packing_fraction is not None
+        radius = 0.5 * diameter
+        ball = math.pi * radius**2 if self.dimension == 2 else 4.0 / 3.0 * math.pi * radius**3
+        gas = Gas(1, radius, 1.0, ball / self.packing_fraction, self.dimension)
+        return float(gas.collision_rate(speed * speed / math.pi))
+
+
+#: The force between two bodies, the second of which is None at a wall, at an impact speed.
+MakeForce = Callable[[KnownBody, KnownBody | None, float], Force]
+
+
+@dataclass(frozen=True)
+class Case:
+    """The contacts of two types of grains, or of a type and a wall, at one end of their sizes."""
+
+    types: tuple[str, str]
+    stage: int
+    wall: str | None  #: name of the wall
+    first: Body
+    second: Body | None  #: None at a wall
+    force: MakeForce | None  #: None if no model of normal contacts describes it
+    model: str | None = None
+    restitution_asked: float | None = None
+    clipped: bool | None = None
+    time_step: float | None = None
+    numerical_damping: float | None = None
+    youngs_modulus: float | None = None
+    poisson_ratio: float | None = None
+    #: Number that sets the stiffness, its value in the units of the script, and the power with which it does.
+    spring: tuple[str, float, float] | None = None
+
+
+#: The error of cooling and its error bar, by rule of collision.
+Errors = Mapping[str, tuple[float, float]]
+
+
+@dataclass(frozen=True)
+class CheckedContact:
+    """A contact at one impact speed; returned by :func:`hardlimit.check`. None stands for what is not known."""
+
+    types: tuple[str, str]  #: the second is ``"wall"`` at a wall
+    stage: int  #: number of the run in the script, from 1
+    wall: str | None  #: name of the wall
+    model: str | None  #: as in :func:`hardlimit.convert`
+    radius: float | None  #: [m]
+    other_radius: float | None  #: [m]; None at a wall
+    density: float | None  #: of the first body [kg/m³]
+    restitution_asked: float | None  #: ε in the script
+    clipped: bool | None  #: whether the force never attracts
+    speed: float | None  #: impact speed [m/s]
+    restitution: float | None = None  #: ε that the code really gives
+    duration: float | None = None  #: [s]
+    steps_per_contact: int | None = None  #: whole time steps in a contact
+    restitution_error_of_step: float | None = None  #: error of ε by the time step
+    time_step: float | None = None  #: [s], with an error of ε of 0.001
+    rayleigh_time: float | None = None  #: πR√(ρ/G)/(0.1631 ν + 0.8766) [s], G = Y/(2 + 2ν)
+    p_wave_time: float | None = None  #: R√(ρ/Y) [s]
+    largest_overlap: float | None = None  #: over the smaller radius
+    tc_nu: float | None = None  #: duration times collision rate of a grain
+    delta_over_d: float | None = None  #: greatest overlap at the mean impact speed, over the diameter
+    error: Errors = field(default_factory=dict)  #: of event-driven cooling
+    rule: str = "constant"  #: of the event-driven simulation that the answer is about: "law" if ε depends on the speed
+    softening: float | None = None  #: factor of the stiffness with which the error of cooling is 1 %
+    spring: tuple[str, float, float] | None = None  #: name of the stiffness, value, value for an error of 1 %
+
+
+def examine(case: Case, speed: float | None, gas: Surroundings) -> CheckedContact:
+    """The contact at one speed; None if the speed is not known."""
+    row = CheckedContact(
+        case.types,
+        case.stage,
+        case.wall,
+        case.model,
+        case.first.radius,
+        None if case.second is None else case.second.radius,
+        case.first.density,
+        case.restitution_asked,
+        case.clipped,
+        speed,
+    )
+    if case.force is None:
+        return row
+    found = [
+        _results(
+            case,
+            case.first.tried(k),
+            None if case.second is None else case.second.tried(k),
+            TRIALS["speed"][k] if speed is None else speed,
+            gas,
+        )
+        for k in (0, 1)
+    ]
+    kept: dict[str, Any] = {name: _agreed([one.get(name) for one in found]) for name in found[0]}
+    errors = {str(rule): (kept.pop(rule), kept.pop(f"{rule}±")) for rule in RULES if rule in kept}
+    if (steps := kept.get("steps_per_contact")) is not None:
+        kept["steps_per_contact"] = int(steps)
+    if case.spring is not None and kept.get("softening") is not None:
+        name, value, power = case.spring
+        kept["spring"] = name, value, value * kept["softening"] ** (1.0 / power)
+    return replace(row, **kept, error={rule: pair for rule, pair in errors.items() if None not in pair})
+
+
+def _agreed(values: Sequence[Any]) -> Any:
+    """The common value; None if the values differ or one of them is missing or infinite."""
+    if isinstance(values[0], str):
+        return values[0]
+    known = [value for value in values if value is not None and math.isfinite(value)]
+    if len(known) < len(values):
+        return None
+    close = all(math.isclose(value, known[0], rel_tol=AGREEMENT, abs_tol=1e-12) for value in known)
+    return known[0] if close else None
+
+
+def _results(
+    case: Case, first: KnownBody, second: KnownBody | None, speed: float, gas: Surroundings
+) -> dict[str, Any]:
+    """All results for known bodies and a known speed."""
+    assert case.force is not None
+    force = case.force(first, second, speed)
+    collision = _collision(force, speed, case.numerical_damping)
+    smaller = first.radius if second is None else min(first.radius, second.radius)
+    found: dict[str, Any] = {
+        "rule": usual_rule(force.powers),
+        "restitution": collision.restitution,
+        "duration": collision.duration,
+        "time_step": force.longest_step(speed, DEFAULT_ERROR),
+        "largest_overlap": collision.compression / smaller,
+    }
+    if case.youngs_modulus is not None and math.isfinite(first.mass):
+        density = first.mass / (4.0 / 3.0 * math.pi * first.radius**3)
+        wave, nu = math.sqrt(density / case.youngs_modulus), case.poisson_ratio or 0.0
+        found["p_wave_time"] = first.radius * wave
+        found["rayleigh_time"] = (
+            math.pi * first.radius * wave * math.sqrt(2.0 + 2.0 * nu) / (0.1631 * nu + 0.8766)
+        )
+    if case.time_step is not None:
+        found["steps_per_contact"] = (
+            math.floor(collision.duration / case.time_step) if math.isfinite(collision.duration) else None
+        )
+        found["restitution_error_of_step"] = force.error_of_step(speed, case.time_step)
+    return found | _in_gas(case, force, first, second, speed, gas, collision)
+
+
+def _in_gas(
+    case: Case,
+    force: Force,
+    first: KnownBody,
+    second: KnownBody | None,
+    speed: float,
+    gas: Surroundings,
+    collision: Collision,
+) -> dict[str, Any]:
+    """δ/d, t_c ν and the error of event-driven cooling."""
+    diameter = first.radius + (first.radius if second is None else second.radius)
+    mean = collision
+    if gas.mean_speed is not None:
+        force = case.force(first, second, gas.mean_speed) if case.force else force
+        mean = _collision(force, gas.mean_speed, case.numerical_damping)
+    found: dict[str, Any] = {"delta_over_d": mean.compression / diameter}
+    if gas.packing_fraction is None or not math.isfinite(mean.duration):
+        return found
+    rate = gas.collision_rate(gas.mean_speed or speed, gas.diameter or diameter)
+    tc_nu = found["tc_nu"] = mean.duration * rate
+    if second is None:
+        return found
+    exponent = 0.25 * force.powers.elastic + 1.0
+    clipped = replace(force, powers=replace(force.powers, attracts=False))
+    prolonged = 1.0 - clipped.collision(gas.mean_speed or speed).duration / mean.duration
+    usual = usual_rule(force.powers)
+    for rule in RULES:
+        if rule == "constant" != usual:
+            continue  # its error has another cause as well, the ε that depends on the speed
+        one = expected(rule, gas.dimension, gas.packing_fraction, mean.restitution, force.powers, tc_nu)
+        if one is None:
+            continue
+        # Measured for forces that never attract; attraction prolongs the contact.
+        found[rule], found[f"{rule}±"] = one.error, math.hypot(one.bar, one.error * prolonged)
+        if rule == usual:
+            found["softening"] = (tc_nu / one.largest_tc_nu) ** exponent
+    return found
+
+
+def usual_rule(powers: Powers) -> str:
+    """The rule for this force in an event-driven simulation: "law" if ε depends on the speed, else "constant"."""
+    return "constant" if 2 * powers.damping == powers.elastic - 4 else "law"
+
+
+def _collision(force: Force, speed: float, damping: float | None) -> Collision:
+    """The collision, with the numerical damping of the integrator if there is one."""
+    if not damping:
+        return force.collision(speed)
+    found = force.numerically_damped(speed, damping)
+    return replace(found, duration=_duration(force, damping, speed))
+
+
+def _duration(force: Force, damping: float, speed: float) -> float:
+    """Duration with a numerical damping d: the force counts 1 + d times while it decelerates, then 1 − d times."""
+    _, time = force.scales(speed)
+    p, q, c = 0.25 * force.powers.elastic, 0.25 * force.powers.damping, force.relative_damping(speed)
+
+    def push(x: float, v: float) -> float:
+        return float(max(x, 0.0) ** p + c * max(x, 0.0) ** q * v)
+
+    def rates(_: float, y: Sequence[float]) -> list[float]:
+        a = push(*y)
+        return [y[1], -a * (1.0 + damping * math.copysign(1.0, a * y[1]))]
+
+    def end(_: float, y: Sequence[float]) -> float:
+        return float(y[0] if force.powers.attracts or y[1] > 0.0 else min(push(*y), y[0]))
+
+    end.terminal, end.direction = True, -1.0  # type: ignore[attr-defined]
+    done = solve_ivp(rates, (0.0, 1e4), [0.0, 1.0], events=end, rtol=1e-9, atol=1e-12)
+    return float(done.t[-1] * time) if done.status == 1 else math.inf

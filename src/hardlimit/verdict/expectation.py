@@ -1,0 +1,69 @@
+"""Error of event-driven cooling that the law of the error expects for a contact force."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+from typing import Final, NamedTuple
+
+from ..contact.contact import Law
+from ..contact.laws import LAWS
+from ..convert.force import Powers
+from ..support import validation
+from .error_law import DENSEST, ErrorLaw, error_law
+
+#: Error of event-driven cooling up to which the answer is yes.
+ACCEPTED: Final = 0.01
+#: Rules of collision of an event-driven simulation.
+RULES: Final = ("constant", "law", "tc", "soft")
+#: Our law with the powers of a force: only they matter for the error.
+SAME_POWERS: Final[dict[tuple[int, int], Law]] = {
+    (4, 0): LAWS["linear"](stiffness=1e6, restitution=0.9),
+    (6, 1): LAWS["tsuji"](elastic_prefactor=1e9, restitution=0.9),
+    (6, 2): LAWS["viscoelastic"](youngs_modulus=1e10, poisson_ratio=0.3, dissipative_time=1e-7),
+}
+#: Relative error bar for a force with other powers, whose law of the error is that of the nearest ones.
+OTHER_POWERS: Final = 0.1
+
+
+class Expected(NamedTuple):
+    """Relative error of the rate of cooling, its error bar, and the largest t_c ν with an error of 1 %."""
+
+    error: float
+    bar: float
+    largest_tc_nu: float
+
+
+def expected(
+    rule: str, dimension: int, packing_fraction: float, restitution: float, powers: Powers, tc_nu: float
+) -> Expected | None:
+    """The error under one rule of collision; None if the packing is too dense for any gas."""
+    if packing_fraction > DENSEST[dimension]:
+        return None
+    given = (powers.elastic, powers.damping)
+    nearest = given if given in SAME_POWERS else {4: (4, 0), 6: (6, 1)}[powers.elastic]
+    law, limit = _law(rule, dimension, packing_fraction, restitution, nearest)
+    error, bar = law.error(tc_nu), law.error_bar(tc_nu)
+    if nearest != given:
+        bar = math.hypot(bar, OTHER_POWERS * error)
+    return Expected(error, bar, limit)
+
+
+@cache
+def _law(
+    rule: str, dimension: int, packing_fraction: float, restitution: float, powers: tuple[int, int]
+) -> tuple[ErrorLaw, float]:
+    """The law of the error, and the largest t_c ν that it accepts."""
+    found = error_law(
+        packing_fraction=packing_fraction,
+        restitution=restitution,
+        dimension=dimension,
+        rule=rule,
+        law=SAME_POWERS[powers],
+    )
+    return found, found.largest_tc_nu(ACCEPTED)
+
+
+def checked_packing_fraction(value: float, dimension: int) -> float:
+    """A packing fraction for which there is a law of the error."""
+    return validation.number("packing_fraction", value, 0.0, DENSEST[dimension], highest_allowed=True)

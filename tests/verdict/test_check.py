@@ -1,0 +1,456 @@
+"""``hl.check`` and ``hardlimit check``: contacts, the answer, corrected lines, JSON, exit codes, bad input."""
+
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import hardlimit as hl
+from command_line import printed, refused, run
+from conftest import draws, log_floats
+from hardlimit.scripts import ContactSettings, Description, Grains, Note, Quote, Setting, Stage
+from hardlimit.verdict import checking
+from hardlimit.verdict.error_law import error_law
+
+BEAD = hl.Ball(1e-3, density=2500.0)
+NUMBERS = (
+    "--radius 1mm --density 2500 --stiffness 1e5 --restitution 0.9 --speed 0.3m/s --packing-fraction 0.3"
+)
+NONE = checking.Given(None, (), None, {})
+
+
+def script(
+    contact: str, *more: str, units: str = "si", grains: str = "set type 1 diameter 2e-3 density 2500"
+) -> str:
+    """A LAMMPS script of grains in a periodic box."""
+    return "\n".join(
+        [
+            f"units {units}\natom_style sphere\nboundary p p p\nregion box block 0 1 0 1 0 1\ncreate_box 1 box",
+            f"create_atoms 1 random 100 7 box\n{grains}\n{contact}",
+            *more,
+            "fix move all nve/sphere\ntimestep 1e-7\nrun 100\n",
+        ]
+    )  # fmt: skip
+
+
+TANGENTIAL = "tangential linear_nohistory 0.0 0.0"
+HOOKE = f"pair_style granular\npair_coeff * * hooke 1e5 0.9 damping coeff_restitution {TANGENTIAL}"
+CLIPPED = f"{HOOKE} limit_damping"
+MATERIAL = f"hertz/material 1e7 0.7 0.3 damping coeff_restitution {TANGENTIAL} limit_damping"
+HERTZ = f"pair_style granular\npair_coeff * * {MATERIAL}"
+WALL = f"fix floor all wall/gran granular hooke 1e5 0.5 damping coeff_restitution {TANGENTIAL} zplane 0 1"
+
+
+def described(**changed) -> Description:
+    """A description of gran/hertz/history with one damping for grains of two sizes, in lj units."""
+    m = 4 / 3 * math.pi * 0.3**3
+    a = (2 * math.log(10) / math.pi) ** 2
+    gamma = math.sqrt(a * 2e5 / m / (1 + 0.25 * a))
+    step = 0.02 * math.pi / math.sqrt(2e5 / m - gamma / 4)
+    quote = Quote("in.mixer", 7, "run 1000")
+    normal = {"normal": Setting(("gran/hertz", "1e5", repr(gamma)), 1, "")}
+    pairs = (
+        ContactSettings(("1", "1"), None, normal, (quote,)),
+        ContactSettings(("1", "wall"), "w", normal, (quote,)),
+    )
+    stage = Stage(quote, step, True, 1000, pairs, {"1": Grains("1", (0.3, 0.6), (1.0, 1.0))}, 1.0, None)
+    return Description(**{"code": "lammps", "version": None, "units": "lj", "units_given": False, "dimension": 3,
+                          "stages": (stage,)} | changed)  # fmt: skip
+
+
+# --- contacts -------------------------------------------------------------------------------------------------
+
+
+def test_one_damping_for_all_sizes_gives_several_restitutions():
+    """Numbers of LAMMPS' own example of a mixer, with the natural logarithm in its formula for the damping."""
+    found = checking._of_script(described(), checking.Given(None, (1.0,), None, {}))
+    assert [round(row.restitution, 3) for row in found.rows] == [0.805, 0.428, 0.688, 0.224]
+    assert [float(f"{row.duration:.3g}") for row in found.rows] == [0.0153, 0.0337, 0.0179, 0.0445]
+    assert [row.steps_per_contact for row in found.rows] == [323, 713, 379, 941]
+    assert found.admissible is False and "rest on each other under gravity" in found.sentence
+    assert "from 0.224 to 0.805" in " ".join(found.remarks)
+
+
+@pytest.mark.parametrize("law", [
+    hl.LinearDashpot(stiffness=1e5, restitution=0.8),
+    hl.Tsuji(youngs_modulus=1e8, poisson_ratio=0.3, restitution=0.8),
+    hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, restitution=0.8, impact_speed=1.0),
+])  # fmt: skip
+def test_our_own_laws_are_the_same_contacts(law):
+    for other, row in zip((BEAD, hl.FLOOR), hl.check(BEAD, law=law, speed=0.4).rows, strict=True):
+        contact = law.between(BEAD, other)
+        assert row.restitution == pytest.approx(contact.restitution(0.4), abs=1e-9)
+        assert row.duration == pytest.approx(contact.duration(0.4), rel=1e-9)
+        assert row.largest_overlap == pytest.approx(contact.compression(0.4) / 1e-3, rel=1e-9)
+
+
+def test_what_does_not_depend_on_an_unknown_is_known():
+    """ε of coeff_restitution depends on neither size nor speed; the duration of a linear spring on the mass."""
+    unknown = hl.check(script(CLIPPED, grains=""), speed=0.1).rows[0]
+    small, large = (
+        hl.check(script(CLIPPED, grains=f"set type 1 diameter {d} density 900"), speed=0.1).rows[0]
+        for d in (1e-3, 3e-3)
+    )
+    assert unknown.restitution == pytest.approx(small.restitution) == pytest.approx(large.restitution)
+    assert small.duration != pytest.approx(large.duration)
+    without = hl.check(script(CLIPPED)).rows[0]
+    assert (
+        without.speed is None
+        and without.restitution == pytest.approx(small.restitution)
+        and without.duration is not None
+    )
+    assert without.largest_overlap is None and without.tc_nu is None
+    hertz = hl.check(script(HERTZ)).rows[0]
+    assert hertz.restitution == pytest.approx(0.7182, abs=1e-4) and hertz.duration is None
+
+
+def test_clipping_and_time_step():
+    free, clipped = (hl.check(script(one), speed=0.3).rows[0] for one in (HOOKE, CLIPPED))
+    assert free.restitution == pytest.approx(0.9, abs=1e-9) and not free.clipped
+    assert clipped.restitution > 0.902 and clipped.clipped and clipped.duration < free.duration
+    assert clipped.steps_per_contact == math.floor(clipped.duration / 1e-7)
+    coarse = hl.check(script(CLIPPED).replace("timestep 1e-7", "timestep 2e-6"), speed=0.3)
+    assert coarse.rows[0].restitution_error_of_step > 1e-3 and "timestep 2.145e-07" in coarse.corrected
+    endless = hl.check(script(CLIPPED).replace("timestep 1e-7", "timestep 1e-3"), speed=0.3)
+    assert endless.rows[0].restitution_error_of_step > 1.0 and endless.corrected == coarse.corrected
+    assert "too long" in " ".join(endless.remarks)
+    without_end = hl.check(
+        script(HOOKE.replace("0.9", "0.05")).replace("timestep 1e-7", "timestep 1e3"), speed=0.3
+    )
+    assert "too long" in " ".join(without_end.remarks) and without_end.rows[0].steps_per_contact == 0
+
+
+def test_units_of_a_script_are_converted():
+    """The same grains in cgs and SI."""
+    si = hl.check(script(HERTZ), speed=0.3, packing_fraction=0.1)
+    cgs = hl.check(
+        script(HERTZ.replace("1e7", "1e8"), units="cgs", grains="set type 1 diameter 0.2 density 2.5"),
+        speed=0.3,
+        packing_fraction=0.1,
+    )
+    for one, other in zip(si.rows, cgs.rows, strict=True):
+        for name in (
+            "radius",
+            "density",
+            "speed",
+            "duration",
+            "time_step",
+            "rayleigh_time",
+            "tc_nu",
+            "restitution",
+        ):
+            assert getattr(one, name) == pytest.approx(getattr(other, name), rel=1e-9), name
+    assert si.time_step == cgs.time_step == 1e-7
+
+
+def test_numerical_damping_is_part_of_the_restitution():
+    """With a numerical damping d alone, ε = √((1 − d)/(1 + d)), and half a contact lasts π/2 √(m/(k(1 ± d)))."""
+    quote = Quote("", 1, "O.run()")
+    undamped = {"physics": Setting(("FrictPhys",), 1, ""), "young": Setting(("1e6",), 1, "")}
+    pair = ContactSettings(("a", "a"), None, undamped, (quote,))
+    stage = Stage(
+        quote, 1e-6, True, None, (pair,), {"a": Grains("a", (1e-3, 1e-3), (2500.0, 2500.0))}, None, 0.2
+    )
+    found = checking._of_script(
+        described(code="yade", units="si", stages=(stage,)), checking.Given(None, (0.5,), None, {})
+    ).rows[0]
+    assert found.restitution == pytest.approx(math.sqrt(0.8 / 1.2), abs=1e-9)
+    assert found.types == ("a", "a")
+    k, m = 2.0 * 1e6 * 5e-4, BEAD.mass / 2
+    halves = [math.pi / 2 * math.sqrt(m / (k * (1 + d))) for d in (0.2, -0.2)]
+    assert found.duration == pytest.approx(sum(halves), rel=1e-6)
+
+
+def test_versions_of_a_code_differ():
+    """LAMMPS' tsuji before and since 2 Sep 2026: a log's version decides, else the newest, and the other is named."""
+    quote = Quote("", 1, "run 1")
+    words = {"normal": Setting(("hooke", "1e5", "0.6"), 1, ""), "damping": Setting(("tsuji",), 1, "")}
+    stage = Stage(quote, 1e-7, True, 1, (ContactSettings(("1", "1"), None, words, (quote,)),), {}, None, None)
+    found = {
+        version: checking._of_script(described(version=version, units="si", stages=(stage,)), NONE)
+        for version in (None, "22 Jul 2025 - Update 4", "2 Sep 2026", "10 Dec 2026")
+    }
+    epsilon = {version: one.rows[0].restitution for version, one in found.items()}
+    assert epsilon["22 Jul 2025 - Update 4"] > epsilon["2 Sep 2026"] + 0.05
+    assert epsilon[None] == epsilon["10 Dec 2026"] == epsilon["2 Sep 2026"]
+    assert "since 2 Sep 2026" in " ".join(found[None].remarks)
+    assert "since" not in " ".join(found["2 Sep 2026"].remarks)
+
+
+def test_frozen_grains_are_walls_of_infinite_mass_and_meet_no_frozen_grains():
+    quote = Quote("", 1, "run 1")
+    words = {"normal": Setting(("gran/hooke", "1e5", "2e4"), 1, "")}
+    pairs = [ContactSettings(types, None, words, (quote,)) for types in (("1", "1"), ("1", "2"), ("2", "2"))]
+    grains = {k: Grains(k, (1e-3, 1e-3), (2500.0, 2500.0), frozen=k == "1") for k in ("1", "2")}
+    stage = Stage(quote, 1e-7, True, 1, tuple(pairs), grains, None, None)
+    rows = checking._of_script(described(units="si", stages=(stage,)), NONE).rows
+    assert [row.types for row in rows] == [("1", "2"), ("2", "2")]
+    assert rows[0].duration > 1.35 * rows[1].duration  # √2 without damping
+
+
+# --- the answer -----------------------------------------------------------------------------------------------
+
+
+@draws(60)
+@given(
+    radius=log_floats(1e-5, 1e-1),
+    stiffness=log_floats(1e-1, 1e9),
+    restitution=st.floats(0.05, 1.0),
+    speed=log_floats(1e-4, 10.0),
+    phi=st.floats(0.001, 0.64),
+    dimension=st.sampled_from([2, 3]),
+    hertz=st.booleans(),
+)
+def test_the_sentence_agrees_with_the_numbers(radius, stiffness, restitution, speed, phi, dimension, hertz):
+    law = (
+        hl.Tsuji(elastic_prefactor=stiffness / math.sqrt(radius) * 10, restitution=restitution)
+        if hertz
+        else hl.LinearDashpot(stiffness=stiffness, restitution=restitution)
+    )
+    found = hl.check(
+        hl.Ball(radius, density=2500.0), law=law, speed=speed, packing_fraction=phi, dimension=dimension
+    )
+    row = found.rows[0]
+    value, bar = row.error["constant"]
+    law_of_error = error_law(packing_fraction=phi, restitution=row.restitution, dimension=dimension, law=law)
+    assert value == pytest.approx(law_of_error.error(row.tc_nu)) and bar == pytest.approx(
+        law_of_error.error_bar(row.tc_nu)
+    )
+    low, high = abs(value) - bar, abs(value) + bar
+    wanted = False if low > 0.01 or row.tc_nu > 0.3 else True if high <= 0.01 else None
+    assert found.admissible is wanted
+    assert found.sentence.startswith({True: "Yes: ", False: "No: ", None: "Cannot be said: "}[wanted])
+    assert ("too fast" in found.sentence) == (value > 0 and row.tc_nu <= 0.3)
+    if 0.0 < row.spring[2] < 1e300 and row.tc_nu < 0.3 and row.spring[2] != row.spring[1]:
+        factor = row.spring[2] / row.spring[1]
+        name = "elastic_prefactor" if hertz else "stiffness"
+        other = type(law)(**{**law.parameters, name: row.spring[2]})
+        again = hl.check(
+            hl.Ball(radius, density=2500.0), law=other, speed=speed, packing_fraction=phi, dimension=dimension
+        ).rows[0]
+        if again.tc_nu < 0.29:
+            assert abs(again.error["constant"][0]) == pytest.approx(0.01, rel=0.02), factor
+
+
+def test_what_is_missing_is_named():
+    sentence = hl.check(BEAD, law=hl.LinearDashpot(stiffness=1e5, restitution=0.9)).sentence
+    assert (
+        sentence
+        == "Cannot be said: speeds and packing are not known (give --dump, or --speed and --packing-fraction)."
+    )
+    assert "packing is not known" in hl.check(script(HOOKE), speed=1.0).sentence
+    stage = replace(described().stages[0], grains={}, gravity=None)
+    found = checking._of_script(described(stages=(stage,)), checking.Given(None, (1.0,), 0.1, {}))
+    assert found.sentence == "Cannot be said: sizes are not known (they are not in the script)."
+
+
+def test_gravity_counts_where_grains_can_come_to_rest():
+    fall = "fix g all gravity 9.81 vector 0 0 -1"
+    options = {"speed": 0.01, "packing_fraction": 0.05}
+    assert hl.check(script(HOOKE, fall), **options).admissible  # periodic: nothing to rest on
+    walled = script(HOOKE, fall, WALL).replace("boundary p p p", "boundary p p f")
+    found = hl.check(walled, **options)
+    assert found.admissible is False and found.invalidates[0].where
+    assert [one.what for one in found.checked] == ["normal contact", "time step", "walls", "gravity"]
+
+
+def test_what_invalidates_or_is_not_understood_decides():
+    options = checking.Given(None, (0.01,), 0.1, {})
+    quote = Quote("in.file", 3, "fix d all drag 1")
+    stage = described().stages[0]
+    calm = [Stage(quote, 1e-5, True, 1, stage.contacts[:1], stage.grains, None, None)]
+    drag = checking._of_script(described(stages=calm, invalidates=(Note("drag", None, quote),)), options)
+    assert drag.admissible is False and drag.sentence.startswith("No: drag, which no event-driven")
+    unclear = checking._of_script(described(stages=calm, unknown=(quote,)), options)
+    assert unclear.admissible is not True
+    sticky = {"normal": Setting(("jkr", "1e5", "0.1", "0.3", "1"), 4, "pair_coeff * * jkr 1e5 0.1 0.3 1")}
+    both = [
+        Stage(
+            quote,
+            1e-5,
+            True,
+            1,
+            (ContactSettings(("1", "1"), None, sticky, (quote,)),),
+            stage.grains,
+            None,
+            None,
+        )
+    ]
+    jkr = checking._of_script(
+        described(stages=both, invalidates=(Note("adhesion", ("1", "1"), quote),)), options
+    )
+    assert jkr.admissible is False and jkr.rows[0].restitution is None and not jkr.unknown
+    strange = checking._of_script(described(stages=both), options)
+    assert strange.admissible is None and "1–1" in strange.sentence
+
+
+def test_an_overdamped_contact_sticks():
+    text = script(f"pair_style granular\npair_coeff * * hooke 1e3 10 damping velocity {TANGENTIAL}")
+    found = hl.check(text, speed=0.1, packing_fraction=0.1)
+    row = found.rows[0]
+    assert row.restitution == 0.0 and row.duration is None and row.steps_per_contact is None
+    assert found.admissible is False and "overdamped" in found.sentence
+
+
+# --- corrections ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "contact",
+    [CLIPPED, HERTZ, HERTZ.replace("coeff_restitution", "tsuji"), f"{CLIPPED}\n{WALL} limit_damping"],
+)
+def test_corrected_lines_give_the_restitution_that_was_asked_for(contact):
+    text = script(contact.replace(" 0.9 ", " 0.6 "))
+    found = hl.check(text)
+    wrong = [row for row in found.rows if abs(row.restitution - row.restitution_asked) > 5e-3]
+    assert wrong and "differs from ε asked" in " ".join(found.remarks)
+    lines = text.splitlines()
+    for line in found.corrected:
+        if not line.startswith("timestep"):
+            head = line.split()[:3]
+            (place,) = [k for k, old in enumerate(lines) if old.split()[:3] == head]
+            lines[place] = line
+    again = hl.check("\n".join(lines))
+    for row, old in zip(again.rows, found.rows, strict=True):
+        assert row.restitution == pytest.approx(old.restitution_asked, abs=1e-4)
+    assert not [line for line in hl.check(script(HOOKE), speed=1.0).corrected if "timestep" not in line]
+
+
+# --- command line -----------------------------------------------------------------------------------------------
+
+KEYS = {
+    *(
+        "code",
+        "version",
+        "units",
+        "time_step",
+        "contacts",
+        "numerical_damping",
+        "stages",
+        "checked",
+        "ignored",
+    ),
+    *("invalidates", "unknown", "admissible", "sentence"),
+}
+CONTACT = {
+    *(
+        "types",
+        "stage",
+        "wall",
+        "model",
+        "radius",
+        "other_radius",
+        "density",
+        "restitution_asked",
+        "restitution",
+    ),
+    *(
+        "clipped",
+        "speed",
+        "duration",
+        "steps_per_contact",
+        "restitution_error_of_step",
+        "largest_overlap",
+        "tc_nu",
+    ),
+    *("delta_over_d", "error"),
+}
+
+
+def test_json_has_all_keys(tmp_path):
+    path = tmp_path / "in.box"
+    path.write_text(script(CLIPPED, WALL))
+    found = printed("check", path, "--speed", "0.1:1m/s", "--packing-fraction", "0.2")
+    assert found.keys() >= KEYS and all(one.keys() >= CONTACT for one in found["contacts"])
+    assert [one["types"] for one in found["contacts"]] == [[1, 1], [1, 1], [1, "wall"], [1, "wall"]]
+    assert found["code"] == "lammps" and found["units"] == "si" and found["contacts"][0]["error"]["constant"]
+    assert found == hl.check(path, speed=(0.1, 1.0), packing_fraction=0.2).to_dict()
+    ds = hl.check(path, speed=(0.1, 1.0)).contacts
+    assert (
+        ds.sizes["contact"] == 4 and np.isnan(ds["tc_nu"]).all() and list(ds["types"].values)[2] == "1–wall"
+    )
+
+
+def test_the_report_of_a_pair_and_a_wall_has_at_most_fifteen_lines(tmp_path, monkeypatch):
+    path = tmp_path / "in.box"
+    path.write_text(
+        script(CLIPPED.replace("0.9", "0.5"), f"{WALL} limit_damping", "fix g all gravity 9.8 vector 0 0 -1")
+    )
+    for width in (80, 120):
+        monkeypatch.setenv("COLUMNS", str(width))
+        for more in ([], ["--speed", "0.1:1"], ["--speed", "0.1:1", "--packing-fraction", "0.2"]):
+            lines = run("check", path, *more).stdout.splitlines()
+            assert len(lines) <= 15 and "…" not in "".join(lines)
+        long = run("check", path, "--speed", "1", "--verbose").stdout
+        assert len(long.splitlines()) > 15 and "line " in long
+
+
+def test_exit_codes(tmp_path):
+    hard, soft = NUMBERS.split(), NUMBERS.replace("1e5", "1e2").split()
+    assert "Yes: " in run("check", *hard, "--strict").stdout
+    assert "No: " in run("check", *soft).stdout
+    assert "No: " in run("check", *soft, "--strict", code=1).stdout
+    assert json.loads(run("check", *soft, "--strict", "--json", code=1).stdout)["admissible"] is False
+    path = tmp_path / "in.melt"
+    path.write_text("units lj\natom_style atomic\npair_style lj/cut 2.5\npair_coeff 1 1 1 1 2.5\nrun 10\n")
+    refused("check", path)
+    refused("check", tmp_path / "none")
+
+
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        ("", "give a file"),
+        ("--radius 1mm", "density"),
+        (f"{NUMBERS} --code lammps", "--code: must be left out"),
+        (f"{NUMBERS} --var a=1", "--var: must be left out"),
+        (NUMBERS.replace("0.3m/s", "3kg"), "--speed"),
+        (NUMBERS.replace("0.3m/s", "2:1"), "--speed"),
+        (NUMBERS.replace("0.3m/s", "0"), "--speed"),
+        (NUMBERS.replace("fraction 0.3", "fraction 0.9"), "--packing-fraction"),
+        ("file --radius 1mm", "--radius: got 0.001, must be left out"),
+        ("file --var a", "--var: got 'a', must be NAME=VALUE"),
+    ],
+)
+def test_bad_numbers_are_refused_in_one_line(words, line):
+    assert line in refused("check", *words.split())
+
+
+WORDS = st.sampled_from(
+    [
+        *script(HERTZ, WALL).split(),
+        "-1",
+        "0",
+        "1e400",
+        "nan",
+        "${x}",
+        "$(1/0)",
+        '"',
+        "&\n",
+        "\n",
+        "*",
+        "jkr",
+        "½",
+    ]
+)
+
+
+@draws(80)
+@given(data=st.data())
+def test_a_mangled_script_gives_a_verdict_or_one_line(data):
+    words = script(HERTZ, WALL).replace("\n", " \n ").split(" ")
+    for _ in range(data.draw(st.integers(1, 4))):
+        k = data.draw(st.integers(0, len(words) - 1))
+        words[k : k + data.draw(st.integers(0, 2))] = [data.draw(WORDS)] * data.draw(st.integers(0, 2))
+    try:
+        found = hl.check(" ".join(words), speed=0.3, packing_fraction=0.1)
+    except ValueError as error:
+        assert "\n" not in str(error)
+    else:
+        json.dumps(found.to_dict(), allow_nan=True)
+        assert found.sentence and ("nan" not in found.sentence or found.unknown)
+        assert found.contacts is not None

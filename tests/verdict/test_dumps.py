@@ -1,0 +1,145 @@
+"""Text dumps of LAMMPS and LIGGGHTS: what is read from them, and which files are refused in one line."""
+
+import gzip
+
+import numpy as np
+import pytest
+
+import hardlimit as hl
+from hardlimit.verdict import dumps
+
+GAS = hl.ParticleSystem.random(400, packing_fraction=0.2, radius=1e-3, density=2500.0, rms_speed=0.3, seed=1)
+LAW = hl.LinearDashpot(stiffness=1e5, restitution=0.9)
+BEAD = hl.Ball(1e-3, density=2500.0)
+
+
+def text(
+    system=GAS, columns="id type x y z vx vy vz radius", step=100, sides="pp pp pp", gaps=True, scaled=False
+):
+    """A frame of a system; its grains are shuffled, and some numbers are left out."""
+    n, edges = system.n, system.box
+    at = system.positions / edges if scaled else system.positions
+    values = {"id": 3 * np.arange(n) + 1 if gaps else np.arange(n) + 1, "type": np.ones(n, int)}
+    for k, axis in enumerate("xyz"):
+        values |= {axis + end: at[:, k] for end in ("", "s", "u")} | {f"v{axis}": system.velocities[:, k]}
+    values |= {"radius": system.radius, "diameter": 2.0 * system.radius, "mass": system.mass}
+    rows = [
+        " ".join(f"{values[name][i]:.12g}" for name in columns.split())
+        for i in np.random.default_rng(1).permutation(n)
+    ]
+    bounds = [f"0 {edge:.12g}" for edge in edges]
+    head = [
+        "ITEM: TIMESTEP",
+        str(step),
+        "ITEM: NUMBER OF ATOMS",
+        str(n),
+        f"ITEM: BOX BOUNDS {sides}",
+        *bounds,
+    ]
+    return "\n".join([*head, f"ITEM: ATOMS {columns} ", *rows, ""])
+
+
+def written(folder, content, name="dump.box"):
+    path = folder / name
+    path.write_bytes(gzip.compress(content.encode())) if name.endswith(".gz") else path.write_text(content)
+    return path
+
+
+@pytest.mark.parametrize("name", ["dump.box", "dump.box.gz"])
+@pytest.mark.parametrize(
+    ("columns", "scaled"),
+    [
+        ("id type x y z vx vy vz radius", False),
+        ("vz vy vx diameter mass zs ys xs id", True),
+        ("xu yu zu vx vy vz radius", False),
+    ],
+)
+def test_packing_and_temperature_of_any_columns(columns, scaled, name, tmp_path):
+    frame = dumps.read(written(tmp_path, text(columns=columns, scaled=scaled), name))[0]
+    found = dumps.state(frame, {}, 3)
+    assert found.packing_fraction == pytest.approx(GAS.packing_fraction, rel=1e-9)
+    assert found.temperature == pytest.approx(GAS.granular_temperature, rel=1e-9)
+    assert (found.step, found.grains, found.coordination, found.largest_overlap) == (100, 400, 0.0, 0.0)
+    assert found.mean_diameter == pytest.approx(2e-3)
+
+
+def test_sizes_of_a_script_replace_a_missing_column(tmp_path):
+    frame = dumps.read(written(tmp_path, text(columns="id type x y z vx vy vz")))[0]
+    assert dumps.state(frame, {}, 3).packing_fraction is None
+    assert dumps.state(frame, {"1": 1e-3}, 3).packing_fraction == pytest.approx(0.2)
+
+
+def test_overlaps_reach_through_periodic_sides(tmp_path):
+    """Two grains that touch through a side, a third that touches one of them, and walls without a second image."""
+    places = np.array([[1e-4, 5e-3, 5e-3], [9e-3, 5e-3, 5e-3], [7.1e-3, 5e-3, 5e-3]])
+    three = hl.ParticleSystem(places, np.zeros((3, 3)), 1e-3, 2500.0, box=1e-2, allowed_overlap=0.5)
+    through = dumps.state(dumps.read(written(tmp_path, text(three)))[0], {}, 3)
+    assert through.coordination == pytest.approx(4 / 3) and through.in_several_contacts == pytest.approx(
+        1 / 3
+    )
+    assert through.largest_overlap == pytest.approx(0.9)
+    walls = dumps.state(dumps.read(written(tmp_path, text(three, sides="ff ff ff")))[0], {}, 3)
+    assert walls.coordination == pytest.approx(2 / 3) and walls.largest_overlap == pytest.approx(0.1)
+    filled = (9e-3 - 1e-4 + 2e-3) * 2e-3 * 2e-3  # between the outermost grains, but within the box
+    assert walls.packing_fraction == pytest.approx(3 * 4 / 3 * np.pi * 1e-9 / min(filled, 1e-2 * 4e-6))
+
+
+def test_impact_speeds_are_those_of_a_maxwellian_gas(tmp_path):
+    """Percentiles of g at the density g exp(−g²/4T), whose mean is √(πT)."""
+    state = dumps.state(dumps.read(written(tmp_path, text()))[0], {}, 3)
+    t = state.temperature
+    g = np.sqrt(-4 * t * np.log(np.random.default_rng(2).random(200_000)))
+    assert np.quantile(g, [0.1, 0.5, 0.9]) == pytest.approx(state.speeds, rel=0.01)
+    assert g.mean() == pytest.approx(state.mean_speed, rel=0.01)
+
+
+def test_the_hottest_frame_decides(tmp_path):
+    cold = GAS.replace(velocities=0.1 * GAS.velocities)
+    path = written(tmp_path, text(cold, step=0) + text(step=10) + "\n" + text(cold, step=20))
+    several = hl.check(BEAD, law=LAW, dump=path)
+    alone = hl.check(BEAD, law=LAW, dump=written(tmp_path, text(), "one"))
+    assert len(several.states) == 3 and several.sentence == alone.sentence
+    assert [row.speed for row in several.rows] == [row.speed for row in alone.rows]
+    direct = hl.check(GAS, law=LAW)
+    assert direct.rows[0].tc_nu == pytest.approx(alone.rows[0].tc_nu, rel=1e-6)
+    many = written(tmp_path, "".join(text(step=k) for k in range(45)), "many")
+    assert len(hl.check(BEAD, law=LAW, dump=many).states) == dumps.MOST_FRAMES
+
+
+def test_lasting_contacts_are_found(tmp_path):
+    """A packing of touching grains is no gas."""
+    places = 1.99e-3 * np.stack(np.meshgrid(*[np.arange(6)] * 3), -1).reshape(-1, 3)
+    packed = hl.ParticleSystem(
+        places + 1e-3, 1e-3 * np.ones((216, 3)), 1e-3, 2500.0, box=6 * 1.99e-3, allowed_overlap=0.1
+    )
+    found = hl.check(BEAD, law=LAW, dump=written(tmp_path, text(packed)))
+    assert found.admissible is False and "6 contacts on average" in found.sentence
+
+
+BAD = {
+    "triclinic": text().replace("BOX BOUNDS pp pp pp", "BOX BOUNDS xy xz yz pp pp pp"),
+    "general triclinic": text().replace("BOX BOUNDS pp pp pp", "BOX BOUNDS abc origin pp pp pp"),
+    "cut off": text()[:-2000].rsplit("\n", 1)[0],
+    "empty": "",
+    "no dump": "x y z\n1 2 3\n",
+    "words": text().replace("ITEM: ATOMS id type x", "ITEM: ATOMS id type radius2 y").replace(" 1 ", " H "),
+    "no step": text().replace("100\n", "many\n", 1),
+    "nan": text().replace("0.001\n", "nan\n", 1),
+    "binary": "\x00\x01ITEM",
+    "no count": text().replace("NUMBER OF ATOMS\n400", "NUMBER OF ATOMS\n-1"),
+    "flat": text().replace(f"0 {GAS.box[0]:.12g}", "0 0"),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_other_files_are_refused_in_one_line(name, tmp_path):
+    path = written(tmp_path, BAD[name])
+    try:
+        dumps.read(path)
+    except ValueError as error:
+        assert str(error).startswith("dump: got ") and "\n" not in str(error)
+    else:
+        assert name == "words"  # types may be words
+    for missing in (tmp_path / "none", tmp_path, written(tmp_path, "ITEM:", "broken.gz").with_name("x.gz")):
+        with pytest.raises(ValueError, match=r"\Adump: got .*, cannot be read: .*\Z"):
+            dumps.read(missing)

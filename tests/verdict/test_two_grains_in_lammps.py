@@ -1,0 +1,153 @@
+"""ε as ``check`` prints it, against ε of two grains that collide in LAMMPS, for each contact model and for walls."""
+
+import re
+import subprocess
+
+import pytest
+
+import hardlimit as hl
+from hardlimit.boxes.lammps import program
+
+try:
+    PROGRAM = program.find(1)
+    MISSING = ""
+except ImportError as error:
+    MISSING = str(error)
+needs_lammps = pytest.mark.skipif(bool(MISSING), reason=MISSING)
+
+GRANULAR = "pair_style granular\npair_coeff * * {} tangential linear_nohistory 0.0 0.0"
+MATERIAL = "hertz/material 1e7 {} 0.3"
+
+#: Name → (lines of the contact, speed, radii, units). The walls are below.
+PAIRS = {
+    "hooke coeff_restitution": (GRANULAR.format("hooke 1e5 0.5 damping coeff_restitution"), 0.4),
+    "hooke coeff_restitution limited": (
+        GRANULAR.format("hooke 1e5 0.5 damping coeff_restitution limit_damping"),
+        0.4,
+    ),
+    "hooke velocity": (GRANULAR.format("hooke 1e5 0.4 damping velocity"), 0.4),
+    "hooke velocity limited": (GRANULAR.format("hooke 1e5 0.6 damping velocity limit_damping"), 0.4),
+    "hooke mass_velocity": (GRANULAR.format("hooke 1e5 5e4 damping mass_velocity"), 1.0),
+    "hooke viscoelastic": (GRANULAR.format("hooke 1e5 1e9"), 1.0),
+    "hooke tsuji": (GRANULAR.format("hooke 1e5 0.6 damping tsuji"), 1.0),
+    "hertz viscoelastic": (GRANULAR.format("hertz 1e7 2e8 damping viscoelastic limit_damping"), 0.5),
+    "hertz velocity": (GRANULAR.format("hertz 1e7 0.1 damping velocity"), 2.0),
+    "hertz mass_velocity limited": (
+        GRANULAR.format("hertz 1e7 4e3 damping mass_velocity limit_damping"),
+        0.1,
+    ),
+    "hertz coeff_restitution limited": (
+        GRANULAR.format("hertz 1e7 0.3 damping coeff_restitution limit_damping"),
+        0.5,
+    ),
+    "hertz tsuji": (GRANULAR.format("hertz 1e7 0.7 damping tsuji"), 0.5),
+    "material viscoelastic": (GRANULAR.format(MATERIAL.format("1e8")), 0.5),
+    "material coeff_restitution": (
+        GRANULAR.format(f"{MATERIAL.format('0.8')} damping coeff_restitution"),
+        0.5,
+    ),
+    "material tsuji limited": (GRANULAR.format(f"{MATERIAL.format('0.8')} damping tsuji limit_damping"), 0.5),
+    "material velocity": (GRANULAR.format(f"{MATERIAL.format('0.03')} damping velocity"), 0.5),
+    "material mass_velocity limited": (
+        GRANULAR.format(f"{MATERIAL.format('4e3')} damping mass_velocity limit_damping"),
+        0.5,
+    ),
+    "hooke mixed": (
+        "pair_style granular\n"
+        "pair_coeff 1 1 hooke 1e5 0.9 damping coeff_restitution tangential linear_nohistory 0.0 0.0\n"
+        "pair_coeff 2 2 hooke 4e5 0.4 damping coeff_restitution tangential linear_nohistory 0.0 0.0",
+        0.5,
+    ),
+    "hooke of one pair": (
+        GRANULAR.format("hooke 1e5 0.9 damping coeff_restitution")
+        + "\npair_coeff 1 2 hooke 4e5 0.4 damping coeff_restitution tangential linear_nohistory 0.0 0.0 limit_damping",
+        0.5,
+    ),
+    "hertz undamped": (GRANULAR.format("hertz 1e7 0.0 damping velocity"), 0.5),
+    "gran/hooke": ("pair_style gran/hooke 1e5 NULL 3e4 NULL 0.5 0\npair_coeff * *", 0.5),
+    "gran/hooke/history limited": (
+        "pair_style gran/hooke/history 1e5 NULL 3e4 NULL 0.5 1 limit_damping\npair_coeff * *",
+        0.5,
+    ),
+    "gran/hertz/history": ("pair_style gran/hertz/history 1e7 NULL 1e8 NULL 0.5 1\npair_coeff * *", 0.5),
+}
+WALLS = {
+    "wall granular hooke": (
+        "granular hooke 1e5 0.5 damping coeff_restitution tangential linear_nohistory 0.0 0.0 limit_damping",
+        0.4,
+    ),
+    "wall granular material": (
+        f"granular {MATERIAL.format('0.7')} damping tsuji tangential linear_nohistory 0.0 0.0 limit_damping",
+        0.4,
+    ),
+    "wall hertz/history": ("hertz/history 1e7 NULL 1e8 NULL 0.5 1", 0.5),
+    "wall hooke limited": ("hooke 1e5 NULL 3e4 NULL 0.5 0 limit_damping", 0.5),
+}
+
+
+def script(lines: str, speed: float, step: float, steps: int, wall: str = "", radii=(1e-3, 1.5e-3)) -> str:
+    """Two grains on a line, or one above a wall, that touch after a few steps."""
+    r1, r2 = radii
+    gap = 3.5 * speed * step
+    grains = [
+        f"create_atoms 1 single 0 0 {0 if not wall else r1 + gap:.15g}",
+        f"set type 1 diameter {2 * r1:.15g} density 2500",
+    ]
+    velocity = [f"velocity all set 0 0 {-speed:.15g}"] if wall else []
+    if not wall:
+        grains += [
+            f"create_atoms 2 single 0 0 {r1 + r2 + gap:.15g}",
+            f"set type 2 diameter {2 * r2:.15g} density 2500",
+        ]
+        velocity = ["group upper id 2", "velocity all set 0 0 0", f"velocity upper set 0 0 {-speed:.15g}"]
+    floor = [f"fix floor all wall/gran {wall} zplane 0.0 NULL"] if wall else []
+    last = "$(vz[1])" if wall else "$(vz[2]-vz[1])"
+    return "\n".join(
+        [
+            "units si\natom_style sphere\natom_modify map array\nboundary f f f\nnewton off\ncomm_modify vel yes",
+            "region box block -0.01 0.01 -0.01 0.01 -0.01 0.02\ncreate_box 2 box",
+            *grains,
+            lines,
+            *floor,
+            *velocity,
+            f"timestep {step:.15g}\nfix move all nve/sphere\nrun {steps}",
+            f'print "SEPARATION {last}"\n',
+        ]
+    )
+
+
+def measured(text: str, folder) -> float:
+    """The separation velocity in LAMMPS; writes in.script and log.lammps."""
+    (folder / "in.script").write_text(text, encoding="utf-8")
+    command = PROGRAM.command(1, "-in", "in.script", "-log", "log.lammps", "-screen", "none")
+    subprocess.run(command, cwd=folder, env=PROGRAM.environment(), check=True, capture_output=True)
+    log = (folder / "log.lammps").read_text(encoding="utf-8")
+    return float(re.search(r"^SEPARATION (\S+)", log, re.M)[1])
+
+
+def compared(name: str, folder) -> tuple[float, float, float]:
+    """ε of the log, of the script and measured."""
+    wall = name in WALLS
+    lines, speed = (WALLS if wall else PAIRS)[name]
+    of_wall = lines if wall else ""
+    lines = GRANULAR.format("hooke 1e5 0.5 damping coeff_restitution") if wall else lines
+    kind = ("1", "wall") if wall else ("1", "2")
+
+    def row(source):
+        return next(one for one in hl.check(source, speed=speed).rows if one.types == kind)
+
+    first = row(script(lines, speed, 1e-8, 1, of_wall))
+    step = first.duration / 4000
+    text = script(lines, speed, float(f"{step:.6g}"), 4600, of_wall)
+    separation = measured(text, folder)
+    return row(folder / "log.lammps").restitution, row(folder / "in.script").restitution, separation / speed
+
+
+@needs_lammps
+@pytest.mark.parametrize("name", [*PAIRS, *WALLS])
+def test_restitution_is_that_of_two_grains_in_lammps(name, tmp_path):
+    """The version in the log decides between formulas; a script is checked as for the newest version."""
+    of_log, of_script, real = compared(name, tmp_path)
+    assert of_log == pytest.approx(real, abs=2e-3)
+    if "tsuji" not in (WALLS.get(name) or PAIRS[name])[0]:
+        assert of_script == of_log
