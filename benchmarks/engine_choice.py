@@ -1,4 +1,4 @@
-"""CPU time per contact by events and by steps, beside the estimate of ``engine="auto"``: the table of docs/grains.md.
+"""CPU time per contact by events and by steps, beside the estimate of ``engine="auto"``: the table of docs/engines.md.
 
     python benchmarks/engine_choice.py [N …]
 

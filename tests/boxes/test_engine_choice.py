@@ -71,7 +71,7 @@ def test_contacts_softer_than_a_gas_take_steps() -> None:
 def test_a_gas_takes_events_up_to_where_both_cost_the_same(
     dimension: int, phi: float, restitution: float
 ) -> None:
-    """Both engines cost the same at t_c ν between 0.1 and 0.2, by measurement (docs/grains.md)."""
+    """Both engines cost the same at t_c ν between 0.1 and 0.2, by measurement (docs/engines.md)."""
     system = gas(phi=phi, dimension=dimension)
     found = {}
     for tc_nu in (1e-4, 0.01, 0.1, 0.3, 3.0):

@@ -104,9 +104,10 @@ SMALLER = {
         "n=2000": "n=200",
         "random(2000": "random(200",
         "until=10.0": "until=0.1",
-        "replicas=8": "replicas=3",
         "16": "3",
     },
+    "engines": {"n=1000": "n=200"},
+    "fidelity": {"n=500": "n=100", "replicas=8": "replicas=3"},
 }
 #: What the reader does between blocks: this stands before the one with these words.
 BETWEEN = {

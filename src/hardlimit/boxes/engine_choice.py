@@ -20,7 +20,7 @@ from .theory import Gas
 
 #: Shortest periodic edge for engine events, in units of the largest radius.
 SMALLEST_EDGE: Final = 4.2
-#: Cost of a contact [µs], fitted to boxes of 300 to 4000 particles (docs/grains.md). By events: a constant, and the
+#: Cost of a contact [µs], fitted to boxes of 300 to 4000 particles (docs/engines.md). By events: a constant, and the
 #: factor of t_c ν. By steps: a constant, and the factor of 1/(ν Δt), the number of steps between two contacts.
 BY_EVENTS: Final = (1.6, 35.0)
 BY_STEPS: Final = (9.0, 0.0045)
