@@ -136,7 +136,9 @@ def beside(name: str, typed: str) -> list[str]:
         pairs.pop({"--mass": "--density", "--other-mass": "--other-density"}.get(typed, typed))
         words += [word for pair in pairs.items() for word in pair]
     if name == "check":
-        given = {"--radius": "1mm", "--density": "2500"} | ({} if law else {"--stiffness": 1, "--restitution": 1})
+        given = {"--radius": "1mm", "--density": "2500"} | (
+            {} if law else {"--stiffness": 1, "--restitution": 1}
+        )
         given.pop("--density" if typed == "--mass" else typed, None)
         words += [f"{option}={value}" for option, value in given.items()]
     if name == "gas" and typed in ("--restitution-error", "--time-step"):

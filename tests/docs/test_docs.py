@@ -64,7 +64,8 @@ def difference(wanted: str, got: str) -> str:
     return checker.output_difference(example, got, OPTIONS)
 
 
-PAGES = [page for page in sorted(DOCS.glob("*.md")) if blocks(page, "pycon") or blocks(page, "console")]
+README = DOCS.parent / "README.md"
+PAGES = [p for p in (README, *sorted(DOCS.glob("*.md"))) if blocks(p, "pycon") or blocks(p, "console")]
 
 
 def test_an_untrue_page_is_found(tmp_path: Path) -> None:
@@ -76,7 +77,8 @@ def test_an_untrue_page_is_found(tmp_path: Path) -> None:
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_sessions(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    name = f"docs/{page.name}"
+    (tmp_path / "examples").symlink_to(DOCS.parent / "examples")
+    name = page.name
     test = doctest.DocTestParser().get_doctest("\n".join(blocks(page, "pycon")), {}, name, name, 0)
     report: list[str] = []
     result = doctest.DocTestRunner(verbose=False, optionflags=OPTIONS).run(test, out=report.append)

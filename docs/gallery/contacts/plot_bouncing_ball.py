@@ -2,12 +2,12 @@ r"""
 A bouncing ball against the hard-sphere limit
 =============================================
 
-A ball falls on a floor and bounces. A hard sphere rises to :math:`\varepsilon^{2n} h_0` after the n-th bounce. A soft one
-stays on the floor for a time :math:`t_c`, in which gravity acts against its force. MFiX (case DEM02) and LAMMPS verify their
-contact forces with this problem. Both curves are exact here: parabolas and damped oscillations with gravity, joined at
-touch and where the force ends. The rebound approaches that of the hard sphere as :math:`t_c g/v`, the change of velocity by
-gravity during a contact, relative to the impact speed. Later bounces are slower, and a soft ball departs from the hard one a
-little more at each.
+A ball falls on a floor and bounces. A hard sphere rises to :math:`\varepsilon^{2n} h_0` after the n-th bounce. A soft
+one stays on the floor for a time :math:`t_c`, in which gravity acts against its force. MFiX (case DEM02) and LAMMPS
+verify their contact forces with this problem. Both curves are exact here: parabolas and damped oscillations with
+gravity, joined at touch and where the force ends. The rebound approaches that of the hard sphere as :math:`t_c g/v`,
+the change of velocity by gravity during a contact, relative to the impact speed. Later bounces are slower, and a soft
+ball departs from the hard one a little more at each.
 """
 
 import matplotlib.pyplot as plt

@@ -33,7 +33,7 @@ Example:
 
 CODES = ("lammps", "liggghts", "yade")
 #: Largest number of rows without ``--verbose``.
-MOST_ROWS = 8
+MAX_ROWS = 8
 #: Errors of ε below this are not written out.
 SMALLEST_ERROR = 1e-4
 
@@ -159,7 +159,7 @@ def report(found: Verdict, verbose: bool) -> None:
     last = max((row.stage for row in found.rows), default=1)
     groups = list(grouped(found.rows if verbose else [row for row in found.rows if row.stage == last]))
     say(title(found), style="bold")
-    shown = groups if verbose else groups[:MOST_ROWS]
+    shown = groups if verbose else groups[:MAX_ROWS]
     if shown:
         stages = verbose and last > 1
         rows = [[str(g[0].stage), name(g[0], plain), *cells(g, plain)] for g in shown]
@@ -178,8 +178,9 @@ def report(found: Verdict, verbose: bool) -> None:
     if verbose:
         details(found, plain)
     say(lists(found))
-    more = " More: --verbose" if found.admissible is False and not verbose else ""
-    say(f"{found.sentence}{more}", style="bold")
+    more = " More: --verbose." if found.admissible is False and not verbose else ""
+    lines = " Corrected lines:" if found.corrected else ""
+    say(f"{found.sentence}{more}{lines}", style="bold")
     for line in found.corrected:
         click.echo(f"  {line}")
 
