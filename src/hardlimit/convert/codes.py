@@ -221,6 +221,8 @@ class Pair:
     wall: bool
     first: int = 1  #: numbers of the bodies, from 1
     second: int = 1
+    #: Mass [kg] in the code's formulas if the code does not know that a body is fixed; None for the usual one.
+    formula_mass: float | None = None
 
 
 @dataclass(frozen=True)
@@ -293,6 +295,8 @@ class Written:
         rule = self.model.mass
         if rule.number and rule.number in numbers:
             return rule.share * numbers[rule.number]
+        if self.pair.formula_mass is not None:
+            return self.pair.formula_mass
         return self.pair.mass * (rule.wall_factor if self.pair.wall else 1.0)
 
     def _where(self, mass: float, number: float) -> Where:

@@ -72,7 +72,9 @@ class Population:
         for one in moved:
             self.add(kind, one)
 
-    def grains(self, kind: int, name: str, frozen: bool, disks: bool = False) -> Grains:
+    def grains(
+        self, kind: int, name: str, frozen: bool, counted: bool = False, disks: bool = False
+    ) -> Grains:
         """The grains of one type, whose densities may be those of disks."""
         held = [one.with_mass_of(2) if disks else one for one in self.batches.get(kind, [])]
         if self.elsewhere:
@@ -81,7 +83,7 @@ class Population:
         masses = None
         if densities is None:
             masses = union([one.with_mass_of(3).masses for one in held])
-        return Grains(name, union([one.radii for one in held]), densities, masses, frozen)
+        return Grains(name, union([one.radii for one in held]), densities, masses, frozen, counted)
 
 
 def atoms(text: str, style: str) -> Iterator[tuple[int, Batch]]:

@@ -30,6 +30,7 @@ TIME_STEPS: Final = {
 #: Grains that ``create_atoms`` makes: radius 0.5, density 1.
 CREATED: Final = Batch((0.5, 0.5), (1.0, 1.0))
 MOST_TYPES: Final = 100
+ZEROS: Final = {"0", "0.0", "0."}
 #: Logical operators of ``group … type``.
 COMPARISONS: Final[dict[str, Callable[[int, int, int], bool]]] = {
     "<": lambda k, a, _: k < a,
@@ -59,6 +60,8 @@ mesh/surface mesh/volume particledistribution contacthistory particletemplate/sp
 neigh_history NEIGH_HISTORY momentum nve/noforce diam/max calculate/ contactproperty/ contactcounter/ pair
 """
 HARMLESS_FIXES: Final = tuple(HARMLESS_FIX_NAMES.split())
+#: Fixes that move grains whatever forces act on them.
+PRESCRIBED: Final = ("nve/noforce", "move")
 INTEGRATORS: Final = ("nve", "nvt", "npt", "nph", "rigid", "poems", "multisphere", "brownian", "move")
 #: Fixes that add forces beside contacts, with the words for the report.
 FORCES: Final = {
@@ -377,7 +380,10 @@ class State:
         kinds = self.present()
         disks = self.code == "liggghts" and self.dimension == 2
         grains = {
-            str(kind): self.population.grains(kind, str(kind), self.frozen(kind), disks) for kind in kinds
+            str(kind): self.population.grains(
+                kind, str(kind), self.frozen(kind), not self.stopped("freeze", kind), disks
+            )
+            for kind in kinds
         }
         new = Stage(
             quote,
@@ -586,7 +592,7 @@ class State:
             self.elsewhere(fix.statement)
         elif style.startswith("dt/reset"):
             self.ignore("a time step that adapts (dt/reset)", fix.statement)
-        elif style == "setforce" and set(fix.words[:3]) <= {"0", "0.0", "NULL", "0."}:
+        elif style == "setforce" and set(fix.words[:3]) <= {*ZEROS, "NULL"}:
             self.ignore("forces set to zero (setforce)", fix.statement, types)
         else:
             what = next((what for start, what in FORCES.items() if style.startswith(start)), "")
@@ -604,19 +610,28 @@ class State:
         self.ignored[Note(what, types, statement.quote)] = None
 
     def frozen(self, kind: int) -> bool:
-        """Whether no grain of a type moves."""
+        """Whether no contact changes the velocity of a grain of a type."""
         integrated = False
-        integrators = [one for one in self.fixes.values() if one.style.startswith(INTEGRATORS)]
+        integrators = [
+            one
+            for one in self.fixes.values()
+            if one.style.startswith(INTEGRATORS) and not one.style.startswith(PRESCRIBED)
+        ]
         for fix in integrators:
             group = self.members(fix.group)
             integrated = integrated or group.types is None or kind in group.types
-        stopped = any(
-            one.style == "freeze"
+        stopped = self.stopped("freeze", kind) or self.stopped("setforce", kind)
+        return stopped or bool(integrators and not integrated)
+
+    def stopped(self, style: str, kind: int) -> bool:
+        """Whether ``fix freeze``, or ``fix setforce`` with three zeros, acts on all grains of a type."""
+        return any(
+            one.style == style
+            and (style == "freeze" or (len(one.words) >= 3 and set(one.words[:3]) <= ZEROS))
             and self.members(one.group).whole
             and kind in self.within(self.members(one.group))
             for one in self.fixes.values()
         )
-        return stopped or bool(integrators and not integrated)
 
     def gravity(self) -> float | None:
         """The magnitude of gravity."""

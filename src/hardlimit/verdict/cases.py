@@ -36,10 +36,12 @@ class ModelForce:
 
     def written(self, first: KnownBody, second: KnownBody | None, speed: float) -> Written:
         """The model applied to two bodies."""
-        other = KnownBody(math.inf, math.inf) if second is None else second
+        other = KnownBody(math.inf, math.inf, self.contact.wall_mass) if second is None else second
         mass, radius = _core.effective(first.mass, other.mass), _core.effective(first.radius, other.radius)
+        counted = None if other.formula_mass is None else _core.effective(first.mass, other.formula_mass)
+        pair = Pair("", mass, radius, second is None, formula_mass=counted)
         nu = self.numbers.get("poisson_ratio", DEFAULT_POISSON_RATIO)
-        return Written(self.model, Pair("", mass, radius, second is None), speed, self.attraction, nu)
+        return Written(self.model, pair, speed, self.attraction, nu)
 
     def __call__(self, first: KnownBody, second: KnownBody | None, speed: float) -> Force:
         return self.written(first, second, speed).force(self.numbers)
@@ -119,7 +121,7 @@ def of_script(description: Description) -> tuple[list[Case], Remarks]:
 def _state(stage: Stage) -> object:
     """What two stages must share for their contacts to be the same."""
     contacts = [
-        (one.types, one.wall, {name: setting.words for name, setting in one.settings.items()})
+        (one.types, one.wall, one.wall_mass, {name: setting.words for name, setting in one.settings.items()})
         for one in stage.contacts
     ]
     return contacts, stage.grains, stage.time_step, stage.numerical_damping
@@ -208,7 +210,8 @@ def _body(grains: Grains, end: int) -> Body:
             mass = volume * density or None
         elif density is None and mass is not None and volume > 0.0:
             density = mass / volume
-    return Body(radius, math.inf if grains.frozen else mass, density)
+    fixed = grains.frozen and grains.counted
+    return Body(radius, math.inf if grains.frozen and not fixed else mass, density, fixed)
 
 
 # --- systems and numbers --------------------------------------------------------------------------------------

@@ -29,13 +29,13 @@ class Body:
     radius: float | None
     mass: float | None
     density: float | None = None
+    fixed: bool = False  #: whether it does not move although its mass is finite in the code's formulas
 
     def tried(self, k: int) -> KnownBody:
         """The body, with trial values in place of unknown ones."""
-        return KnownBody(
-            TRIALS["radius"][k] if self.radius is None else self.radius,
-            TRIALS["mass"][k] if self.mass is None else self.mass,
-        )
+        radius = TRIALS["radius"][k] if self.radius is None else self.radius
+        mass = TRIALS["mass"][k] if self.mass is None else self.mass
+        return KnownBody(radius, math.inf, mass) if self.fixed else KnownBody(radius, mass)
 
 
 class KnownBody(NamedTuple):
@@ -43,6 +43,7 @@ class KnownBody(NamedTuple):
 
     radius: float
     mass: float
+    formula_mass: float | None = None  #: in the code's formulas, if it is another one
 
 
 @dataclass(frozen=True)
