@@ -55,6 +55,7 @@ class ContactSettings:
     settings: Settings  #: by name, as in ``reads`` of the files in ``hardlimit/convert/codes``
     quotes: tuple[Quote, ...]  #: the statements that these settings come from
     wall_mass: float | None = None  #: of a fixed wall if the code's formulas use it, as for YADE's boxes
+    wall_radius: float = 1.0  #: effective radius in the code's formulas over that at other walls
 
 
 @dataclass(frozen=True)

@@ -28,6 +28,8 @@ from .statements import quoted, refusal
 
 DEFAULT_TIME_STEP: Final = 1e-8  #: of a scene
 NUMERICAL_DAMPING: Final = 0.2  #: NewtonIntegrator's default
+#: A facet counts as a sphere of twice the radius, other walls as one of the same radius: 2/3 R over 1/2 R.
+FACET_RADIUS: Final = 4.0 / 3.0
 #: Materials that are read, with the defaults of their numbers.
 MATERIALS: Final[dict[str, dict[str, float]]] = {
     "FrictMat": {"young": 1e9, "poisson": 0.25, "density": 1000.0},
@@ -544,13 +546,21 @@ class Yade(Evaluator):
                 found = self.between(functors, i, j)
                 if found is None:
                     continue
-                words = found[0]
-                counted = words["physics"].words == ("ViscElPhys",) and "en" in words and kind == "boxes"
-                if counted and mass is None:
-                    self.unknown[quote] = None  # tc and en are those of a contact with this mass
+                words, facets = found[0], kind == "facets"
+                physics = words["physics"].words[0]
+                counted = physics == "ViscElPhys" and "en" in words and kind == "boxes"
+                young = {self.number(self.materials[k], "young") for k in (i, j)}
+                if (counted and mass is None) or (facets and physics == "FrictPhys" and len(young) > 1):
+                    self.unknown[quote] = None  # its mass and its modulus are in the formulas
                     continue
                 name = f"{kind} of {self.name(j)}" if several else kind
-                yield ContactSettings((self.name(i), WALL), name, *found, mass if counted else None)
+                yield ContactSettings(
+                    (self.name(i), WALL),
+                    name,
+                    *found,
+                    mass if counted else None,
+                    FACET_RADIUS if facets else 1.0,
+                )
 
     def between(
         self, functors: Mapping[str, Instance], i: int, j: int

@@ -39,7 +39,7 @@ class ModelForce:
         other = KnownBody(math.inf, math.inf, self.contact.wall_mass) if second is None else second
         mass, radius = _core.effective(first.mass, other.mass), _core.effective(first.radius, other.radius)
         counted = None if other.formula_mass is None else _core.effective(first.mass, other.formula_mass)
-        pair = Pair("", mass, radius, second is None, formula_mass=counted)
+        pair = Pair("", mass, radius * self.contact.wall_radius, second is None, formula_mass=counted)
         nu = self.numbers.get("poisson_ratio", DEFAULT_POISSON_RATIO)
         return Written(self.model, pair, speed, self.attraction, nu)
 
@@ -121,7 +121,13 @@ def of_script(description: Description) -> tuple[list[Case], Remarks]:
 def _state(stage: Stage) -> object:
     """What two stages must share for their contacts to be the same."""
     contacts = [
-        (one.types, one.wall, one.wall_mass, {name: setting.words for name, setting in one.settings.items()})
+        (
+            one.types,
+            one.wall,
+            one.wall_mass,
+            one.wall_radius,
+            {name: setting.words for name, setting in one.settings.items()},
+        )
         for one in stage.contacts
     ]
     return contacts, stage.grains, stage.time_step, stage.numerical_damping
