@@ -19,7 +19,7 @@ from ..convert.codes import Code, Model, Pair, Written, code
 from ..convert.force import Force
 from ..convert.formulas import DEFAULT_POISSON_RATIO, Numbers
 from ..convert.wanted import LAWS
-from ..scripts import ContactSettings, Description, Grains, Setting, Stage
+from ..scripts import ContactSettings, Description, Grains, Stage
 from .contacts import Body, Case, KnownBody
 
 WALL = "wall"
@@ -135,17 +135,8 @@ def _state(stage: Stage) -> object:
 
 def _force(found: Code, contact: ContactSettings, version: str | None) -> tuple[ModelForce, str]:
     """The force of a contact, and a remark if it is another one in other versions of the code."""
-    settings = dict(contact.settings)
-    if settings.get("damping", Setting((), 0, "")).words == ("none",) and "normal" in settings:
-        normal = settings["normal"]
-        words = list(normal.words)
-        words[2] = "0"  # the place of the damping in LAMMPS' hooke, hertz and hertz/material
-        settings |= {
-            "normal": replace(normal, words=tuple(words)),
-            "damping": replace(normal, words=("velocity",)),
-        }
     wall = contact.types[1] == WALL
-    read = texts.interpreted(found, found.models, settings, wall)
+    read = texts.interpreted(found, found.models, contact.settings, wall)
     model, remark = _of_version(found, read.model, version)
     attracts = {"always": True, "never": False}.get(model.attracts, read.attracts)
     return ModelForce(model, read.numbers, attracts, contact), remark
