@@ -30,6 +30,7 @@ TIME_STEPS: Final = {
 #: Grains that ``create_atoms`` makes: radius 0.5, density 1.
 CREATED: Final = Batch((0.5, 0.5), (1.0, 1.0))
 MOST_TYPES: Final = 100
+MOST_NUMBER: Final = 10**9  #: of a grain
 ZEROS: Final = {"0", "0.0", "0."}
 #: Logical operators of ``group … type``.
 COMPARISONS: Final[dict[str, Callable[[int, int, int], bool]]] = {
@@ -441,7 +442,8 @@ class State:
         if template:
             self.add_molecule(statement, template[0], kind)
         elif 1 <= kind <= MOST_TYPES:
-            self.population.add(kind, CREATED)
+            one = words[2:3] == ("single",)
+            self.population.add(kind, replace(CREATED, atom=self.population.next_atom()) if one else CREATED)
             for k, word in enumerate(words[:-2]):
                 if word == "basis" and self.type_of(words[k + 2]):
                     self.population.add(self.type_of(words[k + 2]), CREATED)
@@ -517,10 +519,11 @@ class State:
             chosen = self.members(name)
         else:
             chosen = Group(None, style == "atom" and name == "*")
+        atoms = atoms_of(name) if style == "atom" else None
         changes: list[Callable[[Batch], Batch]] = []
         for k, word in enumerate(words[3:-1], 3):
             if word in ("type", "type/fraction", "type/ratio", "type/subset"):
-                self.set_type(statement, chosen, word == "type", words[k + 1])
+                self.set_type(statement, chosen, word == "type", words[k + 1], atoms)
             elif word in SET_KEYWORDS:
                 value = None if word == "shape" else self.set_number(statement, words[k + 1])
                 if value is None or value < 0.0:
@@ -532,13 +535,18 @@ class State:
             self.within(chosen),
             chosen.whole,
             lambda one: reduce(lambda now, change: change(now), changes, one),
+            atoms,
         )
 
-    def set_type(self, statement: Statement, chosen: Group, whole: bool, word: str) -> None:
+    def set_type(
+        self, statement: Statement, chosen: Group, whole: bool, word: str, atoms: range | None
+    ) -> None:
         """Another type for some grains."""
         kind = self.type_of(word)
         if 1 <= kind <= MOST_TYPES:
-            self.population.convert(self.within(chosen), chosen.whole and whole, kind)
+            self.population.convert(
+                self.within(chosen), chosen.whole and whole, kind, atoms if whole else None
+            )
         else:
             self.elsewhere(statement)
 
@@ -555,12 +563,12 @@ class State:
             radius = None if value is None else 0.5 * value
             return lambda one: one.with_mass_of(3).with_radius(radius)
         if keyword == "density/disc":
-            return lambda one: Batch(one.radii, same).with_mass_of(2)
+            return lambda one: replace(one, densities=same, masses=None).with_mass_of(2)
         if keyword == "shape":
-            return lambda one: Batch(None, one.densities, one.masses)
+            return lambda one: replace(one, radii=None)
         if keyword == "mass":
-            return lambda one: Batch(one.radii, None, same)
-        return lambda one: Batch(one.radii, same)
+            return lambda one: replace(one, densities=None, masses=same)
+        return lambda one: replace(one, densities=same, masses=None)
 
     # --- fixes --------------------------------------------------------------------------------------------------
 
@@ -653,6 +661,15 @@ class State:
     ) -> ContactSettings:
         """A contact with a wall."""
         return ContactSettings((str(kind), WALL), name, settings, quotes)
+
+
+def atoms_of(word: str) -> range | None:
+    """Numbers of grains within ``2``, ``2*``, ``*3`` or ``1*3``; None if it is not of this form."""
+    low, star, high = word.partition("*")
+    if not all(one.isdecimal() and len(one) < 10 for one in (low, high) if one) or word == "*" or not word:
+        return None
+    last = int(high) if high else MOST_NUMBER if star else int(low)
+    return range(int(low or 1), last + 1)
 
 
 def is_variable(word: str) -> bool:
