@@ -347,6 +347,37 @@ run 1
         assert (grains["1"].frozen, grains["2"].frozen) == (False, True)
     for lines in ("fix 1 all nve/sphere", "group some id 1 2\nfix 1 all nve\nfix 2 some freeze", ""):
         assert not any(one.frozen for one in stage(text.format(lines)).grains.values())
+    for lines, counted in (
+        ("fix 1 all nve/sphere\nfix 2 floor freeze", False),
+        ("fix 1 mobile nve/sphere", True),
+        ("fix 1 mobile nve/sphere\nfix 2 floor nve/noforce", True),
+        ("fix 1 mobile nve/sphere\nfix 2 floor move linear 1 0 0", True),
+        ("fix 1 all nve/sphere\nfix 2 floor setforce 0 0.0 0", True),
+    ):
+        floor = stage(text.format(lines)).grains["2"]
+        assert floor.frozen and floor.counted is counted
+    assert not stage(text.format("fix 1 all nve\nfix 2 floor setforce NULL NULL 0")).grains["2"].frozen
+
+
+def test_set_changes_the_grains_with_these_numbers():
+    text = f"{BOX}{PAIR}create_atoms 1 single 0 0 0\ncreate_atoms 1 single 0 0 .5\ncreate_atoms 2 single 0 .5 .5\n"
+    for lines, first, second in (
+        ("set atom 1 diameter .2\nset atom 2 diameter .4", (0.1, 0.2), (0.5, 0.5)),
+        ("set atom 1*2 diameter .2", (0.1, 0.1), (0.5, 0.5)),
+        ("set atom 2* diameter .2", (0.1, 0.5), (0.1, 0.1)),
+        ("set atom * diameter .2", (0.1, 0.1), (0.1, 0.1)),
+        ("set atom 2 type 2\nset type 1 diameter .2", (0.1, 0.1), (0.5, 0.5)),
+        ("create_atoms 1 box\nset atom 1*4 diameter .2", (0.1, 0.5), (0.1, 0.1)),
+    ):
+        grains = stage(f"{text}{lines}\nrun 1\n").grains
+        assert (grains["1"].radii, grains["2"].radii) == (first, second), lines
+
+
+def test_no_damping():
+    words = normal(
+        f"{BOX}pair_style granular\npair_coeff * * hertz 1e5 0.5 damping none tangential none\nrun 1\n"
+    )
+    assert words == ("hertz", "1e5", "0")
 
 
 # --- walls, stages, notes ---------------------------------------------------------------------------------------
