@@ -102,7 +102,10 @@ def cases(name: str) -> Iterator[Case]:
             for restitution in RESTITUTIONS:
                 for speed in SPEEDS:
                     made = hl.convert(
-                        hl.Ball(RADIUS, density=DENSITY), restitution=restitution, speed=speed, **spring(model)
+                        hl.Ball(RADIUS, density=DENSITY),
+                        restitution=restitution,
+                        speed=speed,
+                        **spring(model),
                     )
                     for contact in made.contacts[: 2 if speed == SPEEDS[-1] else 1]:
                         wall = contact.pair.endswith("wall")
