@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
@@ -13,15 +13,12 @@ from ..contact.balls import Ball
 from ..convert.codes import code as code_of
 from ..support.formatting import digits, length, listed, percent, percent_with_error, quantity
 from ..verdict import check as checked
-from ..verdict.answer import NAMES
+from ..verdict.answer import NAMES, given_by
 from ..verdict.contacts import CheckedContact
 from ..verdict.result import Finding, Verdict
 from .options import Quantity, json_option, law_options, options, quantity_option, spelled, take_law
 from .printing import console, print_json
 from .program import FAILURE, Command
-
-if TYPE_CHECKING:
-    from rich.table import Table
 
 EXAMPLES = """\
 \b
@@ -163,12 +160,7 @@ def report(found: Verdict, verbose: bool) -> None:
     if shown:
         stages = verbose and last > 1
         rows = [[str(g[0].stage), name(g[0], plain), *cells(g, plain)] for g in shown]
-        head = ["run", "contact", *HEAD]
-        # Columns of which nothing is known are left out.
-        kept = [
-            k for k in range(len(head)) if (k or stages) and (k < 2 or any(row[k] != "–" for row in rows))
-        ]
-        console().print(narrow([head[k] for k in kept], [[row[k] for k in kept] for row in rows], 1 + stages))
+        table(["run", "contact", *HEAD], rows, stages)
     if len(shown) < len(groups):
         say(f"… and {len(groups) - len(shown)} more contacts: --verbose")
     if not verbose and len({row.stage for row in found.rows}) > 1:
@@ -195,21 +187,42 @@ HEAD = [
     "t_c ν",
     "cools\nfaster by",
 ]
+#: Columns that a table leaves out if it is too wide, the first first.
+SPARE = ["steps", "over-\nlap", "error\nof ε", "t_c"]
 
 
-def narrow(columns: Sequence[str], rows: Iterable[Sequence[str]], left: int) -> Table:
-    """A table without lines, so that it fits into 80 columns."""
+def table(head: Sequence[str], rows: Sequence[Sequence[str]], stages: bool) -> None:
+    """Print the contacts without the columns of which nothing is known, and without the last of ``SPARE`` if too wide.
+
+    ``--verbose`` has all numbers of each contact.
+    """
     from rich.table import Table
     from rich.text import Text
 
-    made = Table(box=None, pad_edge=False, padding=(0, 1))
-    for i, head in enumerate(columns):
+    kept = [k for k in range(len(head)) if (k or stages) and (k < 2 or any(row[k] != "–" for row in rows))]
+    if kept[-1] == 1:
+        say(f"Contacts: {', '.join(row[1] for row in rows)}.")
+        return
+    spare = [head.index(one) for one in SPARE]
+    while (gap := room(head, rows, kept)) < 1 and spare:
+        kept = [k for k in kept if k != spare[0]]
+        del spare[0]
+    made = Table(box=None, pad_edge=False, padding=(0, min(max(gap, 1), 2), 0, 0))
+    for k in kept:
         made.add_column(
-            Text(head), justify="left" if i < left else "right", no_wrap=i < left, vertical="bottom"
+            Text(head[k]), justify="left" if k < 2 else "right", no_wrap=True, vertical="bottom"
         )
     for row in rows:
-        made.add_row(*map(Text, row))
-    return made
+        made.add_row(*(Text(row[k]) for k in kept))
+    console().print(made)
+
+
+def room(head: Sequence[str], rows: Sequence[Sequence[str]], kept: Sequence[int]) -> int:
+    """Blanks between these columns with which they fill the terminal; negative if they do not fit."""
+    widths = [
+        max(len(part) for text in (head[k], *(row[k] for row in rows)) for part in text.split("\n")) for k in kept
+    ]
+    return (console().width - sum(widths)) // max(1, len(kept) - 1)
 
 
 def say(text: str, style: str = "") -> None:
@@ -229,8 +242,8 @@ def title(found: Verdict) -> str:
         titles = [
             known.model(one).title.removeprefix("pair_style ").replace(", damping", ",") for one in names
         ]
-        what = titles[0] if len(titles) == 1 else listed(names) if names else "no known contact model"
-        parts = [f"{known.title}{f' {found.version}:' if found.version else ''} {what}"]
+        what = titles[0] if len(titles) == 1 else listed(names) if names else ""
+        parts = [f"{known.title}{f' {found.version}:' if found.version else ''} {what}".strip(" :")]
         parts.append(f"{found.units} units{'' if found.units_given else ' (none given)'}")
     speeds = [row.speed for row in found.rows if row.speed is not None and row.types[1] != "wall"]
     if speeds and min(speeds) < max(speeds):
@@ -311,7 +324,8 @@ def lists(found: Verdict) -> str:
     if found.unknown:
         parts.append(f"Not understood: {whats(found.unknown)}.")
     if found.missing:
-        parts.append(f"Not known: {listed(found.missing)}.")
+        give = "" if found.admissible is None else given_by(found.missing)  # else it is in the sentence
+        parts.append(f"Not known: {listed(found.missing)}{give}.")
     return " ".join(filter(None, parts))
 
 
@@ -362,6 +376,10 @@ def detail(row: CheckedContact, plain: bool) -> str:
     parts = {
         "ε": number(row.restitution, 4),
         "t_c": when(row.duration),
+        "steps": None if row.steps_per_contact is None else str(row.steps_per_contact),
+        "error of ε": None if row.restitution_error_of_step is None else small(row.restitution_error_of_step),
+        "overlap": None if row.largest_overlap is None else percent(row.largest_overlap),
+        "t_c ν": number(row.tc_nu, 2),
         "δ/d": number(row.delta_over_d, 2),
         "time step for an error of 0.001": when(row.time_step),
         "Rayleigh time": when(row.rayleigh_time),

@@ -141,9 +141,9 @@ def _examined(
     """Each contact at each speed. Normal impact speeds at a wall are 1/√2 of those of grains in a gas."""
     share = math.sqrt(0.5) if gas.mean_speed is not None else 1.0
     return [
-        (case, examine(case, None if v is None else v * (share if case.second is None else 1.0), gas))
+        (case, row)
         for case in found
-        for v in (speeds or (None,))
+        for row in examine(case, [v * (share if case.second is None else 1.0) for v in speeds] or [None], gas)
     ]
 
 
