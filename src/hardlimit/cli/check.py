@@ -209,9 +209,7 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]], stages: bool) -> N
         del spare[0]
     made = Table(box=None, pad_edge=False, padding=(0, min(max(gap, 1), 2), 0, 0))
     for k in kept:
-        made.add_column(
-            Text(head[k]), justify="left" if k < 2 else "right", no_wrap=True, vertical="bottom"
-        )
+        made.add_column(Text(head[k]), justify="left" if k < 2 else "right", no_wrap=True, vertical="bottom")
     for row in rows:
         made.add_row(*(Text(row[k]) for k in kept))
     console().print(made)
@@ -220,7 +218,8 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]], stages: bool) -> N
 def room(head: Sequence[str], rows: Sequence[Sequence[str]], kept: Sequence[int]) -> int:
     """Blanks between these columns with which they fill the terminal; negative if they do not fit."""
     widths = [
-        max(len(part) for text in (head[k], *(row[k] for row in rows)) for part in text.split("\n")) for k in kept
+        max(len(part) for text in (head[k], *(row[k] for row in rows)) for part in text.split("\n"))
+        for k in kept
     ]
     return (console().width - sum(widths)) // max(1, len(kept) - 1)
 
@@ -244,7 +243,8 @@ def title(found: Verdict) -> str:
         ]
         what = titles[0] if len(titles) == 1 else listed(names) if names else ""
         parts = [f"{known.title}{f' {found.version}:' if found.version else ''} {what}".strip(" :")]
-        parts.append(f"{found.units} units{'' if found.units_given else ' (none given)'}")
+        if found.code != "yade":  # YADE has SI units only
+            parts.append(f"{found.units} units{'' if found.units_given else ' (none given)'}")
     speeds = [row.speed for row in found.rows if row.speed is not None and row.types[1] != "wall"]
     if speeds and min(speeds) < max(speeds):
         ends = "–".join(digits(v, 3) for v in (min(speeds), max(speeds)))

@@ -16,6 +16,7 @@ from ..convert.readers import UNITS
 from ..scripts import Description, Note, Quote, Stage
 from ..scripts import read as read_script
 from ..support import validation
+from ..support.formatting import percent
 from . import answer, cases, corrections, dumps
 from .contacts import Case, CheckedContact, Surroundings, examine
 from .expectation import checked_packing_fraction
@@ -24,6 +25,8 @@ from .result import CheckedStage, Finding, Verdict
 #: Units of mass, length and time in SI; ``lj`` stays as it is.
 SCALES: Final = {**UNITS, "lj": (1.0, 1.0, 1.0)}
 NO_RUN: Final = Stage(Quote("", 0, ""), None, False, None, (), {}, None, None)
+#: Largest overlap over the radius that contact laws describe.
+COMPRESSED: Final = 0.05
 #: Powers of mass, length and time in the numbers of a contact.
 POWERS: Final = {
     "radius": (0, 1, 0),
@@ -59,11 +62,17 @@ def checked(
     dimension: Any,
 ) -> Verdict:
     """As :func:`hardlimit.check`."""
+    if not isinstance(source, str | Path | ParticleSystem | Ball):
+        raise ValueError(
+            f"source: got {validation.shown(source)}, must be a path, a text, a ParticleSystem or a Ball"
+        )
+    if not isinstance(variables, Mapping):
+        raise ValueError(f"variables: got {validation.shown(variables)}, must be values by name")
     given = Given(
         None if dump is None else Path(dump),
         _speeds(speed),
         packing_fraction,
-        {str(name): str(value) for name, value in dict(variables).items()},
+        {str(name): str(value) for name, value in variables.items()},
     )
     if isinstance(source, str | Path):
         for name, value in (("law", law), ("time_step", time_step), ("dimension", dimension)):
@@ -72,8 +81,9 @@ def checked(
                     f"{name}: got {validation.shown(value)}, must be left out with a script, which sets it"
                 )
         return _of_script(read_script(source, code=code, variables=given.variables), given)
-    if code is not None:
-        raise ValueError(f"code: got {validation.shown(code)}, must be left out without a script")
+    for name, value in (("code", code), ("variables", dict(variables) or None)):
+        if value is not None:
+            raise ValueError(f"{name}: got {validation.shown(value)}, must be left out without a script")
     if not isinstance(law, Law):
         raise ValueError(f"law: got {validation.shown(law)}, must be the contact law, such as LinearDashpot")
     step = None if time_step is None else validation.number("time_step", time_step, 0.0)
@@ -81,12 +91,8 @@ def checked(
         if dimension not in (None, source.dimension):
             raise ValueError(f"dimension: got {dimension}, must be left out with a system")
         return _of_system(source, law, given, step)
-    if isinstance(source, Ball):
-        d = 3 if dimension is None else validation.whole("dimension", dimension, 2, 3)
-        return _of_law([source], law, given, step, d, walls=True)
-    raise ValueError(
-        f"source: got {validation.shown(source)}, must be a path, a text, a ParticleSystem or a Ball"
-    )
+    d = 3 if dimension is None else validation.whole("dimension", dimension, 2, 3)
+    return _of_law([source], law, given, step, d, walls=True)
 
 
 def _speeds(given: Any) -> tuple[float, ...]:
@@ -300,6 +306,9 @@ def _notes(examined: Sequence[tuple[Case, CheckedContact]]) -> Iterator[str]:
     rows = [row for _, row in examined]
     error = max((row.restitution_error_of_step or 0.0 for row in rows), default=0.0)
     endless = any(row.steps_per_contact is not None and row.restitution_error_of_step is None for row in rows)
+    overlap = max((row.largest_overlap or 0.0 for row in rows), default=0.0)
+    if overlap > COMPRESSED:
+        yield f"Overlaps reach {percent(overlap)} of the radius; contact laws hold up to {percent(COMPRESSED)}."
     if endless or error > 1.0:
         yield "The time step is too long: contacts do not end, or gain energy."
     elif error > corrections.ENOUGH:
@@ -308,9 +317,7 @@ def _notes(examined: Sequence[tuple[Case, CheckedContact]]) -> Iterator[str]:
 
 def _numerically_damped(damping: float | None) -> Iterator[str]:
     if damping:
-        yield (
-            f"NewtonIntegrator's damping of {damping:g} is part of these ε, for grains whose centre of mass is at rest."
-        )
+        yield f"ε includes NewtonIntegrator's damping of {damping:g} (centre of mass at rest)."
 
 
 def _in_si(row: CheckedContact, scales: tuple[float, float, float]) -> CheckedContact:
