@@ -474,7 +474,7 @@ def test_null_stands_for_what_is_not_known():
     (row,) = contacts(script(damped), speed=0.1)
     assert row["restitution"] == 0.0 and row["duration"] is None and row["restitution_asked"] is None
     # Each pair has its smallest and its largest size.
-    ranged = "set type 1 diameter 1e-3 density 2500\nfix p all pour 10 1 7 region box diam range 1e-3 2e-3 dens 2500 2500"
+    ranged = "set type 1 diameter 1e-3 density 2500\nfix p all pour 9 1 7 region box diam range 1e-3 2e-3 dens 2e3 2e3"
     sizes = [
         (one["types"], one["radius"], one["other_radius"])
         for one in contacts(script(HOOKE, WALL, grains=ranged))
@@ -492,8 +492,15 @@ def test_null_stands_for_what_is_not_known():
         0.8165, abs=1e-4
     )
     # A change between runs makes another stage, and only such a change.
-    text = script(HOOKE, "timestep 1e-6\nrun 1\nrun 1")
+    text = script(HOOKE, "timestep 1e-6\nrun 1\nfix g all gravity 9 vector 0 0 -1\nrun 1")
     assert [one["stage"] for one in contacts(text)] == [1, 3] and len(hl.check(text).to_dict()["stages"]) == 3
+
+
+def test_contacts_too_long_for_the_law_have_no_number(tmp_path):
+    words = NUMBERS.replace("1e5", "1e2").split()
+    text = run("check", *words).stdout
+    assert "≫ 1 %" in text and "±" not in text and "is above 0.3" in text
+    assert len(printed("check", *words)["contacts"][0]["error"]["constant"]) == 2
 
 
 @pytest.mark.parametrize("damping", [1e-3, 0.5, 1e3, 1e8])

@@ -15,6 +15,8 @@ from ..support.formatting import digits, length, listed, percent, percent_with_e
 from ..verdict import check as checked
 from ..verdict.answer import NAMES, given_by
 from ..verdict.contacts import CheckedContact
+from ..verdict.error_law import MEASURED_TC_NU
+from ..verdict.expectation import ACCEPTED
 from ..verdict.result import Finding, Verdict
 from .options import Quantity, json_option, law_options, options, quantity_option, spelled, take_law
 from .printing import console, print_json
@@ -31,6 +33,8 @@ Example:
 CODES = ("lammps", "liggghts", "yade")
 #: Largest number of rows without ``--verbose``.
 MAX_ROWS = 8
+#: Error of cooling where the law of the error does not hold.
+FAR = f"≫ {percent(ACCEPTED)}"
 #: Errors of ε below this are not written out.
 SMALLEST_ERROR = 1e-4
 
@@ -297,7 +301,7 @@ def cells(rows: Sequence[CheckedContact], plain: bool) -> list[str]:
         "–" if error is None else small(error),
         "–" if overlap is None else percent(overlap),
         "–" if tc_nu is None else digits(tc_nu, 2),
-        "–" if cooling is None else cools(*cooling),
+        "–" if cooling is None else FAR if (tc_nu or 0.0) > MEASURED_TC_NU else cools(*cooling),
     ]
 
 
@@ -324,7 +328,9 @@ def lists(found: Verdict) -> str:
     if found.unknown:
         parts.append(f"Not understood: {whats(found.unknown)}.")
     if found.missing:
-        give = "" if found.admissible is None else given_by(found.missing)  # else it is in the sentence
+        give = (
+            "" if found.admissible is None else given_by(found.missing, bool(found.states))
+        )  # else it is in the sentence
         parts.append(f"Not known: {listed(found.missing)}{give}.")
     return " ".join(filter(None, parts))
 

@@ -183,7 +183,7 @@ def _of_script(script: Description, given: Given) -> Verdict:
     notes = [*remarks.versions, *_notes(examined), *_numerically_damped(last.numerical_damping)]
     missing = _missing(rows, gas, speeds, states)
     rubs = any(re.search(r"tangential|friction|rolling|twisting", note.what) for note in script.ignored)
-    admissible, sentence = answer.answer(rows, invalidates, unknown, missing, rubs)
+    admissible, sentence = answer.answer(rows, invalidates, unknown, missing, rubs, bool(states))
     return Verdict(
         admissible,
         sentence,
@@ -380,7 +380,7 @@ def _of_law(
     rows = [row for _, row in examined]
     invalidates = [*resting, *_lasting((), rows, dumped)]
     missing = _missing(rows, gas, speeds, dumped)
-    admissible, sentence = answer.answer(rows, invalidates, (), missing)
+    admissible, sentence = answer.answer(rows, invalidates, (), missing, dumped=bool(dumped))
     return Verdict(
         admissible,
         sentence,
