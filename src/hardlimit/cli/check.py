@@ -163,7 +163,10 @@ def report(found: Verdict, verbose: bool) -> None:
     shown = groups if verbose else groups[:MAX_ROWS]
     if shown:
         stages = verbose and last > 1
-        rows = [[str(g[0].stage), name(g[0], plain), *cells(g, plain)] for g in shown]
+        walls = {row.types: {one.wall for one in found.rows if one.types == row.types} for row in found.rows}
+        rows = [
+            [str(g[0].stage), name(g[0], plain, len(walls[g[0].types]) > 1), *cells(g, plain)] for g in shown
+        ]
         table(["run", "contact", *HEAD], rows, stages)
     if len(shown) < len(groups):
         say(f"… and {len(groups) - len(shown)} more contacts: --verbose")
@@ -175,7 +178,9 @@ def report(found: Verdict, verbose: bool) -> None:
         details(found, plain)
     say(lists(found))
     more = " More: --verbose." if found.admissible is False and not verbose else ""
-    lines = " Corrected lines:" if found.corrected else ""
+    lines = "Corrected lines:" if found.corrected else ""
+    if lines:  # a quoted statement stands alone
+        lines = (" " if found.sentence.endswith(".") or more else "\n") + lines
     say(f"{found.sentence}{more}{lines}", style="bold")
     for line in found.corrected:
         click.echo(f"  {line}")
@@ -246,7 +251,8 @@ def title(found: Verdict) -> str:
             known.model(one).title.removeprefix("pair_style ").replace(", damping", ",") for one in names
         ]
         what = titles[0] if len(titles) == 1 else listed(names) if names else ""
-        parts = [f"{known.title}{f' {found.version}:' if found.version else ''} {what}".strip(" :")]
+        version = (found.version or "").partition(",")[0].removeprefix(f"{known.title}-")
+        parts = [f"{known.title}{f' {version}:' if version else ''} {what}".strip(" :")]
         if found.code != "yade":  # YADE has SI units only
             parts.append(f"{found.units} units{'' if found.units_given else ' (none given)'}")
     speeds = [row.speed for row in found.rows if row.speed is not None and row.types[1] != "wall"]
@@ -268,11 +274,12 @@ def grouped(rows: Iterable[CheckedContact]) -> Iterator[list[CheckedContact]]:
     yield from found.values()
 
 
-def name(row: CheckedContact, plain: bool) -> str:
-    """Types and sizes."""
+def name(row: CheckedContact, plain: bool, walls: bool) -> str:
+    """Types and sizes, and the name of the wall if there are several."""
     radii = [r for r in (row.radius, row.other_radius) if r is not None]
     sizes = ", ".join(dict.fromkeys(digits(r, 4) if plain else length(float(f"{r:.4g}")) for r in radii))
-    return f"{'–'.join(row.types)}{f' R {sizes}' if sizes else ''}"
+    wall = f" {row.wall}" if walls and row.wall else ""
+    return f"{'–'.join(row.types)}{wall}{f' R {sizes}' if sizes else ''}"
 
 
 def span(rows: Sequence[CheckedContact]) -> str:
@@ -396,6 +403,6 @@ def detail(row: CheckedContact, plain: bool) -> str:
     unit = "" if plain else " m/s"
     speed = "" if row.speed is None else f" at {digits(row.speed, 3)}{unit}"
     force = "" if row.clipped is None else " (never attracts)" if row.clipped else " (attracts at its end)"
-    return f"{name(row, plain)}{speed}, {row.model or 'no model'}{force}: " + ", ".join(
+    return f"{name(row, plain, True)}{speed}, {row.model or 'no model'}{force}: " + ", ".join(
         f"{key} {value}" for key, value in parts.items() if value is not None
     )
