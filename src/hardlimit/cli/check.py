@@ -332,8 +332,9 @@ def lists(found: Verdict) -> str:
         parts.append(f"Ignored: {whats(found.ignored)} (head-on ε stands).")
     if len(found.invalidates) > 1:  # the first is in the sentence
         parts.append(f"Not possible by events either: {whats(found.invalidates[1:])}.")
-    if found.unknown:
-        parts.append(f"Not understood: {whats(found.unknown)}.")
+    unknown = [one for one in found.unknown if (one.where or one.what) not in found.sentence]
+    if unknown:
+        parts.append(f"Not understood: {whats(unknown)}.")
     if found.missing:
         give = (
             "" if found.admissible is None else given_by(found.missing, bool(found.states))

@@ -180,7 +180,11 @@ def _of_script(script: Description, given: Given) -> Verdict:
         if not any(set(types) & set(one) for one in taken)
         and not any(one.types is None for one in invalidates)
     ]
-    notes = [*remarks.versions, *dict.fromkeys(_notes(examined)), *_numerically_damped(last.numerical_damping)]
+    notes = [
+        *remarks.versions,
+        *dict.fromkeys(_notes(examined)),
+        *_numerically_damped(last.numerical_damping),
+    ]
     missing = _missing(rows, gas, speeds, states)
     rubs = any(re.search(r"tangential|friction|rolling|twisting", note.what) for note in script.ignored)
     admissible, sentence = answer.answer(rows, invalidates, unknown, missing, rubs, bool(states))
