@@ -95,7 +95,10 @@ def spoiled(draw: st.DrawFn) -> dict[str, Any]:
     """An example with one to three things changed, left out, added or put elsewhere."""
     content = tomllib.loads(draw(st.sampled_from(EXAMPLES)).read_text(encoding="utf-8"))
     for _ in range(draw(st.integers(1, 3))):
-        *parents, last = draw(st.sampled_from([place for place in places(content) if place]))
+        inner = [place for place in places(content) if place]
+        if not inner:
+            break
+        *parents, last = draw(st.sampled_from(inner))
         at: Any = content
         for key in parents:
             at = at[key]

@@ -14,7 +14,7 @@ from ..scripts.yade import NUMERICAL_DAMPING
 from ..support import validation
 from . import texts
 from .codes import Code, Model, Pair, Written, code, names
-from .force import Force, Powers
+from .force import MAX_SPEED, MIN_SPEED, Force, Powers
 from .formulas import DEFAULT_POISSON_RATIO, Numbers
 from .wanted import LAWS, Wanted
 
@@ -201,7 +201,7 @@ def obtained(
         raise ValueError(f"input: got {validation.shown(text)}, must be a text")
     if contact is not None and not isinstance(contact, str):
         raise ValueError(f"contact: got {validation.shown(contact)}, must be a name such as '1-2'")
-    v = validation.number("speed", speed, 0.0)
+    v = validation.number("speed", speed, MIN_SPEED, MAX_SPEED)
     stepping = _stepping(restitution_error, time_step)
     for body in (ball, pair.wall or other or ball):
         _refuse_light(found, body)

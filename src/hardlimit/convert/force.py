@@ -13,6 +13,9 @@ from .. import _core
 from ..boxes.lammps import integration_error
 from ..contact.contact import Floats
 
+#: Impact speeds [m/s] at which no square underflows or overflows.
+MIN_SPEED: Final = 1e-100
+MAX_SPEED: Final = 1e100
 #: Largest damping in units of the spring; no code uses more.
 MOST_DAMPING: Final = 1e6
 

@@ -20,6 +20,7 @@ from ..convert.force import Force
 from ..convert.formulas import DEFAULT_POISSON_RATIO, Numbers
 from ..convert.wanted import LAWS
 from ..scripts import ContactSettings, Description, Grains, Stage
+from ..support.formatting import listed
 from .contacts import Body, Case, KnownBody
 
 WALL = "wall"
@@ -101,7 +102,7 @@ def of_script(description: Description) -> tuple[list[Case], Remarks]:
     """
     found = code(description.code)
     cases: list[Case] = []
-    versions, failed = dict[str, None](), dict[tuple[tuple[str, str], str], None]()
+    versions, failed = dict[str, dict[str, None]](), dict[tuple[tuple[str, str], str], None]()
     before: Stage | None = None
     for number, stage in enumerate(description.stages, 1):
         if before is not None and _state(stage) == _state(before):
@@ -110,12 +111,17 @@ def of_script(description: Description) -> tuple[list[Case], Remarks]:
         for contact in stage.contacts:
             force: ModelForce | None = None
             try:
-                force, remark = _force(found, contact, description.version)
-                versions |= {remark: None} if remark else {}
+                force, limit = _force(found, contact, description.version)
+                if limit:
+                    versions.setdefault(limit, {})[force.model.name] = None
             except ValueError as error:
                 failed[contact.types, str(error).removeprefix("input: ")] = None
             cases += _ends(number, stage, contact, force)
-    return cases, Remarks(tuple(versions), tuple(failed))
+    said = [
+        f"{listed(list(names))} as in {found.title} since {limit}; before, another ε."
+        for limit, names in versions.items()
+    ]
+    return cases, Remarks(tuple(said), tuple(failed))
 
 
 def _state(stage: Stage) -> object:
@@ -134,16 +140,16 @@ def _state(stage: Stage) -> object:
 
 
 def _force(found: Code, contact: ContactSettings, version: str | None) -> tuple[ModelForce, str]:
-    """The force of a contact, and a remark if it is another one in other versions of the code."""
+    """The force of a contact, and the version before which it may be another one, empty if there is none."""
     wall = contact.types[1] == WALL
     read = texts.interpreted(found, found.models, contact.settings, wall)
-    model, remark = _of_version(found, read.model, version)
+    model, limit = _of_version(read.model, version)
     attracts = {"always": True, "never": False}.get(model.attracts, read.attracts)
-    return ModelForce(model, read.numbers, attracts, contact), remark
+    return ModelForce(model, read.numbers, attracts, contact), limit
 
 
-def _of_version(found: Code, model: Model, version: str | None) -> tuple[Model, str]:
-    """The model as in this version of the code, by default the newest, and a remark on the others."""
+def _of_version(model: Model, version: str | None) -> tuple[Model, str]:
+    """The model as in this version of the code, by default the newest; then also the version that changed it."""
     other = model.difference
     if other is None:
         return model, ""
@@ -152,9 +158,7 @@ def _of_version(found: Code, model: Model, version: str | None) -> tuple[Model, 
     known = None if version is None else _date(version)
     newer = known is None or known >= (_date(limit) or known)
     chosen = changed if newer == bool(other.since) else model
-    if version is not None:
-        return chosen, ""
-    return chosen, f"{model.name} as in {found.title} since {limit}; before, it gave another ε."
+    return chosen, "" if version is not None else limit or ""
 
 
 def _date(version: str) -> tuple[int, ...] | None:
