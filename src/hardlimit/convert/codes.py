@@ -20,7 +20,7 @@ from .formulas import DEFAULT_POISSON_RATIO, FORMULAS, SPRINGS, Numbers, Where, 
 from .readers import READERS
 
 #: Largest number of models that a message lists.
-MOST_NAMES: Final = 8
+MAX_NAMES: Final = 8
 #: Four times p of the elastic force.
 ELASTIC: Final = {"hooke": 4, "hertz": 6}
 
@@ -192,9 +192,9 @@ class Code:
 
 def listed(names: Sequence[str], like: str = "") -> str:
     """Names for a message: all, or the closest of many."""
-    if len(names) <= MOST_NAMES:
+    if len(names) <= MAX_NAMES:
         return ", ".join(names)
-    closest = difflib.get_close_matches(like, names, MOST_NAMES, 0.0) if like else names[:MOST_NAMES]
+    closest = difflib.get_close_matches(like, names, MAX_NAMES, 0.0) if like else names[:MAX_NAMES]
     return ", ".join([*closest, f"… ({len(names)} in all)"])
 
 

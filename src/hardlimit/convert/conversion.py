@@ -19,7 +19,7 @@ from .formulas import DEFAULT_POISSON_RATIO, Numbers
 from .wanted import LAWS, Wanted
 
 #: Largest number of sizes.
-MOST_BODIES: Final = 30
+MAX_BODIES: Final = 30
 
 
 @dataclass(frozen=True)
@@ -261,8 +261,8 @@ def _too_light(found: Code, ball: Ball) -> bool:
 def _pairs(balls: Any, wall: bool) -> list[Pair]:
     """All contacts, those of balls first."""
     listed = (balls,) if isinstance(balls, Ball) else validation.instances("balls", balls, Ball, "Ball")
-    if not 1 <= len(listed) <= MOST_BODIES:
-        raise ValueError(f"balls: got {len(listed)}, must be 1 to {MOST_BODIES}")
+    if not 1 <= len(listed) <= MAX_BODIES:
+        raise ValueError(f"balls: got {len(listed)}, must be 1 to {MAX_BODIES}")
     found = [
         _pair(ball, listed[j], i + 1, j + 1) for i, ball in enumerate(listed) for j in range(i, len(listed))
     ]

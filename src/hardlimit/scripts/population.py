@@ -10,7 +10,7 @@ from typing import Final
 from .description import Grains, Range
 
 #: Most grains whose numbers are kept.
-MOST_ATOMS: Final = 1000
+MAX_ATOMS: Final = 1000
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ class Population:
     def next_atom(self) -> int | None:
         """The number of the next grain; None if not all grains before it were created one by one."""
         held = [one for each in self.batches.values() for one in each]
-        known = not self.elsewhere and len(held) < MOST_ATOMS and all(one.atom is not None for one in held)
+        known = not self.elsewhere and len(held) < MAX_ATOMS and all(one.atom is not None for one in held)
         return 1 + max([one.atom or 0 for one in held], default=0) if known else None
 
     def split(

@@ -29,8 +29,8 @@ TIME_STEPS: Final = {
 }
 #: Grains that ``create_atoms`` makes: radius 0.5, density 1.
 CREATED: Final = Batch((0.5, 0.5), (1.0, 1.0))
-MOST_TYPES: Final = 100
-MOST_NUMBER: Final = 10**9  #: of a grain
+MAX_TYPES: Final = 100
+MAX_NUMBER: Final = 10**9  #: of a grain
 ZEROS: Final = {"0", "0.0", "0."}
 #: Logical operators of ``group … type``.
 COMPARISONS: Final[dict[str, Callable[[int, int, int], bool]]] = {
@@ -235,11 +235,11 @@ class State:
             return range(kind, kind + 1) if kind else range(0)
         first = self.type_of(low) if low else 1
         last = self.type_of(high) if high else self.count()
-        return range(first, min(last, MOST_TYPES) + 1)
+        return range(first, min(last, MAX_TYPES) + 1)
 
     def count(self) -> int:
         """Number of types, as far as it is known."""
-        return min(max([self.types, *self.population.batches, 1]), MOST_TYPES)
+        return min(max([self.types, *self.population.batches, 1]), MAX_TYPES)
 
     def present(self) -> list[int]:
         """Types of which there are grains, or all if these are not known."""
@@ -416,7 +416,7 @@ class State:
     # --- grains -------------------------------------------------------------------------------------------------
 
     def command_create_box(self, statement: Statement) -> None:
-        self.types = max(self.types, min(self.type_of((*statement.words, "")[1]), MOST_TYPES))
+        self.types = max(self.types, min(self.type_of((*statement.words, "")[1]), MAX_TYPES))
 
     def command_region(self, statement: Statement) -> None:
         if len(statement.words) > 2:
@@ -441,7 +441,7 @@ class State:
         template = words[words.index("mol") + 1 : words.index("mol") + 2] if "mol" in words else ()
         if template:
             self.add_molecule(statement, template[0], kind)
-        elif 1 <= kind <= MOST_TYPES:
+        elif 1 <= kind <= MAX_TYPES:
             one = words[2:3] == ("single",)
             self.population.add(kind, replace(CREATED, atom=self.population.next_atom()) if one else CREATED)
             for k, word in enumerate(words[:-2]):
@@ -456,7 +456,7 @@ class State:
             self.elsewhere(statement)
             return
         for kind, batch in self.molecules[template]:
-            if 1 <= kind + offset <= MOST_TYPES:
+            if 1 <= kind + offset <= MAX_TYPES:
                 self.population.add(kind + offset, batch)
 
     def command_molecule(self, statement: Statement) -> None:
@@ -489,7 +489,7 @@ class State:
         if text is None:
             self.elsewhere(statement)
             return
-        self.types = min(max(self.types, population.header(text, "atom types")), MOST_TYPES)
+        self.types = min(max(self.types, population.header(text, "atom types")), MAX_TYPES)
         if population.header(text, "bonds"):
             self.invalidate("bonds between grains", statement)
         try:
@@ -499,7 +499,7 @@ class State:
         if not found:
             self.elsewhere(statement)
         for kind, batch in found.items():
-            if 1 <= kind <= MOST_TYPES:
+            if 1 <= kind <= MAX_TYPES:
                 self.population.add(kind, batch)
 
     def command_read_restart(self, statement: Statement) -> None:
@@ -543,7 +543,7 @@ class State:
     ) -> None:
         """Another type for some grains."""
         kind = self.type_of(word)
-        if 1 <= kind <= MOST_TYPES:
+        if 1 <= kind <= MAX_TYPES:
             self.population.convert(
                 self.within(chosen), chosen.whole and whole, kind, atoms if whole else None
             )
@@ -668,7 +668,7 @@ def atoms_of(word: str) -> range | None:
     low, star, high = word.partition("*")
     if not all(one.isdecimal() and len(one) < 10 for one in (low, high) if one) or word == "*" or not word:
         return None
-    last = int(high) if high else MOST_NUMBER if star else int(low)
+    last = int(high) if high else MAX_NUMBER if star else int(low)
     return range(int(low or 1), last + 1)
 
 
