@@ -17,6 +17,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import hardlimit as hl
+import hardlimit.cli.gas_job  # reads the signatures of solvers, which the tests replace
 from conftest import columns, draws, free_columns
 from hardlimit.cli import main
 from hardlimit.column import files
