@@ -132,15 +132,18 @@ if "2 < 1" then "timestep 1" elif "a != b" "timestep 2e-5" else "timestep 3"
 
 # --- pairs ------------------------------------------------------------------------------------------------------
 
-
-def test_wildcards_and_overrides():
-    text = """region box block 0 1 0 1 0 1
+#: A box with grains of four types.
+FOUR_TYPES = """region box block 0 1 0 1 0 1
 create_box 4 box
 create_atoms 1 box
 create_atoms 2 box
 create_atoms 3 box
 create_atoms 4 box
-pair_style granular
+"""
+
+
+def test_wildcards_and_overrides():
+    text = f"""{FOUR_TYPES}pair_style granular
 pair_coeff * * hooke 1 0.1
 pair_coeff 1*2 3* hooke 2 0.2
 pair_coeff 3 2 hooke 3 0.3
@@ -425,13 +428,7 @@ def test_settings_that_change_are_stages():
 
 def test_groups():
     """A wall acts on the types of its group."""
-    text = """region box block 0 1 0 1 0 1
-create_box 4 box
-create_atoms 1 box
-create_atoms 2 box
-create_atoms 3 box
-create_atoms 4 box
-group a type 1
+    text = f"""{FOUR_TYPES}group a type 1
 group b type 2:3
 group c type > 3
 group d union a c
