@@ -1,5 +1,4 @@
-// Simulation box: edges, boundary conditions, gravity. All code that depends on the boundaries is here, so that a new
-// boundary (moving wall, Lees-Edwards) only adds cases to these functions.
+// Simulation box: edges, boundary conditions, gravity, and the motion of walls and periodic images.
 #pragma once
 #include <cstdint>
 #include <vector>
