@@ -112,7 +112,7 @@ struct Accumulators {
     double time = 0.0;     // at which kinetic energy and momentum are valid [s]
     double kinetic = 0.0;  // E [J]
     double momentum[d] = {};
-    Sum kinetic_integral;  // ∫ Σ m v'² dt [J s]
+    Sum kinetic_integral;               // ∫ Σ m v'² dt [J s]
     RunningVelocitySums<d> velocities;  // without gravity
 
     u64 collisions() const { return pairs + walls; }

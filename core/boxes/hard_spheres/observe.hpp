@@ -78,8 +78,7 @@ void HardSpheres<d, motion, mixed>::refresh_accumulators() {
 template <int d, Motion motion, bool mixed>
 Observation HardSpheres<d, motion, mixed>::observe() const {
     Observation o;
-    const VelocitySums sums =
-        motion == Motion::straight ? accumulators_.velocities.value() : velocity_sums();
+    const VelocitySums sums = motion == Motion::straight ? accumulators_.velocities.value() : velocity_sums();
     o.kinetic_energy = sums.kinetic;
     o.potential_energy = potential_energy();
     std::copy_n(sums.momentum, d, o.momentum);

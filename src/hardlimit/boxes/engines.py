@@ -22,10 +22,11 @@ from .rules import Settings
 from .system import ParticleSystem
 
 ENERGIES: Final = ("kinetic_energy", "potential_energy", "dissipated_energy")
-#: Quantities that every engine records at a sample.
+#: Quantities at the samples of every engine.
 COMMON: Final = (
     "time",
     *ENERGIES,
+    "granular_temperature",
     "momentum",
     "kinetic_tensor",
     "virial_tensor",
@@ -46,7 +47,7 @@ class EngineRecord:
     kind: str  #: name in the core; empty for an external program
     task: str  #: title of the progress bar
     counts: str  #: unit of the progress bar
-    records: tuple[str, ...] = OF_CONTACTS  #: recorded at each sample, in the falling frame
+    records: tuple[str, ...] = OF_CONTACTS  #: quantities at a sample; observables are made from them
     columns: tuple[Column, ...] = CONTACTS  #: columns of the log
     options: tuple[str, ...] = ()  #: arguments of molecular_dynamics that some engines do not accept
 
@@ -165,12 +166,15 @@ class Engine:
         return system_at(self.system, self.time, self.compiled.state())
 
     def sample(self) -> dict[str, Any]:
-        """The quantities recorded at a sample, in the falling frame; potential energy is that of all gravity."""
+        """The quantities at a sample in the falling frame, with the potential energy of all gravity.
+
+        :meth:`result` converts those of all samples at once.
+        """
         sums = self.compiled.observe()
         if self._fall.any():
             sums["potential_energy"] -= float(self.system.mass @ (self.compiled.state()[0] @ self._fall))
         sums["time"], sums["n_collisions"] = self.time, sums["n_contacts"]
-        return {name: np.asarray(sums[name], float) for name in self.record.records}
+        return {name: np.asarray(sums[name], float) for name in self.record.records if name in sums}
 
     def is_at(self, sample: Mapping[str, Any]) -> bool:
         """Whether this sample was taken in the current state, or no sample can be taken in it."""

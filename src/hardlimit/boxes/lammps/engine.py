@@ -126,7 +126,7 @@ def _samples(job: Job, thermo: Floats, readers: list[DumpReader], log: Contacts 
         "virial_tensor": np.cumsum(virial * system.domain.volume * lasted, axis=0),
         **_counts(time, log),
     }
-    return columns
+    return {name: columns[name] for name in ENGINES["lammps"].records}
 
 
 def _counts(time: Floats, log: Contacts | None) -> dict[str, Floats]:
