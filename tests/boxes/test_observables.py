@@ -108,3 +108,26 @@ def test_a_rate_is_the_growth_of_its_sum():
     lasted = np.diff(run.series.time)
     assert (samples.rate("n_pairs") * lasted).sum() == pytest.approx(run.n_pairs)
     assert samples.rate("momentum").shape == (10, 3)
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "wall"])
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("restitution", [1.0, 0.5])
+def test_running_sums_of_hard_spheres_are_those_of_the_velocities(dimension, boundary, restitution):
+    """The engine updates them at each collision; the energy of the dissipative gas falls by many decades."""
+    gas = hl.ParticleSystem.random(
+        50, 0.2, (0.01, 0.015), 2500.0, 1.0, dimension=dimension, boundary=boundary, seed=3
+    )
+
+    def sums(time, system):
+        m, v = system.mass, system.velocities
+        return {"energy": 0.5 * m @ (v * v).sum(axis=1), "drift": m @ v, "scale": m @ np.abs(v)}
+
+    run = hl.event_driven(
+        gas, restitution=restitution, rule="tc", contact_duration=1e-6, max_collisions=4000, observe=sums
+    )
+    seen = run.series
+    assert seen.kinetic_energy.values == pytest.approx(seen.energy.values, rel=1e-13)
+    assert (np.abs(seen.momentum.values - seen.drift.values) <= 1e-13 * seen.scale.values).all()
+    fallen = seen.kinetic_energy.values[-1] / seen.kinetic_energy.values[0]
+    assert fallen == pytest.approx(1.0) if restitution == 1.0 else fallen < 1e-3
