@@ -85,28 +85,34 @@ class Case:
         )
 
 
+def spring(model: Model) -> dict[str, float]:
+    """The elastic constants of a model's law."""
+    if model.elastic == "hooke":
+        return {"stiffness": STIFFNESS}
+    return {"youngs_modulus": MODULUS, "poisson_ratio": POISSON}
+
+
 def cases(name: str) -> Iterator[Case]:
     """All collisions of a code after which the bodies separate."""
     found = code(name)
     for model in found.models:
         if model.damping.formula == "none":
             continue
-        spring = (
-            {"stiffness": STIFFNESS}
-            if model.elastic == "hooke"
-            else {"youngs_modulus": MODULUS, "poisson_ratio": POISSON}
-        )
         for attraction in (False, True) if model.attracts == "unless" else (False,):
             for restitution in RESTITUTIONS:
                 for speed in SPEEDS:
                     made = hl.convert(
-                        hl.Ball(RADIUS, density=DENSITY), restitution=restitution, speed=speed, **spring
+                        hl.Ball(RADIUS, density=DENSITY),
+                        restitution=restitution,
+                        speed=speed,
+                        **spring(model),
                     )
                     for contact in made.contacts[: 2 if speed == SPEEDS[-1] else 1]:
                         wall = contact.pair.endswith("wall")
                         pair = Pair(contact.pair, contact.effective_mass, contact.effective_radius, wall)
                         written = Written(model, pair, speed, attraction, POISSON)
                         numbers = written.usual_numbers(contact.stiffness, restitution)
+                        numbers = numbers or written.numbers(contact.stiffness, restitution)
                         duration = written.force(numbers).collision(speed).duration
                         step = float(f"{duration / STEPS:.4g}")
                         yield Case(found, model, pair, attraction, speed, numbers, step, duration)
@@ -119,7 +125,7 @@ def bed_cases(name: str) -> Iterator[Case]:
     for model in found.models:
         if not model.input.matrix:
             continue
-        made = hl.convert(balls, restitution=0.7, stiffness=STIFFNESS, code=name, model=model.name)
+        made = hl.convert(balls, restitution=0.7, **spring(model), code=name, model=model.name)
         for row in made.models[0].contacts:
             wall = row.pair.endswith("wall")
             first, second = (int(x) for x in re.findall(r"\d", row.pair + (row.pair[0] if wall else "")))

@@ -6,7 +6,7 @@
 
 ``compute`` fills a folder with one store of ``hl.fidelity`` for each point of the grid and resumes where it was
 stopped. ``--part 1/8`` computes every eighth point, for eight parallel jobs. ``collect`` gathers the complete points in
-cooling_gas.nc beside this file. ``draw`` makes the figures of docs/grains.md from that file.
+cooling_gas.nc beside this file. ``draw`` makes the figures of docs/cooling_gas.md from that file.
 
 Every run starts from a periodic box of equal spheres in an elastic equilibrium. t_c ν is its initial value: Enskog's
 rate times the contact duration of the linear dashpot, whose stiffness is chosen for this value. A run ends when Haff's

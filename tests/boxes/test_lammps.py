@@ -19,7 +19,7 @@ from box_engines import core_contact
 from conftest import lattice, law_of, laws, log_floats
 from hardlimit import _core
 from hardlimit.boxes import contacts, time_step
-from hardlimit.boxes.lammps import contact_log, forces, integration_error, overlaps, process, program
+from hardlimit.boxes.lammps import contact_log, forces, integration_error, output, overlaps, process, program
 from same_samples import same_samples
 
 try:
@@ -282,8 +282,8 @@ def test_an_interrupted_run_ends_its_child_and_leaves_nothing(tmp_path, monkeypa
     """Also if the child ignores SIGTERM; the interrupt comes while it runs."""
     monkeypatch.setattr(process, "TIMEOUT", 0.1)
     pretend(
-        tmp_path, monkeypatch, banner(), "trap '' TERM", f"echo $$ $PWD > {tmp_path}/who", "echo 0 0 0 0 0 0 0",
-        "while :; do sleep 0.05; done",
+        tmp_path, monkeypatch, banner(), "trap '' TERM", f"echo $$ $PWD > {tmp_path}/who",
+        "echo" + " 0" * len(output.THERMO), "for i in $(seq 600); do sleep 0.05; done",
     )  # fmt: skip
 
     def interrupt(done, total):

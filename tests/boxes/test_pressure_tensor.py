@@ -1,4 +1,4 @@
-"""Virial and pressure tensor of all engines of boxes: against direct integration, symmetries, and one another."""
+"""Tests of virial and pressure tensor of the engines of boxes."""
 
 import itertools
 import math

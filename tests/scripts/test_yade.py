@@ -185,6 +185,41 @@ O.bodies.append(ymport.stl('a.stl', material='wall'))
     assert not read(script(bodies=both)).stages[0].grains["glass"].frozen
 
 
+def test_fixed_bodies_whose_mass_is_in_the_formulas():
+    """ViscElMat: boxes and fixed spheres, but neither walls nor facets. A box that is not fixed moves."""
+    material = "O.materials.append(ViscElMat({}, density=2000))\n"
+    for numbers, mass in (("tc=1e-3, en=0.7, et=1", 2000 * 0.048), ("kn=1, ks=1, cn=0, cs=0", None)):
+        for body, counted in (
+            ("box((0, 0, 0), (0.1, 0.2, 0.3), fixed=True)", mass),
+            ("facet([(0, 0, 0), (1, 0, 0), (0, 1, 0)])", None),
+        ):
+            bodies = f"O.bodies.append([sphere((0, 0, 0), 0.01, fixed=True), {body}])\n"
+            found = read(script(VISCEL, material.format(numbers), bodies))
+            (wall,) = (one for one in found.stages[0].contacts if one.wall)
+            assert wall.wall_mass == (None if counted is None else pytest.approx(counted))
+            assert wall.wall_radius == (4 / 3 if wall.wall == "facets" else 1.0)
+            assert found.stages[0].grains["0"].counted and not found.unknown
+    bodies = f"{SPHERE}O.bodies.append(aabbWalls())\n"
+    found = read(script(VISCEL, material.format("tc=1e-3, en=0.7, et=1"), bodies))
+    assert [one.text for one in found.unknown] == ["aabbWalls()"]
+    found = read(script(bodies=f"{SPHERE}O.bodies.append(box((0, 0, 0), (1, 1, 1)))\n"))
+    assert [one.text for one in found.unknown] == ["box((0, 0, 0), (1, 1, 1))"]
+    assert (
+        not read(script(bodies="O.bodies.append(sphere((0, 0, 0), 1, fixed=True))\n"))
+        .stages[0]
+        .grains["glass"]
+        .counted
+    )
+
+
+def test_facets_of_another_modulus():
+    """CundallStrack's stiffness depends on the modulus and the radius of each body; a facet has twice the radius."""
+    material = GLASS + "O.materials.append(FrictMat(young=1e9, poisson=0.3, density=1))\n"
+    bodies = "O.bodies.append([sphere((0, 0, 0), 1, material=0), facet([(0, 0, 0), (1, 0, 0), (0, 1, 0)])])\n"
+    found = read(script(FRICT, material, bodies))
+    assert len(found.unknown) == 1 and not any(one.wall for one in found.stages[0].contacts)
+
+
 def test_the_time_step_of_waves():
     step = 0.5 * 0.01 * math.sqrt(2500 / 1e7)
     assert read(script(rest="O.dt = 0.5 * PWaveTimeStep()\n")).stages[0].time_step == pytest.approx(step)

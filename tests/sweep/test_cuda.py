@@ -6,6 +6,7 @@ Where a GPU is, its results are compared with the processor's bit by bit.
 
 import hashlib
 import io
+import os
 import re
 import shutil
 import subprocess
@@ -182,7 +183,10 @@ def test_the_kernel_copies_no_flag_before_it_is_set(tmp_path: Path) -> None:
         "plan = t.plan_of(restitution=np.linspace(0.3, 1.0, 10), gap=[1e-6, 1e-4, 1e-2])\n"
         "np.savez(sys.argv[2], **t.emulated(Path(sys.argv[1]), plan))"
     )
-    subprocess.run([sys.executable, "-c", script, str(checked), str(out)], check=True, cwd=HERE)
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    subprocess.run(
+        [sys.executable, "-c", script, str(checked), str(out)], check=True, cwd=HERE, env=environment
+    )
     assert same_chunks(dict(np.load(out)), plan.compute(0, plan.size, 1))
 
 

@@ -2,6 +2,7 @@
 
 import json
 import math
+import pickle
 from dataclasses import replace
 
 import numpy as np
@@ -236,6 +237,46 @@ def test_the_sentence_agrees_with_the_numbers(radius, stiffness, restitution, sp
             assert abs(again.error["constant"][0]) == pytest.approx(0.01, rel=0.02), factor
 
 
+@draws(60)
+@given(
+    stiffness=log_floats(1.0, 1e12),
+    restitution=st.sampled_from([0.01, 0.011, 0.5, 0.999999, 1.0]),
+    speed=log_floats(1e-6, 100.0),
+    phi=st.sampled_from([1e-9, 1e-3, 0.3, 0.5, 0.64]),
+    dimension=st.sampled_from([2, 3]),
+    time_step=st.none() | log_floats(1e-12, 1.0),
+    hidden=st.sampled_from([None, "speed", "packing_fraction"]),
+    law=st.sampled_from(["linear", "tsuji", "viscoelastic"]),
+)
+def test_extreme_numbers_agree_with_the_sentence(
+    stiffness, restitution, speed, phi, dimension, time_step, hidden, law
+):
+    made = {
+        "linear": lambda: hl.LinearDashpot(stiffness=stiffness, restitution=restitution),
+        "tsuji": lambda: hl.Tsuji(elastic_prefactor=stiffness, restitution=restitution),
+        "viscoelastic": lambda: hl.Viscoelastic(
+            youngs_modulus=stiffness, poisson_ratio=0.3, dissipative_time=1e-5 * (1.0 - restitution)
+        ),
+    }[law]()
+    options = {"speed": speed, "packing_fraction": phi} | ({hidden: None} if hidden else {})
+    found = hl.check(BEAD, law=made, dimension=dimension, time_step=time_step, **options)
+    json.dumps(found.to_dict(), allow_nan=False)
+    row = found.rows[0]
+    if row.restitution == 0.0:
+        assert found.admissible is False and row.duration is None
+    elif hidden:
+        name = {"speed": "speeds are", "packing_fraction": "packing is"}[hidden]
+        assert found.admissible is None and found.sentence.startswith(f"Cannot be said: {name} not known")
+    else:
+        value, bar = row.error[row.rule]
+        low, high = abs(value) - bar, abs(value) + bar
+        wanted = False if low > 0.01 or row.tc_nu > 0.3 else True if high <= 0.01 else None
+        assert found.admissible is wanted
+    too_deep = any((one.largest_overlap or 0.0) > 0.05 for one in found.rows)
+    assert any("Overlaps reach" in one for one in found.remarks) is too_deep
+    assert not {"nan", "inf"} & set(found.sentence.replace(",", " ").split())
+
+
 def test_what_is_missing_is_named():
     sentence = hl.check(BEAD, law=hl.LinearDashpot(stiffness=1e5, restitution=0.9)).sentence
     assert (
@@ -246,6 +287,32 @@ def test_what_is_missing_is_named():
     stage = replace(described().stages[0], grains={}, gravity=None)
     found = checking._of_script(described(stages=(stage,)), checking.Given(None, (1.0,), 0.1, {}))
     assert found.sentence == "Cannot be said: sizes are not known (they are not in the script)."
+
+
+@pytest.mark.parametrize(
+    ("source", "options", "text"),
+    [
+        (5, {}, "source: got 5"),
+        (BEAD, {}, "law: got None"),
+        (
+            BEAD,
+            {"law": hl.LinearDashpot(stiffness=1e5, restitution=0.9), "variables": {"a": 1}},
+            "variables: got",
+        ),
+        (script(HOOKE), {"variables": 5}, "variables: got 5"),
+        (script(HOOKE), {"dimension": 3}, "dimension: got 3"),
+    ],
+)
+def test_arguments_that_do_not_belong_together(source, options, text):
+    with pytest.raises(ValueError, match=text):
+        hl.check(source, **options)
+
+
+def test_a_verdict_can_be_pickled():
+    found = hl.check(script(CLIPPED, WALL), speed=(0.1, 1.0), packing_fraction=0.2)
+    again = pickle.loads(pickle.dumps(found))
+    assert again == found and again.to_dict() == found.to_dict() and again.contacts.identical(found.contacts)
+    assert repr(found) == f"<Verdict: {found}>"
 
 
 def test_gravity_counts_where_grains_can_come_to_rest():
@@ -322,50 +389,149 @@ def test_corrected_lines_give_the_restitution_that_was_asked_for(contact):
 
 # --- command line -----------------------------------------------------------------------------------------------
 
+#: The keys of the output, and the types of their values.
 KEYS = {
-    *(
-        "code",
-        "version",
-        "units",
-        "time_step",
-        "contacts",
-        "numerical_damping",
-        "stages",
-        "checked",
-        "ignored",
-    ),
-    *("invalidates", "unknown", "admissible", "sentence"),
-}
+    "code": str, "version": str | None, "units": str, "time_step": float | None, "contacts": list,
+    "numerical_damping": float | None, "stages": list, "dump": list, "checked": list, "ignored": list,
+    "invalidates": list, "unknown": list, "missing": list, "remarks": list, "corrected": list,
+    "admissible": bool | None, "sentence": str,
+}  # fmt: skip
+MAYBE = float | None
 CONTACT = {
-    *(
-        "types",
-        "stage",
-        "wall",
-        "model",
-        "radius",
-        "other_radius",
-        "density",
-        "restitution_asked",
-        "restitution",
-    ),
-    *(
-        "clipped",
-        "speed",
-        "duration",
-        "steps_per_contact",
-        "restitution_error_of_step",
-        "largest_overlap",
-        "tc_nu",
-    ),
-    *("delta_over_d", "error"),
-}
+    "types": list, "stage": int, "wall": str | None, "model": str | None, "radius": MAYBE, "other_radius": MAYBE,
+    "density": MAYBE, "restitution_asked": MAYBE, "restitution": MAYBE, "clipped": bool | None, "speed": MAYBE,
+    "duration": MAYBE, "steps_per_contact": int | None, "restitution_error_of_step": MAYBE, "time_step": MAYBE,
+    "rayleigh_time": MAYBE, "p_wave_time": MAYBE, "largest_overlap": MAYBE, "tc_nu": MAYBE, "delta_over_d": MAYBE,
+    "softening": MAYBE, "rule": str, "error": dict,
+}  # fmt: skip
+FINDING = {"what": str, "types": list | None, "where": str | None}
+STAGE = {"number": int, "command": str, "time_step": MAYBE, "steps": int | None, "gravity": MAYBE}
 
 
-def test_json_has_all_keys(tmp_path):
+def has_form(found: dict, form: dict) -> bool:
+    return found.keys() == form.keys() and all(isinstance(found[key], form[key]) for key in form)
+
+
+LIGGGHTS = """\
+atom_style granular
+units si
+region reg block 0 1 0 1 0 1 units box
+create_box 1 reg
+fix m1 all property/global youngsModulus peratomtype 5e6
+fix m2 all property/global poissonsRatio peratomtype 0.45
+fix m3 all property/global coefficientRestitution peratomtypepair 1 0.3
+pair_style gran model hertz
+pair_coeff * *
+timestep 1e-5
+create_atoms 1 random 10 1 reg
+set group all diameter 2e-3 density 2500
+fix integr all nve/sphere
+run 1000
+"""
+UNSIZED = "read_data data.pack"
+COLUMN = """
+mat = O.materials.append(FrictMat(young=1e7, poisson=0.3, density=2600, label='glass'))
+O.materials.append(FrictMat(young=1e9, poisson=0.3, density=2600, label='steel'))
+O.bodies.append(sphere((0, 0, 0), 0.01, fixed=True, material='steel'))
+O.bodies.append(sphere((0, 0, 0.03), 0.01, fixed=True, material='steel'))
+O.bodies.append(sphere((0, 0, 0.06), 0.01, material='glass'))
+O.engines = [ForceResetter(), InsertionSortCollider([Bo1_Sphere_Aabb()]),
+    InteractionLoop([Ig2_Sphere_Sphere_ScGeom()], [Ip2_FrictMat_FrictMat_FrictPhys()],
+                    [Law2_ScGeom_FrictPhys_CundallStrack()]), NewtonIntegrator()]
+O.dt = 1e-5
+O.run(1000)
+"""
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        script(CLIPPED, WALL),
+        script(HOOKE, WALL, grains=UNSIZED),
+        script(HOOKE, "fix g all gravity 9.8 vector 0 0 -1", "run 10\ntimestep 2e-7"),
+        script("pair_style granular\npair_coeff * * jkr 1e7 0.5 0.3 1.0"),
+        script(f"pair_style granular\npair_coeff * * hooke 1e3 10 damping velocity {TANGENTIAL}"),
+        COLUMN,
+        "units lj\natom_style sphere\nfix d all drag 1 1 1 1 1 1\npair_style gran/hooke 1e5 NULL 50 NULL 0 0\nrun 1",
+    ],
+)
+@pytest.mark.parametrize("options", [{}, {"speed": (0.1, 1.0), "packing_fraction": 0.2}])
+def test_every_value_has_its_type(text, options):
+    found = hl.check(text, **options).to_dict()
+    assert has_form(found, KEYS) and json.loads(json.dumps(found, allow_nan=False)) == found
+    assert all(has_form(one, STAGE) for one in found["stages"]) and not found["dump"]
+    for key in ("checked", "ignored", "invalidates"):
+        assert all(has_form(one, FINDING) for one in found[key])
+    for key in ("unknown", "missing", "remarks", "corrected"):
+        assert all(isinstance(one, str) for one in found[key])
+    for one in found["contacts"]:
+        assert has_form(one, CONTACT)
+        assert one["error"].keys() <= {"constant", "law", "tc", "soft"}
+        assert all(len(pair) == 2 for pair in one["error"].values())
+        assert one["types"][1] == "wall" or one["wall"] is None
+        assert one["types"][1] != "wall" or (one["other_radius"] is None and not one["error"])
+
+
+def contacts(text, **options):
+    return hl.check(text, **options).to_dict()["contacts"]
+
+
+def test_null_stands_for_what_is_not_known():
+    # Nothing that is known depends on the speed.
+    (unsized,) = contacts(script(HOOKE, grains=UNSIZED), speed=(0.1, 1.0), packing_fraction=0.2)
+    assert unsized["restitution"] == pytest.approx(0.9) and unsized["speed"] is None
+    assert [unsized[key] for key in ("radius", "duration", "steps_per_contact", "tc_nu")] == [None] * 4
+    # A sticking contact has no ε; an overdamped one has ε = 0 and does not end.
+    sticky = "pair_style granular\npair_coeff * * jkr 1e7 0.5 0.3 1.0"
+    found = hl.check(script(sticky), speed=(0.1, 1.0)).to_dict()
+    assert [one["restitution"] for one in found["contacts"]] == [None] and found["invalidates"]
+    assert found["contacts"][0]["speed"] is None and found["admissible"] is False
+    damped = f"pair_style granular\npair_coeff * * hooke 1e3 10 damping velocity {TANGENTIAL}"
+    (row,) = contacts(script(damped), speed=0.1)
+    assert row["restitution"] == 0.0 and row["duration"] is None and row["restitution_asked"] is None
+    # Each pair has its smallest and its largest size.
+    ranged = "set type 1 diameter 1e-3 density 2500\nfix p all pour 9 1 7 region box diam range 1e-3 2e-3 dens 2e3 2e3"
+    sizes = [
+        (one["types"], one["radius"], one["other_radius"])
+        for one in contacts(script(HOOKE, WALL, grains=ranged))
+    ]
+    assert sizes == [
+        ([1, 1], 5e-4, 5e-4),
+        ([1, 1], 1e-3, 1e-3),
+        ([1, "wall"], 5e-4, None),
+        ([1, "wall"], 1e-3, None),
+    ]
+    # Types of YADE are labels; pairs that do not move are left out; the elastic contact is damped numerically.
+    found = hl.check(COLUMN, speed=0.1).to_dict()
+    assert [one["types"] for one in found["contacts"]] == [["glass", "glass"], ["glass", "steel"]]
+    assert found["numerical_damping"] == 0.2 and found["contacts"][0]["restitution"] == pytest.approx(
+        0.8165, abs=1e-4
+    )
+    # A change between runs makes another stage, and only such a change.
+    text = script(HOOKE, "timestep 1e-6\nrun 1\nfix g all gravity 9 vector 0 0 -1\nrun 1")
+    assert [one["stage"] for one in contacts(text)] == [1, 3] and len(hl.check(text).to_dict()["stages"]) == 3
+
+
+def test_contacts_too_long_for_the_law_have_no_number(tmp_path):
+    words = NUMBERS.replace("1e5", "1e2").split()
+    text = run("check", *words).stdout
+    assert "≫ 1 %" in text and "±" not in text and "is above 0.3" in text
+    assert len(printed("check", *words)["contacts"][0]["error"]["constant"]) == 2
+
+
+@pytest.mark.parametrize("damping", [1e-3, 0.5, 1e3, 1e8])
+def test_an_unknown_mass_proves_nothing(damping):
+    contact = f"pair_style granular\npair_coeff * * hooke 1e5 {damping:g} damping velocity {TANGENTIAL}"
+    found = hl.check(script(contact, grains=UNSIZED), speed=1.0, packing_fraction=0.1)
+    (row,) = found.rows
+    assert row.restitution is None and row.steps_per_contact is None
+    assert found.admissible is None and not found.invalidates and not found.remarks
+
+
+def test_json_is_the_result(tmp_path):
     path = tmp_path / "in.box"
     path.write_text(script(CLIPPED, WALL))
     found = printed("check", path, "--speed", "0.1:1m/s", "--packing-fraction", "0.2")
-    assert found.keys() >= KEYS and all(one.keys() >= CONTACT for one in found["contacts"])
     assert [one["types"] for one in found["contacts"]] == [[1, 1], [1, 1], [1, "wall"], [1, "wall"]]
     assert found["code"] == "lammps" and found["units"] == "si" and found["contacts"][0]["error"]["constant"]
     assert found == hl.check(path, speed=(0.1, 1.0), packing_fraction=0.2).to_dict()
@@ -386,14 +552,48 @@ def test_the_report_of_a_pair_and_a_wall_has_at_most_fifteen_lines(tmp_path, mon
             lines = run("check", path, *more).stdout.splitlines()
             assert len(lines) <= 15 and "…" not in "".join(lines)
         long = run("check", path, "--speed", "1", "--verbose").stdout
+        assert "steps " in long and "overlap " in long
         assert len(long.splitlines()) > 15 and "line " in long
+
+
+def test_a_wide_table_leaves_columns_out_and_breaks_no_number(tmp_path, monkeypatch):
+    """Long labels of materials."""
+    path = tmp_path / "long.py"
+    path.write_text(COLUMN.replace("glass", "a_glass_of_long_name"))
+    for width, steps in ((80, False), (120, True)):
+        monkeypatch.setenv("COLUMNS", str(width))
+        text = run("check", path, "--speed", "0.1:1", "--packing-fraction", "0.2").stdout
+        (row,) = [line for line in text.splitlines() if line.startswith("a_glass_of_long_name–a_glass")]
+        assert row.rstrip().endswith("%") and "±" in row and "…" not in text
+        assert ("steps" in text.split("Checked")[0]) is steps
+    path = tmp_path / "in.jkr"
+    path.write_text(script("pair_style granular\npair_coeff * * jkr 1e7 0.5 0.3 1.0"))
+    text = run("check", path).stdout
+    assert "Contacts: 1–1 R 1 mm." in text and text.startswith("LAMMPS · si units")
+    assert "(give --dump, or --speed and --packing-fraction)" in " ".join(text.split())
+
+
+def test_several_walls_have_names_and_each_remark_is_made_once(tmp_path):
+    path = tmp_path / "in.walls"
+    side = WALL.replace("floor", "side").replace("0.5", "0.8").replace("zplane 0 1", "xplane 0 1")
+    path.write_text(script(CLIPPED.replace("0.9", "0.5"), WALL, side, "run 1\ntimestep 1e-5"))
+    text = " ".join(run("check", path).stdout.split())
+    assert "1–wall floor R 1 mm" in text and "1–wall side R 1 mm" in text
+    assert text.count("ε given differs") == 1 and "These are of run 2" in text
+    path = tmp_path / "log.liggghts"
+    path.write_text(
+        "LIGGGHTS (Version LIGGGHTS-PUBLIC 3.8.0, compiled 2021 by someone, git commit 123)\n" + LIGGGHTS
+    )
+    assert run("check", path).stdout.startswith("LIGGGHTS PUBLIC 3.8.0: gran model hertz")
+    assert printed("check", path)["version"].startswith("LIGGGHTS-PUBLIC 3.8.0, compiled")
 
 
 def test_exit_codes(tmp_path):
     hard, soft = NUMBERS.split(), NUMBERS.replace("1e5", "1e2").split()
     assert "Yes: " in run("check", *hard, "--strict").stdout
     assert "No: " in run("check", *soft).stdout
-    assert "No: " in run("check", *soft, "--strict", code=1).stdout
+    strict = run("check", *soft, "--strict", code=1)
+    assert "No: " in strict.stdout and not strict.stderr
     assert json.loads(run("check", *soft, "--strict", "--json", code=1).stdout)["admissible"] is False
     path = tmp_path / "in.melt"
     path.write_text("units lj\natom_style atomic\npair_style lj/cut 2.5\npair_coeff 1 1 1 1 2.5\nrun 10\n")

@@ -50,6 +50,16 @@ def test_inelastic_spheres(phi, epsilon):
     assert abs(found.coefficient - value) < 2.0 * math.hypot(error, found.coefficient_error)
 
 
+@pytest.mark.parametrize(
+    "phi, values", [(0.35, (0.517, 0.470, 0.425, 0.388, 0.337)), (0.5, (0.422, 0.374, 0.328, 0.289, 0.233))]
+)
+def test_theory_without_correlations(phi, values):
+    """Values of an independent evaluation at t_c ν = 0.1, where the second order is smaller than the tolerance."""
+    for epsilon, value in zip((0.99, 0.9, 0.8, 0.7, 0.5), values, strict=True):
+        found = module.inelastic(module.fluid(3, phi), 1.0 - epsilon**2)
+        assert found == pytest.approx(value, abs=2e-3)
+
+
 @pytest.mark.parametrize("phi, value", [(0.05, -0.64), (0.2, -1.35), (0.35, -1.50), (0.5, -1.60)])
 def test_rule_tc_at_one_tenth(phi, value):
     assert law(phi, 1.0, rule="tc").error(0.1) / 0.1 == pytest.approx(value, abs=0.01)

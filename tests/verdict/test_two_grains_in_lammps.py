@@ -71,6 +71,19 @@ PAIRS = {
     ),
     "gran/hertz/history": ("pair_style gran/hertz/history 1e7 NULL 1e8 NULL 0.5 1\npair_coeff * *", 0.5),
 }
+COEFFICIENT = GRANULAR.format("hooke 1e5 0.5 damping coeff_restitution")
+UPPER = "group moving type 2\nfix move moving nve/sphere"
+#: The lower grain does not move. Only ``fix freeze`` makes LAMMPS take it as infinitely heavy in its formulas.
+STANDING = {
+    "freeze": (COEFFICIENT, "group lower type 1\nfix hold lower freeze\nfix move all nve/sphere"),
+    "not integrated": (COEFFICIENT, UPPER),
+    "setforce": (COEFFICIENT, "group lower type 1\nfix move all nve/sphere\nfix hold lower setforce 0 0 0"),
+    "fix move": (COEFFICIENT, f"group lower type 1\n{UPPER}\nfix hold lower move linear 0 0 0"),
+    "gran/hertz/history, not integrated": (
+        "pair_style gran/hertz/history 1e7 NULL 1e8 NULL 0.5 1\npair_coeff * *",
+        UPPER,
+    ),
+}
 WALLS = {
     "wall granular hooke": (
         "granular hooke 1e5 0.5 damping coeff_restitution tangential linear_nohistory 0.0 0.0 limit_damping",
@@ -85,7 +98,15 @@ WALLS = {
 }
 
 
-def script(lines: str, speed: float, step: float, steps: int, wall: str = "", radii=(1e-3, 1.5e-3)) -> str:
+def script(
+    lines: str,
+    speed: float,
+    step: float,
+    steps: int,
+    wall: str = "",
+    radii=(1e-3, 1.5e-3),
+    fixes: str = "fix move all nve/sphere",
+) -> str:
     """Two grains on a line, or one above a wall, that touch after a few steps."""
     r1, r2 = radii
     gap = 3.5 * speed * step
@@ -110,7 +131,7 @@ def script(lines: str, speed: float, step: float, steps: int, wall: str = "", ra
             lines,
             *floor,
             *velocity,
-            f"timestep {step:.15g}\nfix move all nve/sphere\nrun {steps}",
+            f"timestep {step:.15g}\n{fixes}\nrun {steps}",
             f'print "SEPARATION {last}"\n',
         ]
     )
@@ -127,27 +148,30 @@ def measured(text: str, folder) -> float:
 
 def compared(name: str, folder) -> tuple[float, float, float]:
     """ε of the log, of the script and measured."""
-    wall = name in WALLS
-    lines, speed = (WALLS if wall else PAIRS)[name]
+    wall, fixes = name in WALLS, "fix move all nve/sphere"
+    if name in STANDING:
+        (lines, fixes), speed = STANDING[name], 0.5
+    else:
+        lines, speed = (WALLS if wall else PAIRS)[name]
     of_wall = lines if wall else ""
-    lines = GRANULAR.format("hooke 1e5 0.5 damping coeff_restitution") if wall else lines
+    lines = COEFFICIENT if wall else lines
     kind = ("1", "wall") if wall else ("1", "2")
 
     def row(source):
         return next(one for one in hl.check(source, speed=speed).rows if one.types == kind)
 
-    first = row(script(lines, speed, 1e-8, 1, of_wall))
+    first = row(script(lines, speed, 1e-8, 1, of_wall, fixes=fixes))
     step = first.duration / 4000
-    text = script(lines, speed, float(f"{step:.6g}"), 4600, of_wall)
+    text = script(lines, speed, float(f"{step:.6g}"), 4600, of_wall, fixes=fixes)
     separation = measured(text, folder)
     return row(folder / "log.lammps").restitution, row(folder / "in.script").restitution, separation / speed
 
 
 @needs_lammps
-@pytest.mark.parametrize("name", [*PAIRS, *WALLS])
+@pytest.mark.parametrize("name", [*PAIRS, *WALLS, *STANDING])
 def test_restitution_is_that_of_two_grains_in_lammps(name, tmp_path):
     """The version in the log decides between formulas; a script is checked as for the newest version."""
     of_log, of_script, real = compared(name, tmp_path)
     assert of_log == pytest.approx(real, abs=2e-3)
-    if "tsuji" not in (WALLS.get(name) or PAIRS[name])[0]:
+    if "tsuji" not in (WALLS.get(name) or STANDING.get(name) or PAIRS[name])[0]:
         assert of_script == of_log

@@ -1,5 +1,4 @@
-// Simulation box: edges, boundary conditions, gravity. All code that depends on the boundaries is here, so that a new
-// boundary (moving wall, Lees-Edwards) only adds cases to these functions.
+// Simulation box: edges, boundary conditions, gravity, and the motion of walls and periodic images.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -58,8 +57,8 @@ struct Box {
     int dimension = 3;
     double edge[3] = {};  // L [m]; 0 along an axis that does not exist
     Boundary boundary[3] = {};
-    double wall_velocity[3][2] = {};  // along the axis, of the walls at 0 and at L [m/s]
     double gravity[3] = {};           // acceleration [m/s²]
+    double wall_velocity[3][2] = {};  // along the axis, of the walls at 0 and at L [m/s]
 
     bool is_periodic(int axis) const { return boundary[axis] == Boundary::periodic; }
     bool has_walls(int axis) const { return boundary[axis] == Boundary::wall; }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
@@ -13,15 +13,14 @@ from ..contact.balls import Ball
 from ..convert.codes import code as code_of
 from ..support.formatting import digits, length, listed, percent, percent_with_error, quantity
 from ..verdict import check as checked
-from ..verdict.answer import NAMES
+from ..verdict.answer import NAMES, given_by
 from ..verdict.contacts import CheckedContact
+from ..verdict.error_law import MEASURED_TC_NU
+from ..verdict.expectation import ACCEPTED
 from ..verdict.result import Finding, Verdict
 from .options import Quantity, json_option, law_options, options, quantity_option, spelled, take_law
 from .printing import console, print_json
 from .program import FAILURE, Command
-
-if TYPE_CHECKING:
-    from rich.table import Table
 
 EXAMPLES = """\
 \b
@@ -34,6 +33,8 @@ Example:
 CODES = ("lammps", "liggghts", "yade")
 #: Largest number of rows without ``--verbose``.
 MAX_ROWS = 8
+#: Error of cooling where the law of the error does not hold.
+FAR = f"≫ {percent(ACCEPTED)}"
 #: Errors of ε below this are not written out.
 SMALLEST_ERROR = 1e-4
 
@@ -162,13 +163,11 @@ def report(found: Verdict, verbose: bool) -> None:
     shown = groups if verbose else groups[:MAX_ROWS]
     if shown:
         stages = verbose and last > 1
-        rows = [[str(g[0].stage), name(g[0], plain), *cells(g, plain)] for g in shown]
-        head = ["run", "contact", *HEAD]
-        # Columns of which nothing is known are left out.
-        kept = [
-            k for k in range(len(head)) if (k or stages) and (k < 2 or any(row[k] != "–" for row in rows))
+        walls = {row.types: {one.wall for one in found.rows if one.types == row.types} for row in found.rows}
+        rows = [
+            [str(g[0].stage), name(g[0], plain, len(walls[g[0].types]) > 1), *cells(g, plain)] for g in shown
         ]
-        console().print(narrow([head[k] for k in kept], [[row[k] for k in kept] for row in rows], 1 + stages))
+        table(["run", "contact", *HEAD], rows, stages)
     if len(shown) < len(groups):
         say(f"… and {len(groups) - len(shown)} more contacts: --verbose")
     if not verbose and len({row.stage for row in found.rows}) > 1:
@@ -179,7 +178,9 @@ def report(found: Verdict, verbose: bool) -> None:
         details(found, plain)
     say(lists(found))
     more = " More: --verbose." if found.admissible is False and not verbose else ""
-    lines = " Corrected lines:" if found.corrected else ""
+    lines = "Corrected lines:" if found.corrected else ""
+    if lines:  # a quoted statement stands alone
+        lines = (" " if found.sentence.endswith(".") or more else "\n") + lines
     say(f"{found.sentence}{more}{lines}", style="bold")
     for line in found.corrected:
         click.echo(f"  {line}")
@@ -195,21 +196,41 @@ HEAD = [
     "t_c ν",
     "cools\nfaster by",
 ]
+#: Columns that a table leaves out if it is too wide, the first first.
+SPARE = ["steps", "over-\nlap", "error\nof ε", "t_c"]
 
 
-def narrow(columns: Sequence[str], rows: Iterable[Sequence[str]], left: int) -> Table:
-    """A table without lines, so that it fits into 80 columns."""
+def table(head: Sequence[str], rows: Sequence[Sequence[str]], stages: bool) -> None:
+    """Print the contacts without the columns of which nothing is known, and without the last of ``SPARE`` if too wide.
+
+    ``--verbose`` has all numbers of each contact.
+    """
     from rich.table import Table
     from rich.text import Text
 
-    made = Table(box=None, pad_edge=False, padding=(0, 1))
-    for i, head in enumerate(columns):
-        made.add_column(
-            Text(head), justify="left" if i < left else "right", no_wrap=i < left, vertical="bottom"
-        )
+    kept = [k for k in range(len(head)) if (k or stages) and (k < 2 or any(row[k] != "–" for row in rows))]
+    if kept[-1] == 1:
+        say(f"Contacts: {', '.join(row[1] for row in rows)}.")
+        return
+    spare = [head.index(one) for one in SPARE]
+    while (gap := room(head, rows, kept)) < 1 and spare:
+        kept = [k for k in kept if k != spare[0]]
+        del spare[0]
+    made = Table(box=None, pad_edge=False, padding=(0, min(max(gap, 1), 2), 0, 0))
+    for k in kept:
+        made.add_column(Text(head[k]), justify="left" if k < 2 else "right", no_wrap=True, vertical="bottom")
     for row in rows:
-        made.add_row(*map(Text, row))
-    return made
+        made.add_row(*(Text(row[k]) for k in kept))
+    console().print(made)
+
+
+def room(head: Sequence[str], rows: Sequence[Sequence[str]], kept: Sequence[int]) -> int:
+    """Blanks between these columns with which they fill the terminal; negative if they do not fit."""
+    widths = [
+        max(len(part) for text in (head[k], *(row[k] for row in rows)) for part in text.split("\n"))
+        for k in kept
+    ]
+    return (console().width - sum(widths)) // max(1, len(kept) - 1)
 
 
 def say(text: str, style: str = "") -> None:
@@ -229,9 +250,11 @@ def title(found: Verdict) -> str:
         titles = [
             known.model(one).title.removeprefix("pair_style ").replace(", damping", ",") for one in names
         ]
-        what = titles[0] if len(titles) == 1 else listed(names) if names else "no known contact model"
-        parts = [f"{known.title}{f' {found.version}:' if found.version else ''} {what}"]
-        parts.append(f"{found.units} units{'' if found.units_given else ' (none given)'}")
+        what = titles[0] if len(titles) == 1 else listed(names) if names else ""
+        version = (found.version or "").partition(",")[0].removeprefix(f"{known.title}-")
+        parts = [f"{known.title}{f' {version}:' if version else ''} {what}".strip(" :")]
+        if found.code != "yade":  # YADE has SI units only
+            parts.append(f"{found.units} units{'' if found.units_given else ' (none given)'}")
     speeds = [row.speed for row in found.rows if row.speed is not None and row.types[1] != "wall"]
     if speeds and min(speeds) < max(speeds):
         ends = "–".join(digits(v, 3) for v in (min(speeds), max(speeds)))
@@ -251,11 +274,12 @@ def grouped(rows: Iterable[CheckedContact]) -> Iterator[list[CheckedContact]]:
     yield from found.values()
 
 
-def name(row: CheckedContact, plain: bool) -> str:
-    """Types and sizes."""
+def name(row: CheckedContact, plain: bool, walls: bool) -> str:
+    """Types and sizes, and the name of the wall if there are several."""
     radii = [r for r in (row.radius, row.other_radius) if r is not None]
     sizes = ", ".join(dict.fromkeys(digits(r, 4) if plain else length(float(f"{r:.4g}")) for r in radii))
-    return f"{'–'.join(row.types)}{f' R {sizes}' if sizes else ''}"
+    wall = f" {row.wall}" if walls and row.wall else ""
+    return f"{'–'.join(row.types)}{wall}{f' R {sizes}' if sizes else ''}"
 
 
 def span(rows: Sequence[CheckedContact]) -> str:
@@ -284,7 +308,7 @@ def cells(rows: Sequence[CheckedContact], plain: bool) -> list[str]:
         "–" if error is None else small(error),
         "–" if overlap is None else percent(overlap),
         "–" if tc_nu is None else digits(tc_nu, 2),
-        "–" if cooling is None else cools(*cooling),
+        "–" if cooling is None else FAR if (tc_nu or 0.0) > MEASURED_TC_NU else cools(*cooling),
     ]
 
 
@@ -308,10 +332,14 @@ def lists(found: Verdict) -> str:
         parts.append(f"Ignored: {whats(found.ignored)} (head-on ε stands).")
     if len(found.invalidates) > 1:  # the first is in the sentence
         parts.append(f"Not possible by events either: {whats(found.invalidates[1:])}.")
-    if found.unknown:
-        parts.append(f"Not understood: {whats(found.unknown)}.")
+    unknown = [one for one in found.unknown if (one.where or one.what) not in found.sentence]
+    if unknown:
+        parts.append(f"Not understood: {whats(unknown)}.")
     if found.missing:
-        parts.append(f"Not known: {listed(found.missing)}.")
+        give = (
+            "" if found.admissible is None else given_by(found.missing, bool(found.states))
+        )  # else it is in the sentence
+        parts.append(f"Not known: {listed(found.missing)}{give}.")
     return " ".join(filter(None, parts))
 
 
@@ -362,6 +390,10 @@ def detail(row: CheckedContact, plain: bool) -> str:
     parts = {
         "ε": number(row.restitution, 4),
         "t_c": when(row.duration),
+        "steps": None if row.steps_per_contact is None else str(row.steps_per_contact),
+        "error of ε": None if row.restitution_error_of_step is None else small(row.restitution_error_of_step),
+        "overlap": None if row.largest_overlap is None else percent(row.largest_overlap),
+        "t_c ν": number(row.tc_nu, 2),
         "δ/d": number(row.delta_over_d, 2),
         "time step for an error of 0.001": when(row.time_step),
         "Rayleigh time": when(row.rayleigh_time),
@@ -372,6 +404,6 @@ def detail(row: CheckedContact, plain: bool) -> str:
     unit = "" if plain else " m/s"
     speed = "" if row.speed is None else f" at {digits(row.speed, 3)}{unit}"
     force = "" if row.clipped is None else " (never attracts)" if row.clipped else " (attracts at its end)"
-    return f"{name(row, plain)}{speed}, {row.model or 'no model'}{force}: " + ", ".join(
+    return f"{name(row, plain, True)}{speed}, {row.model or 'no model'}{force}: " + ", ".join(
         f"{key} {value}" for key, value in parts.items() if value is not None
     )

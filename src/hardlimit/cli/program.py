@@ -57,7 +57,7 @@ class Command(click.Command):
     def invoke(self, ctx: click.Context) -> Any:
         try:
             return super().invoke(ctx)
-        except BrokenPipeError:
+        except (BrokenPipeError, click.exceptions.Exit, click.Abort):  # the last two are RuntimeErrors
             raise
         except ValueError as error:
             raise click.UsageError(with_options(ctx, str(error)), ctx) from error

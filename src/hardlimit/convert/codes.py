@@ -20,7 +20,7 @@ from .formulas import DEFAULT_POISSON_RATIO, FORMULAS, SPRINGS, Numbers, Where, 
 from .readers import READERS
 
 #: Largest number of models that a message lists.
-MOST_NAMES: Final = 8
+MAX_NAMES: Final = 8
 #: Four times p of the elastic force.
 ELASTIC: Final = {"hooke": 4, "hertz": 6}
 
@@ -192,9 +192,9 @@ class Code:
 
 def listed(names: Sequence[str], like: str = "") -> str:
     """Names for a message: all, or the closest of many."""
-    if len(names) <= MOST_NAMES:
+    if len(names) <= MAX_NAMES:
         return ", ".join(names)
-    closest = difflib.get_close_matches(like, names, MOST_NAMES, 0.0) if like else names[:MOST_NAMES]
+    closest = difflib.get_close_matches(like, names, MAX_NAMES, 0.0) if like else names[:MAX_NAMES]
     return ", ".join([*closest, f"… ({len(names)} in all)"])
 
 
@@ -221,6 +221,8 @@ class Pair:
     wall: bool
     first: int = 1  #: numbers of the bodies, from 1
     second: int = 1
+    #: Mass [kg] in the code's formulas if the code does not know that a body is fixed; None for the usual one.
+    formula_mass: float | None = None
 
 
 @dataclass(frozen=True)
@@ -293,6 +295,8 @@ class Written:
         rule = self.model.mass
         if rule.number and rule.number in numbers:
             return rule.share * numbers[rule.number]
+        if self.pair.formula_mass is not None:
+            return self.pair.formula_mass
         return self.pair.mass * (rule.wall_factor if self.pair.wall else 1.0)
 
     def _where(self, mass: float, number: float) -> Where:

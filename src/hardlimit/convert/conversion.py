@@ -14,12 +14,12 @@ from ..scripts.yade import NUMERICAL_DAMPING
 from ..support import validation
 from . import texts
 from .codes import Code, Model, Pair, Written, code, names
-from .force import Force, Powers
+from .force import MAX_SPEED, MIN_SPEED, Force, Powers
 from .formulas import DEFAULT_POISSON_RATIO, Numbers
 from .wanted import LAWS, Wanted
 
 #: Largest number of sizes.
-MOST_BODIES: Final = 30
+MAX_BODIES: Final = 30
 
 
 @dataclass(frozen=True)
@@ -201,7 +201,7 @@ def obtained(
         raise ValueError(f"input: got {validation.shown(text)}, must be a text")
     if contact is not None and not isinstance(contact, str):
         raise ValueError(f"contact: got {validation.shown(contact)}, must be a name such as '1-2'")
-    v = validation.number("speed", speed, 0.0)
+    v = validation.number("speed", speed, MIN_SPEED, MAX_SPEED)
     stepping = _stepping(restitution_error, time_step)
     for body in (ball, pair.wall or other or ball):
         _refuse_light(found, body)
@@ -261,8 +261,8 @@ def _too_light(found: Code, ball: Ball) -> bool:
 def _pairs(balls: Any, wall: bool) -> list[Pair]:
     """All contacts, those of balls first."""
     listed = (balls,) if isinstance(balls, Ball) else validation.instances("balls", balls, Ball, "Ball")
-    if not 1 <= len(listed) <= MOST_BODIES:
-        raise ValueError(f"balls: got {len(listed)}, must be 1 to {MOST_BODIES}")
+    if not 1 <= len(listed) <= MAX_BODIES:
+        raise ValueError(f"balls: got {len(listed)}, must be 1 to {MAX_BODIES}")
     found = [
         _pair(ball, listed[j], i + 1, j + 1) for i, ball in enumerate(listed) for j in range(i, len(listed))
     ]

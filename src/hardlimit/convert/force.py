@@ -13,8 +13,11 @@ from .. import _core
 from ..boxes.lammps import integration_error
 from ..contact.contact import Floats
 
+#: Impact speeds [m/s] at which no square underflows or overflows.
+MIN_SPEED: Final = 1e-100
+MAX_SPEED: Final = 1e100
 #: Largest damping in units of the spring; no code uses more.
-MOST_DAMPING: Final = 1e6
+MAX_DAMPING: Final = 1e6
 
 
 @dataclass(frozen=True)
@@ -72,7 +75,7 @@ class Force:
 
     def relative_damping(self, speed: float) -> float:
         """C in units in which K, the mass and the speed are 1. The restitution depends on it alone."""
-        return min(self.damping / self._unit(speed), MOST_DAMPING)
+        return min(self.damping / self._unit(speed), MAX_DAMPING)
 
     def force(self, compression: Floats, rate: Floats) -> Floats:
         """Force [N], positive if repulsive, in the same shape."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from ..support import validation
-from .force import Force, Powers
+from .force import MAX_SPEED, MIN_SPEED, Force, Powers
 from .formulas import DEFAULT_POISSON_RATIO, Where, impact_stiffness, modulus
 
 #: Powers of our own laws, which are never attractive.
@@ -75,7 +75,7 @@ def wanted(
     epsilon = validation.number(
         "restitution", restitution, LOWEST, 1.0, lowest_allowed=True, highest_allowed=True
     )
-    v = validation.number("speed", speed, 0.0)
+    v = validation.number("speed", speed, MIN_SPEED, MAX_SPEED)
     ways = {
         "stiffness": stiffness,
         "youngs_modulus": youngs_modulus,

@@ -28,7 +28,7 @@ CODES: Final = ("lammps", "liggghts", "yade")
 #: Longest text that may be a path.
 LONGEST_PATH: Final = 1000
 #: Most include files that tell the code.
-MOST_INCLUDED: Final = 20
+MAX_INCLUDED: Final = 20
 #: What tells the codes apart, outside comments.
 SIGNS: Final = {
     "yade": re.compile(
@@ -104,7 +104,7 @@ def _opened(source: str | Path) -> tuple[str, str, Path | None]:
 def _code_of(text: str, folder: Path | None) -> str:
     """The code that a script or one of its include files is written for."""
     names = re.findall(r"^[ \t]*include[ \t]+(\S+)", text, re.MULTILINE) if folder else []
-    included = [text_of(folder / name) or "" for name in names[:MOST_INCLUDED] if folder]
+    included = [text_of(folder / name) or "" for name in names[:MAX_INCLUDED] if folder]
     for code, sign in SIGNS.items():
         if any(sign.search(one) for one in (text, *included)):
             return code

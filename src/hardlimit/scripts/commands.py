@@ -32,8 +32,8 @@ NUMBERS: Final = re.compile(r"[-+*/%.\d][-+*/%.\deE]*|.*\b[vcf]_.*|[.\d].*")
 KEPT: Final = ("index", "loop", "world", "universe", "uloop", "file", "atomfile", "getenv")
 #: Deepest nesting of include files and of variables.
 DEEPEST: Final = 20
-MOST_STATEMENTS: Final = 300_000
-MOST_VALUES: Final = 1_000_000
+MAX_STATEMENTS: Final = 100_000
+MAX_VALUES: Final = 1_000_000
 LARGEST_FILE: Final = 200_000_000  #: bytes
 USE_LOG: Final = "give the log instead, in which loops and conditions are resolved"
 #: Constants of formulas.
@@ -159,7 +159,7 @@ def _loop(values: Sequence[str]) -> Sequence[str]:
     if not 1 <= len(ends) <= 2 or len(ends) + pad != len(values):
         return ()
     first, last = (1, ends[0]) if len(ends) == 1 else (ends[0], ends[1])
-    if last - first > MOST_VALUES:
+    if last - first > MAX_VALUES:
         return ()
     return tuple(str(k).zfill(len(str(last)) if pad else 0) for k in range(first, last + 1))
 
@@ -228,7 +228,7 @@ class Commands:
         if not words:
             return
         self.count += 1
-        if self.count > MOST_STATEMENTS:
+        if self.count > MAX_STATEMENTS:
             raise refusal(line, raw, f"be part of a shorter loop; {USE_LOG}", frame.file)
         statement = Statement(line, words, code, file=frame.file)
         if words[0] == "variable":

@@ -43,6 +43,7 @@ class Grains:
     densities: Range | None = None
     masses: Range | None = None
     frozen: bool = False  #: whether none of them moves
+    counted: bool = False  #: whether the code's formulas use their mass although none of them moves
 
 
 @dataclass(frozen=True)
@@ -53,6 +54,8 @@ class ContactSettings:
     wall: str | None  #: name of the wall; None between grains
     settings: Settings  #: by name, as in ``reads`` of the files in ``hardlimit/convert/codes``
     quotes: tuple[Quote, ...]  #: the statements that these settings come from
+    wall_mass: float | None = None  #: of a fixed wall if the code's formulas use it, as for YADE's boxes
+    wall_radius: float = 1.0  #: effective radius in the code's formulas over that at other walls
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from .statements import Statement, refusal, refused
 NORMAL: Final = {"hooke": 2, "hertz": 2, "hertz/material": 3}
 #: Those with adhesion or plasticity.
 ADHESIVE: Final = {"dmt": 4, "jkr": 4, "mdr": 6}
-DAMPING: Final = ("velocity", "mass_velocity", "viscoelastic", "tsuji", "coeff_restitution")
+DAMPING: Final = ("none", "velocity", "mass_velocity", "viscoelastic", "tsuji", "coeff_restitution")
 TANGENTIAL: Final = {
     "linear_nohistory": 2,
     "none": 0,
@@ -104,6 +104,11 @@ def granular(statement: Statement, words: Sequence[str], wall: bool = False, adh
         if k + step > len(words):
             raise refused(statement, f"have {step - 1} words after {word}")
         k += step
+    if (
+        found["damping"] == ("none",) and "normal" in found
+    ):  # the damping coefficient is read, and does nothing
+        name, stiffness, _, *others = found["normal"]
+        found |= {"damping": ("velocity",), "normal": (name, stiffness, "0", *others)}
     return Words(found, tuple(beside), adhesive, tuple(words[k:]))
 
 

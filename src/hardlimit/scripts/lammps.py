@@ -13,7 +13,7 @@ from .description import ContactSettings, Quote, Setting, Settings
 from .formulas import NUMBER
 from .granular_words import ADHESIVE, NORMAL, WALLS, Words, ordered, unaccelerated
 from .population import Batch
-from .state import CREATED, MOST_TYPES, Fix, State
+from .state import CREATED, MAX_TYPES, Fix, State
 from .statements import Statement, refused, settings
 
 #: Words after the shape of a wall with their number of values.
@@ -228,7 +228,7 @@ class Lammps(State):
         if "mol" in words[:-1]:
             self.add_molecule(statement, words[words.index("mol") + 1], kind)
             return
-        if not 1 <= kind <= MOST_TYPES:
+        if not 1 <= kind <= MAX_TYPES:
             raise refused(statement, "have a type")
         if fix.style == "deposit":
             self.population.add(kind, CREATED)

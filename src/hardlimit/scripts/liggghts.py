@@ -12,7 +12,7 @@ from .formulas import NUMBER
 from .granular_words import PROPERTIES, Words, unaccelerated
 from .materials import one_material
 from .population import Batch
-from .state import MOST_TYPES, Fix, State
+from .state import MAX_TYPES, Fix, State
 from .statements import Statement, refused, same_word, settings
 
 #: Properties that the models read; each depends on two types.
@@ -150,7 +150,7 @@ class Liggghts(State):
         if name in OF_CONTACT:
             given = [one if NUMBER.fullmatch(one) else repr(self.number(fix.statement, one)) for one in given]
         found = Property(fix.statement, kind, tuple(given))
-        self.types = max(self.types, min(found.types(), MOST_TYPES))
+        self.types = max(self.types, min(found.types(), MAX_TYPES))
         self.properties[name] = found
 
     def mesh(self, fix: Fix) -> None:
@@ -261,7 +261,7 @@ class Liggghts(State):
                     found[word] = None  # such as gaussian, which has no largest value
                     self.unknown[fix.statement.quote] = None
         radii = found.get("radius")
-        if not 1 <= kind <= MOST_TYPES or any(one and not 0.0 < one[0] <= one[1] for one in found.values()):
+        if not 1 <= kind <= MAX_TYPES or any(one and not 0.0 < one[0] <= one[1] for one in found.values()):
             raise refused(fix.statement, "have a type, a radius and a density")
         if radii is not None:
             radii = (radii[0] * self.coarse, radii[1] * self.coarse)

@@ -15,13 +15,13 @@ from .statements import LONGEST_QUOTE, Statement, scan, split
 
 HEADER: Final = re.compile(r"\s*(LAMMPS|LIGGGHTS) \((?:Version )?((?:[^()]|\([^()]*\))*)\)?", re.ASCII)
 #: Lines before the header, such as messages of MPI or a shell.
-MOST_BEFORE: Final = 50
+MAX_BEFORE: Final = 50
 FLOW: Final = frozenset(("variable", "include", "if", "jump", "next", "label", "quit"))
 
 
 def header(text: str) -> tuple[str, str] | None:
     """Code and version if a text is a log."""
-    for line in text[:20_000].splitlines()[:MOST_BEFORE]:
+    for line in text[:20_000].splitlines()[:MAX_BEFORE]:
         found = HEADER.match(line)
         if found:
             return found[1].lower(), found[2].strip()

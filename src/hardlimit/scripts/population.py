@@ -5,8 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, field, replace
+from typing import Final
 
 from .description import Grains, Range
+
+#: Most grains whose numbers are kept.
+MAX_ATOMS: Final = 1000
 
 
 @dataclass(frozen=True)
@@ -16,6 +20,7 @@ class Batch:
     radii: Range | None = None
     densities: Range | None = None
     masses: Range | None = None
+    atom: int | None = None  #: its number if it is one grain; None if that is not known
 
     def with_radius(self, radius: float | None) -> Batch:
         """Another radius and the same density, or the same given mass."""
@@ -32,7 +37,7 @@ class Batch:
                 for r, density in zip(self.radii, self.densities, strict=True)
             )
             masses = (low, high)
-        return Batch(self.radii, None, masses)
+        return replace(self, densities=None, masses=masses)
 
 
 def union(ranges: Collection[Range | None]) -> Range | None:
@@ -56,23 +61,53 @@ class Population:
         if batch not in held:
             held.append(batch)
 
-    def change(self, kinds: Collection[int], whole: bool, change: Callable[[Batch], Batch]) -> None:
-        """Change the grains of some types: all of them, or some that are not known."""
+    def next_atom(self) -> int | None:
+        """The number of the next grain; None if not all grains before it were created one by one."""
+        held = [one for each in self.batches.values() for one in each]
+        known = not self.elsewhere and len(held) < MAX_ATOMS and all(one.atom is not None for one in held)
+        return 1 + max([one.atom or 0 for one in held], default=0) if known else None
+
+    def split(
+        self, kinds: Collection[int], whole: bool, atoms: range | None
+    ) -> Iterator[tuple[int, list[Batch], list[Batch]]]:
+        """For each type, the batches in which no grain is chosen, or not all, and those with chosen grains.
+
+        Chosen are all grains of some types if ``whole`` is true, or those with the numbers ``atoms``, or unknown ones.
+        """
+        numbers = {one.atom for each in self.batches.values() for one in each} - {None}
+        missing = atoms is not None and sum(k in atoms for k in numbers) < len(atoms)
         for kind in set(kinds) & self.batches.keys():
             held = self.batches[kind]
-            changed = [change(one) for one in held]
-            self.batches[kind] = list(dict.fromkeys(changed if whole else held + changed))
+            if atoms is None:
+                yield kind, [] if whole else held, held
+            else:
+                chosen = [one for one in held if (missing if one.atom is None else one.atom in atoms)]
+                yield kind, [one for one in held if one.atom is None or one.atom not in atoms], chosen
 
-    def convert(self, kinds: Collection[int], whole: bool, kind: int) -> None:
-        """Give another type to the grains of some types."""
-        moved = [one for each in kinds for one in self.batches.get(each, [])]
-        if whole:
-            for each in kinds:
-                self.batches.pop(each, None)
-        for one in moved:
-            self.add(kind, one)
+    def change(
+        self,
+        kinds: Collection[int],
+        whole: bool,
+        change: Callable[[Batch], Batch],
+        atoms: range | None = None,
+    ) -> None:
+        """Change grains, which are chosen as in ``split``."""
+        for kind, kept, chosen in list(self.split(kinds, whole, atoms)):
+            self.batches[kind] = list(dict.fromkeys([*kept, *map(change, chosen)]))
 
-    def grains(self, kind: int, name: str, frozen: bool, disks: bool = False) -> Grains:
+    def convert(self, kinds: Collection[int], whole: bool, kind: int, atoms: range | None = None) -> None:
+        """Give another type to grains, which are chosen as in ``split``."""
+        parts = list(self.split(kinds, whole, atoms))
+        for each, kept, _ in parts:
+            self.batches[each] = kept
+        for _, _, chosen in parts:
+            for one in chosen:
+                self.add(kind, one)
+        self.batches = {each: held for each, held in self.batches.items() if held}
+
+    def grains(
+        self, kind: int, name: str, frozen: bool, counted: bool = False, disks: bool = False
+    ) -> Grains:
         """The grains of one type, whose densities may be those of disks."""
         held = [one.with_mass_of(2) if disks else one for one in self.batches.get(kind, [])]
         if self.elsewhere:
@@ -81,7 +116,7 @@ class Population:
         masses = None
         if densities is None:
             masses = union([one.with_mass_of(3).masses for one in held])
-        return Grains(name, union([one.radii for one in held]), densities, masses, frozen)
+        return Grains(name, union([one.radii for one in held]), densities, masses, frozen, counted)
 
 
 def atoms(text: str, style: str) -> Iterator[tuple[int, Batch]]:

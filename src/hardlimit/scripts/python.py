@@ -21,8 +21,8 @@ from .statements import Refusal, quoted, refusal
 
 #: A print statement of Python 2.
 PRINT: Final = re.compile(r"(^[ \t]*|[:;][ \t]*)print\b(?![ \t]*\()[^\n]*", re.MULTILINE)
-MOST_STEPS: Final = 500_000
-MOST_ITEMS: Final = 20_000  #: of a list
+MAX_STEPS: Final = 200_000
+MAX_ITEMS: Final = 20_000  #: of a list
 DEEPEST: Final = 8  #: nesting of calls of the script's own functions
 
 Operator = Callable[[Any, Any], Any]
@@ -184,7 +184,7 @@ class Evaluator:
 
     def step(self, node: ast.AST) -> None:
         self.count += 1
-        if self.count > MOST_STEPS:
+        if self.count > MAX_STEPS:
             line = getattr(node, "lineno", 1)
             raise refusal(line, ast.unparse(node)[:200], "be part of shorter loops", self.file)
 
@@ -245,7 +245,7 @@ class Evaluator:
     def items(self, node: ast.expr) -> list[Any] | None:
         """What an iteration runs over; None if it is not known or too long."""
         found = self.value(node)
-        if isinstance(found, range | list | tuple) and len(found) <= MOST_ITEMS:
+        if isinstance(found, range | list | tuple) and len(found) <= MAX_ITEMS:
             return list(found)
         return None
 
@@ -375,7 +375,7 @@ class Evaluator:
             return math.pow(left, right)
         sizes = [len(one) for one in (left, right) if isinstance(one, str | list | tuple)]
         numbers = [one for one in (left, right) if isinstance(one, int) and not isinstance(one, bool)]
-        if sizes and isinstance(sign, ast.Mult) and numbers and max(sizes) * max(numbers) > MOST_ITEMS:
+        if sizes and isinstance(sign, ast.Mult) and numbers and max(sizes) * max(numbers) > MAX_ITEMS:
             return Unknown(ast.unparse(node))
         if any(abs(one) > 1e100 for one in numbers) or (isinstance(left, str) and isinstance(sign, ast.Mod)):
             return Unknown(ast.unparse(node))

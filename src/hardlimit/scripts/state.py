@@ -29,7 +29,9 @@ TIME_STEPS: Final = {
 }
 #: Grains that ``create_atoms`` makes: radius 0.5, density 1.
 CREATED: Final = Batch((0.5, 0.5), (1.0, 1.0))
-MOST_TYPES: Final = 100
+MAX_TYPES: Final = 100
+MAX_NUMBER: Final = 10**9  #: of a grain
+ZEROS: Final = {"0", "0.0", "0."}
 #: Logical operators of ``group … type``.
 COMPARISONS: Final[dict[str, Callable[[int, int, int], bool]]] = {
     "<": lambda k, a, _: k < a,
@@ -59,6 +61,8 @@ mesh/surface mesh/volume particledistribution contacthistory particletemplate/sp
 neigh_history NEIGH_HISTORY momentum nve/noforce diam/max calculate/ contactproperty/ contactcounter/ pair
 """
 HARMLESS_FIXES: Final = tuple(HARMLESS_FIX_NAMES.split())
+#: Fixes that move grains whatever forces act on them.
+PRESCRIBED: Final = ("nve/noforce", "move")
 INTEGRATORS: Final = ("nve", "nvt", "npt", "nph", "rigid", "poems", "multisphere", "brownian", "move")
 #: Fixes that add forces beside contacts, with the words for the report.
 FORCES: Final = {
@@ -231,11 +235,11 @@ class State:
             return range(kind, kind + 1) if kind else range(0)
         first = self.type_of(low) if low else 1
         last = self.type_of(high) if high else self.count()
-        return range(first, min(last, MOST_TYPES) + 1)
+        return range(first, min(last, MAX_TYPES) + 1)
 
     def count(self) -> int:
         """Number of types, as far as it is known."""
-        return min(max([self.types, *self.population.batches, 1]), MOST_TYPES)
+        return min(max([self.types, *self.population.batches, 1]), MAX_TYPES)
 
     def present(self) -> list[int]:
         """Types of which there are grains, or all if these are not known."""
@@ -377,7 +381,10 @@ class State:
         kinds = self.present()
         disks = self.code == "liggghts" and self.dimension == 2
         grains = {
-            str(kind): self.population.grains(kind, str(kind), self.frozen(kind), disks) for kind in kinds
+            str(kind): self.population.grains(
+                kind, str(kind), self.frozen(kind), not self.stopped("freeze", kind), disks
+            )
+            for kind in kinds
         }
         new = Stage(
             quote,
@@ -409,7 +416,7 @@ class State:
     # --- grains -------------------------------------------------------------------------------------------------
 
     def command_create_box(self, statement: Statement) -> None:
-        self.types = max(self.types, min(self.type_of((*statement.words, "")[1]), MOST_TYPES))
+        self.types = max(self.types, min(self.type_of((*statement.words, "")[1]), MAX_TYPES))
 
     def command_region(self, statement: Statement) -> None:
         if len(statement.words) > 2:
@@ -434,8 +441,9 @@ class State:
         template = words[words.index("mol") + 1 : words.index("mol") + 2] if "mol" in words else ()
         if template:
             self.add_molecule(statement, template[0], kind)
-        elif 1 <= kind <= MOST_TYPES:
-            self.population.add(kind, CREATED)
+        elif 1 <= kind <= MAX_TYPES:
+            one = words[2:3] == ("single",)
+            self.population.add(kind, replace(CREATED, atom=self.population.next_atom()) if one else CREATED)
             for k, word in enumerate(words[:-2]):
                 if word == "basis" and self.type_of(words[k + 2]):
                     self.population.add(self.type_of(words[k + 2]), CREATED)
@@ -448,7 +456,7 @@ class State:
             self.elsewhere(statement)
             return
         for kind, batch in self.molecules[template]:
-            if 1 <= kind + offset <= MOST_TYPES:
+            if 1 <= kind + offset <= MAX_TYPES:
                 self.population.add(kind + offset, batch)
 
     def command_molecule(self, statement: Statement) -> None:
@@ -481,7 +489,7 @@ class State:
         if text is None:
             self.elsewhere(statement)
             return
-        self.types = min(max(self.types, population.header(text, "atom types")), MOST_TYPES)
+        self.types = min(max(self.types, population.header(text, "atom types")), MAX_TYPES)
         if population.header(text, "bonds"):
             self.invalidate("bonds between grains", statement)
         try:
@@ -491,7 +499,7 @@ class State:
         if not found:
             self.elsewhere(statement)
         for kind, batch in found.items():
-            if 1 <= kind <= MOST_TYPES:
+            if 1 <= kind <= MAX_TYPES:
                 self.population.add(kind, batch)
 
     def command_read_restart(self, statement: Statement) -> None:
@@ -511,10 +519,11 @@ class State:
             chosen = self.members(name)
         else:
             chosen = Group(None, style == "atom" and name == "*")
+        atoms = atoms_of(name) if style == "atom" else None
         changes: list[Callable[[Batch], Batch]] = []
         for k, word in enumerate(words[3:-1], 3):
             if word in ("type", "type/fraction", "type/ratio", "type/subset"):
-                self.set_type(statement, chosen, word == "type", words[k + 1])
+                self.set_type(statement, chosen, word == "type", words[k + 1], atoms)
             elif word in SET_KEYWORDS:
                 value = None if word == "shape" else self.set_number(statement, words[k + 1])
                 if value is None or value < 0.0:
@@ -526,13 +535,18 @@ class State:
             self.within(chosen),
             chosen.whole,
             lambda one: reduce(lambda now, change: change(now), changes, one),
+            atoms,
         )
 
-    def set_type(self, statement: Statement, chosen: Group, whole: bool, word: str) -> None:
+    def set_type(
+        self, statement: Statement, chosen: Group, whole: bool, word: str, atoms: range | None
+    ) -> None:
         """Another type for some grains."""
         kind = self.type_of(word)
-        if 1 <= kind <= MOST_TYPES:
-            self.population.convert(self.within(chosen), chosen.whole and whole, kind)
+        if 1 <= kind <= MAX_TYPES:
+            self.population.convert(
+                self.within(chosen), chosen.whole and whole, kind, atoms if whole else None
+            )
         else:
             self.elsewhere(statement)
 
@@ -549,12 +563,12 @@ class State:
             radius = None if value is None else 0.5 * value
             return lambda one: one.with_mass_of(3).with_radius(radius)
         if keyword == "density/disc":
-            return lambda one: Batch(one.radii, same).with_mass_of(2)
+            return lambda one: replace(one, densities=same, masses=None).with_mass_of(2)
         if keyword == "shape":
-            return lambda one: Batch(None, one.densities, one.masses)
+            return lambda one: replace(one, radii=None)
         if keyword == "mass":
-            return lambda one: Batch(one.radii, None, same)
-        return lambda one: Batch(one.radii, same)
+            return lambda one: replace(one, densities=None, masses=same)
+        return lambda one: replace(one, densities=same, masses=None)
 
     # --- fixes --------------------------------------------------------------------------------------------------
 
@@ -586,7 +600,7 @@ class State:
             self.elsewhere(fix.statement)
         elif style.startswith("dt/reset"):
             self.ignore("a time step that adapts (dt/reset)", fix.statement)
-        elif style == "setforce" and set(fix.words[:3]) <= {"0", "0.0", "NULL", "0."}:
+        elif style == "setforce" and set(fix.words[:3]) <= {*ZEROS, "NULL"}:
             self.ignore("forces set to zero (setforce)", fix.statement, types)
         else:
             what = next((what for start, what in FORCES.items() if style.startswith(start)), "")
@@ -604,19 +618,28 @@ class State:
         self.ignored[Note(what, types, statement.quote)] = None
 
     def frozen(self, kind: int) -> bool:
-        """Whether no grain of a type moves."""
+        """Whether no contact changes the velocity of a grain of a type."""
         integrated = False
-        integrators = [one for one in self.fixes.values() if one.style.startswith(INTEGRATORS)]
+        integrators = [
+            one
+            for one in self.fixes.values()
+            if one.style.startswith(INTEGRATORS) and not one.style.startswith(PRESCRIBED)
+        ]
         for fix in integrators:
             group = self.members(fix.group)
             integrated = integrated or group.types is None or kind in group.types
-        stopped = any(
-            one.style == "freeze"
+        stopped = self.stopped("freeze", kind) or self.stopped("setforce", kind)
+        return stopped or bool(integrators and not integrated)
+
+    def stopped(self, style: str, kind: int) -> bool:
+        """Whether ``fix freeze``, or ``fix setforce`` with three zeros, acts on all grains of a type."""
+        return any(
+            one.style == style
+            and (style == "freeze" or (len(one.words) >= 3 and set(one.words[:3]) <= ZEROS))
             and self.members(one.group).whole
             and kind in self.within(self.members(one.group))
             for one in self.fixes.values()
         )
-        return stopped or bool(integrators and not integrated)
 
     def gravity(self) -> float | None:
         """The magnitude of gravity."""
@@ -638,6 +661,15 @@ class State:
     ) -> ContactSettings:
         """A contact with a wall."""
         return ContactSettings((str(kind), WALL), name, settings, quotes)
+
+
+def atoms_of(word: str) -> range | None:
+    """Numbers of grains within ``2``, ``2*``, ``*3`` or ``1*3``; None if it is not of this form."""
+    low, star, high = word.partition("*")
+    if not all(one.isdecimal() and len(one) < 10 for one in (low, high) if one) or word == "*" or not word:
+        return None
+    last = int(high) if high else MAX_NUMBER if star else int(low)
+    return range(int(low or 1), last + 1)
 
 
 def is_variable(word: str) -> bool:

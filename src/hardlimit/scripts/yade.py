@@ -28,6 +28,8 @@ from .statements import quoted, refusal
 
 DEFAULT_TIME_STEP: Final = 1e-8  #: of a scene
 NUMERICAL_DAMPING: Final = 0.2  #: NewtonIntegrator's default
+#: A facet counts as a sphere of twice the radius, other walls as one of the same radius: 2/3 R over 1/2 R.
+FACET_RADIUS: Final = 4.0 / 3.0
 #: Materials that are read, with the defaults of their numbers.
 MATERIALS: Final[dict[str, dict[str, float]]] = {
     "FrictMat": {"young": 1e9, "poisson": 0.25, "density": 1000.0},
@@ -133,6 +135,7 @@ class Body:
     material: int
     frozen: bool
     quote: Quote
+    mass: float | None = None  #: of a box; None for other bodies, and if it is not known
 
 
 class Yade(Evaluator):
@@ -329,7 +332,15 @@ class Yade(Evaluator):
 
     def shape(self, instance: Instance) -> None:
         """Facets, walls and boxes."""
-        instance.made.append(self.body(instance, SHAPES[instance.name], None))
+        found = self.body(instance, SHAPES[instance.name], None)
+        if instance.name == "box":
+            if not found.frozen:
+                self.unknown[found.quote] = None  # it moves
+            half = instance.argument(1, "extents")
+            if isinstance(half, list | tuple) and len(half) == 3 and all(map(as_range, half)):
+                density = self.number(self.materials[found.material], "density")
+                found = replace(found, mass=8.0 * math.prod(half) * density)
+        instance.made.append(found)
 
     def packing(self, instance: Instance) -> None:
         """Regular and random packings: ``(predicate, radius, …, rRelFuzz=)``."""
@@ -511,8 +522,12 @@ class Yade(Evaluator):
             radii = None if self.elsewhere else union([one.radii for one in held])
             density = self.number(self.materials[k], "density") if held or self.elsewhere else None
             frozen = bool(held) and not self.elsewhere and all(one.frozen for one in held)
-            name = self.name(k)
-            grains[name] = Grains(name, radii, None if density is None else (density, density), None, frozen)
+            name, densities = self.name(k), None if density is None else (density, density)
+            # ViscElPhys takes the mass of a fixed sphere; MindlinPhys does not.
+            counted = self.materials[k].name == "ViscElMat" and any(
+                PHYSICS.get(one.name) == "ViscElMat" for one in self.used("Ip2_")
+            )
+            grains[name] = Grains(name, radii, densities, None, frozen, counted)
         return grains
 
     def contacts(self) -> Iterator[ContactSettings]:
@@ -524,14 +539,28 @@ class Yade(Evaluator):
                 found = self.between(functors, i, j)
                 if found is not None:
                     yield ContactSettings((self.name(i), self.name(j)), None, *found)
-        walls = dict.fromkeys((one.kind, one.material) for one in self.bodies if one.kind != "sphere")
-        several = len({material for _, material in walls}) > 1
+        walls = {(one.kind, one.material, one.mass): one.quote for one in self.bodies if one.kind != "sphere"}
+        several = len({material for _, material, _ in walls}) > 1
         for i in kinds:
-            for kind, j in walls:
+            for (kind, j, mass), quote in walls.items():
                 found = self.between(functors, i, j)
-                if found is not None:
-                    name = f"{kind} of {self.name(j)}" if several else kind
-                    yield ContactSettings((self.name(i), WALL), name, *found)
+                if found is None:
+                    continue
+                words, facets = found[0], kind == "facets"
+                physics = words["physics"].words[0]
+                counted = physics == "ViscElPhys" and "en" in words and kind == "boxes"
+                young = {self.number(self.materials[k], "young") for k in (i, j)}
+                if (counted and mass is None) or (facets and physics == "FrictPhys" and len(young) > 1):
+                    self.unknown[quote] = None  # its mass and its modulus are in the formulas
+                    continue
+                name = f"{kind} of {self.name(j)}" if several else kind
+                yield ContactSettings(
+                    (self.name(i), WALL),
+                    name,
+                    *found,
+                    mass if counted else None,
+                    FACET_RADIUS if facets else 1.0,
+                )
 
     def between(
         self, functors: Mapping[str, Instance], i: int, j: int

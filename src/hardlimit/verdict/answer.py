@@ -30,8 +30,12 @@ def answer(
     unknown: Sequence[Finding],
     missing: Sequence[str],
     rubs: bool = False,
+    dumped: bool = False,
 ) -> tuple[bool | None, str]:
-    """Whether event-driven simulation is admissible, and the sentence. ``rubs``: the script has friction, left out."""
+    """Whether event-driven simulation is admissible, and the sentence.
+
+    ``rubs``: the script has friction, left out. ``dumped``: a dump was given.
+    """
     if invalidates:
         return False, _invalid(invalidates)
     known = [row for row in rows if row.rule in row.error]
@@ -48,16 +52,22 @@ def answer(
     if missing or len(known) < len(pairs) or worst is None:
         if not missing:
             return None, "Cannot be said: the error is not known for so dense a packing."
-        options = [OPTIONS[one] for one in missing if one in OPTIONS]
-        offered = f" (give --dump, or {listed(options)})" if options else " (they are not in the script)"
-        return (
-            None,
-            f"Cannot be said: {listed(missing)} {'is' if list(missing) == ['packing'] else 'are'} not known{offered}.",
-        )
+        are = "is" if list(missing) == ["packing"] else "are"
+        return None, f"Cannot be said: {listed(missing)} {are} not known{given_by(missing, dumped)}."
     if abs(value) + bar > ACCEPTED:
         return None, f"Cannot be said: {_cools(worst)}, and {percent(ACCEPTED)} is within the error bar."
     condition = ", for grains without friction" if rubs else ""
     return True, f"Yes{condition}: {_cools(worst)}, less than {percent(ACCEPTED)}; {_may(worst)}."
+
+
+def given_by(missing: Sequence[str], dumped: bool) -> str:
+    """Which options give what is missing."""
+    options = [OPTIONS[one] for one in missing if one in OPTIONS]
+    if not options:
+        return " (they are not in the script)"
+    return (
+        f" (not in the dump; give {listed(options)})" if dumped else f" (give --dump, or {listed(options)})"
+    )
 
 
 def _invalid(invalidates: Sequence[Finding]) -> str:

@@ -19,7 +19,8 @@ from ..convert.codes import Code, Model, Pair, Written, code
 from ..convert.force import Force
 from ..convert.formulas import DEFAULT_POISSON_RATIO, Numbers
 from ..convert.wanted import LAWS
-from ..scripts import ContactSettings, Description, Grains, Setting, Stage
+from ..scripts import ContactSettings, Description, Grains, Stage
+from ..support.formatting import listed
 from .contacts import Body, Case, KnownBody
 
 WALL = "wall"
@@ -36,10 +37,12 @@ class ModelForce:
 
     def written(self, first: KnownBody, second: KnownBody | None, speed: float) -> Written:
         """The model applied to two bodies."""
-        other = KnownBody(math.inf, math.inf) if second is None else second
+        other = KnownBody(math.inf, math.inf, self.contact.wall_mass) if second is None else second
         mass, radius = _core.effective(first.mass, other.mass), _core.effective(first.radius, other.radius)
+        counted = None if other.formula_mass is None else _core.effective(first.mass, other.formula_mass)
+        pair = Pair("", mass, radius * self.contact.wall_radius, second is None, formula_mass=counted)
         nu = self.numbers.get("poisson_ratio", DEFAULT_POISSON_RATIO)
-        return Written(self.model, Pair("", mass, radius, second is None), speed, self.attraction, nu)
+        return Written(self.model, pair, speed, self.attraction, nu)
 
     def __call__(self, first: KnownBody, second: KnownBody | None, speed: float) -> Force:
         return self.written(first, second, speed).force(self.numbers)
@@ -99,7 +102,7 @@ def of_script(description: Description) -> tuple[list[Case], Remarks]:
     """
     found = code(description.code)
     cases: list[Case] = []
-    versions, failed = dict[str, None](), dict[tuple[tuple[str, str], str], None]()
+    versions, failed = dict[str, dict[str, None]](), dict[tuple[tuple[str, str], str], None]()
     before: Stage | None = None
     for number, stage in enumerate(description.stages, 1):
         if before is not None and _state(stage) == _state(before):
@@ -108,43 +111,45 @@ def of_script(description: Description) -> tuple[list[Case], Remarks]:
         for contact in stage.contacts:
             force: ModelForce | None = None
             try:
-                force, remark = _force(found, contact, description.version)
-                versions |= {remark: None} if remark else {}
+                force, limit = _force(found, contact, description.version)
+                if limit:
+                    versions.setdefault(limit, {})[force.model.name] = None
             except ValueError as error:
                 failed[contact.types, str(error).removeprefix("input: ")] = None
             cases += _ends(number, stage, contact, force)
-    return cases, Remarks(tuple(versions), tuple(failed))
+    said = [
+        f"{listed(list(names))} as in {found.title} since {limit}; before, another ε."
+        for limit, names in versions.items()
+    ]
+    return cases, Remarks(tuple(said), tuple(failed))
 
 
 def _state(stage: Stage) -> object:
     """What two stages must share for their contacts to be the same."""
     contacts = [
-        (one.types, one.wall, {name: setting.words for name, setting in one.settings.items()})
+        (
+            one.types,
+            one.wall,
+            one.wall_mass,
+            one.wall_radius,
+            {name: setting.words for name, setting in one.settings.items()},
+        )
         for one in stage.contacts
     ]
     return contacts, stage.grains, stage.time_step, stage.numerical_damping
 
 
 def _force(found: Code, contact: ContactSettings, version: str | None) -> tuple[ModelForce, str]:
-    """The force of a contact, and a remark if it is another one in other versions of the code."""
-    settings = dict(contact.settings)
-    if settings.get("damping", Setting((), 0, "")).words == ("none",) and "normal" in settings:
-        normal = settings["normal"]
-        words = list(normal.words)
-        words[2] = "0"  # the place of the damping in LAMMPS' hooke, hertz and hertz/material
-        settings |= {
-            "normal": replace(normal, words=tuple(words)),
-            "damping": replace(normal, words=("velocity",)),
-        }
+    """The force of a contact, and the version before which it may be another one, empty if there is none."""
     wall = contact.types[1] == WALL
-    read = texts.interpreted(found, found.models, settings, wall)
-    model, remark = _of_version(found, read.model, version)
+    read = texts.interpreted(found, found.models, contact.settings, wall)
+    model, limit = _of_version(read.model, version)
     attracts = {"always": True, "never": False}.get(model.attracts, read.attracts)
-    return ModelForce(model, read.numbers, attracts, contact), remark
+    return ModelForce(model, read.numbers, attracts, contact), limit
 
 
-def _of_version(found: Code, model: Model, version: str | None) -> tuple[Model, str]:
-    """The model as in this version of the code, by default the newest, and a remark on the others."""
+def _of_version(model: Model, version: str | None) -> tuple[Model, str]:
+    """The model as in this version of the code, by default the newest; then also the version that changed it."""
     other = model.difference
     if other is None:
         return model, ""
@@ -153,9 +158,7 @@ def _of_version(found: Code, model: Model, version: str | None) -> tuple[Model, 
     known = None if version is None else _date(version)
     newer = known is None or known >= (_date(limit) or known)
     chosen = changed if newer == bool(other.since) else model
-    if version is not None:
-        return chosen, ""
-    return chosen, f"{model.name} as in {found.title} since {limit}; before, it gave another ε."
+    return chosen, "" if version is not None else limit or ""
 
 
 def _date(version: str) -> tuple[int, ...] | None:
@@ -208,7 +211,8 @@ def _body(grains: Grains, end: int) -> Body:
             mass = volume * density or None
         elif density is None and mass is not None and volume > 0.0:
             density = mass / volume
-    return Body(radius, math.inf if grains.frozen else mass, density)
+    fixed = grains.frozen and grains.counted
+    return Body(radius, math.inf if grains.frozen and not fixed else mass, density, fixed)
 
 
 # --- systems and numbers --------------------------------------------------------------------------------------

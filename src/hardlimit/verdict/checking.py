@@ -12,10 +12,12 @@ from typing import Any, Final
 from ..boxes.system import ParticleSystem
 from ..contact.balls import Ball
 from ..contact.contact import Law
+from ..convert.force import MAX_SPEED, MIN_SPEED
 from ..convert.readers import UNITS
 from ..scripts import Description, Note, Quote, Stage
 from ..scripts import read as read_script
 from ..support import validation
+from ..support.formatting import percent
 from . import answer, cases, corrections, dumps
 from .contacts import Case, CheckedContact, Surroundings, examine
 from .expectation import checked_packing_fraction
@@ -24,6 +26,8 @@ from .result import CheckedStage, Finding, Verdict
 #: Units of mass, length and time in SI; ``lj`` stays as it is.
 SCALES: Final = {**UNITS, "lj": (1.0, 1.0, 1.0)}
 NO_RUN: Final = Stage(Quote("", 0, ""), None, False, None, (), {}, None, None)
+#: Largest overlap over the radius that contact laws describe.
+COMPRESSED: Final = 0.05
 #: Powers of mass, length and time in the numbers of a contact.
 POWERS: Final = {
     "radius": (0, 1, 0),
@@ -59,11 +63,17 @@ def checked(
     dimension: Any,
 ) -> Verdict:
     """As :func:`hardlimit.check`."""
+    if not isinstance(source, str | Path | ParticleSystem | Ball):
+        raise ValueError(
+            f"source: got {validation.shown(source)}, must be a path, a text, a ParticleSystem or a Ball"
+        )
+    if not isinstance(variables, Mapping):
+        raise ValueError(f"variables: got {validation.shown(variables)}, must be values by name")
     given = Given(
         None if dump is None else Path(dump),
         _speeds(speed),
         packing_fraction,
-        {str(name): str(value) for name, value in dict(variables).items()},
+        {str(name): str(value) for name, value in variables.items()},
     )
     if isinstance(source, str | Path):
         for name, value in (("law", law), ("time_step", time_step), ("dimension", dimension)):
@@ -72,8 +82,9 @@ def checked(
                     f"{name}: got {validation.shown(value)}, must be left out with a script, which sets it"
                 )
         return _of_script(read_script(source, code=code, variables=given.variables), given)
-    if code is not None:
-        raise ValueError(f"code: got {validation.shown(code)}, must be left out without a script")
+    for name, value in (("code", code), ("variables", dict(variables) or None)):
+        if value is not None:
+            raise ValueError(f"{name}: got {validation.shown(value)}, must be left out without a script")
     if not isinstance(law, Law):
         raise ValueError(f"law: got {validation.shown(law)}, must be the contact law, such as LinearDashpot")
     step = None if time_step is None else validation.number("time_step", time_step, 0.0)
@@ -81,12 +92,8 @@ def checked(
         if dimension not in (None, source.dimension):
             raise ValueError(f"dimension: got {dimension}, must be left out with a system")
         return _of_system(source, law, given, step)
-    if isinstance(source, Ball):
-        d = 3 if dimension is None else validation.whole("dimension", dimension, 2, 3)
-        return _of_law([source], law, given, step, d, walls=True)
-    raise ValueError(
-        f"source: got {validation.shown(source)}, must be a path, a text, a ParticleSystem or a Ball"
-    )
+    d = 3 if dimension is None else validation.whole("dimension", dimension, 2, 3)
+    return _of_law([source], law, given, step, d, walls=True)
 
 
 def _speeds(given: Any) -> tuple[float, ...]:
@@ -94,8 +101,8 @@ def _speeds(given: Any) -> tuple[float, ...]:
     if given is None:
         return ()
     if validation.is_number(given):
-        return (validation.number("speed", given, 0.0),)
-    low, high = validation.numbers("speed", given, 2, lowest=0.0)
+        return (validation.number("speed", given, MIN_SPEED, MAX_SPEED),)
+    low, high = validation.numbers("speed", given, 2, lowest=MIN_SPEED, highest=MAX_SPEED)
     if low > high:
         raise ValueError(f"speed: got {low:g} to {high:g}, must be the lowest and then the highest speed")
     return tuple(dict.fromkeys((low, high)))
@@ -141,9 +148,9 @@ def _examined(
     """Each contact at each speed. Normal impact speeds at a wall are 1/√2 of those of grains in a gas."""
     share = math.sqrt(0.5) if gas.mean_speed is not None else 1.0
     return [
-        (case, examine(case, None if v is None else v * (share if case.second is None else 1.0), gas))
+        (case, row)
         for case in found
-        for v in (speeds or (None,))
+        for row in examine(case, [v * (share if case.second is None else 1.0) for v in speeds] or [None], gas)
     ]
 
 
@@ -174,10 +181,14 @@ def _of_script(script: Description, given: Given) -> Verdict:
         if not any(set(types) & set(one) for one in taken)
         and not any(one.types is None for one in invalidates)
     ]
-    notes = [*remarks.versions, *_notes(examined), *_numerically_damped(last.numerical_damping)]
+    notes = [
+        *remarks.versions,
+        *dict.fromkeys(_notes(examined)),
+        *_numerically_damped(last.numerical_damping),
+    ]
     missing = _missing(rows, gas, speeds, states)
     rubs = any(re.search(r"tangential|friction|rolling|twisting", note.what) for note in script.ignored)
-    admissible, sentence = answer.answer(rows, invalidates, unknown, missing, rubs)
+    admissible, sentence = answer.answer(rows, invalidates, unknown, missing, rubs, bool(states))
     return Verdict(
         admissible,
         sentence,
@@ -300,6 +311,9 @@ def _notes(examined: Sequence[tuple[Case, CheckedContact]]) -> Iterator[str]:
     rows = [row for _, row in examined]
     error = max((row.restitution_error_of_step or 0.0 for row in rows), default=0.0)
     endless = any(row.steps_per_contact is not None and row.restitution_error_of_step is None for row in rows)
+    overlap = max((row.largest_overlap or 0.0 for row in rows), default=0.0)
+    if overlap > COMPRESSED:
+        yield f"Overlaps reach {percent(overlap)} of the radius; contact laws hold up to {percent(COMPRESSED)}."
     if endless or error > 1.0:
         yield "The time step is too long: contacts do not end, or gain energy."
     elif error > corrections.ENOUGH:
@@ -308,9 +322,7 @@ def _notes(examined: Sequence[tuple[Case, CheckedContact]]) -> Iterator[str]:
 
 def _numerically_damped(damping: float | None) -> Iterator[str]:
     if damping:
-        yield (
-            f"NewtonIntegrator's damping of {damping:g} is part of these ε, for grains whose centre of mass is at rest."
-        )
+        yield f"ε includes NewtonIntegrator's damping of {damping:g} (centre of mass at rest)."
 
 
 def _in_si(row: CheckedContact, scales: tuple[float, float, float]) -> CheckedContact:
@@ -373,7 +385,7 @@ def _of_law(
     rows = [row for _, row in examined]
     invalidates = [*resting, *_lasting((), rows, dumped)]
     missing = _missing(rows, gas, speeds, dumped)
-    admissible, sentence = answer.answer(rows, invalidates, (), missing)
+    admissible, sentence = answer.answer(rows, invalidates, (), missing, dumped=bool(dumped))
     return Verdict(
         admissible,
         sentence,

@@ -1,6 +1,6 @@
 """Compute one contact at one impact speed: restitution, duration, steps, overlap, error of event-driven cooling.
 
-A radius, a mass or a speed may be unknown. A result is then computed for two trial values, and kept if they agree.
+A radius, a mass or a speed may be unknown. A result is then computed for several trial values, and kept if all agree.
 """
 
 from __future__ import annotations
@@ -17,8 +17,12 @@ from ..boxes.time_step import DEFAULT_ERROR
 from ..convert.force import Collision, Force, Powers
 from .expectation import RULES, expected
 
-#: Two values tried for an unknown radius, mass and speed.
-TRIALS: Final = {"radius": (1e-3, 3e-3), "mass": (1e-6, 5e-6), "speed": (1.0, 0.3)}
+#: Values tried for an unknown radius, mass and speed, far apart: a contact may be overdamped at two of them only.
+TRIALS: Final = {
+    "radius": (1e-3, 3e-3, 1.0, 1e-6),
+    "mass": (1e-6, 5e-6, 1e30, 1e-30),
+    "speed": (1.0, 0.3, 30.0, 1e-4),
+}
 AGREEMENT: Final = 1e-6  #: relative difference of results that count as equal
 
 
@@ -29,13 +33,13 @@ class Body:
     radius: float | None
     mass: float | None
     density: float | None = None
+    fixed: bool = False  #: whether it does not move although its mass is finite in the code's formulas
 
     def tried(self, k: int) -> KnownBody:
         """The body, with trial values in place of unknown ones."""
-        return KnownBody(
-            TRIALS["radius"][k] if self.radius is None else self.radius,
-            TRIALS["mass"][k] if self.mass is None else self.mass,
-        )
+        radius = TRIALS["radius"][k] if self.radius is None else self.radius
+        mass = TRIALS["mass"][k] if self.mass is None else self.mass
+        return KnownBody(radius, math.inf, mass) if self.fixed else KnownBody(radius, mass)
 
 
 class KnownBody(NamedTuple):
@@ -43,6 +47,7 @@ class KnownBody(NamedTuple):
 
     radius: float
     mass: float
+    formula_mass: float | None = None  #: in the code's formulas, if it is another one
 
 
 @dataclass(frozen=True)
@@ -123,8 +128,17 @@ class CheckedContact:
     spring: tuple[str, float, float] | None = None  #: name of the stiffness, value, value for an error of 1 %
 
 
-def examine(case: Case, speed: float | None, gas: Surroundings) -> CheckedContact:
-    """The contact at one speed; None if the speed is not known."""
+def examine(case: Case, speeds: Sequence[float | None], gas: Surroundings) -> list[CheckedContact]:
+    """The contact at each speed, None if no speed is known; one without a speed if nothing depends on it."""
+    rows = [_at(case, speed, gas) for speed in speeds]
+    if rows[0].largest_overlap is None:  # known, it depends on the speed
+        anywhere = _at(case, None, gas)
+        if all(replace(row, speed=None) == anywhere for row in rows):
+            return [anywhere]
+    return rows
+
+
+def _at(case: Case, speed: float | None, gas: Surroundings) -> CheckedContact:
     row = CheckedContact(
         case.types,
         case.stage,
@@ -139,6 +153,8 @@ def examine(case: Case, speed: float | None, gas: Surroundings) -> CheckedContac
     )
     if case.force is None:
         return row
+    bodies = (case.first, case.second or case.first)
+    known = speed is not None and all(body.radius is not None and body.mass is not None for body in bodies)
     found = [
         _results(
             case,
@@ -147,12 +163,12 @@ def examine(case: Case, speed: float | None, gas: Surroundings) -> CheckedContac
             TRIALS["speed"][k] if speed is None else speed,
             gas,
         )
-        for k in (0, 1)
+        for k in range(1 if known else len(TRIALS["speed"]))
     ]
     kept: dict[str, Any] = {name: _agreed([one.get(name) for one in found]) for name in found[0]}
     errors = {str(rule): (kept.pop(rule), kept.pop(f"{rule}±")) for rule in RULES if rule in kept}
     if (steps := kept.get("steps_per_contact")) is not None:
-        kept["steps_per_contact"] = int(steps)
+        kept["steps_per_contact"] = math.floor(steps)
     if case.spring is not None and kept.get("softening") is not None:
         name, value, power = case.spring
         kept["spring"] = name, value, value * kept["softening"] ** (1.0 / power)
@@ -194,7 +210,7 @@ def _results(
         )
     if case.time_step is not None:
         found["steps_per_contact"] = (
-            math.floor(collision.duration / case.time_step) if math.isfinite(collision.duration) else None
+            collision.duration / case.time_step if math.isfinite(collision.duration) else None
         )
         found["restitution_error_of_step"] = force.error_of_step(speed, case.time_step)
     return found | _in_gas(case, force, first, second, speed, gas, collision)

@@ -19,7 +19,7 @@ from ..support import validation
 Floats = NDArray[np.float64]
 
 #: Largest number of frames that are analysed, equally spaced over the file.
-MOST_FRAMES: Final = 20
+MAX_FRAMES: Final = 20
 #: Shares of impacts with lower speeds, at which speeds are given.
 QUANTILES: Final = (0.1, 0.5, 0.9)
 
@@ -78,7 +78,7 @@ class State:
 
 
 def read(path: str | Path) -> list[Frame]:
-    """The frames of a dump, at most ``MOST_FRAMES``.
+    """The frames of a dump, at most ``MAX_FRAMES``.
 
     Raises
     ------
@@ -89,7 +89,7 @@ def read(path: str | Path) -> list[Frame]:
     try:
         with _opened(path) as lines:
             count = sum(1 for _ in _blocks(lines))
-        chosen = {round(k) for k in np.linspace(0, count - 1, min(count, MOST_FRAMES))}
+        chosen = {round(k) for k in np.linspace(0, count - 1, min(count, MAX_FRAMES))}
         with _opened(path) as lines:
             return [_frame(*block) for k, block in enumerate(_blocks(lines)) if k in chosen]
     except (OSError, EOFError, UnicodeDecodeError) as error:

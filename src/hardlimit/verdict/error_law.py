@@ -267,20 +267,15 @@ class ErrorLaw:
         ValueError
             If ``error`` is outside its range.
         """
+        from scipy.optimize import brentq
+
         limit = validation.number("error", error, 0.0, 1.0, highest_allowed=True)
-        low, high = 0.0, MEASURED_TC_NU
         steps = 300
-        for i in range(1, steps + 1):  # the first crossing; under the rule tc the error may turn back
-            at = MEASURED_TC_NU * i / steps
-            if abs(self.error(at)) > limit:
-                low, high = MEASURED_TC_NU * (i - 1) / steps, at
-                break
-        else:
-            return MEASURED_TC_NU
-        for _ in range(60):
-            middle = 0.5 * (low + high)
-            low, high = (low, middle) if abs(self.error(middle)) > limit else (middle, high)
-        return low
+        for i in range(steps):  # the first crossing; under the rule tc the error may turn back
+            low, high = MEASURED_TC_NU * i / steps, MEASURED_TC_NU * (i + 1) / steps
+            if abs(self.error(high)) > limit:
+                return float(brentq(lambda at: abs(self.error(at)) - limit, low, high, xtol=1e-16))
+        return MEASURED_TC_NU
 
     def delta_over_d(self, tc_nu: float) -> float:
         """δ/d, the mean greatest compression of undamped linear contacts over the diameter: t_c ν/(D 2^D φ χ).

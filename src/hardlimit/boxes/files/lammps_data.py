@@ -20,7 +20,6 @@ from ...contact.balls import ball_masses
 from ...support import validation
 from .frame import Append, Floats, Found, Frame, boundary_of, read_table, three, write_rows
 
-SECTIONS: Final = ("Atoms", "Velocities")
 _MARK: Final = re.compile(
     r"LAMMPS data file by hardlimit, SI units, dimension ([23]), boundary ([pf ]+), gravity (.+)"
 )

@@ -132,15 +132,18 @@ if "2 < 1" then "timestep 1" elif "a != b" "timestep 2e-5" else "timestep 3"
 
 # --- pairs ------------------------------------------------------------------------------------------------------
 
-
-def test_wildcards_and_overrides():
-    text = """region box block 0 1 0 1 0 1
+#: A box with grains of four types.
+FOUR_TYPES = """region box block 0 1 0 1 0 1
 create_box 4 box
 create_atoms 1 box
 create_atoms 2 box
 create_atoms 3 box
 create_atoms 4 box
-pair_style granular
+"""
+
+
+def test_wildcards_and_overrides():
+    text = f"""{FOUR_TYPES}pair_style granular
 pair_coeff * * hooke 1 0.1
 pair_coeff 1*2 3* hooke 2 0.2
 pair_coeff 3 2 hooke 3 0.3
@@ -347,6 +350,37 @@ run 1
         assert (grains["1"].frozen, grains["2"].frozen) == (False, True)
     for lines in ("fix 1 all nve/sphere", "group some id 1 2\nfix 1 all nve\nfix 2 some freeze", ""):
         assert not any(one.frozen for one in stage(text.format(lines)).grains.values())
+    for lines, counted in (
+        ("fix 1 all nve/sphere\nfix 2 floor freeze", False),
+        ("fix 1 mobile nve/sphere", True),
+        ("fix 1 mobile nve/sphere\nfix 2 floor nve/noforce", True),
+        ("fix 1 mobile nve/sphere\nfix 2 floor move linear 1 0 0", True),
+        ("fix 1 all nve/sphere\nfix 2 floor setforce 0 0.0 0", True),
+    ):
+        floor = stage(text.format(lines)).grains["2"]
+        assert floor.frozen and floor.counted is counted
+    assert not stage(text.format("fix 1 all nve\nfix 2 floor setforce NULL NULL 0")).grains["2"].frozen
+
+
+def test_set_changes_the_grains_with_these_numbers():
+    text = f"{BOX}{PAIR}create_atoms 1 single 0 0 0\ncreate_atoms 1 single 0 0 .5\ncreate_atoms 2 single 0 .5 .5\n"
+    for lines, first, second in (
+        ("set atom 1 diameter .2\nset atom 2 diameter .4", (0.1, 0.2), (0.5, 0.5)),
+        ("set atom 1*2 diameter .2", (0.1, 0.1), (0.5, 0.5)),
+        ("set atom 2* diameter .2", (0.1, 0.5), (0.1, 0.1)),
+        ("set atom * diameter .2", (0.1, 0.1), (0.1, 0.1)),
+        ("set atom 2 type 2\nset type 1 diameter .2", (0.1, 0.1), (0.5, 0.5)),
+        ("create_atoms 1 box\nset atom 1*4 diameter .2", (0.1, 0.5), (0.1, 0.1)),
+    ):
+        grains = stage(f"{text}{lines}\nrun 1\n").grains
+        assert (grains["1"].radii, grains["2"].radii) == (first, second), lines
+
+
+def test_no_damping():
+    words = normal(
+        f"{BOX}pair_style granular\npair_coeff * * hertz 1e5 0.5 damping none tangential none\nrun 1\n"
+    )
+    assert words == ("hertz", "1e5", "0")
 
 
 # --- walls, stages, notes ---------------------------------------------------------------------------------------
@@ -394,13 +428,7 @@ def test_settings_that_change_are_stages():
 
 def test_groups():
     """A wall acts on the types of its group."""
-    text = """region box block 0 1 0 1 0 1
-create_box 4 box
-create_atoms 1 box
-create_atoms 2 box
-create_atoms 3 box
-create_atoms 4 box
-group a type 1
+    text = f"""{FOUR_TYPES}group a type 1
 group b type 2:3
 group c type > 3
 group d union a c

@@ -1,0 +1,95 @@
+"""Run the collisions of tests/verdict/data/two_grains.toml in LIGGGHTS and YADE; write ε and the steps of a contact.
+
+    python tools/verify_scripts.py tests/data/script_restitution.csv
+
+Requires the programs ``liggghts`` and ``yade`` in PATH (Debian has both). The rows of a missing code stay.
+"""
+
+import argparse
+import csv
+import re
+import shutil
+import tempfile
+import tomllib
+from pathlib import Path
+
+from verify_codes import Measured, results
+
+SCRIPTS = Path(__file__).parents[1] / "tests/verdict/data/two_grains.toml"
+VERSIONS = {"liggghts": "3.8.0 (Debian 3.8.0+repack1-9)", "yade": "2023.02a (Debian)"}
+#: Lines before the last run, which print the relative velocity at each step.
+LIGGGHTS = """
+variable separation equal {}
+thermo_style custom step v_separation
+thermo_modify format 2 "RESULT %.15g"
+thermo 1
+"""
+#: Lines instead of the last run.
+YADE = r"""
+for _ in range(\1):
+    print("RESULT", repr(float(O.bodies[1].state.vel[2] - O.bodies[0].state.vel[2])))
+    O.step()
+print("RESULT", repr(float(O.bodies[1].state.vel[2] - O.bodies[0].state.vel[2])))
+"""
+#: A square of 4 m × 4 m in the plane z = 0.
+FLOOR = (
+    "solid floor\n"
+    + "".join(
+        "facet normal 0 0 1\nouter loop\n"
+        + "".join(f"vertex {x} {y} 0\n" for x, y in corners)
+        + "endloop\nendfacet\n"
+        for corners in (((-1, -1), (1, -1), (1, 1)), ((-1, -1), (1, 1), (-1, 1)))
+    )
+    + "endsolid floor\n"
+)
+
+
+def measured(code: str, text: str, wall: bool, speed: float) -> Measured:
+    """ε and the duration of the contact in the real code."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        (folder / "floor.stl").write_text(FLOOR)
+        if code == "liggghts":
+            speed /= 0.01 if "units cgs" in text else 1.0
+            before, run, steps = text.rpartition("run ")
+            lines = LIGGGHTS.format("vz[1]" if wall else "vz[2]-vz[1]")
+            (folder / "in.script").write_text(f"{before}{lines}{run}{steps}")
+            found = results(["liggghts", "-in", "in.script", "-log", "none"], folder)
+        else:
+            (folder / "script.py").write_text(re.sub(r"O\.run\((\d+), True\)", YADE, text))
+            found = results(["yade", "-n", "-x", "script.py"], folder)
+        return Measured.of([v / speed for v in found], 1.0)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("file", type=Path)
+    parser.add_argument("--only", default="", help="only scripts whose name contains this")
+    given = parser.parse_args()
+    rows: dict[str, dict[str, object]] = {}
+    if given.file.exists():
+        with given.file.open(encoding="utf-8") as file:
+            rows = {row["script"]: dict(row) for row in csv.DictReader(file)}
+    scripts = tomllib.loads(SCRIPTS.read_text(encoding="utf-8"))["script"]
+    for one in scripts:
+        name = one["name"]
+        code = name.split()[0]
+        if given.only in name and shutil.which(code):
+            found = measured(code, one["text"], one["types"][1] == "wall", one["speed"])
+            rows[name] = {
+                "script": name,
+                "version": VERSIONS[code],
+                "restitution": f"{found.restitution:.6f}",
+                "steps": round(found.duration),
+            }
+            print(name, f"{found.restitution:.6f}", round(found.duration), flush=True)
+    with given.file.open("w", newline="", encoding="utf-8") as file:
+        table = csv.DictWriter(file, ["script", "version", "restitution", "steps"], lineterminator="\n")
+        table.writeheader()
+        table.writerows(rows[one["name"]] for one in scripts if one["name"] in rows)
+
+
+if __name__ == "__main__":
+    main()
