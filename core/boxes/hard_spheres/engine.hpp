@@ -139,7 +139,10 @@ private:
         if constexpr (mixed) return pending_[i].count;
         return collisions_in(particles_[i].radius);
     }
-    void count_collision(u32 i) {
+    // Counts a collision, which has changed the velocity.
+    void count_collision(u32 i, const double (&before)[d]) {
+        if constexpr (motion == Motion::straight)
+            accumulators_.velocities.change(mass(i), before, particles_[i].velocity);
         if constexpr (mixed)
             ++pending_[i].count;
         else
@@ -182,6 +185,10 @@ private:
 
     // observe.hpp
     std::vector<u32> in_original_order() const;
+    template <class F>
+    void for_original_order(const F& f) const;
+    VelocitySums velocity_sums() const;
+    double potential_energy() const;
     void refresh_accumulators();
 
     // predict.hpp
