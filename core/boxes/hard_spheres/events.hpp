@@ -44,7 +44,7 @@ void HardSpheres<d, motion, mixed>::leave_cell(u32 i, Place<d> at) {
         Place<d> from, to;
         for (int k = 0; k < d; ++k) from[k] = place[k] - 1, to[k] = place[k] + 1;
         from[axis] = to[axis] = place[axis] + step;
-        predict_in_block(next, q, from, to);
+        if (holds_any(q)) predict_in_block(next, q, from, to);
         // The face just crossed is a face of the next coarser grid if an even number of cells lies below it.
         const int border = step > 0 ? place[axis] : place[axis] + 1;
         if (q + 1 == cells_.levels() || border % 2 != 0) break;

@@ -113,7 +113,10 @@ void HardSpheres<d, motion, mixed>::sort_in(const System& s) {
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::fill_cells() {
     cells_.clear();
-    for (u32 i = 0; i < size32(); ++i) cells_.insert(pending_[i].cell, i);
+    for (u32 i = 0; i < size32(); ++i) {
+        cells_.insert(pending_[i].cell, i);
+        if constexpr (mixed) cells_.note(level(i), 2.0 * radius(i));
+    }
 }
 
 template <int d, Motion motion, bool mixed>
