@@ -708,3 +708,20 @@ def test_long_lists_are_shortened(tmp_path):
     out = run("check", str(path), "--speed", "1").stdout
     assert "and 5 more" in out and len(out.splitlines()) <= 15
     assert "w8" in run("check", str(path), "--speed", "1", "--verbose").stdout
+
+
+def test_unequal_grains_have_a_wider_error():
+    """The law of the error is that of equal grains; ν depends on the composition of a mixture."""
+    text = (
+        "units si\natom_style sphere\nregion box block 0 1 0 1 0 1\ncreate_box 2 box\n"
+        "create_atoms 1 random 100 1 box\ncreate_atoms 2 random 100 2 box\n"
+        "set type 1 diameter 2e-3 density 2500\nset type 2 diameter 3e-3 density 2500\n"
+        "pair_style gran/hooke 1e7 NULL 2e4 NULL 0 0\npair_coeff * *\nfix 2 all nve/sphere\nrun 1\n"
+    )
+    found = hl.check(text, speed=1.0, packing_fraction=0.1)
+    bars = {row.types: row.error["constant"][1] / row.error["constant"][0] for row in found.rows}
+    assert bars["1", "2"] >= 0.5 > 2.0 * max(bars["1", "1"], bars["2", "2"])
+    assert any("Unequal grains" in one for one in found.remarks)
+    # A pair of equal grains whose error is surely too large decides, whatever the wide bar of another.
+    soft = hl.check(text.replace("1e7", "4e4"), speed=1.0, packing_fraction=0.1)
+    assert soft.admissible is False

@@ -144,7 +144,7 @@ def from_numbers(
     """The check of equal grains under one of our laws."""
     name, parameters = take_law(numbers)
     if numbers["radius"] is None:
-        raise ValueError("check: give a file, or --radius with --density, a stiffness and --restitution")
+        raise ValueError("give a file, or --radius with --density, a stiffness and --restitution")
     for option, value in (("--code", code), ("--var", variables or None)):
         if value is not None:
             raise ValueError(f"{option}: must be left out without a file")

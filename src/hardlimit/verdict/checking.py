@@ -345,6 +345,8 @@ def _notes(examined: Sequence[tuple[Case, CheckedContact]]) -> Iterator[str]:
     error = max((row.restitution_error_of_step or 0.0 for row in rows), default=0.0)
     endless = any(row.steps_per_contact is not None and row.restitution_error_of_step is None for row in rows)
     overlap = max((row.largest_overlap or 0.0 for row in rows), default=0.0)
+    if any(row.error and row.radius != row.other_radius for row in rows):
+        yield "Unequal grains: the error is that of equal ones of their mean size, with a wider bar."
     if overlap > COMPRESSED:
         yield f"Overlaps reach {percent(overlap)} of the radius; contact laws hold up to {percent(COMPRESSED)}."
     if endless or error > 1.0:
