@@ -205,7 +205,7 @@ private:
     void process_event(u32 i);
     void leave_cell(u32 i, Place<d> at);
     void collide_with_wall(u32 i, const Wall& wall);
-    bool approaches_oscillating_wall(u32 i, const Wall& wall) const;
+    bool meets_wall(u32 i, const Wall& wall) const;
     void collide(u32 i, u32 j);
     void advance_to_now(u32 i) { boxes::advance<motion>(particles_[i], now_, box_); }
     void to_nearest_image(u32 i, u32 j, double (&r)[d]) const;

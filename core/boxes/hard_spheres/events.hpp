@@ -55,23 +55,20 @@ void HardSpheres<d, motion, mixed>::leave_cell(u32 i, Place<d> at) {
     schedule(i);
 }
 
-// Whether a particle touches an oscillating wall and does not separate from it. Otherwise the time of its event was a
-// lower bound, or the wall has turned back at that instant.
 template <int d, Motion motion, bool mixed>
-bool HardSpheres<d, motion, mixed>::approaches_oscillating_wall(u32 i, const Wall& wall) const {
+bool HardSpheres<d, motion, mixed>::meets_wall(u32 i, const Wall& wall) const {
     const Particle<d>& p = particles_[i];
     const int axis = wall.id.axis();
     const double x = position_after<motion>(p, axis, now_ - p.time, box_);
     const double v = velocity_after<motion>(p, axis, now_ - p.time, box_);
-    const double rate = wall.inward() * (v - wall.velocity(now_));
-    return rate <= 0.0 && touches_wall(wall.distance(x, now_) - radius(i), rate, radius(i), now_);
+    return meets_oscillating_wall(wall, now_, x, v, box_.gravity[axis], radius(i));
 }
 
 // Collision with a wall, in the frame of the wall. A particle that arrives at zero speed rests there if gravity and the
 // acceleration of the wall press it on the wall.
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::collide_with_wall(u32 i, const Wall& wall) {
-    if (wall.motion.oscillates() && !approaches_oscillating_wall(i, wall)) [[unlikely]] {
+    if (wall.motion.oscillates() && !meets_wall(i, wall)) [[unlikely]] {
         predict_self_event(i, cells_.place(level(i), pending_[i].cell));
         return schedule(i);
     }

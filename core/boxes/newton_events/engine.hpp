@@ -198,7 +198,7 @@ private:
     // flight.hpp
     Vector3 position(int i, double t) const;
     Vector3 velocity(int i, double t) const;
-    bool touches(int i, const Wall& wall) const;
+    bool meets_wall(int i, const Wall& wall) const;
     void restart_path(int i);
     void schedule(int i);
     void reschedule(int i);
@@ -363,7 +363,7 @@ void NewtonEvents<Law>::process_event(int i) {
     const SelfEvent own = static_cast<SelfEvent>(e.own);
     if (own == SelfEvent::ends) return end_cluster(i);
     if (is_wall(own))
-        return touches(i, box_.wall(wall_at(own))) ? begin_contact(i, -1, wall_at(own)) : reschedule(i);
+        return meets_wall(i, box_.wall(wall_at(own))) ? begin_contact(i, -1, wall_at(own)) : reschedule(i);
     leave_cell(i);
 }
 

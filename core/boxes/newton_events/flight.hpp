@@ -22,15 +22,12 @@ Vector3 NewtonEvents<Law>::velocity(int i, double t) const {
     return v;
 }
 
-// Whether a body touches a wall at the time of its wall event: for an oscillating wall, this time may be a lower bound,
-// or the wall may turn back at that instant.
 template <class Law>
-bool NewtonEvents<Law>::touches(int i, const Wall& wall) const {
+bool NewtonEvents<Law>::meets_wall(int i, const Wall& wall) const {
     if (!wall.motion.oscillates()) return true;
     const auto axis = static_cast<std::size_t>(wall.id.axis());
-    const double rate = wall.inward() * (velocity(i, now_)[axis] - wall.velocity(now_));
-    const double gap = wall.distance(position(i, now_)[axis], now_) - radius(i);
-    return rate <= 0.0 && touches_wall(gap, rate, radius(i), now_);
+    return meets_oscillating_wall(wall, now_, position(i, now_)[axis], velocity(i, now_)[axis],
+                                  box_.gravity[axis], radius(i));
 }
 
 // Starts a new parabola at the current time.

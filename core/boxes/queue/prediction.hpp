@@ -40,10 +40,13 @@ inline double wall_contact_time(const Wall& wall, double now, double x, double v
     return time_below(reach - wall.distance(x, now), out * (v - wall.velocity(now)), out * g, 0.0);
 }
 
-// Whether a particle with this gap to an oscillating wall [m] and this speed relative to it is in contact to within the
-// rounding of positions and times. If not, the time of its wall event was a lower bound.
-inline bool touches_wall(double gap, double speed, double reach, double now) {
-    return gap <= 1e-9 * reach + 16.0 * math::epsilon * now * math::abs(speed);
+// Whether a particle in flight touches an oscillating wall and does not separate from it, to within the rounding of
+// positions and times. If not, the time of its wall event was a lower bound, or the wall has turned back at that
+// instant. A flight too short for the time to resolve counts as over.
+inline bool meets_oscillating_wall(const Wall& wall, double now, double x, double v, double g, double reach) {
+    const double rate = wall.inward() * (v - wall.velocity(now)), rounding = 16.0 * math::epsilon * now;
+    return wall.distance(x, now) - reach <= 1e-9 * reach + rounding * math::abs(rate) &&
+           rate <= rounding * math::abs(g - wall.acceleration(now));
 }
 
 // First time after `now` at which the gap to an oscillating wall falls to zero; a lower bound on it if it is far away,
