@@ -227,7 +227,10 @@ def test_a_ball_rests_on_a_piston_that_rises() -> None:
     [
         ((-1, 0.0, math.nan, 0.0, 0.0, 0.0, "none"), "moving_walls: got nan, must be finite"),
         ((-3, 0.0, 1.0, 0.0, 0.0, 0.0, "none"), "moving_walls: got the number -3, must be that of a wall"),
-        ((-1, 0.0, 0.0, 1.0, 0.0, 0.0, "sine"), "moving_walls: got 1 and 0, must be an amplitude and a frequency > 0"),
+        (
+            (-1, 0.0, 0.0, 1.0, 0.0, 0.0, "sine"),
+            "moving_walls: got 1 and 0, must be an amplitude and a frequency > 0",
+        ),
         ((-1, 0.0, 0.0, 1.0, 1.0, 0.0, "saw"), "moving_walls: got saw, must be a waveform"),
     ],
 )

@@ -80,9 +80,13 @@ def of_pairs(
 
 
 def impact_temperature(system: ParticleSystem) -> float:
-    """Granular temperature T [m²/s²], with the mean motion if there are walls. The mean impact speed is √(πT)."""
+    """Granular temperature T [m²/s²], with the mean motion if there are walls. The mean impact speed is √(πT).
+
+    Moving walls give the particles about their own speed.
+    """
     if "wall" in system.boundary:
-        return 2.0 * system.kinetic_energy / (system.dimension * float(system.mass.sum()))
+        own = 2.0 * system.kinetic_energy / (system.dimension * float(system.mass.sum()))
+        return max(own, system.domain.fastest_wall**2)
     return system.granular_temperature
 
 

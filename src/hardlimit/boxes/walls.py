@@ -161,7 +161,7 @@ def checked_walls(walls: Any, boundary: Sequence[str]) -> dict[str, MovingWall]:
     if walls is None:
         return {}
     if not isinstance(walls, Mapping):
-        raise ValueError(f"walls: got {validation.shown(walls)}, must be a mapping such as {{'z-': hl.MovingWall(...)}}")
+        raise ValueError(f"walls: got {validation.shown(walls)}, must be a mapping of 'x-', … to MovingWall")
     named = {name_of(axis, upper): axis for axis in range(len(boundary)) for upper in (False, True)}
     for name, wall in walls.items():
         validation.one_of("walls", name, list(named))
@@ -176,7 +176,15 @@ def of_core(walls: Walls) -> Iterator[tuple[int, float, float, float, float, flo
     """The arguments of the core for each wall."""
     for name, wall in walls.items():
         waveform = wall.waveform if wall.oscillates else "none"
-        yield number_of(name), wall.offset, wall.velocity, wall.amplitude, wall.frequency, wall.phase, waveform
+        yield (
+            number_of(name),
+            wall.offset,
+            wall.velocity,
+            wall.amplitude,
+            wall.frequency,
+            wall.phase,
+            waveform,
+        )
 
 
 def as_entries(walls: Walls) -> list[list[Any]]:
@@ -189,7 +197,12 @@ def from_entries(entries: Any) -> dict[str, MovingWall]:
     try:
         return {
             str(name): MovingWall(
-                float(amplitude), float(frequency), str(waveform), float(phase), velocity=float(velocity), offset=float(offset)
+                float(amplitude),
+                float(frequency),
+                str(waveform),
+                float(phase),
+                velocity=float(velocity),
+                offset=float(offset),
             )
             for name, amplitude, frequency, waveform, phase, velocity, offset in entries
         }
