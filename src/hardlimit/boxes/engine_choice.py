@@ -85,9 +85,9 @@ def typical_contact(system: ParticleSystem, law: Law) -> tuple[float, float, flo
     """Duration [s] (infinite if it does not end) and ε of a typical contact, and the initial temperature [m²/s²].
 
     The contact is that of two particles of mean mass and radius at the mean impact speed √(πT), where T is the initial
-    temperature or that of the atmosphere that settles, whichever is larger.
+    temperature or that of the atmosphere that settles, whichever is larger. Moving walls heat to about their own speed.
     """
-    temperature = impact_temperature(system)
+    temperature = max(impact_temperature(system), system.domain.fastest_wall**2)
     hottest = max(temperature, _bed_temperature(system))
     contact = mean_contact(system, law)
     speed = np.array([math.sqrt(math.pi * hottest) or 1.0])
