@@ -78,8 +78,8 @@ void HardSpheres<d, motion, mixed>::contact(u32 i, u32 j, const double (&r)[d], 
     ++accumulators_.pairs;
 }
 
-// Contact of a particle with a wall, in the frame of the wall, whose acceleration is taken as constant while the contact
-// lasts. speed: of approach. The parabola of the equivalent collision is in the frame of the wall; the flight after the
+// Contact of a particle with a wall, in the frame of the wall, whose acceleration is taken as constant during the
+// contact. speed: of approach. The parabola of the equivalent collision is in the frame of the wall; the flight after the
 // contact is one in the laboratory. An oscillating wall therefore needs the state at the end, extrapolated back there.
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::contact_with_wall(u32 i, const Wall& wall, double speed) {

@@ -100,13 +100,19 @@ class MovingWall:
         return abs(self.velocity) + factor * self.amplitude * self.frequency
 
     def displacement(self, time: float = 0.0) -> float:
-        """Displacement from the rest place at a time of the run [m]."""
+        """Displacement from the rest place at a time of the run [m].
+
+        :meta private:
+        """
         cycles = math.fmod(self.frequency * time + self.phase / (2.0 * math.pi), 1.0) % 1.0
         moved = self.offset + self.velocity * time
         return moved + self.amplitude * _wave(self.waveform, cycles) if self.oscillates else moved
 
     def after(self, time: float) -> MovingWall:
-        """The wall in a run that begins at a time of this one [s]."""
+        """The wall in a run that begins at a time of this one [s].
+
+        :meta private:
+        """
         if time == 0.0:
             return self
         phase = self.phase
