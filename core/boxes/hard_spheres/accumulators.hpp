@@ -154,8 +154,16 @@ struct Accumulators {
         kinetic -= lost;
         momentum[axis] += impulse;
         if (!wall.moves()) return;
-        kinetic += impulse * wall.velocity(time);
-        wall_work.add(impulse * wall.velocity(time));
+        const double work = impulse * wall.velocity(time);
+        kinetic += work;
+        wall_work.add(work);
+    }
+    // The same from the gain of kinetic energy and the work of the wall [J].
+    void add_wall(int axis, double impulse, double gained, double work) {
+        ++walls;
+        kinetic += gained;
+        momentum[axis] += impulse;
+        wall_work.add(work);
     }
 };
 

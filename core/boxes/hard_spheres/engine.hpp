@@ -201,7 +201,7 @@ private:
     void predict(u32 i, u32 except);
     void predict_unscheduled(u32 i, u32 except);
     void predict_self_event(u32 i, const Place<d>& at);
-    double wall_time(u32 i, const Wall& wall) const;
+    double wall_time(u32 i, const Wall& wall, double horizon) const;
     void predict_in_block(NextCollision& next, int level, const Place<d>& from, const Place<d>& to);
     void predict_in_images(NextCollision& next, int level, const Place<d>& from, const Place<d>& to);
     void predict_finer(NextCollision& next, int level);
@@ -216,6 +216,7 @@ private:
     void process_event(u32 i);
     void leave_cell(u32 i, Place<d> at);
     void collide_with_wall(u32 i, const Wall& wall);
+    bool meets_wall(u32 i, const Wall& wall) const;
     void collide(u32 i, u32 j);
     void advance_to_now(u32 i) { boxes::advance<motion>(particles_[i], now_, box_); }
     void to_nearest_image(u32 i, u32 j, double (&r)[d]) const;

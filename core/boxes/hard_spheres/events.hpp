@@ -55,10 +55,23 @@ void HardSpheres<d, motion, mixed>::leave_cell(u32 i, Place<d> at) {
     schedule(i);
 }
 
-// Collision with a wall, in the frame of the wall. A particle that arrives at zero speed rests there if gravity presses
-// it on the wall.
+template <int d, Motion motion, bool mixed>
+bool HardSpheres<d, motion, mixed>::meets_wall(u32 i, const Wall& wall) const {
+    const Particle<d>& p = particles_[i];
+    const int axis = wall.id.axis();
+    const double x = position_after<motion>(p, axis, now_ - p.time, box_);
+    const double v = velocity_after<motion>(p, axis, now_ - p.time, box_);
+    return meets_oscillating_wall(wall, now_, x, v, box_.gravity[axis], radius(i));
+}
+
+// Collision with a wall, in the frame of the wall. A particle that arrives at zero speed rests there if gravity and the
+// acceleration of the wall press it on the wall.
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::collide_with_wall(u32 i, const Wall& wall) {
+    if (wall.motion.oscillates() && !meets_wall(i, wall)) [[unlikely]] {
+        predict_self_event(i, cells_.place(level(i), pending_[i].cell));
+        return schedule(i);
+    }
     Particle<d>& p = particles_[i];
     const int axis = wall.id.axis();
     const double away = wall.inward(), waited = now_ - p.time;
@@ -76,7 +89,8 @@ void HardSpheres<d, motion, mixed>::collide_with_wall(u32 i, const Wall& wall) {
     } else if (speed == 0.0) {
         ++accumulators_.walls;
         record(i, wall.id.number, speed, 0.0, 0.0, math::infinity);
-        if (!(away * box_.gravity[axis] > 0.0)) return end_run(Outcome::at_rest, i, wall.id.number);
+        if (!(away * (box_.gravity[axis] - wall.acceleration(now_)) > 0.0))
+            return end_run(Outcome::at_rest, i, wall.id.number);
     } else if (takes_time_) {
         contact_with_wall(i, wall, speed);
     } else {

@@ -161,7 +161,7 @@ double HardSpheres<d, motion, mixed>::speed_bound() const {
     for (int k = 0; k < d; ++k)
         if (box_.has_walls(k)) {
             const bool moving = box_.has_moving_walls(k);
-            const double height = box_.edge[k] + (moving ? 4.0 * box_.fastest_wall() * now_ : 0.0);
+            const double height = box_.edge[k] + (moving ? 4.0 * box_.farthest_wall(now_) : 0.0);
             square += 2.0 * math::abs(box_.gravity[k]) * height;
         }
     return math::sqrt(square);
@@ -201,14 +201,15 @@ void HardSpheres<d, motion, mixed>::predict_finer(NextCollision& next, int level
     rescans_[next.id] = now_ + horizon;
 }
 
-// Time from the last collision of a particle until it touches a wall, found from the present state.
+// Time from the last collision of a particle until it touches a wall, found from the present state; `horizon`: the time
+// from which on it does not matter.
 template <int d, Motion motion, bool mixed>
-double HardSpheres<d, motion, mixed>::wall_time(u32 i, const Wall& wall) const {
+double HardSpheres<d, motion, mixed>::wall_time(u32 i, const Wall& wall, double horizon) const {
     const Particle<d>& p = particles_[i];
     const int k = wall.id.axis();
     const double from = wall_blocked_until(i, wall.id), since = from - p.time;
     const double x = position_after<motion>(p, k, since, box_), v = velocity_after<motion>(p, k, since, box_);
-    return since + wall_contact_time(wall, from, x, v, box_.gravity[k], radius(i));
+    return since + wall_contact_time(wall, from, x, v, box_.gravity[k], radius(i), horizon - since);
 }
 
 // Predicts when the particle leaves its cell `at` or meets a wall, whichever comes first. A wall at rest is the face of
@@ -226,6 +227,7 @@ void HardSpheres<d, motion, mixed>::predict_self_event(u32 i, const Place<d>& at
         which = time < in ? self_event(axis, high, wall) : which;
         in = math::min(in, time);
     };
+    bool walls_move = false;
     HL_UNROLL
     for (int k = 0; k < d; ++k) {
         const double x = p.position[k], v = p.velocity[k], size = radius(i);
@@ -237,8 +239,7 @@ void HardSpheres<d, motion, mixed>::predict_self_event(u32 i, const Place<d>& at
         if (moving) [[unlikely]] {
             if (outermost[0]) lowest = -math::infinity;
             if (outermost[1]) highest = math::infinity;
-            for (const bool upper : {false, true})
-                consider(wall_time(i, box_.wall(k, upper)), k, upper, true);
+            walls_move = true;
         } else if (motion != Motion::growing) {
             if (outermost[0]) lowest = box_.wall(k, false).position(now_) + size;
             if (outermost[1]) highest = box_.wall(k, true).position(now_) - size;
@@ -268,6 +269,10 @@ void HardSpheres<d, motion, mixed>::predict_self_event(u32 i, const Place<d>& at
                 consider(time_below(x + touch, v + rate, box_.edge[k]), k, true, true);
         }
     }
+    if (walls_move) [[unlikely]]
+        for (int k = 0; k < d; ++k)
+            for (const bool upper : {false, true})
+                if (box_.has_moving_walls(k)) consider(wall_time(i, box_.wall(k, upper), in), k, upper, true);
     e.own_time = math::max(now_, p.time + in);
     e.own = static_cast<u32>(which) & 15u;
     if constexpr (mixed)

@@ -200,6 +200,7 @@ private:
     // flight.hpp
     Vector3 position(int i, double t) const;
     Vector3 velocity(int i, double t) const;
+    bool meets_wall(int i, const Wall& wall) const;
     void restart_path(int i);
     void schedule(int i);
     void reschedule(int i);
@@ -252,6 +253,7 @@ private:
     void open_group(Group& g, const std::vector<int>& set) const;
     void set_member(Group& g, std::size_t m, Member& member) const;
     void make_pairs(Group& g, std::vector<ActivePair>& active) const;
+    void set_wall_pieces(Group& g) const;
     bool may_touch(const Member& a, const Member& b) const;
     void carry_over(ContactPair<Law>& q, ContactPair<Law>& old, const Cluster<Law>& c) const;
     double nearest_period(double x, int axis) const;
@@ -364,7 +366,8 @@ void NewtonEvents<Law>::process_event(int i) {
     }
     const SelfEvent own = static_cast<SelfEvent>(e.own);
     if (own == SelfEvent::ends) return end_cluster(i);
-    if (is_wall(own)) return begin_contact(i, -1, wall_at(own));
+    if (is_wall(own))
+        return meets_wall(i, box_.wall(wall_at(own))) ? begin_contact(i, -1, wall_at(own)) : reschedule(i);
     leave_cell(i);
 }
 

@@ -20,6 +20,7 @@ from .pace import ProgressNote
 from .result import COLLISIONS, CONTACTS, Column, ContactResult, EarlyEnd, Log, ParticleResult
 from .rules import Settings
 from .system import ParticleSystem
+from .walls import as_entries, from_entries
 
 ENERGIES: Final = ("kinetic_energy", "potential_energy", "dissipated_energy")
 #: Quantities at the samples of every engine.
@@ -32,9 +33,10 @@ COMMON: Final = (
     "virial_tensor",
     "n_pairs",
 )
-#: Those of hard spheres, and those of engines for Newton's equations.
-OF_COLLISIONS: Final = (*COMMON, "kinetic_integral", "n_collisions")
-OF_CONTACTS: Final = (*COMMON, "contact_energy", "n_contacts", "n_ended", "n_overlapped", "n_in_contact")
+#: Those of hard spheres, those of engines for Newton's equations, and those of LAMMPS.
+OF_COLLISIONS: Final = (*COMMON, "wall_work", "kinetic_integral", "n_collisions")
+OF_LAMMPS: Final = (*COMMON, "contact_energy", "n_contacts", "n_ended", "n_overlapped", "n_in_contact")
+OF_CONTACTS: Final = (*OF_LAMMPS, "wall_work")
 #: Arrays of a system in a checkpoint. Positions and velocities are in the saved state of the engine.
 FIXED: Final = ("radius", "mass", "box", "gravity")
 
@@ -58,7 +60,7 @@ _RECORDS: Final = (
     EngineRecord("hard_spheres", "hard_spheres", "event-driven", "collisions", OF_COLLISIONS, COLLISIONS),
     EngineRecord("events", "newton_events", _NEWTON, "contacts", options=_OURS),
     EngineRecord("steps", "newton_steps", _NEWTON, "steps", options=(*_OURS, *_STEPS, "threads")),
-    EngineRecord("lammps", "", _NEWTON, "steps", options=(*_STEPS, "ranks")),
+    EngineRecord("lammps", "", _NEWTON, "steps", OF_LAMMPS, options=(*_STEPS, "ranks")),
 )
 #: Engines by name.
 ENGINES: Final = {record.name: record for record in _RECORDS}
@@ -251,6 +253,7 @@ class Engine:
         header = {
             "engine": self.record.name,
             "boundary": list(self.system.boundary),
+            "walls": as_entries(self.system.walls),
             "settings": vars(self.settings) | {"law": None if law is None else law_entry(law)},
         }
         arrays = {name: np.asarray(getattr(self.system, name)) for name in FIXED}
@@ -263,7 +266,10 @@ class Engine:
         given["law"] = None if given["law"] is None else law_from(given["law"])
         settings = Settings(**given) if name == "hard_spheres" else NewtonSettings(**given)
         compiled = _core.load_engine(ENGINES[name].kind, arrays["engine"].tobytes())
-        fixed = {key: arrays[key] for key in FIXED} | {"boundary": tuple(header["boundary"])}
+        fixed = {key: arrays[key] for key in FIXED} | {
+            "boundary": tuple(header["boundary"]),
+            "walls": from_entries(header["walls"]),
+        }
         positions, velocities = compiled.state()
         falling = ParticleSystem._of(positions=positions, velocities=velocities, **fixed)
         positions, velocities = state(falling, compiled.time, compiled.state())
