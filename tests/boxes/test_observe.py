@@ -53,7 +53,7 @@ def test_values_are_those_of_the_samples(name, seed, dimension, boundary, gravit
     assert series.temperature.values == pytest.approx(series.granular_temperature.values, rel=1e-9)
     for key, value in look(found.time, found.system).items():
         assert np.array_equal(series[key].values[-1], value)
-    assert series.drop_vars(list(found.observed)).equals(plain.series)
+    assert series.drop_vars(list(found.observed.data)).equals(plain.series)
 
 
 @every_run
@@ -144,7 +144,7 @@ def test_a_checkpoint_needs_its_function_again(tmp_path):
         match=r"^observe: at \S+ s got the names 'at', .* must be those of the previous sample: none",
     ):
         hl.resume(without, until=0.4, observe=look)
-    assert hl.resume(without, until=0.4).observed == {}
+    assert hl.resume(without, until=0.4).observed.data == {}
     with pytest.raises(ValueError, match=r"^observe: got 1, must be a function of time and system"):
         hl.resume(with_one, observe=1)
 

@@ -94,6 +94,8 @@ class ParticleSystem:
     boundary: tuple[str, ...]  #: ``"periodic"`` or ``"wall"`` for each axis
     gravity: Floats  #: (d,) [m/s²]
 
+    _unfolded = None  # positions along the unfolded paths (N, d) [m], in a state of a run
+
     def __init__(
         self,
         positions: ArrayLike,
@@ -140,9 +142,10 @@ class ParticleSystem:
     def _values(self) -> dict[str, Any]:
         return {field.name: getattr(self, field.name) for field in fields(self)}
 
-    def _moved(self, positions: Floats, velocities: Floats) -> ParticleSystem:
+    def _moved(self, positions: Floats, velocities: Floats, unfolded: Floats | None = None) -> ParticleSystem:
         """The same particles with other positions and velocities, unchecked."""
-        return self._of(**self._values() | {"positions": positions, "velocities": velocities})
+        values = self._values() | {"positions": positions, "velocities": velocities}
+        return self._of(**values, _unfolded=unfolded)
 
     @cached_property
     def domain(self) -> Box:
@@ -346,6 +349,15 @@ class ParticleSystem:
         return int(self.positions.shape[1])
 
     @property
+    def unfolded_positions(self) -> Floats:
+        """Positions along the paths since the start of the run (N, d) [m], not folded back into the box.
+
+        In a system that is not a state of a run they are the positions. They are no part of the value of a system:
+        equality ignores them, and :meth:`replace` and :meth:`write` drop them.
+        """
+        return self.positions if self._unfolded is None else self._unfolded
+
+    @property
     def density(self) -> Floats:
         """Mass divided by the volume of the sphere (N,) [kg/m³]."""
         return read_only(self.mass / (4.0 / 3.0 * math.pi * self.radius**3))
@@ -409,7 +421,7 @@ class ParticleSystem:
         return int.from_bytes(digest.digest(), "little", signed=True)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return partial(ParticleSystem._of, **self._values()), ()
+        return partial(ParticleSystem._of, **self._values(), _unfolded=self._unfolded), ()
 
     def __repr__(self) -> str:
         sides = "/".join(dict.fromkeys(self.boundary))
