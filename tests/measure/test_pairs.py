@@ -90,8 +90,8 @@ def test_an_ideal_gas_gives_one_also_between_walls(walled):
 
 
 def test_rdf_against_freud():
-    """freud.density.RDF of periodic boxes, to 1e-5; its distances are in single precision, so that two bins may differ by a
-    pair."""
+    """freud.density.RDF of periodic boxes, to 1e-5; its distances are in single precision, so that a pair may be in the
+    next bin."""
     freud = pytest.importorskip("freud")
     for d in (2, 3):
         system = hl.ParticleSystem.random(400, 0.3, (0.8e-3, 1.2e-3), 2500.0, 1.0, dimension=d, seed=d)
@@ -180,7 +180,8 @@ def test_coordination_of_lattices(name):
 
 
 def test_rattlers_are_removed_repeatedly():
-    """Between walls a block of disks holds; a disk in a hollow of it has two contacts, three with one more on top. A block without walls comes apart from its corners."""
+    """Between walls a block of disks holds; a disk in a hollow of it has two contacts, three with one more on top. A
+    block without walls comes apart from its corners."""
     block = crystal([(0.5, 0.5)], (4, 4), [1.0, 1.0]).positions
     hollow = [1.0, 3.5 + math.sqrt(0.75)]
     at = np.vstack([block, [hollow, np.add(hollow, [0.0, 1.0])]])

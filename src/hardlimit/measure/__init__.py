@@ -36,7 +36,7 @@ def plot(measured: Any) -> Figure:
     """Plot a measurement.
 
     A quantity over one coordinate is a line, over ``time`` and another coordinate a map; a Dataset has a panel for each
-    of its variables.
+    of its variables. Colours are those of Okabe & Ito (2008).
 
     Parameters
     ----------

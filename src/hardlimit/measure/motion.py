@@ -69,7 +69,7 @@ def msd(paths: xr.DataArray) -> xr.DataArray:
     Examples
     --------
     >>> box = hl.ParticleSystem.random(
-    ...     200, 0.1, radius=1e-3, density=2500.0, rms_speed=1.0
+    ...     200, 0.3, radius=1e-3, density=2500.0, rms_speed=1.0
     ... )
     >>> run = hl.event_driven(
     ...     box, restitution=1.0, until=0.1, observe={"paths": hl.measure.paths}
@@ -77,7 +77,7 @@ def msd(paths: xr.DataArray) -> xr.DataArray:
     >>> hl.measure.msd(run.series.paths).sizes["lag"]
     101
     >>> print(hl.measure.diffusion(run.series.paths))  # [m²/s]
-    0.00... ± ...
+    0.000... ± ...
     """
     x, spacing = _checked(paths)
     n = len(x)

@@ -71,7 +71,7 @@ def steady(series: Any) -> Steady:
     >>> relaxing = 1.0 + np.exp(-np.arange(1000) / 20) + 0.1 * rng.normal(size=1000)
     >>> s = hl.measure.steady(relaxing)
     >>> print(s.mean)
-    1.00... ± 0.003...
+    0.99... ± 0.003...
     >>> 20 < s.start < 200
     True
     """
