@@ -16,6 +16,7 @@ from ..contact.laws import LAWS
 from .box import Floats
 from .contacts import law_arguments
 from .falling_frame import engine_arguments, laboratory_sums, state, system_at
+from .observe import Observed
 from .pace import ProgressNote
 from .result import COLLISIONS, CONTACTS, Column, ContactResult, EarlyEnd, Log, ParticleResult
 from .rules import Settings
@@ -212,7 +213,7 @@ class Engine:
         return EarlyEnd(time, tuple(now.positions[particles[0]].tolist()), tuple(particles), wall)
 
     def result(
-        self, samples: Mapping[str, Floats], log: Log | None, observed: Mapping[str, Any], idle: bool
+        self, samples: Mapping[str, Floats], log: Log | None, observed: Observed, idle: bool
     ) -> ParticleResult | ContactResult:
         """The result of a run that ends now, from all its samples; ``idle`` means that no more collisions happen."""
         now, sums, statistics = self.current(), self.compiled.observe(), self.compiled.statistics()
