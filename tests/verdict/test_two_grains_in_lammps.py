@@ -26,7 +26,8 @@ PAIRS = {
         0.4,
     ),
     "hooke synchronized_verlet": (
-        GRANULAR.format("hooke 1e5 0.5 damping coeff_restitution synchronized_verlet"),
+        "pair_style granular\npair_coeff * * hooke 1e5 0.5 tangential linear_history 8e3 0 0.5 "
+        "damping coeff_restitution synchronized_verlet",
         0.4,
     ),
     "hooke velocity": (GRANULAR.format("hooke 1e5 0.4 damping velocity"), 0.4),
