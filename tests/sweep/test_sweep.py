@@ -19,8 +19,8 @@ from hardlimit.sweep.variables import OF_POINT, default_variables
 
 PAPER = hl.Column.paper()
 SOFT = hl.Column.paper(law=hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, dissipative_time=1e-5))
-#: Comes to rest after a long time: the slowest kind of point, about 0.1 ms.
-SLOW = hl.Column.paper(law=hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, dissipative_time=0.015))
+#: Comes to rest after a long time: a slow kind of point, about 0.4 ms.
+SLOW = hl.Column.paper(law=hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, dissipative_time=0.007))
 GRID = {"restitution": np.linspace(0.3, 1.0, 7), "gap": np.geomspace(1e-6, 1e-2, 5)}
 
 
