@@ -43,7 +43,7 @@ def system_at(system: ParticleSystem, time: float, falling: tuple[Floats, Floats
     """The system at ``time`` [s], with positions in the box; ``falling`` as for :func:`state`."""
     positions, velocities = state(system, time, falling)
     system.domain.fold(positions)
-    return system._moved(positions, velocities)
+    return system._moved(positions, velocities, time)
 
 
 def laboratory_sums(system: ParticleSystem, time: Any, sums: dict[str, Any]) -> dict[str, Any]:
