@@ -7,6 +7,7 @@
 #include "boxes/common/system_check.hpp"
 #include "boxes/hard_spheres/growth.hpp"
 #include "boxes/hard_spheres/make_engine.hpp"
+#include "boxes/hard_spheres/rules/registry.hpp"
 #include "boxes/kernels/kernel_table.hpp"
 
 #include <algorithm>

@@ -22,7 +22,7 @@
 #include "../queue/prefetch.hpp"
 #include "accumulators.hpp"
 #include "collapse.hpp"
-#include "rules/registry.hpp"
+#include "rules/rule.hpp"
 
 namespace hardlimit::boxes {
 
