@@ -10,10 +10,14 @@ template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::displace(u32 i, double share, const double (&velocity)[d],
                                              const double (&shift)[d]) {
     Particle<d>& p = particles_[i];
+    double changed[d];
     for (int k = 0; k < d; ++k) {
-        p.velocity[k] += share * velocity[k];
+        changed[k] = p.velocity[k] + share * velocity[k];
         p.position[k] += share * shift[k];
     }
+    set_velocity(i, changed);
+    if (motion == Motion::falling)
+        accumulators_.sums.add_potential(-share * mass(i) * dot(accumulators_.gravity, shift));
     update_cell(i);
 }
 
@@ -66,8 +70,6 @@ void HardSpheres<d, motion, mixed>::contact(u32 i, u32 j, const double (&r)[d], 
     for (int k = 0; k < d; ++k) departing[k] = v[k] + change[k];
     accumulators_.add_virial(pair.effective_mass, r, change);
     accumulators_.add_virial(pair.effective_mass, shift, departing);
-    accumulators_.advance(now_);
-    accumulators_.kinetic -= lost;
     const double whole = mass(i) + mass(j);
     displace(i, -mass(j) / whole, change, shift);
     displace(j, mass(i) / whole, change, shift);
@@ -91,8 +93,7 @@ void HardSpheres<d, motion, mixed>::contact_with_wall(u32 i, const Wall& wall, d
     change[axis] = away * (end.normal_velocity + speed);
     shift[axis] = away * end.normal_shift;
     const double lost = 0.5 * m * (speed - end.normal_velocity) * (speed + end.normal_velocity);
-    accumulators_.advance(now_);
-    accumulators_.add_wall(axis, m * change[axis], lost, wall);
+    accumulators_.add_wall(m * change[axis] * wall.velocity(now_));
     displace(i, 1.0, change, shift);
     remember_contact(i, no_particle, found.duration, wall.id);
     const double dissipated = lost - m * pressing * end.normal_shift;
