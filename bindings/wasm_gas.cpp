@@ -10,7 +10,7 @@
 
 #include <algorithm>
 #include <memory>
-#include <string>
+#include <string_view>
 #include <vector>
 
 #include "boxes/binary_contact/planar_contact.hpp"
@@ -245,13 +245,8 @@ double* gas_log() { return gas().out.data(); }
 
 const char* gas_outcome(int outcome) { return hl::outcome_records[outcome].message; }
 
-// Names of the rules, separated by lines.
-const char* gas_rules() {
-    static std::string* names = new std::string;
-    names->clear();
-    for (const box::RuleRecord& r : box::rule_records) *names += std::string(r.name) + "\n";
-    return names->c_str();
-}
+// Name of a rule by its index in the registry; null after the last one.
+const char* gas_rule(int index) { return index < box::rule_count ? box::rule_records[index].name : nullptr; }
 
 // --- the law of the error -------------------------------------------------------------------------------------------
 
