@@ -199,7 +199,7 @@ class Page {
     const { start, frame, messages } = answer;
     if (start.tooSoft > 0) this.playing = false;
     this.frame = frame;
-    this.facts = { start, messages, samples: [], sample: frame.sample, hard: frame.worlds[0].observed, newton: frame.worlds[1].observed, done: frame.done };
+    this.facts = { start, messages, samples: [], sample: frame.sample, hard: frame.worlds[0].observed, newton: frame.worlds[1].observed, done: frame.done, atRest: frame.atRest };
     this.take([frame.sample], frame);
     this.showPlaying();
     this.writeLink();
@@ -235,7 +235,7 @@ class Page {
     const f = this.facts!;
     let all = f.samples.concat(samples);
     if (all.length > mostSamples) all = thinned(all);
-    this.facts = { ...f, samples: all, sample: frame.sample, hard: frame.worlds[0].observed, newton: frame.worlds[1].observed, done: frame.done };
+    this.facts = { ...f, samples: all, sample: frame.sample, hard: frame.worlds[0].observed, newton: frame.worlds[1].observed, done: frame.done, atRest: frame.atRest };
   }
 
   private tick(): void {
@@ -272,7 +272,12 @@ class Page {
     const colors = [this.theme.icm, this.theme.newton];
     this.worlds.forEach(({ g, width, height, shown }, i) => shown() && drawWorld(g, width, height, start, this.frame!.worlds[i], colors[i], this.theme));
     // The plots change slowly.
-    if (!this.playing || this.drawn % 3 === 0) this.plots.forEach(({ g, width, height, shown }, i) => shown() && drawGraph(g, width, height, graphs[i], this.facts!, this.theme));
+    if (!this.playing || this.drawn % 3 === 0) this.plots.forEach(({ g, canvas, width, height, shown }, i) => {
+        // Of plots below each other only the last has numbers at the time axis.
+        const below = this.plots[i + 1]?.canvas.offsetParent;
+        const timed = !below || below.getBoundingClientRect().left !== canvas.offsetParent!.getBoundingClientRect().left;
+        if (shown()) drawGraph(g, width, height, graphs[i], this.facts!, this.theme, timed);
+      });
     root.dataset.drawMs = (performance.now() - begin).toFixed(2);
   }
 
@@ -283,7 +288,8 @@ class Page {
     const write = (id: string, text: string): void => {
       if (find(id).dataset.text === text) return;
       find(id).dataset.text = text;
-      tell(find(id), text);
+      const parts = text.split("t_c").map((part) => [part]);
+      find(id).replaceChildren(...parts.flatMap((part, i) => (i === 0 ? part : ["t", Object.assign(document.createElement("sub"), { textContent: "c" }), ...part])));
     };
     write("verdict", of("verdict", "range"));
     write("news", of("hard", "newton", "end"));

@@ -1,5 +1,5 @@
 // All that the page says at this moment, as data: window.hardlimit.report().
-import { interpolated, type Facts } from "./facts";
+import type { Facts } from "./facts";
 import { sentences, type Sentence } from "./sentences";
 import type { Input, Observed } from "./core";
 import type { Sample, Start } from "./simulation";
@@ -17,7 +17,6 @@ export interface Report {
   hard: Observed;
   newton: Observed;
   samples: readonly Sample[];
-  predicted: number; // Newton's energy by the law
   sentences: Sentence[];
 }
 
@@ -37,7 +36,6 @@ export function reportOf(facts: Facts, playing: boolean): Report {
     hard,
     newton,
     samples,
-    predicted: interpolated(facts),
     sentences: sentences(facts),
   };
 }

@@ -1,6 +1,6 @@
 // What the page says of a gas: one table of cases. In each topic the first case that holds is said.
 import { digits, minus, trim } from "../support/format";
-import { interpolated, type Facts } from "./facts";
+import type { Facts } from "./facts";
 import { TOLERANCE } from "./simulation";
 
 export interface Sentence {
@@ -22,6 +22,7 @@ export const percent = (x: number): string => {
   return `${minus(trim((100 * x).toFixed(size >= 9.95 ? 0 : size >= 0.095 || size === 0 ? 1 : 2)))} %`;
 };
 export const milliseconds = (x: number): string => `${trim((1e3 * x).toPrecision(3).includes("e") ? String(Math.round(1e3 * x)) : (1e3 * x).toPrecision(3))} ms`;
+const energy = (x: number): string => `${digits(100 * x, 3)} %`;
 const format: { [name: string]: (x: number) => string } = {
   tcNu: (x) => digits(x, 2),
   trusted: (x) => digits(x, 2),
@@ -34,6 +35,9 @@ const format: { [name: string]: (x: number) => string } = {
   low: (x) => trim(String(x)),
   high: (x) => trim(String(x)),
   collisions: (x) => x.toFixed(1),
+  hard: energy,
+  newton: energy,
+  predicted: energy,
 };
 
 const law = ({ start: { setting, error, errorBar, trusted } }: Facts): { [name: string]: number } => ({ error: Math.abs(error), bar: errorBar, tcNu: setting.tcNu, trusted, tolerance: TOLERANCE });
@@ -124,8 +128,8 @@ const cases: Case[] = [
   {
     topic: "measured",
     id: "predicted",
-    when: (f) => holds(f) && Number.isFinite(interpolated(f)),
-    numbers: (f) => ({ collisions: f.sample.collisions, hard: f.sample.energy[0], newton: f.sample.energy[1], predicted: interpolated(f) }),
+    when: (f) => f.start.setting.restitution < 1 && f.sample.time > 0 && f.sample.energy.every(Number.isFinite) && Number.isFinite(f.sample.predicted[0]),
+    numbers: (f) => ({ collisions: f.sample.collisions, hard: f.sample.energy[0], newton: f.sample.energy[1], predicted: f.sample.predicted[0] }),
     text: ({ collisions, hard, newton, predicted }) => `Energy left after ${collisions} collisions of each disk: event-driven ${hard}, Newton ${newton}; the law predicts ${predicted} for Newton.`,
   },
   {
@@ -148,6 +152,13 @@ const cases: Case[] = [
     when: () => true,
     numbers: () => ({}),
     text: () => "No contact has ended yet.",
+  },
+  {
+    topic: "end",
+    id: "rest",
+    when: ({ atRest }) => atRest,
+    numbers: () => ({}),
+    text: () => "The disks have come to rest in Newton’s world. The film ends here.",
   },
   {
     topic: "end",

@@ -34,7 +34,7 @@ export interface Sample {
   time: number; // [s]
   collisions: number; // of each disk in the event-driven world
   energy: [number, number]; // NaN after the end of a world
-  predicted: [number, number, number]; // times at which Newton's world has the energy of the other one; lowest, highest
+  predicted: [number, number, number]; // Newton's energy by the law of the error; lowest, highest; NaN without one
   distance: number; // of the two worlds, in diameters
   share: number; // of the contacts under Newton's equations that overlap in time; NaN before the first
 }
@@ -42,10 +42,12 @@ export interface FrameOf {
   worlds: [Seen, Seen];
   sample: Sample;
   done: boolean;
+  atRest: boolean; // a heap in Newton's world: the reason why it is done
 }
 
 const most = 200; // collisions of each disk at which the film ends
 const least = 1e-6; // energy at which it ends, over that at the start
+const rest = 1e-3; // kinetic energy at which a heap is at rest, over all energy at the start
 
 // Base time between frames. In 60 frames a disk collides 0.6 times or moves by half a diameter; it falls through the
 // box in 400.
@@ -70,13 +72,32 @@ function inputOf(core: GasCore, setting: Setting, rate: number): Input {
   return { ...input, stiffness: (core.duration / contactDuration) ** 2 };
 }
 
+// y = √(E(0)/E) over a stretched time; the last straight piece goes on.
+class Stretched {
+  private readonly times = [0];
+  private readonly values = [1];
+  private last = 1; // first time that is not before the last one asked for
+
+  extend(by: number, y: number): void {
+    this.times.push(this.times[this.times.length - 1] + by);
+    this.values.push(y);
+  }
+  at(time: number): number {
+    const { times, values } = this;
+    if (time <= 0 || times.length < 2) return 1;
+    while (this.last < times.length - 1 && times[this.last] < time) this.last++;
+    const [t0, t1] = [times[this.last - 1], times[this.last]];
+    const [y0, y1] = [values[this.last - 1], values[this.last]];
+    return y0 + ((y1 - y0) / (t1 - t0)) * (time - t0);
+  }
+}
+
 export class Simulation {
   readonly start: Start;
   private time = 0;
   private readonly initial: number; // energy [J]
   private readonly last: [Float64Array, Float64Array]; // last two collision times of each disk
-  private stretched = [0, 0, 0]; // ∫ (1 + e) dt, with e and e ± its error
-  private stretchedAt: [number, number] = [0, 1]; // time and energy at the last sample
+  private stretchedAt: [number, number] = [0, 1]; // time and y at the last sample
   private before: number = 0; // time of the last frame
   readonly logs: [Float64Array[], Float64Array[]] = [[], []];
 
@@ -150,24 +171,26 @@ export class Simulation {
       share: newton.observed.ended > 0 ? newton.observed.overlapped / newton.observed.ended : NaN,
     };
     this.before = this.time;
-    const done = sample.collisions >= most || newton.energy < least || (ended[0] && ended[1]) || this.time > 40_000 * base;
-    return { worlds: [hard, newton], sample, done };
+    const atRest = setting.gravity > 0 && newton.observed.kinetic < rest * this.initial && newton.energy < 1 - rest;
+    const done = atRest || sample.collisions >= most || newton.energy < least || (ended[0] && ended[1]) || this.time > 40_000 * base;
+    return { worlds: [hard, newton], sample, done, atRest };
   }
 
-  // The law gives e = (rate of the rule)/(rate of Newton's equations) − 1 of √(E(0)/E) at equal energies. So Newton's
+  // The law gives e = (rate of the rule)/(rate of Newton's equations) − 1 of y = √(E(0)/E) at equal energies. So Newton's
   // world reaches an energy later by the factor 1 + e, and by half a contact, as no disks touch at the start.
   private predict(hard: Seen, ended: boolean): [number, number, number] {
     const { setting, contactDuration } = this.start;
-    if (ended) return [NaN, NaN, NaN];
-    const [from, energy] = this.stretchedAt;
+    if (ended || setting.walls) return [NaN, NaN, NaN];
+    const y = 1 / Math.sqrt(hard.energy);
+    const [from, before] = this.stretchedAt;
     if (this.time > from) {
-      const middle = Math.sqrt(0.5 * (energy + hard.energy));
-      const [error, bar] = this.core.error(setting.phi, setting.restitution, setting.rule, setting.tcNu * middle);
-      [error, error - bar, error + bar].forEach((e, i) => (this.stretched[i] += (1 + e) * (this.time - from)));
+      const [error, bar] = this.core.error(setting.phi, setting.restitution, setting.rule, (2 * setting.tcNu) / (y + before));
+      this.curves.forEach((curve, i) => curve.extend((1 + error + [0, -bar, bar][i]) * (this.time - from), y));
     }
-    this.stretchedAt = [this.time, hard.energy];
-    return this.stretched.map((t, i) => t + [0.5, 0.25, 0.75][i] * contactDuration) as [number, number, number];
+    this.stretchedAt = [this.time, y];
+    return this.curves.map((curve, i) => curve.at(this.time - [0.5, 0.25, 0.75][i] * contactDuration) ** -2) as [number, number, number];
   }
+  private readonly curves = [new Stretched(), new Stretched(), new Stretched()];
 
   private distance(): number {
     const n = 2 * this.start.setting.number;
