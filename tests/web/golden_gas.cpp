@@ -1,5 +1,5 @@
-// Golden values of the module of boxes of grains: settings, and what the native build makes of them.
-#include "../../bindings/wasm_grains.cpp"
+// Golden values of the module of the gas: settings, and what the native build makes of them.
+#include "../../bindings/wasm_gas.cpp"
 
 #include "golden.hpp"
 
@@ -10,54 +10,35 @@ enum { constant, tc, by_law, soft };
 
 struct Case {
     const char* name;
-    int dimension, number;
-    double fraction, spread;  // of the radii, relative
+    int number;
+    double fraction;
     int rule;
-    double law[2 + hl::max_parameters];  // place, alternative, parameters; used by the rules law and soft
-    bool walls;                          // across the last axis, with gravity along it
-    double rows;                         // collisions for each particle
+    double restitution, stiffness;
+    bool walls;  // with gravity
+    double until;
 };
 
-constexpr double viscoelastic[] = {1, 0, 1e7, 0.3, 1e-5, 0};
-constexpr double linear[] = {0, 0, 1e4, 0.9, 0, 0};
-#define HL_LAW(x) {x[0], x[1], x[2], x[3], x[4], x[5]}
 const Case cases[] = {
-    {"elastic disks", 2, 150, 0.5, 0.0, constant, {}, false, 30},
-    {"elastic spheres", 3, 150, 0.45, 0.0, constant, {}, false, 30},
-    {"mixed disks between walls, tc", 2, 100, 0.4, 0.6, tc, {}, true, 20},
-    {"mixed spheres, viscoelastic", 3, 120, 0.3, 0.5, by_law, HL_LAW(viscoelastic), false, 20},
-    {"spheres between walls, linear", 3, 100, 0.2, 0.0, by_law, HL_LAW(linear), true, 20},
-    {"soft disks", 2, 80, 0.3, 0.0, soft, HL_LAW(viscoelastic), false, 15},
-    {"soft mixed spheres between walls", 3, 60, 0.2, 0.4, soft, HL_LAW(linear), true, 10},
-    {"few disks in a narrow box", 2, 3, 0.4, 0.0, constant, {}, false, 60},
+    {"thin gas", 150, 0.1, constant, 0.9, 2e3, false, 0.1},
+    {"dense and soft", 150, 0.6, constant, 0.8, 300.0, false, 0.02},
+    {"rule tc between walls", 120, 0.4, tc, 0.7, 1e3, true, 0.03},
+    {"rule soft", 100, 0.3, soft, 0.9, 1e3, false, 0.05},
+    {"rule soft between walls", 100, 0.3, soft, 0.8, 1e3, true, 0.03},
+    {"without loss", 100, 0.3, constant, 1.0, 1e3, false, 0.05},
+    {"inelastic collapse", 200, 0.4, constant, 0.1, 1e4, false, 0.05},
 };
 
-// A setting without positions; velocities of the order of 1 m/s.
 void write_setting(const Case& c) {
-    double* const s = box_setting(c.dimension, c.number);
-    const Arrays a = arrays();
-    box::Random random(7);
-    double filled = 0.0;
-    for (int i = 0; i < c.number; ++i) {
-        const double r = a.radius[i] = 1e-3 * (1.0 + c.spread * (random.uniform() - 0.5));
-        a.mass[i] = 1e4 * r * r * r;
-        filled += (c.dimension == 3 ? 4.0 / 3.0 * r : 1.0) * hl::math::pi * r * r;
-        for (int k = 0; k < c.dimension; ++k) a.velocity[i * c.dimension + k] = random.normal();
-    }
-    const double volume = filled / c.fraction, edge = hl::math::pow(volume, 1.0 / c.dimension);
-    for (int k = 0; k < c.dimension; ++k) s[edges + k] = edge, s[periodic + k] = 1.0;
+    double* const s = gas_setting(c.number);
+    s[radius] = 1e-3;
+    s[mass] = 1e-5;
+    s[edges] = s[edges + 1] = hl::math::sqrt(c.number * hl::math::pi * 1e-6 / c.fraction);
+    s[periodic] = s[periodic + 1] = c.walls ? 0.0 : 1.0;
+    s[gravity + 1] = c.walls ? -9.81 : 0.0;
     s[rule] = c.rule;
-    s[law] = -1.0;
-    s[restitution] = c.rule == constant ? 1.0 : 0.95;
-    s[contact_duration] = 1e-5;
-    if (c.rule == by_law || c.rule == soft) {
-        s[law] = c.law[0];
-        s[alternative] = c.law[1];
-        std::copy_n(c.law + 2, hl::max_parameters, s + parameters);
-    }
-    if (!c.walls) return;
-    s[periodic + c.dimension - 1] = 0.0;
-    s[gravity + c.dimension - 1] = -9.81;
+    s[restitution] = c.restitution;
+    s[stiffness] = c.stiffness;
+    s[contact_duration] = gas_duration();
 }
 
 void print_hash(const char* name, const double* x, std::size_t n, const char* after) {
@@ -68,29 +49,51 @@ void print_hash(const char* name, const double* x, std::size_t n, const char* af
 
 void print_case(const Case& c, const char* after) {
     write_setting(c);
-    const std::size_t nd = static_cast<std::size_t>(c.number) * static_cast<std::size_t>(c.dimension);
-    const double rows = c.rows * c.number;
-    std::printf("  {\"name\": \"%s\", \"dimension\": %d, \"number\": %d, \"rows\": %.0f,\n   ", c.name,
-                c.dimension, c.number, rows);
-    const std::vector<double>& setting = run().setting;
-    print("setting", setting.data(), static_cast<long>(setting.size()), ",\n   ");
-    std::printf("\"grown\": %d, ", box_grow(5));
-    print_hash("positions", arrays().position, nd, ",\n   ");
-    std::printf("\"refusal\": %d, ", box_start(1));
-    std::printf("\"outcome\": %d, ", box_advance(hl::math::infinity, rows));
-    print("observed", box_observe(), 17, ",\n   ");
-    print_hash("state", box_state(), 2 * nd, ", ");
-    const std::size_t logged = static_cast<std::size_t>(box_take_log());
-    std::printf("\"logged\": %zu, ", logged);
-    print_hash("log", box_log(), 4 * logged, "}");
+    std::printf("  {\"name\": \"%s\", \"number\": %d, ", c.name, c.number);
+    print("until", &c.until, 1, ",\n   ");
+    print("setting", gas().setting.data(), fields, ",\n   ");
+    std::printf("\"placed\": %d, ", gas_place(5));
+    gas_heat(7, 0.5);
+    print_hash("start", positions(), 4 * count(), ",\n   ");
+    const double depth = gas_compression(1.0, 1);
+    print("compression", &depth, 1, ", ");
+    std::printf("\"refusal\": %d,\n   \"worlds\": [", gas_start());
+    for (int world = 0; world < 2; ++world) {
+        std::printf("{\"reached\": %d, ", gas_advance(world, c.until, 1e9));
+        print("observed", gas_observe(world), 15, ",\n     ");
+        print_hash("state", gas_state(world), 4 * count(), ", ");
+        for (const bool open : {false, true}) {
+            const std::size_t logged = static_cast<std::size_t>(gas_take_log(world, open));
+            std::printf("\"%s\": %zu, ", open ? "open" : "logged", logged);
+            print_hash(open ? "open_rows" : "log", gas_log(), 7 * logged, open ? "}" : ", ");
+        }
+        std::printf("%s", world == 0 ? ",\n    " : "]}");
+    }
+    std::printf("%s\n", after);
+}
+
+void print_law(double phi, double epsilon, int rule_of_law, const char* after) {
+    std::printf("  {\"rule\": %d, ", rule_of_law);
+    const double at[] = {phi, epsilon};
+    print("at", at, 2, ", ");
+    print("law", law_of_error(phi, epsilon, rule_of_law), 3, ", ");
+    print("error", law_errors(phi, epsilon, rule_of_law, 0.1), 2, ", ");
+    const double last[] = {law_largest(phi, epsilon, rule_of_law, 0.01), law_rate(phi, 2e-3, 0.125)};
+    print("last", last, 2, "}");
     std::printf("%s\n", after);
 }
 
 }  // namespace
 
 void print_boxes() {
-    std::printf("\"boxes\": [\n");
+    std::printf("\"gases\": [\n");
     const std::size_t n = sizeof cases / sizeof *cases;
     for (std::size_t i = 0; i < n; ++i) print_case(cases[i], i + 1 < n ? "," : "");
+    std::printf("],\n\"laws\": [\n");
+    for (int rule_of_law = 0; rule_of_law < 3; ++rule_of_law)
+        for (const double phi : {0.02, 0.3, 0.75})
+            for (const double epsilon : {0.3, 0.9, 1.0})
+                print_law(phi, epsilon, rule_of_law,
+                          rule_of_law == 2 && phi == 0.75 && epsilon == 1.0 ? "" : ",");
     std::printf("]");
 }

@@ -77,7 +77,7 @@ function differencePlot({ samples, start }: Facts, theme: GasTheme): Plot {
   return {
     title: "Newton’s surplus of energy, %",
     y: (to, from) => new Scale(low, high, from, to),
-    ticks: () => niceTicks(low, high, 3),
+    ticks: () => niceTicks(low, high, 4),
     name: (tick) => minus(String(Number((100 * tick).toPrecision(3)))),
     band: law ? [...bound(1), ...bound(2).reverse()] : [],
     curves: [

@@ -1,6 +1,5 @@
 // The page of the gas: controls, film, plots and sentences.
 import { find, Sheet, tell } from "../support/dom";
-import { digits } from "../support/format";
 import { touchable } from "../support/touch";
 import { themeOf } from "../style/theme";
 import { ThemeSwitch } from "../style/theme_switch";
@@ -23,6 +22,13 @@ declare global {
 const root = document.documentElement;
 const mostSamples = 1200;
 const shown: Quantity[] = ["phi", "restitution", "tcNu", "gravity", "number"];
+
+// t_c ν with its index, kept on one line.
+function symbol(): HTMLElement {
+  const whole = Object.assign(document.createElement("span"), { className: "whole" });
+  whole.append("t", Object.assign(document.createElement("sub"), { textContent: "c" }), " ν");
+  return whole;
+}
 
 class Page {
   private setting: Setting;
@@ -109,7 +115,7 @@ class Page {
     for (const key of shown) {
       const slider = find<HTMLInputElement>(key);
       slider.value = String(ranges[key].log ? Math.log10(s[key]) : s[key]);
-      const text = key === "gravity" ? `${digits(s.gravity, 3).replace(/\.0+$/, "")} m/s²` : key === "number" ? String(s.number) : String(Number(s[key].toPrecision(3)));
+      const text = key === "gravity" ? `${Number(s.gravity.toPrecision(3))} m/s²` : key === "number" ? String(s.number) : String(Number(s[key].toPrecision(3)));
       find(`${key}-value`).textContent = text;
       slider.setAttribute("aria-valuetext", text);
     }
@@ -274,8 +280,7 @@ class Page {
     // The plots change slowly.
     if (!this.playing || this.drawn % 3 === 0) this.plots.forEach(({ g, canvas, width, height, shown }, i) => {
         // Of plots below each other only the last has numbers at the time axis.
-        const below = this.plots[i + 1]?.canvas.offsetParent;
-        const timed = !below || below.getBoundingClientRect().left !== canvas.offsetParent!.getBoundingClientRect().left;
+        const timed = !this.plots.slice(i + 1).some((other) => other.canvas.getBoundingClientRect().left === canvas.getBoundingClientRect().left);
         if (shown()) drawGraph(g, width, height, graphs[i], this.facts!, this.theme, timed);
       });
     root.dataset.drawMs = (performance.now() - begin).toFixed(2);
@@ -288,8 +293,7 @@ class Page {
     const write = (id: string, text: string): void => {
       if (find(id).dataset.text === text) return;
       find(id).dataset.text = text;
-      const parts = text.split("t_c").map((part) => [part]);
-      find(id).replaceChildren(...parts.flatMap((part, i) => (i === 0 ? part : ["t", Object.assign(document.createElement("sub"), { textContent: "c" }), ...part])));
+      find(id).replaceChildren(...text.split("t_c ν").flatMap((part, i) => (i === 0 ? [part] : [symbol(), part])));
     };
     write("verdict", of("verdict", "range"));
     write("news", of("hard", "newton", "end"));

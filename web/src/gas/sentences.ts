@@ -57,6 +57,13 @@ const cases: Case[] = [
   },
   {
     topic: "verdict",
+    id: "stopped",
+    when: (f) => holds(f) && f.hard.outcome !== 0,
+    numbers: law,
+    text: ({ error, bar }, f) => `No: the event-driven run could not go on. Until then it cools ${error} ${cools(f)} (± ${bar}) by the law of the error.`,
+  },
+  {
+    topic: "verdict",
     id: "elastic",
     when: ({ start }) => start.setting.restitution === 1,
     numbers: law,

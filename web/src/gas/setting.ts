@@ -40,11 +40,11 @@ export interface Example {
   about: string;
   setting: Partial<Setting>;
 }
-export const usual: Setting = { number: 400, phi: 0.5, restitution: 0.85, tcNu: 0.1, rule: "constant", walls: false, gravity: 0, seed: 1 };
+export const usual: Setting = { number: 800, phi: 0.5, restitution: 0.85, tcNu: 0.1, rule: "constant", walls: false, gravity: 0, seed: 1 };
 export const examples: Example[] = [
   { id: "thin", name: "Thin gas", about: "contacts are short beside the time between them: both agree", setting: { phi: 0.15, restitution: 0.9, tcNu: 0.003 } },
   { id: "dense", name: "Dense and soft", about: "many contacts overlap in time: the two worlds cool at different rates", setting: { phi: 0.6, tcNu: 0.2, restitution: 0.8 } },
-  { id: "collapse", name: "Inelastic collapse", about: "infinitely many collisions in a finite time stop one world", setting: { phi: 0.3, restitution: 0.2, tcNu: 0.01 } },
+  { id: "collapse", name: "Inelastic collapse", about: "infinitely many collisions in a finite time stop one world", setting: { number: 400, phi: 0.3, restitution: 0.2, tcNu: 0.01 } },
   { id: "settling", name: "Settling", about: "disks fall to the floor and come to rest", setting: { number: 200, phi: 0.25, restitution: 0.6, tcNu: 0.03, rule: "tc", walls: true, gravity: 9.8 } },
 ];
 
