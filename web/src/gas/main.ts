@@ -31,11 +31,11 @@ function symbol(): HTMLElement {
 }
 
 class Page {
-  private setting: Setting;
+  private setting!: Setting;
   private facts: Facts | null = null;
   private frame: FrameOf | null = null;
   private next: FrameOf | null = null;
-  private playing: boolean;
+  private playing = false;
   private busy = false; // the worker has a question
   private run = 0; // counts starts; late answers of earlier ones are dropped
   private until = 0; // time of the link [s]
@@ -47,14 +47,7 @@ class Page {
   private timer = 0;
 
   constructor() {
-    const q = new URLSearchParams(location.search);
-    const notes: string[] = [];
-    this.setting = fromQuery(q, notes);
-    this.playing = !q.has("t") && !matchMedia("(prefers-reduced-motion: reduce)").matches;
-    this.until = q.has("t") ? Math.max(Number(q.get("t")), 0) || 0 : this.playing ? 0 : 0.02;
-    const speed = q.get("speed");
-    if (speed && ["0.25", "1", "4"].includes(speed)) find<HTMLSelectElement>("speed").value = speed;
-    this.note(notes);
+    this.read();
     this.buildControls();
     // The theme switch draws at once.
     new ThemeSwitch({ theme: themeOf(root), redraw: () => this.retheme() });
@@ -65,6 +58,19 @@ class Page {
       report: () => (this.facts && this.current() ? reportOf(this.facts, this.playing) : null),
       log: () => this.client.ask({ kind: "log" }),
     };
+  }
+
+  // The state of the page from its link. A link with a time shows that time, paused; without motion the film stands at
+  // a time at which there is something to be seen.
+  private read(): void {
+    const q = new URLSearchParams(location.search);
+    const notes: string[] = [];
+    this.setting = fromQuery(q, notes);
+    this.playing = !q.has("t") && !matchMedia("(prefers-reduced-motion: reduce)").matches;
+    this.until = q.has("t") ? Math.max(Number(q.get("t")), 0) || 0 : this.playing ? 0 : 0.02;
+    const speed = q.get("speed") ?? "1";
+    if (["0.25", "1", "4"].includes(speed)) find<HTMLSelectElement>("speed").value = speed;
+    this.note(notes);
   }
 
   private current(): boolean {
@@ -86,7 +92,7 @@ class Page {
       [slider.min, slider.max, slider.step] = [scaled(range.low), scaled(range.high), range.step].map(String);
       touchable(slider);
       slider.addEventListener("input", () => {
-        const x = range.log ? Number((10 ** Number(slider.value)).toPrecision(2)) : Number(slider.value);
+        const x = range.log ? Number((10 ** Number(slider.value)).toPrecision(3)) : Number(slider.value);
         this.change({ [key]: x });
       });
     }
@@ -143,7 +149,7 @@ class Page {
       act();
     });
     addEventListener("popstate", () => {
-      this.setting = fromQuery(new URLSearchParams(location.search), []);
+      this.read();
       this.showSetting();
       this.restart();
     });
