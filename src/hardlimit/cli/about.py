@@ -75,7 +75,9 @@ def completion(shell: str) -> None:
     help="Port of the page; 0 takes any free port.",
 )
 @click.option("--browser/--no-browser", "open_browser", default=True, help="Open the page in a browser.")
-@click.option("--gas", is_flag=True, help="Open the page of a gas of disks, event-driven beside Newton's equations.")
+@click.option(
+    "--gas", is_flag=True, help="Open the page of a gas of disks, event-driven beside Newton's equations."
+)
 def explore(port: int, open_browser: bool, gas: bool) -> None:
     """Serve the interactive page on 127.0.0.1 until Ctrl-C."""
     from ..explorer import server
