@@ -170,9 +170,9 @@ public:
         return cells * inline_ids * (longest_chain_ + 1) + padding;
     }
 
-    // Describes the cells within `reach` of a point, which lie in this block, to the kernels: as blocks of rows of up to
-    // eight cells. Calls f(block, most ids in it) for each. Periodic edges must be longer than 2 reach: the nearest image
-    // of a particle is then the only one within reach. `rows` is storage.
+    // Describes the cells within `reach` of a point, all in this block, to the kernels: as rows of up to eight cells.
+    // Calls f(block, most ids in it) for each eight. Periodic edges must be longer than 2 reach, so that only the
+    // nearest image of a particle is within reach. `rows` is storage.
     template <class F>
     void for_blocks_within(const Box& box, int level, const double* point, double reach, Place<d> from,
                            Place<d> to, std::vector<u32>& rows, const F& f) const {
