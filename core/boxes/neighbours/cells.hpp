@@ -7,6 +7,7 @@
 // is a separate neighbour.
 #pragma once
 #include <algorithm>
+#include <cstring>
 #include <vector>
 
 #include "../common/particle.hpp"
@@ -169,9 +170,9 @@ public:
         return cells * inline_ids * (longest_chain_ + 1) + padding;
     }
 
-    // Describes the cells within `reach` of a point, which lie in this block, to the kernels: as blocks of rows of up to
-    // eight cells. Calls f(block, most ids in it) for each. Periodic edges must be longer than 2 reach: the nearest image
-    // of a particle is then the only one within reach. `rows` is storage.
+    // Describes the cells within `reach` of a point, all in this block, to the kernels: as rows of up to eight cells.
+    // Calls f(block, most ids in it) for each eight. Periodic edges must be longer than 2 reach, so that only the
+    // nearest image of a particle is within reach. `rows` is storage.
     template <class F>
     void for_blocks_within(const Box& box, int level, const double* point, double reach, Place<d> from,
                            Place<d> to, std::vector<u32>& rows, const F& f) const {
@@ -236,13 +237,19 @@ public:
             if (length == 3) prefetch(row + 2);
         });
     }
-    // Calls f(id) for the particles in those cells, except spilled ones.
+    // Calls f(id) for the particles in those cells, except spilled ones. Their ids are listed first, without branches:
+    // cells hold too few for a loop whose end can be predicted.
     template <class F>
     void for_inline(int level, u32 cell, const Stencil& s, const F& f) const {
+        u32 list[27 * inline_ids + 1];
+        std::size_t n = 0;
         for_rows(level, cell, s, [&](const Cell* row, int length) {
-            for (int x = 0; x < length; ++x)
-                for (u32 k = 0; k < std::min(row[x].tail, inline_ids); ++k) f(row[x].id[k]);
+            for (int x = 0; x < length; ++x) {
+                std::memcpy(list + n, &row[x], sizeof(Cell));
+                n += std::min(row[x].tail, inline_ids);
+            }
         });
+        for (std::size_t k = 0; k < n; ++k) f(list[k]);
     }
 
     // Calls f(cell, shift) for the cells of a block of one grid, which may reach beyond the box: `shift` moves the

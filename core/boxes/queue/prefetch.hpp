@@ -19,44 +19,61 @@ struct Prefetcher {
     More more;
     Beside beside;
 
-    static constexpr std::size_t cells_ahead = 14, neighbours_ahead = 6;  // events ahead
+    // Events ahead at which the cells around a body, those around its partner, and the bodies in both are fetched.
+    static constexpr std::size_t cells_ahead = 12, partner_ahead = 8, neighbours_ahead = 4;
 
-    // Called once per event: prefetches for the events at both distances ahead.
+    // Called once per event: prefetches for the events at these distances ahead.
     void step() const {
         calendar.ahead(cells_ahead, [this](u32 id) { fetch_cells(id); });
+        calendar.ahead(partner_ahead, [this](u32 id) { fetch_cells_of_partner(id); });
         calendar.ahead(neighbours_ahead, [this](u32 id) { fetch_neighbours(id); });
     }
     // Prefetches for the first events of a bin, which step() has not covered.
     void enter_bin() const {
         calendar.fetch_next([this](u32 id) { prefetch(&pending[id]); });
         for (std::size_t k = 0; k < cells_ahead; ++k) calendar.ahead(k, [this](u32 id) { fetch_cells(id); });
+        for (std::size_t k = 0; k < partner_ahead; ++k)
+            calendar.ahead(k, [this](u32 id) { fetch_cells_of_partner(id); });
         for (std::size_t k = 0; k < neighbours_ahead; ++k)
             calendar.ahead(k, [this](u32 id) { fetch_neighbours(id); });
     }
 
 private:
+    using Stencil = typename Cells<d>::Stencil;
+
+    static bool collides(const PendingEvents& e) {
+        return e.pair_time <= e.own_time && e.partner != no_particle;
+    }
     // Cells that a body will search at its next event.
-    static typename Cells<d>::Stencil surroundings(const PendingEvents& e) {
+    static Stencil surroundings(const PendingEvents& e) {
         const SelfEvent own = static_cast<SelfEvent>(e.own);
-        if (e.pair_time <= e.own_time || own == SelfEvent::rescan || own == SelfEvent::ends) return {};
-        return Cells<d>::Stencil::beyond(axis_of(own), is_high(own));
+        if (collides(e) || own == SelfEvent::rescan || own == SelfEvent::ends) return {};
+        return Stencil::beyond(axis_of(own), is_high(own));
     }
     // Prefetches those cells, the body, and its partner.
     void fetch_cells(u32 i) const {
         const PendingEvents& e = pending[i];
         prefetch(&bodies[i]);
         more(i);
-        if (e.pair_time <= e.own_time) {
+        if (collides(e)) {
             prefetch(&bodies[e.partner]);
             prefetch(&pending[e.partner]);
             more(e.partner);
         }
         cells.fetch(level(i), e.cell, surroundings(e));
     }
-    // Prefetches the bodies in those cells.
+    void fetch_cells_of_partner(u32 i) const {
+        const PendingEvents& e = pending[i];
+        if (collides(e)) cells.fetch(level(e.partner), pending[e.partner].cell, Stencil{});
+    }
+    // Prefetches the bodies in the cells of both.
     void fetch_neighbours(u32 i) const {
         const PendingEvents& e = pending[i];
-        cells.for_inline(level(i), e.cell, surroundings(e), [this](u32 id) {
+        fetch_bodies(i, surroundings(e));
+        if (collides(e)) fetch_bodies(e.partner, Stencil{});
+    }
+    void fetch_bodies(u32 i, const Stencil& s) const {
+        cells.for_inline(level(i), pending[i].cell, s, [this](u32 id) {
             prefetch(&bodies[id]);
             beside(id);
         });
