@@ -24,7 +24,8 @@ const imports = WebAssembly.Module.imports(module);
 if (imports.length > 0) throw new Error("the module imports " + imports.map((i) => i.name).join());' "$file"
 }
 module core.wasm ../bindings/wasm.cpp column_buffer reply_buffer scratch solve contacts_of row_size sample \
-    rebound_heights scan_points scan_timeline records record_ranges outcome_message
+    rebound_heights final_velocities compare_models agreement_gaps scan_points scan_timeline records record_ranges \
+    outcome_message
 # Boxes of grains: loaded only when a page shows one.
 module grains.wasm ../bindings/wasm_grains.cpp box_setting box_fields box_grow box_start box_advance box_observe \
     box_state box_take_log box_log

@@ -1,7 +1,7 @@
 // The controls: a slider and a text field for every number.
 import { parse, sub, withUnit } from "../support/format";
 import {
-  clampTo, constants, constantsOf, densityFor, laws, massOf, MOST_BALLS, ranges, restitutionOf, setBallCount, settle, type Range, type Scenario,
+  clampTo, constantAt, constants, constantsOf, densityFor, hasOwn, laws, massOf, MOST_BALLS, ranges, restitutionOf, setBallCount, setOwn, settle, type Range, type Scenario,
 } from "../scenario/scenario";
 import { capital, labelOf, parameterOfColumn } from "../core/tables";
 import { touchable } from "../support/touch";
@@ -41,7 +41,7 @@ export class Controls {
     if (scenario !== this.scenario) this.said.textContent = "";
     this.scenario = scenario;
     if (this.about.textContent !== about) this.about.textContent = about;
-    const shape = `${scenario.law} ${scenario.balls.length} ${scenario.cradle}`;
+    const shape = `${scenario.law} ${scenario.balls.length} ${scenario.cradle} ${hasOwn(scenario)}`;
     const changed = shape !== this.shape;
     if (changed) this.build();
     this.shape = shape;
@@ -82,7 +82,16 @@ export class Controls {
     );
     for (const name of constantsOf(s)) {
       const { label, range } = constants[name];
-      add(this.number(name, label, range, (q) => q.constants[name], (q, x) => (q.constants[name] = x)));
+      add(this.number(name, hasOwn(s) ? `${label}, floor` : label, range, (q) => q.constants[name], (q, x) => (q.constants[name] = x)));
+    }
+    if (!s.cradle) {
+      add(this.once("own", () => this.ownSwitch()));
+      if (hasOwn(s))
+        for (let pair = 1; pair < s.balls.length; pair++)
+          for (const name of constantsOf(s)) {
+            const { label, range } = constants[name];
+            add(this.number(`${name}${pair}`, `${label}, balls ${pair} and ${pair + 1}`, range, (q) => constantAt(q, name, pair), (q, x) => (q.own[name][pair - 1] = x)));
+          }
     }
     add(this.once("count", () => this.stepper()));
     for (let i = s.balls.length - 1; i >= 0; i--) {
@@ -200,6 +209,15 @@ export class Controls {
     });
     const refresh = (): void => inputs.forEach((input) => (input.checked = input.value === get()));
     return { element, refresh };
+  }
+
+  private ownSwitch(): Control {
+    const element = document.createElement("label");
+    element.className = "own";
+    const input = Object.assign(document.createElement("input"), { type: "checkbox", id: "own" });
+    input.addEventListener("change", () => this.edit((s) => setOwn(s, input.checked)));
+    element.append(input, "Ball–ball contacts differ from the floor’s");
+    return { element, refresh: () => void (input.checked = hasOwn(this.scenario)) };
   }
 
   private stepper(): Control {

@@ -1,7 +1,10 @@
 // The page: creates its parts and updates them after a change of the scenario.
 import { Controls } from "./controls";
 import { find, Sheet, tell } from "../support/dom";
-import { dropOf, type Solved, type Unsolved } from "../core/drop";
+import { dropOf, type Answered, type Solved, type Unsolved } from "../core/drop";
+import { reportOf } from "../report/report";
+import { joined, type Sentence } from "../report/sentence";
+import { inPercent, tolerances } from "../report/tolerance";
 import { save } from "./exporting";
 import { Film } from "../views/film";
 import { forcesSummary } from "../views/forces";
@@ -9,7 +12,7 @@ import { digits } from "../support/format";
 import { Lecture } from "../story/lecture";
 import { baseOf, firstLectureView, lectureFromQuery } from "../story/lecture_view";
 import { MapPanel } from "../map/map_panel";
-import { exactNumbers, fillDefinitions, fillEnergy, fillTable, verdict } from "../views/numbers";
+import { fillDefinitions, fillEnergy, fillTable } from "../views/numbers";
 import { ForcesPanel, TimelinePanel } from "../views/panels";
 import { picture } from "../views/picture";
 import { Desk, piece, Pool } from "../core/pool";
@@ -52,6 +55,7 @@ class Page {
     const resized = (): void => this.resized();
     this.fillPresets();
     this.readLink();
+    this.fillTolerances();
     this.controls = new Controls(find("controls"), state.scenario, () => this.edited());
     this.film = new Film(state, new Sheet("stage", resized));
     this.forcesSheet = new Sheet("forces", resized);
@@ -90,6 +94,7 @@ class Page {
   private goBack(): void {
     this.readLink();
     this.map.map.setShow(this.state.view.map.show);
+    this.fillTolerances();
     this.state.screen = 0;
     this.state.dirty.solve = true;
     this.film.refresh();
@@ -154,12 +159,15 @@ class Page {
     const { state } = this;
     const built = this.controls.set(state.scenario, this.about);
     this.progress.begin();
-    const ask = { scenario: copyOf(state.scenario) };
+    const ask = { scenario: copyOf(state.scenario), tolerance: state.view.tolerance };
     this.desk.put(
       piece<"solve">({
         kind: "solve",
         ask,
-        begun: (what, share) => this.progress.tell(what, share),
+        begun: (what, share, known) => {
+          this.progress.tell(what, share);
+          if (known) this.tellNumbers(known);
+        },
         done: (result) => this.solved(result),
         failed: (error) => this.solved({ scenario: ask.scenario, reason: `This setting could not be computed: ${error}` }),
       }),
@@ -173,7 +181,8 @@ class Page {
     if (!this.desk.waits) this.progress.end();
     if ("reason" in result) {
       state.drop = null;
-      this.say([result.reason, ""]);
+      state.report = null;
+      this.say(result.reason, "", "");
       return;
     }
     state.drop = dropOf(result);
@@ -183,7 +192,7 @@ class Page {
       this.film.seek(kept);
       state.view.time = null;
     } else state.screen = Math.min(share, 1) * state.clock().length;
-    this.tellNumbers();
+    this.tellNumbers(result);
     this.forcesSheet.canvas.setAttribute("aria-description", forcesSummary(state.drop));
     this.map.refreshChoices();
     this.timeline.refresh();
@@ -199,31 +208,55 @@ class Page {
     const { state } = this;
     this.desk.giveUp();
     this.progress.end();
-    if (!state.drop) return this.say(["Given up. Change a parameter to compute again.", ""]);
+    if (!state.drop) return this.say("Given up. Change a parameter to compute again.", "", "");
     state.scenario = copyOf(state.drop.scenario);
     state.dirty.solve = false;
     this.choosePreset(presets.find((p) => queryOf(p.scenario) === queryOf(state.scenario))?.id ?? "");
     this.controls.set(state.scenario, this.about);
   }
 
-  private tellNumbers(): void {
-    const d = this.state.drop!;
-    fillTable(find("numbers"), d);
+  // Shows what is known so far.
+  private tellNumbers(d: Answered): void {
+    const { state } = this;
+    const report = (state.report = reportOf(d, state.view.tolerance));
+    fillTable(find("numbers"), report);
     find("rebound-said").hidden = d.scenario.cradle;
-    fillDefinitions(find("definitions").querySelector("dl")!, d);
-    fillEnergy(find("energy"), d);
-    this.say(verdict(d));
-    document.documentElement.dataset.numbers = JSON.stringify(exactNumbers(d));
+    fillDefinitions(find("definitions").querySelector("dl")!, report);
+    fillEnergy(find("energy"), report);
+    this.say(joined(report.newton), report.icm.length > 0 ? joined(report.icm) : "Independent collisions are still being computed.", report.verdict?.text ?? "");
+    this.lecture.told(report);
+    document.documentElement.dataset.answer = report.verdict?.answer ?? "";
+    if (d.icm) document.documentElement.dataset.numbers = JSON.stringify(report.numbers);
   }
 
-  private say([newton, icm]: [string, string]): void {
+  // All that the page says at this moment, as data.
+  readonly report = (): object | null => {
+    const { report, scenario, view, lecture } = this.state;
+    if (!report) return null;
+    const sentences: Sentence[] = [...report.newton, ...report.icm, ...report.why, ...(report.verdict ? [report.verdict] : []), ...this.lecture.sentences()];
+    return { ...report, current: JSON.stringify(report.setting) === JSON.stringify(scenario), step: lecture.step, story: this.lecture.sentences(), sentences, time: this.state.time(), tolerance: view.tolerance };
+  };
+
+  private say(newton: string, icm: string, verdict: string): void {
     const [a, b] = [document.createElement("span"), document.createElement("span")];
     a.className = "newton";
     b.className = "icm";
     tell(a, newton + " ");
     tell(b, icm);
     find("verdict").replaceChildren(a, b);
-    this.announcer.say(`${newton} ${icm}`);
+    tell(find("answer"), verdict);
+    this.announcer.say(`${newton} ${icm} ${verdict}`);
+  }
+
+  private fillTolerances(): void {
+    const select = find<HTMLSelectElement>("tolerance");
+    const { view } = this.state;
+    const list = [...new Set([...tolerances, view.tolerance])].sort((a, b) => a - b);
+    select.replaceChildren(...list.map((x) => new Option(inPercent(x), String(x), false, x === view.tolerance)));
+    select.onchange = () => {
+      view.tolerance = Number(select.value);
+      this.state.dirty.solve = true;
+    };
   }
 
   // A newly shown plot may not be computed yet.
@@ -309,7 +342,8 @@ class Page {
 async function begin(): Promise<void> {
   const response = fetch(new URL("core.wasm", import.meta.url));
   const module = await WebAssembly.compileStreaming(response).catch(async () => WebAssembly.compile(await (await fetch(new URL("core.wasm", import.meta.url))).arrayBuffer()));
-  new Page(module);
+  const page = new Page(module);
+  Object.assign(window, { hardlimit: { report: page.report } });
 }
 
 begin().catch((error: unknown) => {

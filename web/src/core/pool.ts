@@ -1,4 +1,5 @@
 // Web workers: a few for maps and curves, one for the drop itself.
+import type { Answered } from "./drop";
 import type { Kind, Reply, Request, Tasks } from "./worker";
 
 // A task and its callbacks.
@@ -6,7 +7,7 @@ export interface Piece<K extends Kind = Kind> {
   kind: K;
   ask: Tasks[K]["ask"];
   done(answer: Tasks[K]["answer"], ms: number): void;
-  begun?(what: string, share: number): void;
+  begun?(what: string, share: number, known: Answered | null): void;
   failed?(error: string): void;
 }
 
@@ -55,7 +56,7 @@ class Hand {
   private receive(reply: Reply): void {
     const work = this.at;
     if (!work || reply.id !== this.id) return;
-    if (reply.begun) return work.begun?.(reply.begun.what, reply.begun.share);
+    if (reply.begun) return work.begun?.(reply.begun.what, reply.begun.share, reply.begun.known);
     this.at = null;
     if (reply.error === undefined) work.done(reply.answer as never, reply.ms);
     else if (work.failed) work.failed(reply.error);

@@ -11,8 +11,8 @@ import type { Pool } from "../core/pool";
 import { ReboundPanel } from "../views/rebound_panel";
 import type { State } from "../app/state";
 import { Story } from "./story";
-import { factsOf } from "./story_text";
-import { why } from "./why";
+import type { Report } from "../report/report";
+import { joined, type Sentence } from "../report/sentence";
 
 export class Lecture {
   private readonly frames = new Frames();
@@ -64,13 +64,20 @@ export class Lecture {
     this.rebound.refresh();
   }
 
+  sentences(): Sentence[] {
+    return this.story.sentences();
+  }
+
+  // The report has changed, perhaps before the drop is solved to its end.
+  told(report: Report): void {
+    const text = joined(report.why);
+    if (find("why").textContent !== text) tell(find("why"), text);
+    tell(find("mini-verdict"), joined([...report.newton, ...report.icm]));
+  }
+
   // ---- what follows from a change -----------------------------------------------------------------------
 
   solved(): void {
-    const drop = this.state.drop!;
-    const text = why(factsOf(drop));
-    if (find("why").textContent !== text) tell(find("why"), text);
-    tell(find("mini-verdict"), find("verdict").textContent);
     this.settingsChanged();
     this.single.refreshLink();
     if (this.entered) this.enter(this.entered.step, this.entered.placed);

@@ -2,7 +2,7 @@
 import { presets } from "../scenario/presets";
 import { copyOf, fromQuery, toQuery, type Scenario } from "../scenario/scenario";
 
-export const steps = ["predict", "drop", "slow", "count", "gap", "map"] as const;
+export const steps = ["watch", "predict", "drop", "slow", "count", "gap", "map"] as const;
 export type Step = (typeof steps)[number];
 
 export const panels = ["film", "numbers", "energy", "forces", "timeline", "rebound", "map", "compare"] as const;

@@ -5,11 +5,14 @@ import type { Frames } from "../app/frames";
 import { sameScenario, steps, type LectureView, type PanelName, type Step } from "./lecture_view";
 import { presets } from "../scenario/presets";
 import type { State } from "../app/state";
-import { storyText, titleOf, type Told } from "./story_text";
+import type { Sentence } from "../report/sentence";
+import { joined } from "../report/sentence";
+import { story, titleOf, type Told } from "./story_text";
 import { drawTale, rulerTop, type TaleLayout } from "./tale";
 
 // Panels of a step besides its text.
 const shows: Record<Step, (PanelName | "tale")[]> = {
+  watch: ["film"],
   predict: ["tale"],
   drop: ["tale"],
   slow: ["film", "forces"],
@@ -117,15 +120,17 @@ export class Story {
   private told(): Told {
     const { state, view } = this;
     const drop = state.drop!;
-    const top = drop.scenario.balls.length - 1;
-    const rises: [number, number] = drop.scenario.cradle
-      ? [drop.newton.final.velocity[top], drop.icm.final.velocity[top]]
-      : [drop.newton.peaks[top], drop.icm.peaks[top]];
-    return { drop, guess: view.guess, revealed: this.revealed, rises, ...this.hand.told() };
+    return { drop, report: state.report!, guess: view.guess, revealed: this.revealed, ...this.hand.told() };
+  }
+
+  // What the present step says; empty outside the story.
+  sentences(): Sentence[] {
+    const { step } = this.view;
+    return step && this.state.drop ? story(step, this.told()) : [];
   }
 
   private tell(): void {
-    const text = storyText(this.view.step!, this.told());
+    const text = joined(this.sentences());
     if (text === this.said) return;
     this.said = text;
     this.refreshOther();
@@ -138,14 +143,13 @@ export class Story {
     if (drop.scenario.cradle || sheet.width < 40) return;
     const falling = view.step === "drop";
     const time = falling ? state.time() : drop.start;
-    const told = this.told();
     const size = Math.min(Math.max(this.frames.textSize(), 14), sheet.width / 22);
     this.layout = drawTale(
       sheet.g, sheet.width, sheet.height,
       {
         drop, falling, guess: view.guess,
         newton: drop.motion.newton.at(time), icm: drop.motion.icm.at(time),
-        reached: this.revealed ? told.rises : [NaN, NaN],
+        reached: this.revealed ? [drop.newton, drop.icm].map((t) => t.peaks[t.peaks.length - 1]) as [number, number] : [NaN, NaN],
       },
       size, state.theme,
     );
