@@ -10,5 +10,5 @@ const define = { TABLES: tables(`${out}/core.wasm`) };
 const common = { define, bundle: true, format: "esm", target: "es2022", minify: true, charset: "utf8", legalComments: "none" };
 await build({ ...common, entryPoints: ["src/app/main.ts"], outfile: `${out}/main.js` });
 await build({ ...common, entryPoints: ["src/core/worker.ts"], outfile: `${out}/worker.js` });
-await build({ entryPoints: ["src/style/page.css"], bundle: true, outfile: `${out}/style.css`, minify: true, charset: "utf8" });
+await build({ entryPoints: ["src/style/style.css"], bundle: true, outfile: `${out}/style.css`, minify: true, charset: "utf8" });
 for (const file of ["index.html", "icon.svg"]) copyFileSync(`src/${file}`, `${out}/${file}`);

@@ -23,9 +23,11 @@ const module = new WebAssembly.Module(require("fs").readFileSync(process.argv[1]
 const imports = WebAssembly.Module.imports(module);
 if (imports.length > 0) throw new Error("the module imports " + imports.map((i) => i.name).join());' "$file"
 }
-module core.wasm ../bindings/wasm.cpp column_buffer reply_buffer scratch solve contacts_of row_size sample \
-    rebound_heights final_velocities compare_models agreement_gaps scan_points scan_timeline records record_ranges \
-    outcome_message
+# What the first page needs, and the same with all that plots and maps need besides, which is loaded afterwards.
+drop="column_buffer reply_buffer scratch solve contacts_of row_size sample rebound_heights final_velocities compare_models
+    records record_ranges outcome_message"
+module core.wasm ../bindings/wasm.cpp $drop
+module maps.wasm ../bindings/wasm.cpp $drop agreement_gaps scan_points scan_timeline
 # Boxes of grains: loaded only when a page shows one.
 module grains.wasm ../bindings/wasm_grains.cpp box_setting box_fields box_grow box_start box_advance box_observe \
     box_state box_take_log box_log

@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { createServer } from "node:http";
 import { after, before, test } from "node:test";
-import { accessible, mapDone, shoot, Site, solved } from "./browser.mjs";
+import { accessible, laboratory, mapDone, shoot, Site, solved } from "./browser.mjs";
 
 let site;
 before(async () => void (site = await Site.begin()));
@@ -43,7 +43,7 @@ test("the page opens with basketball and tennis ball, and says why", async (t) =
   await page.fill("#gap1-value", "5 cm");
   await page.keyboard.press("Tab");
   await page.waitForFunction(() => /has let go when the balls meet/.test(document.getElementById("why").textContent));
-  await page.goto(site.base + "?example=fig2");
+  await page.goto(site.base + laboratory("?example=fig2"));
   await solved(page);
   assert.match(await page.textContent("#why"), /^The floor pushes for 775 µs; the collision model lets the balls meet after 18\.8 µs, while the floor is still pushing\./);
   const balls = await page.textContent("#balls");
@@ -61,7 +61,7 @@ test("links: what the page opens with, an example by name, own values", async (t
   await page.selectOption("#preset", "basketball");
   await page.waitForFunction(() => document.getElementById("why").textContent.includes("12 ms"));
   assert.equal(await linkOf(), "");
-  await page.goto(site.base + "?e=0.8");
+  await page.goto(site.base + laboratory("?e=0.8"));
   await solved(page);
   assert.equal(await page.inputValue("#radius1-value"), "10 cm", "a link without a name starts from the paper’s Fig. 2");
 });
@@ -89,7 +89,7 @@ test("the story: keys, links, history", async (t) => {
   await page.keyboard.press("Escape");
   await page.waitForFunction(() => !new URL(location.href).searchParams.has("story"));
   assert.equal(await page.isVisible("#controls"), true);
-  await page.goto(site.base + "?story=nonsense");
+  await page.goto(site.base + laboratory("?story=nonsense"));
   await solved(page);
   assert.match(await page.textContent("#notes"), /story = “nonsense”/);
 });
@@ -277,7 +277,7 @@ test("rebound heights over ε and over R₁/R₂, and for every kind of column",
     assert.match(await page.textContent("#rebound-reading"), /Newton [\d.]+ (?:m|cm), ICM [\d.]+ (?:m|cm)$/);
   }
   for (const query of ["?example=astro", "?example=cradle", "?example=steel", "?law=tsuji", "?example=cradle&curve=ratio"]) {
-    await page.goto(site.base + query);
+    await page.goto(site.base + laboratory(query));
     await solved(page);
     await curveDone(page);
     assert.match(await page.textContent("#rebound-reading"), /Newton [−\d.]+ (?:m|cm|m\/s), ICM (?:[−\d.]+ (?:m|cm|m\/s)|none)$/, query);
@@ -373,7 +373,7 @@ for (const view of views)
 test("accessible, and no wider than a phone", async (t) => {
   const page = await open(t, views[0], phone);
   for (const view of views) {
-    await page.goto(site.base + view);
+    await page.goto(site.base + laboratory(view));
     await solved(page);
     await accessible(page, view);
     const parted = await page.$$eval(".whole", (list) => list.filter((x) => x.checkVisibility() && x.getClientRects().length > 1).map((x) => x.textContent));

@@ -6,7 +6,7 @@ import { join } from "node:path";
 import { tables } from "../../web/tables.mjs";
 
 const src = new URL("../../web/src/", import.meta.url).pathname;
-const wasm = process.env.EXPLORER_WASM ?? new URL("../../src/hardlimit/explorer/page/core.wasm", import.meta.url).pathname;
+const wasm = process.env.EXPLORER_WASM ?? new URL("../../src/hardlimit/explorer/page/maps.wasm", import.meta.url).pathname;
 
 // The path of a module from its name: each name occurs in one room of web/src only.
 const paths = readdirSync(src, { recursive: true }).map(String).filter((path) => path.endsWith(".ts"));

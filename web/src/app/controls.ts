@@ -4,10 +4,8 @@ import {
   clampTo, constantAt, constants, constantsOf, densityFor, hasOwn, laws, massOf, MOST_BALLS, ranges, restitutionOf, setBallCount, setOwn, settle, type Range, type Scenario,
 } from "../scenario/scenario";
 import { capital, labelOf, parameterOfColumn } from "../core/tables";
+import { fromSlider, steps, toSlider } from "../support/slider";
 import { touchable } from "../support/touch";
-
-// Positions of a slider: even steps on a linear scale, a thousand on a logarithmic one.
-const steps = (r: Range): number => (r.log ? 1000 : Math.round((r.high - r.low) / (r.step ?? 0.001)));
 
 interface Control {
   element: HTMLElement;
@@ -253,18 +251,4 @@ export class Controls {
     };
     return { element, refresh };
   }
-}
-
-// Sliders are logarithmic where the range is; values are rounded to a few digits.
-export function fromSlider(r: Range, at: number): number {
-  if (r.zero && at === 0) return 0;
-  const share = at / steps(r);
-  const x = r.log ? r.low * (r.high / r.low) ** share : r.low + (r.high - r.low) * share;
-  return clampTo(r, Number(r.log ? x.toPrecision(3) : x.toFixed(3)));
-}
-
-export function toSlider(r: Range, x: number): number {
-  if (r.zero && x === 0) return 0;
-  const share = r.log ? Math.log(x / r.low) / Math.log(r.high / r.low) : (x - r.low) / (r.high - r.low);
-  return Math.round(steps(r) * Math.min(Math.max(share, 0), 1));
 }

@@ -18,6 +18,7 @@ import { picture } from "../views/picture";
 import { Desk, piece, Pool } from "../core/pool";
 import { presets, type Preset } from "../scenario/presets";
 import { copyOf, fromQuery, toQuery, toToml, type Scenario } from "../scenario/scenario";
+import { fromToml } from "../scenario/toml";
 import { Announcer, Progress } from "./progress";
 import { State } from "./state";
 import { ThemeSwitch } from "../style/theme_switch";
@@ -28,6 +29,8 @@ const queryOf = (s: Scenario): string => {
   toQuery(s, q);
   return q.toString();
 };
+
+const pause = 700; // ms between changes that undo takes back one by one
 
 const moves = (): boolean => !matchMedia("(prefers-reduced-motion: reduce)").matches;
 
@@ -47,15 +50,20 @@ class Page {
   private preset = "";
   private about = "";
   private lastFrame = 0;
+  private maps: Promise<void> | null = null; // loaded once the first answer is there
+  private readonly past: Scenario[] = []; // settings that undo returns to
+  private before: Scenario;
+  private changedAt = -Infinity;
 
   constructor(module: WebAssembly.Module) {
     this.desk = new Desk(module);
-    this.pool = new Pool(module);
+    this.pool = new Pool();
     const state = (this.state = new State(copyOf(presets[0].scenario), () => this.edited()));
     const resized = (): void => this.resized();
     this.fillPresets();
     this.readLink();
     this.fillTolerances();
+    this.before = copyOf(state.scenario);
     this.controls = new Controls(find("controls"), state.scenario, () => this.edited());
     this.film = new Film(state, new Sheet("stage", resized));
     this.forcesSheet = new Sheet("forces", resized);
@@ -130,12 +138,34 @@ class Page {
     state.view.time = null;
     state.screen = 0;
     this.note([]);
+    this.remember();
     this.choosePreset(preset.id);
     state.dirty.solve = true;
     this.film.play(moves());
   }
 
+  // Changes that follow each other closely are one step of undo.
+  private remember(): void {
+    const { scenario } = this.state;
+    if (performance.now() - this.changedAt > pause) this.past.push(this.before);
+    this.changedAt = performance.now();
+    this.before = copyOf(scenario);
+    find<HTMLButtonElement>("undo").disabled = false;
+  }
+
+  private undo(): void {
+    const before = this.past.pop();
+    if (!before) return;
+    this.state.scenario = copyOf(before);
+    this.before = copyOf(before);
+    this.changedAt = -Infinity;
+    find<HTMLButtonElement>("undo").disabled = this.past.length === 0;
+    this.choosePreset(presets.find((p) => queryOf(p.scenario) === queryOf(before))?.id ?? "");
+    this.state.dirty.solve = true;
+  }
+
   private edited(): void {
+    this.remember();
     if (this.preset) this.choosePreset("");
     this.state.dirty.solve = true;
   }
@@ -179,6 +209,7 @@ class Page {
     const { state } = this;
     const share = state.drop ? state.screen / state.clock().length : 0;
     if (!this.desk.waits) this.progress.end();
+    this.maps ??= compiled("maps.wasm").then((module) => this.pool.open(module));
     if ("reason" in result) {
       state.drop = null;
       state.report = null;
@@ -193,6 +224,7 @@ class Page {
       state.view.time = null;
     } else state.screen = Math.min(share, 1) * state.clock().length;
     this.tellNumbers(result);
+    document.documentElement.dataset.numbers = JSON.stringify(state.report!.numbers);
     this.forcesSheet.canvas.setAttribute("aria-description", forcesSummary(state.drop));
     this.map.refreshChoices();
     this.timeline.refresh();
@@ -226,7 +258,6 @@ class Page {
     this.say(joined(report.newton), report.icm.length > 0 ? joined(report.icm) : "Independent collisions are still being computed.", report.verdict?.text ?? "");
     this.lecture.told(report);
     document.documentElement.dataset.answer = report.verdict?.answer ?? "";
-    if (d.icm) document.documentElement.dataset.numbers = JSON.stringify(report.numbers);
   }
 
   // All that the page says at this moment, as data.
@@ -324,11 +355,35 @@ class Page {
       done.then(() => say("copy", "Copied"), () => say("copy", "In address bar"));
     });
     find("toml").addEventListener("click", () => save("drop.toml", new Blob([toToml(state.scenario)], { type: "application/toml" })));
+    find("undo").addEventListener("click", () => this.undo());
+    addEventListener("keydown", (e) => {
+      if (e.key !== "z" || !(e.ctrlKey || e.metaKey) || e.shiftKey || (e.target as HTMLElement).closest("input[type=text]")) return;
+      e.preventDefault();
+      this.undo();
+    });
+    const file = find<HTMLInputElement>("open-file");
+    find("open").addEventListener("click", () => file.click());
+    file.addEventListener("change", () => {
+      if (file.files?.[0]) void this.open(file.files[0]);
+      file.value = "";
+    });
     find("csv").addEventListener("click", async () => {
       const text = state.drop && (await this.pool.ask("csv", { scenario: state.drop.scenario }));
       if (text) save("drop.csv", new Blob([text], { type: "text/csv" }));
     });
     find("png").addEventListener("click", () => this.savePicture(performance.now()));
+  }
+
+  // A column in a TOML file, as `hardlimit drop` reads it.
+  private async open(file: File): Promise<void> {
+    const notes: string[] = [];
+    try {
+      this.state.scenario = fromToml(await file.text(), notes);
+      this.edited();
+    } catch (error) {
+      notes.push((error as Error).message);
+    }
+    this.note(notes.map((text) => `${file.name}: ${text}`));
   }
 
   // Waits briefly for the map.
@@ -339,10 +394,13 @@ class Page {
   }
 }
 
+async function compiled(file: string): Promise<WebAssembly.Module> {
+  const url = new URL(file, import.meta.url);
+  return WebAssembly.compileStreaming(fetch(url)).catch(async () => WebAssembly.compile(await (await fetch(url)).arrayBuffer()));
+}
+
 async function begin(): Promise<void> {
-  const response = fetch(new URL("core.wasm", import.meta.url));
-  const module = await WebAssembly.compileStreaming(response).catch(async () => WebAssembly.compile(await (await fetch(new URL("core.wasm", import.meta.url))).arrayBuffer()));
-  const page = new Page(module);
+  const page = new Page(await compiled("core.wasm"));
   Object.assign(window, { hardlimit: { report: page.report } });
 }
 

@@ -74,7 +74,13 @@ export class Pool {
   private readonly urgent: Piece[] = [];
   private turn = 0;
 
-  constructor(private readonly module: WebAssembly.Module) {}
+  // Without a module the tasks wait for open().
+  constructor(private module: WebAssembly.Module | null = null) {}
+
+  open(module: WebAssembly.Module): void {
+    this.module = module;
+    this.wake();
+  }
 
   // A source belongs to a plot and is not asked for tasks while the plot is hidden.
   add(source: Source, shown: () => boolean): void {
@@ -90,6 +96,7 @@ export class Pool {
   }
 
   wake(): void {
+    if (!this.module) return;
     for (let i = 0; i < this.size; i++) {
       const hand: Hand | undefined = this.hands[i];
       if (hand && (!hand.idle || hand.lost)) continue;
@@ -100,7 +107,7 @@ export class Pool {
   }
 
   private hire(): Hand {
-    const hand = new Hand(this.module, () => this.wake());
+    const hand = new Hand(this.module!, () => this.wake());
     this.hands.push(hand);
     return hand;
   }

@@ -11,6 +11,7 @@ import type { Pool } from "../core/pool";
 import { ReboundPanel } from "../views/rebound_panel";
 import type { State } from "../app/state";
 import { Story } from "./story";
+import { Watch } from "./watch";
 import type { Report } from "../report/report";
 import { joined, type Sentence } from "../report/sentence";
 
@@ -43,7 +44,7 @@ export class Lecture {
       entered: (step) => this.enter(step),
       left: () => this.show(),
       load,
-    });
+    }, new Watch(state, film, new Sheet("duel", resized), moves));
     fillMeasured();
     this.show();
     if (view.step) this.enter(view.step, state.view.time !== null);
@@ -109,6 +110,7 @@ export class Lecture {
     if (!drop) return;
     const contact = this.moves() ? drop.from - 0.02 : 0.5 * (drop.from + drop.to);
     const actions: Partial<Record<Step, () => void>> = {
+      watch: () => this.start(true, this.moves() ? Math.max(drop.start, drop.from - 0.35) : Infinity, this.moves()),
       predict: () => this.start(false, 0, false),
       drop: () => this.start(false, this.moves() ? 0 : Infinity, this.moves()),
       slow: () => this.start(true, contact, this.moves()),

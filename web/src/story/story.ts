@@ -8,11 +8,14 @@ import type { State } from "../app/state";
 import type { Sentence } from "../report/sentence";
 import { joined } from "../report/sentence";
 import { story, titleOf, type Told } from "./story_text";
+import type { Watch } from "./watch";
 import { drawTale, rulerTop, type TaleLayout } from "./tale";
 
+type StoryPanel = PanelName | "tale" | "watch";
+
 // Panels of a step besides its text.
-const shows: Record<Step, (PanelName | "tale")[]> = {
-  watch: ["film"],
+const shows: Record<Step, StoryPanel[]> = {
+  watch: ["watch"],
   predict: ["tale"],
   drop: ["tale"],
   slow: ["film", "forces"],
@@ -20,7 +23,7 @@ const shows: Record<Step, (PanelName | "tale")[]> = {
   gap: ["rebound", "film"],
   map: ["map"],
 };
-const onCradle: Partial<Record<Step, PanelName[]>> = { predict: ["film"], drop: ["film"] };
+const onCradle: Partial<Record<Step, PanelName[]>> = { watch: ["film"], predict: ["film"], drop: ["film"] };
 
 // Data of the page that the story needs.
 export interface Stagehand {
@@ -43,6 +46,7 @@ export class Story {
     private readonly sheet: Sheet,
     private readonly frames: Frames,
     private readonly hand: Stagehand,
+    private readonly watch: Watch,
   ) {
     this.listen();
   }
@@ -78,14 +82,14 @@ export class Story {
       else b.removeAttribute("aria-current");
     });
     find<HTMLButtonElement>("story-back").disabled = place === 0;
-    find("story-next").textContent = step === "predict" ? "Let them drop" : place === steps.length - 1 ? "To the whole page" : "Next";
+    find("story-next").textContent = step === "predict" ? "Let them drop" : place === steps.length - 1 ? "To the laboratory" : "Next";
     find("story-again").hidden = step !== "drop";
     this.refreshOther();
     scrollTo(0, 0);
     this.dirty = true;
   }
 
-  private panels(step: Step): (PanelName | "tale")[] {
+  private panels(step: Step): StoryPanel[] {
     return (this.state.scenario.cradle && onCradle[step]) || shows[step];
   }
 
@@ -107,8 +111,10 @@ export class Story {
       this.revealed = true;
       this.dirty = true;
     }
-    if (!this.dirty && !(state.playing && view.step === "drop")) return;
+    if (!this.dirty && !(state.playing && (view.step === "drop" || view.step === "watch"))) return;
+    if (this.dirty) this.watch.refresh();
     this.dirty = false;
+    if (view.step === "watch") this.watch.draw(this.frames.textSize());
     if (view.step === "predict" || view.step === "drop") this.draw();
     this.tell();
   }
@@ -170,7 +176,7 @@ export class Story {
   }
 
   private listen(): void {
-    find("tell").addEventListener("click", () => this.go("predict"));
+    find("tell").addEventListener("click", () => this.go("watch"));
     find("story-next").addEventListener("click", () => this.move(1));
     find("story-back").addEventListener("click", () => this.move(-1));
     find("story-leave").addEventListener("click", () => this.go(null));
