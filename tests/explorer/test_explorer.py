@@ -53,7 +53,7 @@ def get(address: Address, path: str, method: str = "GET") -> tuple[int, http.cli
 def test_every_file_is_served_with_its_type_and_the_policy(address: tuple[str, int]) -> None:
     files = server.page_files()
     code = {"index.html", "main.js", "worker.js", "style.css", "icon.svg"}
-    assert set(files) == code | {"core.wasm", "grains.wasm"}
+    assert set(files) == code | {"core.wasm", "maps.wasm", "grains.wasm"}
     for name, content in files.items():
         status, headers, body = get(address, f"/{name}")
         assert (status, body) == (200, content)

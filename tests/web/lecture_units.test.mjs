@@ -5,7 +5,7 @@ import { test } from "node:test";
 import { load, random as randomness } from "./modules.mjs";
 import { randomScenario } from "./scenarios.mjs";
 
-const lib = await load("why", "measurements", "measured", "report", "sentence", "story_text", "lecture_view", "presets", "view");
+const lib = await load("why", "measurements", "measured", "report", "sentence", "story_text", "lecture_view", "presets", "toml", "view");
 const whyText = (facts) => lib.joined(lib.why(facts));
 const { core } = lib;
 
@@ -207,6 +207,24 @@ test("where both models agree: the line of the core is where the verdict changes
     for (const factor of [1, 1.1, 2, 5]) assert.ok(gap * factor > high || answer(gap * factor), `${restitution}: ${gap} × ${factor}`);
     assert.ok(!answer(gap * (low / high) ** (1 / 160)), `${restitution}: below ${gap}`);
   }
+});
+
+test("the TOML file of a setting is that setting, and what cannot be read is refused in one line", () => {
+  const random = randomness(8);
+  for (let i = 0; i < 100; i++) {
+    const s = randomScenario(random, lib);
+    if (!s.cradle && random() < 0.5) lib.setOwn(s, true);
+    const notes = [];
+    const read = lib.fromToml(lib.toToml(s), notes);
+    assert.deepEqual(notes, []);
+    assert.deepEqual(read, { ...s, constants: { ...read.constants, ...Object.fromEntries(lib.constantsOf(s).map((name) => [name, s.constants[name]])) } });
+  }
+  const example = lib.fromToml(readFileSync(new URL("../../examples/basketball_and_tennis_ball.toml", import.meta.url), "utf8"), []);
+  assert.deepEqual([example.constants.stiffness, example.own.stiffness[0], example.gaps[0]], [2.6e4, 2e4, 0.01]);
+  const units = lib.fromToml('height = "60 cm"\ngaps = ["0.1 mm"]\n[[balls]]\nradius = "10 cm"\ndensity = 840\n[[balls]]\nradius = 0.01\nmass = "3.5 g"\n[law]\nname = "linear"\nstiffness = 5e7\nrestitution = 0.7\n', []);
+  assert.deepEqual([units.height, units.gaps[0], units.balls[0].radius], [0.6, 1e-4, 0.1]);
+  for (const text of ["", "height = 1", "nonsense", "[[balls]]\nradius = 1\n[[balls]]\nradius = 1", "x = [1, y]"])
+    assert.throws(() => lib.fromToml(text, []), (e) => e.message.length > 0 && !e.message.includes("\n"), text);
 });
 
 test("each contact has its own law in the core, the link and the file", () => {

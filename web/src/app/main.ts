@@ -279,15 +279,18 @@ class Page {
     this.announcer.say(`${newton} ${icm} ${verdict}`);
   }
 
+  // Beside the verdict, and beside the map.
   private fillTolerances(): void {
-    const select = find<HTMLSelectElement>("tolerance");
     const { view } = this.state;
     const list = [...new Set([...tolerances, view.tolerance])].sort((a, b) => a - b);
-    select.replaceChildren(...list.map((x) => new Option(inPercent(x), String(x), false, x === view.tolerance)));
-    select.onchange = () => {
-      view.tolerance = Number(select.value);
-      this.state.dirty.solve = true;
-    };
+    for (const select of document.querySelectorAll<HTMLSelectElement>(".tolerances")) {
+      select.replaceChildren(...list.map((x) => new Option(inPercent(x), String(x), false, x === view.tolerance)));
+      select.onchange = () => {
+        view.tolerance = Number(select.value);
+        this.fillTolerances();
+        this.state.dirty.solve = true;
+      };
+    }
   }
 
   // A newly shown plot may not be computed yet.

@@ -50,6 +50,7 @@ const prefix = "a."; // of the parameters of setting A
 export function lectureToQuery(v: LectureView, q: URLSearchParams): void {
   if (v.step && v.step !== "watch") q.set("story", v.step);
   if (!v.step && !v.panel && !v.pin) q.set("page", "lab");
+  if (v.step === "watch" && v.pin) q.set("page", "story"); // a link with a setting A opens the laboratory
   if (v.guess !== null) q.set("guess", String(v.guess));
   if (v.panel) q.set("panel", v.panel);
   if (v.curve !== "gap") q.set("curve", v.curve);
@@ -70,7 +71,7 @@ export function lectureFromQuery(v: LectureView, q: URLSearchParams, notes: stri
   const asked = choice("story", steps);
   v.panel = asked ? null : choice("panel", panels);
   const pinned = [...q.keys()].some((key) => key.startsWith(prefix));
-  const laboratory = choice("page", ["lab", "story"]) === "lab" || (pinned && !asked);
+  const laboratory = choice("page", ["lab", "story"]) === "lab" || (pinned && !q.has("page"));
   v.step = asked ?? (v.panel || laboratory ? null : "watch");
   v.curve = choice("curve", curveAxes) ?? "gap";
   const guess = q.get("guess");

@@ -83,6 +83,7 @@ export class Story {
     });
     find<HTMLButtonElement>("story-back").disabled = place === 0;
     find("story-next").textContent = step === "predict" ? "Let them drop" : place === steps.length - 1 ? "To the laboratory" : "Next";
+    find("story-leave").hidden = place === steps.length - 1;
     find("story-again").hidden = step !== "drop";
     this.refreshOther();
     scrollTo(0, 0);

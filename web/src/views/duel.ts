@@ -39,7 +39,14 @@ export function drawDuel(g: CanvasRenderingContext2D, w: number, h: number, d: D
     world.shadow(balls);
     world.balls(balls);
     if (k === 0) world.forces(balls);
-    else world.flashes(track, balls, toScreen);
+    else {
+      g.save();
+      g.beginPath();
+      g.rect(half, 0, half, floor);
+      g.clip();
+      world.flashes(track, balls, toScreen);
+      g.restore();
+    }
     world.height(track, balls, 0.36 * half);
     setFont(g, theme, 1.1 * size, 650);
     g.textAlign = "center";
@@ -166,7 +173,8 @@ class World {
   // A collision takes no time: a ring that grows and fades.
   flashes(track: Track, balls: Balls, toScreen: (t: number) => number): void {
     const { g, d, m, size } = this;
-    for (const c of track.shown.slice(0, 400)) {
+    for (const c of track.run.contacts.slice(0, 400)) {
+      if (c.begin > track.run.last) break;
       const since = m.screen - toScreen(c.begin);
       if (!(since >= 0 && since < flash)) continue;
       const i = Math.max(c.pair - 1, 0);
