@@ -213,11 +213,14 @@ test("the TOML file of a setting is that setting, and what cannot be read is ref
   const random = randomness(8);
   for (let i = 0; i < 100; i++) {
     const s = randomScenario(random, lib);
-    if (!s.cradle && random() < 0.5) lib.setOwn(s, true);
+    if (!s.cradle && random() < 0.5) {
+      lib.setOwn(s, true);
+      for (const values of Object.values(s.own)) values[0] *= 0.9;
+    }
     const notes = [];
     const read = lib.fromToml(lib.toToml(s), notes);
     assert.deepEqual(notes, []);
-    assert.deepEqual(read, { ...s, constants: { ...read.constants, ...Object.fromEntries(lib.constantsOf(s).map((name) => [name, s.constants[name]])) } });
+    assert.deepEqual(read, { ...s, height: s.cradle ? read.height : s.height, constants: { ...read.constants, ...Object.fromEntries(lib.constantsOf(s).map((name) => [name, s.constants[name]])) } });
   }
   const example = lib.fromToml(readFileSync(new URL("../../examples/basketball_and_tennis_ball.toml", import.meta.url), "utf8"), []);
   assert.deepEqual([example.constants.stiffness, example.own.stiffness[0], example.gaps[0]], [2.6e4, 2e4, 0.01]);
