@@ -215,7 +215,7 @@ test("the TOML file of a setting is that setting, and what cannot be read is ref
     const s = randomScenario(random, lib);
     if (!s.cradle && random() < 0.5) {
       lib.setOwn(s, true);
-      for (const values of Object.values(s.own)) values[0] *= 0.9;
+      for (const values of Object.values(s.own)) values[0] = values[0] === 0 ? 0.1 : 0.9 * values[0];
     }
     const notes = [];
     const read = lib.fromToml(lib.toToml(s), notes);
