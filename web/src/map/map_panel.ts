@@ -104,7 +104,7 @@ export class MapPanel {
   drawIfDue(now: number): void {
     const { dirty, drop } = this.state;
     const due = this.map.elapsed !== null || this.map.fresh || now - this.drawn > 80;
-    if (!dirty.mapPicture || !drop || !due) return;
+    if (!dirty.mapPicture || !drop || !due || !this.sheet.shown()) return;
     dirty.mapPicture = this.map.fresh = false;
     this.drawn = now;
     this.draw();
