@@ -14,7 +14,7 @@
 #include <string_view>
 #include <vector>
 
-// The size of the module is what a visitor waits for: all that does not run for each point of a map is compiled for size.
+// A visitor waits for the module: code that does not run for each point of a map is compiled for size.
 #ifdef __clang__
 #define HL_SMALL _Pragma("clang attribute push(__attribute__((minsize)), apply_to = function)")
 #define HL_SMALL_END _Pragma("clang attribute pop")
@@ -435,7 +435,8 @@ double* scratch(long n) {
 // collisions. until: NaN ends with the sequence. most_events: limit on independent collisions, 0: the default. Reply:
 // outcome, contacts of the sequence, t_end, t_floor_end, relative and separation velocity, first and last time, number
 // of recorded contacts, impact speed, ε_eff of both velocities, largest compression over the smaller radius (NaN:
-// none), pair that became too deep (−1: none), whether the upper balls meet again later. Returns whether the model applies to this column.
+// none), pair that became too deep (−1: none), whether the upper balls meet again later. Returns whether the model
+// applies to this column.
 int solve(int model, double until, double most_events = 0.0) {
     Solved& slot = solved(model);
     slot.options = {};
@@ -516,8 +517,8 @@ void compare_models(double tolerance) {
     }));
 }
 
-// For n values of ε, writes the gap above which both models agree: all larger gaps up to `high` do, in logarithmic steps.
-// Infinity: they do not agree at `high`. Other gaps of the column stay unless the scan varies them too.
+// For n values of ε, writes the gap above which both models agree: all larger gaps up to `high` do, in logarithmic
+// steps. Infinity: they do not agree at `high`. Other gaps of the column stay unless the scan varies them too.
 void agreement_gaps(long n, const double* restitution, double low, double high, double tolerance,
                     double* out) {
     with_law([&]<class Law>() {

@@ -56,7 +56,7 @@ export const newtonCases: Case<Facts>[] = [
   },
   {
     id: "at-rest", when: (f) => f.newton.run.outcome === outcomes.atRest && rises(f.newton),
-    say: (f) => `${capital(counted(f.newton.run.nContacts, "contact"))}, of which one never ends because gravity holds it closed; after its first bounce the top ball reaches ${heights(f)[0]}.`.replace(/^No contacts, of which one/, "The floor contact"),
+    say: (f) => `${capital(counted(f.newton.run.nContacts, "contact"))} between balls; one contact, of balls or with the floor, never ends because gravity holds it closed. After its first bounce the top ball reaches ${heights(f)[0]}.`,
     numbers: rise,
   },
   { id: "at-rest-flat", when: (f) => f.newton.run.outcome === outcomes.atRest, say: () => "A contact never ends because gravity holds it closed; the top ball does not bounce." },
