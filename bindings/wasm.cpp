@@ -3,23 +3,41 @@
 //
 // The caller writes a column to column_buffer() and calls a solver, which writes to reply_buffer(). Layout of the
 // column:
-//   [0] law, index in registry.hpp   [1] alternative   [2 … 5] parameters of the law, common ones first
-//   [6] number of balls   [7] 1: floor, 0: cradle   [8] gravity [m/s²]
-//   [9 + 4 i …] mass [kg], radius [m], gap below [m], velocity [m/s] of ball i, bottom first
-#include "column/model.hpp"
-#include "column/rebound.hpp"
-#include "contact/registry.hpp"
-#include "sweep/batch.hpp"
-#include "sweep/linear_kernel.hpp"
-#include "sweep/parameter_table.hpp"
-#include "sweep/viscoelastic_entry.hpp"
-#include "sweep/viscoelastic_kernel.hpp"
-
+//   [0] law, index in registry.hpp   [1] alternative   [2] number of balls   [3] 1: floor, 0: cradle
+//   [4] gravity [m/s²]
+//   [5 + 8 i …] mass [kg], radius [m], gap below [m], velocity [m/s] of ball i, bottom first; then the 4 parameters of
+//   its contact with the body below, common ones first
 #include <algorithm>
+#include <array>
 #include <initializer_list>
 #include <memory>
 #include <string_view>
 #include <vector>
+
+// A visitor waits for the module: code that does not run for each point of a map is compiled for size.
+#ifdef __clang__
+#define HL_SMALL _Pragma("clang attribute push(__attribute__((minsize)), apply_to = function)")
+#define HL_SMALL_END _Pragma("clang attribute pop")
+#else
+#define HL_SMALL
+#define HL_SMALL_END
+#endif
+// clang-format off
+#include "contact/registry.hpp"
+#include "sweep/batch.hpp"
+#include "sweep/linear_kernel.hpp"
+#include "sweep/viscoelastic_entry.hpp"
+#include "sweep/viscoelastic_kernel.hpp"
+HL_SMALL
+#include "base/radau.hpp"
+HL_SMALL_END
+#include "column/general/run.hpp"
+HL_SMALL
+#include "column/comparison.hpp"
+#include "column/model.hpp"
+#include "column/rebound.hpp"
+#include "sweep/parameter_table.hpp"
+// clang-format on
 
 namespace hl = hardlimit;
 namespace col = hardlimit::column;
@@ -29,15 +47,19 @@ using hl::contact::Viscoelastic;
 namespace {
 
 constexpr int most_balls = 16;
-constexpr int column_size = 9 + 4 * most_balls;
+constexpr int head_size = 5;
+constexpr int ball_size = 4 + hl::max_parameters;
+constexpr int column_size = head_size + ball_size * most_balls;
 constexpr int reply_size = 16;
-constexpr long most_steps = 300'000;  // limits the response time of the page; later events are not shown
+constexpr long most_steps = 300'000;  // limits the time for one point of a scan
 
 double request[column_size];
 double reply[reply_size];
 
-int balls() { return static_cast<int>(request[6]); }
-bool on_floor() { return request[7] != 0.0; }
+int balls() { return static_cast<int>(request[2]); }
+bool on_floor() { return request[3] != 0.0; }
+const double* ball(int i) { return request + head_size + ball_size * i; }
+const double* parameters_of(int contact) { return ball(contact) + 4; }
 
 // Index of ε among the parameters of a law in this alternative; −1 if it does not contain ε.
 int restitution_parameter(const hl::LawRecord& law, int alternative) {
@@ -47,39 +69,34 @@ int restitution_parameter(const hl::LawRecord& law, int alternative) {
 }
 int alternative() { return static_cast<int>(request[1]); }
 
-// Sets the contacts of a column from the parameters of its law.
+// Sets the contacts of a column. `restitution` replaces that of the request unless it is NaN.
 template <class Law>
-void set_contacts(col::Column<Law>& c, const double* parameters) {
+void set_contacts(col::Column<Law>& c, double restitution = hl::math::nan) {
     c.contacts.clear();
     for (int j = 0; j < c.balls; ++j) {
         const double mass = j == 0 ? hl::math::infinity : c.mass[j - 1];
         const double radius = j == 0 ? hl::math::infinity : c.radius[j - 1];
         const hl::PairGeometry pair{hl::effective(mass, c.mass[j]), hl::effective(radius, c.radius[j])};
+        double parameters[hl::max_parameters];
+        std::copy_n(parameters_of(j), hl::max_parameters, parameters);
+        if (!hl::math::is_nan(restitution))
+            parameters[restitution_parameter(Law::record, alternative())] = restitution;
         c.contacts.push_back(Law::from_parameters(alternative(), parameters, pair));
     }
-}
-// The same with another coefficient of restitution than in the request.
-template <class Law>
-void set_restitution(col::Column<Law>& c, double restitution) {
-    double parameters[hl::max_parameters];
-    std::copy_n(request + 2, hl::max_parameters, parameters);
-    parameters[restitution_parameter(Law::record, alternative())] = restitution;
-    set_contacts(c, parameters);
 }
 
 // The column in the request buffer.
 template <class Law>
 col::Column<Law> make_column() {
     const int n = balls();
-    col::Column<Law> c{n, on_floor(), request[8], {}, {}, {}, {}, {}};
+    col::Column<Law> c{n, on_floor(), request[4], {}, {}, {}, {}, {}};
     for (int i = 0; i < n; ++i) {
-        const double* ball = request + 9 + 4 * i;
-        c.mass.push_back(ball[0]);
-        c.radius.push_back(ball[1]);
-        c.gaps.push_back(ball[2]);
-        c.velocity.push_back(ball[3]);
+        c.mass.push_back(ball(i)[0]);
+        c.radius.push_back(ball(i)[1]);
+        c.gaps.push_back(ball(i)[2]);
+        c.velocity.push_back(ball(i)[3]);
     }
-    set_contacts(c, request + 2);
+    set_contacts(c);
     return c;
 }
 
@@ -118,7 +135,7 @@ void write_row(const col::States& s, std::size_t i, double* row) {
 }
 
 double landing_speed() {
-    return on_floor() ? col::impact_speed(request[9 + 2], request[9 + 3], request[8]) : hl::math::nan;
+    return on_floor() ? col::impact_speed(ball(0)[2], ball(0)[3], request[4]) : hl::math::nan;
 }
 
 // Options for one point of a scan, of which the page shows only one pixel.
@@ -170,7 +187,7 @@ struct Points {
     double restitution(long i) const { return points[2 * i]; }
     // The column of the current point, with contacts.
     const col::Column<Law>& column(long i) {
-        if (restitution(i) != known) set_restitution(c, restitution(i));
+        if (restitution(i) != known) set_contacts(c, restitution(i));
         known = restitution(i);
         return c;
     }
@@ -245,7 +262,8 @@ struct Way<Viscoelastic> {
                                 c.gravity,
                                 {},
                                 {}};
-        for (int k = 0; k < hl::max_parameters; ++k) q.floor_law[k] = q.pair_law[k] = request[2 + k];
+        std::copy_n(parameters_of(0), hl::max_parameters, q.floor_law);
+        std::copy_n(parameters_of(1), hl::max_parameters, q.pair_law);
         const hl::sweep::Setting setting{col::Model::newton, alternative(), false, false,
                                          restitution_parameter(Viscoelastic::record, alternative())};
         if (!hl::sweep::enter_viscoelastic(setting, q, argument, argument, rates, s)) return false;
@@ -297,7 +315,7 @@ long timeline(int model, long n, const double* restitution, double* out, long ro
     std::vector<col::Contact> contacts;
     long used = 0;
     for (long i = 0; i < n; ++i) {
-        set_restitution(c, restitution[i]);
+        set_contacts(c, restitution[i]);
         contacts.clear();
         const col::Sequence q = col::solve_sequence(c, static_cast<col::Model>(model), coarse(), &contacts);
         if (used + 4 + 3 * static_cast<long>(contacts.size()) > room) break;
@@ -312,6 +330,57 @@ long timeline(int model, long n, const double* restitution, double* out, long ro
         }
     }
     return used;
+}
+
+void write_comparison(const col::Comparison& c) {
+    const double values[] = {static_cast<double>(c.answer),
+                             static_cast<double>(c.ground),
+                             static_cast<double>(c.overlapping),
+                             c.error,
+                             c.independent,
+                             c.newton,
+                             static_cast<double>(c.ball),
+                             static_cast<double>(c.later)};
+    std::copy(std::begin(values), std::end(values), reply);
+}
+
+// Whether the upper balls still approach each other when the lowest ball is back on the floor. Their later contacts are
+// no part of the sequence, but count for the rebound heights.
+bool upper_balls_meet_again(int model) {
+    const Solved& slot = solved(model);
+    const col::Solution& s = *slot.found;
+    if (!on_floor() || !s.sequence.second_floor_contact || !hl::math::is_nan(slot.options.until))
+        return false;
+    return with_law([&]<class Law>() {
+        double at;
+        const auto column = std::make_shared<const col::Column<Law>>(make_column<Law>());
+        return col::rebound::some_approach(
+            col::rebound::end_of_sequence<Law>(column, slot.model, slot.options, s, at), 1);
+    });
+}
+
+// See agreement_gaps().
+template <class Law>
+double agreement_gap(double restitution, double low, double high, double tolerance) {
+    constexpr int steps = 160;
+    col::Column<Law> c = make_column<Law>();
+    set_contacts(c, restitution);
+    col::SolveOptions options = coarse();
+    options.max_events = 1000;
+    double found = hl::math::infinity;
+    for (int k = steps; k >= 0; --k) {
+        const double gap = low * hl::math::exp(hl::math::log(high / low) * k / steps);
+        for (int j = first_gap(c); j < c.balls; ++j) c.gaps[j] = gap;
+        const auto column = std::make_shared<const col::Column<Law>>(c);
+        const auto newton = col::solve_column(col::SharedColumn<Law>(column), col::Model::newton, options);
+        const auto independent =
+            col::solve_column(col::SharedColumn<Law>(column), col::Model::independent, options);
+        const col::Comparison compared =
+            col::compare_models(col::SharedColumn<Law>(column), options, *newton, *independent, tolerance);
+        if (!(compared.error <= tolerance) || compared.answer == col::Answer::no) return found;
+        found = gap;
+    }
+    return found;
 }
 
 // The alternative that the page uses for a law: the first one with ε.
@@ -366,12 +435,12 @@ double* scratch(long n) {
 // collisions. until: NaN ends with the sequence. most_events: limit on independent collisions, 0: the default. Reply:
 // outcome, contacts of the sequence, t_end, t_floor_end, relative and separation velocity, first and last time, number
 // of recorded contacts, impact speed, ε_eff of both velocities, largest compression over the smaller radius (NaN:
-// none), pair that became too deep (−1: none). Returns whether the model applies to this column.
+// none), pair that became too deep (−1: none), whether the upper balls meet again later. Returns whether the model
+// applies to this column.
 int solve(int model, double until, double most_events = 0.0) {
     Solved& slot = solved(model);
     slot.options = {};
     slot.options.until = until;
-    slot.options.max_steps = most_steps;
     if (most_events > 0.0) slot.options.max_events = static_cast<long>(most_events);
     slot.found = with_law([&]<class Law>() {
         return col::solve_column(std::make_shared<const col::Column<Law>>(make_column<Law>()), slot.model,
@@ -393,7 +462,8 @@ int solve(int model, double until, double most_events = 0.0) {
                              col::effective_restitution(q.relative_velocity, speed),
                              col::effective_restitution(q.separation_velocity, speed),
                              slot.found->largest_compression(),
-                             static_cast<double>(slot.found->too_deep)};
+                             static_cast<double>(slot.found->too_deep),
+                             upper_balls_meet_again(model) ? 1.0 : 0.0};
     std::copy(std::begin(values), std::end(values), reply);
     return 1;
 }
@@ -427,6 +497,33 @@ void rebound_heights(int model, double* out) {
         return col::rebound_heights(col::SharedColumn<Law>(column), s.model, s.options, *s.found);
     });
     std::copy(heights.begin(), heights.end(), out);
+}
+
+// Writes the velocities of the balls at the end of the last contact in the last run [m/s]; NaN where there are none.
+void final_velocities(int model, double* out) {
+    const std::vector<double> found =
+        col::final_velocities(*solved(model).found, balls(), solved(model).options.until);
+    std::copy(found.begin(), found.end(), out);
+}
+
+// Compares the last runs by independent collisions and by Newton's equations. Writes to reply_buffer(): answer, ground,
+// overlapping contacts, error, velocity by independent collisions, by Newton's equations, ball (−1: separation
+// velocity), later (comparison.hpp).
+void compare_models(double tolerance) {
+    write_comparison(with_law([&]<class Law>() {
+        const auto column = std::make_shared<const col::Column<Law>>(make_column<Law>());
+        return col::compare_models(col::SharedColumn<Law>(column), solved(0).options, *solved(0).found,
+                                   *solved(2).found, tolerance);
+    }));
+}
+
+// For n values of ε, writes the gap above which both models agree: all larger gaps up to `high` do, in logarithmic
+// steps. Infinity: they do not agree at `high`. Other gaps of the column stay unless the scan varies them too.
+void agreement_gaps(long n, const double* restitution, double low, double high, double tolerance,
+                    double* out) {
+    with_law([&]<class Law>() {
+        for (long i = 0; i < n; ++i) out[i] = agreement_gap<Law>(restitution[i], low, high, tolerance);
+    });
 }
 
 // For n points (ε, gap) or (ε, R1/R2), writes the number of contacts and ε_eff/ε at the end of the sequence and at
@@ -481,3 +578,5 @@ void record_ranges(double* out) {
 const char* outcome_message(int outcome) { return hl::message(static_cast<hl::Outcome>(outcome)); }
 
 }  // extern "C"
+
+HL_SMALL_END

@@ -23,8 +23,11 @@ const module = new WebAssembly.Module(require("fs").readFileSync(process.argv[1]
 const imports = WebAssembly.Module.imports(module);
 if (imports.length > 0) throw new Error("the module imports " + imports.map((i) => i.name).join());' "$file"
 }
-module core.wasm ../bindings/wasm.cpp column_buffer reply_buffer scratch solve contacts_of row_size sample \
-    rebound_heights scan_points scan_timeline records record_ranges outcome_message
+# What the first page needs, and the same with all that plots and maps need besides, which is loaded afterwards.
+drop="column_buffer reply_buffer scratch solve contacts_of row_size sample rebound_heights final_velocities compare_models
+    records record_ranges outcome_message"
+module core.wasm ../bindings/wasm.cpp $drop
+module maps.wasm ../bindings/wasm.cpp $drop agreement_gaps scan_points scan_timeline
 size=-Oz module gas.wasm ../bindings/wasm_gas.cpp gas_setting gas_fields gas_place gas_heat gas_duration gas_compression \
     gas_deepest gas_start gas_advance gas_observe gas_state gas_take_log gas_log gas_outcome gas_rule \
     law_rate law_of_error law_errors law_largest law_measured

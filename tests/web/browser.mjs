@@ -73,17 +73,32 @@ export class Site {
       await context.close();
       assert.deepEqual(faults, []);
     });
-    await page.goto(this.base + query);
+    openMenu(page);
+    await page.goto(this.base + laboratory(query));
     await ready(page);
     return page;
   }
+}
+
+// A link to the laboratory, unless it names a place of its own.
+export const laboratory = (query) => (/^gas|[?&](story|panel|page|a\.)/.test(query) ? query : `${query}${query ? "&" : "?"}page=lab`);
+
+// A click on an entry of the menu opens the menu first.
+const entries = new Set(["#copy", "#enlarge", "#pin", "#png", "#csv", "#toml", "#open", "#theme"]);
+function openMenu(page) {
+  const click = page.click.bind(page);
+  page.click = async (selector, options) => {
+    if (entries.has(selector)) await page.evaluate(() => (document.getElementById("menu").open = true));
+    await click(selector, options);
+    if (entries.has(selector)) await page.evaluate(() => (document.getElementById("menu").open = false));
+  };
 }
 
 // Another setting in the page that is open, by way of its history; its numbers are those of before until it is solved.
 export const goTo = (page, query) => page.evaluate((query) => {
   history.pushState(null, "", query);
   dispatchEvent(new PopStateEvent("popstate"));
-}, query);
+}, laboratory(query));
 export const forget = (page) => page.evaluate(() => delete document.documentElement.dataset.numbers);
 
 export const mapDone = (page) => page.waitForFunction(() => document.getElementById("map").dataset.ms !== undefined, null, { timeout: 120_000 });

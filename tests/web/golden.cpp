@@ -28,12 +28,12 @@ std::vector<double> viscous(double young, double poisson, double restitution, do
 
 // balls: radius, density, gap below, velocity
 std::vector<double> make(std::vector<double> law, bool floor, std::vector<std::array<double, 4>> balls) {
-    law.push_back(static_cast<double>(balls.size()));
-    law.push_back(floor);
-    law.push_back(floor ? 9.81 : 0.0);
+    std::vector<double> column = {law[0], law[1], static_cast<double>(balls.size()), floor ? 1.0 : 0.0,
+                                  floor ? 9.81 : 0.0};
     for (const auto& [radius, density, gap, velocity] : balls)
-        law.insert(law.end(), {sphere(density, radius), radius, gap, velocity});
-    return law;
+        column.insert(column.end(),
+                      {sphere(density, radius), radius, gap, velocity, law[2], law[3], law[4], law[5]});
+    return column;
 }
 
 std::vector<Case> cases() {

@@ -4,7 +4,7 @@ import { readFileSync } from "node:fs";
 import { test } from "node:test";
 
 const root = new URL("../../", import.meta.url);
-const wasm = process.env.EXPLORER_WASM ?? new URL("src/hardlimit/explorer/page/core.wasm", root);
+const wasm = process.env.EXPLORER_WASM ?? new URL("src/hardlimit/explorer/page/maps.wasm", root);
 const golden = JSON.parse(readFileSync(new URL("tests/data/golden_wasm.json", root), "utf8"));
 const load = (file) => new WebAssembly.Instance(new WebAssembly.Module(readFileSync(file)), {}).exports;
 const core = load(wasm);

@@ -5,7 +5,8 @@ import { test } from "node:test";
 import { load, random as randomness } from "./modules.mjs";
 import { randomScenario } from "./scenarios.mjs";
 
-const lib = await load("why", "measurements", "measured", "story_text", "lecture_view", "presets", "trust", "view");
+const lib = await load("why", "measurements", "measured", "report", "sentence", "story_text", "lecture_view", "presets", "toml", "view");
+const whyText = (facts) => lib.joined(lib.why(facts));
 const { core } = lib;
 
 // What why() is made of.
@@ -33,7 +34,7 @@ test("why: a well-formed sentence for every setting", () => {
     const s = randomScenario(random, lib);
     const facts = factsOf(s);
     if (!facts) continue;
-    const text = lib.why(facts);
+    const text = whyText(facts);
     wellFormed(text, `${text} ← ${JSON.stringify(s)}`);
     const kind = text.replace(/[\d.·⁻⁰-⁹]+ (?:[nµm]?s)/g, "T");
     kinds.set(kind, text);
@@ -46,14 +47,14 @@ test("why: a well-formed sentence for every setting", () => {
 });
 
 test("why: the paper's Fig. 2", () => {
-  const text = lib.why(factsOf(lib.paper()));
+  const text = whyText(factsOf(lib.paper()));
   assert.equal(text, "The floor pushes for 775 µs; the collision model lets the balls meet after 18.8 µs, while the floor is still pushing. By Newton’s equations they touch four times, between 194 µs and 721 µs.");
 });
 
 test("why: far apart the models agree", () => {
   const s = lib.paper();
   s.gaps = [0.01];
-  assert.match(lib.why(factsOf(s)), /^The floor pushes for \d+ µs and has let go when the balls meet after [\d.]+ ms: one collision after the other, as the collision model has it\.$/);
+  assert.match(whyText(factsOf(s)), /^The floor pushes for \d+ µs and has let go when the balls meet after [\d.]+ ms: one collision after the other, as the collision model has it\.$/);
 });
 
 test("measured heights: what is read", () => {
@@ -129,13 +130,12 @@ test("the story: well formed for every step and setting", () => {
     const solved = lib.solve(core, scenario);
     if ("reason" in solved) continue;
     const drop = lib.dropOf(solved);
-    const top = drop.scenario.balls.length - 1;
-    const rises = drop.scenario.cradle ? [drop.newton.final.velocity[top], drop.icm.final.velocity[top]] : [drop.newton.peaks[top], drop.icm.peaks[top]];
+    const report = lib.reportOf(drop, 0.01);
     for (const step of lib.steps)
       for (const guess of [null, 2.5])
         for (const gaps of [null, { touching: 0.9, best: 3.1, at: 0.02 }, { touching: NaN, best: NaN, at: 0 }])
           for (const trusted of [null, Infinity, 0.0123]) {
-            const text = lib.storyText(step, { drop, guess, revealed: true, rises, gaps, trusted });
+            const text = lib.joined(lib.story(step, { drop, report, guess, revealed: true, gaps, trusted }));
             assert.match(text, /^[A-Z].*[.?]$/, text);
             assert.doesNotMatch(text, /NaN|undefined|null|Infinity|  | [.,;]|\.\./, `${step}: ${text}`);
           }
@@ -193,12 +193,54 @@ test("the documentation names every parameter of a link, and what it may be", ()
   for (const name of ["story=predict", "panel=film"]) assert.ok(told.has(name), name);
 });
 
-test("where both models agree: the lowest row from which they do", () => {
-  const row = (values) => lib.trustedRow((j) => values[j], values.length);
-  assert.equal(row([0.1, 0.5, 0.99, 1.01]), 2);
-  assert.equal(row([0.1, 1, 0.5, 1]), 3);
-  assert.equal(row([1, 1, 1, 1]), 0);
-  assert.equal(row([1, 1, 1, 0.2]), 4);
-  assert.equal(row([1, 1, 1, NaN]), 4);
-  assert.ok(Number.isNaN(row([1, undefined, 1, 1])));
+test("where both models agree: the line of the core is where the verdict changes", () => {
+  const s = lib.paper();
+  for (const restitution of [0.5, 0.7, 0.9]) {
+    s.restitution = restitution;
+    core.set(s);
+    const [low, high] = [1e-5, 0.1];
+    const [gap] = core.agreementGaps([restitution], low, high, 0.01);
+    const answer = (x) => {
+      const { comparison } = lib.solve(core, { ...lib.copyOf(s), gaps: [x] });
+      return comparison.error <= 0.01;
+    };
+    for (const factor of [1, 1.1, 2, 5]) assert.ok(gap * factor > high || answer(gap * factor), `${restitution}: ${gap} × ${factor}`);
+    assert.ok(!answer(gap * (low / high) ** (1 / 160)), `${restitution}: below ${gap}`);
+  }
+});
+
+test("the TOML file of a setting is that setting, and what cannot be read is refused in one line", () => {
+  const random = randomness(8);
+  for (let i = 0; i < 100; i++) {
+    const s = randomScenario(random, lib);
+    if (!s.cradle && random() < 0.5) {
+      lib.setOwn(s, true);
+      for (const values of Object.values(s.own)) values[0] = values[0] === 0 ? 0.1 : 0.9 * values[0];
+    }
+    const notes = [];
+    const read = lib.fromToml(lib.toToml(s), notes);
+    assert.deepEqual(notes, []);
+    assert.deepEqual(read, { ...s, height: s.cradle ? read.height : s.height, constants: { ...read.constants, ...Object.fromEntries(lib.constantsOf(s).map((name) => [name, s.constants[name]])) } });
+  }
+  const example = lib.fromToml(readFileSync(new URL("../../examples/basketball_and_tennis_ball.toml", import.meta.url), "utf8"), []);
+  assert.deepEqual([example.constants.stiffness, example.own.stiffness[0], example.gaps[0]], [2.6e4, 2e4, 0.01]);
+  const units = lib.fromToml('height = "60 cm"\ngaps = ["0.1 mm"]\n[[balls]]\nradius = "10 cm"\ndensity = 840\n[[balls]]\nradius = 0.01\nmass = "3.5 g"\n[law]\nname = "linear"\nstiffness = 5e7\nrestitution = 0.7\n', []);
+  assert.deepEqual([units.height, units.gaps[0], units.balls[0].radius], [0.6, 1e-4, 0.1]);
+  for (const text of ["", "height = 1", "nonsense", "[[balls]]\nradius = 1\n[[balls]]\nradius = 1", "x = [1, y]"])
+    assert.throws(() => lib.fromToml(text, []), (e) => e.message.length > 0 && !e.message.includes("\n"), text);
+});
+
+test("each contact has its own law in the core, the link and the file", () => {
+  const s = lib.copyOf(lib.presets[0].scenario);
+  assert.ok(Math.abs(s.own.stiffness[0] - 13_600) < 400, String(s.own.stiffness)); // 42 and 20 kN/m in series
+  const height = (x) => lib.solve(core, x).newton.peaks[1];
+  const same = { ...s, own: {} };
+  assert.ok(height(s) > 1.28 + 0.3 && height(same) < 1, "with both balls in series it rises above its release, with one stiffness it does not");
+  const q = new URLSearchParams();
+  lib.toQuery(s, q);
+  assert.equal(q.get("k"), `42000,${s.own.stiffness[0]}`);
+  const again = lib.paper();
+  lib.fromQuery(again, q, []);
+  assert.deepEqual(again.own, s.own);
+  assert.equal(lib.toToml(s).match(/\[\[laws\]\]/g).length, 2);
 });

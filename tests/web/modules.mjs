@@ -6,7 +6,7 @@ import { join } from "node:path";
 import { tables } from "../../web/tables.mjs";
 
 const src = new URL("../../web/src/", import.meta.url).pathname;
-const wasm = process.env.EXPLORER_WASM ?? new URL("../../src/hardlimit/explorer/page/core.wasm", import.meta.url).pathname;
+const wasm = process.env.EXPLORER_WASM ?? new URL("../../src/hardlimit/explorer/page/maps.wasm", import.meta.url).pathname;
 
 // The path of a module from its name: each name occurs in one room of web/src only.
 const paths = readdirSync(src, { recursive: true }).map(String).filter((path) => path.endsWith(".ts"));
@@ -19,7 +19,7 @@ function pathOf(name) {
 // Besides the modules named here those asked for.
 export async function load(...more) {
   const folder = mkdtempSync(join(tmpdir(), "modules-"));
-  const names = ["clock", "core", "drop", "format", "motion", "numbers", "scenario", "trajectory_csv", ...more];
+  const names = ["clock", "core", "drop", "format", "motion", "scenario", "table", "trajectory_csv", ...more];
   const outfile = join(folder, "modules.mjs");
   const contents = names.map((name) => `export * from "${pathOf(name)}";`).join("\n");
   await build({ stdin: { contents, resolveDir: src, loader: "ts" }, outfile, bundle: true, format: "esm", platform: "node", define: { TABLES: tables(wasm) } });

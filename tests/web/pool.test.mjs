@@ -22,7 +22,7 @@ const { Desk, Pool } = await load("pool");
 
 test("nothing is computed for a picture that is not shown, until it is", () => {
   workers.length = 0;
-  const pool = new Pool(null);
+  const pool = new Pool({});
   const left = { seen: 2, hidden: 2 };
   const done = [];
   let visible = false;
@@ -41,7 +41,7 @@ test("nothing is computed for a picture that is not shown, until it is", () => {
 
 test("what somebody waits for comes first", async () => {
   workers.length = 0;
-  const pool = new Pool(null);
+  const pool = new Pool({});
   pool.add(() => ({ kind: "points", ask: "picture", done() {} }), () => true);
   pool.wake();
   const waiting = pool.ask("csv", "file");

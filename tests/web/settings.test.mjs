@@ -6,7 +6,7 @@ import { test } from "node:test";
 import { load, random, randomLink } from "./modules.mjs";
 
 const count = 500;
-const { core, solve, dropOf, exactNumbers, fromQuery, toQuery, toToml, paper, trajectoryCsv, verdict } = await load();
+const { core, solve, dropOf, exactNumbers, fromQuery, toQuery, toToml, paper, trajectoryCsv, reportOf } = await load("report");
 
 function settings() {
   const next = random(20260);
@@ -96,7 +96,8 @@ test(`${count} random settings`, async (t) => {
     assert.ok(!("reason" in solved), where);
     const d = dropOf(solved);
     checkFilm(d, where);
-    assert.ok(verdict(d).every((text) => !/NaN|undefined|Infinity/.test(text)), `${where}: ${verdict(d)}`);
+    const { newton, icm } = reportOf(d, 0.01);
+    assert.ok([...newton, ...icm].every(({ text }) => !/NaN|undefined|Infinity/.test(text)), `${where}: ${JSON.stringify([newton, icm])}`);
     return { where, numbers: exactNumbers(d), balls: scenario.balls.length, resolved: d.newton.run.outcome !== unresolved && d.icm.run.outcome !== unresolved };
   });
   const python = await asked;

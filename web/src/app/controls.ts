@@ -1,13 +1,11 @@
 // The controls: a slider and a text field for every number.
 import { parse, sub, withUnit } from "../support/format";
 import {
-  clampTo, constants, constantsOf, densityFor, laws, massOf, MOST_BALLS, ranges, restitutionOf, setBallCount, settle, type Range, type Scenario,
+  clampTo, constantAt, constants, constantsOf, densityFor, hasOwn, laws, massOf, MOST_BALLS, ranges, restitutionOf, setBallCount, setOwn, settle, type Range, type Scenario,
 } from "../scenario/scenario";
 import { capital, labelOf, parameterOfColumn } from "../core/tables";
+import { fromSlider, steps, toSlider } from "../support/slider";
 import { touchable } from "../support/touch";
-
-// Positions of a slider: even steps on a linear scale, a thousand on a logarithmic one.
-const steps = (r: Range): number => (r.log ? 1000 : Math.round((r.high - r.low) / (r.step ?? 0.001)));
 
 interface Control {
   element: HTMLElement;
@@ -41,7 +39,7 @@ export class Controls {
     if (scenario !== this.scenario) this.said.textContent = "";
     this.scenario = scenario;
     if (this.about.textContent !== about) this.about.textContent = about;
-    const shape = `${scenario.law} ${scenario.balls.length} ${scenario.cradle}`;
+    const shape = `${scenario.law} ${scenario.balls.length} ${scenario.cradle} ${hasOwn(scenario)}`;
     const changed = shape !== this.shape;
     if (changed) this.build();
     this.shape = shape;
@@ -82,7 +80,16 @@ export class Controls {
     );
     for (const name of constantsOf(s)) {
       const { label, range } = constants[name];
-      add(this.number(name, label, range, (q) => q.constants[name], (q, x) => (q.constants[name] = x)));
+      add(this.number(name, hasOwn(s) ? `${label}, floor` : label, range, (q) => q.constants[name], (q, x) => (q.constants[name] = x)));
+    }
+    if (!s.cradle) {
+      add(this.once("own", () => this.ownSwitch()));
+      if (hasOwn(s))
+        for (let pair = 1; pair < s.balls.length; pair++)
+          for (const name of constantsOf(s)) {
+            const { label, range } = constants[name];
+            add(this.number(`${name}${pair}`, `${label}, balls ${pair} and ${pair + 1}`, range, (q) => constantAt(q, name, pair), (q, x) => (q.own[name][pair - 1] = x)));
+          }
     }
     add(this.once("count", () => this.stepper()));
     for (let i = s.balls.length - 1; i >= 0; i--) {
@@ -202,6 +209,15 @@ export class Controls {
     return { element, refresh };
   }
 
+  private ownSwitch(): Control {
+    const element = document.createElement("label");
+    element.className = "own";
+    const input = Object.assign(document.createElement("input"), { type: "checkbox", id: "own" });
+    input.addEventListener("change", () => this.edit((s) => setOwn(s, input.checked)));
+    element.append(input, "Ball–ball contacts differ from the floor’s");
+    return { element, refresh: () => void (input.checked = hasOwn(this.scenario)) };
+  }
+
   private stepper(): Control {
     const element = document.createElement("div");
     element.className = "control count";
@@ -235,18 +251,4 @@ export class Controls {
     };
     return { element, refresh };
   }
-}
-
-// Sliders are logarithmic where the range is; values are rounded to a few digits.
-export function fromSlider(r: Range, at: number): number {
-  if (r.zero && at === 0) return 0;
-  const share = at / steps(r);
-  const x = r.log ? r.low * (r.high / r.low) ** share : r.low + (r.high - r.low) * share;
-  return clampTo(r, Number(r.log ? x.toPrecision(3) : x.toFixed(3)));
-}
-
-export function toSlider(r: Range, x: number): number {
-  if (r.zero && x === 0) return 0;
-  const share = r.log ? Math.log(x / r.low) / Math.log(r.high / r.low) : (x - r.low) / (r.high - r.low);
-  return Math.round(steps(r) * Math.min(Math.max(share, 0), 1));
 }

@@ -14,7 +14,7 @@ export class Frames {
   }
 
   // Elements shown besides the frame of the mode; null: the whole page.
-  show(mode: Mode | null, names: (PanelName | "tale")[]): void {
+  show(mode: Mode | null, names: (PanelName | "tale" | "watch")[]): void {
     this.mode = mode;
     const root = document.documentElement;
     if (mode) root.dataset.mode = mode;

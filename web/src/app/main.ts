@@ -1,7 +1,10 @@
 // The page: creates its parts and updates them after a change of the scenario.
 import { Controls } from "./controls";
 import { find, Sheet, tell } from "../support/dom";
-import { dropOf, type Solved, type Unsolved } from "../core/drop";
+import { dropOf, type Answered, type Solved, type Unsolved } from "../core/drop";
+import { reportOf } from "../report/report";
+import { joined, type Sentence } from "../report/sentence";
+import { inPercent, tolerances } from "../report/tolerance";
 import { save } from "./exporting";
 import { Film } from "../views/film";
 import { forcesSummary } from "../views/forces";
@@ -9,12 +12,13 @@ import { digits } from "../support/format";
 import { Lecture } from "../story/lecture";
 import { baseOf, firstLectureView, lectureFromQuery } from "../story/lecture_view";
 import { MapPanel } from "../map/map_panel";
-import { exactNumbers, fillDefinitions, fillEnergy, fillTable, verdict } from "../views/numbers";
+import { fillDefinitions, fillEnergy, fillTable } from "../views/numbers";
 import { ForcesPanel, TimelinePanel } from "../views/panels";
 import { picture } from "../views/picture";
 import { Desk, piece, Pool } from "../core/pool";
 import { presets, type Preset } from "../scenario/presets";
 import { copyOf, fromQuery, toQuery, toToml, type Scenario } from "../scenario/scenario";
+import { fromToml } from "../scenario/toml";
 import { Announcer, Progress } from "./progress";
 import { State } from "./state";
 import { ThemeSwitch } from "../style/theme_switch";
@@ -25,6 +29,8 @@ const queryOf = (s: Scenario): string => {
   toQuery(s, q);
   return q.toString();
 };
+
+const pause = 700; // ms between changes that undo takes back one by one
 
 const moves = (): boolean => !matchMedia("(prefers-reduced-motion: reduce)").matches;
 
@@ -44,14 +50,20 @@ class Page {
   private preset = "";
   private about = "";
   private lastFrame = 0;
+  private maps: Promise<void> | null = null; // loaded once the first answer is there
+  private readonly past: Scenario[] = []; // settings that undo returns to
+  private before: Scenario;
+  private changedAt = -Infinity;
 
   constructor(module: WebAssembly.Module) {
     this.desk = new Desk(module);
-    this.pool = new Pool(module);
+    this.pool = new Pool();
     const state = (this.state = new State(copyOf(presets[0].scenario), () => this.edited()));
     const resized = (): void => this.resized();
     this.fillPresets();
     this.readLink();
+    this.fillTolerances();
+    this.before = copyOf(state.scenario);
     this.controls = new Controls(find("controls"), state.scenario, () => this.edited());
     this.film = new Film(state, new Sheet("stage", resized));
     this.forcesSheet = new Sheet("forces", resized);
@@ -90,6 +102,7 @@ class Page {
   private goBack(): void {
     this.readLink();
     this.map.map.setShow(this.state.view.map.show);
+    this.fillTolerances();
     this.state.screen = 0;
     this.state.dirty.solve = true;
     this.film.refresh();
@@ -125,12 +138,34 @@ class Page {
     state.view.time = null;
     state.screen = 0;
     this.note([]);
+    this.remember();
     this.choosePreset(preset.id);
     state.dirty.solve = true;
     this.film.play(moves());
   }
 
+  // Changes that follow each other closely are one step of undo.
+  private remember(): void {
+    const { scenario } = this.state;
+    if (performance.now() - this.changedAt > pause) this.past.push(this.before);
+    this.changedAt = performance.now();
+    this.before = copyOf(scenario);
+    find<HTMLButtonElement>("undo").disabled = false;
+  }
+
+  private undo(): void {
+    const before = this.past.pop();
+    if (!before) return;
+    this.state.scenario = copyOf(before);
+    this.before = copyOf(before);
+    this.changedAt = -Infinity;
+    find<HTMLButtonElement>("undo").disabled = this.past.length === 0;
+    this.choosePreset(presets.find((p) => queryOf(p.scenario) === queryOf(before))?.id ?? "");
+    this.state.dirty.solve = true;
+  }
+
   private edited(): void {
+    this.remember();
     if (this.preset) this.choosePreset("");
     this.state.dirty.solve = true;
   }
@@ -154,12 +189,15 @@ class Page {
     const { state } = this;
     const built = this.controls.set(state.scenario, this.about);
     this.progress.begin();
-    const ask = { scenario: copyOf(state.scenario) };
+    const ask = { scenario: copyOf(state.scenario), tolerance: state.view.tolerance };
     this.desk.put(
       piece<"solve">({
         kind: "solve",
         ask,
-        begun: (what, share) => this.progress.tell(what, share),
+        begun: (what, share, known) => {
+          this.progress.tell(what, share);
+          if (known) this.tellNumbers(known);
+        },
         done: (result) => this.solved(result),
         failed: (error) => this.solved({ scenario: ask.scenario, reason: `This setting could not be computed: ${error}` }),
       }),
@@ -171,9 +209,11 @@ class Page {
     const { state } = this;
     const share = state.drop ? state.screen / state.clock().length : 0;
     if (!this.desk.waits) this.progress.end();
+    this.maps ??= compiled("maps.wasm").then((module) => this.pool.open(module));
     if ("reason" in result) {
       state.drop = null;
-      this.say([result.reason, ""]);
+      state.report = null;
+      this.say(result.reason, "", "");
       return;
     }
     state.drop = dropOf(result);
@@ -183,7 +223,8 @@ class Page {
       this.film.seek(kept);
       state.view.time = null;
     } else state.screen = Math.min(share, 1) * state.clock().length;
-    this.tellNumbers();
+    this.tellNumbers(result);
+    document.documentElement.dataset.numbers = JSON.stringify(state.report!.numbers);
     this.forcesSheet.canvas.setAttribute("aria-description", forcesSummary(state.drop));
     this.map.refreshChoices();
     this.timeline.refresh();
@@ -199,31 +240,57 @@ class Page {
     const { state } = this;
     this.desk.giveUp();
     this.progress.end();
-    if (!state.drop) return this.say(["Given up. Change a parameter to compute again.", ""]);
+    if (!state.drop) return this.say("Given up. Change a parameter to compute again.", "", "");
     state.scenario = copyOf(state.drop.scenario);
     state.dirty.solve = false;
     this.choosePreset(presets.find((p) => queryOf(p.scenario) === queryOf(state.scenario))?.id ?? "");
     this.controls.set(state.scenario, this.about);
   }
 
-  private tellNumbers(): void {
-    const d = this.state.drop!;
-    fillTable(find("numbers"), d);
+  // Shows what is known so far.
+  private tellNumbers(d: Answered): void {
+    const { state } = this;
+    const report = (state.report = reportOf(d, state.view.tolerance));
+    fillTable(find("numbers"), report);
     find("rebound-said").hidden = d.scenario.cradle;
-    fillDefinitions(find("definitions").querySelector("dl")!, d);
-    fillEnergy(find("energy"), d);
-    this.say(verdict(d));
-    document.documentElement.dataset.numbers = JSON.stringify(exactNumbers(d));
+    fillDefinitions(find("definitions").querySelector("dl")!, report);
+    fillEnergy(find("energy"), report);
+    this.say(joined(report.newton), report.icm.length > 0 ? joined(report.icm) : "Independent collisions are still being computed.", report.verdict?.text ?? "");
+    this.lecture.told(report);
+    document.documentElement.dataset.answer = report.verdict?.answer ?? "";
   }
 
-  private say([newton, icm]: [string, string]): void {
+  // All that the page says at this moment, as data.
+  readonly report = (): object | null => {
+    const { report, scenario, view, lecture } = this.state;
+    if (!report) return null;
+    const sentences: Sentence[] = [...report.newton, ...report.icm, ...report.why, ...(report.verdict ? [report.verdict] : []), ...this.lecture.sentences()];
+    return { ...report, current: JSON.stringify(report.setting) === JSON.stringify(scenario), step: lecture.step, story: this.lecture.sentences(), sentences, time: this.state.time(), tolerance: view.tolerance };
+  };
+
+  private say(newton: string, icm: string, verdict: string): void {
     const [a, b] = [document.createElement("span"), document.createElement("span")];
     a.className = "newton";
     b.className = "icm";
     tell(a, newton + " ");
     tell(b, icm);
     find("verdict").replaceChildren(a, b);
-    this.announcer.say(`${newton} ${icm}`);
+    tell(find("answer"), verdict);
+    this.announcer.say(`${newton} ${icm} ${verdict}`);
+  }
+
+  // Beside the verdict, and beside the map.
+  private fillTolerances(): void {
+    const { view } = this.state;
+    const list = [...new Set([...tolerances, view.tolerance])].sort((a, b) => a - b);
+    for (const select of document.querySelectorAll<HTMLSelectElement>(".tolerances")) {
+      select.replaceChildren(...list.map((x) => new Option(inPercent(x), String(x), false, x === view.tolerance)));
+      select.onchange = () => {
+        view.tolerance = Number(select.value);
+        this.fillTolerances();
+        this.state.dirty.solve = true;
+      };
+    }
   }
 
   // A newly shown plot may not be computed yet.
@@ -291,11 +358,35 @@ class Page {
       done.then(() => say("copy", "Copied"), () => say("copy", "In address bar"));
     });
     find("toml").addEventListener("click", () => save("drop.toml", new Blob([toToml(state.scenario)], { type: "application/toml" })));
+    find("undo").addEventListener("click", () => this.undo());
+    addEventListener("keydown", (e) => {
+      if (e.key !== "z" || !(e.ctrlKey || e.metaKey) || e.shiftKey || (e.target as HTMLElement).closest("input[type=text]")) return;
+      e.preventDefault();
+      this.undo();
+    });
+    const file = find<HTMLInputElement>("open-file");
+    find("open").addEventListener("click", () => file.click());
+    file.addEventListener("change", () => {
+      if (file.files?.[0]) void this.open(file.files[0]);
+      file.value = "";
+    });
     find("csv").addEventListener("click", async () => {
       const text = state.drop && (await this.pool.ask("csv", { scenario: state.drop.scenario }));
       if (text) save("drop.csv", new Blob([text], { type: "text/csv" }));
     });
     find("png").addEventListener("click", () => this.savePicture(performance.now()));
+  }
+
+  // A column in a TOML file, as `hardlimit drop` reads it.
+  private async open(file: File): Promise<void> {
+    const notes: string[] = [];
+    try {
+      this.state.scenario = fromToml(await file.text(), notes);
+      this.edited();
+    } catch (error) {
+      notes.push((error as Error).message);
+    }
+    this.note(notes.map((text) => `${file.name}: ${text}`));
   }
 
   // Waits briefly for the map.
@@ -306,10 +397,14 @@ class Page {
   }
 }
 
+async function compiled(file: string): Promise<WebAssembly.Module> {
+  const url = new URL(file, import.meta.url);
+  return WebAssembly.compileStreaming(fetch(url)).catch(async () => WebAssembly.compile(await (await fetch(url)).arrayBuffer()));
+}
+
 async function begin(): Promise<void> {
-  const response = fetch(new URL("core.wasm", import.meta.url));
-  const module = await WebAssembly.compileStreaming(response).catch(async () => WebAssembly.compile(await (await fetch(new URL("core.wasm", import.meta.url))).arrayBuffer()));
-  new Page(module);
+  const page = new Page(await compiled("core.wasm"));
+  Object.assign(window, { hardlimit: { report: page.report } });
 }
 
 begin().catch((error: unknown) => {

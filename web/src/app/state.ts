@@ -2,6 +2,7 @@
 // what must be drawn again.
 import type { Clock } from "../core/clock";
 import type { Drop } from "../core/drop";
+import type { Report } from "../report/report";
 import { firstLectureView, lectureToQuery, scenarioToQuery, type LectureView } from "../story/lecture_view";
 import type { Scenario } from "../scenario/scenario";
 import { themeOf, type Theme } from "../style/theme";
@@ -11,6 +12,7 @@ export class State {
   readonly view: View = firstView();
   readonly lecture: LectureView = firstLectureView();
   drop: Drop | null = null;
+  report: Report | null = null; // what the page says; Newton's answer may be there before the drop is
   theme: Theme = themeOf(document.documentElement);
   screen = 0; // time in the film [s on the screen]
   playing = false;

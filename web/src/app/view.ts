@@ -1,4 +1,5 @@
 // View settings: map, zoom, film. Stored in the link with the scenario.
+import { inPercent, usualTolerance } from "../report/tolerance";
 import { ranges, type Scenario } from "../scenario/scenario";
 
 export type MapAxis = "gap" | "ratio";
@@ -17,11 +18,12 @@ export interface MapView {
 
 export interface View {
   map: MapView;
+  tolerance: number; // largest relative difference of the models that counts as agreement
   slow: boolean;
   time: number | null; // cursor [s]; null: at the start, running
 }
 
-export const firstView = (): View => ({ map: { axis: "gap", show: "count", zoom: null }, slow: true, time: null });
+export const firstView = (): View => ({ map: { axis: "gap", show: "count", zoom: null }, tolerance: usualTolerance, slow: true, time: null });
 
 // The whole map: ε, and the decades around the gap above which collisions are independent.
 export function wholeMap(s: Scenario, axis: MapAxis, floorContact: number, speed: number): Box {
@@ -44,6 +46,7 @@ export function viewToQuery(v: View, q: URLSearchParams): void {
   if (v.map.axis !== "gap") q.set("map", v.map.axis);
   if (v.map.show !== "count") q.set("show", v.map.show);
   if (v.map.zoom) q.set("zoom", [...v.map.zoom.x, ...v.map.zoom.y].map((x) => Number(x.toPrecision(6))).join());
+  if (v.tolerance !== usualTolerance) q.set("tol", String(v.tolerance));
   if (!v.slow) q.set("film", "real");
   if (v.time !== null) q.set("t", String(Number(v.time.toPrecision(9))));
 }
@@ -59,6 +62,12 @@ export function viewFromQuery(v: View, q: URLSearchParams, notes: string[]): voi
   v.map.axis = choice("map", ["gap", "ratio"], v.map.axis);
   v.map.show = choice("show", ["count", "effective", "separation"], v.map.show);
   v.slow = choice("film", ["slow", "real"], v.slow ? "slow" : "real") === "slow";
+  const tolerance = q.get("tol");
+  if (tolerance !== null) {
+    const x = tolerance.trim() === "" ? NaN : Number(tolerance);
+    if (x > 0 && x < 1) v.tolerance = x;
+    else notes.push(`tol = “${tolerance.slice(0, 20)}” is not a share between 0 and 1: ${inPercent(v.tolerance)} used`);
+  }
   const zoom = q.get("zoom");
   if (zoom !== null) {
     const [x0, x1, y0, y1] = zoom.split(",").map(Number);

@@ -11,6 +11,9 @@ interface Exports {
   row_size(): number;
   sample(model: number, n: number, times: number, out: number): void;
   rebound_heights(model: number, out: number): void;
+  final_velocities(model: number, out: number): void;
+  compare_models(tolerance: number): void;
+  agreement_gaps(n: number, restitution: number, low: number, high: number, tolerance: number, out: number): void;
   scan_points(axis: number, n: number, points: number, out: number): void;
   scan_timeline(model: number, n: number, restitution: number, out: number, room: number): number;
   outcome_message(outcome: number): number;
@@ -44,7 +47,28 @@ export interface Run {
   effectiveSeparation: number;
   largestCompression: number; // over the smaller radius; NaN: instantaneous collisions
   tooDeep: number; // pair whose compression ended the run; −1: none
+  meetsAgain: boolean; // upper balls still approach each other when the lowest is back on the floor
   contacts: Contact[]; // the first MOST_CONTACTS
+}
+
+// In the order of Answer and Ground in core/column/comparison.hpp.
+const answers = ["yes", "by luck", "no", "undecided"] as const;
+const grounds = [
+  "numbers", "newton-unclear", "independent-unclear", "no-contact", "newton-at-rest", "collapse", "independent-at-rest",
+  "only-newton-meets", "only-independent-meets", "newton-touches-again", "independent-touches-again",
+] as const;
+
+// Whether independent collisions agree with Newton's equations, and why.
+export interface Comparison {
+  answer: (typeof answers)[number];
+  ground: (typeof grounds)[number];
+  overlapping: number; // ball–ball contacts that overlap another contact in time
+  error: number; // relative difference of the velocities; NaN: there is none
+  independent: number; // the velocities compared [m/s]
+  newton: number;
+  ball: number; // whose final velocity is compared; −1: the separation velocity
+  later: boolean; // contacts after the second floor contact count
+  tolerance: number; // largest error that counts as agreement
 }
 
 // Plots show no more; a collapse of instantaneous collisions has up to a million.
@@ -93,7 +117,7 @@ export class Core {
 
   setColumn(column: Float64Array): void {
     this.view(this.x.column_buffer(), column.length).set(column);
-    this.balls = column[6];
+    this.balls = column[2];
   }
 
   set(scenario: Scenario): void {
@@ -103,7 +127,7 @@ export class Core {
   // `mostEvents`: limit on independent collisions; 0: that of Python.
   solve(model: Model, until = NaN, mostEvents = 0): Run | null {
     if (!this.x.solve(model, until, mostEvents)) return null;
-    const r = this.view(this.x.reply_buffer(), 14).slice();
+    const r = this.view(this.x.reply_buffer(), 15).slice();
     const n = r[8];
     const pointer = this.x.scratch(3 * n + 1);
     this.x.contacts_of(model, pointer);
@@ -126,6 +150,7 @@ export class Core {
       effectiveSeparation: r[11],
       largestCompression: r[12],
       tooDeep: r[13],
+      meetsAgain: r[14] !== 0,
       contacts,
     };
   }
@@ -151,6 +176,32 @@ export class Core {
     const pointer = this.x.scratch(this.balls);
     this.x.rebound_heights(model, pointer);
     return Array.from(this.view(pointer, this.balls));
+  }
+
+  // Velocities of the balls after their last contact in the last run of this model [m/s]; NaN where there are none.
+  finalVelocities(model: Model): number[] {
+    const pointer = this.x.scratch(this.balls);
+    this.x.final_velocities(model, pointer);
+    return Array.from(this.view(pointer, this.balls));
+  }
+
+  // Compares the last runs by Newton's equations and by independent collisions.
+  compare(tolerance: number): Comparison {
+    this.x.compare_models(tolerance);
+    const r = this.view(this.x.reply_buffer(), 8);
+    return {
+      answer: answers[r[0]], ground: grounds[r[1]], overlapping: r[2], error: r[3], independent: r[4], newton: r[5],
+      ball: r[6], later: r[7] !== 0, tolerance,
+    };
+  }
+
+  // For each ε the gap from which on both models agree, up to `high` [m]; infinite: not even there.
+  agreementGaps(restitution: number[], low: number, high: number, tolerance: number): Float64Array {
+    const n = restitution.length;
+    const pointer = this.x.scratch(2 * n);
+    this.view(pointer, n).set(restitution);
+    this.x.agreement_gaps(n, pointer, low, high, tolerance, pointer + 8 * n);
+    return this.view(pointer + 8 * n, n).slice();
   }
 
   // (ε, y) pairs → MAP_VALUES numbers each.

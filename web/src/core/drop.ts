@@ -1,19 +1,20 @@
 // One scenario solved by both models, with the data for the plots. solve() runs in a worker and returns
 // plain data; Drop adds derived values.
 import { Clock, windowsOf, type Window } from "./clock";
-import { Model, type Contact, type Core, type Run, type State } from "./core";
+import { Model, type Comparison, type Contact, type Core, type Run, type State } from "./core";
 import { Motion, type Samples } from "./motion";
 import { GRAVITY, type Scenario } from "../scenario/scenario";
+import { usualTolerance } from "../report/tolerance";
 import { independent as independentNames, newton as newtonNames } from "./tables";
 
 export interface Track {
   run: Run; // the sequence of contacts
   shown: Contact[]; // contacts while the film runs
   final: State; // when the sequence is over
+  leaves: number[]; // [n] velocities after the last contact [m/s]; NaN: at rest, or not known
   peaks: number[]; // [n] rebound heights of the centres; NaN: no bounce, or not resolved
   later: number[]; // [n] greatest heights after the first bounce while the film runs
   known: number; // the film knows the motion up to then [s]
-  initialEnergy: number;
   samples: Samples;
 }
 
@@ -21,6 +22,7 @@ export interface Solved {
   scenario: Scenario;
   newton: Track;
   icm: Track;
+  comparison: Comparison;
   start: number; // of the film: release [s]
   stop: number;
   origin: number; // zero of the times shown: first floor touch, or first contact of a cradle
@@ -33,6 +35,14 @@ export interface Solved {
   compression: number[]; // [pair] largest [m]
   bottom: number; // extent of the true-scale picture along the line [m]
   top: number;
+}
+
+// What is known before the film is: Newton's answer first.
+export interface Answered {
+  scenario: Scenario;
+  newton: Track;
+  icm: Track | null; // null: not yet
+  comparison: Comparison | null;
 }
 
 export interface Unsolved {
@@ -66,10 +76,9 @@ const greatest = (values: Iterable<number>, least: number): number => {
 function sequence(core: Core, model: Model): Track | null {
   const run = core.solve(model);
   if (!run || !Number.isFinite(run.last) || run.outcome === outcomes.invalid || run.outcome === outcomes.neverLands) return null;
-  const [initial, final] = core.sample(model, [run.first, run.last]);
-  const initialEnergy = initial.energy.reduce((a, b) => a + b, 0) + initial.stored;
+  const [final] = core.sample(model, [run.last]);
   const samples = { times: new Float64Array(), rows: new Float64Array(), balls: final.position.length };
-  return { run, shown: run.contacts, final, peaks: core.reboundHeights(model), later: [], known: run.last, initialEnergy, samples };
+  return { run, shown: run.contacts, final, leaves: core.finalVelocities(model), peaks: core.reboundHeights(model), later: [], known: run.last, samples };
 }
 
 // When every ball has been at its rebound height, or has gone far enough on a cradle; three seconds at most.
@@ -108,20 +117,23 @@ function laterHeights(t: Track): number[] {
   });
 }
 
-// `report` receives the name of each stage and its share of the work.
-export function solve(core: Core, scenario: Scenario, report: (what: string, share: number) => void = () => {}): Solved | Unsolved {
+// `report` receives the name of each stage, its share of the work and what is known by then.
+type Report = (what: string, share: number, known: Answered | null) => void;
+export function solve(core: Core, scenario: Scenario, tolerance = usualTolerance, report: Report = () => {}): Solved | Unsolved {
   core.set(scenario);
-  report(newtonNames.label, 0);
+  report(newtonNames.label, 0, null);
   const newton = sequence(core, Model.newton);
-  report(independentNames.label, 0.3);
+  const known = newton && { scenario, newton, icm: null, comparison: null };
+  report(independentNames.label, 0.3, known);
   const icm = newton && sequence(core, Model.independent);
   if (!newton || !icm) return { scenario, reason: "These balls never meet the floor." };
+  const comparison = core.compare(tolerance);
+  report(`the film by ${newtonNames.label}`, 0.5, { scenario, newton, icm, comparison });
   const stop = Math.max(endOfFilm(scenario, newton), endOfFilm(scenario, icm));
-  report(`the film by ${newtonNames.label}`, 0.5);
   goOn(core, Model.newton, newton, stop);
-  report(`the film by ${independentNames.label}`, 0.75);
+  report(`the film by ${independentNames.label}`, 0.75, null);
   goOn(core, Model.independent, icm, stop);
-  report("the film’s pictures", 0.9);
+  report("the film’s pictures", 0.9, null);
   const contacts = newton.run.contacts.filter((c) => c.begin <= newton.run.last);
   const endOf = (c: Contact): number => (Number.isFinite(c.end) ? c.end : newton.run.last);
   const first = contacts.reduce((a, c) => Math.min(a, c.begin), contacts.length > 0 ? Infinity : 0);
@@ -130,7 +142,7 @@ export function solve(core: Core, scenario: Scenario, report: (what: string, sha
   // Independent collisions that come much later are left out: they would compress Newton's contacts to a line.
   const instants = icm.run.contacts.filter((c) => c.begin <= from + 1.5 * span);
   const solved: Solved = {
-    scenario, newton, icm, stop, from,
+    scenario, newton, icm, comparison, stop, from,
     start: newton.run.first,
     origin: scenario.cradle ? first : 0,
     to: instants.reduce((a, c) => Math.max(a, c.begin), from + span),

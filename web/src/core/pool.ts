@@ -1,4 +1,5 @@
 // Web workers: a few for maps and curves, one for the drop itself.
+import type { Answered } from "./drop";
 import type { Kind, Reply, Request, Tasks } from "./worker";
 
 // A task and its callbacks.
@@ -6,7 +7,7 @@ export interface Piece<K extends Kind = Kind> {
   kind: K;
   ask: Tasks[K]["ask"];
   done(answer: Tasks[K]["answer"], ms: number): void;
-  begun?(what: string, share: number): void;
+  begun?(what: string, share: number, known: Answered | null): void;
   failed?(error: string): void;
 }
 
@@ -55,7 +56,7 @@ class Hand {
   private receive(reply: Reply): void {
     const work = this.at;
     if (!work || reply.id !== this.id) return;
-    if (reply.begun) return work.begun?.(reply.begun.what, reply.begun.share);
+    if (reply.begun) return work.begun?.(reply.begun.what, reply.begun.share, reply.begun.known);
     this.at = null;
     if (reply.error === undefined) work.done(reply.answer as never, reply.ms);
     else if (work.failed) work.failed(reply.error);
@@ -73,7 +74,13 @@ export class Pool {
   private readonly urgent: Piece[] = [];
   private turn = 0;
 
-  constructor(private readonly module: WebAssembly.Module) {}
+  // Without a module the tasks wait for open().
+  constructor(private module: WebAssembly.Module | null = null) {}
+
+  open(module: WebAssembly.Module): void {
+    this.module = module;
+    this.wake();
+  }
 
   // A source belongs to a plot and is not asked for tasks while the plot is hidden.
   add(source: Source, shown: () => boolean): void {
@@ -89,6 +96,7 @@ export class Pool {
   }
 
   wake(): void {
+    if (!this.module) return;
     for (let i = 0; i < this.size; i++) {
       const hand: Hand | undefined = this.hands[i];
       if (hand && (!hand.idle || hand.lost)) continue;
@@ -99,7 +107,7 @@ export class Pool {
   }
 
   private hire(): Hand {
-    const hand = new Hand(this.module, () => this.wake());
+    const hand = new Hand(this.module!, () => this.wake());
     this.hands.push(hand);
     return hand;
   }

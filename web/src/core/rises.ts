@@ -3,13 +3,13 @@ import { Model, type Core } from "./core";
 
 // Results of both models for a column.
 function riseOf(core: Core, column: Float64Array): [number, number] {
-  const n = column[6];
-  const cradle = column[7] === 0;
+  const n = column[2];
+  const cradle = column[3] === 0;
   core.setColumn(column);
   const one = (model: Model): number => {
     const run = core.solve(model);
     if (!run || !Number.isFinite(run.last)) return NaN;
-    return cradle ? core.sample(model, [run.last])[0].velocity[n - 1] : core.reboundHeights(model)[n - 1];
+    return cradle ? core.finalVelocities(model)[n - 1] : core.reboundHeights(model)[n - 1];
   };
   return [one(Model.newton), one(Model.independent)];
 }

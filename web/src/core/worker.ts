@@ -1,17 +1,19 @@
 // The web worker: computes one task after another.
 import { Core, Model, type TimelineRow } from "./core";
-import { solve, type Solved, type Unsolved } from "./drop";
+import { solve, type Answered, type Solved, type Unsolved } from "./drop";
 import { risesOf } from "./rises";
 import type { Scenario } from "../scenario/scenario";
 import { trajectoryCsv } from "./trajectory_csv";
 
 export interface Tasks {
-  solve: { ask: { scenario: Scenario }; answer: Solved | Unsolved };
+  solve: { ask: { scenario: Scenario; tolerance: number }; answer: Solved | Unsolved };
   csv: { ask: { scenario: Scenario }; answer: string | null };
   // Points (ε, y) of a map; MAP_VALUES numbers each.
   points: { ask: { column: Float64Array; axis: number; points: Float64Array }; answer: Float64Array };
   // For each column the rebound height of its top ball under both models.
   curve: { ask: { columns: Float64Array[] }; answer: Float64Array };
+  // For each ε the gap from which on both models agree.
+  agreement: { ask: { column: Float64Array; restitution: number[]; low: number; high: number; tolerance: number }; answer: Float64Array };
   // Rows of the timeline; `adiabatic` also those of the lower ball unaffected by the upper one.
   timeline: { ask: { column: Float64Array; restitution: number[]; adiabatic: boolean }; answer: { newton: TimelineRow[]; adiabatic: TimelineRow[] } };
 }
@@ -27,7 +29,7 @@ export interface Reply {
   ms: number;
   answer?: unknown;
   error?: string;
-  begun?: { what: string; share: number }; // in progress: the stage that begins
+  begun?: { what: string; share: number; known: Answered | null }; // in progress: the stage that begins, and what is known by then
 }
 
 let module: WebAssembly.Module;
@@ -35,13 +37,17 @@ let core: Core;
 const post = (reply: Reply, transfer: Transferable[] = []): void => (self as unknown as Worker).postMessage(reply, transfer);
 
 const perform: { [K in Kind]: (ask: Tasks[K]["ask"], id: number) => Tasks[K]["answer"] } = {
-  solve: ({ scenario }, id) => solve(core, scenario, (what, share) => post({ id, ms: 0, begun: { what, share } })),
+  solve: ({ scenario, tolerance }, id) => solve(core, scenario, tolerance, (what, share, known) => post({ id, ms: 0, begun: { what, share, known } })),
   csv: ({ scenario }) => trajectoryCsv(core, scenario),
   points({ column, axis, points }) {
     core.setColumn(column);
     return core.scan(axis, points);
   },
   curve: ({ columns }) => risesOf(core, columns),
+  agreement({ column, restitution, low, high, tolerance }) {
+    core.setColumn(column);
+    return core.agreementGaps(restitution, low, high, tolerance);
+  },
   timeline({ column, restitution, adiabatic }) {
     core.setColumn(column);
     return { newton: core.timeline(Model.newton, restitution), adiabatic: adiabatic ? core.timeline(Model.adiabatic, restitution) : [] };

@@ -4,7 +4,7 @@ import { logTicks, niceTicks, withUnit } from "../support/format";
 import { drawAxes, fontSize, grown, Scale, setFont, stroke, type Frame } from "../support/plot";
 import { columnOf, type Scenario } from "../scenario/scenario";
 import { countColor, css, inkOn, invalidColor, MOST_COUNTED, ratioColor, type Rgb, type Theme } from "../style/theme";
-import { drawTrust, trustedRow, type TrustPoint } from "./trust";
+import { drawTrust, type Agreement } from "./trust";
 import type { Box, MapAxis, MapShow } from "../app/view";
 import { piece, type Piece, type Pool } from "../core/pool";
 
@@ -242,7 +242,7 @@ export class ContactMap {
   }
 
   // `view`: the range of the axes, which may differ from the computed range.
-  draw(g: CanvasRenderingContext2D, w: number, h: number, axis: MapAxis, mark: [number, number], theme: Theme, view: Box = this.box): MapLayout {
+  draw(g: CanvasRenderingContext2D, w: number, h: number, axis: MapAxis, mark: [number, number], theme: Theme, agreement: Agreement | null, view: Box = this.box): MapLayout {
     g.clearRect(0, 0, w, h);
     const size = fontSize(w);
     const left = 4.6 * size;
@@ -265,7 +265,7 @@ export class ContactMap {
       g.drawImage(part.sheet, left, high, right - left, low - high);
     }
     if (this.show === "count") this.drawLabels(g, x, y, theme, size);
-    else if (axis === "gap") drawTrust(g, this.trusted(), x, y, f, theme, size);
+    else if (agreement) drawTrust(g, agreement, x, y, f, theme, size);
     g.restore();
     drawAxes(
       g, f, x, y,
@@ -280,17 +280,6 @@ export class ContactMap {
     this.drawMark(g, f, x, y, axis, mark, grown(size));
     this.drawLegend(g, f, h - legend, theme, size);
     return { x, y, frame: f };
-  }
-
-  // For each column the gap above which both models agree; empty until the map is complete.
-  trusted(): TrustPoint[] {
-    if (this.elapsed === null) return [];
-    const [x, y] = [this.scaleX(0, SIDE), this.scaleY(0, SIDE)];
-    const value = this.show === "separation" ? 2 : 1;
-    return Array.from({ length: SIDE }, (_, i) => {
-      const row = trustedRow((j) => this.values[MAP_VALUES * this.blockOf(i + SIDE * j) + value], SIDE);
-      return { restitution: x.value(i + 0.5), gap: row < SIDE ? y.value(row) : Infinity };
-    });
   }
 
   private drawLabels(g: CanvasRenderingContext2D, x: Scale, y: Scale, theme: Theme, size: number): void {

@@ -2,6 +2,7 @@
 import { find, type Sheet } from "../support/dom";
 import { digits, withUnit } from "../support/format";
 import { ContactMap, type MapLayout } from "./map";
+import { Agreement } from "./trust";
 import { subscripted } from "../views/numbers";
 import type { Pool } from "../core/pool";
 import { clampTo, columnOf, copyOf, firstGap, lowestHeight, ranges } from "../scenario/scenario";
@@ -13,6 +14,7 @@ type Point = [number, number]; // ε, and gap [m] or R1/R2; or a position in pix
 
 export class MapPanel {
   readonly map: ContactMap;
+  private readonly agreement: Agreement;
   private layout: MapLayout | null = null;
   private key = "";
   private drawn = 0;
@@ -28,6 +30,7 @@ export class MapPanel {
     private readonly pool: Pool,
   ) {
     this.map = new ContactMap(pool, () => (state.dirty.mapPicture = true), sheet.shown);
+    this.agreement = new Agreement(pool, () => (state.dirty.mapPicture = true));
     this.map.setShow(state.view.map.show);
     this.listenPointer();
     this.listenKeys();
@@ -71,7 +74,7 @@ export class MapPanel {
   trusted(): number | null {
     const { view, scenario } = this.state;
     if (view.map.show === "count" || view.map.axis !== "gap") return null;
-    const points = this.map.trusted();
+    const { points } = this.agreement;
     if (points.length === 0) return null;
     return points.reduce((a, b) => (Math.abs(b.restitution - scenario.restitution) < Math.abs(a.restitution - scenario.restitution) ? b : a)).gap;
   }
@@ -101,7 +104,7 @@ export class MapPanel {
   drawIfDue(now: number): void {
     const { dirty, drop } = this.state;
     const due = this.map.elapsed !== null || this.map.fresh || now - this.drawn > 80;
-    if (!dirty.mapPicture || !drop || !due) return;
+    if (!dirty.mapPicture || !drop || !due || !this.sheet.shown()) return;
     dirty.mapPicture = this.map.fresh = false;
     this.drawn = now;
     this.draw();
@@ -122,7 +125,10 @@ export class MapPanel {
 
   private draw(): void {
     const { sheet, state, map } = this;
-    this.layout = map.draw(sheet.g, sheet.width, sheet.height, state.view.map.axis, this.marked(), state.theme, this.box());
+    const { axis, show } = state.view.map;
+    const agreement = axis === "gap" && show !== "count" ? this.agreement : null;
+    if (agreement && map.elapsed !== null) agreement.refresh(state.scenario, this.box(), state.view.tolerance);
+    this.layout = map.draw(sheet.g, sheet.width, sheet.height, axis, this.marked(), state.theme, agreement, this.box());
     this.tell();
     const { dataset } = sheet.canvas;
     dataset.computing = String(Math.round(map.computing));

@@ -1,27 +1,47 @@
-// Validity of event-driven simulation: the gap above which both models agree, for every ε of the map.
-import { grown, setFont, type Frame, type Scale } from "../support/plot";
+// Where event-driven simulation may be trusted: for every ε the gap from which on both models agree.
+import type { Box } from "../app/view";
+import type { Pool } from "../core/pool";
+import { inPercent } from "../report/tolerance";
+import { columnOf, copyOf, type Scenario } from "../scenario/scenario";
 import type { Theme } from "../style/theme";
-
-const agreement = 0.05; // of ε_eff/ε with 1
-
-// The lowest row above which a column of ε_eff/ε stays near 1; `side`: none, NaN: not computed.
-export function trustedRow(ratio: (row: number) => number, side: number): number {
-  let row = side;
-  while (row > 0) {
-    const value = ratio(row - 1);
-    if (value === undefined) return NaN;
-    if (!(Math.abs(value - 1) <= agreement)) break;
-    row--;
-  }
-  return row;
-}
+import { grown, setFont, type Frame, type Scale } from "../support/plot";
 
 export interface TrustPoint {
   restitution: number;
   gap: number; // m; infinity: none in the map
 }
 
-export function drawTrust(g: CanvasRenderingContext2D, points: TrustPoint[], x: Scale, y: Scale, f: Frame, theme: Theme, size: number): void {
+const columns = 64;
+
+// The boundary, computed by the core with the verdict of the page.
+export class Agreement {
+  points: TrustPoint[] = [];
+  tolerance = NaN;
+  private key = "";
+
+  constructor(
+    private readonly pool: Pool,
+    private readonly changed: () => void,
+  ) {}
+
+  refresh(scenario: Scenario, { x, y }: Box, tolerance: number): void {
+    const base = copyOf(scenario);
+    base.restitution = base.gaps[0] = 0;
+    const key = JSON.stringify([base, x, y, tolerance]);
+    if (key === this.key) return;
+    this.key = key;
+    this.points = [];
+    this.tolerance = tolerance;
+    const restitution = Array.from({ length: columns }, (_, i) => x[0] + ((x[1] - x[0]) * i) / (columns - 1));
+    void this.pool.ask("agreement", { column: columnOf(scenario), restitution, low: y[0], high: y[1], tolerance }).then((gaps) => {
+      if (key !== this.key) return;
+      this.points = restitution.map((e, i) => ({ restitution: e, gap: gaps[i] }));
+      this.changed();
+    });
+  }
+}
+
+export function drawTrust(g: CanvasRenderingContext2D, { points, tolerance }: Agreement, x: Scale, y: Scale, f: Frame, theme: Theme, size: number): void {
   const shown = points.filter((p) => Number.isFinite(p.gap) && p.restitution >= x.low && p.restitution <= x.high);
   if (shown.length < 2) return;
   for (const [color, width] of [["#14161a", 6], ["#ffffff", 3]] as const) {
@@ -48,7 +68,7 @@ export function drawTrust(g: CanvasRenderingContext2D, points: TrustPoint[], x: 
   g.strokeStyle = "#14161a";
   g.fillStyle = "#ffffff";
   const at: [number, number] = [f.left + 0.5 * f.width, Math.max(Math.min(...shown.map((p) => y.at(p.gap))) - 0.4 * size, f.top + 1.5 * size)];
-  const long = "models agree to 5 % above this line";
+  const long = `models agree to ${inPercent(tolerance)} above this line`;
   const said = g.measureText(long).width < 0.9 * f.width ? long : "models agree above";
   g.strokeText(said, ...at);
   g.fillText(said, ...at);

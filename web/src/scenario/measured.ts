@@ -90,8 +90,14 @@ export const typical = (id: string): { radius: number; mass: number } => {
   return { radius: Number((0.5 * middle(b.diameter)).toPrecision(4)), mass: Number(middle(b.mass).toPrecision(3)) };
 };
 
-// Stiffness of the basketball, which has the longer contact, on the floor.
+// Stiffness of the basketball on the floor.
 export const basketballStiffness = Number(airStiffness(basketballRadius, pressure).toPrecision(2));
+
+// Both balls yield where they touch: two springs in series.
+export const inSeries = (a: number, b: number): number => 1 / (1 / a + 1 / b);
+const tennis = ballById("tennis");
+export const tennisStiffness = stiffnessFor(middle(tennis.mass), tennis.contact!.time, middle(tennis.restitution));
+export const ballBallStiffness = Number(inSeries(basketballStiffness, tennisStiffness).toPrecision(3));
 
 export const experiments = [
   "Y. Berdeni, A. Champneys and R. Szalai, The two-ball bounce problem, Proc. R. Soc. A 471, 20150286 (2015): let go with no gap, the upper ball rises less than with one.",

@@ -1,5 +1,5 @@
 // Scenarios to start from.
-import { basketballStiffness, typical } from "./measured";
+import { ballBallStiffness, basketballStiffness, typical } from "./measured";
 import { densityFor, paper, type Ball, type Scenario } from "./scenario";
 import type { MapView } from "../app/view";
 
@@ -28,10 +28,12 @@ export const presets: Preset[] = [
     name: "Basketball and tennis ball",
     about:
       "The classroom classic, let go touching, one metre above the floor: balls in the middle of what their rules allow (see Measured balls). " +
-      "Touching balls rise less than they fell; a gap of some centimetres, and the tennis ball flies.",
+      "The floor contact has the basketball’s stiffness, the upper contact that of both balls in series. " +
+      "Let go touching, the tennis ball rises little higher than it fell; a gap of some centimetres, and it flies.",
     scenario: scenario({
       restitution: 0.76,
       constants: { stiffness: basketballStiffness },
+      own: { stiffness: [ballBallStiffness] },
       height: 1 + basketball.radius,
       gaps: [0],
       balls: [solid(basketball.radius, basketball.mass), solid(tennis.radius, tennis.mass)],

@@ -10,6 +10,7 @@ export interface Scenario {
   law: string;
   restitution: number;
   constants: Record<string, number>; // of the laws, by name of the parameter; those of other laws are kept
+  own: Record<string, number[]>; // of the ball–ball contacts, bottom first, where they have values of their own; `constants` is then the floor's
   cradle: boolean; // no floor, no gravity
   height: number; // of the lowest ball's centre
   balls: Ball[]; // bottom first
@@ -85,6 +86,16 @@ export const constantsOf = (s: Scenario): string[] => lawOf(s).parameters.map((p
 export const clampTo = (r: Range, x: number): number =>
   r.zero && x < r.low ? (x > 0.5 * r.low ? r.low : 0) : Math.min(Math.max(x, r.low), r.high);
 
+// Parameter of the law of a contact; contact 0 is that with the floor.
+export const constantAt = (s: Scenario, name: string, contact: number): number => (contact > 0 && !s.cradle ? s.own[name]?.[contact - 1] : undefined) ?? s.constants[name];
+// Whether some parameter of the present law differs between the contacts.
+export const hasOwn = (s: Scenario): boolean => !s.cradle && constantsOf(s).some((name) => s.own[name] !== undefined);
+
+// Gives each ball–ball contact parameters of its own, which begin with the floor's, or takes them away.
+export function setOwn(s: Scenario, own: boolean): void {
+  s.own = own ? Object.fromEntries(constantsOf(s).map((name) => [name, s.gaps.map(() => s.constants[name])])) : {};
+}
+
 // Same order of operations as ball_mass in the core, for the same bits: a long sequence of collisions is chaotic.
 export const massOf = ({ radius, density }: Ball): number => ((4 / 3) * Math.PI) * (density * (radius * radius * radius));
 export const densityFor = (mass: number, radius: number): number => mass / massOf({ radius, density: 1 });
@@ -93,6 +104,7 @@ export const paper = (): Scenario => ({
   law: "linear",
   restitution: 0.7,
   constants: Object.fromEntries(Object.entries(constants).map(([name, c]) => [name, c.start])),
+  own: {},
   cradle: false,
   height: 0.6,
   balls: [
@@ -106,6 +118,7 @@ export const paper = (): Scenario => ({
 export const copyOf = (s: Scenario): Scenario => ({
   ...s,
   constants: { ...s.constants },
+  own: Object.fromEntries(Object.entries(s.own).map(([name, values]) => [name, [...values]])),
   balls: s.balls.map((b) => ({ ...b })),
   gaps: [...s.gaps],
   velocities: [...s.velocities],
@@ -122,6 +135,7 @@ export function setBallCount(s: Scenario, n: number): void {
     s.balls.pop();
     s.gaps.pop();
     s.velocities.pop();
+    for (const values of Object.values(s.own)) values.pop();
   }
   while (s.balls.length < n) {
     const top = s.balls[s.balls.length - 1];
@@ -129,18 +143,21 @@ export function setBallCount(s: Scenario, n: number): void {
     s.balls.push({ radius, density: top.density });
     s.gaps.push(s.cradle ? 0 : s.gaps[s.gaps.length - 1]);
     s.velocities.push(0);
+    for (const values of Object.values(s.own)) values.push(values[values.length - 1]);
   }
 }
+
+const MOST_PARAMETERS = 4;
 
 // The core's column; layout in bindings/wasm.cpp.
 export function columnOf(s: Scenario): Float64Array {
   const law = lawOf(s);
-  const parameters = law.parameters.map((p) => (p.name === "restitution" ? s.restitution : s.constants[p.name]));
-  while (parameters.length < 4) parameters.push(0);
-  const column = [laws.indexOf(law), law.alternative, ...parameters, s.balls.length, s.cradle ? 0 : 1, s.cradle ? 0 : GRAVITY];
+  const column = [laws.indexOf(law), law.alternative, s.balls.length, s.cradle ? 0 : 1, s.cradle ? 0 : GRAVITY];
   s.balls.forEach((b, i) => {
     const gap = i > 0 ? s.gaps[i - 1] : s.cradle ? 0 : s.height - b.radius;
-    column.push(massOf(b), b.radius, gap, s.velocities[i]);
+    const parameters = law.parameters.map((p) => (p.name === "restitution" ? s.restitution : constantAt(s, p.name, i)));
+    while (parameters.length < MOST_PARAMETERS) parameters.push(0);
+    column.push(massOf(b), b.radius, gap, s.velocities[i], ...parameters);
   });
   return Float64Array.from(column);
 }
@@ -157,7 +174,10 @@ export function toQuery(s: Scenario, q: URLSearchParams): void {
   if (s.law !== base.law) q.set("law", s.law);
   if (s.cradle) q.set("setup", "cradle");
   for (const [key, name] of scalars) if (s[name] !== base[name]) q.set(key, String(s[name]));
-  for (const [name, c] of Object.entries(constants)) if (s.constants[name] !== c.start) q.set(c.key, String(s.constants[name]));
+  for (const [name, c] of Object.entries(constants)) {
+    const own = s.own[name] ?? [];
+    if (s.constants[name] !== c.start || own.length > 0) q.set(c.key, [s.constants[name], ...own].join());
+  }
   const lists: [string, number[], number[]][] = [
     ["r", s.balls.map((b) => b.radius), base.balls.map((b) => b.radius)],
     ["rho", s.balls.map((b) => b.density), base.balls.map((b) => b.density)],
@@ -192,10 +212,6 @@ export function fromQuery(s: Scenario, q: URLSearchParams, notes: string[]): voi
     const text = q.get(key);
     if (text !== null) s[name] = number(key, text, ranges[name], s[name]);
   }
-  for (const [name, c] of Object.entries(constants)) {
-    const text = q.get(c.key);
-    if (text !== null) s.constants[name] = number(c.key, text, c.range, s.constants[name]);
-  }
   const radii = q.get("r")?.split(",");
   if (radii) {
     const n = Math.min(Math.max(radii.length, 2), MOST_BALLS);
@@ -209,6 +225,14 @@ export function fromQuery(s: Scenario, q: URLSearchParams, notes: string[]): voi
     for (let i = 0; i < Math.min(count, texts.length); i++) set(i, number(key, texts[i], r, get(i)));
   };
   const n = s.balls.length;
+  for (const [name, c] of Object.entries(constants)) {
+    const texts = q.get(c.key)?.split(",");
+    if (!texts) continue;
+    s.constants[name] = number(c.key, texts[0], c.range, s.constants[name]);
+    delete s.own[name];
+    if (texts.length > 1 && texts.length !== n) notes.push(`${c.key}: ${texts.length} values for ${n} contacts`);
+    if (texts.length > 1) s.own[name] = s.gaps.map((_, i) => number(c.key, texts[i + 1] ?? texts[texts.length - 1], c.range, s.constants[name]));
+  }
   list("r", ranges.radius, n, (i, x) => (s.balls[i].radius = x), (i) => s.balls[i].radius);
   list("rho", ranges.density, n, (i, x) => (s.balls[i].density = x), (i) => s.balls[i].density);
   list("gap", ranges.gap, n - 1, (i, x) => (s.gaps[i] = x), (i) => s.gaps[i]);
@@ -226,6 +250,7 @@ export function settle(s: Scenario, notes: string[] = []): void {
     }
   });
   if (s.cradle) {
+    s.own = {};
     const closing = s.velocities.some((v, i) => i > 0 && v < s.velocities[i - 1]);
     if (!closing) {
       s.velocities = s.velocities.map((_, i) => (i === 0 ? 1 : 0));
@@ -249,10 +274,13 @@ export function toToml(s: Scenario): string {
   lines.push(`gaps = [${s.gaps.map(toml).join(", ")}]  # m`);
   if (s.velocities.some((v) => v !== 0)) lines.push(`velocities = [${s.velocities.map(toml).join(", ")}]  # m/s`);
   for (const b of s.balls) lines.push("", "[[balls]]", `radius = ${toml(b.radius)}  # m`, `density = ${toml(b.density)}  # kg/m³`);
-  lines.push("", "[law]", `name = "${s.law}"`);
-  for (const p of lawOf(s).parameters) {
-    const value = p.name === "restitution" ? s.restitution : s.constants[p.name];
-    lines.push(`${p.name} = ${toml(value)}${p.unit === "1" ? "" : `  # ${p.unit}`}`);
+  const own = hasOwn(s);
+  for (const contact of own ? s.balls.keys() : [0]) {
+    lines.push("", own ? `[[laws]]  # ${contact === 0 ? "floor and ball 1" : `balls ${contact} and ${contact + 1}`}` : "[law]", `name = "${s.law}"`);
+    for (const p of lawOf(s).parameters) {
+      const value = p.name === "restitution" ? s.restitution : constantAt(s, p.name, contact);
+      lines.push(`${p.name} = ${toml(value)}${p.unit === "1" ? "" : `  # ${p.unit}`}`);
+    }
   }
   return lines.join("\n") + "\n";
 }

@@ -11,8 +11,9 @@ import type { Pool } from "../core/pool";
 import { ReboundPanel } from "../views/rebound_panel";
 import type { State } from "../app/state";
 import { Story } from "./story";
-import { factsOf } from "./story_text";
-import { why } from "./why";
+import { Watch } from "./watch";
+import type { Report } from "../report/report";
+import { joined, type Sentence } from "../report/sentence";
 
 export class Lecture {
   private readonly frames = new Frames();
@@ -43,7 +44,7 @@ export class Lecture {
       entered: (step) => this.enter(step),
       left: () => this.show(),
       load,
-    });
+    }, new Watch(state, film, new Sheet("duel", resized), moves));
     fillMeasured();
     this.show();
     if (view.step) this.enter(view.step, state.view.time !== null);
@@ -64,13 +65,20 @@ export class Lecture {
     this.rebound.refresh();
   }
 
+  sentences(): Sentence[] {
+    return this.story.sentences();
+  }
+
+  // The report has changed, perhaps before the drop is solved to its end.
+  told(report: Report): void {
+    const text = joined(report.why);
+    if (find("why").textContent !== text) tell(find("why"), text);
+    tell(find("mini-verdict"), joined([...report.newton, ...report.icm]));
+  }
+
   // ---- what follows from a change -----------------------------------------------------------------------
 
   solved(): void {
-    const drop = this.state.drop!;
-    const text = why(factsOf(drop));
-    if (find("why").textContent !== text) tell(find("why"), text);
-    tell(find("mini-verdict"), find("verdict").textContent);
     this.settingsChanged();
     this.single.refreshLink();
     if (this.entered) this.enter(this.entered.step, this.entered.placed);
@@ -102,6 +110,7 @@ export class Lecture {
     if (!drop) return;
     const contact = this.moves() ? drop.from - 0.02 : 0.5 * (drop.from + drop.to);
     const actions: Partial<Record<Step, () => void>> = {
+      watch: () => this.start(true, this.moves() ? Math.max(drop.start, drop.from - 0.35) : Infinity, this.moves()),
       predict: () => this.start(false, 0, false),
       drop: () => this.start(false, this.moves() ? 0 : Infinity, this.moves()),
       slow: () => this.start(true, contact, this.moves()),

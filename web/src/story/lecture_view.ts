@@ -2,7 +2,7 @@
 import { presets } from "../scenario/presets";
 import { copyOf, fromQuery, toQuery, type Scenario } from "../scenario/scenario";
 
-export const steps = ["predict", "drop", "slow", "count", "gap", "map"] as const;
+export const steps = ["watch", "predict", "drop", "slow", "count", "gap", "map"] as const;
 export type Step = (typeof steps)[number];
 
 export const panels = ["film", "numbers", "energy", "forces", "timeline", "rebound", "map", "compare"] as const;
@@ -12,14 +12,14 @@ export const curveAxes = ["gap", "e", "ratio"] as const; // what the rebound hei
 export type CurveAxis = (typeof curveAxes)[number];
 
 export interface LectureView {
-  step: Step | null; // of the story; null: not shown
+  step: Step | null; // of the story; null: the laboratory or a single panel
   guess: number | null; // height the viewer expects [m]
   panel: PanelName | null; // shown alone
   curve: CurveAxis;
   pin: Scenario | null; // setting A
 }
 
-export const firstLectureView = (): LectureView => ({ step: null, guess: null, panel: null, curve: "gap", pin: null });
+export const firstLectureView = (): LectureView => ({ step: "watch", guess: null, panel: null, curve: "gap", pin: null });
 
 const highestGuess = 1000; // m
 
@@ -48,7 +48,9 @@ export const baseOf = (q: URLSearchParams): string => (describes(q) ? "fig2" : p
 const prefix = "a."; // of the parameters of setting A
 
 export function lectureToQuery(v: LectureView, q: URLSearchParams): void {
-  if (v.step) q.set("story", v.step);
+  if (v.step && v.step !== "watch") q.set("story", v.step);
+  if (!v.step && !v.panel && !v.pin) q.set("page", "lab");
+  if (v.step === "watch" && v.pin) q.set("page", "story"); // a link with a setting A opens the laboratory
   if (v.guess !== null) q.set("guess", String(v.guess));
   if (v.panel) q.set("panel", v.panel);
   if (v.curve !== "gap") q.set("curve", v.curve);
@@ -66,8 +68,11 @@ export function lectureFromQuery(v: LectureView, q: URLSearchParams, notes: stri
     notes.push(`${key} = “${text.slice(0, 20)}” is none of ${options.join(", ")}: left out`);
     return null;
   };
-  v.step = choice("story", steps);
-  v.panel = v.step ? null : choice("panel", panels);
+  const asked = choice("story", steps);
+  v.panel = asked ? null : choice("panel", panels);
+  const pinned = [...q.keys()].some((key) => key.startsWith(prefix));
+  const laboratory = choice("page", ["lab", "story"]) === "lab" || (pinned && !q.has("page"));
+  v.step = asked ?? (v.panel || laboratory ? null : "watch");
   v.curve = choice("curve", curveAxes) ?? "gap";
   const guess = q.get("guess");
   if (guess !== null) {

@@ -5,11 +5,17 @@ import type { Frames } from "../app/frames";
 import { sameScenario, steps, type LectureView, type PanelName, type Step } from "./lecture_view";
 import { presets } from "../scenario/presets";
 import type { State } from "../app/state";
-import { storyText, titleOf, type Told } from "./story_text";
+import type { Sentence } from "../report/sentence";
+import { joined } from "../report/sentence";
+import { story, titleOf, type Told } from "./story_text";
+import type { Watch } from "./watch";
 import { drawTale, rulerTop, type TaleLayout } from "./tale";
 
+type StoryPanel = PanelName | "tale" | "watch";
+
 // Panels of a step besides its text.
-const shows: Record<Step, (PanelName | "tale")[]> = {
+const shows: Record<Step, StoryPanel[]> = {
+  watch: ["watch"],
   predict: ["tale"],
   drop: ["tale"],
   slow: ["film", "forces"],
@@ -17,7 +23,7 @@ const shows: Record<Step, (PanelName | "tale")[]> = {
   gap: ["rebound", "film"],
   map: ["map"],
 };
-const onCradle: Partial<Record<Step, PanelName[]>> = { predict: ["film"], drop: ["film"] };
+const onCradle: Partial<Record<Step, PanelName[]>> = { watch: ["film"], predict: ["film"], drop: ["film"] };
 
 // Data of the page that the story needs.
 export interface Stagehand {
@@ -40,6 +46,7 @@ export class Story {
     private readonly sheet: Sheet,
     private readonly frames: Frames,
     private readonly hand: Stagehand,
+    private readonly watch: Watch,
   ) {
     this.listen();
   }
@@ -75,14 +82,15 @@ export class Story {
       else b.removeAttribute("aria-current");
     });
     find<HTMLButtonElement>("story-back").disabled = place === 0;
-    find("story-next").textContent = step === "predict" ? "Let them drop" : place === steps.length - 1 ? "To the whole page" : "Next";
+    find("story-next").textContent = step === "predict" ? "Let them drop" : place === steps.length - 1 ? "To the laboratory" : "Next";
+    find("story-leave").hidden = place === steps.length - 1;
     find("story-again").hidden = step !== "drop";
     this.refreshOther();
     scrollTo(0, 0);
     this.dirty = true;
   }
 
-  private panels(step: Step): (PanelName | "tale")[] {
+  private panels(step: Step): StoryPanel[] {
     return (this.state.scenario.cradle && onCradle[step]) || shows[step];
   }
 
@@ -104,8 +112,10 @@ export class Story {
       this.revealed = true;
       this.dirty = true;
     }
-    if (!this.dirty && !(state.playing && view.step === "drop")) return;
+    if (!this.dirty && !(state.playing && (view.step === "drop" || view.step === "watch"))) return;
+    if (this.dirty) this.watch.refresh();
     this.dirty = false;
+    if (view.step === "watch") this.watch.draw(this.frames.textSize());
     if (view.step === "predict" || view.step === "drop") this.draw();
     this.tell();
   }
@@ -117,15 +127,17 @@ export class Story {
   private told(): Told {
     const { state, view } = this;
     const drop = state.drop!;
-    const top = drop.scenario.balls.length - 1;
-    const rises: [number, number] = drop.scenario.cradle
-      ? [drop.newton.final.velocity[top], drop.icm.final.velocity[top]]
-      : [drop.newton.peaks[top], drop.icm.peaks[top]];
-    return { drop, guess: view.guess, revealed: this.revealed, rises, ...this.hand.told() };
+    return { drop, report: state.report!, guess: view.guess, revealed: this.revealed, ...this.hand.told() };
+  }
+
+  // What the present step says; empty outside the story.
+  sentences(): Sentence[] {
+    const { step } = this.view;
+    return step && this.state.drop ? story(step, this.told()) : [];
   }
 
   private tell(): void {
-    const text = storyText(this.view.step!, this.told());
+    const text = joined(this.sentences());
     if (text === this.said) return;
     this.said = text;
     this.refreshOther();
@@ -138,14 +150,13 @@ export class Story {
     if (drop.scenario.cradle || sheet.width < 40) return;
     const falling = view.step === "drop";
     const time = falling ? state.time() : drop.start;
-    const told = this.told();
     const size = Math.min(Math.max(this.frames.textSize(), 14), sheet.width / 22);
     this.layout = drawTale(
       sheet.g, sheet.width, sheet.height,
       {
         drop, falling, guess: view.guess,
         newton: drop.motion.newton.at(time), icm: drop.motion.icm.at(time),
-        reached: this.revealed ? told.rises : [NaN, NaN],
+        reached: this.revealed ? [drop.newton, drop.icm].map((t) => t.peaks[t.peaks.length - 1]) as [number, number] : [NaN, NaN],
       },
       size, state.theme,
     );
@@ -166,7 +177,7 @@ export class Story {
   }
 
   private listen(): void {
-    find("tell").addEventListener("click", () => this.go("predict"));
+    find("tell").addEventListener("click", () => this.go("watch"));
     find("story-next").addEventListener("click", () => this.move(1));
     find("story-back").addEventListener("click", () => this.move(-1));
     find("story-leave").addEventListener("click", () => this.go(null));

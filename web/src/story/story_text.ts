@@ -1,23 +1,26 @@
-// Texts of the story, from the numbers of the present setting.
+// The sentences of the story, from the report of the present setting. One table for each step.
 import type { Drop } from "../core/drop";
+import { capital } from "../core/tables";
+import type { Report } from "../report/report";
+import { chosen, type Case, type Numbers, type Sentence } from "../report/sentence";
+import { inPercent } from "../report/tolerance";
+import { counted, spell, times } from "../report/words";
+import { ballById } from "../scenario/measured";
+import { massOf, type Ball } from "../scenario/scenario";
 import { digits, metres, withUnit } from "../support/format";
 import type { Step } from "./lecture_view";
-import { ballById } from "../scenario/measured";
-import { capital } from "../core/tables";
-import { releaseHeight } from "./tale";
-import { spell, times, why } from "./why";
-import { massOf, type Ball } from "../scenario/scenario";
 
 export interface Told {
   drop: Drop;
+  report: Report;
   guess: number | null; // m
   revealed: boolean; // whether the drop has been seen to its end
-  rises: [number, number]; // of the top ball, Newton and independent collisions [m] (cradle: velocity of the last [m/s])
   gaps: { touching: number; best: number; at: number } | null; // Newton's heights at gap 0 and the highest, with its gap
-  trusted: number | null; // gap above which both models agree [m]; infinite: nowhere in the map
+  trusted: number | null; // gap above which both models agree [m]; infinite: nowhere in the map; null: not known
 }
 
 const titles: Record<Step, string> = {
+  watch: "One bounce, two models",
   predict: "How high will it fly?",
   drop: "The drop",
   slow: "Slowly, through the contact",
@@ -39,73 +42,114 @@ export function nameOfBall(b: Ball, place: string): string {
   return known === "basketball" ? "basketball" : known === "tennis" ? "tennis ball" : known ? "table tennis ball" : place;
 }
 
-export function storyText(step: Step, t: Told): string {
-  const { scenario } = t.drop;
-  if (scenario.cradle) return cradleText(step, t);
-  const n = scenario.balls.length;
-  const top = nameOfBall(scenario.balls[n - 1], "top ball");
-  const low = nameOfBall(scenario.balls[0], "lowest ball");
-  const column = n === 2 && top !== "top ball" && low !== "lowest ball" ? `A ${top} above a ${low}: both` : `${capital(spell(n))} balls, one above the other,`;
-  const texts: Record<Step, () => string> = {
-    predict: () =>
-      `${column} are let go together, the ${top} ${metres(releaseHeight(t.drop))} above the floor. How high will the ${top} rise after the bounce? ` +
-      "Drag the line there, then let them drop.",
-    drop: () => (t.revealed ? outcome(t, top) : "Watch the ruler …"),
-    slow: () => why(factsOf(t.drop)),
-    count: () => counted(t),
-    gap: () => gapText(t, top),
-    map: () => mapText(t),
-  };
-  return texts[step]();
+// Height of the top ball's centre at release [m].
+export function releaseHeight(d: Drop): number {
+  const { height, balls, gaps } = d.scenario;
+  return balls.slice(1).reduce((z, b, i) => z + balls[i].radius + gaps[i] + b.radius, height);
 }
 
-export const factsOf = (d: Drop): { balls: number; cradle: boolean; newton: Drop["newton"]["run"]; icm: Drop["icm"]["run"] } => ({
-  balls: d.scenario.balls.length, cradle: d.scenario.cradle, newton: d.newton.run, icm: d.icm.run,
-});
+// ---- what the tables use ---------------------------------------------------------------------------------
 
-function outcome(t: Told, top: string): string {
-  const [newton, icm] = t.rises;
-  if (!Number.isFinite(newton)) return `The ${top} does not bounce.`;
-  const from = releaseHeight(t.drop);
-  const ratio = newton / from;
-  const compared = ratio < 0.99 ? "lower than where it was let go" : ratio < 1.05 ? "hardly higher than where it was let go" : `${digits(ratio, 2)} times as high as where it was let go`;
-  const guessed = t.guess === null ? "" : ` You said ${withUnit(t.guess, "m", 2)}${Math.abs(t.guess / newton - 1) < 0.1 ? ": well guessed!" : "."}`;
-  const textbook = !Number.isFinite(icm) ? "" : Math.abs(icm / newton - 1) < 0.03 ? ` The textbook, one collision after the other, agrees: ${metres(icm)}.` : ` The textbook, one collision after the other, promises ${metres(icm)}.`;
-  return `The ${top} rises to ${metres(newton)}, ${compared}.${guessed}${textbook}`;
-}
+const count = (t: Told): number => t.drop.scenario.balls.length;
+const topName = (t: Told): string => nameOfBall(t.drop.scenario.balls[count(t) - 1], "top ball");
+const lowName = (t: Told): string => nameOfBall(t.drop.scenario.balls[0], "lowest ball");
+const value = (t: Told, model: "newton" | "icm"): number => t.report.numbers[`${model}_${t.drop.scenario.cradle ? "velocity" : "rise"}_${count(t)}`] ?? NaN;
+const newton = (t: Told): number => value(t, "newton");
+const icm = (t: Told): number => value(t, "icm");
+const speed = (x: number): string => (Number.isFinite(x) ? withUnit(x, "m/s", 3, true) : "an unknown velocity");
+const both = (t: Told): Numbers => ({ newton: newton(t), icm: icm(t), tolerance: t.report.tolerance });
+const agree = (t: Told): boolean => Math.abs(icm(t) / newton(t) - 1) <= t.report.tolerance;
+const cradle = (t: Told): boolean => t.drop.scenario.cradle;
 
-function counted({ drop }: Told): string {
-  const { newton, icm, scenario } = drop;
-  const k = newton.run.nContacts;
-  const e = Number(scenario.restitution.toPrecision(3));
-  const said = icm.run.outcome === 4 || icm.run.outcome === 5 ? "the collision model counts without end" : `the collision model counts ${spell(icm.run.nContacts)}`;
-  return `At ε = ${e} ${scenario.balls.length === 2 ? "the balls" : "neighbouring balls"} touch ${k === 0 ? "not at all" : times(k)}; ${said}. The bands show when they touch, for every ε: drag the line to another ε, and count again.`;
+function compared(t: Told): string {
+  const ratio = newton(t) / releaseHeight(t.drop);
+  return ratio < 1 ? "lower than where it was let go" : ratio < 1.05 ? "hardly higher than where it was let go" : `${digits(ratio, 2)} times as high as where it was let go`;
 }
+const guessed = (t: Told): string => (t.guess === null ? "" : ` You said ${withUnit(t.guess, "m", 2)}${Math.abs(t.guess / newton(t) - 1) < 0.1 ? ": well guessed!" : "."}`);
+const column = (t: Told): string =>
+  count(t) === 2 && topName(t) !== "top ball" && lowName(t) !== "lowest ball" ? `A ${topName(t)} above a ${lowName(t)}: both` : `${capital(spell(count(t)))} balls, one above the other,`;
 
-function gapText({ gaps }: Told, top: string): string {
-  const told = gaps && Number.isFinite(gaps.touching) && Number.isFinite(gaps.best)
-    ? `Let go touching, the ${top} reaches ${metres(gaps.touching)}; ${gaps.at > 0 ? `${withUnit(gaps.at, "m", 2)} apart, ${metres(gaps.best)}` : "no gap brings it higher"}. `
-    : "";
-  return `${told}Drag in the plot to change the gap. That balls dropped closer together rebound lower was measured in Bristol in 2015.`;
-}
+const fixed = (id: string, text: string): Case<Told> => ({ id, when: () => true, say: () => text });
 
-function mapText({ drop, trusted }: Told): string {
-  if (drop.scenario.balls.length > 2)
-    return `Event-driven simulation takes contacts one after another. Where the map counts more than ${spell(drop.scenario.balls.length - 1)}, one for each pair of neighbours, it leaves some out; where it counts as many, they may still overlap.`;
-  const where = trusted === null ? "" : trusted === Infinity ? " In this map that is nowhere so for the present ε." : ` For the present ε that takes a gap above ${withUnit(trusted, "m", 2)}.`;
-  return `Above the line both models agree to 5 %: the floor has let go before the balls meet, and collisions are events. Below it the contacts overlap, and an event-driven simulation is wrong.${where} Red, above 1, is gravity at work during the contact.`;
-}
+// ---- the tables ------------------------------------------------------------------------------------------
 
-function cradleText(step: Step, t: Told): string {
-  const n = t.drop.scenario.balls.length;
-  const v = (x: number): string => withUnit(x, "m/s", 3, true);
-  const texts: Record<Step, () => string> = {
-    predict: () => `${capital(spell(n))} balls in a line, and no floor. The first arrives: with what speed will the last one leave?`,
-    drop: () => (t.revealed ? `The last ball leaves with ${v(t.rises[0])}; the textbook, one collision after the other, says ${v(t.rises[1])}.` : "Watch the last ball …"),
-    slow: () => why(factsOf(t.drop)),
-    count: () => counted(t),
-    gap: () => "Drag in the plot to change the gaps between the balls: the wider they are, the more they collide one after the other.",
-    map: () => "The map counts contacts. Event-driven simulation is right where no two of them overlap.",
-  };
-  return texts[step]();
-}
+const watch: Case<Told>[] = [
+  { id: "watch-cradle", when: (t) => cradle(t) && Number.isFinite(newton(t)) && Number.isFinite(icm(t)), say: (t) => `By Newton’s equations the last ball leaves with ${speed(newton(t))}, by one collision after the other with ${speed(icm(t))}.`, numbers: both },
+  { id: "watch-newton-only", when: (t) => Number.isFinite(newton(t)) && !Number.isFinite(icm(t)), say: (t) => (cradle(t) ? `By Newton’s equations the last ball leaves with ${speed(newton(t))}; one collision after the other gives no answer.` : `By Newton’s equations the ${topName(t)} rises to ${metres(newton(t))}; one collision after the other gives no height.`), numbers: (t) => ({ newton: newton(t) }) },
+  { id: "watch-agree", when: (t) => Number.isFinite(newton(t)) && agree(t), say: (t) => `The ${topName(t)} rises to ${metres(newton(t))}, and one collision after the other says the same to ${inPercent(t.report.tolerance)}.`, numbers: both },
+  { id: "watch-differ", when: (t) => Number.isFinite(newton(t)), say: (t) => `By Newton’s equations the ${topName(t)} rises to ${metres(newton(t))}; the textbook, one collision after the other, promises ${metres(icm(t))}.`, numbers: both },
+  { id: "watch-textbook-only", when: (t) => Number.isFinite(icm(t)), say: (t) => (cradle(t) ? `One collision after the other says ${speed(icm(t))} for the last ball; Newton’s equations give no velocity.` : `The textbook, one collision after the other, promises ${metres(icm(t))} for the ${topName(t)}; Newton’s equations give no height.`), numbers: (t) => ({ icm: icm(t) }) },
+  { id: "watch-none", when: () => true, say: (t) => `The ${cradle(t) ? "last ball" : topName(t)} does not bounce.` },
+];
+
+const predict: Case<Told>[] = [
+  { id: "predict-cradle", when: cradle, say: (t) => `${capital(spell(count(t)))} balls in a line, and no floor. The first arrives: with what speed will the last one leave?` },
+  {
+    id: "predict", when: () => true,
+    say: (t) => `${column(t)} are let go together, the ${topName(t)} ${metres(releaseHeight(t.drop))} above the floor. How high will the ${topName(t)} rise after the bounce? Drag the line there, then let them drop.`,
+    numbers: (t) => ({ release: releaseHeight(t.drop) }),
+  },
+];
+
+const drop: Case<Told>[] = [
+  { id: "drop-wait-cradle", when: (t) => cradle(t) && !t.revealed, say: () => "Watch the last ball …" },
+  { id: "drop-cradle", when: cradle, say: (t) => `The last ball leaves with ${speed(newton(t))}; the textbook, one collision after the other, says ${speed(icm(t))}.`, numbers: both },
+  { id: "drop-wait", when: (t) => !t.revealed, say: () => "Watch the ruler …" },
+  { id: "drop-none", when: (t) => !Number.isFinite(newton(t)), say: (t) => `The ${topName(t)} does not bounce.` },
+  { id: "drop-newton-only", when: (t) => !Number.isFinite(icm(t)), say: (t) => `The ${topName(t)} rises to ${metres(newton(t))}, ${compared(t)}.${guessed(t)}`, numbers: (t) => ({ newton: newton(t) }) },
+  { id: "drop-agree", when: agree, say: (t) => `The ${topName(t)} rises to ${metres(newton(t))}, ${compared(t)}.${guessed(t)} The textbook, one collision after the other, agrees to ${inPercent(t.report.tolerance)}: ${metres(icm(t))}.`, numbers: both },
+  { id: "drop-differ", when: () => true, say: (t) => `The ${topName(t)} rises to ${metres(newton(t))}, ${compared(t)}.${guessed(t)} The textbook, one collision after the other, promises ${metres(icm(t))}.`, numbers: both },
+];
+
+const touch = (t: Told): string => `At ε = ${Number(t.drop.scenario.restitution.toPrecision(3))} ${count(t) === 2 ? "the balls" : "neighbouring balls"} touch ${times(t.drop.newton.run.nContacts)}`;
+const counts = (t: Told): Numbers => ({ newton: t.drop.newton.run.nContacts, icm: t.drop.icm.run.nContacts, overlapping: t.drop.comparison.overlapping });
+const more = "The bands show when they touch, for every ε: drag the line to another ε, and count again.";
+const counting: Case<Told>[] = [
+  { id: "count-without-end", when: (t) => [4, 5].includes(t.drop.icm.run.outcome), say: (t) => `${touch(t)}; the collision model counts without end. ${more}`, numbers: counts },
+  {
+    id: "count-differs", when: (t) => t.drop.newton.run.nContacts !== t.drop.icm.run.nContacts,
+    say: (t) => `${touch(t)}; the collision model counts ${counted(t.drop.icm.run.nContacts, "collision")}. ${more}`, numbers: counts,
+  },
+  {
+    id: "count-overlaps", when: (t) => t.drop.comparison.overlapping > 0,
+    say: (t) => `${touch(t)}, as often as in the collision model; but here ${t.drop.newton.run.nContacts === 1 ? "the contact overlaps" : `${spell(t.drop.comparison.overlapping)} of the contacts overlap${t.drop.comparison.overlapping === 1 ? "s" : ""}`} another one in time. ${more}`,
+    numbers: counts,
+  },
+  { id: "count-same", when: () => true, say: (t) => `${touch(t)}, as often as in the collision model. ${more}`, numbers: counts },
+];
+
+const measured = "Drag in the plot to change the gap. That balls dropped closer together rebound lower was measured in Bristol in 2015.";
+const gap: Case<Told>[] = [
+  fixed("gap-cradle", "Drag in the plot to change the gaps between the balls: the wider they are, the more they collide one after the other."),
+  { id: "gap-unknown", when: (t) => !t.gaps || !Number.isFinite(t.gaps.touching) || !Number.isFinite(t.gaps.best), say: () => measured },
+  { id: "gap-none-better", when: (t) => !(t.gaps!.at > 0), say: (t) => `Let go touching, the ${topName(t)} reaches ${metres(t.gaps!.touching)}; no gap brings it higher. ${measured}`, numbers: (t) => ({ touching: t.gaps!.touching }) },
+  {
+    id: "gap-better", when: () => true, say: (t) => `Let go touching, the ${topName(t)} reaches ${metres(t.gaps!.touching)}; ${withUnit(t.gaps!.at, "m", 2)} apart, ${metres(t.gaps!.best)}. ${measured}`,
+    numbers: (t) => ({ ...t.gaps! }),
+  },
+];
+gap[0].when = cradle;
+
+const line = (t: Told): string => `Above the line both models agree to ${inPercent(t.report.tolerance)}`;
+const map: Case<Told>[] = [
+  { id: "map-cradle", when: cradle, say: () => "The map counts contacts. Event-driven simulation is right where no two of them overlap." },
+  {
+    id: "map-many", when: (t) => count(t) > 2,
+    say: (t) => `Event-driven simulation takes contacts one after another. Where the map counts more than ${spell(count(t) - 1)}, one for each pair of neighbours, it leaves some out; where it counts as many, they may still overlap.`,
+  },
+  { id: "map-pending", when: (t) => t.trusted === null, say: (t) => `The line will show from which gap on both models agree to ${inPercent(t.report.tolerance)}.`, numbers: (t) => ({ tolerance: t.report.tolerance }) },
+  {
+    id: "map-nowhere", when: (t) => t.trusted === Infinity,
+    say: (t) => `At the present ε the models agree to ${inPercent(t.report.tolerance)} at no gap of this map: even where no contacts overlap, gravity acts while they last. Choose another tolerance, or stiffer balls.`,
+    numbers: (t) => ({ tolerance: t.report.tolerance }),
+  },
+  {
+    id: "map", when: () => true, say: (t) => `${line(t)}; at the present ε that takes a gap above ${withUnit(t.trusted!, "m", 2)}. Just below the line they differ by more.`,
+    numbers: (t) => ({ tolerance: t.report.tolerance, gap: t.trusted! }),
+  },
+];
+
+const tables: Record<Exclude<Step, "slow">, Case<Told>[]> = { watch, predict, drop, count: counting, gap, map };
+
+// The third step says why; its sentences are those of the report.
+export const story = (step: Step, t: Told): Sentence[] => (step === "slow" ? t.report.why : [chosen(tables[step], t)!]);

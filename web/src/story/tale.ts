@@ -5,7 +5,7 @@ import type { Drop } from "../core/drop";
 import { metres, niceTicks, withUnit } from "../support/format";
 import { setFont, stroke } from "../support/plot";
 import { massOf } from "../scenario/scenario";
-import { nameOfBall } from "./story_text";
+import { nameOfBall, releaseHeight } from "./story_text";
 import { capital, independent, newton } from "../core/tables";
 import type { Theme } from "../style/theme";
 
@@ -22,12 +22,6 @@ export interface TaleLayout {
   floor: number; // pixel
   scale: number; // pixels per metre
   top: number; // m at the upper edge
-}
-
-// Height of the top ball's centre at release [m].
-export function releaseHeight(d: Drop): number {
-  const { height, balls, gaps } = d.scenario;
-  return balls.slice(1).reduce((z, b, i) => z + balls[i].radius + gaps[i] + b.radius, height);
 }
 
 // The ruler covers every possible guess and does not reveal the result.

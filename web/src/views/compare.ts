@@ -4,7 +4,7 @@ import { dropOf, type Drop } from "../core/drop";
 import { digits, lengths, withUnit } from "../support/format";
 import type { LectureView } from "../story/lecture_view";
 import type { Pool } from "../core/pool";
-import { constants, constantsOf, copyOf, massOf, type Scenario } from "../scenario/scenario";
+import { constantAt, constants, constantsOf, copyOf, massOf, type Scenario } from "../scenario/scenario";
 import { drawTrueScale } from "./stage";
 import type { State } from "../app/state";
 import { labelOf, namesOf, parameterOfColumn } from "../core/tables";
@@ -23,7 +23,7 @@ export function differences(a: Scenario, b: Scenario): Row[] {
   if (!a.cradle || !b.cradle) row("height of the lowest centre", withUnit(a.height, "m", 4), withUnit(b.height, "m", 4));
   for (let i = 0; i < Math.max(a.gaps.length, b.gaps.length); i++) row(a.balls.length === 2 && b.balls.length === 2 ? labelOf(parameterOfColumn("gap")) : `gap ${i + 1}–${i + 2}`, gap(a.gaps[i]), gap(b.gaps[i]));
   for (const name of new Set([...constantsOf(a), ...constantsOf(b)])) {
-    const say = (s: Scenario): string => (constantsOf(s).includes(name) ? withUnit(s.constants[name], constants[name].range.unit, 4) : "–");
+    const say = (s: Scenario): string => (constantsOf(s).includes(name) ? [...new Set(s.balls.map((_, i) => withUnit(constantAt(s, name, i), constants[name].range.unit, 4)))].join(", ") : "–");
     row(constants[name].label, say(a), say(b));
   }
   for (let i = 0; i < Math.max(a.balls.length, b.balls.length); i++) {
@@ -42,7 +42,7 @@ function results(a: Drop, b: Drop): { name: string; model: "newton" | "icm"; val
   if (a.scenario.cradle || b.scenario.cradle)
     return models.map((model) => ({
       name: `Last ball leaves with, ${namesOf[model].short}`, model,
-      values: [a, b].map((d) => withUnit(d[model].final.velocity[top(d)], "m/s", 3, true)) as [string, string],
+      values: [a, b].map((d) => withUnit(d[model].leaves[top(d)], "m/s", 3, true)) as [string, string],
     }));
   const rises = models.map((model) => ({ name: `Top ball rises to, ${namesOf[model].short}`, model, values: lengths(a[model].peaks[top(a)], b[model].peaks[top(b)]) }));
   const counts = models.map((model) => ({ name: `Ball–ball contacts, ${namesOf[model].short}`, model, values: [String(a[model].run.nContacts), String(b[model].run.nContacts)] as [string, string] }));
@@ -98,7 +98,7 @@ export class Compare {
   }
 
   private async solve(pin: Scenario, key: string): Promise<void> {
-    const solved = await this.pool.ask("solve", { scenario: copyOf(pin) });
+    const solved = await this.pool.ask("solve", { scenario: copyOf(pin), tolerance: this.state.view.tolerance });
     if (key !== this.key) return;
     if ("reason" in solved) this.fault = solved.reason;
     else this.drop = dropOf(solved);

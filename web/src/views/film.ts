@@ -102,6 +102,7 @@ export class Film {
 
   draw(): void {
     const { state, sheet } = this;
+    if (!sheet.shown()) return;
     const d = state.drop!;
     const time = state.time();
     const rate = drawMoment(sheet.g, sheet.width, sheet.height, state);

@@ -35,6 +35,7 @@ export class ForcesPanel {
 
   draw(): void {
     const { state, sheet } = this;
+    if (!sheet.shown()) return;
     this.layout = drawForces(sheet.g, sheet.width, sheet.height, state.drop!, state.theme);
   }
 
@@ -103,7 +104,7 @@ export class TimelinePanel {
 
   // Whether to redraw: less often while rows arrive.
   due(now: number): boolean {
-    if (!this.state.dirty.timeline || !this.state.drop || (!this.timeline.done && now - this.drawn < 120)) return false;
+    if (!this.state.dirty.timeline || !this.state.drop || !this.sheet.shown() || (!this.timeline.done && now - this.drawn < 120)) return false;
     this.drawn = now;
     return true;
   }

@@ -3,8 +3,8 @@ import { clockText, drawMoment } from "./film";
 import { drawForces } from "./forces";
 import { withUnit } from "../support/format";
 import type { ContactMap } from "../map/map";
-import { verdict } from "./numbers";
-import { constants, constantsOf, type Scenario } from "../scenario/scenario";
+import { joined } from "../report/sentence";
+import { constantAt, constants, constantsOf, type Scenario } from "../scenario/scenario";
 import type { State } from "../app/state";
 import type { Timeline } from "./timeline";
 
@@ -23,14 +23,14 @@ export function picture(state: State, timeline: Timeline, map: ContactMap, marke
   part(20, 96, 770, 540, (own) => void drawMoment(own, 770, 540, state));
   part(820, 96, 760, 540, (own) => void drawForces(own, 760, 540, d, theme));
   part(20, 656, 770, 460, (own) => void timeline.draw(own, 770, 460, d, theme));
-  part(820, 656, 760, 460, (own) => void map.draw(own, 760, 460, state.view.map.axis, marked, theme));
+  part(820, 656, 760, 460, (own) => void map.draw(own, 760, 460, state.view.map.axis, marked, theme, null));
   g.textBaseline = "alphabetic";
   g.font = `600 26px ${theme.font}`;
-  const [said, saidByIcm] = verdict(d);
+  const { report } = state;
   g.fillStyle = theme.newton;
-  g.fillText(said, 20, 36);
+  g.fillText(joined(report!.newton), 20, 36);
   g.fillStyle = theme.icm;
-  g.fillText(saidByIcm, 20, 70);
+  g.fillText(joined(report!.icm), 20, 70);
   g.font = `400 17px ${theme.font}`;
   g.fillStyle = theme.muted;
   g.fillText(`${parameters(state.scenario)}; pictured at t = ${clockText(state.time(), d)}`, 20, 1150);
@@ -50,6 +50,6 @@ function sharpCanvas(width: number, height: number): [HTMLCanvasElement, CanvasR
 function parameters(s: Scenario): string {
   const radii = s.balls.map((b) => withUnit(b.radius, "m")).join(", ");
   const gaps = s.gaps.map((x) => withUnit(x, "m")).join(", ");
-  const law = constantsOf(s).map((name) => `${constants[name].symbol} = ${withUnit(s.constants[name], constants[name].range.unit)}`).join(", ");
+  const law = constantsOf(s).map((name) => `${constants[name].symbol} = ${[...new Set(s.balls.map((_, i) => withUnit(constantAt(s, name, i), constants[name].range.unit)))].join(" and ")}`).join(", ");
   return `ε = ${s.restitution}, radii ${radii}, gaps ${gaps}, ${s.cradle ? "cradle" : `height ${withUnit(s.height, "m")}`}, ${law}`;
 }

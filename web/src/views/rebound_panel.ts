@@ -111,7 +111,7 @@ export class ReboundPanel {
   private marked(): CurvePoint {
     const { newton, icm, scenario } = this.state.drop!;
     const top = scenario.balls.length - 1;
-    const value = (t: typeof newton): number => (scenario.cradle ? t.final.velocity[top] : t.peaks[top]);
+    const value = (t: typeof newton): number => (scenario.cradle ? t.leaves[top] : t.peaks[top]);
     return { x: valueOn(this.state.scenario, this.view.curve), newton: value(newton), icm: value(icm) };
   }
 

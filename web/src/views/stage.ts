@@ -3,7 +3,7 @@
 import type { State } from "../core/core";
 import type { Drop, Track } from "../core/drop";
 import { digits, forceName, lengths, niceBelow, niceTicks, withUnit } from "../support/format";
-import { laterHeight } from "./numbers";
+import { laterHeight } from "../report/table";
 import { grown, lettering } from "../support/plot";
 import { independent, newton } from "../core/tables";
 import type { Theme } from "../style/theme";

@@ -1,0 +1,275 @@
+// The report of the page, over 300 random settings with ties and extremes: every number in it and the condition of every
+// sentence is compared with Python. PYTHON: an interpreter that has hardlimit installed.
+import assert from "node:assert/strict";
+import { spawn } from "node:child_process";
+import { test } from "node:test";
+import { load, random } from "./modules.mjs";
+
+const count = 300;
+const lib = await load("report", "presets", "story_text", "lecture_view");
+const { core, solve, dropOf, reportOf, fromQuery, paper, columnOf } = lib;
+
+// ---- settings -----------------------------------------------------------------------------------------------
+
+// Those that once said something wrong.
+const once = [
+  "e=0.02&k=1000&h=0.13&r=0.1217,0.0335&rho=80.66,366.4&gap=0",
+  "law=linear&e=0.76&k=42000,13000&h=1.1217&r=0.1217,0.0335&rho=80.66,366.4&gap=0",
+  "law=linear&e=0.85&k=500000&h=0.5&r=0.027,0.019,0.0135,0.009&rho=946.1,939.7,950.9,949.7&gap=0,5e-5,5e-5",
+];
+
+function randomLink(next) {
+  const log = (low, high) => Number((low * (high / low) ** next()).toPrecision(4));
+  const n = 2 + Math.floor(4.3 * next() ** 2);
+  const law = ["linear", "linear", "viscoelastic", "tsuji"][Math.floor(4 * next())];
+  const list = (m, make) => Array.from({ length: m }, make).join();
+  const extreme = next() < 0.15;
+  const q = new URLSearchParams({ law, e: next() < 0.1 ? "1" : next() < 0.1 ? "0.02" : (0.3 + 0.7 * next()).toFixed(3) });
+  const each = (make) => (next() < 0.3 ? list(n, make) : make());
+  if (law === "linear") q.set("k", each(() => log(extreme ? 1e3 : 3e4, 1e8)));
+  if (law === "viscoelastic") {
+    q.set("Y", each(() => log(extreme ? 1e6 : 1e7, 1e11)));
+    q.set("nu", (0.49 * next()).toFixed(2));
+    q.set("v", log(0.1, 10));
+  }
+  if (law === "tsuji") q.set("K", each(() => log(1e7, 1e10)));
+  const one = [log(0.005, 0.1), log(300, 8000)];
+  const alike = next() < 0.25;
+  q.set("r", list(n, () => (alike ? one[0] : log(0.005, 0.1))));
+  q.set("rho", list(n, () => (alike ? one[1] : log(300, 8000))));
+  q.set("gap", list(n - 1, () => (next() < 0.3 ? 0 : log(1e-7, 0.1))));
+  if (next() < 0.12) {
+    q.set("setup", "cradle");
+    q.set("u", [1, ...Array.from({ length: n - 1 }, () => (next() < 0.7 ? 0 : (next() - 0.7).toFixed(2)))].join());
+  } else q.set("h", next() < 0.2 ? Number((1.002 * Number(q.get("r").split(",")[0]) + 1e-3).toPrecision(6)) : log(0.15, 2));
+  return q;
+}
+
+function settings() {
+  const next = random(27);
+  const links = [...once.map((text) => new URLSearchParams(text)), ...Array.from({ length: count - once.length }, () => randomLink(next))];
+  return links.map((q) => {
+    const scenario = paper();
+    fromQuery(scenario, q, []);
+    return { link: `?${q.toString().replaceAll("%2C", ",")}`, scenario };
+  });
+}
+
+// ---- Python -------------------------------------------------------------------------------------------------
+
+const program = `
+import json, math, sys, tempfile, warnings
+from pathlib import Path
+import numpy as np
+import hardlimit as hl
+from hardlimit.column.comparison import overlapping_contacts
+from hardlimit.column.files import read
+warnings.simplefilter("ignore")
+def tidy(x): return float(x) if math.isfinite(x) else None
+path = Path(tempfile.mkdtemp()) / "column.toml"
+def energies(r, column):
+    """Shares of the energy at release: the balls, the contacts, what was dissipated."""
+    core = r._core
+    mass = np.array([b.mass for b in column.balls])
+    z, v, t = core.t_first, core.t_last, r.trajectory(times=[core.t_first, core.t_last])
+    gaps_zero = np.cumsum([2 * b.radius for b in column.balls]) - np.array([b.radius for b in column.balls])
+    height = t.position.values - gaps_zero  # above the place where nothing is compressed
+    g = column.gravity
+    below = np.minimum(height[1], 0.0) if g else np.zeros(len(mass))
+    ball = 0.5 * mass * t.velocity.values[1] ** 2 + mass * g * (height[1] - below)
+    v0 = np.array(column.velocities)  # at release; a collision may follow at once
+    release = column.initial_positions if column.floor else height[1] + gaps_zero
+    whole = (0.5 * mass * v0**2 + mass * g * (release - gaps_zero - below)).sum()
+    return [float(x) / whole for x in [*ball, float(t.contact_energy[1]), float(t.dissipated_energy[1])]]
+for text in json.load(sys.stdin):
+    path.write_text(text)
+    column = read(str(path))
+    out = {}
+    for name, solver in (("newton", hl.newton), ("icm", hl.independent)):
+        r = solver(column)
+        pair, begin, end = r.contact_times
+        last = r._core.t_last
+        end_v = r.trajectory(times=[last]).velocity.values[0]
+        out[name] = {"outcome": r.outcome, "contacts": int(r.n_contacts), "t_end": tidy(r.t_end), "t_floor_end": tidy(r.t_floor_end),
+                     "relative_velocity": tidy(r.relative_velocity), "separation_velocity": tidy(r.separation_velocity),
+                     "effective_restitution": tidy(r.effective_restitution),
+                     "rises": [tidy(z) for z in r.rebound_heights], "velocities": [tidy(v) for v in r.final_velocities],
+                     "compression": tidy(r.largest_compression), "last": last, "events": len(pair), "too_deep": r._core.too_deep,
+                     "list": [[int(p), float(b), tidy(e)] for p, b, e in list(zip(pair, begin, end))[:3000] if b <= last],
+                     "shares": energies(r, column)}
+    c = hl.compare(column)
+    out["answer"], out["sentence"] = c.verdict
+    out["overlapping"] = overlapping_contacts(c.newton)
+    print(json.dumps(out), flush=True)
+`;
+async function fromPython(texts) {
+  const python = spawn(process.env.PYTHON ?? "python3", ["-c", program], { stdio: ["pipe", "pipe", "inherit"] });
+  python.stdin.end(JSON.stringify(texts));
+  let said = "";
+  for await (const data of python.stdout.setEncoding("utf8")) said += data;
+  const lines = said.trim().split("\n").map((line) => JSON.parse(line));
+  assert.equal(lines.length, texts.length);
+  return lines;
+}
+
+// ---- what a sentence claims ---------------------------------------------------------------------------------
+
+const top = (m) => m.rises[m.rises.length - 1];
+const leaves = (m) => m.velocities[m.velocities.length - 1];
+const is = (m, text) => m.outcome.startsWith(text);
+
+// The contacts of Newton's sequence, as the reasons use them.
+function contactsOf(py) {
+  const list = py.newton.list.map(([pair, begin, end]) => ({ pair, begin, end: end ?? Infinity }));
+  const between = list.filter((c) => c.pair > 0);
+  const floor = list.find((c) => c.pair === 0);
+  const inside = (t) => list.filter((c) => c.begin <= t && t < c.end).length;
+  return { list, between, floor, first: Math.min(...between.map((c) => c.begin)), most: Math.max(0, ...list.map((c) => inside(c.begin))), instant: py.icm.list.find(([pair]) => pair === 1)?.[1] };
+}
+
+// By sentence: what must be true in Python, and the numbers it states.
+const newtonClaims = {
+  "too-deep": (p) => [is(p.newton, "too deep"), { time: p.newton.last, pair: p.newton.too_deep }],
+  unresolved: (p) => [is(p.newton, "not resolved"), { events: p.newton.events }],
+  "cradle-no-contact": (p, s) => [s.cradle && p.newton.contacts === 0, {}],
+  cradle: (p, s) => [s.cradle && p.newton.contacts > 0, { contacts: p.newton.contacts, velocity: leaves(p.newton) }],
+  "at-rest": (p) => [is(p.newton, "at rest") && top(p.newton) !== null, { contacts: p.newton.contacts, height: top(p.newton) }],
+  "at-rest-flat": (p) => [is(p.newton, "at rest") && top(p.newton) === null, {}],
+  "no-contact-rises": (p) => [p.newton.contacts === 0 && top(p.newton) !== null, { contacts: 0, height: top(p.newton) }],
+  "no-contact": (p) => [p.newton.contacts === 0 && top(p.newton) === null, {}],
+  "no-bounce": (p) => [p.newton.contacts > 0 && top(p.newton) === null, { contacts: p.newton.contacts }],
+  rises: (p) => [is(p.newton, "ok") && p.newton.contacts > 0, { contacts: p.newton.contacts, height: top(p.newton) }],
+  compressed: (p) => [p.newton.compression >= 0.05, { compression: p.newton.compression }],
+};
+const ratio = (p) => (top(p.icm) === null || top(p.newton) === null ? NaN : top(p.icm) / top(p.newton));
+const icmRise = (p) => ({ contacts: p.icm.contacts, height: top(p.icm), ratio: ratio(p) });
+const icmClaims = {
+  unresolved: (p) => [is(p.icm, "not resolved"), { events: p.icm.events }],
+  "cradle-no-contact": (p, s) => [s.cradle && p.icm.contacts === 0, {}],
+  "cradle-collapse": (p, s) => [s.cradle && is(p.icm, "inelastic collapse"), { velocity: leaves(p.icm) }],
+  cradle: (p, s) => [s.cradle && is(p.icm, "ok"), { contacts: p.icm.contacts, velocity: leaves(p.icm) }],
+  collapse: (p) => [is(p.icm, "inelastic collapse") && top(p.icm) !== null, { height: top(p.icm), ratio: ratio(p) }],
+  "collapse-flat": (p) => [is(p.icm, "inelastic collapse") && top(p.icm) === null, {}],
+  "at-rest": (p) => [is(p.icm, "at rest") && top(p.icm) !== null, { height: top(p.icm), ratio: ratio(p) }],
+  "at-rest-flat": (p) => [is(p.icm, "at rest") && top(p.icm) === null, {}],
+  "no-contact-rises": (p) => [p.icm.contacts === 0 && top(p.icm) !== null, icmRise(p)],
+  "no-contact": (p) => [p.icm.contacts === 0 && top(p.icm) === null, {}],
+  "no-bounce": (p) => [p.icm.contacts > 0 && top(p.icm) === null, { contacts: p.icm.contacts }],
+  "rises-later": (p, s) => [s.balls.length > 2 && is(p.icm, "ok") && p.icm.contacts > 0, icmRise(p)],
+  rises: (p) => [is(p.icm, "ok") && p.icm.contacts > 0, icmRise(p)],
+};
+const pushes = ({ floor }) => ({ floorEnd: floor.end });
+const meeting = (c) => ({ floorEnd: c.floor.end, first: c.first });
+const longest = ({ list }) => Math.max(...list.map((c) => c.end - c.begin));
+const whyClaims = {
+  "too-deep": (c, p) => [p.newton.too_deep >= 0, {}],
+  unresolved: (c, p) => [is(p.newton, "not resolved"), {}],
+  "cradle-none": (c) => [c.list.length === 0, {}],
+  "cradle-once": (c) => [c.list.length === 1, { longest: longest(c) }],
+  "cradle-in-turn": (c) => [c.most === 1, { contacts: c.list.length, longest: longest(c) }],
+  "cradle-together": (c) => [c.most > 1, { contacts: c.list.length, longest: longest(c), most: c.most }],
+  "never-meet": (c, p) => [p.newton.contacts === 0 || c.between.length === 0, p.newton.t_floor_end === null ? {} : { floorEnd: p.newton.t_floor_end }],
+  "floor-stays": (c) => [c.floor.end === Infinity, {}],
+  "two-after-once": (c) => [c.first >= c.floor.end && c.between.length === 1, meeting(c)],
+  "two-after-often": (c) => [c.first >= c.floor.end && c.between.length > 1, { ...meeting(c), contacts: c.between.length }],
+  "two-not-met": (c) => [c.first < c.floor.end && c.instant === undefined, pushes(c)],
+  "two-at-once": (c) => [c.first < c.floor.end && c.instant === 0, pushes(c)],
+  "two-meet": (c) => [c.first < c.floor.end && c.instant > 0, { ...pushes(c), instant: c.instant }],
+  "many-together": (c) => [c.most > 1 && c.first < c.floor.end, { ...meeting(c), most: c.most }],
+  "many-together-later": (c) => [c.most > 1 && c.first >= c.floor.end, { ...meeting(c), most: c.most }],
+  "many-in-turn": (c) => [c.most === 1 && c.first >= c.floor.end, meeting(c)],
+  "touch-often": (c) => [c.between.length > 1, { contacts: c.between.length, first: c.first, end: c.between.at(-1).end }],
+  "touch-for-ever": (c) => [c.between[0].end === Infinity, {}],
+  "touch-beyond-floor": (c) => [c.between.length === 1 && c.between[0].end > c.floor.end, { lasts: c.between[0].end - c.first }],
+  "touch-on-floor": (c) => [c.between.length === 1 && c.between[0].end <= c.floor.end, { lasts: c.between[0].end - c.first }],
+  "breaks-down": (c, p) => [is(p.icm, "inelastic collapse"), {}],
+  "too-many": (c, p) => [is(p.icm, "not resolved"), {}],
+};
+
+const units = { "": 1, "%": 0.01, m: 1, cm: 0.01, mm: 1e-3, "µm": 1e-6, nm: 1e-9, s: 1, ms: 1e-3, "µs": 1e-6, ns: 1e-9, "m/s": 1, "cm/s": 0.01, "mm/s": 1e-3, "µm/s": 1e-6, "nm/s": 1e-9 };
+const superscript = (text) => Number([..."⁰¹²³⁴⁵⁶⁷⁸⁹"].reduce((t, c, i) => t.replaceAll(c, i), text.replace("⁻", "-")));
+
+// Each quantity in a text is one of the numbers, to the digits that are printed.
+function checkQuantities({ text, numbers, id }, where) {
+  for (const [, digits, power, unit] of text.matchAll(/([−-]?\d+(?:\.\d+)?)(?:·10([⁻⁰-⁹]+))? (%|[nµmc]?m\/s|[nµmc]?m|[nµm]?s)(?![a-zµ/])/g)) {
+    const scale = units[unit] * (power ? 10 ** superscript(power) : 1);
+    const shown = Number(digits.replace("−", "-")) * scale;
+    const places = digits.includes(".") ? -digits.split(".")[1].length : /0*$/.exec(digits)[0].length;
+    const half = 0.5001 * scale * 10 ** places;
+    const known = Object.entries(numbers).flatMap(([key, x]) => (key === "ratio" ? [x - 1, 1 - x] : [x, Math.abs(x)])).concat(id === "compressed" ? [0.05] : [], 0.01);
+    assert.ok(known.some((x) => Math.abs(x - shown) <= half), `${where}: ${digits} ${unit} in “${text}” is none of ${JSON.stringify(numbers)}`);
+  }
+}
+
+const close = (a, b, what) => assert.ok(a === b || (Number.isNaN(a) && (b === null || Number.isNaN(b))) || Math.abs(a - b) <= 1e-9 * Math.max(Math.abs(a), Math.abs(b)) + 1e-15, `${what}: ${a}, Python ${b}`);
+
+function checkSentences(list, claims, where, ...facts) {
+  for (const s of list) {
+    assert.ok(claims[s.id], `${where}: unknown sentence ${s.id}`);
+    const [holds, numbers] = claims[s.id](...facts);
+    assert.ok(holds, `${where}: “${s.text}” (${s.id}) is not so`);
+    assert.deepEqual(Object.keys(s.numbers).sort(), Object.keys(numbers).sort(), `${where}: ${s.id}`);
+    for (const [key, x] of Object.entries(numbers)) close(s.numbers[key], x, `${where}: ${s.id}.${key}`);
+    assert.match(s.text, /^[A-Z\d][^]*\.$/, where);
+    assert.doesNotMatch(s.text, /NaN|undefined|null|Infinity|–|  | [.,;]|\.\.|,,/, `${where}: ${s.text}`);
+    checkQuantities(s, where);
+  }
+}
+
+function checkCounts(text, n, where) {
+  const words = ["no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve"];
+  const said = /^(\w+) contacts?\b/i.exec(text)?.[1].toLowerCase();
+  if (said) assert.equal(said, words[n] ?? String(n), `${where}: ${text}`);
+}
+
+function checkTable(table, py, where) {
+  const said = (m) => ({ contacts: m.contacts, top: top(m), low: m.rises[0], vtop: leaves(m), vr: m.relative_velocity, vs: m.separation_velocity, eff: m.effective_restitution, floor: m === py.icm ? 0 : m.t_floor_end });
+  for (const row of table) {
+    [py.newton, py.icm].forEach((m, k) => {
+      const expected = row.id[0] === "v" && /\d/.test(row.id) ? m.velocities[Number(row.id.slice(1))] : said(m)[row.id];
+      if (expected !== undefined) close(row.numbers[k], expected, `${where}: ${row.id}`);
+      assert.equal(row.values[k] === "–", !Number.isFinite(row.numbers[k]), `${where}: ${row.id} says ${row.values[k]}`);
+    });
+  }
+}
+
+function checkShares({ newton, icm, rows }, py, where) {
+  for (const [k, [name, mine]] of [["newton", newton], ["icm", icm]].entries()) {
+    const all = [...mine.balls, mine.stored, mine.lost];
+    assert.ok(all.every((x) => x >= 0 && x <= 1), `${where}: ${name} ${all}`);
+    assert.ok(Math.abs(all.reduce((a, b) => a + b, 0) - 1) < 1e-12, `${where}: ${name} sums to ${all.reduce((a, b) => a + b, 0)}`);
+    all.forEach((x, i) => assert.ok(Math.abs(x - py[name].shares[i]) < 2e-6, `${where}: share ${i} of ${name}: ${x}, Python ${py[name].shares[i]}`));
+    const percent = rows.map((r) => (r.percent[k] === "<0.1 %" ? 0 : Number(r.percent[k].replace(" %", ""))));
+    assert.equal(percent.reduce((a, b) => a + b, 0).toFixed(1), "100.0", `${where}: ${percent}`);
+  }
+}
+
+test(`${count} random settings: every sentence and number is Python's`, async (t) => {
+  const all = settings();
+  const asked = fromPython(all.map(({ scenario }) => lib.toToml(scenario)));
+  const reports = all.map(({ scenario }) => {
+    const solved = solve(core, scenario);
+    return "reason" in solved ? null : reportOf(dropOf(solved), 0.01);
+  });
+  const seen = new Map();
+  const python = await asked;
+  for (const [i, r] of reports.entries()) {
+    const { link, scenario } = all[i];
+    assert.ok(r, link);
+    const py = python[i];
+    const where = link;
+    const facts = contactsOf(py);
+    checkSentences(r.newton, newtonClaims, where, py, scenario);
+    checkSentences(r.icm, icmClaims, where, py, scenario);
+    checkSentences(r.why, whyClaims, where, facts, py, scenario);
+    checkCounts(r.newton[0].text, py.newton.contacts, where);
+    assert.equal(r.verdict.answer, py.answer, where);
+    assert.equal(r.verdict.text, py.sentence, where);
+    if ("overlapping" in r.verdict.numbers) assert.equal(r.verdict.numbers.overlapping, py.overlapping, where);
+    checkTable(r.table, py, where);
+    checkShares(r.shares, py, where);
+    for (const s of [...r.newton, ...r.icm, ...r.why, r.verdict]) seen.set(s.id, (seen.get(s.id) ?? 0) + 1);
+  }
+  t.diagnostic([...seen].map(([id, n]) => `${id} ${n}`).join(", "));
+  assert.ok(seen.size >= 30, `${seen.size} kinds of sentences`);
+});

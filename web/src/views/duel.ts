@@ -1,0 +1,232 @@
+// The first screen: both worlds side by side, each with its balls on the floor. The camera comes close while the film is
+// slow, and goes back to show how high the balls rise.
+import type { State as Balls } from "../core/core";
+import type { Drop, Track } from "../core/drop";
+import { capital, independent, newton } from "../core/tables";
+import type { Theme } from "../style/theme";
+import { metres, niceTicks, withUnit } from "../support/format";
+import { setFont, stroke } from "../support/plot";
+
+export interface DuelMoment {
+  time: number;
+  screen: number; // time in the film [s on the screen]
+  rate: number; // physical seconds per screen second
+  newton: Balls;
+  icm: Balls;
+}
+
+// Where things are, for the pointer.
+export interface DuelLayout {
+  floor: number; // pixel
+  scale: number; // pixels per metre
+}
+
+const flash = 0.45; // s on the screen for which a collision is shown
+
+export function drawDuel(g: CanvasRenderingContext2D, w: number, h: number, d: Drop, m: DuelMoment, toScreen: (t: number) => number, theme: Theme, size: number): DuelLayout {
+  g.clearRect(0, 0, w, h);
+  const floor = h - 2.2 * size;
+  const room = floor - 2.6 * size;
+  const scale = scaleAt(d, m, room, 0.5 * w - 2 * size);
+  const half = 0.5 * w;
+  drawRuler(g, w, floor, scale, room, size, theme);
+  const worlds: [Track, Balls, string, string][] = [
+    [d.newton, m.newton, theme.newton, half > 12 * size ? newton.label : newton.short],
+    [d.icm, m.icm, theme.icm, half > 18 * size ? capital(independent.label) : independent.short],
+  ];
+  worlds.forEach(([track, balls, color, name], k) => {
+    const world = new World(g, d, m, theme, size, k * half + 0.5 * half + (k === 0 ? 1 : -0.4) * size, floor, scale, color, (k + 1) * half);
+    world.shadow(balls);
+    world.balls(balls);
+    if (k === 0) world.forces(balls);
+    else {
+      g.save();
+      g.beginPath();
+      g.rect(half, 0, half, floor);
+      g.clip();
+      world.flashes(track, balls, toScreen);
+      g.restore();
+    }
+    world.height(track, balls, 0.36 * half);
+    setFont(g, theme, 1.1 * size, 650);
+    g.textAlign = "center";
+    g.textBaseline = "middle";
+    g.fillStyle = color;
+    g.fillText(name, world.x, 1.1 * size);
+  });
+  g.fillStyle = theme.line;
+  g.fillRect(half - 0.5, 0.4 * size, 1, floor - 0.4 * size);
+  g.strokeStyle = theme.ink;
+  g.lineWidth = Math.max(2, size / 8);
+  stroke(g, 0, floor + 1, w, floor + 1);
+  return { floor, scale };
+}
+
+// Pixels per metre: near enough for the contacts where the film is slow, else far enough for the whole flight.
+function scaleAt(d: Drop, m: DuelMoment, room: number, width: number): number {
+  const { balls, gaps } = d.scenario;
+  const tall = balls.reduce((sum, b) => sum + 2 * b.radius, 0) + gaps.reduce((a, b) => a + b, 0);
+  const wide = Math.max(...balls.map((b) => b.radius));
+  const near = Math.min(room / (1.3 * tall), width / (3.2 * wide));
+  const far = Math.min(room / (1.06 * d.top), near);
+  const slowest = d.windows.reduce((a, v) => Math.min(a, v.rate), 1);
+  const close = slowest < 1 ? Math.min(Math.max(Math.log(m.rate) / Math.log(slowest), 0), 1) : 0;
+  const eased = close * close * (3 - 2 * close);
+  return far * (near / far) ** eased;
+}
+
+function drawRuler(g: CanvasRenderingContext2D, w: number, floor: number, scale: number, room: number, size: number, theme: Theme): void {
+  setFont(g, theme, 0.9 * size);
+  g.textAlign = "left";
+  g.textBaseline = "bottom";
+  for (const z of niceTicks(0, room / scale, room / (4.5 * size))) {
+    if (z === 0) continue;
+    const y = floor - z * scale;
+    g.strokeStyle = theme.faint;
+    g.lineWidth = 1;
+    stroke(g, 0, y, w, y);
+    g.fillStyle = theme.muted;
+    g.fillText(withUnit(z, "m"), 2, y - 1);
+  }
+}
+
+// One of the two worlds.
+class World {
+  constructor(
+    private readonly g: CanvasRenderingContext2D,
+    private readonly d: Drop,
+    private readonly m: DuelMoment,
+    private readonly theme: Theme,
+    private readonly size: number,
+    readonly x: number,
+    private readonly floor: number,
+    private readonly scale: number,
+    private readonly color: string,
+    private readonly right: number, // its right edge
+  ) {}
+
+  private y(z: number): number {
+    return this.floor - z * this.scale;
+  }
+  private radius(i: number): number {
+    return Math.max(this.d.scenario.balls[i].radius * this.scale, 3);
+  }
+
+  shadow(balls: Balls): void {
+    const { g, d, floor } = this;
+    const above = Math.max(balls.position[0] - d.scenario.balls[0].radius, 0) * this.scale;
+    const wide = this.radius(0) * (1 + 0.15 * Math.min(above / (4 * this.radius(0)), 1));
+    g.globalAlpha = 0.22 / (1 + above / (2 * this.radius(0)));
+    g.fillStyle = this.theme.ink;
+    g.beginPath();
+    g.ellipse(this.x, floor + 0.35 * this.size, wide, Math.max(0.16 * wide, 2), 0, 0, 2 * Math.PI);
+    g.fill();
+    g.globalAlpha = 1;
+  }
+
+  // Each ball is pressed flat where it overlaps a neighbour or the floor, and grows as much wider.
+  balls(balls: Balls): void {
+    const { g, d, theme } = this;
+    d.scenario.balls.forEach((b, i) => {
+      const pressed = (pair: number): number => (pair < d.scenario.balls.length ? Math.max(-balls.gap[pair], 0) * (pair === 0 ? 1 : 0.5) : 0);
+      const [low, high] = [balls.position[i] - b.radius + pressed(i), balls.position[i] + b.radius - pressed(i + 1)];
+      const ry = Math.max(0.5 * (high - low) * this.scale, 0.3 * this.radius(i), 3);
+      const rx = this.radius(i) * Math.sqrt(Math.max(this.radius(i) / ry, 0.5));
+      const y = Math.min(this.y(0.5 * (low + high)), this.floor - ry);
+      const light = g.createRadialGradient(this.x - 0.35 * rx, y - 0.4 * ry, 0.1 * rx, this.x, y, 1.15 * rx);
+      light.addColorStop(0, mixed(this.color, theme.ground, 0.55));
+      light.addColorStop(0.55, mixed(this.color, theme.ground, 0.12 * (i % 2)));
+      light.addColorStop(1, mixed(this.color, theme.ink, 0.35));
+      g.beginPath();
+      g.ellipse(this.x, y, rx, ry, 0, 0, 2 * Math.PI);
+      g.fillStyle = light;
+      g.fill();
+      g.lineWidth = 1.5;
+      g.strokeStyle = mixed(this.color, theme.ink, 0.5);
+      g.stroke();
+    });
+  }
+
+  // Where two bodies touch: what each exerts on the other, beside the balls.
+  forces(balls: Balls): void {
+    const { g, d, theme, size } = this;
+    const most = Math.max(...d.peakForce, 1e-300);
+    const longest = 5.5 * size;
+    for (let pair = 0; pair < d.scenario.balls.length; pair++) {
+      const force = balls.force[pair];
+      if (!(force > 0.004 * most)) continue;
+      const length = Math.max((longest * force) / most, 0.7 * size);
+      const i = Math.max(pair - 1, 0);
+      const side = this.x + this.radius(i) + 1.3 * size;
+      const y = pair === 0 ? this.floor : this.y(balls.position[i] + d.scenario.balls[i].radius);
+      g.strokeStyle = g.fillStyle = theme.ink;
+      arrow(g, side, y, y - length, 0.45 * size);
+      if (pair > 0) arrow(g, side, y, y + length, 0.45 * size);
+      setFont(g, theme, 0.85 * size, 600);
+      g.textAlign = "left";
+      g.textBaseline = "middle";
+      const said = withUnit(force, "N", 2);
+      if (side + 0.7 * size + g.measureText(said).width < this.right) g.fillText(said, side + 0.7 * size, y - 0.5 * length);
+    }
+  }
+
+  // A collision takes no time: a ring that grows and fades.
+  flashes(track: Track, balls: Balls, toScreen: (t: number) => number): void {
+    const { g, d, m, size } = this;
+    for (const c of track.run.contacts.slice(0, 400)) {
+      if (c.begin > track.run.last) break;
+      const since = m.screen - toScreen(c.begin);
+      if (!(since >= 0 && since < flash)) continue;
+      const i = Math.max(c.pair - 1, 0);
+      const y = c.pair === 0 ? this.floor : this.y(balls.position[i] + d.scenario.balls[i].radius);
+      g.globalAlpha = 1 - since / flash;
+      g.strokeStyle = this.color;
+      g.lineWidth = 0.22 * size;
+      g.beginPath();
+      g.arc(this.x, y, size * (0.5 + (5 * since) / flash), 0, 2 * Math.PI);
+      g.stroke();
+      g.globalAlpha = 1;
+    }
+  }
+
+  // How high the top ball rises, once it is there.
+  height(track: Track, balls: Balls, wide: number): void {
+    const { g, d, theme, size } = this;
+    const top = d.scenario.balls.length - 1;
+    const peak = track.peaks[top];
+    if (!Number.isFinite(peak) || this.m.time < track.run.last || d.scenario.cradle) return;
+    const reached = balls.velocity[top] <= 0 || balls.position[top] > 0.985 * peak;
+    if (!reached) return;
+    const y = this.y(peak);
+    g.strokeStyle = this.color;
+    g.lineWidth = Math.max(2, size / 8);
+    stroke(g, this.x - wide, y, this.x + wide, y);
+    setFont(g, theme, 1.5 * size, 700);
+    g.textAlign = "left";
+    g.textBaseline = "bottom";
+    g.lineWidth = 5;
+    g.strokeStyle = theme.ground;
+    g.strokeText(metres(peak), this.x - wide, y - 0.2 * size);
+    g.fillStyle = this.color;
+    g.fillText(metres(peak), this.x - wide, y - 0.2 * size);
+  }
+}
+
+function arrow(g: CanvasRenderingContext2D, x: number, from: number, to: number, head: number): void {
+  const way = Math.sign(to - from);
+  g.lineWidth = 0.4 * head + 1;
+  stroke(g, x, from, x, to - way * head);
+  g.beginPath();
+  g.moveTo(x, to);
+  g.lineTo(x - 0.7 * head, to - way * 1.4 * head);
+  g.lineTo(x + 0.7 * head, to - way * 1.4 * head);
+  g.fill();
+}
+
+const channels = (color: string): number[] => [1, 3, 5].map((i) => parseInt(color.slice(i, i + 2), 16));
+
+// Two colours #rrggbb; `share` of the second.
+function mixed(a: string, b: string, share: number): string {
+  const [x, y] = [channels(a), channels(b)];
+  return `rgb(${x.map((v, i) => Math.round(v + (y[i] - v) * share)).join(" ")})`;
+}
