@@ -166,7 +166,7 @@ def test_validation_names_tests_and_counts_rows_that_exist() -> None:
 
 
 def test_a_map_of_the_explorer_has_the_axes_that_the_page_says() -> None:
-    presets = (DOCS.parent / "web" / "src" / "presets.ts").read_text(encoding="utf-8")
+    presets = (DOCS.parent / "web" / "src" / "scenario" / "presets.ts").read_text(encoding="utf-8")
     axis_of = dict(re.findall(r'id: "(\w+)",.*?map: \{ axis: "(\w+)"', presets, re.S))
     maps = [
         (page.name, *found)

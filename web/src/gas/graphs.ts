@@ -21,6 +21,7 @@ interface Plot {
   ticks: (y: Scale) => number[];
   name: (tick: number) => string;
   curves: Curve[];
+  named?: "low"; // names of the curves at the lower left, else at the upper right
   band?: [number, number][];
 }
 
@@ -46,6 +47,7 @@ function energyPlot({ samples, start }: Facts, theme: GasTheme): Plot {
     y: (to, from) => new Scale(low, 1, from, to, log),
     ticks: (y) => (log ? decades(y) : niceTicks(0, 1, 2)),
     name: (tick) => (log ? power(tick) : String(tick)),
+    named: "low",
     curves: [
       { ...curve(samples, (s) => s.energy[0], theme.icm, 2.5), name: "event-driven" },
       { ...curve(samples, (s) => s.energy[1], theme.newton, 2.5), name: "Newton" },
@@ -158,29 +160,30 @@ export function drawGraph(g: CanvasRenderingContext2D, width: number, height: nu
   }
   g.setLineDash([]);
   g.restore();
-  named(g, plot.curves, frame, theme, size);
+  named(g, plot, frame, theme, size);
 }
 
-// Names of the curves with a piece of line, in the corner where curves that fall are not.
-function named(g: CanvasRenderingContext2D, curves: Curve[], frame: Frame, theme: GasTheme, size: number): void {
+// Names of the curves with a piece of line, in a corner where the curves are not.
+function named(g: CanvasRenderingContext2D, plot: Plot, frame: Frame, theme: GasTheme, size: number): void {
   setFont(g, theme, size, 600);
-  g.textAlign = "right";
+  g.textAlign = "left";
   g.textBaseline = "middle";
-  curves
-    .filter(({ name }) => name)
-    .forEach(({ name, color, dash, width }, i) => {
-      const at = frame.top + (0.9 + 1.3 * i) * size;
-      const right = frame.left + frame.width - 0.6 * size;
-      g.fillStyle = color;
-      g.fillText(name!, right, at);
-      const w = g.measureText(name!).width;
-      g.strokeStyle = color;
-      g.lineWidth = width;
-      g.setLineDash(dash);
-      g.beginPath();
-      g.moveTo(right - w - 2.4 * size, at);
-      g.lineTo(right - w - 0.5 * size, at);
-      g.stroke();
-      g.setLineDash([]);
-    });
+  const curves = plot.curves.filter(({ name }) => name);
+  const dash = 1.9 * size;
+  const widest = Math.max(0, ...curves.map(({ name }) => g.measureText(name!).width)) + dash + 0.5 * size;
+  const left = plot.named === "low" ? frame.left + 0.8 * size : frame.left + frame.width - widest - 0.6 * size;
+  const first = plot.named === "low" ? frame.top + frame.height - (1.3 * curves.length - 0.4) * size : frame.top + 0.9 * size;
+  curves.forEach(({ name, color, dash: pattern, width }, i) => {
+    const at = first + 1.3 * i * size;
+    g.fillStyle = color;
+    g.fillText(name!, left + dash + 0.5 * size, at);
+    g.strokeStyle = color;
+    g.lineWidth = width;
+    g.setLineDash(pattern);
+    g.beginPath();
+    g.moveTo(left, at);
+    g.lineTo(left + dash, at);
+    g.stroke();
+    g.setLineDash([]);
+  });
 }

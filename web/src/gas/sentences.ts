@@ -19,10 +19,10 @@ interface Case {
 
 export const percent = (x: number): string => {
   const size = Math.abs(100 * x);
-  return `${minus(trim((100 * x).toFixed(size >= 9.95 ? 0 : size >= 0.095 || size === 0 ? 1 : 2)))} %`;
+  return `${minus(trim((100 * x).toFixed(size >= 9.95 ? 0 : size >= 0.095 || size === 0 ? 1 : 2)))}\u00a0%`;
 };
-export const milliseconds = (x: number): string => `${trim((1e3 * x).toPrecision(3).includes("e") ? String(Math.round(1e3 * x)) : (1e3 * x).toPrecision(3))} ms`;
-const energy = (x: number): string => `${digits(100 * x, 3)} %`;
+export const milliseconds = (x: number): string => `${trim((1e3 * x).toPrecision(3).includes("e") ? String(Math.round(1e3 * x)) : (1e3 * x).toPrecision(3))}\u00a0ms`;
+const energy = (x: number): string => `${digits(100 * x, 3)}\u00a0%`;
 const format: { [name: string]: (x: number) => string } = {
   tcNu: (x) => digits(x, 2),
   trusted: (x) => digits(x, 2),
@@ -60,7 +60,7 @@ const cases: Case[] = [
     id: "stopped",
     when: (f) => holds(f) && f.hard.outcome !== 0,
     numbers: law,
-    text: ({ error, bar }, f) => `No: the event-driven run could not go on. Until then it cools ${error} ${cools(f)} (± ${bar}) by the law of the error.`,
+    text: ({ error, bar }, f) => `No: the event-driven run could not go on. Until then it cools ${error} ${cools(f)} (±\u00a0${bar}) by the law of the error.`,
   },
   {
     topic: "verdict",
@@ -74,28 +74,28 @@ const cases: Case[] = [
     id: "elsewhere",
     when: (f) => !holds(f),
     numbers: law,
-    text: ({ error, bar }, f) => `Cannot be said: the law of the error holds without walls and gravity. In such a gas, ${ruleName(f)} would cool ${error} ${cools(f)} (± ${bar}).`,
+    text: ({ error, bar }, f) => `Cannot be said: the law of the error holds without walls and gravity. In such a gas, ${ruleName(f)} would cool ${error} ${cools(f)} (±\u00a0${bar}).`,
   },
   {
     topic: "verdict",
     id: "differs",
     when: beyond,
     numbers: law,
-    text: ({ error, bar, trusted, tolerance }, f) => `No: ${ruleName(f)} cools ${error} ${cools(f)} (± ${bar}) by the law of the error; it is right to ${tolerance} up to t_c ν = ${trusted}.`,
+    text: ({ error, bar, trusted, tolerance }, f) => `No: ${ruleName(f)} cools ${error} ${cools(f)} (±\u00a0${bar}) by the law of the error; it is right to ${tolerance} up to t_c ν = ${trusted}.`,
   },
   {
     topic: "verdict",
     id: "agrees",
     when: within,
     numbers: law,
-    text: ({ error, bar, trusted, tolerance }, f) => `Yes: ${ruleName(f)} cools ${error} ${cools(f)} (± ${bar}) by the law of the error; it is right to ${tolerance} up to t_c ν = ${trusted}.`,
+    text: ({ error, bar, trusted, tolerance }, f) => `Yes: ${ruleName(f)} cools ${error} ${cools(f)} (±\u00a0${bar}) by the law of the error; it is right to ${tolerance} up to t_c ν = ${trusted}.`,
   },
   {
     topic: "verdict",
     id: "open",
     when: () => true,
     numbers: law,
-    text: ({ error, bar, tolerance }, f) => `Cannot be said: ${ruleName(f)} cools ${error} ${cools(f)} (± ${bar}) by the law of the error, and ${tolerance} is within the error bar.`,
+    text: ({ error, bar, tolerance }, f) => `Cannot be said: ${ruleName(f)} cools ${error} ${cools(f)} (±\u00a0${bar}) by the law of the error, and ${tolerance} is within the error bar.`,
   },
   {
     topic: "range",
