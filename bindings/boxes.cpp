@@ -72,10 +72,34 @@ std::string message_of(const box::Fault& f, const box::System& s) {
 
 constexpr const char* boundary_names[] = {"none", "periodic", "wall"};
 
-using WallVelocities = std::vector<std::tuple<double, double>>;
+constexpr const char* waveform_names[] = {"none", "sine", "triangle", "parabola"};
+
+// Number of the wall, offset, velocity, amplitude, frequency, phase and waveform.
+using WallMotions = std::vector<std::tuple<hl::i64, double, double, double, double, double, std::string>>;
+
+void move_walls(box::Box& made, const WallMotions& moving) {
+    for (const auto& [number, offset, velocity, amplitude, frequency, phase, waveform] : moving) {
+        const box::WallId id{static_cast<std::int32_t>(number)};
+        if (number >= 0 || number < -box::most_walls || !made.has_walls(id.axis()))
+            throw value_error("moving_walls: got the number " + std::to_string(number) +
+                              ", must be that of a wall");
+        box::WallMotion m{offset, velocity, amplitude, frequency, phase / (2.0 * hl::math::pi)};
+        const auto* const found = std::ranges::find(waveform_names, std::string_view(waveform));
+        if (found == std::end(waveform_names))
+            throw value_error("moving_walls: got " + waveform + ", must be a waveform");
+        m.waveform = static_cast<box::Waveform>(found - waveform_names);
+        for (const double x : {offset, velocity, amplitude, frequency, phase})
+            if (!hl::math::is_finite(x))
+                throw value_error("moving_walls: got " + shown(x) + ", must be finite");
+        if (m.oscillates() && !(frequency > 0.0 && amplitude > 0.0))
+            throw value_error("moving_walls: got " + shown(amplitude) + " and " + shown(frequency) +
+                              ", must be an amplitude and a frequency > 0");
+        made.move_wall(id, m);
+    }
+}
 
 box::Box make_box(const std::vector<double>& edges, const std::vector<std::string>& boundary,
-                  const std::optional<std::vector<double>>& gravity, const WallVelocities& wall_velocity) {
+                  const std::optional<std::vector<double>>& gravity, const WallMotions& moving_walls) {
     const std::size_t d = edges.size();
     if (d != 2 && d != 3) throw value_error("box: got " + std::to_string(d) + " edges, must be 2 or 3");
     require_values("boundary", boundary.size(), d, "one for each axis");
@@ -95,14 +119,7 @@ box::Box make_box(const std::vector<double>& edges, const std::vector<std::strin
         if (!hl::math::is_finite(made.gravity[k]))
             throw value_error("gravity: got " + shown(made.gravity[k]) + ", must be finite");
     }
-    if (wall_velocity.empty()) return made;
-    require_values("wall_velocity", wall_velocity.size(), d, "one pair for each axis");
-    for (std::size_t k = 0; k < d; ++k) {
-        std::tie(made.wall_velocity[k][0], made.wall_velocity[k][1]) = wall_velocity[k];
-        for (const double v : made.wall_velocity[k])
-            if (!hl::math::is_finite(v) || (v != 0.0 && boundary[k] != "wall"))
-                throw value_error("wall_velocity: got " + shown(v) + ", must be finite, and 0 without walls");
-    }
+    move_walls(made, moving_walls);
     return made;
 }
 
@@ -394,10 +411,11 @@ void bind_boxes(nb::module_& m) {
 
     nb::class_<box::Box>(
         m, "Box",
-        "Edges [m], boundary of each axis (periodic or wall), gravity [m/s²], velocities of the walls at 0 "
-        "and at L [m/s].")
+        "Edges [m], boundary of each axis (periodic or wall), gravity [m/s²]; of each moving wall: its number as in "
+        "logs, offset [m], velocity [m/s], amplitude [m], frequency [Hz], phase, waveform (none, sine, triangle or "
+        "parabola).")
         .def(nb::new_(&make_box), "edges"_a, "boundary"_a, "gravity"_a.none() = nb::none(),
-             "wall_velocity"_a = WallVelocities())
+             "moving_walls"_a = WallMotions())
         .def_prop_ro("edges", [](const box::Box& b) { return std::vector(b.edge, b.edge + b.dimension); })
         .def_prop_ro("boundary", &boundaries)
         .def_prop_ro("gravity",

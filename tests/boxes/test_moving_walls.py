@@ -44,7 +44,13 @@ def engine(
     n, d = x.shape
     settings = ENGINES[name][0] | changed
     kind = settings.pop("kind")
-    box = _core.Box(list(map(float, np.broadcast_to(edges, d))), boundary or ["wall"] * d, gravity, walls)
+    moving = [
+        (-1 - 2 * axis - upper, 0.0, speed, 0.0, 0.0, 0.0, "none")
+        for axis, speeds in enumerate(walls)
+        for upper, speed in enumerate(speeds)
+        if speed
+    ]
+    box = _core.Box(list(map(float, np.broadcast_to(edges, d))), boundary or ["wall"] * d, gravity, moving)
     r = np.broadcast_to(radius, n).astype(float)
     return _core.make_engine(kind, box, x, v, r, 1e4 * r**3, log=True, **settings)
 
@@ -216,15 +222,21 @@ def test_a_ball_rests_on_a_piston_that_rises() -> None:
     assert float(run.observe()["wall_work"]) - work == pytest.approx(0.01 * 9.81 * 0.5 * 0.2, rel=1e-6)
 
 
-@pytest.mark.parametrize("value", [math.nan, math.inf])
-def test_a_velocity_that_is_no_number_is_refused(value: float) -> None:
-    with pytest.raises(ValueError, match=r"^wall_velocity: got"):
-        _core.Box([1.0, 1.0], ["wall", "wall"], None, [(value, 0.0), (0.0, 0.0)])
-
-
-def test_a_velocity_without_a_wall_is_refused() -> None:
-    with pytest.raises(ValueError, match=r"^wall_velocity: got 1, must be finite, and 0 without walls$"):
-        _core.Box([1.0, 1.0], ["periodic", "wall"], None, [(1.0, 0.0), (0.0, 0.0)])
+@pytest.mark.parametrize(
+    ("motion", "message"),
+    [
+        ((-1, 0.0, math.nan, 0.0, 0.0, 0.0, "none"), "moving_walls: got nan, must be finite"),
+        ((-3, 0.0, 1.0, 0.0, 0.0, 0.0, "none"), "moving_walls: got the number -3, must be that of a wall"),
+        (
+            (-1, 0.0, 0.0, 1.0, 0.0, 0.0, "sine"),
+            "moving_walls: got 1 and 0, must be an amplitude and a frequency > 0",
+        ),
+        ((-1, 0.0, 0.0, 1.0, 1.0, 0.0, "saw"), "moving_walls: got saw, must be a waveform"),
+    ],
+)
+def test_a_motion_out_of_range_is_refused(motion: tuple[Any, ...], message: str) -> None:
+    with pytest.raises(ValueError, match=f"^{message}$"):
+        _core.Box([1.0, 1.0], ["wall", "periodic"], None, [motion])
 
 
 @pytest.mark.parametrize("seed", [13, 14, 26])

@@ -304,3 +304,53 @@ def test_bad_arguments_are_refused_before_the_start_is_made(monkeypatch, bad):
     assert refused("gas", "--n", "3000000", bad).startswith(
         f"hardlimit gas: --{'contact-duration' if 'tc' in bad else bad[2:].split('=')[0]}: "
     )
+
+
+# --- a shaken wall ------------------------------------------------------------------------------------------
+
+
+def test_a_wall_is_shaken(tmp_path: Path) -> None:
+    """By options, by a job file, and from a file of particles."""
+    options = ["--shake", "0.5mm:50Hz", "--wall", "z-"]
+    numbers = [
+        "--n",
+        30,
+        "--packing-fraction",
+        0.05,
+        "--gravity",
+        9.81,
+        "--rms-speed",
+        0.2,
+        "--until",
+        "10ms",
+    ]
+    found = printed("gas", *numbers, *options)
+    wall = {"amplitude": 0.5e-3, "frequency": 50.0, "waveform": "sine", "phase": 0.0, "velocity": 0.0}
+    assert found["system"]["walls"]["z-"].items() >= {"amplitude": 0.5e-3, "frequency": 50.0}.items()
+    assert found["system"]["boundary"] == ["periodic", "periodic", "wall"]
+    assert found["series"]["wall_work"][-1] != 0.0
+    job = tmp_path / "job.toml"
+    job.write_text(
+        "[random]\nn = 30\npacking_fraction = 0.05\ngravity = 9.81\nrms_speed = 0.2\nshake = '0.5mm:50Hz'\n"
+        "[event_driven]\nuntil = 0.01\n"
+    )
+    assert printed("gas", job)["series"] == found["series"]
+    box = lattice(27, seed=1).replace(boundary="wall").write(tmp_path / "box.xyz")
+    shaken = printed("gas", box, "--shake", "1e-5:80", "--wall", "x+", "--waveform", "triangle", *FAST)
+    expected = wall | {"amplitude": 1e-5, "frequency": 80.0, "waveform": "triangle"}
+    assert (
+        shaken["system"]["walls"]["x+"].items() >= {k: v for k, v in expected.items() if k != "phase"}.items()
+    )
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--wall", "z-"], "--wall: must be left out without shake"),
+        (["--shake", "1mm"], "--shake: got '1mm', must be an amplitude and a frequency"),
+        (["--shake", "1mm:50s"], "--shake: got '50s', must be a number [Hz] or a frequency"),
+        (["--shake", "1mm:50Hz", "--wall", "q"], "--wall: got 'q', must be one of"),
+    ],
+)
+def test_a_bad_shake_is_refused(options: list[str], message: str) -> None:
+    assert message in refused("gas", "--n", 10, *options)

@@ -4,22 +4,9 @@
 #include <vector>
 
 #include "../../base/math.hpp"
+#include "wall.hpp"
 
 namespace hardlimit::boxes {
-
-// Number of a wall in logs and results: −1 − 2·axis at 0, −2 − 2·axis at L; 0: no wall. The second partner of a contact
-// is a particle (≥ 0) or a wall (< 0).
-struct WallId {
-    std::int32_t number = 0;
-
-    static constexpr WallId at(int axis, bool high) { return {-1 - 2 * axis - (high ? 1 : 0)}; }
-    // The wall that is the second partner of a contact; no wall if that partner is a particle.
-    static constexpr WallId of(i64 second) { return {second < 0 ? static_cast<std::int32_t>(second) : 0}; }
-    constexpr explicit operator bool() const { return number < 0; }
-    constexpr int axis() const { return (-1 - number) / 2; }
-    constexpr bool high() const { return (-1 - number) % 2 != 0; }
-    constexpr bool operator==(const WallId&) const = default;
-};
 
 enum class Boundary : int {
     none,  // no such axis
@@ -27,38 +14,19 @@ enum class Boundary : int {
     wall,
 };
 
-// A wall at rest or with a constant velocity. wall_contact_time() (queue/prediction.hpp) locates collisions with it.
-struct Wall {
-    WallId id;
-    double start;        // coordinate at time 0 [m]
-    double speed = 0.0;  // velocity along the axis [m/s]
-
-    constexpr bool moves() const { return speed != 0.0; }
-    constexpr double position(double time) const { return moves() ? start + speed * time : start; }
-    constexpr double velocity(double /*time*/) const { return speed; }
-    // Sign of the inward normal along the axis, and distance of a coordinate inside the box from the wall [m].
-    constexpr double inward() const { return id.high() ? -1.0 : 1.0; }
-    constexpr double distance(double x, double time) const {
-        return id.high() ? position(time) - x : x - position(time);
-    }
-    // The smallest distance between two times.
-    double least_distance(double x, double from, double until) const {
-        return math::min(distance(x, from), distance(x, until));
-    }
-};
-
 // What a periodic image adds to the particle itself: unfolded minus folded position and velocity.
 struct ImageMotion {
     double shift[3], velocity[3];  // [m], [m/s]
 };
 
-// The box extends from 0 to L along each axis, at time 0 if its walls move.
+// The box extends from 0 to L along each axis; these are the rest places of walls that move.
 struct Box {
     int dimension = 3;
     double edge[3] = {};  // L [m]; 0 along an axis that does not exist
     Boundary boundary[3] = {};
-    double gravity[3] = {};           // acceleration [m/s²]
-    double wall_velocity[3][2] = {};  // along the axis, of the walls at 0 and at L [m/s]
+    double gravity[3] = {};             // acceleration [m/s²]
+    WallMotion wall_motion[3][2] = {};  // of the walls at 0 and at L
+    bool walls_move[3] = {};            // whether one of the two moves
 
     bool is_periodic(int axis) const { return boundary[axis] == Boundary::periodic; }
     bool has_walls(int axis) const { return boundary[axis] == Boundary::wall; }
@@ -70,22 +38,42 @@ struct Box {
         return product;
     }
 
-    bool has_moving_walls(int axis) const {
-        return wall_velocity[axis][0] != 0.0 || wall_velocity[axis][1] != 0.0;
+    bool has_moving_walls(int axis) const { return walls_move[axis]; }
+    void move_wall(WallId id, const WallMotion& motion) {
+        wall_motion[id.axis()][id.high()] = motion;
+        walls_move[id.axis()] = walls_move[id.axis()] || motion.moves() || motion.offset != 0.0;
     }
-    // Largest speed of a wall [m/s].
-    double fastest_wall() const {
+    void stop_walls() {
+        for (auto& axis : wall_motion) axis[0] = axis[1] = {};
+        for (bool& moves : walls_move) moves = false;
+    }
+    // The largest value of f(motion) of all walls.
+    template <class F>
+    double most_of_walls(const F& f) const {
         double most = 0.0;
-        for (const auto& axis : wall_velocity)
-            for (const double v : axis) most = math::max(most, math::abs(v));
+        for (const auto& axis : wall_motion)
+            for (const WallMotion& m : axis) most = math::max(most, f(m));
         return most;
+    }
+    // Largest speed of a wall [m/s], and largest acceleration, without jumps of the velocity [m/s²].
+    double fastest_wall() const {
+        return most_of_walls([](const WallMotion& m) { return math::abs(m.velocity) + m.fastest(); });
+    }
+    double greatest_wall_acceleration() const {
+        return most_of_walls([](const WallMotion& m) { return m.greatest_acceleration(); });
+    }
+    // Bound on the distance of a wall from its rest place up to a time [m].
+    double farthest_wall(double time) const {
+        return most_of_walls([=](const WallMotion& m) {
+            return math::abs(m.offset) + m.amplitude + math::abs(m.velocity) * time;
+        });
     }
 
     // The wall at one end of an axis that has walls.
-    constexpr Wall wall(int axis, bool high) const {
-        return {WallId::at(axis, high), high ? edge[axis] : 0.0, wall_velocity[axis][high ? 1 : 0]};
+    Wall wall(int axis, bool high) const {
+        return {WallId::at(axis, high), high ? edge[axis] : 0.0, wall_motion[axis][high ? 1 : 0]};
     }
-    constexpr Wall wall(WallId id) const { return wall(id.axis(), id.high()); }
+    Wall wall(WallId id) const { return wall(id.axis(), id.high()); }
     std::vector<Wall> walls() const {
         std::vector<Wall> all;
         for (int axis = 0; axis < dimension; ++axis)

@@ -1,5 +1,5 @@
-// Validates a system: ranges of values, particles inside the box. Overlaps are not checked here: an overlapping pair
-// that approaches collides at once. Python checks them (neighbours/overlap.hpp).
+// Validates a system: ranges of values, particles inside the box. Overlaps, also with moving walls, are not checked
+// here: an overlapping pair that approaches collides at once. Python checks them (neighbours/overlap.hpp).
 #pragma once
 #include <algorithm>
 
@@ -36,7 +36,8 @@ inline Fault validate(const System& s) {
     }
     for (std::size_t i = 0; i < s.n; ++i)
         for (std::size_t k = 0; k < d; ++k)
-            if (const double x = s.position[i * d + k]; !(x >= 0.0 && x <= s.box.edge[k]))
+            if (const double x = s.position[i * d + k];
+                !s.box.has_moving_walls(static_cast<int>(k)) && !(x >= 0.0 && x <= s.box.edge[k]))
                 return {Fault::outside, i, static_cast<int>(k), x};
     return {};
 }

@@ -124,7 +124,7 @@ public:
         s_.velocity = velocity_.data();
         s_.mass = mass_.data();
         for (double& g : s_.box.gravity) g = 0.0;
-        for (auto& axis : s_.box.wall_velocity) axis[0] = axis[1] = 0.0;
+        s_.box.stop_walls();
         fraction_ = s.packing_fraction();
         diameter_ = 2.0 * *std::max_element(s.radius, s.radius + s.n);
     }

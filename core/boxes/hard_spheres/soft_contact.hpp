@@ -78,11 +78,14 @@ void HardSpheres<d, motion, mixed>::contact(u32 i, u32 j, const double (&r)[d], 
     ++accumulators_.pairs;
 }
 
-// Contact of a particle with a wall, in the frame of the wall. speed: of approach.
+// Contact of a particle with a wall, in the frame of the wall, whose acceleration is taken as constant during the
+// contact. speed: of approach. The parabola of the equivalent collision is in the frame of the wall; the flight after the
+// contact is one in the laboratory. An oscillating wall therefore needs the state at the end, extrapolated back there.
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::contact_with_wall(u32 i, const Wall& wall, double speed) {
     const int axis = wall.id.axis();
-    const double away = wall.inward(), m = mass(i), pressing = -away * box_.gravity[axis];
+    const double away = wall.inward(), m = mass(i), g = box_.gravity[axis];
+    const double pressing = -away * (g - wall.acceleration(now_));
     const SoftContact found = rule_->contact(
         {{m, math::infinity, speed, 0.0, pressing}, {m, radius(i)}, radius(i), math::infinity}, deepest_);
     if (found.outcome != Outcome::ok) return end_unsolved(found.outcome, i, wall.id.number, speed);
@@ -91,11 +94,23 @@ void HardSpheres<d, motion, mixed>::contact_with_wall(u32 i, const Wall& wall, d
     change[axis] = away * (end.normal_velocity + speed);
     shift[axis] = away * end.normal_shift;
     const double lost = 0.5 * m * (speed - end.normal_velocity) * (speed + end.normal_velocity);
+    const double dissipated = lost - m * pressing * end.normal_shift;
     accumulators_.advance(now_);
-    accumulators_.add_wall(axis, m * change[axis], lost, wall);
+    if (wall.motion.oscillates()) {
+        const double t = found.duration, before = particles_[i].velocity[axis];
+        const double opening = end.normal_velocity - pressing * t;
+        const double beyond = end.normal_shift + t * (end.normal_velocity - 0.5 * pressing * t);
+        const double after = wall.velocity(now_ + t) + away * opening - g * t;
+        const double moved = wall.position(now_ + t) - wall.position(now_);
+        change[axis] = after - before;
+        shift[axis] = moved + away * beyond - t * (after + 0.5 * g * t);
+        const double gained = 0.5 * m * change[axis] * (after + before);
+        accumulators_.add_wall(axis, m * change[axis], gained, gained - m * g * shift[axis] + dissipated);
+    } else {
+        accumulators_.add_wall(axis, m * change[axis], lost, wall);
+    }
     displace(i, 1.0, change, shift);
     remember_contact(i, no_particle, found.duration, wall.id);
-    const double dissipated = lost - m * pressing * end.normal_shift;
     const double separation = math::sqrt(math::max(0.0, speed * speed - 2.0 * dissipated / m));
     record(i, wall.id.number, speed, separation, dissipated, math::infinity);
 }

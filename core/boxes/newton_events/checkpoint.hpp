@@ -7,8 +7,8 @@ namespace hardlimit::boxes {
 template <class Law>
 template <class Archive>
 void NewtonEvents<Law>::exchange(Archive& archive, Cluster<Law>& c) {
-    archive(c.members), archive(c.pairs), archive(c.gravity), archive(c.largest_coordinate), archive(c.base),
-        archive(c.time);
+    archive(c.members), archive(c.pairs), archive(c.wall_pieces), archive(c.gravity),
+        archive(c.largest_coordinate), archive(c.base), archive(c.time);
     archive(c.dissipated), archive(c.virial), archive(c.wall_work), archive(c.begun), archive(c.begun_pairs),
         archive(c.ended), archive(c.unresolved), archive(c.too_deep), archive(c.largest_compression);
 }

@@ -106,6 +106,7 @@ void NewtonEvents<Law>::make_pairs(Group& g, std::vector<ActivePair>& active) co
                     c.pairs.push_back(wall_pair(g, static_cast<int>(i), box_.wall(axis, high)));
     }
     first[n] = c.pairs.size();
+    set_wall_pieces(g);
     const MemberIndex member(g.body);
     for (ActivePair& l : active) {
         const auto a = static_cast<int>(member(l.first)),
@@ -118,6 +119,21 @@ void NewtonEvents<Law>::make_pairs(Group& g, std::vector<ActivePair>& active) co
             if (same && same_wall) carry_over(q, l.pair, c);
         }
     }
+}
+
+// Sets the motion of the walls near the members if one of them oscillates.
+template <class Law>
+void NewtonEvents<Law>::set_wall_pieces(Group& g) const {
+    Cluster<Law>& c = g.cluster->before;
+    const auto oscillates = [this](const ContactPair<Law>& q) {
+        return q.second < 0 && box_.wall(q.wall_id).motion.oscillates();
+    };
+    if (!walled_ || !std::ranges::any_of(c.pairs, oscillates)) return;
+    c.wall_pieces.resize(most_walls);
+    for (const ContactPair<Law>& q : c.pairs)
+        if (q.second < 0)
+            c.wall_pieces[static_cast<std::size_t>(-1 - q.wall_id.number)] =
+                box_.wall(q.wall_id).piece_from(now_, now_, g.origin[static_cast<std::size_t>(q.axis)]);
 }
 
 // Whether two members may be close enough to form a pair: a cheap test that most pairs of a large cluster fail.

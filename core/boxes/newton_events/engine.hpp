@@ -23,6 +23,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -148,6 +149,7 @@ private:
     std::vector<i64> ended_by_;
     WallId ended_at_wall_;
     std::vector<ContactRecord> log_;
+    mutable std::optional<NewtonSnapshot> snapshot_;  // at the current time, until the run is advanced
 
     u32 size32() const { return static_cast<u32>(particles_.size()); }
     double radius(int i) const { return laws_.radius(static_cast<std::size_t>(i)); }
@@ -198,6 +200,7 @@ private:
     // flight.hpp
     Vector3 position(int i, double t) const;
     Vector3 velocity(int i, double t) const;
+    bool meets_wall(int i, const Wall& wall) const;
     void restart_path(int i);
     void schedule(int i);
     void reschedule(int i);
@@ -250,6 +253,7 @@ private:
     void open_group(Group& g, const std::vector<int>& set) const;
     void set_member(Group& g, std::size_t m, Member& member) const;
     void make_pairs(Group& g, std::vector<ActivePair>& active) const;
+    void set_wall_pieces(Group& g) const;
     bool may_touch(const Member& a, const Member& b) const;
     void carry_over(ContactPair<Law>& q, ContactPair<Law>& old, const Cluster<Law>& c) const;
     double nearest_period(double x, int axis) const;
@@ -284,7 +288,8 @@ private:
     void add_group(NewtonSnapshot& s, const Group& g, Cluster<Law>& c) const;
     void add_body(NewtonSnapshot& s, int i, const Vector3& x, const Vector3& v) const;
     void log(const Group& g, const ContactPair<Law>& q, const EndedContact& e);
-    NewtonSnapshot snapshot() const;
+    const NewtonSnapshot& snapshot() const;
+    NewtonSnapshot new_snapshot() const;
     ContactRecord contact_row(const Group& g, const ContactPair<Law>& q, const EndedContact& e) const;
 
     // checkpoint.hpp
@@ -302,6 +307,7 @@ template <class Law>
 void NewtonEvents<Law>::advance(double until, u64 most_work, int /*threads*/, Stop& stop) {
     const u64 last = most_work > ~events_ ? ~u64{0} : events_ + most_work;
     paused_ = false;
+    snapshot_.reset();
     while (outcome_ == Outcome::ok) {
         const QueuedEvent* due =
             calendar_queue_.next([this](u32 id) { return pending_[id].time(); }, by_original_index(),
@@ -360,7 +366,8 @@ void NewtonEvents<Law>::process_event(int i) {
     }
     const SelfEvent own = static_cast<SelfEvent>(e.own);
     if (own == SelfEvent::ends) return end_cluster(i);
-    if (is_wall(own)) return begin_contact(i, -1, wall_at(own));
+    if (is_wall(own))
+        return meets_wall(i, box_.wall(wall_at(own))) ? begin_contact(i, -1, wall_at(own)) : reschedule(i);
     leave_cell(i);
 }
 

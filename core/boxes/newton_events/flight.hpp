@@ -22,6 +22,14 @@ Vector3 NewtonEvents<Law>::velocity(int i, double t) const {
     return v;
 }
 
+template <class Law>
+bool NewtonEvents<Law>::meets_wall(int i, const Wall& wall) const {
+    if (!wall.motion.oscillates()) return true;
+    const auto axis = static_cast<std::size_t>(wall.id.axis());
+    return meets_oscillating_wall(wall, now_, position(i, now_)[axis], velocity(i, now_)[axis],
+                                  box_.gravity[axis], radius(i));
+}
+
 // Starts a new parabola at the current time.
 template <class Law>
 void NewtonEvents<Law>::restart_path(int i) {
@@ -230,6 +238,7 @@ void NewtonEvents<Law>::predict_self_event(int i, const Place<3>& at) {
                                        (static_cast<u32>(which) & ~sooner));
         in = math::min(in, time);
     };
+    bool walls_move = false;
     HL_UNROLL
     for (int a = 0; a < 3; ++a) {
         if (a == box_.dimension) break;
@@ -243,10 +252,7 @@ void NewtonEvents<Law>::predict_self_event(int i, const Place<3>& at) {
                 low = face ? box_.wall(a, false).position(now_) + query_.radius : -math::infinity;
             if (outermost[1])
                 high = face ? box_.wall(a, true).position(now_) - query_.radius : math::infinity;
-            if (moving && is_free)
-                for (const bool up : {false, true})
-                    consider(wall_contact_time(box_.wall(a, up), now_, x, v, pull, query_.radius), a, up,
-                             true);
+            walls_move = walls_move || (moving && is_free);
         }
         if (pull == 0.0) {
             const double borders[2] = {low, high};
@@ -257,6 +263,13 @@ void NewtonEvents<Law>::predict_self_event(int i, const Place<3>& at) {
             consider(time_below(-x, -v, -pull, -low), a, false, outermost[0]);
         }
     }
+    if (walls_move) [[unlikely]]
+        for (int a = 0; a < box_.dimension; ++a)
+            for (const bool up : {false, true})
+                if (box_.has_moving_walls(a))
+                    consider(wall_contact_time(box_.wall(a, up), now_, query_.position[a], query_.velocity[a],
+                                               box_.gravity[a], query_.radius, in),
+                             a, up, true);
     e.own_time = now_ + in;
     e.own = static_cast<u32>(which) & 15u;
     if (!e.first || !e.clustered || e.end > e.own_time) return;

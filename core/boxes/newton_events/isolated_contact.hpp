@@ -119,7 +119,8 @@ void NewtonEvents<Law>::separate_pair(IsolatedContact& l, SeparatedMembers& afte
         l.initial_offset[k] = -per_cosine * (off_n * normal[k] + off_t * tangent[k]);
 }
 
-// solve_pair() for a body and a wall that moves uniformly, in the frame of the wall.
+// solve_pair() for a body and a wall that moves uniformly, in the frame of the wall. Contacts with an oscillating wall
+// are integrated as clusters.
 template <class Law>
 bool NewtonEvents<Law>::solve_wall(Group& g, SeparatedMembers& after) {
     IsolatedContact& l = g.isolated_contact;
@@ -129,7 +130,7 @@ bool NewtonEvents<Law>::solve_wall(Group& g, SeparatedMembers& after) {
     Vector3 v = a.velocity;
     v[axis] -= q.wall_velocity;
     const double approach = -q.side * v[axis], weight = -q.side * box_.gravity[axis];
-    if (!(approach > 0.0)) return false;
+    if (!(approach > 0.0) || box_.wall(q.wall_id).motion.oscillates()) return false;
     const PlanarContact end = soft_(q.law, Approach{q.mass, math::infinity, approach, 0.0, weight});
     if (end.outcome != Outcome::ok) return false;
     const double square = end.radial_speed * end.radial_speed - 2.0 * weight * end.compression;

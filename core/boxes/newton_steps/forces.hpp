@@ -110,14 +110,15 @@ private:
         const Wall wall = box_.wall(w.wall);
         Double4 normal{}, v = -bodies_.velocity[i];
         normal[w.wall.axis()] = -wall.inward();
-        const double speed = wall.velocity(now_.time - now_.velocity_lag);
-        v[w.wall.axis()] += speed;
-        const Double4 a = -bodies_.acceleration[i].previous(now_.step) - gravity_of(box_);
+        const double known_at = now_.time - now_.velocity_lag;
+        v[w.wall.axis()] += wall.velocity(known_at);
+        Double4 a = -bodies_.acceleration[i].previous(now_.step) - gravity_of(box_);
+        a[w.wall.axis()] += wall.acceleration(known_at);
         const double reach = bodies_.position[i][3];
-        update_contact(
-            slab, slot,
-            {i, no_body, w.wall.number, no_image, normal, distance, reach, v, a, wall.inward() * speed},
-            normal * distance);
+        update_contact(slab, slot,
+                       {i, no_body, w.wall.number, no_image, normal, distance, reach, v, a,
+                        wall.inward() * wall.velocity(now_.time)},
+                       normal * distance);
     }
 
     void update_contact(Slab<Law>& slab, std::int32_t& slot, const RelativeMotion& m, Double4 separation) {

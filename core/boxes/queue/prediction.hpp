@@ -29,10 +29,70 @@ HL_FN double time_below(double x, double v, double g, double high) {
 }
 
 // Time after `now` at which a particle in free flight, at x with velocity v and acceleration g along the axis, comes
-// within `reach` of a wall. The wall moves uniformly: collisions with a wall that accelerates would be located here.
-HL_FN double wall_contact_time(const Wall& wall, double now, double x, double v, double g, double reach) {
+// within `reach` of a wall. For a wall that oscillates: oscillating_contact_time().
+double oscillating_contact_time(const Wall& wall, double now, double x, double v, double g, double reach,
+                                double horizon);
+inline double wall_contact_time(const Wall& wall, double now, double x, double v, double g, double reach,
+                                double horizon = math::infinity) {
+    if (wall.motion.oscillates()) [[unlikely]]
+        return oscillating_contact_time(wall, now, x, v, g, reach, horizon);
     const double out = -wall.inward();
     return time_below(reach - wall.distance(x, now), out * (v - wall.velocity(now)), out * g, 0.0);
+}
+
+// Whether a particle in flight touches an oscillating wall and does not separate from it, to within the rounding of
+// positions and times. If not, the time of its wall event was a lower bound, or the wall has turned back at that
+// instant. A flight too short for the time to resolve counts as over.
+inline bool meets_oscillating_wall(const Wall& wall, double now, double x, double v, double g, double reach) {
+    const double rate = wall.inward() * (v - wall.velocity(now)), rounding = 16.0 * math::epsilon * now;
+    return wall.distance(x, now) - reach <= 1e-9 * reach + rounding * math::abs(rate) &&
+           rate <= rounding * math::abs(g - wall.acceleration(now));
+}
+
+// First time after `now` at which the gap to an oscillating wall falls to zero; a lower bound on it if it is far away,
+// and any later time if it is beyond `horizon`. With the gap D(τ) = inward·(x + vτ + gτ²/2 − W(now + τ)) − reach,
+//   D(t + s) ≥ D + Ḋ s + m s²/2,   m = min D̈ on [t, t + s],
+// where m is the smaller of the two values at the ends, since the acceleration of the wall is monotonic in a quarter of
+// the period. The first zero of the right-hand side is never beyond that of D. Steps to it converge quadratically
+// to a zero at which D changes its sign; with a triangle wave and with parabolas m is exact, and one step suffices.
+// Where Ḋ ≥ 0 and D̈ > 0 the gap grows at least until D̈ may have fallen to zero, a time D̈/(largest jerk), so that a
+// launch at zero relative speed is passed over as well. D is summed over the steps from differences of W, which keep
+// the digits of a low flight. A particle out of reach of the amplitude needs no steps.
+inline double oscillating_contact_time(const Wall& wall, double now, double x, double v, double g,
+                                       double reach, double horizon) {
+    constexpr int most_steps = 256;
+    const WallMotion& m = wall.motion;
+    const double in = wall.inward(), jerk = m.greatest_jerk();
+    const double middle = wall.start + m.offset + m.velocity * now;
+    const double room = in * (x - middle) - (reach + m.amplitude);
+    const double clear =
+        room > 0.0 ? time_below(-room, -in * (v - m.velocity), -in * g, 0.0) * (1.0 - 1e-12) : 0.0;
+    if (!(clear < horizon)) return clear;
+    const double rounding =
+        4.0 * math::epsilon * (math::abs(x) + math::abs(wall.start) + m.amplitude + reach);
+    double t = clear;
+    WallPiece piece = wall.piece(now + t);
+    double gap = in * (x + t * (v + 0.5 * g * t) - piece.position(now + t)) - reach;
+    for (int i = 0; i < most_steps && t < horizon; ++i) {
+        const double at = now + t;
+        while (piece.ends_at(at, at)) piece = piece.next();
+        const double left = piece.end - at;
+        const double rate = in * ((v + g * t) - piece.velocity(at));
+        const double bend = in * (g - piece.acceleration(at));
+        const double least = math::min(bend, in * (g - piece.acceleration(piece.end)));
+        if (gap <= rounding) {
+            if (rate < 0.0 || (rate == 0.0 && bend < 0.0)) return t;
+            gap = math::max(gap, 0.0);
+        }
+        double s = time_below(-gap, -rate, -least, 0.0);
+        if (rate >= 0.0 && bend > 0.0) s = math::max(s, jerk > 0.0 ? bend / jerk : left);
+        if (s <= 2.0 * math::epsilon * at) return t;
+        if (jerk == 0.0 && s <= left) return t + s;
+        s = math::min(s, left);
+        gap += in * (s * ((v + g * t) + 0.5 * g * s) - piece.displacement(at, s));
+        t += s;
+    }
+    return t;
 }
 
 }  // namespace hardlimit::boxes

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Final
 
 import numpy as np
@@ -12,17 +12,19 @@ from numpy.typing import NDArray
 
 from .. import _core
 from ..support import validation
+from . import walls as moving_walls
+from .walls import Walls
 
 Floats = NDArray[np.float64]
 #: One number for all axes, or one for each.
 Vector = float | Sequence[float] | Floats
 
-AXES: Final = ("x", "y", "z")
+AXES: Final = moving_walls.AXES
 #: Volume of a ball of radius 1, by dimension.
 UNIT_BALL: Final = {2: math.pi, 3: 4.0 / 3.0 * math.pi}
 BOUNDARIES: Final = ("periodic", "wall")
 #: Largest length, speed and acceleration: the squares of larger ones would overflow.
-LARGEST: Final = 1e100
+LARGEST: Final = moving_walls.LARGEST
 #: Shortest edge in units of the largest radius. A particle then touches at most one image of another particle, and at
 #: most one of two opposite walls.
 SHORTEST_EDGE: Final = {"periodic": 4, "wall": 2}
@@ -37,6 +39,7 @@ class Box:
     edges: Floats  #: (d,) [m]
     boundary: tuple[str, ...]  #: ``"periodic"`` or ``"wall"`` for each axis
     gravity: Floats  #: (d,) [m/s²]
+    moving: Walls = field(default_factory=dict)  #: the walls that move
 
     @property
     def dimension(self) -> int:
@@ -63,10 +66,26 @@ class Box:
                 yield -1 - 2 * axis, axis, False
                 yield -2 - 2 * axis, axis, True
 
+    def limits(self, axis: int, time: float = 0.0) -> tuple[float, float]:
+        """The ends of an axis at a time [m]: 0 and the edge, or where the walls are."""
+        ends = 0.0, float(self.edges[axis])
+        names = (moving_walls.name_of(axis, upper) for upper in (False, True))
+        at = [self.moving[name].displacement(time) if name in self.moving else 0.0 for name in names]
+        return ends[0] + at[0], ends[1] + at[1]
+
+    @property
+    def fastest_wall(self) -> float:
+        """Largest speed of a wall [m/s]."""
+        return max((wall.fastest for wall in self.moving.values()), default=0.0)
+
+    def has_moving_walls(self, axis: int) -> bool:
+        return any(name[0] == AXES[axis] for name in self.moving)
+
     def of_core(self) -> _core.Box:
         """The box for the core, whose gravity is that in the frame of the common fall."""
         gravity = self.gravity - self.common_fall
-        return _core.Box(self.edges.tolist(), list(self.boundary), gravity.tolist())
+        walls = list(moving_walls.of_core(self.moving))
+        return _core.Box(self.edges.tolist(), list(self.boundary), gravity.tolist(), walls)
 
     def fold(self, positions: Floats) -> None:
         """Map unfolded positions (N, d) [m] into the box, in place."""
@@ -74,7 +93,8 @@ class Box:
             x, edge = positions[:, axis], self.edges[axis]
             if periodic:
                 x -= edge * np.floor(x / edge)
-            np.clip(x, 0.0, edge, out=x)
+            if not self.has_moving_walls(axis):
+                np.clip(x, 0.0, edge, out=x)
 
     def check_size(self, largest_radius: float) -> None:
         """Refuse a box in which a particle could touch two images of another one, or two opposite walls."""
@@ -84,6 +104,16 @@ class Box:
                 raise ValueError(
                     f"box: got {self.edges[axis]:.16g} along {AXES[axis]} ({side}), must be >= "
                     f"{validation.at_least(radii * largest_radius)}, {radii} times the largest radius"
+                )
+            if not self.has_moving_walls(axis):
+                continue
+            low, high = self.limits(axis)
+            swing = sum(wall.amplitude for name, wall in self.moving.items() if name[0] == AXES[axis])
+            narrowest = min(high - low, self.edges[axis] - swing)
+            if not narrowest >= 2.0 * largest_radius:
+                raise ValueError(
+                    f"walls: got a distance of {narrowest:.6g} m along {AXES[axis]} where they are closest, must be >= "
+                    f"{validation.at_least(2.0 * largest_radius)}, the largest diameter"
                 )
 
 

@@ -85,9 +85,9 @@ def typical_contact(system: ParticleSystem, law: Law) -> tuple[float, float, flo
     """Duration [s] (infinite if it does not end) and ε of a typical contact, and the initial temperature [m²/s²].
 
     The contact is that of two particles of mean mass and radius at the mean impact speed √(πT), where T is the initial
-    temperature or that of the atmosphere that settles, whichever is larger.
+    temperature or that of the atmosphere that settles, whichever is larger. Moving walls heat to about their own speed.
     """
-    temperature = impact_temperature(system)
+    temperature = max(impact_temperature(system), system.domain.fastest_wall**2)
     hottest = max(temperature, _bed_temperature(system))
     contact = mean_contact(system, law)
     speed = np.array([math.sqrt(math.pi * hottest) or 1.0])
@@ -112,10 +112,11 @@ def of_bed(system: ParticleSystem, duration: float, restitution: float, until: f
     L = Nσ^(d−1)/A layers. Its energy per unit mass is (d/2 + 1)T and its collision rate ν = a g/√T. It loses
     (1 − ε²) T ν/2 in collisions of pairs, and at the floor as much as a bouncing ball. √T therefore decreases linearly:
     d√T/dt = −g [(1 − ε²) b/2 + (1 − ε) c]/(d + 2), with a = b + c/(d + 2), b = (d − 1)√π L, c = √(d + 2)/2. The bed is
-    at rest after the time of the fall plus the time in which T reaches zero. χ is taken as 1.
+    at rest after the time of the fall plus the time in which T reaches zero. χ is taken as 1. Not for
+    moving walls, over which a bed does not come to rest.
     """
     axis, pull = _pull(system)
-    if pull == 0.0:
+    if pull == 0.0 or system.domain.fastest_wall > 0.0:
         return Overlap(0.0, "")
     pull, d = abs(pull), system.dimension
     layers = float(np.sum((2.0 * system.radius) ** (d - 1))) / float(np.prod(np.delete(system.box, axis)))

@@ -21,9 +21,10 @@ from .pace import ProgressNote
 from .result import COLLISIONS, CONTACTS, Column, ContactResult, EarlyEnd, Log, ParticleResult
 from .rules import Settings
 from .system import ParticleSystem
+from .walls import as_entries, from_entries
 
 ENERGIES: Final = ("kinetic_energy", "potential_energy", "dissipated_energy")
-#: Quantities that every engine records at a sample.
+#: Quantities at the samples of every engine.
 COMMON: Final = (
     "time",
     *ENERGIES,
@@ -33,9 +34,10 @@ COMMON: Final = (
     "virial_tensor",
     "n_pairs",
 )
-#: Those of hard spheres, and those of engines for Newton's equations.
-OF_COLLISIONS: Final = (*COMMON, "kinetic_integral", "n_collisions")
-OF_CONTACTS: Final = (*COMMON, "contact_energy", "n_contacts", "n_ended", "n_overlapped", "n_in_contact")
+#: Those of hard spheres, those of engines for Newton's equations, and those of LAMMPS.
+OF_COLLISIONS: Final = (*COMMON, "wall_work", "kinetic_integral", "n_collisions")
+OF_LAMMPS: Final = (*COMMON, "contact_energy", "n_contacts", "n_ended", "n_overlapped", "n_in_contact")
+OF_CONTACTS: Final = (*OF_LAMMPS, "wall_work")
 #: Arrays of a system in a checkpoint. Positions and velocities are in the saved state of the engine.
 FIXED: Final = ("radius", "mass", "box", "gravity")
 
@@ -48,7 +50,7 @@ class EngineRecord:
     kind: str  #: name in the core; empty for an external program
     task: str  #: title of the progress bar
     counts: str  #: unit of the progress bar
-    records: tuple[str, ...] = OF_CONTACTS  #: recorded at each sample; observables are made from them
+    records: tuple[str, ...] = OF_CONTACTS  #: quantities at a sample; observables are made from them
     columns: tuple[Column, ...] = CONTACTS  #: columns of the log
     options: tuple[str, ...] = ()  #: arguments of molecular_dynamics that some engines do not accept
 
@@ -59,7 +61,7 @@ _RECORDS: Final = (
     EngineRecord("hard_spheres", "hard_spheres", "event-driven", "collisions", OF_COLLISIONS, COLLISIONS),
     EngineRecord("events", "newton_events", _NEWTON, "contacts", options=_OURS),
     EngineRecord("steps", "newton_steps", _NEWTON, "steps", options=(*_OURS, *_STEPS, "threads")),
-    EngineRecord("lammps", "", _NEWTON, "steps", options=(*_STEPS, "ranks")),
+    EngineRecord("lammps", "", _NEWTON, "steps", OF_LAMMPS, options=(*_STEPS, "ranks")),
 )
 #: Engines by name.
 ENGINES: Final = {record.name: record for record in _RECORDS}
@@ -84,6 +86,7 @@ class Engine:
     ) -> None:
         self.record, self.system, self.settings, self.compiled = ENGINES[name], system, settings, compiled
         self._note = ProgressNote()
+        self._fall = system.domain.common_fall
 
     @classmethod
     def make(
@@ -166,14 +169,15 @@ class Engine:
         return system_at(self.system, self.time, self.compiled.state())
 
     def sample(self) -> dict[str, Any]:
-        """The quantities recorded at a sample."""
-        system, time = self.system, self.time
-        sums = dict(self.compiled.observe())
-        fall = system.domain.common_fall
-        if fall.any():
-            sums["potential_energy"] -= float(system.mass @ (self.compiled.state()[0] @ fall))
-        sums = laboratory_sums(system, time, sums) | {"time": time, "n_collisions": sums["n_contacts"]}
-        return {name: np.asarray(sums[name], float) for name in self.record.records}
+        """The quantities at a sample in the falling frame, with the potential energy of all gravity.
+
+        :meth:`result` converts those of all samples at once.
+        """
+        sums = self.compiled.observe()
+        if self._fall.any():
+            sums["potential_energy"] -= float(self.system.mass @ (self.compiled.state()[0] @ self._fall))
+        sums["time"], sums["n_collisions"] = self.time, sums["n_contacts"]
+        return {name: np.asarray(sums[name], float) for name in self.record.records if name in sums}
 
     def is_at(self, sample: Mapping[str, Any]) -> bool:
         """Whether this sample was taken in the current state, or no sample can be taken in it."""
@@ -211,14 +215,14 @@ class Engine:
     def result(
         self, samples: Mapping[str, Floats], log: Log | None, observed: Observed, idle: bool
     ) -> ParticleResult | ContactResult:
-        """The result of a run that ends now; ``idle`` means that no more collisions happen."""
+        """The result of a run that ends now, from all its samples; ``idle`` means that no more collisions happen."""
         now, sums, statistics = self.current(), self.compiled.observe(), self.compiled.statistics()
         largest = float(self.compiled.largest_compression)
         common: dict[str, Any] = {
             "system": now,
             "time": self.time,
             "outcome_name": "no_contact" if idle and self.outcome == "ok" else self.outcome,
-            "samples": samples,
+            "samples": laboratory_sums(self.system, samples["time"], dict(samples)),
             "log": None if log is None else self.whole_log(log),
             "largest_compression": None if math.isnan(largest) else largest,
             "early_end": self.early_end(now),
@@ -250,6 +254,7 @@ class Engine:
         header = {
             "engine": self.record.name,
             "boundary": list(self.system.boundary),
+            "walls": as_entries(self.system.walls),
             "settings": vars(self.settings) | {"law": None if law is None else law_entry(law)},
         }
         arrays = {name: np.asarray(getattr(self.system, name)) for name in FIXED}
@@ -262,7 +267,10 @@ class Engine:
         given["law"] = None if given["law"] is None else law_from(given["law"])
         settings = Settings(**given) if name == "hard_spheres" else NewtonSettings(**given)
         compiled = _core.load_engine(ENGINES[name].kind, arrays["engine"].tobytes())
-        fixed = {key: arrays[key] for key in FIXED} | {"boundary": tuple(header["boundary"])}
+        fixed = {key: arrays[key] for key in FIXED} | {
+            "boundary": tuple(header["boundary"]),
+            "walls": from_entries(header["walls"]),
+        }
         positions, velocities = compiled.state()
         falling = ParticleSystem._of(positions=positions, velocities=velocities, **fixed)
         positions, velocities = state(falling, compiled.time, compiled.state())

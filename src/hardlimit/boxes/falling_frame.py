@@ -44,7 +44,7 @@ def system_at(system: ParticleSystem, time: float, falling: tuple[Floats, Floats
     unfolded, velocities = state(system, time, falling)
     positions = unfolded.copy()
     system.domain.fold(positions)
-    return system._moved(positions, velocities, unfolded)
+    return system._moved(positions, velocities, time, unfolded)
 
 
 def laboratory_sums(system: ParticleSystem, time: Any, sums: dict[str, Any]) -> dict[str, Any]:

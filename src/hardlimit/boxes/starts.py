@@ -102,14 +102,22 @@ def check_size(box: Box, radius: Floats) -> None:
 
 
 def positions(radius: Floats, box: Box, generators: Generators, report: Report) -> Floats:
-    """Positions (N, d) [m] without overlap; progress is reported in thousandths of the growth."""
+    """Positions (N, d) [m] without overlap; progress is reported in thousandths of the growth.
+
+    Where a moving wall starts inside the box, the particles grow in the space that it leaves.
+    """
+    low = np.zeros(box.dimension)
+    edges = box.edges.copy()
+    for axis in range(box.dimension):
+        at, end = box.limits(axis)
+        low[axis], edges[axis] = max(at, 0.0), min(end, edges[axis]) - max(at, 0.0)
     found = _core.grow_packing(
-        box.of_core(),
+        Box(edges, box.boundary, box.gravity).of_core(),
         np.ascontiguousarray(radius),
         generators.seed_of_positions,
         lambda fraction, collisions: report(int(1000.0 * fraction), 1000),
     )
-    return np.asarray(found, np.float64)
+    return np.asarray(found, np.float64) + low if low.any() else np.asarray(found, np.float64)
 
 
 def velocities(

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property, partial
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -30,6 +31,7 @@ from .box import (
     read_only,
 )
 from .files.frame import Frame
+from .walls import MovingWall, as_entries, checked_walls
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -62,6 +64,9 @@ class ParticleSystem:
     boundary : "periodic", "wall", or one of them for each axis
     gravity : number or d numbers [m/s²]
         A vector, or one number for an acceleration against the last axis.
+    walls : mapping of "x-", "x+", … "z+" to MovingWall, optional
+        The walls that move, by axis and end: ``{"z-": hl.MovingWall(amplitude=1e-3, frequency=50.0)}`` shakes the
+        floor. The box is that of the rest places.
     allowed_overlap : float
         Largest accepted overlap, relative to the sum of the radii (at a wall, to the radius). The default allows for
         rounding errors. Particles in contact under Newton's equations overlap by more.
@@ -93,6 +98,7 @@ class ParticleSystem:
     box: Floats  #: (d,) [m]
     boundary: tuple[str, ...]  #: ``"periodic"`` or ``"wall"`` for each axis
     gravity: Floats  #: (d,) [m/s²]
+    walls: Mapping[str, MovingWall]  #: the walls that move
 
     _unfolded = None  # positions along the unfolded paths (N, d) [m], in a state of a run
 
@@ -107,6 +113,7 @@ class ParticleSystem:
         box: Vector,
         boundary: str | Sequence[str] = "periodic",
         gravity: Vector = 0.0,
+        walls: Mapping[str, MovingWall] | None = None,
         allowed_overlap: float = ROUNDING,
     ) -> None:
         given = validation.exactly_one(density=density, mass=mass)
@@ -114,14 +121,16 @@ class ParticleSystem:
         n, d = at.shape
         size = validation.each("radius", radius, n, lowest=0.0, highest=LARGEST)
         amount = validation.each(given, density if given == "density" else mass, n, lowest=0.0)
+        sides = checked_boundary(boundary, d)
         self._set(
             positions=at,
             velocities=_checked_velocities(velocities, n, d),
             radius=size,
             mass=starts.checked_masses(given, amount, size),
             box=checked_edges(box, d),
-            boundary=checked_boundary(boundary, d),
+            boundary=sides,
             gravity=checked_gravity(gravity, d),
+            walls=checked_walls(walls, sides),
         )
         allowed = validation.number("allowed_overlap", allowed_overlap, 0.0, 1.0, lowest_allowed=True)
         self._check_geometry(allowed)
@@ -130,6 +139,8 @@ class ParticleSystem:
         for name, value in values.items():
             if isinstance(value, np.ndarray):
                 value.flags.writeable = False
+            if isinstance(value, dict):
+                value = MappingProxyType(value)
             object.__setattr__(self, name, value)
 
     @classmethod
@@ -142,10 +153,13 @@ class ParticleSystem:
     def _values(self) -> dict[str, Any]:
         return {field.name: getattr(self, field.name) for field in fields(self)}
 
-    def _moved(self, positions: Floats, velocities: Floats, unfolded: Floats | None = None) -> ParticleSystem:
-        """The same particles with other positions and velocities, unchecked."""
-        values = self._values() | {"positions": positions, "velocities": velocities}
-        return self._of(**values, _unfolded=unfolded)
+    def _moved(
+        self, positions: Floats, velocities: Floats, time: float = 0.0, unfolded: Floats | None = None
+    ) -> ParticleSystem:
+        """The same particles with other positions and velocities, unchecked, after a time in which walls move [s]."""
+        walls = {name: wall.after(time) for name, wall in self.walls.items()}
+        new = {"positions": positions, "velocities": velocities, "walls": walls}
+        return self._of(**self._values() | new, _unfolded=unfolded)
 
     @cached_property
     def domain(self) -> Box:
@@ -153,7 +167,7 @@ class ParticleSystem:
 
         :meta private:
         """
-        return Box(self.box, self.boundary, self.gravity)
+        return Box(self.box, self.boundary, self.gravity, self.walls)
 
     def _check_geometry(self, allowed_overlap: float) -> None:
         self.domain.check_size(float(self.radius.max()))
@@ -180,6 +194,7 @@ class ParticleSystem:
         seed: int = 0,
         boundary: str | Sequence[str] = "periodic",
         gravity: Vector = 0.0,
+        walls: Mapping[str, MovingWall] | None = None,
         progress: bool | Report | None = None,
     ) -> ParticleSystem:
         """Particles at random positions without overlap, with Maxwell's velocities.
@@ -225,13 +240,14 @@ class ParticleSystem:
         generators = starts.Generators(seed)
         size = starts.radii(radius, count, generators)
         mass = starts.checked_masses("density", validation.each("density", density, count, lowest=0.0), size)
-        box = Box(np.full(d, starts.edge(packing_fraction, size, d)), sides, pull)
+        moving = checked_walls(walls, sides)
+        box = Box(np.full(d, starts.edge(packing_fraction, size, d)), sides, pull, moving)
         starts.check_size(box, size)
         velocities = starts.velocities(mass, d, speed, box.periodic, generators)
         with reporter(progress, "random start", "") as report:
             positions = starts.positions(size, box, generators, report)
         values = {"positions": positions, "velocities": velocities, "radius": size, "mass": mass}
-        return cls._of(**values, box=box.edges, boundary=sides, gravity=pull)
+        return cls._of(**values, box=box.edges, boundary=sides, gravity=pull, walls=moving)
 
     @classmethod
     def read(
@@ -297,15 +313,16 @@ class ParticleSystem:
         box: Vector | None = None,
         boundary: str | Sequence[str] | None = None,
         gravity: Vector | None = None,
+        walls: Mapping[str, MovingWall] | None = None,
     ) -> ParticleSystem:
         """A copy with the given values changed and all others kept, including the masses.
 
-        Errors are those of the system itself. Existing overlaps are accepted unless positions, radius, box or boundary
-        change.
+        Errors are those of the system itself. Existing overlaps are accepted unless positions, radius, box, boundary
+        or walls change.
         """
         if density is not None and mass is not None:
             raise ValueError("density | mass: got both, must be at most one of them")
-        new = {"positions": positions, "radius": radius, "box": box, "boundary": boundary}
+        new = {"positions": positions, "radius": radius, "box": box, "boundary": boundary, "walls": walls}
         kept: dict[str, Any] = {
             name: getattr(self, name) if value is None else value for name, value in new.items()
         }
@@ -331,8 +348,8 @@ class ParticleSystem:
         first, second, gap = self._deepest_overlap
         deepest = -gap / float(self.radius[first] + self.radius[second])
         for _, axis, upper in self.domain.walls():
-            x = self.positions[:, axis]
-            inside = (self.box[axis] - x if upper else x) / self.radius
+            x, (low, high) = self.positions[:, axis], self.domain.limits(axis)
+            inside = (high - x if upper else x - low) / self.radius
             deepest = max(deepest, 1.0 - float(inside.min()))
         return math.nextafter(deepest, 1.0) * (1.0 + 1e-12)
 
@@ -400,6 +417,7 @@ class ParticleSystem:
         }
         coordinates = {"particle": np.arange(self.n), "axis": list(AXES[: self.dimension])}
         about = {"title": f"Box of {self.n} grains", "source": f"hardlimit {_core.version}"}
+        about |= {f"wall {name}": repr(wall) for name, wall in self.walls.items()}
         return xr.Dataset(data, coordinates, about | {"packing_fraction": self.packing_fraction})
 
     # --- as a value -----------------------------------------------------------------------------------------
@@ -408,7 +426,11 @@ class ParticleSystem:
         if not isinstance(other, ParticleSystem):
             return NotImplemented
         theirs = other._values()
-        return all(a is theirs[name] or np.array_equal(a, theirs[name]) for name, a in self._values().items())
+        if self.walls != theirs.pop("walls"):
+            return False
+        return all(
+            a is getattr(self, name) or np.array_equal(a, getattr(self, name)) for name, a in theirs.items()
+        )
 
     def __hash__(self) -> int:
         return self._digest
@@ -416,12 +438,15 @@ class ParticleSystem:
     @cached_property
     def _digest(self) -> int:
         # Adding 0 turns −0, which equals 0, into 0.
-        parts = ((value + 0.0).tobytes() for name, value in self._values().items() if name != "boundary")
-        digest = hashlib.blake2b(repr(self.boundary).encode() + b"".join(parts), digest_size=8)
+        values = self._values()
+        others = repr((values.pop("boundary"), as_entries(values.pop("walls"))))
+        parts = ((value + 0.0).tobytes() for value in values.values())
+        digest = hashlib.blake2b(others.encode() + b"".join(parts), digest_size=8)
         return int.from_bytes(digest.digest(), "little", signed=True)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return partial(ParticleSystem._of, **self._values(), _unfolded=self._unfolded), ()
+        values = self._values() | {"walls": dict(self.walls)}
+        return partial(ParticleSystem._of, **values, _unfolded=self._unfolded), ()
 
     def __repr__(self) -> str:
         sides = "/".join(dict.fromkeys(self.boundary))
@@ -454,6 +479,7 @@ def described(system: ParticleSystem) -> list[tuple[str, str]]:
     ]
     if system.gravity.any():
         found.append(("gravity [m/s²]", "(" + ", ".join(f"{g:.6g}" for g in system.gravity) + ")"))
+    found += [(f"wall {name}", repr(wall)) for name, wall in system.walls.items()]
     return found
 
 
@@ -480,13 +506,15 @@ def _checked_velocities(velocities: Any, n: int, d: int) -> Floats:
 
 def _check_inside(system: ParticleSystem, allowed_overlap: float) -> None:
     for axis, side in enumerate(system.boundary):
-        x, edge = system.positions[:, axis], system.box[axis]
+        x, (low, high) = system.positions[:, axis], system.domain.limits(axis)
         inner = system.radius * (1.0 - allowed_overlap) if side == "wall" else np.broadcast_to(0.0, system.n)
-        good = (x >= inner) & (x <= edge - inner)
+        good = (x >= low + inner) & (x <= high - inner)
         if not good.all():
             bad = int(np.argmin(good))
             where = "with its whole radius between the walls" if side == "wall" else "in the box"
-            accepted = validation.describe_range(float(inner[bad]), float(edge - inner[bad]), True, True)
+            accepted = validation.describe_range(
+                float(low + inner[bad]), float(high - inner[bad]), True, True
+            )
             raise ValueError(
                 f"positions[{bad}]: got {AXES[axis]} = {x[bad]:.16g}, must be {accepted}, {where}"
             )

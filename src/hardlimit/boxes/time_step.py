@@ -66,4 +66,4 @@ def largest_speed(system: ParticleSystem) -> float:
     """The largest expected impact speed [m/s]: twice the largest speed, plus the speed after a fall through the box."""
     fastest = math.sqrt(float(np.einsum("ij,ij->i", system.velocities, system.velocities).max()))
     fall = float(np.abs(system.gravity) @ system.box)
-    return 2.0 * fastest + math.sqrt(2.0 * fall)
+    return 2.0 * (fastest + system.domain.fastest_wall) + math.sqrt(2.0 * fall)

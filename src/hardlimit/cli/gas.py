@@ -352,6 +352,8 @@ def as_mapping(result: Any, files: list[Path]) -> dict[str, Any]:
     system, series = result.system, result.series
     facts = ("n", "dimension", "box", "boundary", "gravity", "packing_fraction")
     found: dict[str, Any] = {"system": {name: getattr(system, name) for name in facts}}
+    if system.walls:
+        found["system"]["walls"] = {name: vars(wall) for name, wall in system.walls.items()}
     if isinstance(result, hl.ContactResult):
         law, names = result.law, NEWTON_NUMBERS
     else:

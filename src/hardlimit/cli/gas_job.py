@@ -15,8 +15,9 @@ from ..boxes.box import BOUNDARIES
 from ..boxes.files import FORMATS
 from ..boxes.hard_spheres import expected_duration
 from ..boxes.rules import RULES
+from ..boxes.walls import AXES, WAVEFORMS
 from ..column import files as columns
-from ..support import toml, validation
+from ..support import toml, units, validation
 from ..support.formatting import listed
 from .job import Entry, changed, table_of
 from .options import film, picture, take_law, writable
@@ -50,8 +51,12 @@ START: Final = (
     _start("seed", "Seed of the random start; the same seed gives the same start.", kind=int),
     _start("boundary", f"Boundary: {' | '.join(BOUNDARIES)}; repeat it for each axis.", many=True),
     _start("gravity", "Gravity [m/s²], down the last axis; repeat it for a vector.", "m/s2", many=True),
+    Entry("shake", "Shake a wall: AMPLITUDE:FREQUENCY, such as 0.5mm:50Hz.", metavar="AMPLITUDE:FREQUENCY"),
+    Entry("wall", "The wall to shake: x- | x+ | y- … z+.  [default: the lower one of the last axis]"),
+    Entry("waveform", f"How it moves: {' | '.join(WAVEFORMS)}.  [default: sine]"),
 )
-OF_THE_BOX: Final = ("boundary", "gravity")
+OF_SHAKING: Final = ("shake", "wall", "waveform")
+OF_THE_BOX: Final = ("boundary", "gravity", *OF_SHAKING)
 
 SAMPLES: Final = _run("samples", "Number of equal time intervals between samples.", kind=int)
 UNTIL: Final = Entry(
@@ -121,12 +126,18 @@ class GasJob:
     def start(self, **changes: Any) -> hl.ParticleSystem:
         """The start, from a file or at random; ``changes`` are arguments of a random one."""
         given = {name: single(value) for name, value in self.random.items()} | changes
+        shaken: dict[str, str] = {name: given.pop(name) for name in OF_SHAKING if name in given}
         if self.file is None:
-            return hl.ParticleSystem.random(**(GLASS_BEADS | given), progress=not changes)
+            arguments = GLASS_BEADS | given
+            return hl.ParticleSystem.random(
+                **arguments | moving_walls(shaken, arguments.get("dimension", 3), arguments.get("boundary")),
+                progress=not changes,
+            )
         for name in given:
             if name not in OF_THE_BOX:
                 raise ValueError(f"{name}: must be left out with a start from a file")
         system = hl.ParticleSystem.read(self.file)
+        given |= moving_walls(shaken, system.dimension, given.get("boundary", system.boundary))
         return system.replace(**given) if given else system
 
     def contact_law(self) -> hl.Law | None:
@@ -172,6 +183,31 @@ def checked_outputs(given: Mapping[str, Any]) -> dict[str, Path | None]:
         "plot": picture("plot", given.get("plot")),
         "animate": film("animate", given.get("animate")),
     }
+
+
+def moving_walls(shaken: Mapping[str, str], dimension: int, boundary: Any) -> dict[str, Any]:
+    """The arguments ``walls`` and, if it is not given, ``boundary`` of a system with a wall that is shaken."""
+    if not shaken:
+        return {}
+    if "shake" not in shaken:
+        raise ValueError(f"{next(iter(shaken))}: must be left out without shake")
+    amplitude, colon, frequency = shaken["shake"].partition(":")
+    if not colon:
+        raise ValueError(
+            f"shake: got {validation.shown(shaken['shake'])}, must be an amplitude and a frequency, such as 0.5mm:50Hz"
+        )
+    wall = hl.MovingWall(
+        units.number("shake", amplitude, "m"),
+        units.number("shake", frequency, "Hz"),
+        shaken.get("waveform", "sine"),
+    )
+    axes = AXES[:dimension]
+    name = shaken.get("wall", axes[-1] + "-")
+    validation.one_of("wall", name, [axis + end for axis in axes for end in "-+"])
+    found: dict[str, Any] = {"walls": {name: wall}}
+    if boundary is None:
+        found["boundary"] = ["wall" if axis == name[0] else "periodic" for axis in axes]
+    return found
 
 
 def single(value: Any) -> Any:

@@ -24,6 +24,7 @@ DEFINITIONS: Final = (
     *("tonne = 1e6 * gram = t", "pound = 453.59237 * gram = lb", "liter = 1e-3 * meter ** 3 = l = L = litre"),
     *("newton = 1e3 * gram * meter / second ** 2 = N", "pascal = newton / meter ** 2 = Pa"),
     *("bar = 1e5 * pascal", "joule = newton * meter = J", "percent = 0.01 = %"),
+    *("watt = joule / second = W", "hertz = 1 / second = Hz"),
 )
 
 #: The quantity that a unit measures, and an example for messages.
@@ -37,6 +38,8 @@ KINDS: Final = {
     "N/m": ("a stiffness", "50 N/mm"),
     "N s/m": ("a damping", "3 N s/m"),
     "Pa": ("a pressure", "210 GPa"),
+    "Hz": ("a frequency", "50 Hz"),
+    "W": ("a power", "1 mW"),
     "1": ("without unit", "0.7"),
 }
 

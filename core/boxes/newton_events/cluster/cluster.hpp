@@ -36,6 +36,8 @@ public:
 
     std::vector<Member> members;
     std::vector<ContactPair<Law>> pairs;
+    std::vector<WallPiece>
+        wall_pieces;  // present pieces by −1 − number of the wall; empty if no wall oscillates
     Vector3 gravity{};
     double largest_coordinate = 0.0;  // largest edge of the box, for the rounding error of positions [m]
     const hardlimit_abi::SeriesKernels* kernels = nullptr;  // needed for a linear law
@@ -57,6 +59,7 @@ public:
     void clear() {
         members.clear();
         pairs.clear();
+        wall_pieces.clear();
         ended.clear();
         trajectory.clear();
         base = time = dissipated = wall_work = largest_compression = 0.0;
@@ -139,10 +142,12 @@ private:
     Scratch<char> is_ordered_;      // [members]
     int in_contact_ = 0;            // number of members in contact
     Scratch<series::Contact> contacts_;
-    Scratch<int> rooted_;      // pairs whose s is a component, in the order of the state
-    Scratch<int> slot_;        // [pairs] index of s in the state
-    bool known_ = false;       // whether k_ is the derivative of y_
-    bool walls_move_ = false;  // whether a wall of a pair moves: the state then holds wall_work
+    Scratch<int> rooted_;                // pairs whose s is a component, in the order of the state
+    Scratch<int> slot_;                  // [pairs] index of s in the state
+    bool known_ = false;                 // whether k_ is the derivative of y_
+    bool walls_move_ = false;            // whether a wall of a pair moves: the state then holds wall_work
+    bool integrates_ = !LinearLaw<Law>;  // whether steps are integrated; otherwise they are power series
+    bool sine_ = false;                  // whether a wall of a pair moves as a sine
     double h_ = 0.0, speed_unit_ = 0.0, lightest_ = 0.0;
     double step_ = 0.0;  // of the series, in its unit, at most 1
     long steps_ = 0;
@@ -166,6 +171,19 @@ private:
     void run(double until, Stop& stop, long most_steps, bool through);
 
     // state.hpp
+    const WallPiece& piece(const ContactPair<Law>& q) const {
+        return wall_pieces[static_cast<std::size_t>(-1 - q.wall_id.number)];
+    }
+    double wall_position(const ContactPair<Law>& q, double t) const {
+        return wall_pieces.empty() ? q.wall_position(t) : piece(q).position(t);
+    }
+    double wall_velocity(const ContactPair<Law>& q, double t) const {
+        return wall_pieces.empty() ? q.wall_velocity : piece(q).velocity(t);
+    }
+    double wall_acceleration(const ContactPair<Law>& q, double t) const {
+        return wall_pieces.empty() ? 0.0 : piece(q).acceleration(t);
+    }
+    double end_of_pieces(double until);
     void load_state();
     void resize();
     void store_state();
@@ -194,8 +212,8 @@ private:
         const Member& b = members[static_cast<std::size_t>(q.second)];
         return geometry(q, a.position.data(), a.velocity.data(), b.position.data(), b.velocity.data());
     }
-    static inline Geometry wall_geometry(const ContactPair<Law>& q, const double* x, const double* v,
-                                         double t);
+    inline Geometry wall_geometry(const ContactPair<Law>& q, const double* x, const double* v,
+                                  double t) const;
     static inline Geometry geometry(const ContactPair<Law>& q, const double* xa, const double* va,
                                     const double* xb, const double* vb);
     // s of a pair, from the members or from a state y.
@@ -253,8 +271,11 @@ private:
     // flight.hpp
     void rest_until(double until);
     void fly(double until);
-    double wall_acceleration(const ContactPair<Law>& q) const {
-        return q.second < 0 ? -q.side * gravity[static_cast<std::size_t>(q.axis)] : 0.0;
+    // d(rate)/dt of a body in flight and a wall.
+    double approach_acceleration(const ContactPair<Law>& q) const {
+        if (q.second >= 0) return 0.0;
+        const double wall = wall_acceleration(q, y_[time_index()]);
+        return -q.side * (gravity[static_cast<std::size_t>(q.axis)] - wall);
     }
     double time_to_touch(const ContactPair<Law>& q) const;
     double time_to_open(const ContactPair<Law>& q) const;
@@ -297,14 +318,16 @@ void Cluster<Law>::run(double until, Stop& stop, long most_steps, bool through) 
     const long before = steps_;
     while (time < until && !unresolved && too_deep < 0 && !stop()) {
         if (!through && all(ContactState::open)) break;
-        if (!(speed_unit_ > at_rest))
-            rest_until(until);
-        else if (!any(ContactState::closed))
-            fly(until);
-        else if constexpr (LinearLaw<Law>)
-            series_step(until);
-        else
-            integration_step(until);
+        const double end = wall_pieces.empty() ? until : end_of_pieces(until);
+        if (!(speed_unit_ > at_rest)) {
+            rest_until(end);
+        } else if (!any(ContactState::closed) && !sine_) {
+            fly(end);
+        } else if (integrates_) {
+            integration_step(end);
+        } else {
+            if constexpr (LinearLaw<Law>) series_step(end);
+        }
         if (++steps_ > 10'000'000) unresolved = true;
         if (steps_ - before >= most_steps && time > from) break;
     }

@@ -27,7 +27,7 @@ template <class Law>
 double Cluster<Law>::acceleration(const ContactPair<Law>& q, const Geometry& g, const double* y,
                                   const double* dy) const {
     const double* a = dy + 3 * (count() + q.first);
-    if (q.second < 0) return -q.side * a[q.axis];
+    if (q.second < 0) return -q.side * (a[q.axis] - dy[time_index()] * wall_acceleration(q, y[time_index()]));
     const double* b = dy + 3 * (count() + q.second);
     double along = 0.0;
     for (std::size_t i = 0; i < 3; ++i) along += (b[i] - a[i]) * g.normal[i];

@@ -55,7 +55,7 @@ template <class Law>
 double Cluster<Law>::time_to_touch(const ContactPair<Law>& q) const {
     const Geometry g = geometry(q, y_.data());
     if (q.second < 0) {
-        const double gap = q.fresh ? 0.0 : math::max(-g.depth, 0.0), towards = wall_acceleration(q);
+        const double gap = q.fresh ? 0.0 : math::max(-g.depth, 0.0), towards = approach_acceleration(q);
         if (gap == 0.0 && g.rate > 0.0) return 0.0;
         if (gap == 0.0) return towards > 0.0 ? -2.0 * g.rate / towards : math::infinity;
         const double square = g.rate * g.rate + 2.0 * towards * gap;
@@ -76,7 +76,7 @@ template <class Law>
 double Cluster<Law>::time_to_open(const ContactPair<Law>& q) const {
     const Geometry g = geometry(q, y_.data());
     if (q.second < 0) {
-        const double towards = wall_acceleration(q), square = g.rate * g.rate - 2.0 * towards * g.depth;
+        const double towards = approach_acceleration(q), square = g.rate * g.rate - 2.0 * towards * g.depth;
         if (g.depth <= 0.0) return 0.0;
         if (square < 0.0 || (g.rate >= 0.0 && towards >= 0.0)) return math::infinity;
         if (g.rate <= 0.0) return 2.0 * g.depth / (math::sqrt(square) - g.rate);
@@ -94,7 +94,7 @@ template <class Law>
 double Cluster<Law>::time_to_engage(const ContactPair<Law>& q) const {
     const Geometry g = geometry(q, y_.data());
     if (q.second >= 0) return g.rate > 0.0 ? 0.0 : math::infinity;
-    return hardlimit::time_to_engage(q.law, g.depth, g.rate, wall_acceleration(q), q.fresh);
+    return hardlimit::time_to_engage(q.law, g.depth, g.rate, approach_acceleration(q), q.fresh);
 }
 
 template <class Law>

@@ -32,7 +32,7 @@ void Cluster<Law>::derivative(const double* y, double* dy) const {
         const double force = pair.law.force(s, g.rate);
         loss_rate += (force - pair.law.elastic_force(s)) * g.rate;
         if (pair.second >= 0) pressing.add_square(force * g.distance, g.normal);
-        if (pair.second < 0) power += force * pair.side * pair.wall_velocity;
+        if (pair.second < 0) power += force * pair.side * wall_velocity(pair, y[time_index()]);
         for (int a = 0; a < 3; ++a) {
             const double along = force * g.normal[static_cast<std::size_t>(a)];
             dy[3 * (n + pair.first) + a] -= along / members[pair.first].mass;
@@ -96,8 +96,9 @@ void Cluster<Law>::rearrange(const std::vector<int>& chosen) {
 
 template <class Law>
 void Cluster<Law>::integration_step(double until) {
+    const bool in_contact = any(ContactState::closed);
     for (ContactPair<Law>& q : pairs)
-        if (q.state == ContactState::closed) set_scales(q);
+        if (q.state == ContactState::closed || !in_contact) set_scales(q);
     choose_coordinates();
     if (!(h_ > 0.0)) h_ = 0.25 * time_unit();
     if (!known_) derivative(y_.data(), k_.data());

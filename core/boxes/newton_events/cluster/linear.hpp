@@ -104,8 +104,8 @@ void Cluster<Law>::add_contact(int index, double unit) {
     f.axis = q.axis;
     f.closed = q.state == ContactState::closed;
     f.side = q.side;
-    f.wall[0] = q.wall_position(y_[time_index()]);
-    f.wall[1] = q.wall_velocity * unit;
+    f.wall[0] = q.second < 0 ? wall_position(q, y_[time_index()]) : 0.0;
+    f.wall[1] = q.second < 0 ? wall_velocity(q, y_[time_index()]) * unit : 0.0;
     f.image = series::Four{q.image[0], q.image[1], q.image[2], 0.0};
     f.contact_distance = f.bodies.contact_distance = q.contact_distance;
     f.spring = f.bodies.spring = q.law.elastic_force(1.0);
@@ -209,7 +209,7 @@ template <class Law>
 void Cluster<Law>::predict_begin(int index, double unit, StepEvent& found) {
     const ContactPair<Law>& q = pairs[static_cast<std::size_t>(index)];
     const Geometry g = geometry(q, y_.data());
-    const double wall = q.wall_velocity * unit;
+    const double wall = q.second < 0 ? wall_velocity(q, y_[time_index()]) * unit : 0.0;
     const double both = travel_[q.first] + (q.second < 0 ? math::abs(wall) * found.at : travel_[q.second]);
     if (-g.depth > both) return;
     series::Terms gap;

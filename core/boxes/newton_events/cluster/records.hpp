@@ -28,7 +28,7 @@ struct ContactPair {
     int axis;                 // of the wall's normal
     double side;              // +1 for a wall at the low end of the axis, −1 at the high end
     double wall;              // coordinate of the wall along the axis at `base`, from the cluster's origin
-    double wall_velocity;     // along the axis [m/s]
+    double wall_velocity;     // along the axis at `base` [m/s]
     double contact_distance;  // R_first + R_second; at a wall R_first [m]
     double mass;              // effective mass [kg]
     Law law;
@@ -42,7 +42,7 @@ struct ContactPair {
     double s_unit = 0.0, depth_unit = 0.0;                 // at the cluster's energy
     double begin = 0.0, impact_speed = 0.0;                // of the closed contact
 
-    // Of the wall, t [s] after `base`.
+    // Of a wall that does not oscillate, t [s] after `base`.
     double wall_position(double t) const { return wall_velocity != 0.0 ? wall + wall_velocity * t : wall; }
 };
 

@@ -4,10 +4,37 @@
 
 namespace hardlimit::boxes {
 
+// Replaces the pieces of walls that have ended. Returns when the present ones end, at most `until`; steps along a sine
+// are at most a 32nd of its period, so that no event within a step is missed.
+template <class Law>
+double Cluster<Law>::end_of_pieces(double until) {
+    double end = until;
+    for (const ContactPair<Law>& q : pairs) {
+        if (q.second >= 0) continue;
+        WallPiece& p = wall_pieces[static_cast<std::size_t>(-1 - q.wall_id.number)];
+        while (p.ends_at(time, base + time)) {
+            p = p.next();
+            known_ = false;
+            if (p.amplitude == 0.0) h_ = 0.0;
+        }
+        end = math::min(end, p.end);
+        if (p.amplitude != 0.0) end = math::min(end, time + 0.125 * (p.end - p.begin));
+    }
+    return end;
+}
+
 template <class Law>
 void Cluster<Law>::load_state() {
-    walls_move_ =
-        std::any_of(pairs.begin(), pairs.end(), [](const auto& q) { return q.wall_velocity != 0.0; });
+    walls_move_ = !wall_pieces.empty() || std::any_of(pairs.begin(), pairs.end(),
+                                                      [](const auto& q) { return q.wall_velocity != 0.0; });
+    integrates_ = !LinearLaw<Law>;
+    sine_ = false;
+    if (!wall_pieces.empty())
+        for (const ContactPair<Law>& q : pairs) {
+            if (q.second >= 0) continue;
+            sine_ = sine_ || piece(q).amplitude != 0.0;
+            integrates_ = integrates_ || sine_ || piece(q).acceleration0 != 0.0;
+        }
     slot_.assign(pairs.size(), -1);
     rooted_.clear();
     for (std::size_t q = 0; q < pairs.size(); ++q) {
@@ -26,7 +53,7 @@ void Cluster<Law>::load_state() {
     std::ranges::copy(virial.component, &y_[virial_index()]);
     if (walls_move_) y_[wall_work_index()] = wall_work;
     for (const int q : rooted_) y_[slot_[q]] = pairs[q].s;
-    if constexpr (!LinearLaw<Law>) resize();
+    if (integrates_) resize();
     lightest_ = lightest();
     speed_unit_ = unit_of_speed();
     known_ = false;
@@ -60,7 +87,7 @@ void Cluster<Law>::record_state() {
     if (!record) return;
     trajectory.time.push_back(y_[time_index()]);
     trajectory.state.insert(trajectory.state.end(), y_.begin(), y_.begin() + 6 * count());
-    if constexpr (LinearLaw<Law>) trajectory.chord_deviation.resize(trajectory.time.size() * members.size());
+    if (!integrates_) trajectory.chord_deviation.resize(trajectory.time.size() * members.size());
 }
 
 template <class Law>
@@ -68,7 +95,7 @@ Vector3 Cluster<Law>::frame_velocity() const {
     Vector3 mean{};
     if (near_a_wall()) {
         for (const ContactPair<Law>& q : pairs)
-            if (q.second < 0) mean[static_cast<std::size_t>(q.axis)] = q.wall_velocity;
+            if (q.second < 0) mean[static_cast<std::size_t>(q.axis)] = wall_velocity(q, time);
         return mean;
     }
     double mass = 0.0;
@@ -88,7 +115,8 @@ double Cluster<Law>::lightest() const {
 }
 
 // Speed that the lightest member would have with all energy, kinetic in the cluster's frame and elastic. A second wall
-// with another velocity does work in this frame: it may add several times its relative velocity.
+// with another velocity, or a wall that changes its velocity, does work in this frame: it may add several times this
+// difference.
 template <class Law>
 double Cluster<Law>::unit_of_speed() const {
     const Vector3 mean = frame_velocity();
@@ -99,7 +127,9 @@ double Cluster<Law>::unit_of_speed() const {
     for (const ContactPair<Law>& q : pairs) {
         if (q.state == ContactState::closed) energy += q.law.energy(depth_root(q));
         if (q.second >= 0) continue;
-        gain = math::max(gain, 4.0 * math::abs(q.wall_velocity - mean[static_cast<std::size_t>(q.axis)]));
+        const double other = wall_velocity(q, time) - mean[static_cast<std::size_t>(q.axis)];
+        const double change = wall_pieces.empty() ? 0.0 : 2.0 * piece(q).motion.fastest();
+        gain = math::max(gain, 4.0 * math::abs(other) + change);
     }
     // Speed that gravity adds within a millionth of a radius, since bodies may lie at rest.
     double smallest = math::infinity;
@@ -127,33 +157,36 @@ void Cluster<Law>::set_scales(ContactPair<Law>& q) const {
     q.scaled = true;
 }
 
-// Upper bound on the energy that one contact can store: all energy, and the work of each member's weight over its
-// radius [J].
+// Upper bound on the energy that one contact can store: all energy, and the work of each member's weight, or of its
+// inertia on an accelerated wall, over its radius [J].
 template <class Law>
 double Cluster<Law>::most_energy() const {
-    const double pull = math::sqrt(dot(gravity, gravity));
-    double sum = energy_unit();
+    double pull = math::sqrt(dot(gravity, gravity)), sum = energy_unit();
+    for (const WallPiece& p : wall_pieces) pull = math::max(pull, p.motion.greatest_acceleration());
     for (const Member& m : members) sum += m.mass * pull * m.radius;
     return sum;
 }
 
 template <class Law>
 double Cluster<Law>::time_unit() const {
-    double least = math::infinity;
-    for (const ContactPair<Law>& q : pairs)
-        if (q.state == ContactState::closed) least = math::min(least, q.depth_unit);
-    return least / speed_unit_;
+    double least = math::infinity, least_open = math::infinity;
+    for (const ContactPair<Law>& q : pairs) {
+        double& of = q.state == ContactState::closed ? least : least_open;
+        if (q.scaled) of = math::min(of, q.depth_unit);
+    }
+    return (least < math::infinity ? least : least_open) /
+           speed_unit_;  // without a contact: in flight over a sine
 }
 
 // A body at x with the velocity v, and a wall, at the time t since `base`.
 template <class Law>
 typename Cluster<Law>::Geometry Cluster<Law>::wall_geometry(const ContactPair<Law>& q, const double* x,
-                                                            const double* v, double t) {
+                                                            const double* v, double t) const {
     Geometry g{};
-    const double away = q.side * (x[q.axis] - q.wall_position(t));
+    const double away = q.side * (x[q.axis] - wall_position(q, t));
     g.normal[static_cast<std::size_t>(q.axis)] = -q.side;
     g.depth = q.contact_distance - away;
-    g.rate = -q.side * (v[q.axis] - q.wall_velocity);
+    g.rate = -q.side * (v[q.axis] - wall_velocity(q, t));
     g.distance = math::infinity;
     return g;
 }

@@ -15,6 +15,7 @@ from typing import Any, BinaryIO, Final
 import numpy as np
 
 from ...support import validation
+from ..walls import as_entries, from_entries
 from .frame import Append, Floats, Found, Frame, boundary_of, read_table, three, write_rows
 
 COLUMNS: Final = "species:S:1:pos:R:3:velo:R:3:radius:R:1:mass:R:1"
@@ -42,15 +43,17 @@ def _append(file: BinaryIO, frame: Frame) -> None:
 
 
 def _comment(frame: Frame) -> str:
-    """The comment line of a frame: cell, columns, periodicity, time and gravity."""
+    """The comment line of a frame: cell, columns, periodicity, time, gravity and moving walls."""
     d = len(frame.box)
     edges = three(frame.box, 2.0 * float(frame.radius.max()))
     flags = ["T" if side == "periodic" else "F" for side in frame.boundary] + ["F"] * (3 - d)
     gravity = " ".join(map(repr, three(frame.gravity).tolist()))
     lattice = " ".join(map(repr, np.diag(edges).ravel().tolist()))
+    walls = "; ".join(" ".join(map(str, entry)) for entry in as_entries(frame.walls))
+    walls = f' moving_walls="{walls}"' if walls else ""
     return (
         f'Lattice="{lattice}" Properties={COLUMNS} pbc="{" ".join(flags)}" '
-        f'Time={frame.time!r} gravity="{gravity}" dimension={d}'
+        f'Time={frame.time!r} gravity="{gravity}" dimension={d}{walls}'
     )
 
 
@@ -141,6 +144,9 @@ def _arguments(table: Floats, where: dict[str, slice], entries: dict[str, str]) 
         "box": np.diag(cell)[:d],
         "boundary": boundary_of(flag in "T1" for flag in flags[:d]),
         "gravity": _vector(entries, "gravity", 3, 0.0)[:d],
+        "walls": from_entries(
+            wall.split() for wall in entries.get("moving_walls", "").split(";") if wall.strip()
+        ),
     }
 
 

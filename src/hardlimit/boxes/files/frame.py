@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
 from typing import Any, BinaryIO, Final
 
 import numpy as np
 from numpy.typing import NDArray
+
+from ..walls import MovingWall
 
 Floats = NDArray[np.float64]
 
@@ -23,6 +25,7 @@ class Frame:
     box: Floats  #: (d,) [m]
     boundary: tuple[str, ...]  #: "periodic" or "wall" for each axis
     gravity: Floats  #: (d,) [m/s²]
+    walls: Mapping[str, MovingWall] = field(default_factory=dict)  #: those that move
     time: float = 0.0  #: [s]
 
 

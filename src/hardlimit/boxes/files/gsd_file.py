@@ -1,12 +1,13 @@
 """GSD files, the binary trajectory format of HOOMD-blue, read and written with the library gsd.
 
 The format has single precision, and its origin is in the middle of the box. We store the same values in double
-precision under ``log``, so that a system is read back to the last bit. Walls and gravity, which GSD does not have, are
-stored there as well. OVITO can read the files.
+precision under ``log``, so that a system is read back to the last bit. Walls, their motion and gravity, which GSD does
+not have, are stored there as well. OVITO can read the files.
 """
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -14,6 +15,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from ..walls import as_entries, from_entries
 from .frame import Append, Floats, Found, Frame, boundary_of, three
 
 #: Names under ``log`` of the values in double precision.
@@ -21,6 +23,9 @@ OF_PARTICLES: Final = {
     name: f"particles/hardlimit/{name}" for name in ("positions", "velocities", "radius", "mass")
 }
 OF_BOX: Final = {name: f"hardlimit/{name}" for name in ("box", "periodic", "gravity", "time")}
+
+#: Moving walls under ``log``, as JSON.
+WALLS: Final = "hardlimit/moving_walls"
 
 
 def _library() -> Any:
@@ -52,6 +57,8 @@ def _made(made: Any, step: int, frame: Frame) -> Any:
     made.log[OF_BOX["periodic"]] = np.array([side == "periodic" for side in frame.boundary], np.uint8)
     made.log[OF_BOX["gravity"]] = np.array(frame.gravity)
     made.log[OF_BOX["time"]] = np.array([frame.time])
+    if frame.walls:
+        made.log[WALLS] = np.frombuffer(json.dumps(as_entries(frame.walls)).encode(), np.uint8)
     return made
 
 
@@ -127,6 +134,7 @@ def _in_double(found: Any) -> Found:
             "log: must equal the values in single precision; another program has changed one of them"
         )
     values.pop("time")
+    values["walls"] = from_entries(json.loads(bytes(found.log[WALLS]))) if WALLS in found.log else {}
     return values | {"boundary": boundary_of(values.pop("periodic"))}, 0.0
 
 

@@ -1,0 +1,434 @@
+"""Walls that oscillate: exact collisions, the bouncing ball's map, energy, frames, files, and all engines alike."""
+
+import math
+from pathlib import Path
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+
+import hardlimit as hl
+from conftest import refusal
+from hardlimit import _core
+
+WAVEFORMS = ("sine", "triangle", "parabola")
+each_waveform = pytest.mark.parametrize("waveform", WAVEFORMS)
+LINEAR = hl.LinearDashpot(stiffness=1e4, restitution=0.8)
+VISCOELASTIC = hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, restitution=0.8, impact_speed=0.3)
+G, R = 9.81, 0.01
+
+
+def wave(waveform: str, cycles: Any) -> Any:
+    """w(2π cycles), by other formulas than the core's, at the precision of mpmath."""
+    c = cycles - mpmath.floor(cycles)
+    if waveform == "sine":
+        return mpmath.sin(2 * mpmath.pi * c)
+    if waveform == "triangle":
+        return 2 / mpmath.pi * mpmath.asin(mpmath.sin(2 * mpmath.pi * c))
+    return 4 * (2 * c) * (1 - 2 * c) if c < 0.5 else -4 * (2 * c - 1) * (2 - 2 * c)
+
+
+def ball(wall: hl.MovingWall, x: float, v: float, gravity: float = G) -> hl.ParticleSystem:
+    """One ball above a floor that moves."""
+    return hl.ParticleSystem(
+        [[0.5, x]],
+        [[0.0, v]],
+        R,
+        mass=0.01,
+        box=1.0,
+        boundary="wall",
+        gravity=gravity,
+        walls={"y-": wall},
+    )
+
+
+def walls_of(random: np.random.Generator, waveform: str, g: float = G) -> hl.MovingWall:
+    """A wall with an acceleration of 0.5 to 8 g at 15 to 60 Hz."""
+    frequency = random.uniform(15.0, 60.0)
+    amplitude = random.uniform(0.5, 8.0) * g / (2.0 * math.pi * frequency) ** 2
+    return hl.MovingWall(amplitude, frequency, waveform, random.uniform(-3.0, 3.0))
+
+
+@each_waveform
+@pytest.mark.parametrize("gravity", [G, 0.0])
+def test_each_collision_is_the_first_zero_of_the_gap(waveform: str, gravity: float) -> None:
+    """Each flight, started from the state after a logged collision, against the gap at 40 digits: the gap is zero to
+    the rounding of positions at the next collision and positive before, on 4000 points. Velocities: Newton's rule."""
+    random = np.random.default_rng(len(waveform))
+    mpmath.mp.dps = 40
+    flights = 0
+    for _ in range(6):
+        wall, e = walls_of(random, waveform), random.uniform(0.5, 0.95)
+        system = ball(wall, 0.05, random.uniform(-0.5, 0.2) if gravity else -0.3, gravity)
+        run = hl.event_driven(system, restitution=e, until=1.0, max_collisions=40, log=True)
+        f, shift = mpmath.mpf(wall.frequency), mpmath.mpf(wall.phase) / (2 * mpmath.pi)
+
+        def place(t: Any, wall: hl.MovingWall = wall, f: Any = f, shift: Any = shift) -> Any:
+            return wall.amplitude * wave(wall.waveform, f * t + shift)
+
+        t, x, v = mpmath.mpf(0), mpmath.mpf(0.05), mpmath.mpf(float(system.velocities[0, 1]))
+        rows = run.collisions
+        for at, number, impact in zip(
+            rows.time.values, rows.second.values, rows.impact_speed.values, strict=True
+        ):
+            if number != -3:  # the ceiling, without gravity
+                break
+
+            def gap(s: Any, t: Any = t, x: Any = x, v: Any = v) -> Any:
+                return x + v * s - gravity * s * s / 2 - place(t + s) - R
+
+            s = mpmath.mpf(float(at)) - t
+            assert abs(gap(s)) < 1e-16 * (1.0 + float(impact) * (1.0 + float(t)) * 10.0)
+            before = [gap(s * k / 400) for k in range(1, 400)] if s > 1e-9 else []
+            assert min(before, default=1) > -1e-16
+            moving = mpmath.diff(place, t + s, h=mpmath.mpf(10) ** -18)
+            arriving = v - gravity * s
+            assert float(impact) == pytest.approx(float(moving - arriving), rel=1e-9, abs=1e-12)
+            t, x, v = t + s, place(t + s) + R, moving + e * (moving - arriving)
+            flights += 1
+    assert flights > (100 if gravity else 5)
+
+
+@each_waveform
+@pytest.mark.parametrize("beyond", [1e-10, -1e-10])
+def test_a_grazing_flight(waveform: str, beyond: float) -> None:
+    """A ball without gravity moves so that the least gap in two periods is `beyond` amplitudes."""
+    wall = hl.MovingWall(1e-3, 40.0, waveform, phase=0.3)
+    quarters = (0.25 * np.arange(1, 8) - wall.phase / (2.0 * math.pi)) / wall.frequency
+    times = np.sort([*np.linspace(0.0, 0.05, 2_000_001), *quarters[(quarters > 0.0) & (quarters < 0.05)]])
+    cycles = (wall.frequency * times + wall.phase / (2.0 * math.pi)) % 1.0
+    w = {
+        "sine": np.sin(2.0 * np.pi * cycles),
+        "triangle": 1.0 - 4.0 * np.abs((cycles + 0.25) % 1.0 - 0.5),
+        "parabola": np.where(
+            cycles < 0.5, 8.0 * cycles * (1.0 - 2.0 * cycles), -16.0 * (cycles - 0.5) * (1.0 - cycles)
+        ),
+    }[waveform]
+    v = 0.02
+    least = float((v * times - wall.amplitude * w).min())
+    x = R - least + beyond * wall.amplitude
+    run = hl.event_driven(
+        ball(wall, x, v, gravity=0.0), restitution=0.9, until=0.05, max_collisions=1, log=True
+    )
+    assert run.n_collisions == (1 if beyond < 0.0 else 0)
+
+
+def stationary(gamma: float, e: float, f: float = 30.0) -> tuple[hl.MovingWall, float]:
+    """A wall of the acceleration gamma·g and the velocity after impact of the ball that bounces once in each period.
+
+    It flies for T, so that v' = gT/2 and v = −gT/2; Newton's rule gives the velocity of the wall W at impact."""
+    omega, v = 2.0 * math.pi * f, 0.5 * G / f
+    amplitude = gamma * G / omega**2
+    moving = v * (1.0 - e) / (1.0 + e)
+    return hl.MovingWall(amplitude, f, phase=math.acos(moving / (amplitude * omega))), v
+
+
+@pytest.mark.parametrize("e", [0.3, 0.6, 0.85])
+def test_the_bouncing_ball_doubles_its_period(e: float) -> None:
+    """The solution of one bounce per period is stable for π(1−ε)/(1+ε) < Γ < √(π²(1−ε)²/(1+ε)² + 4(1+ε²)²/(1+ε)⁴)
+    (J. M. Luck and A. Mehta, Phys. Rev. E 48, 3988 (1993)): a perturbation of 1e-3 decays 3 % below the upper bound;
+    5 % above, the phases of even and odd bounces differ."""
+    lower = math.pi * (1.0 - e) / (1.0 + e)
+    upper = math.sqrt(lower**2 + 4.0 * (1.0 + e * e) ** 2 / (1.0 + e) ** 4)
+    for gamma, doubled in ((lower + 0.97 * (upper - lower), False), (lower + 1.05 * (upper - lower), True)):
+        wall, v = stationary(gamma, e)
+        start = ball(wall, wall.displacement() + R, v * 1.001)
+        run = hl.event_driven(start, restitution=e, until=60.0, max_collisions=1500, log=True)
+        phases = (run.collisions.time.values * wall.frequency) % 1.0
+        difference = abs(math.remainder(phases[-1] - phases[-2], 1.0))
+        assert run.outcome == "ok"
+        assert (difference > 1e-3) == doubled, (gamma, difference)
+        assert doubled or difference < 1e-6
+    wall, v = stationary(0.5 * (lower + upper), e)
+    run = hl.event_driven(
+        ball(wall, wall.displacement() + R, v), restitution=e, until=60.0, max_collisions=200, log=True
+    )
+    np.testing.assert_allclose(np.diff(run.collisions.time.values), 1.0 / wall.frequency, rtol=1e-9)
+
+
+@pytest.mark.parametrize("waveform", ["sine", "parabola"])
+def test_below_g_a_ball_comes_to_rest_on_the_floor(waveform: str) -> None:
+    """Γ < 1 and < π(1−ε)/(1+ε), above which the ball may go on bouncing: chatter is a collapse at the
+    wall, tc bounces on, and under Newton's equations the ball stays on the wall."""
+    frequency = 30.0
+    amplitude = 0.8 * G / (2.0 * math.pi * frequency) ** 2 * (1.0 if waveform == "sine" else 0.5)
+    wall = hl.MovingWall(amplitude, frequency, waveform)
+    start = ball(wall, 0.02, 0.0)
+    run = hl.event_driven(start, restitution=0.4, until=3.0)
+    assert run.outcome_name == "collapse"
+    assert run.early_end is not None
+    assert run.early_end.wall == -3
+    assert (
+        hl.event_driven(start, restitution=0.4, rule="tc", contact_duration=1e-4, until=1.0).outcome == "ok"
+    )
+    law = hl.LinearDashpot(stiffness=1e4, restitution=0.4)
+    soft = hl.molecular_dynamics(start, law=law, until=1.0, engine="events")
+    assert soft.outcome == "ok"
+    assert (soft.series.n_in_contact.values[60:] == 1).all()
+    height = soft.system.positions[0, 1] - soft.system.domain.limits(1)[0]
+    assert height == pytest.approx(R, abs=5.0 * 0.01 * G / 1e4)
+    assert soft.energy_error < 1e-10
+
+
+@each_waveform
+def test_newtons_equations_converge_to_the_hard_sphere(waveform: str) -> None:
+    """Times of the first three bounces: the difference is of the order of the contact's duration, ∝ 1/√stiffness."""
+    wall = hl.MovingWall(1e-3, 25.0, waveform, phase=0.7)
+    start = ball(wall, 0.05, 0.1)
+    hard = hl.event_driven(start, restitution=0.8, until=0.4, log=True).collisions.time.values[:3]
+    error = []
+    for stiffness in (1e6, 1e8, 1e10):
+        law = hl.LinearDashpot(stiffness=stiffness, restitution=0.8)
+        soft = hl.molecular_dynamics(start, law=law, until=0.4, engine="events", log=True)
+        error.append(np.abs(soft.contacts.begin.values[:3] - hard).max())
+    assert error[1] == pytest.approx(error[0] / 10.0, rel=0.5)
+    assert error[2] == pytest.approx(error[1] / 10.0, rel=0.5)
+
+
+RULES: dict[str, dict[str, Any]] = {
+    "constant": {"restitution": 0.9},
+    "tc": {"restitution": 0.9, "rule": "tc", "contact_duration": 1e-4},
+    "law": {"law": VISCOELASTIC},
+    "soft": {"law": LINEAR, "rule": "soft"},
+}
+NEWTON = {"linear": LINEAR, "viscoelastic": VISCOELASTIC}
+SOLVERS = [*RULES, *(f"{engine}, {law}" for engine in ("events", "steps") for law in NEWTON)]
+
+
+def solved(name: str, system: hl.ParticleSystem, until: float, **more: Any) -> Any:
+    if name in RULES:
+        return hl.event_driven(system, until=until, samples=10, **RULES[name], **more)
+    engine, law = name.split(", ")
+    return hl.molecular_dynamics(system, until=until, engine=engine, law=NEWTON[law], samples=10, **more)
+
+
+def balance(run: Any) -> float:
+    """Largest change of the energies less the work of the walls, over the largest kinetic energy."""
+    kept = run.series
+    total = kept.kinetic_energy + kept.potential_energy + kept.dissipated_energy - kept.wall_work
+    if "contact_energy" in kept:
+        total = total + kept.contact_energy
+    return float(abs(total - total[0]).max() / kept.kinetic_energy.max())
+
+
+def shaken(seed: int, n: int = 60) -> hl.ParticleSystem:
+    """A random box: dimension, gravity, waveforms, walls, radii."""
+    random = np.random.default_rng(seed)
+    d = int(random.integers(2, 4))
+    low, high = "xyz"[d - 1] + "-", "xyz"[d - 1] + "+"
+    walls = {
+        name: walls_of(random, str(random.choice(WAVEFORMS))) for name in (low, high, "x+")[: 1 + seed % 3]
+    }
+    if seed % 4 == 0:
+        fast = walls[low]
+        walls[low] = hl.MovingWall(fast.amplitude, fast.frequency, fast.waveform, fast.phase, velocity=0.2)
+    gravity = float(random.choice([0.0, G])) if seed % 2 else G
+    radius = (1e-3, 1.4e-3) if seed % 3 else 1.2e-3
+    return hl.ParticleSystem.random(
+        n, 0.15, radius, 2500.0, 0.3, dimension=d, boundary="wall", gravity=gravity, walls=walls, seed=seed
+    )
+
+
+@pytest.mark.parametrize("name", SOLVERS)
+@pytest.mark.parametrize("seed", range(4))
+def test_energies_account_for_the_work_of_the_walls(name: str, seed: int) -> None:
+    run = solved(name, shaken(seed), 0.03)
+    assert float(run.series.wall_work[-1]) != 0.0
+    assert balance(run) < (5e-3 if "steps" in name else 1e-10)
+    low, high = run.system.domain.limits(run.system.dimension - 1)
+    inside = 0.5 * run.system.radius.min() if name != "soft" else -run.system.radius.max()
+    assert (run.system.positions[:, -1] > low + inside).all()
+    assert (run.system.positions[:, -1] < high - inside).all()
+
+
+@pytest.mark.parametrize("name", SOLVERS)
+def test_a_shaken_box_that_drifts(name: str) -> None:
+    """All walls of an axis drift alike in addition: the Galilean transform of the box that does not."""
+    system = hl.ParticleSystem.random(
+        30, 0.1, 1e-3, 2500.0, 0.3, dimension=2, boundary="wall", gravity=G, seed=5,
+        walls={"y-": hl.MovingWall(4e-4, 60.0, "sine", 0.4), "x+": hl.MovingWall(3e-4, 45.0, "parabola", -0.9)},
+    )  # fmt: skip
+    drift, until = np.array([0.3, -0.2]), 0.01
+    walls = {}
+    for axis, letter in enumerate("xy"):
+        for end in "-+":
+            old = system.walls.get(letter + end, hl.MovingWall())
+            walls[letter + end] = hl.MovingWall(
+                old.amplitude, old.frequency, old.waveform, old.phase, velocity=drift[axis]
+            )
+    step = {"time_step": 2e-6} if "steps" in name else {}
+    rest = solved(name, system, until, **step)
+    moving = solved(name, system.replace(velocities=system.velocities + drift, walls=walls), until, **step)
+    atol = 1e-9 if "steps" in name else 1e-11
+    np.testing.assert_allclose(moving.system.positions - drift * until, rest.system.positions, atol=atol)
+    np.testing.assert_allclose(moving.system.velocities - drift, rest.system.velocities, atol=1e3 * atol)
+
+
+@pytest.mark.parametrize("law", NEWTON)
+def test_events_and_small_steps_agree(law: str) -> None:
+    """The difference of positions falls as h², over a time before chaos takes over."""
+    system = shaken(1, 12)
+    exact = solved(f"events, {law}", system, 0.012).system.positions
+    error = [
+        float(np.abs(solved(f"steps, {law}", system, 0.012, time_step=h).system.positions - exact).max())
+        for h in (4e-6, 1e-6)
+    ]
+    assert error[1] < 0.15 * error[0] < 1e-6
+
+
+@pytest.mark.parametrize("name", SOLVERS)
+def test_a_resumed_run_has_the_same_bits(name: str, tmp_path: Path) -> None:
+    system = shaken(3)
+    whole = solved(name, system, 0.02)
+    path = tmp_path / "run.ckpt"
+    if name in RULES:
+        hl.event_driven(system, until=0.02, max_collisions=80, samples=10, checkpoint=path, **RULES[name])
+        resumed = hl.resume(path, until=0.02, max_collisions=2**60)
+    else:
+        run = 0.008
+        engine, law = name.split(", ")
+        hl.molecular_dynamics(system, until=run, engine=engine, law=NEWTON[law], samples=4, checkpoint=path)
+        resumed = hl.resume(path, until=0.02)
+    if "steps" in name:  # equal steps between other samples
+        assert resumed.system.walls == whole.system.walls
+        return
+    assert resumed.system == whole.system
+    assert float(resumed.series.wall_work[-1]) == float(whole.series.wall_work[-1])
+
+
+@pytest.mark.parametrize("threads", [2, 3])
+def test_steps_have_the_same_bits_with_any_number_of_threads(threads: int) -> None:
+    system = shaken(5, 400)
+    one, several = (
+        hl.molecular_dynamics(system, law=LINEAR, until=0.004, engine="steps", threads=k, samples=2)
+        for k in (1, threads)
+    )
+    assert one.system == several.system
+    assert one.series.identical(several.series)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_no_body_leaves_its_safety_radius(seed: int) -> None:
+    system = shaken(seed, 40)
+    engine = _core.make_engine(
+        "newton_events",
+        system.domain.of_core(),
+        system.positions,
+        system.velocities,
+        np.ascontiguousarray(system.radius),
+        np.ascontiguousarray(system.mass),
+        law=("linear", 0, [1e4, 0.8]),
+    )
+    for k in range(1, 20):
+        engine.advance(1e-3 * k)
+        assert engine.largest_safety_use(20) <= 1.0
+
+
+def test_beads_on_a_shaken_floor_condense_or_fluidise() -> None:
+    """A column of N = 10 beads at Γ = 5.6: for N(1 − ε) = 0.3 it is fluidised, for 4 it moves as one block (S. Luding,
+    H. J. Herrmann and A. Blumen, Phys. Rev. E 50, 3100 (1994)). Qualitative: mean expansion of the column."""
+    n, radius = 10, 1e-3
+    expansion = []
+    for e in (0.97, 0.6):
+        wall = hl.MovingWall(1.4e-3, 31.5)
+        positions = np.column_stack([np.full(n, 0.005), radius * (1.0 + 2.02 * np.arange(n))])
+        column = hl.ParticleSystem(
+            positions, np.zeros((n, 2)), radius, density=2500.0, box=[0.01, 1.0], boundary="wall", gravity=G,
+            walls={"y-": wall},
+        )  # fmt: skip
+        law = hl.LinearDashpot(stiffness=1e5, restitution=e)
+        run = hl.molecular_dynamics(
+            column, law=law, until=1.0, engine="events", observe=lambda _, now: {"y": now.positions[:, 1]}
+        )
+        y = run.series.y.values[40:]
+        expansion.append(float((y[:, -1] - y[:, 0]).mean()) / (2.0 * radius * (n - 1)))
+    assert expansion[0] > 2.5
+    assert expansion[1] < 1.5
+
+
+def test_a_violent_wall_compresses_too_deep() -> None:
+    """The limit on the compression holds at accelerated walls."""
+    start = ball(hl.MovingWall(20e-3, 100.0), 0.02, -1.0)
+    soft = hl.LinearDashpot(stiffness=1e3, restitution=0.9)
+    for engine in ("events", "steps"):
+        run = hl.molecular_dynamics(start, law=soft, until=0.05, engine=engine)
+        assert run.outcome_name == "too_deep"
+
+
+# --- MovingWall, systems and files ------------------------------------------------------------------------------------
+
+
+@each_waveform
+def test_the_displacement_is_that_of_the_core(waveform: str) -> None:
+    wall = hl.MovingWall(2e-3, 13.0, waveform, 0.9, velocity=0.3, offset=-1e-3)
+    system = hl.ParticleSystem(
+        [[0.5] * 3], [[0.0] * 3], R, mass=1.0, box=1.0, boundary="wall", walls={"x+": wall}
+    )
+    for time in np.linspace(0.0, 0.3, 101):
+        rows = {number: (at, speed) for number, at, speed in system.domain.of_core().walls(time)}
+        assert rows[-2][0] == pytest.approx(1.0 + wall.displacement(time), abs=1e-15)
+        assert abs(rows[-2][1]) <= wall.fastest * (1.0 + 1e-14)
+        later = wall.after(time)
+        assert later.displacement(0.01) == pytest.approx(wall.displacement(time + 0.01), abs=1e-15)
+
+
+@pytest.mark.parametrize("ending", ["xyz", "gsd"])
+def test_files_hold_moving_walls(ending: str, tmp_path: Path) -> None:
+    if ending == "gsd":
+        pytest.importorskip("gsd")
+    system = shaken(4)
+    assert hl.ParticleSystem.read(system.write(tmp_path / f"box.{ending}")) == system
+    still = system.replace(walls={})
+    assert still.walls == {}
+    assert hl.ParticleSystem.read(still.write(tmp_path / f"still.{ending}")) == still != system
+
+
+def test_what_cannot_hold_moving_walls_refuses_them(tmp_path: Path) -> None:
+    system = shaken(1)
+    assert "moving walls" in refusal(lambda: system.write(tmp_path / "box.data"))
+    assert refusal(lambda: hl.molecular_dynamics(system, law=LINEAR, until=0.1, engine="lammps")).startswith(
+        "walls: "
+    )
+
+
+def test_results_continue_the_motion() -> None:
+    """Two runs of half the time end as one of the whole time does, though their clocks start again."""
+    system = shaken(2)
+    half = hl.event_driven(system, restitution=0.9, until=0.01)
+    again = hl.event_driven(half.system, restitution=0.9, until=0.01)
+    whole = hl.event_driven(system, restitution=0.9, until=0.02)
+    np.testing.assert_allclose(again.system.positions, whole.system.positions, atol=1e-9)
+    for name, wall in whole.system.walls.items():
+        assert again.system.walls[name].displacement() == pytest.approx(wall.displacement(), abs=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"amplitude": -1.0, "frequency": 1.0}, "amplitude: got -1"),
+        ({"amplitude": 1.0}, "amplitude | frequency: got 1 and 0, must both be > 0, or neither be given"),
+        ({"waveform": "saw"}, "waveform: got 'saw', must be one of"),
+        ({"amplitude": 1e60, "frequency": 1e60}, "frequency: got 1e+60, must be lower"),
+    ],
+)
+def test_a_bad_wall_is_refused(arguments: dict[str, Any], message: str) -> None:
+    assert refusal(lambda: hl.MovingWall(**arguments)).startswith(message)
+
+
+@pytest.mark.parametrize(
+    ("walls", "message"),
+    [
+        ([hl.MovingWall()], "walls: got "),
+        ({"w-": hl.MovingWall(velocity=1.0)}, "walls: got 'w-', must be one of"),
+        ({"y-": 3.0}, "walls['y-']: got 3.0, must be a MovingWall"),
+        ({"x-": hl.MovingWall(velocity=1.0)}, "walls: got 'x-', must be on an axis whose boundary is 'wall'"),
+        ({"y-": hl.MovingWall(amplitude=0.99, frequency=1.0)}, "walls: got a distance of 0.01 m along y"),
+    ],
+)
+def test_bad_walls_are_refused(walls: Any, message: str) -> None:
+    assert refusal(
+        lambda: hl.ParticleSystem(
+            [[0.5, 0.5]], [[0.0, 0.0]], R, mass=1.0, box=1.0, boundary=["periodic", "wall"], walls=walls
+        )
+    ).startswith(message)
