@@ -47,9 +47,9 @@ def rdf(
     Notes
     -----
     Names are those of freud (Ramasubramani et al., Comput. Phys. Commun. 254, 107275 (2020)). Between walls the
-    displacement r from a random point stays inside with the probability Π (1 − |r_k|/L_k), the product over the walled
-    axes. Its mean over all directions is a polynomial in r up to the smallest L_k, with the moments of a random unit
-    vector ⟨Π |n_k|⟩ = Γ(d/2)/(π^(m/2) Γ((d + m)/2)) for m axes. It is integrated exactly over each bin. For unequal
+    displacement r from a random point stays inside with the probability Π (1 − abs(r_k)/L_k), the product over the
+    walled axes. Its mean over all directions n is a polynomial in r up to the smallest L_k, because the mean of
+    Π abs(n_k) over m axes is Γ(d/2)/(π^(m/2) Γ((d + m)/2)). It is integrated exactly over each bin. For unequal
     particles L_k is that of the mean diameter; the error is of the order of (spread of radii)²/(r L).
 
     Examples
