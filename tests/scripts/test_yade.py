@@ -387,3 +387,8 @@ def test_numbers_of_a_class():
     assert stage.grains["glass"].radii == (2e-3, 2e-3) and numbers(stage.contacts[0])["en"] == 0.6
     with pytest.raises(ValueError, match="known number for en"):
         read(script(bodies=bodies, pair=(functor.replace("Grain.en", "en"), MINDLIN[1])))
+
+
+def test_a_large_lattice():
+    bodies = "O.bodies.append([sphere((i, j, k), 2e-3) for i in range(90) for j in range(90) for k in range(90)])\n"
+    assert read(script(bodies=bodies)).stages[0].grains["glass"].radii == (2e-3, 2e-3)

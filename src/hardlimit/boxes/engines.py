@@ -82,11 +82,16 @@ class Engine:
     """A compiled engine that simulates a system."""
 
     def __init__(
-        self, name: str, system: ParticleSystem, settings: Settings | NewtonSettings, compiled: Any
+        self,
+        name: str,
+        system: ParticleSystem,
+        settings: Settings | NewtonSettings,
+        compiled: Any,
+        moment: Floats,
     ) -> None:
         self.record, self.system, self.settings, self.compiled = ENGINES[name], system, settings, compiled
+        self._moment = moment  #: Σ m x at the start of the run [kg m]
         self._note = ProgressNote()
-        self._fall = system.domain.common_fall
 
     @classmethod
     def make(
@@ -107,7 +112,7 @@ class Engine:
         if time_step is not None:
             own["time_step"] = time_step
         compiled = _core.make_engine(ENGINES[name].kind, *engine_arguments(system), log=log, **own)
-        return cls(name, system, settings, compiled)
+        return cls(name, system, settings, compiled, system.mass @ system.positions)
 
     # --- running --------------------------------------------------------------------------------------------
 
@@ -169,13 +174,8 @@ class Engine:
         return system_at(self.system, self.time, self.compiled.state())
 
     def sample(self) -> dict[str, Any]:
-        """The quantities at a sample in the falling frame, with the potential energy of all gravity.
-
-        :meth:`result` converts those of all samples at once.
-        """
+        """The quantities at a sample in the falling frame; :meth:`result` converts those of all samples at once."""
         sums = self.compiled.observe()
-        if self._fall.any():
-            sums["potential_energy"] -= float(self.system.mass @ (self.compiled.state()[0] @ self._fall))
         sums["time"], sums["n_collisions"] = self.time, sums["n_contacts"]
         return {name: np.asarray(sums[name], float) for name in self.record.records if name in sums}
 
@@ -222,7 +222,7 @@ class Engine:
             "system": now,
             "time": self.time,
             "outcome_name": "no_contact" if idle and self.outcome == "ok" else self.outcome,
-            "samples": laboratory_sums(self.system, samples["time"], dict(samples)),
+            "samples": self._in_laboratory(samples),
             "log": None if log is None else self.whole_log(log),
             "largest_compression": None if math.isnan(largest) else largest,
             "early_end": self.early_end(now),
@@ -247,6 +247,12 @@ class Engine:
             **common,
         )
 
+    def _in_laboratory(self, samples: Mapping[str, Floats]) -> dict[str, Floats]:
+        """The samples in the laboratory. The momentum is constant along the axes of the common fall."""
+        moment = self._moment + samples["time"][:, None] * samples["momentum"]
+        potential = samples["potential_energy"] - moment @ self.system.domain.common_fall
+        return laboratory_sums(self.system, samples["time"], {**samples, "potential_energy": potential})
+
     # --- checkpoints ----------------------------------------------------------------------------------------
 
     def saved(self) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
@@ -258,6 +264,7 @@ class Engine:
             "settings": vars(self.settings) | {"law": None if law is None else law_entry(law)},
         }
         arrays = {name: np.asarray(getattr(self.system, name)) for name in FIXED}
+        arrays["moment"] = self._moment
         return header, arrays | {"engine": np.frombuffer(self.compiled.save(), np.uint8)}
 
     @classmethod
@@ -274,7 +281,7 @@ class Engine:
         positions, velocities = compiled.state()
         falling = ParticleSystem._of(positions=positions, velocities=velocities, **fixed)
         positions, velocities = state(falling, compiled.time, compiled.state())
-        return cls(name, falling._moved(positions, velocities), settings, compiled)
+        return cls(name, falling._moved(positions, velocities), settings, compiled, arrays["moment"])
 
 
 def joined(parts: Sequence[Log]) -> Log:

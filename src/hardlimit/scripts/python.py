@@ -438,6 +438,8 @@ class Evaluator:
             return
         (generator, *inner), chosen = generators, list[Any]()
         items = self.items(generator.iter)
+        if self.count > MAX_STEPS // 2:
+            items = None  # such as a large lattice, whose other spheres are like those before
         for item in [Unknown(ast.unparse(generator.iter))] if items is None else items:
             self.assign(generator.target, item, generator.target)
             holds = [self.value(one) for one in generator.ifs]
