@@ -215,6 +215,25 @@ def test_contacts_against_the_direct_sum(system, tolerance):
     assert len(backbone) == 0 or backbone.min() >= system.dimension + 1
 
 
+def test_walls_that_move_count_where_they_are():
+    """A wall that is 1 mm inside the box is the same as a shorter box."""
+    moved = lattice(boundary=["periodic", "periodic", "wall"]).replace(radius=0.5e-3)
+    shorter = moved.replace(box=moved.box - [0.0, 0.0, 1e-3], positions=moved.positions * [1.0, 1.0, 0.85])
+    walls = {"z+": hl.MovingWall(velocity=1.0, offset=-1e-3)}
+    moved = moved.replace(positions=shorter.positions, walls=walls)
+    assert hl.measure.coordination(moved, tolerance=1.0).identical(
+        hl.measure.coordination(shorter, tolerance=1.0)
+    )
+    assert hl.measure.rdf(moved).values == pytest.approx(hl.measure.rdf(shorter).values, rel=1e-12)
+    out = moved.replace(
+        walls={"z+": hl.MovingWall(velocity=1.0, offset=1e-3)},
+        positions=moved.positions + np.array([0.0, 0.0, 2e-3]),
+    )
+    assert float(hl.measure.profiles(out, "z").number_density.mean() * np.prod(out.box)) == pytest.approx(
+        out.n
+    )
+
+
 def test_what_is_outside_the_range_is_refused():
     system = lattice(boundary=["wall", "periodic", "periodic"])
     limit = 0.5 * system.box[1]

@@ -562,6 +562,28 @@ def arguments_of_the_verdict() -> list[Argument]:
     ]
 
 
+def arguments_of_measurements() -> list[Argument]:
+    m, system, whole = hl.measure, hl.ParticleSystem(**DISKS), "whole number"
+    run = hl.event_driven(system, restitution=1.0, until=1e-3, samples=10, observe={"paths": m.paths})
+    of = {"system": system}
+    return [
+        *(
+            Argument(f"measure.{f.__name__}", "system", "system", f, system)
+            for f in (m.rdf, m.coordination, m.a2, m.paths)
+        ),
+        Argument("measure.rdf", "bins", whole, m.rdf, 3, of),
+        Argument("measure.rdf", "r_max", "optional number", m.rdf, 0.01, of),
+        Argument("measure.rdf", "r_min", "number", m.rdf, 0.001, of),
+        Argument("measure.coordination", "tolerance", "number", m.coordination, 0.1, of),
+        Argument("measure.granular_temperature", "bins", whole, m.granular_temperature, 3, of),
+        Argument("measure.profiles", "axis", "word", m.profiles, "y", of),
+        Argument("measure.profiles", "bins", whole, m.profiles, 3, of | {"axis": "x"}),
+        Argument("measure.msd", "paths", "system", m.msd, run.series.paths),
+        Argument("measure.contact_value", "run", "system", m.contact_value, run),
+        Argument("measure.plot", "measured", "system", m.plot, run.series.pressure),
+    ]
+
+
 def arguments_of_practice() -> list[Argument]:
     pile = {"n": 2, "law": LAW, "bottom_mass": 1.0, "model": "independent"}
     oblique = {"column": COLUMN, "offset": 1e-4}
@@ -617,6 +639,7 @@ def arguments_of_practice() -> list[Argument]:
         Argument("fidelity", "workers", "whole number", measure, 1),
         Argument("resume", "until", "optional number", go_on, 1e-8),
         *arguments_of_the_verdict(),
+        *arguments_of_measurements(),
         Argument("resume", "max_collisions", "optional count", go_on, 2),
     ]
 

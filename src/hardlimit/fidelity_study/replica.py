@@ -103,8 +103,10 @@ class Plan:
 def digest(system: ParticleSystem) -> NDArray[np.uint8]:
     """Hash of an initial state, 32 bytes."""
     found = hashlib.sha256()
-    for name, value in system._values().items():
-        found.update(repr(value).encode() if name == "boundary" else np.ascontiguousarray(value).tobytes())
+    for value in system._values().values():
+        found.update(
+            np.ascontiguousarray(value).tobytes() if isinstance(value, np.ndarray) else repr(value).encode()
+        )
     return np.frombuffer(found.digest(), np.uint8)
 
 

@@ -41,7 +41,7 @@ def plot(measured: Any) -> Figure:
     Parameters
     ----------
     measured : DataArray, Dataset or Steady
-        Of a function of :mod:`hardlimit.measure`, or a variable of the series of a run.
+        Result of a function of ``hl.measure``, or a variable of the series of a run.
 
     Raises
     ------

@@ -47,10 +47,11 @@ def rdf(
     Notes
     -----
     Names are those of freud (Ramasubramani et al., Comput. Phys. Commun. 254, 107275 (2020)). Between walls the
-    displacement r from a random point stays inside with the probability Π (1 − |r_k|/L_k), the product over the walled
-    axes. Its mean over all directions is a polynomial in r up to the smallest L_k, with the moments of a random unit
-    vector ⟨Π |n_k|⟩ = Γ(d/2)/(π^(m/2) Γ((d + m)/2)) for m axes. It is integrated exactly over each bin. For unequal
-    particles L_k is that of the mean diameter; the error is of the order of (spread of radii)²/(r L).
+    displacement r from a random point stays inside with the probability Π (1 − abs(r_k)/L_k), the product over the
+    walled axes. Its mean over all directions n is a polynomial in r up to the smallest L_k, because the mean of
+    Π abs(n_k) over m axes is Γ(d/2)/(π^(m/2) Γ((d + m)/2)). It is integrated exactly over each bin. Walls that move
+    count where they are. For unequal particles L_k is that of the mean diameter; the error is of the order of
+    (spread of radii)²/(r L).
 
     Examples
     --------
@@ -71,7 +72,8 @@ def rdf(
         raise ValueError("system: got one particle, must be at least two")
     between_walls = np.array([side == "wall" for side in system.boundary])
     # Lengths of the region of the centres.
-    lengths = system.box - np.where(between_walls, 2.0 * system.radius.mean(), 0.0)
+    edges_now = np.diff([system.domain.limits(axis) for axis in range(system.dimension)])[:, 0]
+    lengths = edges_now - np.where(between_walls, 2.0 * system.radius.mean(), 0.0)
     limit = float(np.where(between_walls, lengths, 0.5 * lengths).min())
     least = validation.number("r_min", r_min, 0.0, limit, lowest_allowed=True)
     default = min(limit, max(RANGE * float(system.radius.mean()), 2.0 * least))
@@ -150,8 +152,8 @@ def coordination(system: ParticleSystem, *, tolerance: float = ROUNDING) -> xr.D
     first, second = touching(system, allowed)
     on_walls = np.zeros(n, int)
     for _, axis, upper in system.domain.walls():
-        x = system.positions[:, axis]
-        gap = (system.box[axis] - x if upper else x) - system.radius
+        x, wall = system.positions[:, axis], system.domain.limits(axis)[upper]
+        gap = np.abs(x - wall) - system.radius
         on_walls += gap <= allowed * system.radius
 
     def counted(kept: NDArray[np.bool_]) -> NDArray[np.int64]:

@@ -94,7 +94,7 @@ def _thermal(system: ParticleSystem, streaming: Streaming, bins: Any) -> Floats:
 def _bins(system: ParticleSystem, axis: int, bins: int) -> NDArray[np.int64]:
     """The bin of each centre."""
     at: NDArray[np.int64] = (system.positions[:, axis] / system.box[axis] * bins).astype(np.int64)
-    return np.minimum(at, bins - 1)
+    return np.clip(at, 0, bins - 1)  # a wall that moves lets particles out of the box
 
 
 def _sums(bin_of: NDArray[np.int64], values: Floats, bins: int) -> Floats:
@@ -118,7 +118,8 @@ def profiles(system: ParticleSystem, axis: str, *, bins: int = 20) -> xr.Dataset
     system : ParticleSystem
     axis : "x", "y" or "z"
     bins : int
-        Number of equal bins.
+        Number of equal bins from 0 to the edge of the box. Particles beyond, at a wall that has moved out, count in the
+        outermost bin.
 
     Returns
     -------
