@@ -152,13 +152,14 @@ class Engine:
         return math.inf if thermostat is None else (self.kicks + 1) * thermostat.interval
 
     def _kick(self) -> None:
-        thermostat, mass = self.system.thermostat, self.system.mass
+        # A contiguous array and no BLAS: sums have the same bits after a checkpoint.
+        thermostat, mass = self.system.thermostat, np.ascontiguousarray(self.system.mass)
         assert thermostat is not None
         before = np.asarray(self.compiled.state()[1])
         after = np.ascontiguousarray(thermostat.velocities(self.kicks + 1, before, mass))
         self.compiled.set_velocities(after)
         self.kicks += 1
-        self.heat += 0.5 * float(mass @ ((after - before) * (after + before)).sum(axis=1))
+        self.heat += 0.5 * float((mass[:, None] * ((after - before) * (after + before))).sum())
 
     def done_and_total(self, until: float | None, max_collisions: int | None) -> tuple[int, int]:
         """Progress: number of collisions, contacts or steps so far, and their expected total at this rate."""
