@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import hardlimit as hl
-from conftest import refusal, slow
+from conftest import refusal
 
 LINEAR = hl.LinearDashpot(stiffness=1e5, restitution=0.8)
 VISCOELASTIC = hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, restitution=0.8, impact_speed=0.3)
@@ -108,7 +108,7 @@ def heated(e: float, n: int, periods: int, seed: int = 1) -> tuple[float, float,
     return found, cumulant, a2
 
 
-@slow
+@pytest.mark.slow
 @pytest.mark.parametrize("e", [0.4, 0.8])
 def test_the_steady_state_of_the_heated_gas(e: float) -> None:
     """T. P. C. van Noije and M. H. Ernst, Granular Matter 1, 57 (1998): the temperature within 3 % (kicks at intervals
