@@ -16,6 +16,7 @@ void bind_columns(nb::module_& m);
 void bind_binary_contact(nb::module_& m);
 void bind_sweep(nb::module_& m);
 void bind_boxes(nb::module_& m);
+void bind_error_law(nb::module_& m);
 
 namespace {
 
@@ -56,4 +57,5 @@ NB_MODULE(_core, m) {
     bind_binary_contact(m);
     bind_sweep(m);
     bind_boxes(m);
+    bind_error_law(m);
 }

@@ -10,5 +10,10 @@ def same_samples(one: Any, other: Any) -> bool:
     return all(
         mine.keys() == theirs.keys()
         and all(np.array_equal(mine[name], theirs[name], equal_nan=True) for name in mine)
-        for mine, theirs in ((one.samples, other.samples), (one.observed, other.observed))
+        for mine, theirs in ((one.samples, other.samples), (_observed(one), _observed(other)))
     )
+
+
+def _observed(run: Any) -> dict[str, Any]:
+    """Values and coordinates of ``observe``."""
+    return {name: each.values for part in run.observed for name, each in part.items()}

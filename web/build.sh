@@ -14,7 +14,7 @@ fi
 module() {
     local file=$out/$1 source=$2
     shift 2
-    "${CLANG:-clang++-19}" --target=wasm32-wasi -std=c++20 -Os -msimd128 -fno-exceptions -fno-rtti \
+    "${CLANG:-clang++-19}" --target=wasm32-wasi -std=c++20 "${size:--Os}" -msimd128 -fno-exceptions -fno-rtti \
         -fno-threadsafe-statics -ffp-contract=off -fno-math-errno -Wall -Wextra -nostartfiles -I../core \
         "$source" runtime.cpp -o "$file" -Wl,--no-entry,--strip-all,-z,stack-size=262144 "${@/#/-Wl,--export=}"
     chmod 644 "$file"
@@ -25,9 +25,9 @@ if (imports.length > 0) throw new Error("the module imports " + imports.map((i) 
 }
 module core.wasm ../bindings/wasm.cpp column_buffer reply_buffer scratch solve contacts_of row_size sample \
     rebound_heights scan_points scan_timeline records record_ranges outcome_message
-# Boxes of grains: loaded only when a page shows one.
-module grains.wasm ../bindings/wasm_grains.cpp box_setting box_fields box_grow box_start box_advance box_observe \
-    box_state box_take_log box_log
+size=-Oz module gas.wasm ../bindings/wasm_gas.cpp gas_setting gas_fields gas_place gas_heat gas_duration gas_compression \
+    gas_deepest gas_start gas_advance gas_observe gas_state gas_take_log gas_log gas_outcome gas_rule \
+    law_rate law_of_error law_errors law_largest law_measured
 
 npx tsc
 node build.mjs "$out"

@@ -307,6 +307,52 @@ inline constexpr bool sifts_words = false;
 struct Words;
 #endif
 
+#if defined(__AVX2__) && !defined(__AVX512F__) && !defined(__CUDACC__) && !defined(__CUDACC_RTC__)
+// Four lanes, or four 32-bit words, of which those whose bits are set are moved to the front. The others are undefined.
+inline constexpr bool packs_lanes = true;
+struct PackedLanes {
+    typedef int Four __attribute__((vector_size(16)));
+    typedef int Eight __attribute__((vector_size(32)));
+    typedef float Words __attribute__((vector_size(16)));
+    Eight halves;  // of the lanes: sources of the 32-bit words
+    Four words;
+
+    explicit PackedLanes(unsigned chosen) {
+        __builtin_memcpy(&halves, table.halves[chosen], sizeof halves);
+        __builtin_memcpy(&words, table.words[chosen], sizeof words);
+    }
+    Vector<4>::Real operator()(Vector<4>::Real x) const {
+        return __builtin_bit_cast(Vector<4>::Real,
+                                  __builtin_ia32_permvarsi256(__builtin_bit_cast(Eight, x), halves));
+    }
+    void move(unsigned* to, const unsigned* from) const {
+        Words w;
+        __builtin_memcpy(&w, from, sizeof w);
+        w = __builtin_ia32_vpermilvarps(w, words);
+        __builtin_memcpy(to, &w, sizeof w);
+    }
+
+private:
+    struct Table {
+        int halves[16][8], words[16][4];
+        constexpr Table() : halves{}, words{} {
+            for (int chosen = 0; chosen < 16; ++chosen)
+                for (int lane = 0, to = 0; lane < 4; ++lane) {
+                    if (!(chosen >> lane & 1)) continue;
+                    words[chosen][to] = lane;
+                    halves[chosen][2 * to] = 2 * lane, halves[chosen][2 * to + 1] = 2 * lane + 1;
+                    ++to;
+                }
+        }
+    };
+    static const Table table;
+};
+inline constexpr PackedLanes::Table PackedLanes::table{};
+#else
+inline constexpr bool packs_lanes = false;
+struct PackedLanes;
+#endif
+
 // All lanes the same.
 template <class Real>
 HL_FN Real broadcast(double x) {

@@ -58,6 +58,9 @@ _LATER = {
     "verdict.result": ("Verdict",),
 }
 
+#: Modules that are imported at first use.
+_MODULES = ("measure",)
+
 __all__ = [
     "FLOOR",
     "LAWS",
@@ -88,6 +91,8 @@ del _laws
 
 
 def __getattr__(name: str) -> object:
+    if name in _MODULES:
+        return import_module(f".{name}", __name__)
     for module, names in _LATER.items():
         if name in names:
             globals()[name] = found = getattr(import_module(f".{module}", __name__), name)
@@ -96,4 +101,4 @@ def __getattr__(name: str) -> object:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__} - {"import_module", "_LATER"})
+    return sorted({*globals(), *__all__, *_MODULES} - {"import_module", "_LATER", "_MODULES"})

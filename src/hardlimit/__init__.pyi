@@ -52,3 +52,4 @@ from .verdict import check as check
 from .verdict.error_law import ErrorLaw as ErrorLaw
 from .verdict.error_law import error_law as error_law
 from .verdict.result import Verdict as Verdict
+from . import measure as measure

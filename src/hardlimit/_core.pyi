@@ -320,3 +320,40 @@ def deepest_overlap(box: Box, positions: Annotated[NDArray[numpy.float64], dict(
     """
     The two particles with the deepest overlap relative to the sum of their radii, and their gap [m]; −1, −1 and 0 if none overlap.
     """
+
+class ErrorLaw:
+    """The coefficient a, its standard error, and 2k of the rule tc."""
+
+    def __init__(self, coefficient: float, coefficient_error: float, decay: float) -> None: ...
+
+    @property
+    def coefficient(self) -> float: ...
+
+    @property
+    def coefficient_error(self) -> float: ...
+
+    @property
+    def decay(self) -> float: ...
+
+    def error(self, tc_nu: float) -> float: ...
+
+    def error_bar(self, tc_nu: float) -> float: ...
+
+    def largest_tc_nu(self, limit: float) -> float: ...
+
+def error_law(dimension: int, packing_fraction: float, restitution: float, rule: str, energy: float, damping: float, mean_compression: float, mean_duration: float) -> ErrorLaw:
+    """The law for a rule, and a contact law with these exponents and means."""
+
+def error_law_inelastic(dimension: int, packing_fraction: float, x: float) -> float:
+    """
+    a of the linear law at x = 1 − ε², without correlations of the velocities.
+    """
+
+def hard_sphere_fluid(dimension: int, packing_fraction: float) -> tuple[float, float, float, float]:
+    """χ, D φ χ'/χ, s = −g'(d⁺) d/χ, and D 2^D φ χ."""
+
+error_law_measured: tuple = ((0.05, 0.7, 0.6), (0.02, 0.5, 0.4))
+
+error_law_measured_tc_nu: float = 0.3
+
+error_law_nearly_elastic: float = 0.99

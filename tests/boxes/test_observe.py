@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -53,7 +54,7 @@ def test_values_are_those_of_the_samples(name, seed, dimension, boundary, gravit
     assert series.temperature.values == pytest.approx(series.granular_temperature.values, rel=1e-9)
     for key, value in look(found.time, found.system).items():
         assert np.array_equal(series[key].values[-1], value)
-    assert series.drop_vars(list(found.observed)).equals(plain.series)
+    assert series.drop_vars(list(found.observed.data)).equals(plain.series)
 
 
 @every_run
@@ -91,6 +92,47 @@ def test_a_run_without_an_end_in_time_keeps_the_values_of_its_samples(tmp_path):
     assert resumed.system == whole.system and np.array_equal(resumed.series["at"], resumed.series.time)
 
 
+def labelled(system, name="z", values=(1.0, 2.0, 3.0), unit="m"):
+    """A DataArray over a coordinate."""
+    found = np.array(values) * system.granular_temperature
+    return xr.DataArray(
+        found, {name: (name, list(values), {"units": unit})}, name, attrs={"units": "J", "n": 3}
+    )
+
+
+def several(system):
+    """A Dataset."""
+    vector = xr.DataArray(system.momentum, {"axis": list("xyz")[: system.dimension]}, "axis")
+    return xr.Dataset({"vector": vector, "scalar": 2, "kept": labelled(system)})
+
+
+OBSERVE = [look, {"labelled": labelled, "set": several, "pair": lambda system: {"n": system.n}}]
+
+
+@every_run
+def test_data_arrays_keep_their_labels(name, tmp_path):
+    system, path = grains(5), tmp_path / "run.checkpoint"
+    whole = run(name, system, samples=6, observe=OBSERVE)
+    series, last = whole.series, whole.system
+    xr.testing.assert_identical(series.labelled.isel(time=-1, drop=True).rename(None), labelled(last))
+    xr.testing.assert_identical(
+        series.set_vector.isel(time=-1, drop=True).rename("vector"), several(last).vector
+    )
+    assert series.set_kept.dims == ("time", "z") and series.set_scalar.dims == ("time",)
+    assert series.z.attrs == {"units": "m"} and series.pair_n.values.tolist() == [system.n] * 7
+    assert series.axis.values.tolist() == ["x", "y", "z"] and np.array_equal(series["at"], series.time)
+    run(name, system, until=0.1, samples=3, observe=OBSERVE, checkpoint=path)
+    assert hl.resume(path, until=0.2, observe=OBSERVE).series.identical(series)
+    with pytest.raises(
+        ValueError, match=r"got other values of the coordinate 'z', must be those of the previous"
+    ):
+        moved = {
+            name: lambda s, f=f: f(s).assign_coords(z=[1.0, 2.0, 4.0])
+            for name, f in list(OBSERVE[1].items())[:2]
+        }
+        hl.resume(path, until=0.4, observe=[look, OBSERVE[1] | moved])
+
+
 def changing(first, then):
     """A function whose second call returns values of a different kind."""
     returned = iter([first, then])
@@ -99,6 +141,44 @@ def changing(first, then):
 
 REFUSED = {
     "no function": (3, "observe: got 3, must be a function of time and system"),
+    "a sequence with a number": (
+        [look, 3],
+        "observe: got .*, must be a function of time and system, functions of the",
+    ),
+    "a name of a number": (
+        {"a": 3},
+        "observe: got {'a': 3}, must be a function of time and system, functions of",
+    ),
+    "a text for a function": ("look", "observe: got 'look', must be a function of time and system"),
+    "a name twice": (
+        [{"a": lambda s: 1.0}, lambda t, s: {"a": 2.0}],
+        "got the name 'a' twice, must be",
+    ),
+    "two coordinates of one name": (
+        {"a": labelled, "b": lambda s: labelled(s, values=(1.0, 2.0, 4.0))},
+        "observe: at 0 s got other values of the coordinate 'z' with 'b', must be the same",
+    ),
+    "two lengths of one dimension": (
+        {"a": lambda s: xr.DataArray([1.0], dims="z"), "b": lambda s: xr.DataArray([1.0, 2.0], dims="z")},
+        "observe: at 0 s got 2 values of 'b' along 'z', must be 1",
+    ),
+    "a wrong axis": (
+        {"a": lambda s: labelled(s, "axis")},
+        "got other values of the coordinate 'axis' with 'a'",
+    ),
+    "a dimension of time": ({"a": lambda s: labelled(s, "time")}, "'time' is in the series already"),
+    "a coordinate of dates": (
+        {"a": lambda s: xr.DataArray([1.0], {"z": np.array(["2000-01-01"], "M8[ns]")}, "z")},
+        "got the coordinate 'z' with 'a', must have numbers or words",
+    ),
+    "a coordinate that is an observable": (
+        {"a": lambda s: labelled(s).assign_coords(pressure=("z", [1.0, 2.0, 3.0]))},
+        "got the coordinate 'pressure', which is in the series already: rename it",
+    ),
+    "other dimensions": (
+        changing({"a": xr.DataArray([1.0], dims="y")}, {"a": xr.DataArray([1.0], dims="z")}),
+        r"observe: at 0.1 s got 'a' over \('z',\), must be \('y',\) as before",
+    ),
     "no mapping": (lambda t, s: 1.0, "observe: at 0 s got 1.0, must return a mapping of names to numbers"),
     "no name": (lambda t, s: {1: 1.0}, "observe: at 0 s got the name 1, must be a non-empty text"),
     "a text": (lambda t, s: {"a": "b"}, "observe: at 0 s got 'b' for 'a', must be a number or numbers"),
@@ -144,7 +224,7 @@ def test_a_checkpoint_needs_its_function_again(tmp_path):
         match=r"^observe: at \S+ s got the names 'at', .* must be those of the previous sample: none",
     ):
         hl.resume(without, until=0.4, observe=look)
-    assert hl.resume(without, until=0.4).observed == {}
+    assert hl.resume(without, until=0.4).observed.data == {}
     with pytest.raises(ValueError, match=r"^observe: got 1, must be a function of time and system"):
         hl.resume(with_one, observe=1)
 

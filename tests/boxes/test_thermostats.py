@@ -232,3 +232,9 @@ def test_files_hold_thermostats(ending: str, thermostat: Any, tmp_path: Path) ->
 )
 def test_bad_thermostats_are_refused(make: Callable[[], Any], message: str) -> None:
     assert refusal(make).startswith(message)
+
+
+def test_andersen_in_a_common_fall_is_refused() -> None:
+    falling = gas(10, hl.Andersen(0.01, 10.0), packing_fraction=0.01, gravity=9.81)
+    assert refusal(lambda: hl.event_driven(falling, restitution=0.9, until=0.1)).startswith("thermostat: ")
+    assert hl.event_driven(falling.replace(thermostat=KICKS), restitution=0.9, until=0.01).outcome == "ok"

@@ -373,10 +373,11 @@ def test_paper(tmp_path: Path) -> None:
     assert max(map(len, result.stdout.splitlines())) <= 100
 
 
-def test_explore_serves() -> None:
+@pytest.mark.parametrize("options, page", [((), ""), (("--gas",), "gas.html")])
+def test_explore_serves(options: tuple[str, ...], page: str) -> None:
     with mock.patch("hardlimit.explorer.server.serve") as serve:
-        run("explore", "--port", 0, "--no-browser")
-    serve.assert_called_once_with(0, False)
+        run("explore", "--port", 0, "--no-browser", *options)
+    serve.assert_called_once_with(0, False, page)
 
 
 # --- bad input ----------------------------------------------------------------------------------------------

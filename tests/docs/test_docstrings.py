@@ -159,7 +159,8 @@ def described(one: Documented) -> list[str]:
 def described_elsewhere(one: Documented) -> set[str]:
     """Parameters that the class of a method, or what a docstring links to, describes."""
     by_name = {other.name: other for other in EVERY}
-    linked = [by_name[name] for name in LINK.findall(one.text) if name in by_name]
+    links = [prefix + name for name in LINK.findall(one.text) for prefix in ("", "hardlimit.")]
+    linked = [by_name[name] for name in links if name in by_name]
     owner = [Documented("", one.owner)] if one.owner else []
     return {name for other in [*owner, *linked] for name in described(other)}
 

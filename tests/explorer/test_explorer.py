@@ -53,7 +53,8 @@ def get(address: Address, path: str, method: str = "GET") -> tuple[int, http.cli
 def test_every_file_is_served_with_its_type_and_the_policy(address: tuple[str, int]) -> None:
     files = server.page_files()
     code = {"index.html", "main.js", "worker.js", "style.css", "icon.svg"}
-    assert set(files) == code | {"core.wasm", "grains.wasm"}
+    gas = {"gas.html", "gas.js", "gas_worker.js", "gas.css"}
+    assert set(files) == code | gas | {"core.wasm", "gas.wasm"}
     for name, content in files.items():
         status, headers, body = get(address, f"/{name}")
         assert (status, body) == (200, content)
@@ -110,8 +111,10 @@ def test_serve_says_where_and_opens_the_browser(
     server.serve(0, open_browser=False)
     assert not opened
     server.serve(0, open_browser=True)
-    assert re.fullmatch(r"http://127\.0\.0\.1:\d+/", opened[0])
-    assert opened[0] in capsys.readouterr().out
+    server.serve(0, open_browser=True, page="gas.html")
+    assert re.fullmatch(r"http://127\.0\.0\.1:\d+/", opened[0]) and opened[1].endswith("/gas.html")
+    said = capsys.readouterr().out
+    assert opened[0] in said and opened[1] in said
 
 
 def test_a_busy_port_is_refused(address: tuple[str, int]) -> None:

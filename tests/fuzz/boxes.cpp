@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "boxes/hard_spheres/make_engine.hpp"
+#include "boxes/hard_spheres/rules/registry.hpp"
 #include "small_box.hpp"
 
 namespace {

@@ -528,3 +528,12 @@ def test_groups_of_atoms_and_of_regions_that_are_frozen():
     assert (grains["1"].frozen, grains["2"].frozen) == (True, False)
     grains = stage(f"{BASE}group low region box\nfix 1 low freeze\nfix 2 all nve\nrun 1\n").grains
     assert grains["1"].partly_frozen and not grains["1"].frozen and not grains["1"].counted
+
+
+def test_elif_has_no_then():
+    lines = (
+        "variable m index hard\n"
+        "if \"$m == soft\" then 'variable k equal 1e4' elif \"$m == hard\" 'variable k equal 2e5' "
+        "else 'variable k equal 3e5'\npair_coeff * * hooke $k 0.5\n"
+    )
+    assert normal(BASE + lines)[1] == "200000"

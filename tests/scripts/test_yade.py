@@ -376,3 +376,19 @@ def test_laws_without_damping(law):
 def test_a_long_loop_of_single_steps():
     rest = "O.dt = 1e-6\nfor k in range(15000):\n    O.step()\n    print(O.bodies[0].state.vel[2], k)\n"
     assert read(script(rest=rest)).stages[0].time_step == 1e-6
+
+
+def test_numbers_of_a_class():
+    """A class that only holds parameters; its names are not those of the script."""
+    held = "class Grain:\n    radius = 2e-3\n    en: float = 0.6\n    def radius_of(self): return 1\n"
+    bodies = f"{held}O.bodies.append(sphere((0, 0, 0), Grain.radius))\n"
+    functor = "Ip2_FrictMat_FrictMat_MindlinPhys(en=Grain.en)"
+    stage = read(script(bodies=bodies, pair=(functor, MINDLIN[1]))).stages[0]
+    assert stage.grains["glass"].radii == (2e-3, 2e-3) and numbers(stage.contacts[0])["en"] == 0.6
+    with pytest.raises(ValueError, match="known number for en"):
+        read(script(bodies=bodies, pair=(functor.replace("Grain.en", "en"), MINDLIN[1])))
+
+
+def test_a_large_lattice():
+    bodies = "O.bodies.append([sphere((i, j, k), 2e-3) for i in range(90) for j in range(90) for k in range(90)])\n"
+    assert read(script(bodies=bodies)).stages[0].grains["glass"].radii == (2e-3, 2e-3)

@@ -27,8 +27,8 @@ from hardlimit.sweep.engines import dask as cluster
 from hardlimit.sweep.plan import make_plan
 
 PAPER = hl.Column.paper()
-#: Comes to rest after a long time: the slowest kind of point, about 0.1 ms.
-SOFT = hl.Column.paper(law=hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, dissipative_time=0.015))
+#: Comes to rest after a long time: a slow kind of point, about 0.4 ms.
+SOFT = hl.Column.paper(law=hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, dissipative_time=0.007))
 GRID = {"restitution": np.linspace(0.3, 1.0, 40), "gap": np.geomspace(1e-6, 1e-2, 50)}
 SLOW = {"gap": np.geomspace(1e-6, 1e-2, 8_000)}  # seconds
 
@@ -355,7 +355,7 @@ INTERRUPTED = """
 
     Plan.compute = telling
     chunks.POINTS_INTEGRATED = {chunk}
-    soft = hl.Column.paper(law=hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, dissipative_time=0.015))
+    soft = hl.Column.paper(law=hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, dissipative_time=0.007))
     hl.sweep(soft, store=sys.argv[1], engine="dask", gap=np.geomspace(1e-6, 1e-2, {points}))
 """
 

@@ -239,7 +239,7 @@ SLOW_SWEEP = """
     from hardlimit.sweep import chunks
 
     chunks.POINTS_INTEGRATED = {chunk}
-    soft = hl.Column.paper(law=hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, dissipative_time=0.015))
+    soft = hl.Column.paper(law=hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, dissipative_time=0.007))
     print("ready", flush=True)
     hl.sweep(soft, store=sys.argv[1], gap=np.geomspace(1e-6, 1e-2, {points}),
              progress=lambda done, _: print(done, flush=True))

@@ -668,3 +668,60 @@ def test_fixed_grains_among_moving_ones():
     assert (free.wall, fixed.wall) == (None, "fixed") and free.types == fixed.types
     assert fixed.restitution == pytest.approx(0.72384, abs=1e-4)  # 0.72393 in LAMMPS
     assert fixed.duration == pytest.approx(free.duration * math.sqrt(2.0), rel=0.01)
+
+
+def test_equal_walls_share_a_row(tmp_path):
+    """Six walls with two sets of numbers take two rows; ``--verbose`` and ``--json`` have all."""
+    wall = "fix w{0} all wall/gran hooke 1e5 NULL {1} NULL 0 0 {2}plane 0 NULL\n"
+    path = tmp_path / "in.walls"
+    walls = "".join(wall.format(k, 2e4 if k < 5 else 4e4, "xyz"[k % 3]) for k in range(6))
+    path.write_text(
+        "units si\natom_style sphere\nregion box block 0 1 0 1 0 1\ncreate_box 1 box\n"
+        "create_atoms 1 random 100 1 box\nset type 1 diameter 2e-3 density 2500\n"
+        f"pair_style gran/hooke 1e5 NULL 2e4 NULL 0 0\npair_coeff * *\n{walls}fix 2 all nve/sphere\nrun 1\n"
+    )
+    out = run("check", str(path), "--speed", "1").stdout
+    assert [line.split()[:2] for line in out.splitlines() if "–wall" in line] == [
+        ["1–wall", "w0,"],
+        ["1–wall", "w5"],
+    ]
+    assert "w0, w1 and 3 more" in out and len(out.splitlines()) <= 15
+    assert (
+        sum(
+            "–wall" in line
+            for line in run("check", str(path), "--speed", "1", "--verbose").stdout.splitlines()
+        )
+        >= 6
+    )
+    assert len(hl.check(path, speed=1.0).rows) == 7
+
+
+def test_long_lists_are_shortened(tmp_path):
+    """Statements that are not understood: three of them, each cut, and the number of the others."""
+    path = tmp_path / "in.unknown"
+    walls = "".join(f"fix w{k} all wall/gran unheard_of_style {'1.0 ' * 40}\n" for k in range(9))
+    path.write_text(
+        "units si\natom_style sphere\nregion box block 0 1 0 1 0 1\ncreate_box 1 box\n"
+        "create_atoms 1 random 100 1 box\nset type 1 diameter 2e-3 density 2500\n"
+        f"pair_style gran/hooke 1e5 NULL 2e4 NULL 0 0\npair_coeff * *\n{walls}fix 2 all nve/sphere\nrun 1\n"
+    )
+    out = run("check", str(path), "--speed", "1").stdout
+    assert "and 5 more" in out and len(out.splitlines()) <= 15
+    assert "w8" in run("check", str(path), "--speed", "1", "--verbose").stdout
+
+
+def test_unequal_grains_have_a_wider_error():
+    """The law of the error is that of equal grains; ν depends on the composition of a mixture."""
+    text = (
+        "units si\natom_style sphere\nregion box block 0 1 0 1 0 1\ncreate_box 2 box\n"
+        "create_atoms 1 random 100 1 box\ncreate_atoms 2 random 100 2 box\n"
+        "set type 1 diameter 2e-3 density 2500\nset type 2 diameter 3e-3 density 2500\n"
+        "pair_style gran/hooke 1e7 NULL 2e4 NULL 0 0\npair_coeff * *\nfix 2 all nve/sphere\nrun 1\n"
+    )
+    found = hl.check(text, speed=1.0, packing_fraction=0.1)
+    bars = {row.types: row.error["constant"][1] / row.error["constant"][0] for row in found.rows}
+    assert bars["1", "2"] >= 0.5 > 2.0 * max(bars["1", "1"], bars["2", "2"])
+    assert any("Unequal grains" in one for one in found.remarks)
+    # A pair of equal grains whose error is surely too large decides, whatever the wide bar of another.
+    soft = hl.check(text.replace("1e7", "4e4"), speed=1.0, packing_fraction=0.1)
+    assert soft.admissible is False

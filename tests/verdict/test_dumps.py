@@ -143,3 +143,25 @@ def test_other_files_are_refused_in_one_line(name, tmp_path):
     for missing in (tmp_path / "none", tmp_path, written(tmp_path, "ITEM:", "broken.gz").with_name("x.gz")):
         with pytest.raises(ValueError, match=r"\Adump: got .*, cannot be read: .*\Z"):
             dumps.read(missing)
+
+
+@pytest.mark.parametrize(
+    "columns", ["id x y z vx vy vz radius mass", "type id x y z vx vy vz diameter density"]
+)
+def test_sizes_and_masses_of_a_dump_replace_missing_ones(columns, tmp_path):
+    """A script that reads its grains from a file has neither."""
+    script = (
+        "units si\natom_style sphere\nread_data data.none\npair_style gran/hooke 1e5 NULL 2e4 NULL 0 0\n"
+        "pair_coeff * *\nfix 1 all nve/sphere\ntimestep 1e-7\nrun 1\n"
+    )
+    content = text(columns=columns.replace("density", "mass"))
+    if "density" in columns:  # of each grain, in place of its mass
+        content = "\n".join(
+            " ".join([*line.split()[:-1], "2500"]) if len(line.split()) == 10 else line
+            for line in content.replace(" mass ", " density ").splitlines()
+        )
+    found = hl.check(script, dump=written(tmp_path, content, "dump.gas.gz"))
+    (row, *_) = found.rows
+    assert (row.radius, row.density) == (pytest.approx(1e-3), pytest.approx(2500.0))
+    assert row.restitution is not None and row.steps_per_contact and row.tc_nu
+    assert not found.missing and not found.unknown and found.admissible is not None

@@ -25,6 +25,11 @@ PAIRS = {
         GRANULAR.format("hooke 1e5 0.5 damping coeff_restitution limit_damping"),
         0.4,
     ),
+    "hooke synchronized_verlet": (
+        "pair_style granular\npair_coeff * * hooke 1e5 0.5 tangential linear_history 8e3 0 0.5 "
+        "damping coeff_restitution synchronized_verlet",
+        0.4,
+    ),
     "hooke velocity": (GRANULAR.format("hooke 1e5 0.4 damping velocity"), 0.4),
     "hooke velocity limited": (GRANULAR.format("hooke 1e5 0.6 damping velocity limit_damping"), 0.4),
     "hooke mass_velocity": (GRANULAR.format("hooke 1e5 5e4 damping mass_velocity"), 1.0),

@@ -58,7 +58,7 @@ export class Site {
   }
 
   // A page that fails the test on any complaint of the console and on any request to elsewhere.
-  async open(t, query = "", options = {}) {
+  async open(t, query = "", { ready = solved, ...options } = {}) {
     const context = await this.browser.newContext({ viewport: { width: 1440, height: 900 }, reducedMotion: "reduce", acceptDownloads: true, ...options });
     if (process.env.LATE) await context.addInitScript(answerLate, Number(process.env.LATE));
     const page = await context.newPage();
@@ -74,7 +74,7 @@ export class Site {
       assert.deepEqual(faults, []);
     });
     await page.goto(this.base + query);
-    await solved(page);
+    await ready(page);
     return page;
   }
 }

@@ -37,5 +37,5 @@ struct Hash {
     }
 };
 
-// Boxes of grains (golden_grains.cpp).
+// Gases (golden_gas.cpp).
 void print_boxes();

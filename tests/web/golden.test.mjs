@@ -77,21 +77,36 @@ for (const { name, axis, side, column, hash: expected } of golden.maps) {
   });
 }
 
-const grains = process.env.EXPLORER_GRAINS_WASM ?? new URL("src/hardlimit/explorer/page/grains.wasm", root);
-for (const box of golden.boxes) {
-  test(`box: ${box.name}`, () => {
-    const module = load(grains);
+const gas = process.env.EXPLORER_GAS_WASM ?? new URL("src/hardlimit/explorer/page/gas.wasm", root);
+for (const { name, number, until, setting, placed, start, compression, refusal, worlds } of golden.gases) {
+  test(`gas: ${name}`, () => {
+    const module = load(gas);
     const values = (pointer, n) => view(pointer, n, module);
-    const setting = module.box_setting(box.dimension, box.number);
-    values(setting, box.setting.length).set(box.setting.map(decode));
-    assert.equal(module.box_grow(5), box.grown);
-    const coordinates = box.dimension * box.number;
-    assert.equal(hash(values(setting + 8 * module.box_fields(), coordinates)), box.positions);
-    assert.equal(module.box_start(1), box.refusal);
-    assert.equal(module.box_advance(Infinity, box.rows), box.outcome);
-    assert.deepEqual(Array.from(values(module.box_observe(), 17), encode), box.observed);
-    assert.equal(hash(values(module.box_state(), 2 * coordinates)), box.state);
-    assert.equal(module.box_take_log(), box.logged);
-    assert.equal(hash(values(module.box_log(), 4 * box.logged)), box.log);
+    const at = module.gas_setting(number);
+    values(at, setting.length).set(setting.map(decode));
+    assert.equal(module.gas_place(5), placed);
+    module.gas_heat(7, 0.5);
+    assert.equal(hash(values(at + 8 * module.gas_fields(), 4 * number)), start);
+    assert.deepEqual(encode(module.gas_compression(1, 1)), compression[0]);
+    assert.equal(module.gas_start(), refusal);
+    worlds.forEach(({ reached, observed, state, logged, log, open, open_rows: openRows }, world) => {
+      assert.equal(module.gas_advance(world, decode(until[0]), 1e9), reached);
+      assert.deepEqual(Array.from(values(module.gas_observe(world), observed.length), encode), observed);
+      assert.equal(hash(values(module.gas_state(world), 4 * number)), state);
+      assert.equal(module.gas_take_log(world, 0), logged);
+      assert.equal(hash(values(module.gas_log(), 7 * logged)), log);
+      assert.equal(module.gas_take_log(world, 1), open);
+      assert.equal(hash(values(module.gas_log(), 7 * open)), openRows);
+    });
   });
 }
+
+test("the law of the error", () => {
+  const module = load(gas);
+  for (const { rule, at, law, error, last } of golden.laws) {
+    const [phi, epsilon] = at.map(decode);
+    assert.deepEqual(Array.from(view(module.law_of_error(phi, epsilon, rule), 3, module), encode), law);
+    assert.deepEqual(Array.from(view(module.law_errors(phi, epsilon, rule, 0.1), 2, module), encode), error);
+    assert.deepEqual([module.law_largest(phi, epsilon, rule, 0.01), module.law_rate(phi, 2e-3, 0.125)].map(encode), last);
+  }
+});

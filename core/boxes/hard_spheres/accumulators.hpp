@@ -4,8 +4,9 @@
 // Σ m v'² = 2E − P²/M, v' relative to the mean velocity, is constant, and its integral needs few operations at each
 // collision.
 #pragma once
+#include <algorithm>
+
 #include "../common/particle.hpp"
-#include "../common/symmetric_tensor.hpp"
 
 namespace hardlimit::boxes {
 
@@ -41,24 +42,19 @@ private:
     double sum_[n] = {}, lost_[n] = {};
 };
 
-// Sums over the velocities of all particles at one instant.
-struct VelocitySums {
-    double kinetic = 0.0;      // Σ m v²/2 [J]
-    double momentum[3] = {};   // Σ m v [kg m/s]
-    SymmetricTensor products;  // Σ m v⊗v [J]
-};
-
-// The same sums while collisions change velocities: those at the last full sum, and the changes since, computed from
-// the velocities before and after each collision. The error is of the order of one rounding of the largest value since
-// the full sum.
+// Sums over all particles at one instant: full sums, which follow each change of a velocity and the common fall. The
+// rounding error is that of the largest values since the start.
 template <int d>
-class RunningVelocitySums {
+class ParticleSums {
 public:
-    void restart(const VelocitySums& full) {
-        full_ = full;
-        products_ = {};
-        momentum_ = {};
-        largest_ = full.kinetic;
+    static constexpr int size = d * (d + 1) / 2;
+
+    // Adds a particle of mass m [kg].
+    void add(double m, const double (&velocity)[d]) { change(m, {}, velocity); }
+    // Adds potential energy [J].
+    void add_potential(double energy) {
+        potential_.add(energy);
+        largest_[d] = math::max(largest_[d], math::abs(potential_.value()));
     }
     // The velocity of a particle of mass m [kg] has changed.
     void change(double m, const double (&before)[d], const double (&after)[d]) {
@@ -72,32 +68,48 @@ public:
         }
         momentum_.add(momentum);
         products_.add(products);
-        largest_ = math::max(largest_, kinetic());
+        for (int k = 0; k < d; ++k) largest_[k] = math::max(largest_[k], products_.value(k));
     }
-    double kinetic() const {
-        double trace = 0.0;
-        for (int k = 0; k < d; ++k) trace += products_.value(k);
-        return full_.kinetic + 0.5 * trace;
+    // All particles, of total mass m [kg], fall for a time [s] under gravity [m/s²].
+    void fall(double m, const double (&gravity)[d], double time) {
+        double products[size], gained[d], energy = 0.0;
+        int mixed = d;
+        for (int i = 0; i < d; ++i) {
+            const double p = momentum(i), v = gravity[i] * time;
+            gained[i] = m * v;
+            products[i] = v * (2.0 * p + gained[i]);
+            energy += 0.5 * products[i];
+            for (int j = i + 1; j < d; ++j)
+                products[mixed++] = v * momentum(j) + gravity[j] * time * (p + gained[i]);
+        }
+        momentum_.add(gained);
+        products_.add(products);
+        add_potential(-energy);
+        for (int k = 0; k < d; ++k) largest_[k] = math::max(largest_[k], products_.value(k));
     }
-    // Whether the energy has fallen so far that the sums lose digits.
-    bool are_inexact() const { return kinetic() < 0.25 * largest_; }
-    VelocitySums value() const {
-        VelocitySums now = full_;
-        now.kinetic = kinetic();
-        for (int k = 0; k < d; ++k) now.momentum[k] += momentum_.value(k);
-        int k = 0;
-        for (std::size_t c = 0; c < SymmetricTensor::size; ++c)
-            if (SymmetricTensor::column[c] < d) now.products.component[c] += products_.value(k++);
-        return now;
+    // Whether the sums have not lost digits by falling to a small part of their largest value.
+    bool are_exact() const {
+        bool exact = math::abs(potential_.value()) >= small * largest_[d];
+        for (int k = 0; k < d; ++k) exact = exact && products_.value(k) >= small * largest_[k];
+        return exact;
+    }
+
+    double product(int k) const { return products_.value(k); }   // of Σ m v⊗v [J]: xx, yy, (zz,) xy, (xz, yz)
+    double momentum(int k) const { return momentum_.value(k); }  // Σ m v [kg m/s]
+    double potential() const { return potential_.value(); }      // −Σ m g·x along unfolded paths [J]
+    double twice_kinetic() const {
+        double sum = 0.0;
+        for (int k = 0; k < d; ++k) sum += product(k);
+        return sum;
     }
 
 private:
-    static constexpr int size = d * (d + 1) / 2;
+    static constexpr double small = 1.0 / 16.0;
 
-    VelocitySums full_;
-    Sums<size> products_;  // components xx, yy, (zz,) xy, (xz, yz)
+    Sums<size> products_;
     Sums<d> momentum_;
-    double largest_ = 0.0;  // kinetic energy since the full sum [J]
+    Sum potential_;
+    double largest_[d + 1] = {};  // of Σ m v_k² and of the potential energy [J]
 };
 
 template <int d>
@@ -109,11 +121,9 @@ struct Accumulators {
     Sum wall_work;               // done by moving walls [J]
     double mass = 0.0;           // M [kg]
     double gravity[d] = {};
-    double time = 0.0;     // at which kinetic energy and momentum are valid [s]
-    double kinetic = 0.0;  // E [J]
-    double momentum[d] = {};
-    Sum kinetic_integral;               // ∫ Σ m v'² dt [J s]
-    RunningVelocitySums<d> velocities;  // without gravity
+    double time = 0.0;  // at which the sums are valid [s]
+    ParticleSums<d> sums;
+    Sum kinetic_integral;  // ∫ Σ m v'² dt [J s]
 
     u64 collisions() const { return pairs + walls; }
 
@@ -131,8 +141,8 @@ struct Accumulators {
     // Σ m v'² [J]
     double thermal() const {
         double square = 0.0;
-        for (int k = 0; k < d; ++k) square += momentum[k] * momentum[k];
-        return 2.0 * kinetic - square / mass;
+        for (int k = 0; k < d; ++k) square += sums.momentum(k) * sums.momentum(k);
+        return sums.twice_kinetic() - square / mass;
     }
     // The integral up to a later time. Common gravity does not change v'.
     double integral_until(double until) const {
@@ -140,29 +150,15 @@ struct Accumulators {
     }
     void advance(double until) {
         const double step = until - time;
+        if (step == 0.0) return;
         kinetic_integral.add(thermal() * step);
-        for (int k = 0; k < d; ++k) {
-            const double gain = mass * gravity[k] * step;
-            kinetic += gravity[k] * step * (momentum[k] + 0.5 * gain);
-            momentum[k] += gain;
-        }
+        if (std::any_of(gravity, gravity + d, [](double g) { return g != 0.0; }))
+            sums.fall(mass, gravity, step);
         time = until;
     }
-    // Collision with a wall at `time`; `lost`: kinetic energy lost in the frame of the wall [J].
-    void add_wall(int axis, double impulse, double lost, const Wall& wall) {
+    // Collision with a wall, which does this work [J].
+    void add_wall(double work) {
         ++walls;
-        kinetic -= lost;
-        momentum[axis] += impulse;
-        if (!wall.moves()) return;
-        const double work = impulse * wall.velocity(time);
-        kinetic += work;
-        wall_work.add(work);
-    }
-    // The same from the gain of kinetic energy and the work of the wall [J].
-    void add_wall(int axis, double impulse, double gained, double work) {
-        ++walls;
-        kinetic += gained;
-        momentum[axis] += impulse;
         wall_work.add(work);
     }
 };

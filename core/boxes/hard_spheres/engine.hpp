@@ -16,13 +16,14 @@
 #include "../common/archive.hpp"
 #include "../common/engine.hpp"
 #include "../kernels/interface.hpp"
+#include "../neighbours/cell_order.hpp"
 #include "../neighbours/cells.hpp"
 #include "../queue/calendar_queue.hpp"
 #include "../queue/prediction.hpp"
 #include "../queue/prefetch.hpp"
 #include "accumulators.hpp"
 #include "collapse.hpp"
-#include "rules/registry.hpp"
+#include "rules/rule.hpp"
 
 namespace hardlimit::boxes {
 
@@ -144,10 +145,7 @@ private:
         if constexpr (mixed) return pending_[i].count;
         return collisions_in(particles_[i].radius);
     }
-    // Counts a collision, which has changed the velocity.
-    void count_collision(u32 i, const double (&before)[d]) {
-        if constexpr (motion == Motion::straight)
-            accumulators_.velocities.change(mass(i), before, particles_[i].velocity);
+    void count_collision(u32 i) {
         if constexpr (mixed)
             ++pending_[i].count;
         else
@@ -190,10 +188,9 @@ private:
 
     // observe.hpp
     std::vector<u32> in_original_order() const;
-    template <class F>
-    void for_original_order(const F& f) const;
-    VelocitySums velocity_sums() const;
-    double potential_energy() const;
+    ParticleSums<d> full_sums() const;
+    ParticleSums<d> present_sums() const;
+    i64 changes_between_refreshes() const { return 16 * static_cast<i64>(size32()); }
     void refresh_accumulators();
 
     // predict.hpp
@@ -226,6 +223,7 @@ private:
     Rebound rebound_of(const Impact& impact);
     double since_last(u32 i, double waited) const { return collisions(i) > 0 ? waited : math::infinity; }
     PairGeometry geometry(u32 i, u32 j) const;
+    void set_velocity(u32 i, const double (&velocity)[d]);
     void after_collision(u32 i);
     void record(u32 i, i64 second, double speed, double separation_speed, double lost, double waited);
     std::pair<i64, i64> original_pair(u32 i, i64 second) const;

@@ -76,15 +76,18 @@ void HardSpheres<d, motion, mixed>::collide_with_wall(u32 i, const Wall& wall) {
     const int axis = wall.id.axis();
     const double away = wall.inward(), waited = now_ - p.time;
     advance_to_now(i);
+    if (motion != Motion::growing) accumulators_.advance(now_);
     double velocity[d];
     std::copy_n(p.velocity, d, velocity);
     const double place = wall.position(now_) + away * (radius(i) * growth_.at(now_));
     const double moved = place - p.position[axis];  // nonzero by rounding, or if a soft contact was cut short
     p.position[axis] = place;
+    if (motion == Motion::falling) accumulators_.sums.add_potential(-mass(i) * box_.gravity[axis] * moved);
     const double before = p.velocity[axis], speed = math::abs(before - wall.velocity(now_));
     if (takes_time_) accumulators_.dissipated.add(mass(i) * box_.gravity[axis] * moved);
     if constexpr (motion == Motion::growing) {
-        p.velocity[axis] = away * math::max(speed, separation_of_growing * radius(i) * growth_.rate);
+        velocity[axis] = away * math::max(speed, separation_of_growing * radius(i) * growth_.rate);
+        set_velocity(i, velocity);
         ++accumulators_.walls;
     } else if (speed == 0.0) {
         ++accumulators_.walls;
@@ -99,13 +102,13 @@ void HardSpheres<d, motion, mixed>::collide_with_wall(u32 i, const Wall& wall) {
             rebound_of({{m, math::infinity, speed}, {m, radius(i)}, radius(i), since_last(i, waited)})
                 .restitution;
         if (deepest_.too_deep) return end_unsolved(Outcome::too_deep, i, wall.id.number, speed);
-        p.velocity[axis] = away * (e * speed) + wall.velocity(now_);
+        velocity[axis] = away * (e * speed) + wall.velocity(now_);
+        set_velocity(i, velocity);
         const double lost = 0.5 * m * (1.0 - e) * (1.0 + e) * speed * speed;
-        accumulators_.advance(now_);
-        accumulators_.add_wall(axis, m * (p.velocity[axis] - before), lost, wall);
+        accumulators_.add_wall(m * (velocity[axis] - before) * wall.velocity(now_));
         record(i, wall.id.number, speed, e * speed, lost, waited);
     }
-    count_collision(i, velocity);
+    count_collision(i);
     after_collision(i);
     predict(i, no_particle);
 }
@@ -152,7 +155,7 @@ void HardSpheres<d, motion, mixed>::record(u32 i, i64 second, double speed, doub
                         separation_speed, false});
     }
     const auto typical = [&] {
-        return math::sqrt(math::max(0.0, 2.0 * accumulators_.kinetic / accumulators_.mass));
+        return math::sqrt(math::max(0.0, accumulators_.sums.twice_kinetic() / accumulators_.mass));
     };
     const CollapseDetector::Collision c{now_, i, second, speed, waited, rule_->can_collapse()};
     if (collapse_.collapses(c, largest_radius_, typical, index)) end_run(Outcome::collapse, i, second);
@@ -189,9 +192,8 @@ void HardSpheres<d, motion, mixed>::collide(u32 i, u32 j) {
     const double waited_i = now_ - p.time, waited_j = now_ - q.time;
     advance_to_now(i);
     advance_to_now(j);
-    double r[d], v[d], before_i[d], before_j[d];
-    std::copy_n(p.velocity, d, before_i);
-    std::copy_n(q.velocity, d, before_j);
+    if (motion != Motion::growing) accumulators_.advance(now_);
+    double r[d], v[d];
     to_nearest_image(i, j, r);
     for (int k = 0; k < d; ++k) v[k] = q.velocity[k] - p.velocity[k];
     const double square = dot(r, r), distance = math::sqrt(square), speed = -dot(r, v) / distance;
@@ -202,8 +204,8 @@ void HardSpheres<d, motion, mixed>::collide(u32 i, u32 j) {
     } else {
         rebound(i, j, r, v, distance, speed, std::array{waited_i, waited_j});
     }
-    count_collision(i, before_i);
-    count_collision(j, before_j);
+    count_collision(i);
+    count_collision(j);
     after_collision(i);
     after_collision(j);
     // A pair that has just collided cannot collide again before one of them has another collision; other images can.
@@ -221,39 +223,47 @@ void HardSpheres<d, motion, mixed>::rebound(u32 i, u32 j, const double (&r)[d], 
     // Relative velocity gained along r, in units of r [1/s]. Computed from r² without a square root: all pairs touch at
     // about the same distance, so that the rounding error of the root would be the same each time, and the energy would
     // drift.
-    double gain;
+    double gain, lost = 0.0, e = 1.0;
     if constexpr (motion == Motion::growing) {
         const double rate = (radius(i) + radius(j)) * growth_.rate;
         gain = (speed + math::max(speed, separation_of_growing * rate)) / distance;
     } else {
         const double since = math::min(since_last(i, waited[0]), since_last(j, waited[1]));
-        const double e =
-            rebound_of({{reduced, distance, speed}, pair, math::min(radius(i), radius(j)), since})
+        e = rebound_of({{reduced, distance, speed}, pair, math::min(radius(i), radius(j)), since})
                 .restitution;
         if (deepest_.too_deep) return end_unsolved(Outcome::too_deep, i, j, speed);
         gain = (1.0 + e) * (-dot(r, v) / dot(r, r));
-        const double lost = 0.5 * reduced * (1.0 - e) * (1.0 + e) * speed * speed;
+        lost = 0.5 * reduced * (1.0 - e) * (1.0 + e) * speed * speed;
         accumulators_.add_virial(reduced * gain, r,
                                  r);  // r⊗Δp, exactly: the force acts along r at one instant
-        if (lost != 0.0) {
-            accumulators_.advance(now_);
-            accumulators_.kinetic -= lost;
-        }
-        record(i, j, speed, e * speed, lost, math::max(waited[0], waited[1]));
     }
+    double to_i[d], to_j[d];
     for (int k = 0; k < d; ++k) {
         const double impulse = reduced * gain * r[k];
-        p.velocity[k] -= impulse / mi;
-        q.velocity[k] += impulse / mj;
+        to_i[k] = p.velocity[k] - impulse / mi;
+        to_j[k] = q.velocity[k] + impulse / mj;
     }
+    set_velocity(i, to_i);
+    set_velocity(j, to_j);
+    if (motion != Motion::growing) record(i, j, speed, e * speed, lost, math::max(waited[0], waited[1]));
     ++accumulators_.pairs;
+}
+
+// Gives a particle another velocity.
+template <int d, Motion motion, bool mixed>
+void HardSpheres<d, motion, mixed>::set_velocity(u32 i, const double (&velocity)[d]) {
+    double (&own)[d] = particles_[i].velocity;
+    if (motion != Motion::growing) accumulators_.sums.change(mass(i), own, velocity);
+    std::copy_n(velocity, d, own);
 }
 
 // Updates the bound on the speeds, and refreshes the accumulators when due.
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::after_collision(u32 i) {
     if (mixed && cells_.levels() > 1) fastest_ = math::max(fastest_, frame_speed(particles_[i].velocity));
-    if (--until_refresh_ == 0 || accumulators_.velocities.are_inexact()) refresh_accumulators();
+    const i64 changes = changes_between_refreshes() - --until_refresh_;
+    if (until_refresh_ == 0 || (changes >= size32() && !accumulators_.sums.are_exact()))
+        refresh_accumulators();
 }
 
 }  // namespace hardlimit::boxes

@@ -114,7 +114,8 @@ struct GrowthReport {
     u64 collisions;
 };
 
-template <int d>
+// `mixed`: radii may differ.
+template <int d, bool mixed = true>
 class PackingGrowth {
 public:
     // Velocities, masses, positions and gravity of the system are not used, and walls stay where they start.
@@ -193,20 +194,24 @@ private:
         return share;
     }
 
+    std::unique_ptr<Engine> make(Growth growth, const hardlimit_abi::TouchKernels& kernels,
+                                 Stop& stop) const {
+        const RuleChoice elastic;
+        if constexpr (mixed)
+            if (*std::min_element(s_.radius, s_.radius + s_.n) * 2.0 != diameter_)
+                return std::make_unique<HardSpheres<d, Motion::growing, true>>(s_, elastic, false, kernels,
+                                                                               stop, growth);
+        return std::make_unique<HardSpheres<d, Motion::growing, false>>(s_, elastic, false, kernels, stop,
+                                                                        growth);
+    }
+
     // Grows the radii from one share to another, or until collisions accumulate. Returns the share reached.
     double grow(double from, double to, double rate, const hardlimit_abi::TouchKernels& kernels, Stop& stop,
                 u64& collisions) {
         for (double& v : velocity_) v = diameter_ * random_.normal();
         fold();
-        const RuleChoice elastic;
         const Growth growth{from, rate};
-        std::unique_ptr<Engine> engine;
-        if (*std::min_element(s_.radius, s_.radius + s_.n) * 2.0 == diameter_)
-            engine = std::make_unique<HardSpheres<d, Motion::growing, false>>(s_, elastic, false, kernels,
-                                                                              stop, growth);
-        else
-            engine = std::make_unique<HardSpheres<d, Motion::growing, true>>(s_, elastic, false, kernels,
-                                                                             stop, growth);
+        const auto engine = make(growth, kernels, stop);
         const u64 most = most_collisions * s_.n + 10'000;
         engine->advance((to - from) / rate, most, 1, stop);
         engine->state(position_.data(), velocity_.data());

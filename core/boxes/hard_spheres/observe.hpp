@@ -12,81 +12,61 @@ std::vector<u32> HardSpheres<d, motion, mixed>::in_original_order() const {
     return place;
 }
 
-// Calls f(particle) in the original order, and prefetches the particles, which are stored by cell.
+// The sums from the state of each particle, whose data are prefetched: particles are stored by cell.
 template <int d, Motion motion, bool mixed>
-template <class F>
-void HardSpheres<d, motion, mixed>::for_original_order(const F& f) const {
+ParticleSums<d> HardSpheres<d, motion, mixed>::full_sums() const {
     constexpr std::size_t ahead = 24;
+    ParticleSums<d> sums;
     const std::vector<u32> place = in_original_order();
     for (std::size_t at = 0; at < place.size(); ++at) {
-        const u32 next = place[std::min(at + ahead, place.size() - 1)];
+        const u32 i = place[at], next = place[std::min(at + ahead, place.size() - 1)];
         prefetch(&particles_[next]);
         if constexpr (motion == Motion::falling) prefetch(&image_flags_[next]);
         if constexpr (mixed) prefetch(&masses_[next]);
-        f(place[at]);
-    }
-}
-
-template <int d, Motion motion, bool mixed>
-VelocitySums HardSpheres<d, motion, mixed>::velocity_sums() const {
-    VelocitySums sums;
-    Sum kinetic, momentum[d];
-    double velocity[3] = {};
-    for_original_order([&](u32 i) {
         const Particle<d>& p = particles_[i];
-        const double m = mass(i);
-        double square = 0.0;
-        for (int k = 0; k < d; ++k) {
-            velocity[k] = velocity_after<motion>(p, k, now_ - p.time, box_);
-            square += velocity[k] * velocity[k];
-            momentum[k].add(m * velocity[k]);
-        }
-        kinetic.add(0.5 * m * square);
-        sums.products.add_square(m, velocity);
-    });
-    sums.kinetic = kinetic.value();
-    for (int k = 0; k < d; ++k) sums.momentum[k] = momentum[k].value();
+        const double after = now_ - p.time;
+        double velocity[d], potential = 0.0;
+        for (int k = 0; k < d; ++k) velocity[k] = velocity_after<motion>(p, k, after, box_);
+        sums.add(mass(i), velocity);
+        if constexpr (motion != Motion::falling) continue;
+        const ImageMotion image = box_.image(image_flags_[i], now_);
+        for (int k = 0; k < d; ++k)
+            potential -= box_.gravity[k] * (position_after<motion>(p, k, after, box_) + image.shift[k]);
+        sums.add_potential(mass(i) * potential);
+    }
     return sums;
 }
 
-// Energy in the field of gravity [J], along unfolded paths.
 template <int d, Motion motion, bool mixed>
-double HardSpheres<d, motion, mixed>::potential_energy() const {
-    if constexpr (motion != Motion::falling) return 0.0;
-    Sum potential;
-    for_original_order([&](u32 i) {
-        const ImageMotion image = box_.image(image_flags_[i], now_);
-        for (int k = 0; k < d; ++k) {
-            const double x = position_after<motion>(particles_[i], k, now_ - particles_[i].time, box_);
-            potential.add(-mass(i) * box_.gravity[k] * (x + image.shift[k]));
-        }
-    });
-    return potential.value();
+ParticleSums<d> HardSpheres<d, motion, mixed>::present_sums() const {
+    if (motion == Motion::growing || !accumulators_.sums.are_exact()) return full_sums();
+    Accumulators<d> now = accumulators_;
+    now.advance(now_);
+    return now.sums;
 }
 
-// Recomputes energy and momentum: accumulated values lose their digits while a gas cools by many orders of magnitude.
+// Recomputes the sums: the errors of many changes add up, and a gas cools by many orders of magnitude.
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::refresh_accumulators() {
-    until_refresh_ = std::max<i64>(8192, 32 * static_cast<i64>(particles_.size()));
-    const VelocitySums sums = velocity_sums();
+    until_refresh_ = changes_between_refreshes();
     accumulators_.advance(now_);
-    accumulators_.kinetic = sums.kinetic;
-    std::copy_n(sums.momentum, d, accumulators_.momentum);
-    accumulators_.velocities.restart(sums);
+    accumulators_.sums = full_sums();
 }
 
 template <int d, Motion motion, bool mixed>
 Observation HardSpheres<d, motion, mixed>::observe() const {
     Observation o;
-    const VelocitySums sums = motion == Motion::straight ? accumulators_.velocities.value() : velocity_sums();
-    o.kinetic_energy = sums.kinetic;
-    o.potential_energy = potential_energy();
-    std::copy_n(sums.momentum, d, o.momentum);
-    o.kinetic_tensor = sums.products;
+    const ParticleSums<d> sums = present_sums();
+    o.kinetic_energy = 0.5 * sums.twice_kinetic();
+    o.potential_energy = sums.potential();
+    for (int k = 0; k < d; ++k) o.momentum[k] = sums.momentum(k);
     o.dissipated_energy = accumulators_.dissipated.value();
     int k = 0;
     for (std::size_t c = 0; c < SymmetricTensor::size; ++c)
-        if (SymmetricTensor::column[c] < d) o.virial.component[c] = accumulators_.virial.value(k++);
+        if (SymmetricTensor::column[c] < d) {
+            o.kinetic_tensor.component[c] = sums.product(k);
+            o.virial.component[c] = accumulators_.virial.value(k++);
+        }
     o.wall_work = accumulators_.wall_work.value();
     o.kinetic_integral = accumulators_.integral_until(now_);
     o.largest_compression = deepest_.compression;

@@ -10,10 +10,14 @@ template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::displace(u32 i, double share, const double (&velocity)[d],
                                              const double (&shift)[d]) {
     Particle<d>& p = particles_[i];
+    double changed[d];
     for (int k = 0; k < d; ++k) {
-        p.velocity[k] += share * velocity[k];
+        changed[k] = p.velocity[k] + share * velocity[k];
         p.position[k] += share * shift[k];
     }
+    set_velocity(i, changed);
+    if (motion == Motion::falling)
+        accumulators_.sums.add_potential(-share * mass(i) * dot(accumulators_.gravity, shift));
     update_cell(i);
 }
 
@@ -66,8 +70,6 @@ void HardSpheres<d, motion, mixed>::contact(u32 i, u32 j, const double (&r)[d], 
     for (int k = 0; k < d; ++k) departing[k] = v[k] + change[k];
     accumulators_.add_virial(pair.effective_mass, r, change);
     accumulators_.add_virial(pair.effective_mass, shift, departing);
-    accumulators_.advance(now_);
-    accumulators_.kinetic -= lost;
     const double whole = mass(i) + mass(j);
     displace(i, -mass(j) / whole, change, shift);
     displace(j, mass(i) / whole, change, shift);
@@ -96,7 +98,7 @@ void HardSpheres<d, motion, mixed>::contact_with_wall(u32 i, const Wall& wall, d
     shift[axis] = away * end.normal_shift;
     const double lost = 0.5 * m * (speed - end.normal_velocity) * (speed + end.normal_velocity);
     const double dissipated = lost - m * pressing * end.normal_shift;
-    accumulators_.advance(now_);
+    double work = m * change[axis] * wall.velocity(now_);
     if (wall.motion.oscillates()) {
         const double t = found.duration, before = particles_[i].velocity[axis];
         const double opening = end.normal_velocity - pressing * t;
@@ -105,11 +107,9 @@ void HardSpheres<d, motion, mixed>::contact_with_wall(u32 i, const Wall& wall, d
         const double moved = wall.position(now_ + t) - wall.position(now_);
         change[axis] = after - before;
         shift[axis] = moved + away * beyond - t * (after + 0.5 * g * t);
-        const double gained = 0.5 * m * change[axis] * (after + before);
-        accumulators_.add_wall(axis, m * change[axis], gained, gained - m * g * shift[axis] + dissipated);
-    } else {
-        accumulators_.add_wall(axis, m * change[axis], lost, wall);
+        work = 0.5 * m * change[axis] * (after + before) - m * g * shift[axis] + dissipated;
     }
+    accumulators_.add_wall(work);
     displace(i, 1.0, change, shift);
     remember_contact(i, no_particle, found.duration, wall.id);
     const double separation = math::sqrt(math::max(0.0, speed * speed - 2.0 * dissipated / m));

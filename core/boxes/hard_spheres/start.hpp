@@ -75,7 +75,7 @@ void HardSpheres<d, motion, mixed>::make_cells(std::size_t n) {
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::sort_in(const System& s) {
     const u32 n = static_cast<u32>(s.n);
-    std::vector<u32> cell(n), order(n);
+    std::vector<u32> cell(n);
     const auto position_of = [&](u32 i, double (&x)[d]) {
         for (int k = 0; k < d; ++k) x[k] = s.position[std::size_t{i} * d + static_cast<std::size_t>(k)];
     };
@@ -84,10 +84,8 @@ void HardSpheres<d, motion, mixed>::sort_in(const System& s) {
         position_of(i, x);
         const int own = mixed ? cells_.level_for(2.0 * s.radius[i]) : 0;
         cell[i] = cells_.number(own, cells_.place_of(own, x));
-        order[i] = i;
     }
-    std::sort(order.begin(), order.end(),
-              [&](u32 a, u32 b) { return cell[a] != cell[b] ? cell[a] < cell[b] : a < b; });
+    const std::vector<u32> order = order_by_cell(cell);
     particles_.resize(n);
     pending_.resize(n);
     image_flags_.resize(n, {});
@@ -97,7 +95,9 @@ void HardSpheres<d, motion, mixed>::sort_in(const System& s) {
         if (cells_.levels() > 1) rescans_.assign(n, math::infinity);
     }
     for (u32 i = 0; i < n; ++i) {
-        const u32 from = order[i];
+        const u32 from = order[i], later = order[std::min(i + 24, n - 1)];
+        prefetch(&s.position[std::size_t{later} * d]);
+        prefetch(&s.velocity[std::size_t{later} * d]);
         Particle<d>& p = particles_[i];
         position_of(from, p.position);
         for (int k = 0; k < d; ++k)
@@ -152,11 +152,9 @@ template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::sort_along_cells() {
     next_sort_ = accumulators_.collisions() + collisions_between_sorts * particles_.size();
     const u32 n = size32();
-    std::vector<u32> from(n);
-    for (u32 i = 0; i < n; ++i) from[i] = i;
-    std::sort(from.begin(), from.end(), [this](u32 a, u32 b) {
-        return pending_[a].cell != pending_[b].cell ? pending_[a].cell < pending_[b].cell : a < b;
-    });
+    std::vector<u32> cell(n);
+    for (u32 i = 0; i < n; ++i) cell[i] = pending_[i].cell;
+    const std::vector<u32> from = order_by_cell(cell);
     permute(particles_, from);
     permute(pending_, from);
     permute(image_flags_, from);

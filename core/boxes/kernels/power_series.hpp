@@ -158,7 +158,7 @@ template <int n>
 void expand_distance(const Path* paths, Contact& f) {
     const Four& first = paths[f.first][n];
     if (f.second < 0) {
-        const double x = n < 2 ? first[f.axis] - f.wall[n] : first[f.axis];
+        const double x = n < 2 ? first[f.axis] - f.wall[n < 2 ? n : 0] : first[f.axis];
         f.depth[n] = n == 0 ? f.contact_distance - f.side * x : -f.side * x;
         return;
     }

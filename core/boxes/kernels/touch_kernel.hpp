@@ -26,10 +26,13 @@ namespace hardlimit::boxes {
 // Which periodic image of a neighbour is used.
 enum class Image { as_it_is, nearest, shifted };
 
-// `only_group`: there is a single group of lanes. An early return if no lane touches then pays; with several groups
-// that branch is unpredictable, and a misprediction costs more than the square root and the division.
-template <class Real, int d, Motion motion, Image image, bool enlarged>
-HL_FN Real touch_times_of(const hardlimit_abi::ContactQuery& q, const Columns<Real>& p, bool only_group) {
+// Relative motion of pairs: a and b without the growth of radii, r², and σ at a factor of 1.
+template <class Real>
+struct RelativeMotion {
+    Real a, b, square, touch;
+};
+template <class Real, int d, Motion motion, Image image>
+HL_FN RelativeMotion<Real> relative_motion(const hardlimit_abi::ContactQuery& q, const Columns<Real>& p) {
     const Real after = q.now - p.of[2 * d];
     Real a{}, b{}, square{};
     HL_UNROLL
@@ -50,7 +53,21 @@ HL_FN Real touch_times_of(const hardlimit_abi::ContactQuery& q, const Columns<Re
         b = k == 0 ? r * v : b + r * v;
         square = k == 0 ? r * r : square + r * r;
     }
-    const Real touch = q.radius + q.others * p.of[2 * d + 1], never = broadcast<Real>(math::infinity);
+    return {a, b, square, q.radius + q.others * p.of[2 * d + 1]};
+}
+
+// Time until a pair with b < 0 and a positive discriminant touches.
+template <class Real>
+HL_FN Real first_root(const Real& b, const Real& c, const Real& discriminant) {
+    return math::max<Real>(c, Real{}) / (math::sqrt<Real>(math::max<Real>(discriminant, Real{})) - b);
+}
+
+// `only_group`: there is a single group of lanes. An early return if no lane touches then pays; with several groups
+// that branch is unpredictable, and a misprediction costs more than the square root and the division.
+template <class Real, int d, Motion motion, Image image, bool enlarged>
+HL_FN Real touch_times_of(const hardlimit_abi::ContactQuery& q, const Columns<Real>& p, bool only_group) {
+    auto [a, b, square, touch] = relative_motion<Real, d, motion, image>(q, p);
+    const Real never = broadcast<Real>(math::infinity);
     if constexpr (motion == Motion::growing) {
         const Real distance = touch * q.radius_factor, speed = touch * q.growth_rate;
         a = a - speed * speed;
@@ -75,15 +92,12 @@ HL_FN Real touch_times_of(const hardlimit_abi::ContactQuery& q, const Columns<Re
             soon = (excess + 2.0 * q.enlarged_span * math::min<Real>(b, Real{}) <= 0.0) & (square > 0.0);
         }
         if (only_group && !any(will | soon)) return never;
-        const Real time =
-            math::max<Real>(c, Real{}) / (math::sqrt<Real>(math::max<Real>(discriminant, Real{})) - b);
-        const Real usual = select<Real>(will, time, never);
+        const Real usual = select<Real>(will, first_root<Real>(b, c, discriminant), never);
         if constexpr (!enlarged) return usual;
         if (!any(soon)) return usual;
         const Mask<Real> now = soon & (excess < -rounding_of_touch * (space * space));
         const Real under = b * b - a * excess;
-        const Real sooner =
-            math::max<Real>(excess, Real{}) / (math::sqrt<Real>(math::max<Real>(under, Real{})) - b);
+        const Real sooner = first_root<Real>(b, excess, under);
         const Mask<Real> before = soon & (b < 0.0) & (under > 0.0) & (sooner <= q.enlarged_span);
         return select<Real>(now, Real{}, select<Real>(before, sooner, usual));
     }
@@ -124,6 +138,48 @@ HL_FN hardlimit_abi::EarliestContact touched_first(const Real& least, const Real
     return touched;
 }
 
+// With four lanes the root and the quotient take as long as the rest: the few pairs that will touch are packed first.
+// Their ids and times are left in the lists.
+template <class Real, int d, Motion motion, Image image, class Packed = PackedLanes>
+hardlimit_abi::EarliestContact touch_packed(const hardlimit_abi::ContactQuery& q, const double* lines,
+                                            unsigned* ids, double* times, std::size_t n) {
+    constexpr std::size_t lanes = Lanes<Real>::count, most = 64;
+    Real least = broadcast<Real>(math::infinity);
+    std::size_t found = 0;
+    for (std::size_t begin = 0; begin < n; begin += most) {
+        double b[most + lanes], c[most + lanes], discriminant[most + lanes];
+        const std::size_t end = begin + most < n ? begin + most : n;
+        std::size_t hits = 0;
+        for (std::size_t k = begin; k < end; k += lanes) {
+            const double* row[lanes];
+            HL_UNROLL
+            for (std::size_t lane = 0; lane < lanes; ++lane)
+                row[lane] = lines + 8 * std::size_t{ids[k + lane]};
+            const auto pair = relative_motion<Real, d, motion, image>(q, load_columns<Real>(row));
+            const Real over = pair.square - pair.touch * pair.touch, under = pair.b * pair.b - pair.a * over;
+            const unsigned will = lane_bits((pair.b < 0.0) & (under > 0.0));
+            const Packed packed(will);
+            store_lanes(b + hits, packed(pair.b));
+            store_lanes(c + hits, packed(over));
+            store_lanes(discriminant + hits, packed(under));
+            packed.move(ids + found + hits, ids + k);
+            hits += static_cast<std::size_t>(bit_count(will));
+        }
+        // The rest of the last group never touches.
+        store_lanes(b + hits, broadcast<Real>(-1.0));
+        store_lanes(c + hits, broadcast<Real>(math::infinity));
+        store_lanes(discriminant + hits, Real{});
+        for (std::size_t k = 0; k < hits; k += lanes) {
+            const Real time = first_root<Real>(load_lanes<Real>(b + k), load_lanes<Real>(c + k),
+                                               load_lanes<Real>(discriminant + k));
+            store_lanes(times + found + k, time);
+            least = math::min<Real>(least, time);
+        }
+        found += hits;
+    }
+    return touched_first<Real, false>(least, least, ids, times, found);
+}
+
 template <class Real, int d, Motion motion, Image image, bool enlarged>
 hardlimit_abi::EarliestContact touch_listed(const hardlimit_abi::ContactQuery& q, const void* particles,
                                             unsigned self, unsigned* ids, double* times, std::size_t n) {
@@ -131,6 +187,8 @@ hardlimit_abi::EarliestContact touch_listed(const hardlimit_abi::ContactQuery& q
     const double* const lines = static_cast<const double*>(particles);
     // Pads the last group of lanes with the particle itself, for which no contact is found.
     for (std::size_t k = 0; k + 1 < lanes; ++k) ids[n + k] = self;
+    if constexpr (packs_lanes && lanes == 4 && !enlarged && motion != Motion::growing)
+        return touch_packed<Real, d, motion, image>(q, lines, ids, times, n);
     Real least = broadcast<Real>(math::infinity), second = least;
     for (std::size_t k = 0; k < n; k += lanes) {
         const double* row[lanes];
@@ -167,6 +225,17 @@ inline std::size_t collect_cells(const hardlimit_abi::CellBlock& block, unsigned
             const unsigned* cell = static_cast<const unsigned*>(block.cells) +
                                    words_of_cell * std::size_t{block.begin[part] + block.row[r]};
             const unsigned* const end = cell + words_of_cell * block.length[part];
+            if (block.length[part] == 3) {  // as a rule; the loop would wait for one cell after the other
+                const unsigned *const second = cell + words_of_cell, *const third = second + words_of_cell;
+                const unsigned n = cell[inline_ids], both = n + second[inline_ids];
+                if ((cell[inline_ids] | second[inline_ids] | third[inline_ids]) <= inline_ids) {
+                    std::memcpy(to, cell, words_of_cell * sizeof *cell);
+                    std::memcpy(to + n, second, words_of_cell * sizeof *cell);
+                    std::memcpy(to + both, third, words_of_cell * sizeof *cell);
+                    to += both + third[inline_ids];
+                    continue;
+                }
+            }
             HL_ROLL
             for (; cell != end; cell += words_of_cell) to = collect_cell(cell, spilled, to);
         }

@@ -92,14 +92,13 @@ void NewtonEvents<Law>::make_cells(std::size_t n, const hardlimit_abi::TouchKern
 template <class Law>
 void NewtonEvents<Law>::sort_in(const System& s) {
     const auto n = static_cast<u32>(s.n);
-    std::vector<u32> cell(n), order(n);
+    std::vector<u32> cell(n);
     for (u32 i = 0; i < n; ++i) {
         double x[3];
         setting_.in_three(s.position, i, x);
         cell[i] = cells_.number(level_, cells_.place_of(level_, x));
-        order[i] = i;
     }
-    std::stable_sort(order.begin(), order.end(), [&](u32 a, u32 b) { return cell[a] < cell[b]; });
+    const std::vector<u32> order = order_by_cell(cell);
     particles_.resize(n);
     pending_.resize(n);
     laws_.reorder(order);

@@ -32,6 +32,7 @@
 #include "../common/archive.hpp"
 #include "../common/newton_setting.hpp"
 #include "../kernels/interface.hpp"
+#include "../neighbours/cell_order.hpp"
 #include "../neighbours/cells.hpp"
 #include "../queue/calendar_queue.hpp"
 #include "../queue/prediction.hpp"

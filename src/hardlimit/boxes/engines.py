@@ -16,11 +16,12 @@ from ..contact.laws import LAWS
 from .box import Floats
 from .contacts import law_arguments
 from .falling_frame import engine_arguments, laboratory_sums, state, system_at
+from .observe import Observed
 from .pace import ProgressNote
 from .result import COLLISIONS, CONTACTS, Column, ContactResult, EarlyEnd, Log, ParticleResult
 from .rules import Settings
 from .system import ParticleSystem
-from .thermostats import as_entry, from_entry
+from .thermostats import Andersen, as_entry, from_entry
 from .walls import as_entries, from_entries
 
 ENERGIES: Final = ("kinetic_energy", "potential_energy", "dissipated_energy")
@@ -82,12 +83,17 @@ class Engine:
     """A compiled engine that simulates a system."""
 
     def __init__(
-        self, name: str, system: ParticleSystem, settings: Settings | NewtonSettings, compiled: Any
+        self,
+        name: str,
+        system: ParticleSystem,
+        settings: Settings | NewtonSettings,
+        compiled: Any,
+        moment: Floats,
     ) -> None:
         self.record, self.system, self.settings, self.compiled = ENGINES[name], system, settings, compiled
+        self._moment = moment  #: Σ m x at the start of the run [kg m]
         self._note = ProgressNote()
         self.kicks, self.heat = 0, 0.0  # of the thermostat: number so far, energy [J]
-        self._fall = system.domain.common_fall
 
     @classmethod
     def make(
@@ -99,6 +105,10 @@ class Engine:
         time_step: float | None = None,
     ) -> Engine:
         """Make the engine for the start of a run."""
+        if isinstance(system.thermostat, Andersen) and system.domain.common_fall.any():
+            raise ValueError(
+                "thermostat: got Andersen, must be RandomKicks or None with gravity along a periodic axis"
+            )
         own: dict[str, Any] = {} if settings.law is None else {"law": law_arguments(settings.law)}
         if isinstance(settings, Settings):
             own["rule"] = settings.rule
@@ -108,7 +118,7 @@ class Engine:
         if time_step is not None:
             own["time_step"] = time_step
         compiled = _core.make_engine(ENGINES[name].kind, *engine_arguments(system), log=log, **own)
-        return cls(name, system, settings, compiled)
+        return cls(name, system, settings, compiled, system.mass @ system.positions)
 
     # --- running --------------------------------------------------------------------------------------------
 
@@ -197,13 +207,8 @@ class Engine:
         return now._of(**now._values() | {"thermostat": now.thermostat.after(self.kicks)})
 
     def sample(self) -> dict[str, Any]:
-        """The quantities at a sample in the falling frame, with the potential energy of all gravity.
-
-        :meth:`result` converts those of all samples at once.
-        """
+        """The quantities at a sample in the falling frame; :meth:`result` converts those of all samples at once."""
         sums = self.compiled.observe()
-        if self._fall.any():
-            sums["potential_energy"] -= float(self.system.mass @ (self.compiled.state()[0] @ self._fall))
         sums["time"], sums["n_collisions"], sums["heat"] = self.time, sums["n_contacts"], self.heat
         return {name: np.asarray(sums[name], float) for name in self.record.records if name in sums}
 
@@ -241,7 +246,7 @@ class Engine:
         return EarlyEnd(time, tuple(now.positions[particles[0]].tolist()), tuple(particles), wall)
 
     def result(
-        self, samples: Mapping[str, Floats], log: Log | None, observed: Mapping[str, Any], idle: bool
+        self, samples: Mapping[str, Floats], log: Log | None, observed: Observed, idle: bool
     ) -> ParticleResult | ContactResult:
         """The result of a run that ends now, from all its samples; ``idle`` means that no more collisions happen."""
         now, sums, statistics = self.current(), self.compiled.observe(), self.compiled.statistics()
@@ -250,7 +255,7 @@ class Engine:
             "system": now,
             "time": self.time,
             "outcome_name": "no_contact" if idle and self.outcome == "ok" else self.outcome,
-            "samples": laboratory_sums(self.system, samples["time"], dict(samples)),
+            "samples": self._in_laboratory(samples),
             "log": None if log is None else self.whole_log(log),
             "largest_compression": None if math.isnan(largest) else largest,
             "early_end": self.early_end(now),
@@ -275,6 +280,12 @@ class Engine:
             **common,
         )
 
+    def _in_laboratory(self, samples: Mapping[str, Floats]) -> dict[str, Floats]:
+        """The samples in the laboratory. The momentum is constant along the axes of the common fall."""
+        moment = self._moment + samples["time"][:, None] * samples["momentum"]
+        potential = samples["potential_energy"] - moment @ self.system.domain.common_fall
+        return laboratory_sums(self.system, samples["time"], {**samples, "potential_energy": potential})
+
     # --- checkpoints ----------------------------------------------------------------------------------------
 
     def saved(self) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
@@ -288,6 +299,7 @@ class Engine:
             "settings": vars(self.settings) | {"law": None if law is None else law_entry(law)},
         }
         arrays = {name: np.asarray(getattr(self.system, name)) for name in FIXED}
+        arrays["moment"] = self._moment
         return header, arrays | {"engine": np.frombuffer(self.compiled.save(), np.uint8)}
 
     @classmethod
@@ -305,7 +317,7 @@ class Engine:
         positions, velocities = compiled.state()
         falling = ParticleSystem._of(positions=positions, velocities=velocities, **fixed)
         positions, velocities = state(falling, compiled.time, compiled.state())
-        engine = cls(name, falling._moved(positions, velocities), settings, compiled)
+        engine = cls(name, falling._moved(positions, velocities), settings, compiled, arrays["moment"])
         engine.kicks, engine.heat = int(header["kicks"][0]), float(header["kicks"][1])
         return engine
 

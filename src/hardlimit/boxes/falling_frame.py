@@ -41,9 +41,10 @@ def state(system: ParticleSystem, time: float, falling: tuple[Floats, Floats]) -
 
 def system_at(system: ParticleSystem, time: float, falling: tuple[Floats, Floats]) -> ParticleSystem:
     """The system at ``time`` [s], with positions in the box; ``falling`` as for :func:`state`."""
-    positions, velocities = state(system, time, falling)
+    unfolded, velocities = state(system, time, falling)
+    positions = unfolded.copy()
     system.domain.fold(positions)
-    return system._moved(positions, velocities, time)
+    return system._moved(positions, velocities, time, unfolded)
 
 
 def laboratory_sums(system: ParticleSystem, time: Any, sums: dict[str, Any]) -> dict[str, Any]:

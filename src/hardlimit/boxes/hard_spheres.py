@@ -23,7 +23,7 @@ from .theory import Gas
 NAME: Final = "hard_spheres"
 MAX_COLLISIONS: Final = 2**62
 #: In a run without ``until``, the first sampling interval is this many times shorter than the expected final one.
-FIRST_SUBDIVISION: Final = 8
+FIRST_SUBDIVISION: Final = 4
 
 
 def event_driven(
@@ -67,10 +67,13 @@ def event_driven(
         Number of intervals between samples of the series. With ``max_collisions`` alone, half to twice as many.
     log : bool
         Keep every collision; 28 bytes each.
-    observe : callable, optional
-        Called at each sample, including the start, with the time [s] and the current :class:`ParticleSystem`. It
-        returns a mapping of names to numbers or arrays, which become variables of ``series``. Names and shapes must be
-        the same at all samples. An exception in it ends the run after the checkpoint is written.
+    observe : callable, mapping of names to callables, or a sequence of these, optional
+        A function is called at each sample, including the start, with the time [s] and the current
+        :class:`ParticleSystem`. It returns a mapping of names to numbers, arrays or DataArrays, which become variables
+        of ``series``. A function in a mapping is called with the system only and returns the value of that name:
+        ``observe={"rdf": hl.measure.rdf}``. DataArrays keep dimensions, coordinates and attributes; the variables of a
+        Dataset get the prefix ``name_``. Names, shapes and coordinates must be the same at all samples. An exception
+        ends the run after the checkpoint is written.
     checkpoint : path, optional
         File from which :func:`resume` continues. It is written at the start, every ``checkpoint_every`` seconds, at
         Ctrl-C and at the end.

@@ -169,7 +169,7 @@ _RECORDS: Final = (
 )
 #: Observables by name, in the order of the variables of a Dataset.
 OBSERVABLES: Final = {one.name: one for one in _RECORDS}
-#: Further names in a series, which no variable of ``observe`` may have.
+#: Coordinates of a series, whose names no observable may have.
 RESERVED: Final = ("time", "axis", "component")
 
 

@@ -1,53 +1,118 @@
-"""The user's function ``observe``, which is called at each sample of a run; its values are checked and collected."""
+"""The user's functions ``observe``, called at each sample of a run; their values are checked and collected."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..support import validation
-from .observables import OBSERVABLES, RESERVED
+from .box import AXES
+from .observables import OBSERVABLES, components
 from .system import ParticleSystem
 
-#: f(t, system) with t [s] returns numbers or arrays of numbers by name.
-Observe = Callable[[float, ParticleSystem], Mapping[str, Any]]
-Values = dict[str, NDArray[Any]]
+#: f(t, system) with t [s] returns numbers, arrays of numbers or DataArrays by name.
+Function = Callable[[float, ParticleSystem], Mapping[str, Any]]
+#: Functions of the system by the name of what they return.
+Named = Mapping[str, Callable[[ParticleSystem], Any]]
+#: What a user may give.
+Observe = Function | Named | Sequence[Function | Named]
+Parts = tuple[Function | Named, ...]
 
 
-def checked_function(observe: Any) -> Observe | None:
-    """The function, checked to be callable, or None."""
-    if observe is not None and not callable(observe):
-        raise ValueError(f"observe: got {validation.shown(observe)}, must be a function of time and system")
-    return observe  # type: ignore[no-any-return]
+class Variable(NamedTuple):
+    """An array with its labels; xarray accepts it as a variable of a Dataset."""
+
+    dims: tuple[str, ...]
+    values: NDArray[Any]
+    attrs: Mapping[str, Any] = {}
 
 
-def call(observe: Observe, time: float, system: ParticleSystem, before: Values | None) -> Values:
-    """The values of the function as arrays; ``before`` has those of the previous sample."""
-    returned = observe(time, system)
+class Observed(NamedTuple):
+    """The values of one sample, or stacked over ``time`` those of a run."""
+
+    data: Mapping[str, Variable] = {}
+    coordinates: Mapping[str, Variable] = {}
+
+
+def checked_functions(observe: Any) -> Parts | None:
+    """The functions, checked to be callable, or None."""
+    if observe is None:
+        return None
+    alone = callable(observe) or isinstance(observe, Mapping)
+    parts = (observe,) if alone else observe
+    if isinstance(parts, Sequence) and not isinstance(parts, str | bytes) and all(map(_is_part, parts)):
+        return tuple(parts)
+    raise ValueError(
+        f"observe: got {validation.shown(observe)}, must be a function of time and system, functions of the system by "
+        "name, or a sequence of these"
+    )
+
+
+def _is_part(given: Any) -> bool:
+    if isinstance(given, Mapping):
+        return all(isinstance(name, str) and name and callable(f) for name, f in given.items())
+    return callable(given)
+
+
+def call(parts: Parts, time: float, system: ParticleSystem, before: Observed | None) -> Observed:
+    """The values of the functions as arrays; ``before`` has those of the previous sample."""
     at = f"observe: at {time:.6g} s"
-    if not isinstance(returned, Mapping):
-        raise ValueError(f"{at} got {validation.shown(returned)}, must return a mapping of names to numbers")
-    found = {name: _array(at, name, value) for name, value in returned.items()}
-    if before is None:
-        _refuse_clashes(at, found)
-    elif found.keys() != before.keys():
-        names, expected = (", ".join(map(validation.shown, each)) or "none" for each in (found, before))
-        raise ValueError(f"{at} got the names {names}, must be those of the previous sample: {expected}")
-    else:
-        for name, array in found.items():
-            shape = before[name].shape
-            if array.shape != shape:
+    data: dict[str, Variable] = {}
+    known = {"axis": _labels("axis", AXES[: system.dimension])}
+    known["component"] = _labels("component", components(system.dimension))
+    coordinates = dict(known)
+    for name, value in _returned(parts, at, time, system):
+        if name in data:
+            raise ValueError(f"{at} got the name {validation.shown(name)} twice, must be different names")
+        data[name] = _variable(at, name, value)
+        for key, labels in _coordinates(at, name, value):
+            if not _same(coordinates.setdefault(key, labels), labels):
                 raise ValueError(
-                    f"{at} got {name!r} of shape {array.shape}, must be {shape} as at the previous sample"
+                    f"{at} got other values of the coordinate {key!r} with {name!r}, must be the same"
                 )
-        found = {name: found[name] for name in before}
-    return found
+    found = Observed(data, {key: one for key, one in coordinates.items() if key not in known})
+    if before is None:
+        _refuse_clashes(at, found, known)
+        return found
+    return _as_before(at, found, before)
 
 
-def _array(at: str, name: Any, value: Any) -> NDArray[Any]:
+def _labels(dim: str, names: Sequence[str]) -> Variable:
+    return Variable((dim,), np.array(names))
+
+
+def _same(one: Variable, other: Variable) -> bool:
+    return one.dims == other.dims and np.array_equal(one.values, other.values)
+
+
+def _returned(parts: Parts, at: str, time: float, system: ParticleSystem) -> Iterator[tuple[Any, Any]]:
+    """Name and value of all that the functions return."""
+    for part in parts:
+        if isinstance(part, Mapping):
+            for name, function in part.items():
+                value = function(system)
+                if isinstance(value, Mapping):  # also a Dataset
+                    yield from ((f"{name}_{key}", one) for key, one in value.items())
+                else:
+                    yield name, value
+        else:
+            returned = part(time, system)
+            if not isinstance(returned, Mapping):
+                raise ValueError(
+                    f"{at} got {validation.shown(returned)}, must return a mapping of names to numbers"
+                )
+            yield from returned.items()
+
+
+def _is_labelled(value: Any) -> bool:
+    """Whether the value is a DataArray; xarray is not imported for that."""
+    return hasattr(value, "dims") and hasattr(value, "coords")
+
+
+def _variable(at: str, name: Any, value: Any) -> Variable:
     if not isinstance(name, str) or not name:
         raise ValueError(f"{at} got the name {validation.shown(name)}, must be a non-empty text")
     try:
@@ -56,35 +121,143 @@ def _array(at: str, name: Any, value: Any) -> NDArray[Any]:
         array = np.array(None)
     if array.dtype.kind not in "buif":
         raise ValueError(f"{at} got {validation.shown(value)} for {name!r}, must be a number or numbers")
-    return array
+    if _is_labelled(value):
+        return Variable(tuple(map(str, value.dims)), array, _attributes(value))
+    return Variable(tuple(f"{name}_{i}" for i in range(array.ndim)), array)
 
 
-def dims(name: str, array: NDArray[Any]) -> list[str]:
-    """Names of the dimensions of a value in a Dataset: name_0, name_1, …"""
-    return [f"{name}_{i}" for i in range(array.ndim)]
+def _attributes(value: Any) -> dict[str, Any]:
+    """The attributes that a checkpoint can hold."""
+    return {str(key): one for key, one in value.attrs.items() if isinstance(one, str | int | float)}
 
 
-def _refuse_clashes(at: str, values: Values) -> None:
-    taken = {*OBSERVABLES, *RESERVED}
-    for name, array in values.items():
-        clashes = taken & {name, *dims(name, array)}
+def _coordinates(at: str, name: str, value: Any) -> Iterator[tuple[str, Variable]]:
+    """The coordinates of a DataArray, except single numbers."""
+    for key, one in value.coords.items() if _is_labelled(value) else ():
+        array = np.array(one.values)
+        array = array.astype(str) if array.dtype.kind == "O" else array
+        if array.dtype.kind not in "buifU":
+            raise ValueError(f"{at} got the coordinate {key!r} with {name!r}, must have numbers or words")
+        if one.dims:
+            yield str(key), Variable(tuple(map(str, one.dims)), array, _attributes(one))
+
+
+def _refuse_clashes(at: str, found: Observed, known: Mapping[str, Variable]) -> None:
+    """Refuse names that the series has already, and dimensions of two lengths."""
+    lengths = {name: len(one.values) for name, one in known.items()}
+    for name, one in [*found.data.items(), *found.coordinates.items()]:
+        for dim, length in zip(one.dims, one.values.shape, strict=True):
+            if lengths.setdefault(dim, length) != length:
+                raise ValueError(
+                    f"{at} got {length} values of {name!r} along {dim!r}, must be {lengths[dim]}"
+                )
+    taken = {"time", *OBSERVABLES}
+    dims = {name: {*one.dims} - known.keys() for name, one in found.data.items()}
+    labels = {*found.coordinates}.union(*dims.values())
+    for name in found.data:
+        clashes = ({name} & (taken | known.keys() | labels)) or (dims[name] & taken)
         if clashes:
-            shown = validation.shown(name)
             raise ValueError(
-                f"{at} got the name {shown}, must be another one: {min(clashes)!r} is in the series already"
+                f"{at} got the name {validation.shown(name)}, must be another one: {min(clashes)!r} is in the series "
+                "already"
             )
-        taken |= {name, *dims(name, array)}
+    if clashes := taken & {*found.coordinates}:
+        raise ValueError(
+            f"{at} got the coordinate {min(clashes)!r}, which is in the series already: rename it"
+        )
 
 
-def collected(values: Sequence[Values]) -> Values:
+def _as_before(at: str, found: Observed, before: Observed) -> Observed:
+    """The values in the order of the previous sample; refuses other names, shapes and coordinates."""
+    if found.data.keys() != before.data.keys():
+        names, expected = (", ".join(map(validation.shown, one.data)) or "none" for one in (found, before))
+        raise ValueError(f"{at} got the names {names}, must be those of the previous sample: {expected}")
+    for name, old in before.data.items():
+        shape, expected_shape = found.data[name].values.shape, old.values.shape
+        if shape != expected_shape:
+            raise ValueError(
+                f"{at} got {name!r} of shape {shape}, must be {expected_shape} as at the previous sample"
+            )
+        if found.data[name].dims != old.dims:
+            raise ValueError(f"{at} got {name!r} over {found.data[name].dims}, must be {old.dims} as before")
+    same = found.coordinates.keys() == before.coordinates.keys()
+    for key, labels in before.coordinates.items():
+        if not (same and _same(labels, found.coordinates[key])):
+            raise ValueError(
+                f"{at} got other values of the coordinate {key!r}, must be those of the previous sample"
+            )
+    data = {name: old._replace(values=found.data[name].values) for name, old in before.data.items()}
+    return Observed(data, before.coordinates)
+
+
+# --- the values of all samples ------------------------------------------------------------------------------
+
+
+def collected(values: Sequence[Mapping[str, NDArray[Any]]]) -> dict[str, NDArray[Any]]:
     """Stack the values of all samples: one array for each name."""
     return {name: np.stack([one[name] for one in values]) for name in (values[0] if values else ())}
 
 
-def variables(values: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
-    return {name: (["time", *dims(name, array[0])], array.copy()) for name, array in values.items()}
+def joined(samples: Sequence[Observed]) -> Observed:
+    """The values of all samples, stacked over ``time``."""
+    if not samples:
+        return NOTHING
+    stacked = collected([{name: each.values for name, each in one.data.items()} for one in samples])
+    data = {
+        name: Variable(("time", *one.dims), stacked[name], one.attrs) for name, one in samples[0].data.items()
+    }
+    return Observed(data, samples[0].coordinates)
 
 
-def split(values: Values, n: int) -> Iterable[Values]:
+def split(values: Mapping[str, NDArray[Any]], n: int) -> list[dict[str, NDArray[Any]]]:
     """The values of each of ``n`` samples: the inverse of :func:`collected`."""
     return [{name: array[k] for name, array in values.items()} for k in range(n)]
+
+
+def separated(values: Observed, n: int) -> list[Observed]:
+    """The values of each of ``n`` samples: the inverse of :func:`joined`."""
+    return [
+        Observed(
+            {name: Variable(one.dims[1:], one.values[k], one.attrs) for name, one in values.data.items()},
+            values.coordinates,
+        )
+        for k in range(n)
+    ]
+
+
+def saved(values: Observed) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
+    """Entries of the header of a checkpoint, and its arrays."""
+    header = {
+        part: [[name, one.dims, dict(one.attrs)] for name, one in getattr(values, part).items()]
+        for part in Observed._fields
+    }
+    arrays = {
+        f"observed_{part}_{i}": one.values
+        for part in Observed._fields
+        for i, one in enumerate(getattr(values, part).values())
+    }
+    return {"observed": header}, arrays
+
+
+def loaded(header: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Observed:
+    """The inverse of :func:`saved`."""
+    parts = (
+        {
+            name: Variable(tuple(dims), arrays[f"observed_{part}_{i}"], attrs)
+            for i, (name, dims, attrs) in enumerate(header["observed"][part])
+        }
+        for part in Observed._fields
+    )
+    return Observed(*parts)
+
+
+def variables(values: Observed) -> tuple[dict[str, Any], dict[str, Any]]:
+    """The data variables and coordinates for an xarray Dataset."""
+    data, coordinates = (
+        {name: (one.dims, one.values.copy(), dict(one.attrs)) for name, one in part.items()}
+        for part in values
+    )
+    return data, coordinates
+
+
+NOTHING: Final = Observed()

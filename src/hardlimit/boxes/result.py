@@ -118,7 +118,7 @@ class _Result:
     log: Log | None = field(repr=False)  #: arrays of the ``columns``; None if the run kept no log
     largest_compression: float | None  #: of all contacts, over the smaller radius; None if unknown
     early_end: EarlyEnd | None = None  #: the event that ended the run early; None if the run reached its end
-    observed: Mapping[str, NDArray[Any]] = field(default_factory=dict, repr=False)  #: values of ``observe``
+    observed: observe.Observed = field(default=observe.NOTHING, repr=False)  #: values of ``observe``
 
     @property
     def outcome(self) -> str:
@@ -139,7 +139,8 @@ class _Result:
         import xarray as xr
 
         data, coordinates = observables.variables(Samples(self.system, self.samples))
-        return xr.Dataset(data | observe.variables(self.observed), coordinates, self._attributes("Series"))
+        seen, labels = observe.variables(self.observed)
+        return xr.Dataset(data | seen, coordinates | labels, self._attributes("Series"))
 
     def _log_dataset(self, dim: str) -> xr.Dataset:
         import xarray as xr

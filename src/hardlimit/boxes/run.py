@@ -17,7 +17,7 @@ from ..support.progress import Report, Shown
 from . import checkpoint as checkpoints
 from . import observe as observing
 from .engines import Engine, joined
-from .observe import Observe, Values
+from .observe import Observed, Parts
 from .result import ContactResult, Log, ParticleResult
 from .system import ParticleSystem
 
@@ -37,7 +37,7 @@ class Output(NamedTuple):
     log: bool = False  #: whether every contact is recorded
     path: Path | None = None  #: path of the checkpoint
     every: float = math.inf  #: time between checkpoints [s, wall clock]
-    observe: Observe | None = None
+    observe: Parts | None = None
 
 
 def checked_output(samples: Any, log: Any, checkpoint: Any, every: Any, observe: Any = None) -> Output:
@@ -46,7 +46,7 @@ def checked_output(samples: Any, log: Any, checkpoint: Any, every: Any, observe:
         validation.flag("log", log),
         None if checkpoint is None else checkpoints.checked_path(checkpoint),
         validation.number("checkpoint_every", every, 0.0),
-        observing.checked_function(observe),
+        observing.checked_functions(observe),
     )
 
 
@@ -80,7 +80,7 @@ class Sample(NamedTuple):
     """The values recorded at one sampling time."""
 
     records: Mapping[str, NDArray[Any]]  #: quantities recorded by the engine
-    observed: Values  #: values of the user's function
+    observed: Observed  #: values of the user's functions
 
 
 class Run:
@@ -112,9 +112,9 @@ class Run:
         self._sampled = samples, replace(schedule, until=until, max_collisions=max_collisions)
 
     def set_observe(self, observe: Any) -> None:
-        """Set the user's function for the rest of the run; it must return the same names and shapes as before."""
-        found, samples = observing.checked_function(observe), self._sampled[0]
-        returned = samples[-1].observed if samples else self._output.observe
+        """Set the user's functions for the rest of the run; they must return the same names and shapes as before."""
+        found, samples = observing.checked_functions(observe), self._sampled[0]
+        returned = samples[-1].observed.data if samples else self._output.observe
         if found is None and returned:
             raise ValueError("observe: missing, must be the function with which the run was started")
         self._output = self._output._replace(observe=found)
@@ -185,7 +185,7 @@ class Run:
     def _new_sample(self) -> Sample:
         observe, samples = self._output.observe, self._sampled[0]
         if observe is None:
-            return Sample(self.engine.sample(), {})
+            return Sample(self.engine.sample(), observing.NOTHING)
         before = samples[-1].observed if samples else None
         try:
             seen = observing.call(observe, self.engine.time, self.engine.current(), before)
@@ -215,10 +215,9 @@ class Run:
             return
         log = self._taken_log()  # before the engine is saved, so that no row is saved twice
         header, arrays = self.engine.saved()
-        seen = observing.collected([sample.observed for sample in samples])
-        header |= {"schedule": vars(schedule), "every": output.every, "observed": list(seen)}
-        arrays |= {f"sample_{name}": values for name, values in _stacked(samples).items()}
-        arrays |= {f"observed_{i}": values for i, values in enumerate(seen.values())}
+        labels, seen = observing.saved(observing.joined([sample.observed for sample in samples]))
+        header |= {"schedule": vars(schedule), "every": output.every, **labels}
+        arrays |= {f"sample_{name}": values for name, values in _stacked(samples).items()} | seen
         arrays |= {f"log_{i}": part for i, part in enumerate(log or ())}
         checkpoints.write(output.path, header, arrays)
         self._saved_at = clock.monotonic()
@@ -229,7 +228,7 @@ class Run:
         samples, schedule = self._sampled
         if not samples or not self.engine.is_at(samples[-1].records):
             samples = [*samples, self._new_sample()]
-        seen = observing.collected([sample.observed for sample in samples])
+        seen = observing.joined([sample.observed for sample in samples])
         idle = schedule.idle > MAX_DOUBLINGS
         return self.engine.result(_stacked(samples), self._taken_log(), seen, idle)
 
@@ -240,7 +239,7 @@ def _stacked(samples: Sequence[Sample]) -> dict[str, NDArray[Any]]:
 
 
 def _observe_again(time: float, system: ParticleSystem) -> Mapping[str, Any]:
-    """Placeholder for the function of a loaded checkpoint until the user gives it again."""
+    """Placeholder for the functions of a loaded checkpoint until the user gives them again."""
     raise NotImplementedError
 
 
@@ -249,16 +248,15 @@ def load(path: Any) -> Run:
     try:
         engine = Engine.load(header, arrays)
         schedule, every = Schedule(**header["schedule"]), float(header["every"])
-        names = header["observed"]
+        seen = observing.loaded(header, arrays)
         records = {name[7:]: array for name, array in arrays.items() if name.startswith("sample_")}
-        seen = {name: arrays[f"observed_{i}"] for i, name in enumerate(names or ())}
         n = len(records["time"]) if records else 0
-        samples = list(map(Sample, observing.split(records, n), observing.split(seen, n)))
+        samples = list(map(Sample, observing.split(records, n), observing.separated(seen, n)))
         columns = range(len(engine.record.columns))
         log = tuple(arrays[f"log_{i}"] for i in columns) if "log_0" in arrays else None
     except (KeyError, TypeError, ValueError, IndexError) as error:
         raise ValueError(f"{path}: not a checkpoint, or damaged: {error}") from None
-    observe = _observe_again if names else None
+    observe = (_observe_again,) if seen.data else None
     output = Output(schedule.samples, log is not None, Path(path), every, observe)
     return Run(engine, schedule, output, samples, log)
 

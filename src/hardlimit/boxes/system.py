@@ -104,6 +104,8 @@ class ParticleSystem:
     walls: Mapping[str, MovingWall]  #: the walls that move
     thermostat: RandomKicks | Andersen | None
 
+    _unfolded = None  # positions along the unfolded paths (N, d) [m], in a state of a run
+
     def __init__(
         self,
         positions: ArrayLike,
@@ -157,11 +159,13 @@ class ParticleSystem:
     def _values(self) -> dict[str, Any]:
         return {field.name: getattr(self, field.name) for field in fields(self)}
 
-    def _moved(self, positions: Floats, velocities: Floats, time: float = 0.0) -> ParticleSystem:
+    def _moved(
+        self, positions: Floats, velocities: Floats, time: float = 0.0, unfolded: Floats | None = None
+    ) -> ParticleSystem:
         """The same particles with other positions and velocities, unchecked, after a time in which walls move [s]."""
         walls = {name: wall.after(time) for name, wall in self.walls.items()}
         new = {"positions": positions, "velocities": velocities, "walls": walls}
-        return self._of(**self._values() | new)
+        return self._of(**self._values() | new, _unfolded=unfolded)
 
     @cached_property
     def domain(self) -> Box:
@@ -378,6 +382,15 @@ class ParticleSystem:
         return int(self.positions.shape[1])
 
     @property
+    def unfolded_positions(self) -> Floats:
+        """Positions along the paths since the start of the run (N, d) [m], not folded back into the box.
+
+        In a system that is not a state of a run they are the positions. They are no part of the value of a system:
+        equality ignores them, and :meth:`replace` and :meth:`write` drop them.
+        """
+        return self.positions if self._unfolded is None else self._unfolded
+
+    @property
     def density(self) -> Floats:
         """Mass divided by the volume of the sphere (N,) [kg/m³]."""
         return read_only(self.mass / (4.0 / 3.0 * math.pi * self.radius**3))
@@ -449,7 +462,8 @@ class ParticleSystem:
         return int.from_bytes(digest.digest(), "little", signed=True)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return partial(ParticleSystem._of, **self._values() | {"walls": dict(self.walls)}), ()
+        values = self._values() | {"walls": dict(self.walls)}
+        return partial(ParticleSystem._of, **values, _unfolded=self._unfolded), ()
 
     def __repr__(self) -> str:
         sides = "/".join(dict.fromkeys(self.boundary))

@@ -66,7 +66,7 @@ def completion(shell: str) -> None:
 # --- hardlimit explore --------------------------------------------------------------------------------------
 
 
-@click.command(cls=Command, epilog="\b\nExample:\n  hardlimit explore --port 8765 --no-browser")
+@click.command(cls=Command, epilog="\b\nExample:\n  hardlimit explore --gas --port 8765")
 @click.option(
     "--port",
     type=click.IntRange(0, 65535),
@@ -75,11 +75,14 @@ def completion(shell: str) -> None:
     help="Port of the page; 0 takes any free port.",
 )
 @click.option("--browser/--no-browser", "open_browser", default=True, help="Open the page in a browser.")
-def explore(port: int, open_browser: bool) -> None:
+@click.option(
+    "--gas", is_flag=True, help="Open the page of a gas of disks, event-driven beside Newton's equations."
+)
+def explore(port: int, open_browser: bool, gas: bool) -> None:
     """Serve the interactive page on 127.0.0.1 until Ctrl-C."""
     from ..explorer import server
 
-    server.serve(port, open_browser)
+    server.serve(port, open_browser, "gas.html" if gas else "")
 
 
 # --- hardlimit --version ------------------------------------------------------------------------------------

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -33,6 +34,8 @@ Example:
 CODES = ("lammps", "liggghts", "yade")
 #: Largest number of rows without ``--verbose``.
 MAX_ROWS = 8
+#: Most findings in a list, and most characters of each, without ``--verbose``.
+MAX_FINDINGS, LONGEST = 4, 60
 #: Error of cooling where the law of the error does not hold.
 FAR = f"≫ {percent(ACCEPTED)}"
 #: Errors of ε below this are not written out.
@@ -141,7 +144,7 @@ def from_numbers(
     """The check of equal grains under one of our laws."""
     name, parameters = take_law(numbers)
     if numbers["radius"] is None:
-        raise ValueError("check: give a file, or --radius with --density, a stiffness and --restitution")
+        raise ValueError("give a file, or --radius with --density, a stiffness and --restitution")
     for option, value in (("--code", code), ("--var", variables or None)):
         if value is not None:
             raise ValueError(f"{option}: must be left out without a file")
@@ -160,10 +163,11 @@ def report(found: Verdict, verbose: bool) -> None:
     last = max((row.stage for row in found.rows), default=1)
     groups = list(grouped(found.rows if verbose else [row for row in found.rows if row.stage == last]))
     say(title(found), style="bold")
+    groups = groups if verbose else merged(groups)
     shown = groups if verbose else groups[:MAX_ROWS]
     if shown:
         stages = verbose and last > 1
-        walls = {row.types: {one.wall for one in found.rows if one.types == row.types} for row in found.rows}
+        walls = {g[0].types: {one[0].wall for one in groups if one[0].types == g[0].types} for g in groups}
         rows = [
             [str(g[0].stage), name(g[0], plain, len(walls[g[0].types]) > 1), *cells(g, plain)] for g in shown
         ]
@@ -176,7 +180,7 @@ def report(found: Verdict, verbose: bool) -> None:
         say(" ".join(found.remarks))
     if verbose:
         details(found, plain)
-    say(lists(found))
+    say(lists(found, verbose))
     more = " More: --verbose." if found.admissible is False and not verbose else ""
     lines = "Corrected lines:" if found.corrected else ""
     if lines:  # a quoted statement stands alone
@@ -274,6 +278,26 @@ def grouped(rows: Iterable[CheckedContact]) -> Iterator[list[CheckedContact]]:
     yield from found.values()
 
 
+def merged(groups: Sequence[list[CheckedContact]]) -> list[list[CheckedContact]]:
+    """The contacts with equal walls as one, which has the names of all."""
+    found: dict[Any, list[list[CheckedContact]]] = {}
+    for rows in groups:
+        wall = rows[0].types[1] == "wall"
+        key = repr([replace(row, wall=None) for row in rows]) if wall else len(found)
+        found.setdefault(key, []).append(rows)
+    return [
+        [replace(row, wall=wall_names([one[0].wall for one in each])) for row in each[0]]
+        for each in found.values()
+    ]
+
+
+def wall_names(names: Sequence[str | None]) -> str | None:
+    """Names of walls, at most two of them."""
+    known = [one for one in names if one]
+    more = len(known) - 2
+    return f"{', '.join(known[:2])}{f' and {more} more' if more > 0 else ''}" or None
+
+
 def name(row: CheckedContact, plain: bool, walls: bool) -> str:
     """Types and sizes, and the name of the wall if there are several."""
     radii = [r for r in (row.radius, row.other_radius) if r is not None]
@@ -325,8 +349,23 @@ def cools(value: float, bar: float) -> str:
     return text if value >= 0.0 else f"−{text}"
 
 
-def lists(found: Verdict) -> str:
+def lists(found: Verdict, verbose: bool) -> str:
     """What was checked, ignored, invalidates the answer and is not known."""
+
+    def whats(findings: Sequence[Finding]) -> str:
+        """Findings in a few words, each kind once; all of them if ``verbose``."""
+        if verbose:
+            return ", ".join(dict.fromkeys(one.what for one in findings))
+        kinds: dict[str, str] = {}
+        for one in findings:
+            kinds.setdefault(one.what.partition(" (")[0], one.what)
+        texts = list(kinds.values())
+        if len(texts) > 1:
+            texts = [one if len(one) <= LONGEST else f"{one[:LONGEST]}…" for one in texts]
+        if len(texts) <= MAX_FINDINGS:
+            return ", ".join(texts)
+        return f"{', '.join(texts[: MAX_FINDINGS - 1])} and {len(texts) - MAX_FINDINGS + 1} more"
+
     parts = [f"Checked: {whats(found.checked)}." if found.checked else ""]
     if found.ignored:
         parts.append(f"Ignored: {whats(found.ignored)} (head-on ε stands).")
@@ -335,17 +374,10 @@ def lists(found: Verdict) -> str:
     unknown = [one for one in found.unknown if (one.where or one.what) not in found.sentence]
     if unknown:
         parts.append(f"Not understood: {whats(unknown)}.")
-    if found.missing:
-        give = (
-            "" if found.admissible is None else given_by(found.missing, bool(found.states))
-        )  # else it is in the sentence
-        parts.append(f"Not known: {listed(found.missing)}{give}.")
+    said = listed(found.missing) if found.missing else ""
+    if said and said not in found.sentence:
+        parts.append(f"Not known: {said}{given_by(found.missing, bool(found.states))}.")
     return " ".join(filter(None, parts))
-
-
-def whats(findings: Sequence[Finding]) -> str:
-    """Findings in a few words, without repetition."""
-    return ", ".join(dict.fromkeys(one.what for one in findings))
 
 
 def details(found: Verdict, plain: bool) -> None:

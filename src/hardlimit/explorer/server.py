@@ -126,8 +126,8 @@ class PageHandler(BaseHTTPRequestHandler):
         """Log no requests."""
 
 
-def serve(port: int, open_browser: bool) -> None:
-    """Serve the page until interrupted. Port 0 takes a free port.
+def serve(port: int, open_browser: bool, page: str = "") -> None:
+    """Serve the pages until interrupted, and open one of them. Port 0 takes a free port.
 
     Raises a ValueError if the port is taken or may not be used.
     """
@@ -137,8 +137,8 @@ def serve(port: int, open_browser: bool) -> None:
         need = "must be free (0 takes a free one)"
         raise ValueError(f"port: got {port}, {need}: {error.strerror or error}") from None
     with server:
-        print(f"The explorer is at {server.url} (Ctrl-C ends it)", flush=True)
+        print(f"The explorer is at {server.url}{page} (Ctrl-C ends it)", flush=True)
         if open_browser:
-            webbrowser.open(server.url)
+            webbrowser.open(server.url + page)
         with contextlib.suppress(KeyboardInterrupt):
             server.serve_forever()

@@ -134,9 +134,9 @@ def ball_colour(ball: int) -> str:
 # --- contact counts -----------------------------------------------------------------------------------------
 
 
-#: Colours of 0, 1, 2, … contacts in all pictures; web/src/style/theme.ts has the formula of these colours. They grow lighter
-#: with the count, from purple through orange to straw, so that the order remains visible in grey and to colour-blind
-#: readers. No contact is dark grey.
+#: Colours of 0, 1, 2, … contacts in all pictures; web/src/style/theme.ts has the formula of these colours. They grow
+#: lighter with the count, from purple through orange to straw, so that the order remains visible in grey and to
+#: colour-blind readers. No contact is dark grey.
 COUNT_COLOURS: Final = (
     *("#2c2e32", "#373a5a", "#5a437a", "#7a478a", "#994a8f", "#b64e8c", "#d05484", "#e55e78"),
     *("#f66c6a", "#ff7d5d", "#ff9153", "#ffa552", "#ffba5c", "#ffce6f", "#ffe088", "#fdf1a4"),

@@ -301,6 +301,8 @@ class Commands:
                 branches.append(("1", body))
             elif body[1:2] == ("then",):
                 branches.append((body[0], body[2:]))
+            elif part[:1] == ("elif",) and body:
+                branches.append((body[0], body[1:]))  # LAMMPS has no "then" here
             else:
                 raise refused(statement, "be if condition then commands")
         for condition, commands in branches:

@@ -91,6 +91,8 @@ def granular(statement: Statement, words: Sequence[str], wall: bool = False, adh
         elif word in BESIDE and after and after[0] in BESIDE[word]:
             step = 2 + BESIDE[word][after[0]]
             beside += [] if after[0] == "none" else [f"{word} {after[0]}"]
+        elif word == "synchronized_verlet":  # velocities of the whole step; a head-on ε stays
+            step = 1
         elif word in ("limit_damping", "cutoff"):
             step = 1 if word == "limit_damping" else 2
             found[word] = ()

@@ -235,6 +235,8 @@ class Evaluator:
             case ast.FunctionDef(name):
                 self.functions[name] = node
                 self.names.pop(name, None)
+            case ast.ClassDef(name, body=body):
+                self.names[name] = self.namespace(name, body, node)
             case ast.Return(value):
                 raise Return(None if value is None else self.value(value))
             case ast.With(_, body) | ast.Try(body):
@@ -242,6 +244,14 @@ class Evaluator:
             case ast.Delete(targets):
                 for target in targets:
                     self.forget(target)
+
+    def namespace(self, name: str, body: list[ast.stmt], node: ast.stmt) -> Instance:
+        """The values that a class assigns, as its attributes; its methods are not run."""
+        outside = dict(self.names)
+        self.block(one for one in body if isinstance(one, ast.Assign | ast.AnnAssign))
+        made = {key: one for key, one in self.names.items() if key not in outside or outside[key] is not one}
+        self.names = outside
+        return Instance(name, (), made, node.lineno, name)
 
     def loop(self, target: ast.expr, iterable: ast.expr, body: list[ast.stmt]) -> None:
         """A loop over known values; if it is too long or ends early, its body once, with names of unknown value."""
@@ -428,6 +438,8 @@ class Evaluator:
             return
         (generator, *inner), chosen = generators, list[Any]()
         items = self.items(generator.iter)
+        if self.count > MAX_STEPS // 2:
+            items = None  # such as a large lattice, whose other spheres are like those before
         for item in [Unknown(ast.unparse(generator.iter))] if items is None else items:
             self.assign(generator.target, item, generator.target)
             holds = [self.value(one) for one in generator.ifs]

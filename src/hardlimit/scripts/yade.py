@@ -251,7 +251,7 @@ class Yade(Evaluator):
             self.packing(instance)
         elif isinstance(owner, Instance) and owner.name == "SpherePack":
             self.pack_method(name, owner, instance)
-        elif name in FILES:
+        elif name in FILES and owner != "export":
             self.from_file(instance)
         elif name in CLUMPS:
             self.clumps(instance)

@@ -10,7 +10,7 @@ T = TypeVar("T")  #: float, or array of floats
 class Estimate(NamedTuple, Generic[T]):
     """A value with its standard error and confidence interval.
 
-    Returned by :func:`hardlimit.fit` and :meth:`hardlimit.Fidelity.difference`.
+    Returned by :func:`hardlimit.fit`, :meth:`hardlimit.Fidelity.difference` and :func:`hardlimit.measure.diffusion`.
     """
 
     value: T  #: most likely value, or mean

@@ -39,13 +39,16 @@ def answer(
     if invalidates:
         return False, _invalid(invalidates)
     known = [row for row in rows if row.rule in row.error]
-    worst = max(known, key=lambda row: abs(row.error[row.rule][0]) + row.error[row.rule][1], default=None)
-    if worst is not None:
-        value, bar = worst.error[worst.rule]
-        if (worst.tc_nu or 0.0) > MEASURED_TC_NU:
-            return False, f"No: {_far(worst)}; {_needs(worst)}."
-        if abs(value) - bar > ACCEPTED:
-            return False, f"No: {_cools(worst)}; {_needs(worst)}."
+    worst = max(known, key=lambda row: sum(_error(row)), default=None)
+    if known and worst is not None:
+        longest = max(known, key=lambda row: row.tc_nu or 0.0)
+        surest = max(known, key=lambda row: _error(row)[0] - _error(row)[1])
+        for row in (worst, longest):
+            if (row.tc_nu or 0.0) > MEASURED_TC_NU:
+                return False, f"No: {_far(row)}; {_needs(row)}."
+        for row in (worst, surest):
+            if _error(row)[0] - _error(row)[1] > ACCEPTED:
+                return False, f"No: {_cools(row)}; {_needs(row)}."
     if unknown:
         return None, f"Cannot be said: this is not understood: {unknown[0].where or unknown[0].what}"
     pairs = [row for row in rows if row.types[1] != "wall"]
@@ -54,7 +57,7 @@ def answer(
             return None, "Cannot be said: the error is not known for so dense a packing."
         are = "is" if list(missing) == ["packing"] else "are"
         return None, f"Cannot be said: {listed(missing)} {are} not known{given_by(missing, dumped)}."
-    if abs(value) + bar > ACCEPTED:
+    if sum(_error(worst)) > ACCEPTED:
         return None, f"Cannot be said: {_cools(worst)}, and {percent(ACCEPTED)} is within the error bar."
     condition = ", for grains without friction" if rubs else ""
     return True, f"Yes{condition}: {_cools(worst)}, less than {percent(ACCEPTED)}; {_may(worst)}."
@@ -68,6 +71,12 @@ def given_by(missing: Sequence[str], dumped: bool) -> str:
     return (
         f" (not in the dump; give {listed(options)})" if dumped else f" (give --dump, or {listed(options)})"
     )
+
+
+def _error(row: CheckedContact) -> tuple[float, float]:
+    """The size of the error of cooling, and its error bar."""
+    value, bar = row.error[row.rule]
+    return abs(value), bar
 
 
 def _invalid(invalidates: Sequence[Finding]) -> str:

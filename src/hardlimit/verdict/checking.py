@@ -14,7 +14,7 @@ from ..contact.balls import Ball
 from ..contact.contact import Law
 from ..convert.force import MAX_SPEED, MIN_SPEED
 from ..convert.readers import UNITS
-from ..scripts import Description, Note, Quote, Stage
+from ..scripts import Description, Grains, Note, Quote, Stage
 from ..scripts import read as read_script
 from ..support import validation
 from ..support.formatting import percent
@@ -111,10 +111,14 @@ def _speeds(given: Any) -> tuple[float, ...]:
 # --- surroundings ---------------------------------------------------------------------------------------------
 
 
-def _states(given: Given, radii: Mapping[str, float], dimension: int) -> tuple[dumps.State, ...]:
-    if given.dump is None:
-        return ()
-    return tuple(dumps.state(frame, radii, dimension) for frame in dumps.read(given.dump))
+def _frames(given: Given) -> list[dumps.Frame]:
+    return [] if given.dump is None else dumps.read(given.dump)
+
+
+def _states(
+    frames: Sequence[dumps.Frame], radii: Mapping[str, float], dimension: int
+) -> tuple[dumps.State, ...]:
+    return tuple(dumps.state(frame, radii, dimension) for frame in frames)
 
 
 def _busiest(states: Sequence[dumps.State]) -> dumps.State | None:
@@ -165,9 +169,11 @@ def _of_script(script: Description, given: Given) -> Verdict:
         raise ValueError(f"script: it has no run with granular contacts{others}")
     mass, length, time = SCALES[script.units]
     given = replace(given, speeds=tuple(v * time / length for v in given.speeds))
+    frames = _frames(given)
+    script = _with_sizes(script, frames)
     found, remarks = cases.of_script(script)
     last = script.stages[-1] if script.stages else NO_RUN
-    states = _states(given, _radii(last), script.dimension)
+    states = _states(frames, _radii(last), script.dimension)
     gas, speeds = _surroundings(given, states, script.dimension)
     examined = _examined(found, gas, speeds)
     rows = [row for _, row in examined]
@@ -209,6 +215,32 @@ def _of_script(script: Description, given: Given) -> Verdict:
         tuple(notes),
         tuple(corrections.lines(script.code, examined, 1.0)),
     )
+
+
+def _with_sizes(script: Description, frames: Sequence[dumps.Frame]) -> Description:
+    """The script with sizes and masses of a dump for types whose sizes it does not have.
+
+    A file that it reads them from need then not be understood.
+    """
+    measured = dumps.sizes(frames)
+    if not measured:
+        return script
+
+    def grains(one: Grains) -> Grains:
+        known = measured.get(one.type, measured.get(""))
+        if one.radii is not None or known is None:
+            return one
+        radii, masses = known
+        return replace(one, radii=radii, masses=None if one.densities else masses or one.masses)
+
+    stages = [
+        replace(stage, grains={name: grains(one) for name, one in stage.grains.items()})
+        for stage in script.stages
+    ]
+    unknown = [
+        one for one in script.unknown if not one.text.lstrip().startswith(("read_data", "read_restart"))
+    ]
+    return replace(script, stages=tuple(stages), unknown=tuple(unknown))
 
 
 def _radii(stage: Stage) -> dict[str, float]:
@@ -313,6 +345,8 @@ def _notes(examined: Sequence[tuple[Case, CheckedContact]]) -> Iterator[str]:
     error = max((row.restitution_error_of_step or 0.0 for row in rows), default=0.0)
     endless = any(row.steps_per_contact is not None and row.restitution_error_of_step is None for row in rows)
     overlap = max((row.largest_overlap or 0.0 for row in rows), default=0.0)
+    if any(row.error and row.radius != row.other_radius for row in rows):
+        yield "Unequal grains: the error is that of equal ones of their mean size, with a wider bar."
     if overlap > COMPRESSED:
         yield f"Overlaps reach {percent(overlap)} of the radius; contact laws hold up to {percent(COMPRESSED)}."
     if endless or error > 1.0:
@@ -380,7 +414,7 @@ def _of_law(
 ) -> Verdict:
     found = cases.of_law(balls, law, walls, step)
     radii = {str(k): ball.radius for k, ball in enumerate(balls, 1)}
-    dumped = _states(given, radii, dimension)
+    dumped = _states(_frames(given), radii, dimension)
     gas, speeds = _surroundings(given, dumped or states, dimension)
     examined = _examined(found, gas, speeds)
     rows = [row for _, row in examined]

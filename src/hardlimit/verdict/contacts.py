@@ -249,7 +249,11 @@ def _in_gas(
         if one is None:
             continue
         # Measured for forces that never attract; attraction prolongs the contact.
-        found[rule], found[f"{rule}±"] = one.error, math.hypot(one.bar, one.error * prolonged)
+        # It is the law of equal grains: others have another collision rate, by about the ratio of their radii.
+        radii = first.radius, second.radius
+        unequal = min(max(radii) / min(radii) - 1.0, 1.0)
+        found[rule] = one.error
+        found[f"{rule}±"] = math.hypot(one.bar, one.error * prolonged, one.error * unequal)
         if rule == usual:
             found["softening"] = (tc_nu / one.largest_tc_nu) ** exponent
     return found

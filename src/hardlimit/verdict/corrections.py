@@ -10,13 +10,14 @@ from typing import Final
 from ..convert import texts
 from ..scripts import Setting
 from ..scripts.formulas import NUMBER
-from .cases import WALL, ModelForce
+from .cases import FIXED, WALL, ModelForce
 from .contacts import Case, CheckedContact
 
 #: Differences of ε from the one asked for, and errors of ε by the time step, that need no correction.
 TOLERATED: Final = 5e-3
 ENOUGH: Final = 1.05e-3
 STEP: Final = {"yade": "O.dt = {}"}
+DAMPING_LAW: Final = "Law2_ScGeom_MindlinPhys_Mindlin()"
 DAMPED: Final = "NewtonIntegrator(damping=0)  # in O.engines, with its other arguments"
 
 
@@ -26,7 +27,7 @@ def lines(code: str, examined: Sequence[tuple[Case, CheckedContact]], step_facto
     steps = [row.time_step for _, row in examined if row.time_step and _too_long(row)]
     if steps:
         found[STEP.get(code, "timestep {}").format(texts.rounded_down(min(steps) / step_factor))] = None
-    if any(case.numerical_damping for case, _ in examined):
+    if examined and examined[-1][0].numerical_damping:
         found[DAMPED] = None
     return list(found)
 
@@ -47,6 +48,11 @@ def _numbers(examined: Sequence[tuple[Case, CheckedContact]]) -> Iterator[str]:
         asked, force, pair = case.restitution_asked, case.force, "–".join(case.types)
         if asked is None or not isinstance(force, ModelForce) or row.restitution is None:
             continue
+        if force.contact.asked is not None:
+            yield f"{DAMPING_LAW}  # in place of {force.contact.settings['betan'].text}"
+            continue
+        if case.wall == FIXED:
+            pair += f" {FIXED}"
         bodies = case.first.tried(0), None if case.second is None else case.second.tried(0)
         name = force.model.damping.number
         setting, place = _place(force, name, case.types[1] == WALL)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import gzip
 import io
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -27,7 +27,7 @@ QUANTILES: Final = (0.1, 0.5, 0.9)
 #: Columns that are used, beside ``type``.
 COLUMNS: Final[tuple[str, ...]] = (
     *("x", "y", "z", "xs", "ys", "zs", "xu", "yu", "zu", "xsu", "ysu", "zsu"),
-    *("vx", "vy", "vz", "radius", "diameter", "mass"),
+    *("vx", "vy", "vz", "radius", "diameter", "mass", "density"),
 )
 #: Items of a frame with their numbers of lines; other items have one.
 ITEMS: Final = {"BOX BOUNDS": 3, "NUMBER OF ATOMS": 1, "ATOMS": 0}
@@ -175,6 +175,33 @@ def state(frame: Frame, radii: Mapping[str, float], dimension: int) -> State:
         temperature = float(np.average((about**2).sum(axis=1), weights=mass) / dimension)
     diameter = None if radius is None else 2.0 * float(radius.mean())
     return State(frame.step, frame.count, packing, temperature, diameter, overlap, coordination, several)
+
+
+def sizes(frames: Sequence[Frame]) -> dict[str, tuple[tuple[float, float], tuple[float, float] | None]]:
+    """Radii, and masses if the dump has them, of the smallest and the largest grain of each type.
+
+    Without a column ``type``, the type is an empty text.
+    """
+    found: dict[str, tuple[tuple[float, float], tuple[float, float] | None]] = {}
+    for frame in frames:
+        radius = _radius(frame, {})
+        if radius is None:
+            continue
+        mass = frame.columns.get("mass")
+        if mass is None and "density" in frame.columns:
+            mass = 4.0 / 3.0 * math.pi * radius**3 * frame.columns["density"]
+        types = np.array(frame.types or [""] * frame.count)
+        for name in dict.fromkeys(types.tolist()):
+            chosen = types == name
+            each = radius[chosen]
+            pairs = list(zip(each, each if mass is None else mass[chosen], strict=True))
+            if name in found:
+                radii, masses = found[name]
+                pairs += list(zip(radii, masses or radii, strict=True))
+            (r, m), (r_last, m_last) = min(pairs), max(pairs)
+            masses = None if mass is None or m <= 0.0 else (float(m), float(m_last))
+            found[name] = (float(r), float(r_last)), masses
+    return found
 
 
 def _radius(frame: Frame, radii: Mapping[str, float]) -> Floats | None:

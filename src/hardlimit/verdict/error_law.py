@@ -2,10 +2,7 @@
 
 In a cooling gas the relative error of d√(E(0)/E)/dt of hard spheres, compared with Newton's equations at the same
 energy E, is a(φ, ε) t_c ν. E is the energy not yet dissipated, kinetic and stored in contacts.
-docs/error_law.md derives and measures a.
-
-Notation: d diameter, D dimension, T = ⟨v_x²⟩, χ(φ) = g(d⁺) pair correlation at contact, s = −g'(d⁺) d/χ,
-x = 1 − ε², U(ξ) ∝ ξ^q elastic energy, C(ξ) ∝ ξ^c damping (force C dξ/dt), and ν = D 2^D φ χ √(T/π)/d, Enskog's rate.
+docs/error_law.md derives and measures a; core/boxes/common/error_law.hpp has the formulas and the notation.
 """
 
 from __future__ import annotations
@@ -16,6 +13,7 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
+from .. import _core
 from ..boxes.contacts import mean_contact
 from ..boxes.rules import RULES
 from ..boxes.system import ParticleSystem
@@ -26,16 +24,12 @@ from ..support import validation
 #: Largest packing fraction of disordered particles, by dimension.
 DENSEST: Final = {2: 0.84, 3: 0.64}
 #: Ranges in which the law was measured, by dimension.
-MEASURED_PACKING: Final = {2: (0.05, 0.7), 3: (0.02, 0.5)}
-MEASURED_RESTITUTION: Final = {2: 0.6, 3: 0.4}
+MEASURED_PACKING: Final = {d: _core.error_law_measured[d - 2][:2] for d in DENSEST}
+MEASURED_RESTITUTION: Final = {d: _core.error_law_measured[d - 2][2] for d in DENSEST}
 #: Largest t_c ν at which the law was measured.
-MEASURED_TC_NU: Final = 0.3
-#: Coefficients of :func:`correlations`, by dimension.
-CORRELATIONS: Final = {2: (2.35, 5.2, -5.65, -0.36, 2.2), 3: (1.78, 0.34, -7.27, 5.0, 0.0)}
-#: Relative standard error of a by dimension: for ε → 1, its growth with x, and what is added at the largest measured φ.
-UNCERTAINTY: Final = {2: (0.02, 0.25, 0.15), 3: (0.015, 0.1, 0.04)}
+MEASURED_TC_NU: Final = _core.error_law_measured_tc_nu
 #: From this ε on the theory has no free parameter.
-NEARLY_ELASTIC: Final = 0.99
+NEARLY_ELASTIC: Final = _core.error_law_nearly_elastic
 
 
 class Fluid(NamedTuple):
@@ -46,28 +40,11 @@ class Fluid(NamedTuple):
     contact_value: float  #: χ
     growth: float  #: D φ χ'/χ
     slope: float  #: s = −g'(d⁺) d/χ
-
-    @property
-    def density(self) -> float:
-        """D 2^D φ χ: t_c ν for particles whose mean greatest compression is the diameter."""
-        return float(self.dimension * 2**self.dimension) * self.packing_fraction * self.contact_value
+    density: float  #: D 2^D φ χ: t_c ν for particles whose mean greatest compression is the diameter
 
 
 def fluid(dimension: int, phi: float) -> Fluid:
-    """χ of Carnahan & Starling (spheres) and Henderson (disks).
-
-    s of spheres is a fit to snapshots of hard spheres, whose first factor is that of Percus and Yevick; Percus and
-    Yevick's s itself is less than half of the measured one at φ = 0.5. s of disks has the exact slope 2.205 φ at φ → 0
-    and is 1.45 ± 0.2, 3.25 ± 0.13, 6.95 ± 0.17 in snapshots at φ = 0.3, 0.5, 0.65.
-    """
-    free = 1.0 - phi
-    if dimension == 3:
-        chi, growth = (1.0 - 0.5 * phi) / free**3, 3.0 / free - 0.5 / (1.0 - 0.5 * phi)
-        slope = 9.0 * phi * (1.0 + phi) / (2.0 - phi) * (1.0 + 2.9 * phi**2 + 3.4 * phi**3)
-    else:
-        chi, growth = (1.0 - 0.4375 * phi) / free**2, 2.0 / free - 0.4375 / (1.0 - 0.4375 * phi)
-        slope = 2.205 * phi * (1.0 + 1.05 * phi) / free
-    return Fluid(dimension, phi, chi, dimension * phi * growth, slope)
+    return Fluid(dimension, phi, *_core.hard_sphere_fluid(dimension, phi))
 
 
 class Exponents(NamedTuple):
@@ -132,62 +109,6 @@ def softness(law: Law, system: ParticleSystem, temperature: Any) -> Softness:
     return Softness(duration, restitution, depth / (2.0 * float(system.radius.mean())))
 
 
-# --- theory -------------------------------------------------------------------------------------------------
-
-
-def nearly_elastic(gas: Fluid, law: Exponents = LINEAR) -> float:
-    """a for ε → 1, per mean t_c ν. Exact to first order in t_c ν.
-
-    a = [1 + (c + 1)/q]/(Dq) + [(D − 1)M + s(1 − M) + Dφχ'/χ]/(D 2^D φ χ). The first term: particles are slower by the
-    energy that contacts store. The others: an oblique contact turns its normal and ends early; the neighbours press a
-    touching pair together; soft spheres exclude less volume.
-    """
-    (q, c), m, dimension = law, law.mean_compression, gas.dimension
-    stored = (1.0 + (c + 1.0) / q) / (dimension * q)
-    return stored + ((dimension - 1) * m + gas.slope * (1.0 - m) + gas.growth) / gas.density
-
-
-def inelastic(gas: Fluid, x: float) -> float:
-    """a of the linear law at x = 1 − ε², without correlations of the velocities.
-
-    (3/4 − 0.87x)/D + {(D − 1)(2/π)c + f[(1 − 2/π)s + Dφχ'/χ]}/(D 2^D φ χ). c is the effect of damping on the turn of
-    the normal, a fit to isolated contacts. 0.87 and f contain third particles that touch one of a pair in contact.
-    """
-    m, dimension = LINEAR.mean_compression, gas.dimension
-    turn = 1.0 - 0.05 * x - 0.08 * x**3
-    third = 1.0 + (0.07 * x + 0.26 * x**3 if dimension == 3 else 0.09 * x)
-    shape = (dimension - 1) * m * turn + third * ((1.0 - m) * gas.slope + gas.growth)
-    return (0.75 - 0.87 * x) / dimension + shape / gas.density
-
-
-def correlations(gas: Fluid, x: float) -> float:
-    """h: cooling of hard spheres over Enskog's, 3 to 9 collisions per particle after an elastic equilibrium.
-
-    A fit to the measured values, within 0.012 (spheres) and 0.015 (disks) rms. h falls as the velocities of neighbours
-    become correlated. The last coefficient is the error of Henderson's χ of dense disks.
-    """
-    phi, square = gas.packing_fraction, x * x
-    first, second, third, fourth, fifth = CORRELATIONS[gas.dimension]
-    slowed = phi * square * (first + second * square + (third + fourth * square) * phi * phi)
-    return 1.0 / (1.0 + slowed + fifth * phi**8)
-
-
-def elastic_by_tc(gas: Fluid) -> float:
-    """k for ε → 1: under the rule tc the cooling falls as e^{−2k t_c ν}, as collisions soon after others are elastic.
-
-    1.123 is the value of independent collisions of spheres: the collision rate of the partners, weighted by the loss,
-    over ν. It is the first term of the cooling of Luding & Goldshtein, Granular Matter 5, 159 (2003),
-    exp(−1.268X + …) with X = √π t_c ν. The second term, a fit: the partner shields a particle from third ones. At
-    finite ε the measured k is h² times this. Disks have the same k within the errors.
-    """
-    return 1.123 - 0.083 * (gas.slope + gas.growth) / (12.0 * gas.packing_fraction * gas.contact_value)
-
-
-def left_by_soft(gas: Fluid, x: float) -> float:
-    """a of the rule soft, a fit without a theory: the rule ignores third particles and the energy in contacts."""
-    return (1.0 - x * x) * (0.07 + 0.14 / (1.0 + gas.packing_fraction / 0.06))
-
-
 # --- the result ---------------------------------------------------------------------------------------------
 
 
@@ -238,17 +159,14 @@ class ErrorLaw:
         ValueError
             If it is negative or not finite.
         """
-        at = _tc_nu(tc_nu)
-        return (1.0 + (self.coefficient + self.decay) * at) * math.exp(-self.decay * at) - 1.0
+        return self._values.error(_tc_nu(tc_nu))
 
     def error_bar(self, tc_nu: float) -> float:
         """Standard error of :meth:`ErrorLaw.error`. Above the largest measured t_c ν, 0.3, it grows with the excess.
 
         Argument and errors as for :meth:`ErrorLaw.error`.
         """
-        at = _tc_nu(tc_nu)
-        beyond = max(0.0, at / MEASURED_TC_NU - 1.0)
-        return math.hypot(self.coefficient_error * at, beyond * self.error(at))
+        return self._values.error_bar(_tc_nu(tc_nu))
 
     def largest_tc_nu(self, error: float = 0.01) -> float:
         """The largest t_c ν up to which the size of the error is at most ``error``; at most 0.3, the largest measured.
@@ -267,15 +185,7 @@ class ErrorLaw:
         ValueError
             If ``error`` is outside its range.
         """
-        from scipy.optimize import brentq
-
-        limit = validation.number("error", error, 0.0, 1.0, highest_allowed=True)
-        steps = 300
-        for i in range(steps):  # the first crossing; under the rule tc the error may turn back
-            low, high = MEASURED_TC_NU * i / steps, MEASURED_TC_NU * (i + 1) / steps
-            if abs(self.error(high)) > limit:
-                return float(brentq(lambda at: abs(self.error(at)) - limit, low, high, xtol=1e-16))
-        return MEASURED_TC_NU
+        return self._values.largest_tc_nu(validation.number("error", error, 0.0, 1.0, highest_allowed=True))
 
     def delta_over_d(self, tc_nu: float) -> float:
         """δ/d, the mean greatest compression of undamped linear contacts over the diameter: t_c ν/(D 2^D φ χ).
@@ -283,6 +193,10 @@ class ErrorLaw:
         Argument and errors as for :meth:`ErrorLaw.error`.
         """
         return _tc_nu(tc_nu) / fluid(self.dimension, self.packing_fraction).density
+
+    @property
+    def _values(self) -> _core.ErrorLaw:
+        return _core.ErrorLaw(self.coefficient, self.coefficient_error, self.decay)
 
     def __str__(self) -> str:
         size = f"{self.coefficient:.2g} t_c ν (± {self.coefficient_error:.1g})"
@@ -357,29 +271,12 @@ def error_law(
     if law is not None and not isinstance(law, Law):
         raise ValueError(f"law: got {validation.shown(law)}, must be a contact law such as LinearDashpot")
     powers = LINEAR if law is None else exponents(law)
-    gas, x = fluid(dim, phi), 1.0 - epsilon**2
-    h, decay = correlations(gas, x), 0.0
-    value = nearly_elastic(gas, powers) + inelastic(gas, x) - inelastic(gas, 0.0)
-    value *= h * powers.mean_duration
-    error, source = _uncertainty(gas, x) * abs(value), "theory" if epsilon >= NEARLY_ELASTIC else "both"
-    if name == "tc":
-        decay = 2.0 * elastic_by_tc(gas) * h * h
-        value -= decay
-        error = math.hypot(error, _uncertainty(gas, x) * decay)
-    elif name == "soft":
-        value = left_by_soft(gas, x)
-        error, source = 0.03 + 0.5 * value * x, "measured"
+    found = _core.error_law(dim, phi, epsilon, name, *powers, powers.mean_compression, powers.mean_duration)
+    source = "measured" if name == "soft" else "theory" if epsilon >= NEARLY_ELASTIC else "both"
     beyond = _outside(dim, phi, epsilon)
     return ErrorLaw(
-        phi, epsilon, dim, name, value, error * _widened(dim, phi, epsilon), source, beyond, decay
+        phi, epsilon, dim, name, found.coefficient, found.coefficient_error, source, beyond, found.decay
     )
-
-
-def _uncertainty(gas: Fluid, x: float) -> float:
-    """Relative standard error of a inside the range of the measurements."""
-    elastic, grows, dense = UNCERTAINTY[gas.dimension]
-    filled = gas.packing_fraction / MEASURED_PACKING[gas.dimension][1]
-    return math.hypot(elastic + grows * x, dense * filled**6)
 
 
 def _outside(dimension: int, phi: float, epsilon: float) -> str:
@@ -391,12 +288,3 @@ def _outside(dimension: int, phi: float, epsilon: float) -> str:
     if epsilon < least:
         found.append(f"the restitution {epsilon:.3g} is below the measured range from {least:g} on")
     return " and ".join(found)
-
-
-def _widened(dimension: int, phi: float, epsilon: float) -> float:
-    """Factor by which the error grows outside the range of the measurements; 1 inside."""
-    (thin, dense), least = MEASURED_PACKING[dimension], MEASURED_RESTITUTION[dimension]
-    far = (
-        max(0.0, math.log(thin / phi)) + 10.0 * max(0.0, phi / dense - 1.0) + 10.0 * max(0.0, least - epsilon)
-    )
-    return 1.0 + far

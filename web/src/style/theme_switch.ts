@@ -9,7 +9,7 @@ export class ThemeSwitch {
   private readonly system = matchMedia("(prefers-color-scheme: dark)");
   private chosen: string | null = null;
 
-  constructor(private readonly state: State) {
+  constructor(private readonly state: Pick<State, "theme" | "redraw">) {
     // Storage may be unavailable.
     try {
       this.chosen = localStorage.getItem(key);

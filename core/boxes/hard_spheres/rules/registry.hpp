@@ -1,5 +1,8 @@
 // Registry of the collision rules. A new rule is one header and one line here: it then appears in Python and in the
 // documentation. Checkpoints hold the index of a rule, so that a new one goes to the end.
+//
+// One source file of a program includes this header, since it defines a function that is not inline: every rule is
+// compiled for every law, which takes time.
 #pragma once
 #include <iterator>
 
@@ -16,7 +19,7 @@
 
 namespace hardlimit::boxes {
 
-inline std::unique_ptr<Rule> make_rule(const RuleChoice& choice, const TypicalParticle& typical) {
+std::unique_ptr<Rule> make_rule(const RuleChoice& choice, const TypicalParticle& typical) {
     int place = choice.rule;
 #define HL_MAKE_RULE(Name) \
     if (place-- == 0) return rules::Name::make(choice, typical);

@@ -81,4 +81,7 @@ public:
     virtual bool can_collapse() const { return true; }
 };
 
+// Defined in registry.hpp.
+std::unique_ptr<Rule> make_rule(const RuleChoice& choice, const TypicalParticle& typical);
+
 }  // namespace hardlimit::boxes

@@ -1,0 +1,145 @@
+"""Plots of measurements in boxes of grains: lines over a coordinate, maps over time, steady states."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from ..measure import Steady
+from ..support import validation
+from .labels import axis_label, axis_scale
+from .style import COLUMN_WIDTH, GREY, PALETTE, style
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+PANEL_HEIGHT: Final = 1.5  #: [inch] of a variable of a Dataset
+MAX_LABEL: Final = 50  #: longest meaning [characters] that an axis shows; beyond it the name
+
+
+def measured(one: Any) -> Figure:
+    """A picture of a measurement: :func:`hardlimit.measure.plot`."""
+    with style():
+        if isinstance(one, Steady):
+            figure, (ax,) = _panels(1)
+            _steady(ax, one)
+        elif isinstance(one, xr.Dataset) and "rattler" in one:
+            figure, (ax,) = _panels(1)
+            _contacts(ax, one)
+        elif isinstance(one, xr.Dataset):
+            shown = [v for v in one.data_vars.values() if _kind(v)]
+            figure, axes = _panels(_some(one, len(shown)), PANEL_HEIGHT)
+            for ax, variable in zip(axes, shown, strict=True):
+                _draw(figure, ax, variable)
+                ax.set_ylabel(ax.get_ylabel().replace(" [", "\n["))
+                ax.label_outer()
+            figure.align_ylabels(axes)
+        else:
+            _some(one, isinstance(one, xr.DataArray) and bool(_kind(one)))
+            figure, (ax,) = _panels(1)
+            _draw(figure, ax, one)
+    return figure
+
+
+def _panels(n: int, height: float = 2.5) -> tuple[Figure, list[Axes]]:
+    figure = Figure(figsize=(1.25 * COLUMN_WIDTH, 0.5 + height * n))
+    return figure, list(figure.subplots(n, 1, sharex=True, squeeze=False)[:, 0])
+
+
+def _some(one: Any, count: int) -> int:
+    if not count:
+        raise ValueError(
+            f"measured: got {validation.shown(one)}, must be a measurement over a coordinate, or over time and another"
+        )
+    return count
+
+
+def _kind(one: xr.DataArray) -> str:
+    """``"line"``, ``"lines"`` (one for each axis), ``"map"``, or empty if there is no picture of it."""
+    along = [dim for dim in one.dims if dim != "axis"]
+    numeric = all(dim in one.coords and one[dim].dtype.kind in "iuf" for dim in along)
+    if not numeric or one.size == 0 or len(along) not in (1, 2):
+        return ""
+    if len(along) == 2:
+        return "map" if along[0] == "time" and one.ndim == 2 else ""
+    return "lines" if "axis" in one.dims else "line"
+
+
+def _scale(one: xr.DataArray) -> tuple[float, str]:
+    """Factor that gives the unit a prefix, and a label."""
+    finite = np.abs(one.values[np.isfinite(one.values)])
+    largest = float(finite.max()) if finite.size else 0.0
+    name, attrs = str(one.name), dict(one.attrs)
+    if len(attrs.get("long_name", "")) > MAX_LABEL:
+        attrs["long_name"] = name.replace("_", " ")
+    label = axis_label(name, attrs, largest).replace("m2/s²", "m²/s²")
+    return axis_scale(name, attrs, largest)[0], label
+
+
+def _scaled(one: xr.DataArray) -> tuple[Any, str]:
+    """Values with a prefix of their unit, and a label."""
+    factor, label = _scale(one)
+    return one.values * factor, label
+
+
+def _draw(figure: Figure, ax: Axes, one: xr.DataArray) -> None:
+    if _kind(one) == "map":
+        (time, when), (at, where) = (_scaled(one[dim]) for dim in one.dims)
+        values, label = _scaled(one)
+        image = ax.pcolormesh(time, at, values.T, shading="nearest", rasterized=True)
+        figure.colorbar(image, ax=ax, label=label)
+        ax.set_xlabel(when)
+        ax.set_ylabel(where)
+        return
+    (along,) = (dim for dim in one.dims if dim != "axis")
+    if along == "lag":  # over decades, from ballistic flight to diffusion
+        one = one[one["lag"] > 0.0]
+        if (one > 0.0).any():
+            ax.loglog()
+    at, where = _scaled(one[along])
+    values, label = _scaled(one.transpose(along, ...))
+    if one.name == "rdf":
+        ax.axhline(1.0, color=GREY, lw=0.8)
+    ax.plot(at, values)
+    if "axis" in one.dims:
+        ax.legend(ax.lines, one["axis"].values.tolist(), ncols=3)
+    ax.set_xlabel(where)
+    ax.set_ylabel(label)
+
+
+def _steady(ax: Axes, one: Steady) -> None:
+    """The series, what is left out, and the mean with its 95 % confidence interval."""
+    along = str(one.series.dims[0])
+    at, where = _scaled(one.series[along])
+    factor, label = _scale(one.series)
+    ax.plot(at, one.series.values * factor, color=PALETTE["sky"], lw=0.9)
+    if one.n_discarded:
+        ax.axvspan(at[0], at[one.n_discarded], color="0.9", lw=0.0, label="equilibration")
+    steady = at[one.n_discarded :]
+    ax.plot(steady, np.full(len(steady), factor * one.mean.value), color="black", label="mean, 95 %")
+    ax.fill_between(
+        steady, factor * one.mean.lower, factor * one.mean.upper, color="black", alpha=0.25, lw=0.0
+    )
+    ax.set_xlim(at[0], at[-1])
+    ax.set_xlabel(where)
+    ax.set_ylabel(label)
+    ax.legend()
+
+
+def _contacts(ax: Axes, one: xr.Dataset) -> None:
+    """Share of the particles over the number of contacts, with the rattlers."""
+    contacts, rattler = one["contacts"].values, one["rattler"].values
+    bins = np.arange(int(contacts.max()) + 2)
+    counts = np.stack([np.bincount(contacts[kept], minlength=len(bins) - 1) for kept in (~rattler, rattler)])
+    kept, loose = counts / len(contacts)
+    ax.bar(bins[:-1], kept, color=PALETTE["blue"], label="backbone")
+    ax.bar(bins[:-1], loose, bottom=kept, color=PALETTE["orange"], label="rattlers")
+    ax.xaxis.set_major_locator(MaxNLocator(integer=True))
+    ax.xaxis.set_minor_locator(MaxNLocator(integer=True, nbins=1))
+    ax.set_xlabel("contacts of a particle")
+    ax.set_ylabel("fraction of the particles")
+    ax.legend()

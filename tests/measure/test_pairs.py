@@ -1,0 +1,229 @@
+"""Structure of states: g(r) against direct sums, freud and theory; coordination of lattices; rattlers."""
+
+import math
+from functools import partial
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import hardlimit as hl
+from conftest import draws, lattice, refusal
+from hardlimit.boxes import theory
+from hardlimit.measure.pairs import _share
+
+
+def points(n, dimension, boundary, seed, edges=None):
+    """An ideal gas: points so small that they do not overlap."""
+    rng = np.random.default_rng(seed)
+    box = np.array(edges or rng.uniform(1.0, 2.0, dimension))
+    at = rng.uniform(1e-9, box - 1e-9, (n, dimension))
+    return hl.ParticleSystem(
+        at, np.zeros((n, dimension)), 1e-9, 1.0, box=box, boundary=boundary, allowed_overlap=0.999
+    )
+
+
+def boundaries(dimension):
+    return st.lists(st.sampled_from(["periodic", "wall"]), min_size=dimension, max_size=dimension)
+
+
+@st.composite
+def systems(draw, unequal=True):
+    d = draw(st.sampled_from([2, 3]))
+    spread = draw(st.sampled_from([1.0, 3.0])) if unequal else 1.0
+    boundary, n, seed = draw(boundaries(d)), draw(st.integers(30, 80)), draw(st.integers(0, 99))
+    return lattice(n=n, dimension=d, seed=seed, spread=spread, boundary=boundary)
+
+
+def distances(system):
+    """Distance of each pair, with the nearest images."""
+    apart = system.positions[:, None] - system.positions[None]
+    periodic = np.array(system.boundary) == "periodic"
+    apart -= np.where(periodic, system.box * np.round(apart / system.box), 0.0)
+    return np.sqrt((apart**2).sum(-1))[np.triu_indices(system.n, 1)]
+
+
+@draws(40)
+@given(system=systems(), bins=st.integers(1, 40))
+def test_rdf_against_the_direct_sum(system, bins):
+    """The counts of all pairs, exactly; the normalisation by quadrature over directions, to 1e-9."""
+    g = hl.measure.rdf(system, bins=bins)
+    r = g.bin_centers.values
+    width = r[1] - r[0] if bins > 1 else 2.0 * r[0]
+    edges = np.append(r - 0.5 * width, r[-1] + 0.5 * width)
+    walls = np.array(system.boundary) == "wall"
+    lengths = system.box - np.where(walls, 2.0 * system.radius.mean(), 0.0)
+    expected = np.diff(_share(edges, lengths, walls)) * 0.5 * system.n * (system.n - 1)
+    counts = np.histogram(distances(system), edges)[0]
+    assert g.values * expected == pytest.approx(counts, abs=1e-6)
+    assert g.attrs["units"] == "1" and g.bin_centers.attrs["units"] == "m"
+
+
+@pytest.mark.parametrize("walled", [(0, 0), (1, 0), (1, 1), (0, 0, 0), (1, 0, 0), (1, 0, 1), (1, 1, 1)])
+def test_share_of_pairs_against_quadrature(walled):
+    """d share/dr is the surface of a sphere times the mean of the product over random directions: Monte Carlo, 4 σ."""
+    d, rng = len(walled), np.random.default_rng(1)
+    lengths, walls = np.array([1.0, 1.3, 0.9][:d]), np.array(walled, bool)
+    n = rng.normal(size=(200_000, d))
+    n = np.abs(n / np.linalg.norm(n, axis=1)[:, None])
+    for r in (0.2, 0.85):
+        inside = np.prod(np.where(walls, 1.0 - r * n / lengths, 1.0), axis=1)
+        slope = (
+            _share(np.array(r + 1e-4), lengths, walls) - _share(np.array(r - 1e-4), lengths, walls)
+        ) / 2e-4
+        surface = {2: 2.0 * math.pi * r, 3: 4.0 * math.pi * r * r}[d] / lengths.prod()
+        error = inside.std() / math.sqrt(len(n))
+        assert abs(slope / surface - inside.mean()) < 4.0 * error + 1e-7
+
+
+@pytest.mark.parametrize("walled", ["pp", "wp", "ww", "ppp", "pwp", "wpw", "www"])
+def test_an_ideal_gas_gives_one_also_between_walls(walled):
+    """Mean of 60 boxes with 150 points in 12 bins up to the limit: within 4.5 standard errors of 1, some 1 % each."""
+    boundary = [{"p": "periodic", "w": "wall"}[side] for side in walled]
+    edges = [1.0, 1.3, 0.9][: len(walled)]
+    limit = min(edge if side == "wall" else 0.5 * edge for edge, side in zip(edges, boundary, strict=True))
+    boxes = (points(150, len(walled), boundary, seed, edges) for seed in range(60))
+    found = np.array([hl.measure.rdf(box, bins=12, r_max=limit * (1.0 - 1e-8)) for box in boxes])
+    assert np.all(np.abs(found.mean(0) - 1.0) < 4.5 * found.std(0, ddof=1) / math.sqrt(60))
+    assert np.all(np.abs(found.mean(0)[2:] - 1.0) < 0.04)
+
+
+def test_rdf_against_freud():
+    """freud.density.RDF of periodic boxes, to 1e-5; its distances are in single precision, so that a pair may be in the
+    next bin."""
+    freud = pytest.importorskip("freud")
+    for d in (2, 3):
+        system = hl.ParticleSystem.random(400, 0.3, (0.8e-3, 1.2e-3), 2500.0, 1.0, dimension=d, seed=d)
+        edge = float(system.box[0])
+        at = np.zeros((system.n, 3))
+        at[:, :d] = system.positions / edge - 0.5
+        box = freud.box.Box.square(1.0) if d == 2 else freud.box.Box.cube(1.0)
+        rdf = freud.density.RDF(bins=37, r_max=0.45, normalization_mode="finite_size")
+        rdf.compute((box, at))
+        g = hl.measure.rdf(system, bins=37, r_max=0.45 * edge)
+        assert g.bin_centers.values / edge == pytest.approx(rdf.bin_centers, rel=1e-6)
+        different = np.abs(g.values - rdf.rdf) > 1e-5 * g.values
+        assert different.sum() <= 2 and g.values == pytest.approx(rdf.rdf, rel=0.02)
+
+
+@pytest.mark.parametrize("d, packing_fraction", [(3, 0.1), (3, 0.3), (2, 0.4)])
+def test_contact_value_of_a_fluid(d, packing_fraction):
+    """g(d+) from bins, χ from the collision rate, and Carnahan–Starling's or Henderson's χ (errors 0.3 and 1 %, and
+    O(1/N)) agree within 4 standard errors."""
+    start = hl.ParticleSystem.random(500, packing_fraction, 1e-3, 2500.0, 1.0, dimension=d, seed=3)
+    fluid = hl.event_driven(start, restitution=1.0, max_collisions=15_000).system
+    # Half of the free bins: g falls off steeply, and a parabola in r fits its logarithm.
+    look = partial(hl.measure.rdf, r_min=2e-3, r_max=2.4e-3, bins=8)
+    until = fluid_time(fluid, 60.0)
+    run = hl.event_driven(fluid, restitution=1.0, until=until, samples=120, observe={"rdf": look})
+    chi = hl.measure.contact_value(run)
+    blocks = run.series.rdf.values[1:].reshape(10, 12, 8).mean(axis=1)
+    x = run.series.bin_centers.values / 2e-3 - 1.0
+    limits = [math.exp(np.polyfit(x, np.log(one), 2)[-1]) for one in blocks]
+    limit, error = np.mean(limits), np.std(limits, ddof=1) / math.sqrt(10)
+    exact = theory.gas(fluid).contact_value
+    assert chi.mean.error < 0.015 * exact and error < 0.03 * exact
+    assert abs(chi.mean.value - exact) < 4.0 * chi.mean.error + (0.01 if d == 2 else 0.004) * exact
+    assert abs(limit - chi.mean.value) < 4.0 * math.hypot(error, chi.mean.error)
+
+
+def fluid_time(system, collisions):
+    """Time in which a particle collides so often [s]."""
+    return collisions / float(theory.gas(system).collision_rate(system.granular_temperature))
+
+
+def test_contact_value_is_refused_where_it_means_nothing():
+    walled = hl.event_driven(lattice(boundary="wall"), restitution=1.0, until=1e-3, samples=5)
+    assert "must be of equal particles in a periodic box" in refusal(lambda: hl.measure.contact_value(walled))
+    still = lattice().replace(velocities=np.zeros((27, 3)))
+    run = hl.event_driven(still, restitution=1.0, until=1.0, samples=5)
+    assert refusal(lambda: hl.measure.contact_value(run)).startswith(
+        "run: got a system without relative motion"
+    )
+    assert refusal(lambda: hl.measure.contact_value(3)).startswith("run: got 3")
+
+
+# --- contacts -----------------------------------------------------------------------------------------------
+
+
+def crystal(basis, cells, edges, boundary="periodic", radius=0.5, shift=0.0):
+    """A lattice with this basis, in units of the cell's edges."""
+    d = len(edges)
+    corners = np.stack(np.meshgrid(*map(np.arange, cells), indexing="ij"), -1).reshape(-1, 1, d)
+    at = ((corners + np.array(basis)).reshape(-1, d)) * edges + shift
+    return hl.ParticleSystem(at, 0.0 * at, radius, 1.0, box=np.array(cells) * edges, boundary=boundary)
+
+
+FCC = [(0, 0, 0), (0.5, 0.5, 0), (0.5, 0, 0.5), (0, 0.5, 0.5)]
+LATTICES = {
+    "cubic": (crystal([(0, 0, 0)], (4, 4, 4), [1.0] * 3), 6),
+    "bcc": (crystal([(0, 0, 0), (0.5, 0.5, 0.5)], (3, 3, 3), [2.0 / math.sqrt(3.0)] * 3), 8),
+    "fcc": (crystal(FCC, (3, 3, 3), [math.sqrt(2.0)] * 3), 12),
+    "square": (crystal([(0, 0)], (5, 4), [1.0, 1.0]), 4),
+    "hexagonal": (crystal([(0, 0), (0.5, 0.5)], (4, 3), [1.0, math.sqrt(3.0)]), 6),
+    "cubic between walls": (crystal([(0.5, 0.5, 0.5)], (4, 4, 4), [1.0] * 3, "wall"), 6),
+}
+
+
+@pytest.mark.parametrize("name", LATTICES)
+def test_coordination_of_lattices(name):
+    system, neighbours = LATTICES[name]
+    found = hl.measure.coordination(system)
+    assert (
+        found.contacts == neighbours
+    ).all() and found.coordination == neighbours == found.backbone_coordination
+    assert found.rattlers == 0.0 and not found.rattler.any() and found.contacts.attrs["units"] == "1"
+    apart = hl.measure.coordination(system.replace(radius=0.499))
+    assert apart.coordination == 0.0 and apart.rattlers == 1.0 and np.isnan(apart.backbone_coordination)
+    assert hl.measure.coordination(system.replace(radius=0.499), tolerance=3e-3).coordination == neighbours
+
+
+def test_rattlers_are_removed_repeatedly():
+    """Between walls a block of disks holds; a disk in a hollow of it has two contacts, three with one more on top. A
+    block without walls comes apart from its corners."""
+    block = crystal([(0.5, 0.5)], (4, 4), [1.0, 1.0]).positions
+    hollow = [1.0, 3.5 + math.sqrt(0.75)]
+    at = np.vstack([block, [hollow, np.add(hollow, [0.0, 1.0])]])
+    found = hl.measure.coordination(
+        hl.ParticleSystem(at, 0.0 * at, 0.5, 1.0, box=[4.0, 6.0], boundary="wall")
+    )
+    assert found.contacts.values[16:].tolist() == [3, 1]
+    assert found.rattler.values.tolist() == [False] * 16 + [True] * 2
+    # Three rows of four have 4 contacts, the upper row has 3; two of it have one more with the disk in the hollow.
+    assert (
+        found.backbone_coordination == (12 * 4 + 4 * 3) / 16
+        and found.coordination == (12 * 4 + 4 * 3 + 2 + 4) / 18
+    )
+    free = hl.measure.coordination(hl.ParticleSystem(block + 4.0, 0.0 * block, 0.5, 1.0, box=20.0))
+    assert free.contacts.max() == 4 and free.rattlers == 1.0
+
+
+@draws(30)
+@given(system=systems(), tolerance=st.floats(0.0, 1.0))
+def test_contacts_against_the_direct_sum(system, tolerance):
+    found = hl.measure.coordination(system, tolerance=tolerance)
+    first, second = np.triu_indices(system.n, 1)
+    near = distances(system) <= (1.0 + tolerance) * (system.radius[first] + system.radius[second])
+    counts = np.bincount(np.concatenate([first[near], second[near]]), minlength=system.n)
+    for axis, side in enumerate(system.boundary):
+        x = system.positions[:, axis]
+        for gap in (x - system.radius, system.box[axis] - x - system.radius) if side == "wall" else ():
+            counts += gap <= tolerance * system.radius
+    assert np.array_equal(found.contacts, counts)
+    backbone = counts[~found.rattler.values]
+    assert len(backbone) == 0 or backbone.min() >= system.dimension + 1
+
+
+def test_what_is_outside_the_range_is_refused():
+    system = lattice(boundary=["wall", "periodic", "periodic"])
+    limit = 0.5 * system.box[1]
+    assert "r_max: got" in refusal(lambda: hl.measure.rdf(system, r_max=1.001 * limit))
+    hl.measure.rdf(system, r_max=limit)
+    walls = lattice(boundary="wall")
+    assert "r_max: got" in refusal(lambda: hl.measure.rdf(walls, r_max=float(walls.box[0])))
+    hl.measure.rdf(walls, r_max=float(walls.box[0]) - 2e-3)
+    assert refusal(lambda: hl.measure.rdf(system, bins=0)).startswith("bins: got 0")
+    assert refusal(lambda: hl.measure.rdf(3)).startswith("system: got 3")
+    assert refusal(lambda: hl.measure.rdf(lattice(n=1))).startswith("system: got one particle")
+    assert refusal(lambda: hl.measure.coordination(system, tolerance=-1.0)).startswith("tolerance: got -1,")

@@ -1,0 +1,196 @@
+// The page of the gas in a real browser. What it says of a setting is tested beside Python in gas_settings.test.mjs;
+// here that the browser shows it: same collisions, sentences, film, controls, links, themes, sizes.
+import assert from "node:assert/strict";
+import { readdirSync, statSync } from "node:fs";
+import { after, before, test } from "node:test";
+import { accessible, shoot, Site } from "./browser.mjs";
+import { agrees, Python } from "./gas.mjs";
+
+let site;
+let firefox;
+const python = new Python();
+before(async () => void ([site, firefox] = await Promise.all([Site.begin(), Site.begin("firefox")])));
+after(async () => {
+  python.end();
+  await Promise.all([site?.end(), firefox?.end()]);
+});
+
+const ready = (page) => page.waitForFunction(() => window.hardlimit?.report()?.samples.length > 0, null, { timeout: 60_000 });
+const open = (t, query = "", options = {}, from = site) => from.open(t, `gas.html${query}`, { ready, ...options });
+// A film that stands still, at the time of its link or after.
+const settled = (page) => page.waitForFunction(() => document.documentElement.dataset.settled === document.documentElement.dataset.run, null, { timeout: 60_000 });
+const report = (page) => page.evaluate(() => window.hardlimit.report());
+const moving = { reducedMotion: "no-preference" };
+
+async function both(page) {
+  const worlds = await page.evaluate(async () => {
+    const { logs, states } = await window.hardlimit.log();
+    return { logs: logs.map((x) => Array.from(x)), states: states.map((x) => Array.from(x)) };
+  });
+  return [await report(page), worlds];
+}
+
+const settings = [
+  "?phi=0.3&e=0.9&tcnu=0.05&n=150&t=0.01",
+  "?phi=0.6&e=0.8&tcnu=0.2&n=120&rule=soft&t=0.004",
+  "?phi=0.4&e=0.7&tcnu=0.03&n=120&rule=tc&walls=1&g=9.8&t=0.02",
+  "?example=collapse&n=200&t=0.03",
+  "?phi=0.05&e=1&tcnu=0.01&n=100&t=0.05",
+];
+for (const engine of ["Chromium", "Firefox"])
+  test(`${engine}: collisions and sentences are Python's`, async (t) => {
+    const page = await open(t, settings[0], {}, engine === "Firefox" ? firefox : site);
+    for (const query of settings) {
+      await page.evaluate((query) => {
+        history.pushState(null, "", query);
+        dispatchEvent(new PopStateEvent("popstate"));
+      }, query);
+      await page.waitForFunction((t) => window.hardlimit.report()?.time >= t || window.hardlimit.report()?.done, Number(new URLSearchParams(query).get("t")), { timeout: 60_000 });
+      await settled(page);
+      await agrees(python, ...(await both(page)));
+    }
+  });
+
+test("what is written on the page is what the report says", async (t) => {
+  const page = await open(t, settings[3]);
+  await settled(page);
+  const { sentences } = await report(page);
+  const written = await page.evaluate(() => ["verdict", "news", "measured"].map((id) => document.getElementById(id).textContent).join(" "));
+  for (const { text } of sentences) assert.ok(written.includes(text), text);
+  assert.match(written, /inelastic collapse, infinitely many collisions in a finite time\. Newton’s equations go on/);
+});
+
+// How many colours a canvas has.
+const colours = (page, id) => page.evaluate((id) => {
+  const canvas = document.getElementById(id);
+  const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+  return new Set(new Uint32Array(data.buffer)).size;
+}, id);
+const canvases = ["hard", "newton", "energy", "difference", "distance", "share"];
+
+test("it opens playing; pause, step, again and keys", async (t) => {
+  const page = await open(t, "?n=200", moving);
+  await page.waitForFunction(() => window.hardlimit.report().samples.length > 20);
+  assert.equal(await page.textContent("#play"), "Pause");
+  await page.click("#play");
+  const stopped = async () => {
+    await page.waitForTimeout(100);
+    return (await report(page)).time;
+  };
+  const before = await stopped();
+  assert.equal(await stopped(), before);
+  await page.click("#step");
+  const after = await stopped();
+  assert.ok(after > before);
+  assert.equal(new URL(page.url()).searchParams.has("t"), true);
+  await page.evaluate(() => document.activeElement.blur());
+  await page.keyboard.press(".");
+  assert.ok((await stopped()) > after);
+  await page.keyboard.press("r");
+  await page.waitForFunction((after) => window.hardlimit.report()?.time < after, after);
+  assert.equal(await page.textContent("#play"), "Pause");
+  await page.keyboard.press(" ");
+  assert.equal(await page.textContent("#play"), "Play");
+});
+
+test("with reduced motion it stands still, and nothing is empty", async (t) => {
+  const page = await open(t);
+  await settled(page);
+  const { time, playing, samples } = await report(page);
+  assert.ok(time > 0.01 && !playing && samples.length > 100);
+  for (const id of canvases) assert.ok((await colours(page, id)) > 8, id);
+});
+
+test("controls change the setting, and the link gives the same page again", async (t) => {
+  const page = await open(t, "?n=150&t=0.003");
+  await settled(page);
+  for (const [id, key] of [["phi", "ArrowRight"], ["restitution", "ArrowLeft"], ["tcNu", "ArrowRight"], ["number", "ArrowRight"], ["gravity", "ArrowRight"]]) {
+    await page.focus(`#${id}`);
+    await page.keyboard.press(key);
+  }
+  await page.check("#rule-tc");
+  await page.selectOption("#speed", "0.25");
+  await page.waitForFunction(() => window.hardlimit.report()?.setting.rule === "tc");
+  const { setting } = await report(page);
+  assert.deepEqual({ ...setting, tcNu: 0 }, { number: 200, phi: 0.51, restitution: 0.84, tcNu: 0, rule: "tc", walls: true, gravity: 0.5, seed: 1 });
+  assert.ok(setting.tcNu > 0.1 && setting.tcNu < 0.12);
+  for (let i = 0; i < 3; i++) {
+    await page.click("#step");
+    await settled(page);
+  }
+  const first = await report(page);
+  const query = new URL(page.url()).search;
+  const other = await open(t, query);
+  await settled(other);
+  const second = await report(other);
+  assert.equal(await other.inputValue("#speed"), "0.25");
+  assert.deepEqual(second.setting, first.setting);
+  assert.deepEqual(second.start, first.start);
+  assert.ok(second.time >= first.time);
+  await page.uncheck("#walls");
+  await page.waitForFunction(() => window.hardlimit.report()?.setting.gravity === 0);
+  await page.click("#other");
+  await page.waitForFunction(() => window.hardlimit.report()?.setting.seed === 2);
+});
+
+test("examples start a run", async (t) => {
+  const page = await open(t, "?n=150", moving);
+  for (const id of ["thin", "dense", "collapse", "settling"]) {
+    await page.click(`#example-${id}`);
+    await page.waitForFunction((id) => document.getElementById(`example-${id}`).getAttribute("aria-pressed") === "true" && window.hardlimit.report()?.samples.length > 15, id, { timeout: 60_000 });
+    assert.equal(await page.getAttribute('[aria-pressed="true"][id^="example"]', "id"), `example-${id}`);
+    await shoot(page, `gas-${id}`);
+  }
+});
+
+test("what cannot run is said in one line", async (t) => {
+  const page = await open(t, "?phi=0.02&tcnu=0.3&e=7&g=3&walls=0");
+  await page.waitForFunction(() => document.getElementById("verdict").textContent !== "");
+  assert.match(await page.textContent("#verdict"), /^These disks are too soft: .* Choose t_?c ν below 0\.\d+\.$/);
+  assert.match(await page.textContent("#notes"), /restitution ε: 7 is outside 0\.1 to 1; it is 1\..*Gravity needs a floor/);
+  for (const id of ["hard", "newton", "energy"]) assert.ok((await colours(page, id)) > 4, id);
+  await page.click("#step");
+  await page.click("#play");
+  assert.equal((await report(page)).time, 0);
+});
+
+test("accessible, in both themes, at every size and in print", async (t) => {
+  const sizes = { phone: [390, 844], landscape: [844, 390], laptop: [1280, 720], large: [1920, 1080], zoomed: [640, 360] };
+  for (const [name, [width, height]] of Object.entries(sizes))
+    for (const colorScheme of ["light", "dark"]) {
+      const page = await open(t, "?example=dense&n=300", { viewport: { width, height }, colorScheme });
+      await settled(page);
+      await accessible(page, `${name}, ${colorScheme}`);
+      const seen = await page.evaluate(() => document.getElementById("newton").getBoundingClientRect().bottom <= innerHeight);
+      if (name !== "zoomed") assert.ok(seen, `${name}: both worlds are on the first screen`);
+      await shoot(page, `gas-${name}-${colorScheme}`, { fullPage: true });
+      if (name !== "laptop") continue;
+      await page.emulateMedia({ media: "print" });
+      await accessible(page, "print");
+      await shoot(page, `gas-print-${colorScheme}`, { fullPage: true });
+    }
+});
+
+test("the theme is switched by hand", async (t) => {
+  const page = await open(t, "?n=150");
+  await settled(page);
+  const ground = () => page.evaluate(() => getComputedStyle(document.documentElement).backgroundColor);
+  const before = await ground();
+  await page.click("#theme");
+  assert.notEqual(await ground(), before);
+});
+
+test("the first page links to the gas, and back", async (t) => {
+  const page = await site.open(t);
+  await page.click('a[href="gas.html"]');
+  await ready(page);
+  await page.click('h1 a[href="index.html"]');
+  await page.waitForURL(/index\.html$/);
+});
+
+test("below 500 kB in all", (t) => {
+  const folder = new URL("../../src/hardlimit/explorer/page/", import.meta.url);
+  const size = readdirSync(folder).filter((name) => name.startsWith("gas")).reduce((sum, name) => sum + statSync(new URL(name, folder)).size, 0);
+  t.diagnostic(`${size} bytes`);
+  assert.ok(size < 500_000, String(size));
+});

@@ -1,0 +1,46 @@
+// The page's end of the worker: one question at a time; a start may interrupt what the worker computes.
+import type { Answer, Ask } from "./worker";
+
+const patience = 1500; // ms that a new start waits for the worker before it is replaced
+
+export class Client {
+  private worker: Worker | null = null;
+  private id = 0;
+  private readonly waiting = new Map<number, (answer: Answer) => void>();
+
+  constructor(private readonly module: Promise<WebAssembly.Module>) {}
+
+  private async made(): Promise<Worker> {
+    const module = await this.module;
+    if (this.worker) return this.worker;
+    const worker = new Worker("gas_worker.js", { type: "module" });
+    worker.postMessage(module);
+    worker.onmessage = ({ data: { id, answer } }: MessageEvent<{ id: number; answer: Answer }>): void => {
+      this.waiting.get(id)?.(answer);
+      this.waiting.delete(id);
+    };
+    return (this.worker = worker);
+  }
+
+  async ask<K extends Ask["kind"]>(ask: Extract<Ask, { kind: K }>): Promise<Extract<Answer, { kind: K }> | Extract<Answer, { kind: "error" }>> {
+    const worker = await this.made();
+    const id = ++this.id;
+    const answer = new Promise<Answer>((done) => this.waiting.set(id, done));
+    worker.postMessage({ id, ask });
+    return answer as Promise<never>;
+  }
+
+  async start(ask: Extract<Ask, { kind: "start" }>): Promise<Extract<Answer, { kind: "start" | "error" }>> {
+    const answer = this.ask(ask);
+    const timer = setTimeout(() => {
+      this.worker?.terminate();
+      this.worker = null;
+      const [, resolve] = [...this.waiting].at(-1) ?? [];
+      this.waiting.clear();
+      if (resolve) void this.ask(ask).then(resolve);
+    }, patience);
+    const found = await answer;
+    clearTimeout(timer);
+    return found;
+  }
+}

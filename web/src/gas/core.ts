@@ -1,0 +1,174 @@
+// Interface to the compiled gas. Data layouts are those of bindings/wasm_gas.cpp.
+interface Exports {
+  memory: WebAssembly.Memory;
+  gas_setting(n: number): number;
+  gas_fields(): number;
+  gas_place(seed: number): number;
+  gas_heat(seed: number, rms: number): void;
+  gas_duration(): number;
+  gas_compression(speed: number, wall: number): number;
+  gas_deepest(): number;
+  gas_start(): number;
+  gas_advance(world: number, until: number, work: number): number;
+  gas_observe(world: number): number;
+  gas_state(world: number): number;
+  gas_take_log(world: number, open: number): number;
+  gas_log(): number;
+  gas_outcome(outcome: number): number;
+  gas_rule(index: number): number;
+  law_rate(phi: number, diameter: number, temperature: number): number;
+  law_of_error(phi: number, restitution: number, rule: number): number;
+  law_errors(phi: number, restitution: number, rule: number, tcNu: number): number;
+  law_largest(phi: number, restitution: number, rule: number, error: number): number;
+  law_measured(): number;
+}
+
+export enum World {
+  hard = 0,
+  newton = 1,
+}
+
+// What both engines start from, in SI units and in the order of `Field` in bindings/wasm_gas.cpp.
+export interface Input {
+  number: number;
+  radius: number;
+  mass: number;
+  edge: number;
+  periodic: boolean;
+  gravity: number; // along y, ≤ 0
+  rule: string;
+  restitution: number;
+  stiffness: number;
+  contactDuration: number; // of the rule tc
+}
+
+export interface Observed {
+  time: number; // [s]
+  outcome: number;
+  contacts: number; // begun
+  pairs: number;
+  ended: number;
+  overlapped: number;
+  kinetic: number; // [J]
+  potential: number;
+  stored: number;
+  dissipated: number;
+  compression: number; // largest so far, in radii
+  elastic: number; // collisions made elastic by the rule tc
+  soft: number;
+  third: number; // soft contacts with a third body
+  events: number;
+}
+const observed = ["time", "outcome", "contacts", "pairs", "ended", "overlapped", "kinetic", "potential", "stored", "dissipated", "compression", "elastic", "soft", "third", "events"] as const;
+
+// Columns of the log: begin, end, first, second, impact speed, separation speed, overlapped.
+export const LOG_COLUMNS = 7;
+
+export interface ErrorLaw {
+  coefficient: number;
+  coefficientError: number;
+  decay: number;
+}
+export interface Measured {
+  thinnest: number;
+  densest: number;
+  restitution: number;
+  tcNu: number;
+}
+const lawRules = ["constant", "tc", "soft"];
+
+export class GasCore {
+  private readonly wasm: Exports;
+  private readonly rules: string[] = [];
+
+  constructor(module: WebAssembly.Module) {
+    this.wasm = new WebAssembly.Instance(module, {}).exports as unknown as Exports;
+    for (let at = this.wasm.gas_rule(0); at !== 0; at = this.wasm.gas_rule(this.rules.length)) this.rules.push(this.text(at));
+  }
+
+  private values(at: number, n: number): Float64Array {
+    return new Float64Array(this.wasm.memory.buffer, at, n);
+  }
+  private text(at: number): string {
+    const bytes = new Uint8Array(this.wasm.memory.buffer, at);
+    return new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0)));
+  }
+
+  set(input: Input): void {
+    const at = this.wasm.gas_setting(input.number);
+    const { number, radius, mass, edge, gravity, restitution, stiffness, contactDuration } = input;
+    const periodic = input.periodic ? 1 : 0;
+    this.values(at, this.wasm.gas_fields()).set([number, radius, mass, edge, edge, periodic, periodic, 0, gravity, this.rules.indexOf(input.rule), restitution, stiffness, contactDuration]);
+    this.setting = at;
+    this.number = number;
+  }
+  private setting = 0;
+  private number = 0;
+
+  // Random positions without overlap; false if none were found.
+  place(seed: number): boolean {
+    return this.wasm.gas_place(seed) !== 0;
+  }
+  heat(seed: number, rms: number): void {
+    this.wasm.gas_heat(seed, rms);
+  }
+  // Positions (2n), then velocities (2n).
+  get start(): Float64Array {
+    return this.values(this.setting + 8 * this.wasm.gas_fields(), 4 * this.number).slice();
+  }
+  get duration(): number {
+    return this.wasm.gas_duration();
+  }
+  // Greatest compression of an impact at this speed, in radii.
+  compression(speed: number, wall: boolean): number {
+    return this.wasm.gas_compression(speed, wall ? 1 : 0);
+  }
+  get deepest(): number {
+    return this.wasm.gas_deepest();
+  }
+
+  begin(): number {
+    return this.wasm.gas_start();
+  }
+  // By at most `work` events; whether the time is reached or the world has ended.
+  advance(world: World, until: number, work: number): boolean {
+    return this.wasm.gas_advance(world, until, work) !== 0;
+  }
+  observe(world: World): Observed {
+    const values = this.values(this.wasm.gas_observe(world), observed.length);
+    return Object.fromEntries(observed.map((name, i) => [name, values[i]])) as unknown as Observed;
+  }
+  // Positions, unwrapped, then velocities.
+  state(world: World): Float64Array {
+    return this.values(this.wasm.gas_state(world), 4 * this.number).slice();
+  }
+  // Rows since the last call, or of open contacts.
+  log(world: World, open = false): Float64Array {
+    const rows = this.wasm.gas_take_log(world, open ? 1 : 0);
+    return rows === 0 ? new Float64Array(0) : this.values(this.wasm.gas_log(), LOG_COLUMNS * rows).slice();
+  }
+  outcome(outcome: number): string {
+    return this.text(this.wasm.gas_outcome(outcome));
+  }
+
+  // Enskog's collision rate [1/s].
+  rate(phi: number, diameter: number, temperature: number): number {
+    return this.wasm.law_rate(phi, diameter, temperature);
+  }
+  law(phi: number, restitution: number, rule: string): ErrorLaw {
+    const [coefficient, coefficientError, decay] = this.values(this.wasm.law_of_error(phi, restitution, lawRules.indexOf(rule)), 3);
+    return { coefficient, coefficientError, decay };
+  }
+  // Relative error of the cooling, and its standard error.
+  error(phi: number, restitution: number, rule: string, tcNu: number): [number, number] {
+    const [error, bar] = this.values(this.wasm.law_errors(phi, restitution, lawRules.indexOf(rule), tcNu), 2);
+    return [error, bar];
+  }
+  largestTcNu(phi: number, restitution: number, rule: string, error: number): number {
+    return this.wasm.law_largest(phi, restitution, lawRules.indexOf(rule), error);
+  }
+  get measured(): Measured {
+    const [thinnest, densest, restitution, tcNu] = this.values(this.wasm.law_measured(), 4);
+    return { thinnest, densest, restitution, tcNu };
+  }
+}

@@ -1,0 +1,311 @@
+// The page of the gas: controls, film, plots and sentences.
+import { find, Sheet, tell } from "../support/dom";
+import { touchable } from "../support/touch";
+import { themeOf } from "../style/theme";
+import { ThemeSwitch } from "../style/theme_switch";
+import { Client } from "./client";
+import { thinned, type Facts } from "./facts";
+import { drawGraph, graphs } from "./graphs";
+import { reportOf, type Report } from "./report";
+import { sentences, milliseconds } from "./sentences";
+import { examples, fromQuery, ranges, rules, toQuery, type Quantity, type Rule, type Setting } from "./setting";
+import type { FrameOf } from "./simulation";
+import { drawWorld, gasTheme, type GasTheme } from "./worlds";
+import type { Answer } from "./worker";
+
+declare global {
+  interface Window {
+    hardlimit: { report: () => Report | null; log: () => Promise<Answer> };
+  }
+}
+
+const root = document.documentElement;
+const mostSamples = 1200;
+const shown: Quantity[] = ["phi", "restitution", "tcNu", "gravity", "number"];
+
+// t_c ν with its index, kept on one line.
+function symbol(): HTMLElement {
+  const whole = Object.assign(document.createElement("span"), { className: "whole" });
+  whole.append("t", Object.assign(document.createElement("sub"), { textContent: "c" }), " ν");
+  return whole;
+}
+
+class Page {
+  private setting!: Setting;
+  private facts: Facts | null = null;
+  private frame: FrameOf | null = null;
+  private next: FrameOf | null = null;
+  private playing = false;
+  private busy = false; // the worker has a question
+  private run = 0; // counts starts; late answers of earlier ones are dropped
+  private until = 0; // time of the link [s]
+  private drawn = 0; // frames since the texts were written
+  private theme!: GasTheme;
+  private readonly client = new Client(WebAssembly.compileStreaming(fetch("gas.wasm")).catch(async () => WebAssembly.compile(await (await fetch("gas.wasm")).arrayBuffer())));
+  private readonly worlds = ["hard", "newton"].map((id) => new Sheet(id, () => this.draw()));
+  private readonly plots = graphs.map((id) => new Sheet(id, () => this.draw()));
+  private timer = 0;
+
+  constructor() {
+    this.read();
+    this.buildControls();
+    // The theme switch draws at once.
+    new ThemeSwitch({ theme: themeOf(root), redraw: () => this.retheme() });
+    this.connect();
+    this.restart();
+    requestAnimationFrame(() => this.tick());
+    window.hardlimit = {
+      report: () => (this.facts && this.current() ? reportOf(this.facts, this.playing) : null),
+      log: () => this.client.ask({ kind: "log" }),
+    };
+  }
+
+  // The state of the page from its link. A link with a time shows that time, paused; without motion the film stands at
+  // a time at which there is something to be seen.
+  private read(): void {
+    const q = new URLSearchParams(location.search);
+    const notes: string[] = [];
+    this.setting = fromQuery(q, notes);
+    this.playing = !q.has("t") && !matchMedia("(prefers-reduced-motion: reduce)").matches;
+    this.until = q.has("t") ? Math.max(Number(q.get("t")), 0) || 0 : this.playing ? 0 : 0.02;
+    const speed = q.get("speed") ?? "1";
+    if (["0.25", "1", "4"].includes(speed)) find<HTMLSelectElement>("speed").value = speed;
+    this.note(notes);
+  }
+
+  private current(): boolean {
+    return this.facts !== null && root.dataset.run === String(this.run);
+  }
+
+  private note(notes: string[]): void {
+    find("notes").hidden = notes.length === 0;
+    find("notes").textContent = notes.join(" ");
+  }
+
+  // --- controls ---
+
+  private buildControls(): void {
+    for (const key of shown) {
+      const range = ranges[key];
+      const slider = find<HTMLInputElement>(key);
+      const scaled = (x: number): number => (range.log ? Math.log10(x) : x);
+      [slider.min, slider.max, slider.step] = [scaled(range.low), scaled(range.high), range.step].map(String);
+      touchable(slider);
+      slider.addEventListener("input", () => {
+        const x = range.log ? Number((10 ** Number(slider.value)).toPrecision(3)) : Number(slider.value);
+        this.change({ [key]: x });
+      });
+    }
+    for (const rule of rules) find(`rule-${rule}`).addEventListener("change", () => this.change({ rule: rule as Rule }));
+    const walls = find<HTMLInputElement>("walls");
+    walls.addEventListener("change", () => this.change(walls.checked ? { walls: true } : { walls: false, gravity: 0 }));
+    for (const example of examples)
+      find(`example-${example.id}`).addEventListener("click", () => {
+        this.playing = true;
+        this.change({ ...fromQuery(new URLSearchParams({ example: example.id }), []) });
+      });
+    this.showSetting();
+  }
+
+  private change(part: Partial<Setting>): void {
+    Object.assign(this.setting, part);
+    if (this.setting.gravity > 0) this.setting.walls = true;
+    this.until = 0;
+    this.showSetting();
+    clearTimeout(this.timer);
+    this.timer = window.setTimeout(() => this.restart(), 60);
+  }
+
+  private showSetting(): void {
+    const s = this.setting;
+    for (const key of shown) {
+      const slider = find<HTMLInputElement>(key);
+      slider.value = String(ranges[key].log ? Math.log10(s[key]) : s[key]);
+      const text = key === "gravity" ? `${Number(s.gravity.toPrecision(3))} m/s²` : key === "number" ? String(s.number) : String(Number(s[key].toPrecision(3)));
+      find(`${key}-value`).textContent = text;
+      slider.setAttribute("aria-valuetext", text);
+    }
+    find<HTMLInputElement>(`rule-${s.rule}`).checked = true;
+    find<HTMLInputElement>("walls").checked = s.walls;
+    for (const example of examples) {
+      const same = Object.entries(fromQuery(new URLSearchParams({ example: example.id }), [])).every(([key, x]) => key === "seed" || s[key as keyof Setting] === x);
+      find(`example-${example.id}`).setAttribute("aria-pressed", String(same));
+    }
+  }
+
+  private connect(): void {
+    find("play").addEventListener("click", () => this.play(!this.playing));
+    find("step").addEventListener("click", () => this.step());
+    find("again").addEventListener("click", () => this.again());
+    find("other").addEventListener("click", () => this.change({ seed: (this.setting.seed % 1_000_000) + 1 }));
+    find("speed").addEventListener("change", () => this.writeLink());
+    find("copy").addEventListener("click", () => void this.copy());
+    document.addEventListener("keydown", (e) => {
+      const target = e.target as HTMLElement;
+      if (e.ctrlKey || e.metaKey || e.altKey || /^(INPUT|SELECT|BUTTON|TEXTAREA|A)$/.test(target.tagName)) return;
+      const act = { " ": () => this.play(!this.playing), ".": () => this.step(), r: () => this.again() }[e.key];
+      if (!act) return;
+      e.preventDefault();
+      act();
+    });
+    addEventListener("popstate", () => {
+      this.read();
+      this.showSetting();
+      this.restart();
+    });
+  }
+
+  private play(on: boolean): void {
+    if (on && this.facts?.done) return this.again();
+    this.playing = on;
+    this.showPlaying();
+    this.writeLink();
+  }
+  private showPlaying(): void {
+    find("play").textContent = this.playing ? "Pause" : "Play";
+  }
+  private step(): void {
+    this.playing = false;
+    this.showPlaying();
+    this.advance(1);
+  }
+  private again(): void {
+    this.playing = true;
+    this.until = 0;
+    this.restart();
+  }
+
+  private link(): string {
+    const q = toQuery(this.setting);
+    const { value } = find<HTMLSelectElement>("speed");
+    if (value !== "1") q.set("speed", value);
+    if (!this.playing && this.facts && this.facts.sample.time > 0) q.set("t", String(this.facts.sample.time));
+    return `${location.origin}${location.pathname}?${q}`;
+  }
+  private writeLink(): void {
+    history.replaceState(null, "", this.link());
+  }
+  private async copy(): Promise<void> {
+    const said = find("copied");
+    try {
+      await navigator.clipboard.writeText(this.link());
+      said.textContent = "Link copied.";
+    } catch {
+      said.textContent = "The link is in the address bar.";
+    }
+    this.writeLink();
+  }
+
+  // --- the film ---
+
+  private async restart(): Promise<void> {
+    const run = ++this.run;
+    this.next = null;
+    this.busy = true;
+    this.showPlaying();
+    const answer = await this.client.start({ kind: "start", setting: { ...this.setting } });
+    if (run !== this.run) return;
+    this.busy = false;
+    root.dataset.run = String(run);
+    if (answer.kind === "error") return this.fail(answer.message);
+    const { start, frame, messages } = answer;
+    if (start.tooSoft > 0) this.playing = false;
+    this.frame = frame;
+    this.facts = { start, messages, samples: [], sample: frame.sample, hard: frame.worlds[0].observed, newton: frame.worlds[1].observed, done: frame.done, atRest: frame.atRest };
+    this.take([frame.sample], frame);
+    this.showPlaying();
+    this.writeLink();
+    this.draw();
+    this.tellAll();
+    if (this.until > 0 && start.tooSoft === 0) this.advance(1, this.until);
+  }
+
+  private fail(message: string): void {
+    this.playing = false;
+    this.showPlaying();
+    tell(find("verdict"), message);
+    root.dataset.settled = String(this.run);
+  }
+
+  private async advance(steps: number, until = 0): Promise<void> {
+    if (this.busy || !this.facts || this.facts.done || this.facts.start.tooSoft > 0) return;
+    const run = this.run;
+    this.busy = true;
+    delete root.dataset.settled;
+    const answer = await this.client.ask({ kind: "advance", steps, until });
+    if (run !== this.run) return;
+    this.busy = false;
+    if (answer.kind === "error") return this.fail(answer.message);
+    root.dataset.ms = answer.ms.toFixed(2);
+    this.take(answer.samples, answer.frame);
+    this.next = answer.frame;
+    if (answer.late) return this.advance(steps, until);
+    if (!this.playing) root.dataset.settled = String(run);
+  }
+
+  private take(samples: FrameOf["sample"][], frame: FrameOf): void {
+    const f = this.facts!;
+    let all = f.samples.concat(samples);
+    if (all.length > mostSamples) all = thinned(all);
+    this.facts = { ...f, samples: all, sample: frame.sample, hard: frame.worlds[0].observed, newton: frame.worlds[1].observed, done: frame.done, atRest: frame.atRest };
+  }
+
+  private tick(): void {
+    requestAnimationFrame(() => this.tick());
+    if (this.next) {
+      this.frame = this.next;
+      this.next = null;
+      const { done } = this.frame;
+      if (done && this.playing) {
+        this.playing = false;
+        this.showPlaying();
+        this.writeLink();
+      }
+      if (this.playing && !document.hidden) void this.advance(this.steps);
+      this.draw();
+      if (++this.drawn % 12 === 0 || !this.playing) this.tellAll();
+    } else if (this.playing && !document.hidden) void this.advance(this.steps);
+  }
+  private get steps(): number {
+    return Number(find<HTMLSelectElement>("speed").value);
+  }
+
+  // --- drawing ---
+
+  private retheme(): void {
+    this.theme = gasTheme(themeOf(root), root);
+    this.draw();
+  }
+
+  private draw(): void {
+    if (!this.frame || !this.facts || !this.theme) return;
+    const begin = performance.now();
+    const { start } = this.facts;
+    const colors = [this.theme.icm, this.theme.newton];
+    this.worlds.forEach(({ g, width, height, shown }, i) => shown() && drawWorld(g, width, height, start, this.frame!.worlds[i], colors[i], this.theme));
+    // The plots change slowly.
+    if (!this.playing || this.drawn % 3 === 0) this.plots.forEach(({ g, canvas, width, height, shown }, i) => {
+        // Of plots below each other only the last has numbers at the time axis.
+        const timed = !this.plots.slice(i + 1).some((other) => other.canvas.getBoundingClientRect().left === canvas.getBoundingClientRect().left);
+        if (shown()) drawGraph(g, width, height, graphs[i], this.facts!, this.theme, timed);
+      });
+    root.dataset.drawMs = (performance.now() - begin).toFixed(2);
+  }
+
+  private tellAll(): void {
+    if (!this.facts) return;
+    const said = sentences(this.facts);
+    const of = (...topics: string[]): string => said.filter(({ topic }) => topics.includes(topic)).map(({ text }) => text).join(" ");
+    const write = (id: string, text: string): void => {
+      if (find(id).dataset.text === text) return;
+      find(id).dataset.text = text;
+      find(id).replaceChildren(...text.split("t_c ν").flatMap((part, i) => (i === 0 ? [part] : [symbol(), part])));
+    };
+    write("verdict", of("verdict", "range"));
+    write("news", of("hard", "newton", "end"));
+    write("measured", of("measured", "contacts"));
+    write("time", `${milliseconds(this.facts.sample.time)}`);
+  }
+}
+
+new Page();

@@ -1,0 +1,96 @@
+// The setting of a gas: ranges, examples, and how a link holds it.
+export const RADIUS = 1e-3; // of the disks [m]
+export const MASS = 1e-5; // [kg]
+export const RMS_SPEED = 0.5; // at the start [m/s]
+
+export const rules = ["constant", "tc", "soft"] as const;
+export type Rule = (typeof rules)[number];
+
+export interface Setting {
+  number: number;
+  phi: number; // packing fraction
+  restitution: number;
+  tcNu: number; // contact duration times Enskog's collision rate at the start
+  rule: Rule;
+  walls: boolean;
+  gravity: number; // downwards [m/s²]
+  seed: number;
+}
+
+export interface Range {
+  low: number;
+  high: number;
+  step: number; // in the value, or in its decimal logarithm
+  log: boolean;
+}
+export const ranges: { [K in "number" | "phi" | "restitution" | "tcNu" | "gravity" | "seed"]: Range } = {
+  number: { low: 100, high: 1000, step: 50, log: false },
+  phi: { low: 0.02, high: 0.7, step: 0.01, log: false },
+  restitution: { low: 0.1, high: 1, step: 0.01, log: false },
+  tcNu: { low: 1e-4, high: 0.3, step: 0.02, log: true },
+  gravity: { low: 0, high: 20, step: 0.5, log: false },
+  seed: { low: 1, high: 1e6, step: 1, log: false },
+};
+export type Quantity = keyof typeof ranges;
+const whole: Quantity[] = ["number", "seed"];
+
+export interface Example {
+  id: string;
+  name: string;
+  about: string;
+  setting: Partial<Setting>;
+}
+export const usual: Setting = { number: 800, phi: 0.5, restitution: 0.85, tcNu: 0.1, rule: "constant", walls: false, gravity: 0, seed: 1 };
+export const examples: Example[] = [
+  { id: "thin", name: "Thin gas", about: "contacts are short beside the time between them: both agree", setting: { phi: 0.15, restitution: 0.9, tcNu: 0.003 } },
+  { id: "dense", name: "Dense and soft", about: "many contacts overlap in time: the two worlds cool at different rates", setting: { phi: 0.6, tcNu: 0.2, restitution: 0.8 } },
+  { id: "collapse", name: "Inelastic collapse", about: "infinitely many collisions in a finite time stop one world", setting: { number: 400, phi: 0.3, restitution: 0.2, tcNu: 0.01 } },
+  { id: "settling", name: "Settling", about: "disks fall to the floor and come to rest", setting: { number: 200, phi: 0.25, restitution: 0.6, tcNu: 0.03, rule: "tc", walls: true, gravity: 9.8 } },
+];
+
+const names: { [K in keyof Setting]: string } = { number: "n", phi: "phi", restitution: "e", tcNu: "tcnu", rule: "rule", walls: "walls", gravity: "g", seed: "seed" };
+export const labels: { [K in Quantity]: string } = {
+  number: "disks",
+  phi: "packing fraction φ",
+  restitution: "restitution ε",
+  tcNu: "t_c ν",
+  gravity: "gravity",
+  seed: "seed of the start",
+};
+
+export const toQuery = (setting: Setting): URLSearchParams => {
+  const q = new URLSearchParams();
+  for (const key of Object.keys(names) as (keyof Setting)[]) q.set(names[key], key === "walls" ? (setting.walls ? "1" : "0") : String(setting[key]));
+  return q;
+};
+
+// The setting of a link. Adds a note for each value that was changed because it is out of range.
+export function fromQuery(q: URLSearchParams, notes: string[]): Setting {
+  const example = examples.find(({ id }) => id === q.get("example"));
+  if (q.has("example") && !example) notes.push(`There is no example “${q.get("example")}”.`);
+  const setting = { ...usual, ...example?.setting };
+  for (const key of Object.keys(ranges) as Quantity[]) {
+    const text = q.get(names[key]);
+    if (text === null) continue;
+    const given = Number(text);
+    const { low, high } = ranges[key];
+    const value = Math.min(Math.max(whole.includes(key) ? Math.round(given) : given, low), high);
+    if (text.trim() === "" || Number.isNaN(given)) notes.push(`${labels[key]}: “${text}” is no number; it is ${setting[key]}.`);
+    else {
+      if (value !== given) notes.push(`${labels[key]}: ${text} is outside ${low} to ${high}; it is ${value}.`);
+      setting[key] = value;
+    }
+  }
+  const rule = q.get(names.rule);
+  if (rule !== null) {
+    if (rules.includes(rule as Rule)) setting.rule = rule as Rule;
+    else notes.push(`There is no rule “${rule}”; it is ${setting.rule}.`);
+  }
+  const walls = q.get(names.walls);
+  if (walls !== null) setting.walls = walls !== "0";
+  if (setting.gravity > 0 && !setting.walls) {
+    setting.walls = true;
+    notes.push("Gravity needs a floor: the box has walls.");
+  }
+  return setting;
+}

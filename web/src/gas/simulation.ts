@@ -1,0 +1,251 @@
+// Both worlds from one start, advanced in step, and what the page draws of them. Runs in the worker.
+import { GasCore, World, LOG_COLUMNS, type ErrorLaw, type Input, type Measured, type Observed } from "./core";
+import { MASS, RADIUS, RMS_SPEED, type Setting } from "./setting";
+
+// What is fixed by the setting before anything moves.
+export interface Start {
+  setting: Setting;
+  input: Input; // both engines start from it
+  state: Float64Array; // positions (2n), velocities (2n)
+  temperature: number; // [m²/s²]
+  collisionRate: number; // Enskog's ν [1/s]
+  contactDuration: number; // t_c [s]
+  law: ErrorLaw;
+  error: number; // of the cooling at the t_c ν of the start
+  errorBar: number;
+  trusted: number; // the largest t_c ν at which the error is at most TOLERANCE
+  measured: Measured;
+  tooSoft: number; // 0, or the largest t_c ν that is not too soft: then nothing runs
+  compression: number; // of an impact at the mean speed, in radii
+  base: number; // shortest time between frames [s]
+}
+// Relative error of the cooling up to which the worlds are said to agree.
+export const TOLERANCE = 0.01;
+
+// One world at one instant.
+export interface Seen {
+  positions: Float32Array; // in the box [m]
+  touched: Uint8Array; // 0: no contact since the last frame, 1: one, 2: contacts that overlap in time
+  links: Int32Array; // pairs of disks of contacts that overlap
+  observed: Observed;
+  energy: number; // not yet dissipated, over that at the start
+}
+export interface Sample {
+  time: number; // [s]
+  collisions: number; // of each disk in the event-driven world
+  energy: [number, number]; // NaN after the end of a world
+  predicted: [number, number, number]; // Newton's energy by the law of the error; lowest, highest; NaN without one
+  distance: number; // of the two worlds, in diameters
+  share: number; // of the contacts under Newton's equations that overlap in time; NaN before the first
+}
+export interface FrameOf {
+  worlds: [Seen, Seen];
+  sample: Sample;
+  done: boolean;
+  atRest: boolean; // a heap in Newton's world: the reason why it is done
+}
+
+const most = 200; // collisions of each disk at which the film ends
+const least = 1e-6; // energy at which it ends, over that at the start
+const rest = 1e-3; // kinetic energy at which a heap is at rest, over all energy at the start
+
+// Base time between frames. In 60 frames a disk collides 0.6 times or moves by half a diameter; it falls through the
+// box in 400.
+const baseOf = (rate: number, { edge, gravity }: Input): number => Math.max(0.6 / rate / 60, RADIUS / RMS_SPEED / 60, gravity < 0 ? Math.sqrt((2 * edge) / -gravity) / 400 : 0);
+
+function inputOf(core: GasCore, setting: Setting, rate: number): Input {
+  const { number, phi, restitution, tcNu, rule } = setting;
+  const contactDuration = tcNu / rate;
+  const input: Input = {
+    number,
+    radius: RADIUS,
+    mass: MASS,
+    edge: Math.sqrt((number * Math.PI * RADIUS * RADIUS) / phi),
+    periodic: !setting.walls,
+    gravity: setting.gravity > 0 ? -setting.gravity : 0,
+    rule,
+    restitution,
+    stiffness: 1,
+    contactDuration,
+  };
+  core.set(input);
+  return { ...input, stiffness: (core.duration / contactDuration) ** 2 };
+}
+
+// y = √(E(0)/E) over a stretched time; the last straight piece goes on.
+class Stretched {
+  private readonly times = [0];
+  private readonly values = [1];
+  private last = 1; // first time that is not before the last one asked for
+
+  extend(by: number, y: number): void {
+    this.times.push(this.times[this.times.length - 1] + by);
+    this.values.push(y);
+  }
+  at(time: number): number {
+    const { times, values } = this;
+    if (time <= 0 || times.length < 2) return 1;
+    while (this.last < times.length - 1 && times[this.last] < time) this.last++;
+    const [t0, t1] = [times[this.last - 1], times[this.last]];
+    const [y0, y1] = [values[this.last - 1], values[this.last]];
+    return y0 + ((y1 - y0) / (t1 - t0)) * (time - t0);
+  }
+}
+
+export class Simulation {
+  readonly start: Start;
+  private time = 0;
+  private readonly initial: number; // energy [J]
+  private readonly last: [Float64Array, Float64Array]; // last two collision times of each disk
+  private stretchedAt: [number, number] = [0, 1]; // time and y at the last sample
+  private before: number = 0; // time of the last frame
+  readonly logs: [Float64Array[], Float64Array[]] = [[], []];
+
+  constructor(
+    private readonly core: GasCore,
+    setting: Setting,
+  ) {
+    const { phi, restitution, rule, tcNu, number, seed, walls } = setting;
+    const temperature = 0.5 * RMS_SPEED * RMS_SPEED;
+    const collisionRate = core.rate(phi, 2 * RADIUS, temperature);
+    const input = inputOf(core, setting, collisionRate);
+    core.set(input);
+    if (!core.place(seed)) throw new Error("No random places without overlap were found at this packing fraction.");
+    core.heat(seed, RMS_SPEED);
+    const [error, errorBar] = core.error(phi, restitution, rule, tcNu);
+    const speed = Math.sqrt(Math.PI * temperature);
+    // As Python's check: of a pair in radii; of a wall in diameters.
+    const compression = Math.min(core.compression(speed, false), walls ? 0.5 * core.compression(speed, true) : Infinity);
+    this.start = {
+      setting,
+      input,
+      state: core.start,
+      temperature,
+      collisionRate,
+      contactDuration: core.duration,
+      law: core.law(phi, restitution, rule),
+      error,
+      errorBar,
+      trusted: core.largestTcNu(phi, restitution, rule, TOLERANCE),
+      measured: core.measured,
+      tooSoft: compression < core.deepest ? 0 : (tcNu * core.deepest) / compression,
+      compression,
+      base: baseOf(collisionRate, input),
+    };
+    this.last = [new Float64Array(number).fill(-Infinity), new Float64Array(number).fill(-Infinity)];
+    if (core.begin() !== 0) throw new Error("The core refuses this setting.");
+    const { kinetic, potential } = core.observe(World.hard);
+    this.initial = kinetic + potential;
+  }
+
+  get now(): number {
+    return this.time;
+  }
+
+  // Advances both worlds by a number of base times, or for so many milliseconds; false if the time was not reached.
+  // The film runs faster as the gas cools: by a factor of two for each factor of four in the energy.
+  advance(steps: number, budget: number): boolean {
+    const begin = performance.now();
+    this.target ||= this.time + steps * this.start.base * this.pace;
+    for (const world of [World.hard, World.newton])
+      while (!this.core.advance(world, this.target, 500)) if (performance.now() - begin > budget) return false;
+    this.time = this.target;
+    this.target = 0;
+    return true;
+  }
+  private target = 0;
+  private pace = 1;
+
+  frame(): FrameOf {
+    const hard = this.see(World.hard);
+    const newton = this.see(World.newton);
+    const { setting, base } = this.start;
+    if (setting.gravity === 0) this.pace = 2 ** Math.min(Math.floor(Math.log2(Math.sqrt(1 / Math.max(newton.energy, 1e-12)))), 10);
+    const ended = [hard, newton].map(({ observed }) => observed.outcome !== 0 && observed.time < this.time);
+    const sample: Sample = {
+      time: this.time,
+      collisions: (2 * hard.observed.pairs) / setting.number,
+      energy: [ended[0] ? NaN : hard.energy, ended[1] ? NaN : newton.energy],
+      predicted: this.predict(hard, ended[0]),
+      distance: ended[0] || ended[1] ? NaN : this.distance(),
+      share: newton.observed.ended > 0 ? newton.observed.overlapped / newton.observed.ended : NaN,
+    };
+    this.before = this.time;
+    const atRest = setting.gravity > 0 && newton.observed.kinetic < rest * this.initial && newton.energy < 1 - rest;
+    const done = atRest || sample.collisions >= most || newton.energy < least || (ended[0] && ended[1]) || this.time > 40_000 * base;
+    return { worlds: [hard, newton], sample, done, atRest };
+  }
+
+  // The law gives e = (rate of the rule)/(rate of Newton's equations) − 1 of y = √(E(0)/E) at equal energies. So Newton's
+  // world reaches an energy later by the factor 1 + e, and by half a contact, as no disks touch at the start.
+  private predict(hard: Seen, ended: boolean): [number, number, number] {
+    const { setting, contactDuration } = this.start;
+    if (ended || setting.walls) return [NaN, NaN, NaN];
+    const y = 1 / Math.sqrt(hard.energy);
+    const [from, before] = this.stretchedAt;
+    if (this.time > from) {
+      const [error, bar] = this.core.error(setting.phi, setting.restitution, setting.rule, (2 * setting.tcNu) / (y + before));
+      this.curves.forEach((curve, i) => curve.extend((1 + error + [0, -bar, bar][i]) * (this.time - from), y));
+    }
+    this.stretchedAt = [this.time, y];
+    return this.curves.map((curve, i) => curve.at(this.time - [0.5, 0.25, 0.75][i] * contactDuration) ** -2) as [number, number, number];
+  }
+  private readonly curves = [new Stretched(), new Stretched(), new Stretched()];
+
+  private distance(): number {
+    const n = 2 * this.start.setting.number;
+    const one = this.unwrapped[World.hard];
+    const other = this.unwrapped[World.newton];
+    let sum = 0;
+    for (let i = 0; i < n; i++) sum += (one[i] - other[i]) ** 2;
+    return Math.sqrt((2 * sum) / n) / (2 * RADIUS);
+  }
+  private readonly unwrapped: Float64Array[] = [];
+
+  private see(world: World): Seen {
+    const { number, walls } = this.start.setting;
+    const { edge } = this.start.input;
+    const state = this.core.state(world);
+    this.unwrapped[world] = state;
+    const positions = new Float32Array(2 * number);
+    for (let i = 0; i < positions.length; i++) positions[i] = walls ? state[i] : state[i] - edge * Math.floor(state[i] / edge);
+    const rows = this.core.log(world);
+    if (rows.length > 0) this.logs[world].push(rows);
+    const touched = new Uint8Array(number);
+    const links: number[] = [];
+    if (world === World.hard) this.markCollisions(rows, touched, links);
+    else for (const list of [rows, this.core.log(world, true)]) markContacts(list, touched, links);
+    const observed = this.core.observe(world);
+    return { positions, touched, links: Int32Array.from(links), observed, energy: 1 - observed.dissipated / this.initial };
+  }
+
+  // A collision takes no time. To compare, a disk lights up for t_c after it, and brightly if it collided again within.
+  private markCollisions(rows: Float64Array, touched: Uint8Array, links: number[]): void {
+    const [last, previous] = this.last;
+    const tc = this.start.contactDuration;
+    const collided = (i: number, time: number): boolean => {
+      previous[i] = last[i];
+      last[i] = time;
+      return last[i] - previous[i] < tc;
+    };
+    for (let row = 0; row < rows.length; row += LOG_COLUMNS) {
+      const [time, , first, second] = rows.subarray(row, row + LOG_COLUMNS);
+      const [a, b] = [collided(first, time), second >= 0 && collided(second, time)];
+      if ((a || b) && second >= 0) links.push(first, second);
+    }
+    for (let i = 0; i < touched.length; i++) {
+      if (this.time - last[i] >= tc && last[i] <= this.before) continue;
+      touched[i] = last[i] - previous[i] < tc ? 2 : 1;
+    }
+  }
+}
+
+function markContacts(rows: Float64Array, touched: Uint8Array, links: number[]): void {
+  for (let row = 0; row < rows.length; row += LOG_COLUMNS) {
+    const [, , first, second, , , overlapped] = rows.subarray(row, row + LOG_COLUMNS);
+    const mark = overlapped ? 2 : 1;
+    touched[first] = Math.max(touched[first], mark);
+    if (second >= 0) touched[second] = Math.max(touched[second], mark);
+    if (overlapped && second >= 0) links.push(first, second);
+  }
+}
