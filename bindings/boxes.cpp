@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "boxes/common/random.hpp"
 #include "boxes/common/system_check.hpp"
 #include "boxes/hard_spheres/rules/registry.hpp"
 #include "boxes/neighbours/overlap.hpp"
@@ -443,6 +444,16 @@ void bind_boxes(nb::module_& m) {
         .def(
             "state", &state,
             "Current positions [m], unwrapped across periodic boundaries, and velocities [m/s], (n, d) each.")
+        .def(
+            "set_velocities",
+            [](const Engine& e, Rows velocities) {
+                const auto d = static_cast<std::size_t>(e.get().dimension());
+                require_values("velocities", velocities.size(), e.get().size() * d, "one for each particle");
+                if (e.get().paused() && e.get().contacts_have_duration())
+                    throw value_error("velocities: got them during a pause, must be after it");
+                e.get().set_velocities(velocities.data());
+            },
+            "velocities"_a, "Gives all particles new velocities (n, d) [m/s] now, as a thermostat does.")
         .def("observe", &observe)
         .def_prop_ro("largest_compression",
                      [](const Engine& e) { return e.get().observe().largest_compression; })
@@ -467,6 +478,16 @@ void bind_boxes(nb::module_& m) {
           nb::kw_only(), "law"_a.none() = nb::none(), "rule"_a = "constant", "restitution"_a = hl::math::nan,
           "rule_parameters"_a = std::vector<double>(), "time_step"_a = 0.0, "log"_a = false);
     m.def("load_engine", &load_engine, "kind"_a, "saved"_a);
+    m.def(
+        "random_numbers",
+        [](hl::u64 seed, hl::u64 stream, std::size_t n, bool normal) {
+            hl::boxes::Random random(seed + 0xd1342543de82ef95ULL * stream);
+            std::vector<double> found(n);
+            for (double& x : found) x = normal ? random.normal() : random.uniform();
+            return make_array(std::move(found), {n});
+        },
+        "seed"_a, "stream"_a, "n"_a, "normal"_a,
+        "Random numbers, standard normal or uniform in [0, 1): the same on every machine.");
     m.def("grow_packing", &grow_packing, "box"_a, "radius"_a, "seed"_a, "progress"_a.none() = nb::none(),
           "Random positions (n, d) without overlap: small particles are inserted, and move and collide "
           "while they grow. progress(fraction of the final radii, collisions) is called at intervals.");

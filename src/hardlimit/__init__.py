@@ -50,6 +50,7 @@ _LATER = {
     "boxes.result": ("ContactResult", "ParticleResult"),
     "boxes.resume": ("resume",),
     "boxes.system": ("ParticleSystem",),
+    "boxes.thermostats": ("Andersen", "RandomKicks"),
     "boxes.walls": ("MovingWall",),
     "stacks": ("Stack", "stack"),
     "verdict": ("check",),

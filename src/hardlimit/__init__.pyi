@@ -43,6 +43,8 @@ from .boxes.result import ContactResult as ContactResult
 from .boxes.result import ParticleResult as ParticleResult
 from .boxes.resume import resume as resume
 from .boxes.system import ParticleSystem as ParticleSystem
+from .boxes.thermostats import Andersen as Andersen
+from .boxes.thermostats import RandomKicks as RandomKicks
 from .boxes.walls import MovingWall as MovingWall
 from .stacks import Stack as Stack
 from .stacks import stack as stack

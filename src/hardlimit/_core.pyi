@@ -274,6 +274,11 @@ class Engine:
         Current positions [m], unwrapped across periodic boundaries, and velocities [m/s], (n, d) each.
         """
 
+    def set_velocities(self, velocities: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)]) -> None:
+        """
+        Gives all particles new velocities (n, d) [m/s] now, as a thermostat does.
+        """
+
     def observe(self) -> dict: ...
 
     @property
@@ -300,6 +305,11 @@ class Engine:
 def make_engine(kind: str, box: Box, positions: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], velocities: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], radius: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], mass: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], *, law: tuple[str, int, Sequence[float]] | None = None, rule: str = 'constant', restitution: float = float('nan'), rule_parameters: Sequence[float] = [], time_step: float = 0.0, log: bool = False) -> Engine: ...
 
 def load_engine(kind: str, saved: bytes) -> Engine: ...
+
+def random_numbers(seed: int, stream: int, n: int, normal: bool) -> NDArray[numpy.float64]:
+    """
+    Random numbers, standard normal or uniform in [0, 1): the same on every machine.
+    """
 
 def grow_packing(box: Box, radius: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], seed: int, progress: object | None = None) -> object:
     """

@@ -354,3 +354,17 @@ def test_a_wall_is_shaken(tmp_path: Path) -> None:
 )
 def test_a_bad_shake_is_refused(options: list[str], message: str) -> None:
     assert message in refused("gas", "--n", 10, *options)
+
+
+def test_a_gas_is_heated(tmp_path: Path) -> None:
+    """By an option, by a job file, and from a file of particles."""
+    found = printed("gas", "--n", 30, "--packing-fraction", 0.1, "--heat", "1mW", "--until", "5ms")
+    kicks = found["system"]["thermostat"]
+    assert kicks["kind"] == "RandomKicks" and kicks["power"] == 1e-3 and found["theory"] == {}
+    assert found["series"]["heat"][-1] > 0.0
+    job = tmp_path / "job.toml"
+    job.write_text("[random]\nn = 30\npacking_fraction = 0.1\nheat = '1mW'\n[event_driven]\nuntil = 0.005\n")
+    assert printed("gas", job)["series"] == found["series"]
+    box = lattice(27, seed=1).write(tmp_path / "box.xyz")
+    assert printed("gas", box, "--heat", 1e-6, *FAST)["series"]["heat"][-1] != 0.0
+    assert "--heat: got -1" in refused("gas", "--n", 10, "--heat", -1)

@@ -85,6 +85,10 @@ public:
     virtual u64 logged() const = 0;
     virtual std::vector<Statistic> statistics() const = 0;
 
+    // Gives all particles new velocities now, n·d values in the user's order, as a thermostat does. Contacts go on. Not
+    // during a pause.
+    virtual void set_velocities(const double* velocity) = 0;
+
     // Writes n·d values each, in the user's order. Positions are unfolded.
     virtual void state(double* position, double* velocity) const = 0;
     virtual Observation observe() const = 0;

@@ -54,6 +54,7 @@ public:
     u64 contacts() const override { return accumulators_.collisions(); }
     u64 logged() const override { return accumulators_.collisions(); }
     std::vector<Statistic> statistics() const override;
+    void set_velocities(const double* velocity) override;
     void state(double* position, double* velocity) const override;
     Observation observe() const override;
     bool contacts_have_duration() const override { return false; }
@@ -272,6 +273,26 @@ void HardSpheres<d, motion, mixed>::advance(double until, u64 most_work, int /*t
         if (prefetches_) ahead().step();
         process_event(i);
     }
+}
+
+// The time of a particle's last collision, which rules need, is kept: its path is extrapolated back from now to that
+// time with the new velocity. Under the rule soft, a pair whose contact is over may collide again.
+template <int d, Motion motion, bool mixed>
+void HardSpheres<d, motion, mixed>::set_velocities(const double* velocity) {
+    for (u32 i = 0; i < size32(); ++i) {
+        Particle<d>& p = particles_[i];
+        const double time = p.time;
+        advance_to_now(i);
+        for (int k = 0; k < d; ++k)
+            p.velocity[k] = velocity[std::size_t{original_index_[i]} * d + static_cast<std::size_t>(k)];
+        fastest_ = math::max(fastest_, frame_speed(p.velocity));
+        boxes::advance<motion>(p, time, box_);
+        if (takes_time_ && last_contacts_[i].until <= now_) last_contacts_[i].partner = no_particle;
+    }
+    refresh_accumulators();
+    Stop never;
+    predict_all(never);
+    rebuild_queue();
 }
 
 template <int d, Motion motion, bool mixed>

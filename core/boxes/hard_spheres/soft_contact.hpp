@@ -81,8 +81,9 @@ void HardSpheres<d, motion, mixed>::contact(u32 i, u32 j, const double (&r)[d], 
 }
 
 // Contact of a particle with a wall, in the frame of the wall, whose acceleration is taken as constant during the
-// contact. speed: of approach. The parabola of the equivalent collision is in the frame of the wall; the flight after the
-// contact is one in the laboratory. An oscillating wall therefore needs the state at the end, extrapolated back there.
+// contact. speed: of approach. The parabola of the equivalent collision is in the frame of the wall; the flight after
+// the contact is one in the laboratory. An oscillating wall therefore needs the state at the end, extrapolated back
+// there.
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::contact_with_wall(u32 i, const Wall& wall, double speed) {
     const int axis = wall.id.axis();

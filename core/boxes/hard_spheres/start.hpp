@@ -121,7 +121,7 @@ void HardSpheres<d, motion, mixed>::fill_cells() {
 
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::predict_all(Stop& stop) {
-    for (u32 i = 0; i < size32() && !stop(); ++i) predict_unscheduled(i, no_particle);
+    for (u32 i = 0; i < size32() && !stop(); ++i) predict_unscheduled(i, excluded_partner(i));
 }
 
 template <int d, Motion motion, bool mixed>

@@ -76,6 +76,28 @@ ActivePair<Law> NewtonEvents<Law>::active_pair(int i, int j, WallId wall) const 
     return active;
 }
 
+// All groups are integrated up to now and formed again from the contacts that are open.
+template <class Law>
+void NewtonEvents<Law>::set_velocities(const double* velocity) {
+    snapshot_.reset();
+    ClusterSeed set;
+    for (std::size_t index = 0; index < groups_.size(); ++index) {
+        const Group& g = groups_[index];
+        if (!g.alive) continue;
+        set.bodies.insert(set.bodies.end(), g.body.begin(), g.body.end());
+        dissolve_group(static_cast<int>(index), false, set.pairs);
+    }
+    const std::size_t d = setting_.axes();
+    for (int i = 0; i < static_cast<int>(size32()); ++i) {
+        restart_path(i);
+        std::copy_n(velocity + d * std::size_t{pending_[i].original_index}, d, particles_[i].velocity);
+    }
+    split_cluster(set.bodies, set.pairs);
+    form_parts();
+    for (int i = 0; i < static_cast<int>(size32()); ++i)
+        if (free(i)) reschedule(i);
+}
+
 template <class Law>
 void NewtonEvents<Law>::resolve_conflict(int i, int j) {
     ClusterSeed set;

@@ -82,6 +82,19 @@ public:
                 {"skin", domain_.skin()}};
     }
 
+    void set_velocities(const double* velocity) override {
+        const auto d = static_cast<std::size_t>(box_.dimension);
+        for (std::size_t i = 0; i < bodies_.count(); ++i) {
+            const double* of = velocity + d * std::size_t{bodies_.tag[i].original_index};
+            double square = 0.0;
+            for (std::size_t axis = 0; axis < d; ++axis) {
+                bodies_.velocity[i][axis] = of[axis];
+                square += of[axis] * of[axis];
+            }
+            criterion_.fastest = math::max(criterion_.fastest, math::sqrt(square));
+        }
+    }
+
     // During a pause the velocities are estimates, without the contacts of the last step.
     void state(double* position, double* velocity) const override {
         const int d = box_.dimension;

@@ -21,6 +21,7 @@ from .pace import ProgressNote
 from .result import COLLISIONS, CONTACTS, Column, ContactResult, EarlyEnd, Log, ParticleResult
 from .rules import Settings
 from .system import ParticleSystem
+from .thermostats import Andersen, as_entry, from_entry
 from .walls import as_entries, from_entries
 
 ENERGIES: Final = ("kinetic_energy", "potential_energy", "dissipated_energy")
@@ -35,9 +36,9 @@ COMMON: Final = (
     "n_pairs",
 )
 #: Those of hard spheres, those of engines for Newton's equations, and those of LAMMPS.
-OF_COLLISIONS: Final = (*COMMON, "wall_work", "kinetic_integral", "n_collisions")
+OF_COLLISIONS: Final = (*COMMON, "wall_work", "heat", "kinetic_integral", "n_collisions")
 OF_LAMMPS: Final = (*COMMON, "contact_energy", "n_contacts", "n_ended", "n_overlapped", "n_in_contact")
-OF_CONTACTS: Final = (*OF_LAMMPS, "wall_work")
+OF_CONTACTS: Final = (*OF_LAMMPS, "wall_work", "heat")
 #: Arrays of a system in a checkpoint. Positions and velocities are in the saved state of the engine.
 FIXED: Final = ("radius", "mass", "box", "gravity")
 
@@ -92,6 +93,7 @@ class Engine:
         self.record, self.system, self.settings, self.compiled = ENGINES[name], system, settings, compiled
         self._moment = moment  #: Σ m x at the start of the run [kg m]
         self._note = ProgressNote()
+        self.kicks, self.heat = 0, 0.0  # of the thermostat: number so far, energy [J]
 
     @classmethod
     def make(
@@ -103,6 +105,10 @@ class Engine:
         time_step: float | None = None,
     ) -> Engine:
         """Make the engine for the start of a run."""
+        if isinstance(system.thermostat, Andersen) and system.domain.common_fall.any():
+            raise ValueError(
+                "thermostat: got Andersen, must be RandomKicks or None with gravity along a periodic axis"
+            )
         own: dict[str, Any] = {} if settings.law is None else {"law": law_arguments(settings.law)}
         if isinstance(settings, Settings):
             own["rule"] = settings.rule
@@ -139,7 +145,31 @@ class Engine:
     def advance(self, until: float, work: int) -> None:
         """Advance to ``until`` [s], or by ``work`` collisions, events or steps, whichever comes first."""
         threads = self.settings.threads if isinstance(self.settings, NewtonSettings) else 1
-        self.compiled.advance(until, work, threads)
+        before = self.compiled.work
+        while self.outcome == "ok":
+            kick = self._next_kick()
+            left = max(work - (self.compiled.work - before), 1)
+            self.compiled.advance(min(until, kick), left, threads)
+            if self.compiled.paused or self.time < kick or self.outcome != "ok":
+                return
+            self._kick()
+            if self.time >= until:
+                return
+
+    def _next_kick(self) -> float:
+        """Time of the next kick of the thermostat [s]; infinite without one."""
+        thermostat = self.system.thermostat
+        return math.inf if thermostat is None else (self.kicks + 1) * thermostat.interval
+
+    def _kick(self) -> None:
+        # A contiguous array and no BLAS: sums have the same bits after a checkpoint.
+        thermostat, mass = self.system.thermostat, np.ascontiguousarray(self.system.mass)
+        assert thermostat is not None
+        before = np.asarray(self.compiled.state()[1])
+        after = np.ascontiguousarray(thermostat.velocities(self.kicks + 1, before, mass))
+        self.compiled.set_velocities(after)
+        self.kicks += 1
+        self.heat += 0.5 * float((mass[:, None] * ((after - before) * (after + before))).sum())
 
     def done_and_total(self, until: float | None, max_collisions: int | None) -> tuple[int, int]:
         """Progress: number of collisions, contacts or steps so far, and their expected total at this rate."""
@@ -171,12 +201,15 @@ class Engine:
 
     def current(self) -> ParticleSystem:
         """The current system, with positions in the box."""
-        return system_at(self.system, self.time, self.compiled.state())
+        now = system_at(self.system, self.time, self.compiled.state())
+        if now.thermostat is None:
+            return now
+        return now._of(**now._values() | {"thermostat": now.thermostat.after(self.kicks)})
 
     def sample(self) -> dict[str, Any]:
         """The quantities at a sample in the falling frame; :meth:`result` converts those of all samples at once."""
         sums = self.compiled.observe()
-        sums["time"], sums["n_collisions"] = self.time, sums["n_contacts"]
+        sums["time"], sums["n_collisions"], sums["heat"] = self.time, sums["n_contacts"], self.heat
         return {name: np.asarray(sums[name], float) for name in self.record.records if name in sums}
 
     def is_at(self, sample: Mapping[str, Any]) -> bool:
@@ -261,6 +294,8 @@ class Engine:
             "engine": self.record.name,
             "boundary": list(self.system.boundary),
             "walls": as_entries(self.system.walls),
+            "thermostat": as_entry(self.system.thermostat),
+            "kicks": [self.kicks, self.heat],
             "settings": vars(self.settings) | {"law": None if law is None else law_entry(law)},
         }
         arrays = {name: np.asarray(getattr(self.system, name)) for name in FIXED}
@@ -277,11 +312,14 @@ class Engine:
         fixed = {key: arrays[key] for key in FIXED} | {
             "boundary": tuple(header["boundary"]),
             "walls": from_entries(header["walls"]),
+            "thermostat": from_entry(header["thermostat"]),
         }
         positions, velocities = compiled.state()
         falling = ParticleSystem._of(positions=positions, velocities=velocities, **fixed)
         positions, velocities = state(falling, compiled.time, compiled.state())
-        return cls(name, falling._moved(positions, velocities), settings, compiled, arrays["moment"])
+        engine = cls(name, falling._moved(positions, velocities), settings, compiled, arrays["moment"])
+        engine.kicks, engine.heat = int(header["kicks"][0]), float(header["kicks"][1])
+        return engine
 
 
 def joined(parts: Sequence[Log]) -> Log:

@@ -123,6 +123,7 @@ _RECORDS: Final = (
         "dissipated_energy", "J", "energy lost in contacts", ("dissipated_energy",), "sum", never_falls=True
     ),
     Observable("wall_work", "J", "work of moving walls on the particles", ("wall_work",), "sum"),
+    Observable("heat", "J", "energy from the thermostat", ("heat",), "sum"),
     Observable(
         "granular_temperature",
         "m2/s2",

@@ -9,7 +9,7 @@ from dataclasses import dataclass, fields
 from functools import cached_property, partial
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -31,6 +31,7 @@ from .box import (
     read_only,
 )
 from .files.frame import Frame
+from .thermostats import Andersen, RandomKicks, checked_thermostat
 from .walls import MovingWall, as_entries, checked_walls
 
 if TYPE_CHECKING:
@@ -67,6 +68,8 @@ class ParticleSystem:
     walls : mapping of "x-", "x+", … "z+" to MovingWall, optional
         The walls that move, by axis and end: ``{"z-": hl.MovingWall(amplitude=1e-3, frequency=50.0)}`` shakes the
         floor. The box is that of the rest places.
+    thermostat : RandomKicks or Andersen, optional
+        Heats or thermalizes the particles.
     allowed_overlap : float
         Largest accepted overlap, relative to the sum of the radii (at a wall, to the radius). The default allows for
         rounding errors. Particles in contact under Newton's equations overlap by more.
@@ -99,6 +102,7 @@ class ParticleSystem:
     boundary: tuple[str, ...]  #: ``"periodic"`` or ``"wall"`` for each axis
     gravity: Floats  #: (d,) [m/s²]
     walls: Mapping[str, MovingWall]  #: the walls that move
+    thermostat: RandomKicks | Andersen | None
 
     _unfolded = None  # positions along the unfolded paths (N, d) [m], in a state of a run
 
@@ -114,6 +118,7 @@ class ParticleSystem:
         boundary: str | Sequence[str] = "periodic",
         gravity: Vector = 0.0,
         walls: Mapping[str, MovingWall] | None = None,
+        thermostat: RandomKicks | Andersen | None = None,
         allowed_overlap: float = ROUNDING,
     ) -> None:
         given = validation.exactly_one(density=density, mass=mass)
@@ -131,6 +136,7 @@ class ParticleSystem:
             boundary=sides,
             gravity=checked_gravity(gravity, d),
             walls=checked_walls(walls, sides),
+            thermostat=checked_thermostat(thermostat),
         )
         allowed = validation.number("allowed_overlap", allowed_overlap, 0.0, 1.0, lowest_allowed=True)
         self._check_geometry(allowed)
@@ -195,6 +201,7 @@ class ParticleSystem:
         boundary: str | Sequence[str] = "periodic",
         gravity: Vector = 0.0,
         walls: Mapping[str, MovingWall] | None = None,
+        thermostat: RandomKicks | Andersen | None = None,
         progress: bool | Report | None = None,
     ) -> ParticleSystem:
         """Particles at random positions without overlap, with Maxwell's velocities.
@@ -247,7 +254,14 @@ class ParticleSystem:
         with reporter(progress, "random start", "") as report:
             positions = starts.positions(size, box, generators, report)
         values = {"positions": positions, "velocities": velocities, "radius": size, "mass": mass}
-        return cls._of(**values, box=box.edges, boundary=sides, gravity=pull, walls=moving)
+        return cls._of(
+            **values,
+            box=box.edges,
+            boundary=sides,
+            gravity=pull,
+            walls=moving,
+            thermostat=checked_thermostat(thermostat),
+        )
 
     @classmethod
     def read(
@@ -314,6 +328,7 @@ class ParticleSystem:
         boundary: str | Sequence[str] | None = None,
         gravity: Vector | None = None,
         walls: Mapping[str, MovingWall] | None = None,
+        thermostat: RandomKicks | Andersen | Literal["keep"] | None = "keep",
     ) -> ParticleSystem:
         """A copy with the given values changed and all others kept, including the masses.
 
@@ -332,6 +347,7 @@ class ParticleSystem:
             density=density,
             mass=self.mass if density is None and mass is None else mass,
             gravity=self.gravity if gravity is None else gravity,
+            thermostat=self.thermostat if thermostat == "keep" else thermostat,
             allowed_overlap=ROUNDING if moved else max(ROUNDING, self._deepest_relative_overlap),
             **kept,
         )
@@ -418,6 +434,7 @@ class ParticleSystem:
         coordinates = {"particle": np.arange(self.n), "axis": list(AXES[: self.dimension])}
         about = {"title": f"Box of {self.n} grains", "source": f"hardlimit {_core.version}"}
         about |= {f"wall {name}": repr(wall) for name, wall in self.walls.items()}
+        about |= {} if self.thermostat is None else {"thermostat": repr(self.thermostat)}
         return xr.Dataset(data, coordinates, about | {"packing_fraction": self.packing_fraction})
 
     # --- as a value -----------------------------------------------------------------------------------------
@@ -426,7 +443,7 @@ class ParticleSystem:
         if not isinstance(other, ParticleSystem):
             return NotImplemented
         theirs = other._values()
-        if self.walls != theirs.pop("walls"):
+        if self.walls != theirs.pop("walls") or self.thermostat != theirs.pop("thermostat"):
             return False
         return all(
             a is getattr(self, name) or np.array_equal(a, getattr(self, name)) for name, a in theirs.items()
@@ -439,7 +456,7 @@ class ParticleSystem:
     def _digest(self) -> int:
         # Adding 0 turns −0, which equals 0, into 0.
         values = self._values()
-        others = repr((values.pop("boundary"), as_entries(values.pop("walls"))))
+        others = repr((values.pop("boundary"), as_entries(values.pop("walls")), values.pop("thermostat")))
         parts = ((value + 0.0).tobytes() for value in values.values())
         digest = hashlib.blake2b(others.encode() + b"".join(parts), digest_size=8)
         return int.from_bytes(digest.digest(), "little", signed=True)
@@ -480,6 +497,7 @@ def described(system: ParticleSystem) -> list[tuple[str, str]]:
     if system.gravity.any():
         found.append(("gravity [m/s²]", "(" + ", ".join(f"{g:.6g}" for g in system.gravity) + ")"))
     found += [(f"wall {name}", repr(wall)) for name, wall in system.walls.items()]
+    found += [] if system.thermostat is None else [("thermostat", repr(system.thermostat))]
     return found
 
 

@@ -205,6 +205,8 @@ def why_not(system: ParticleSystem) -> str | None:
         return "it has walls"
     if system.gravity.any():
         return "it has gravity"
+    if system.thermostat is not None:
+        return "it has a thermostat"
     if np.ptp(system.radius) or np.ptp(system.mass):
         return "its particles differ"
     if system.packing_fraction > FLUID[system.dimension]:

@@ -21,6 +21,7 @@ from ..boxes.hard_spheres import checked_end
 from ..boxes.newton import NAMES as ENGINES
 from ..boxes.rules import checked_settings
 from ..boxes.system import described
+from ..boxes.thermostats import as_entry
 from ..support import saving
 from ..support.formatting import digits, listed
 from ..verdict.error_law import softness
@@ -354,6 +355,8 @@ def as_mapping(result: Any, files: list[Path]) -> dict[str, Any]:
     found: dict[str, Any] = {"system": {name: getattr(system, name) for name in facts}}
     if system.walls:
         found["system"]["walls"] = {name: vars(wall) for name, wall in system.walls.items()}
+    if system.thermostat is not None:
+        found["system"]["thermostat"] = as_entry(system.thermostat)
     if isinstance(result, hl.ContactResult):
         law, names = result.law, NEWTON_NUMBERS
     else:

@@ -15,7 +15,8 @@ from ..boxes.box import BOUNDARIES
 from ..boxes.files import FORMATS
 from ..boxes.hard_spheres import expected_duration
 from ..boxes.rules import RULES
-from ..boxes.walls import AXES, WAVEFORMS
+from ..boxes.theory import Gas
+from ..boxes.walls import AXES, LARGEST, WAVEFORMS
 from ..column import files as columns
 from ..support import toml, units, validation
 from ..support.formatting import listed
@@ -54,9 +55,12 @@ START: Final = (
     Entry("shake", "Shake a wall: AMPLITUDE:FREQUENCY, such as 0.5mm:50Hz.", metavar="AMPLITUDE:FREQUENCY"),
     Entry("wall", "The wall to shake: x- | x+ | y- … z+.  [default: the lower one of the last axis]"),
     Entry("waveform", f"How it moves: {' | '.join(WAVEFORMS)}.  [default: sine]"),
+    Entry("heat", "Heat the grains by random kicks of this total power [W].", "W"),
 )
 OF_SHAKING: Final = ("shake", "wall", "waveform")
-OF_THE_BOX: Final = ("boundary", "gravity", *OF_SHAKING)
+OF_THE_BOX: Final = ("boundary", "gravity", *OF_SHAKING, "heat")
+#: Interval between the kicks of a heated gas, in mean times between two collisions of a particle.
+KICK_INTERVAL: Final = 0.1
 
 SAMPLES: Final = _run("samples", "Number of equal time intervals between samples.", kind=int)
 UNTIL: Final = Entry(
@@ -126,19 +130,18 @@ class GasJob:
     def start(self, **changes: Any) -> hl.ParticleSystem:
         """The start, from a file or at random; ``changes`` are arguments of a random one."""
         given = {name: single(value) for name, value in self.random.items()} | changes
+        power = given.pop("heat", None)
         shaken: dict[str, str] = {name: given.pop(name) for name in OF_SHAKING if name in given}
         if self.file is None:
             arguments = GLASS_BEADS | given
-            return hl.ParticleSystem.random(
-                **arguments | moving_walls(shaken, arguments.get("dimension", 3), arguments.get("boundary")),
-                progress=not changes,
-            )
+            walls = moving_walls(shaken, arguments.get("dimension", 3), arguments.get("boundary"))
+            return heated(hl.ParticleSystem.random(**arguments | walls, progress=not changes), power)
         for name in given:
             if name not in OF_THE_BOX:
                 raise ValueError(f"{name}: must be left out with a start from a file")
         system = hl.ParticleSystem.read(self.file)
         given |= moving_walls(shaken, system.dimension, given.get("boundary", system.boundary))
-        return system.replace(**given) if given else system
+        return heated(system.replace(**given) if given else system, power)
 
     def contact_law(self) -> hl.Law | None:
         """The law of the job file, changed by the options; None if there is neither."""
@@ -208,6 +211,21 @@ def moving_walls(shaken: Mapping[str, str], dimension: int, boundary: Any) -> di
     if boundary is None:
         found["boundary"] = ["wall" if axis == name[0] else "periodic" for axis in axes]
     return found
+
+
+def heated(system: hl.ParticleSystem, power: float | None) -> hl.ParticleSystem:
+    """The system with a thermostat of this power [W], whose kicks are short compared with the time between collisions.
+
+    Enskog's rate is that at the larger of the initial temperature and the one at which collisions of ε = 0 dissipate
+    this power.
+    """
+    if power is None:
+        return system
+    checked = validation.number("heat", power, 0.0, highest=LARGEST)
+    gas = Gas(system.n, float(system.radius.mean()), 1.0, system.domain.volume, system.dimension)
+    steady = (2.0 * checked / (float(system.mass.sum()) * float(gas.collision_rate(1.0)))) ** (2.0 / 3.0)
+    rate = float(gas.collision_rate(max(system.granular_temperature, steady)))
+    return system.replace(thermostat=hl.RandomKicks(checked, KICK_INTERVAL / rate))
 
 
 def single(value: Any) -> Any:

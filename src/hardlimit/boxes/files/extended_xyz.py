@@ -15,6 +15,7 @@ from typing import Any, BinaryIO, Final
 import numpy as np
 
 from ...support import validation
+from ..thermostats import as_entry, from_entry
 from ..walls import as_entries, from_entries
 from .frame import Append, Floats, Found, Frame, boundary_of, read_table, three, write_rows
 
@@ -51,6 +52,9 @@ def _comment(frame: Frame) -> str:
     lattice = " ".join(map(repr, np.diag(edges).ravel().tolist()))
     walls = "; ".join(" ".join(map(str, entry)) for entry in as_entries(frame.walls))
     walls = f' moving_walls="{walls}"' if walls else ""
+    if frame.thermostat is not None:
+        entry = as_entry(frame.thermostat) or {}
+        walls += f' thermostat="{" ".join(f"{name}:{value}" for name, value in entry.items())}"'
     return (
         f'Lattice="{lattice}" Properties={COLUMNS} pbc="{" ".join(flags)}" '
         f'Time={frame.time!r} gravity="{gravity}" dimension={d}{walls}'
@@ -147,7 +151,21 @@ def _arguments(table: Floats, where: dict[str, slice], entries: dict[str, str]) 
         "walls": from_entries(
             wall.split() for wall in entries.get("moving_walls", "").split(";") if wall.strip()
         ),
+        "thermostat": _thermostat(entries.get("thermostat")),
     }
+
+
+def _thermostat(words: str | None) -> Any:
+    """The thermostat from name:value for each of its values."""
+    if words is None:
+        return None
+    values: dict[str, Any] = dict(word.partition(":")[::2] for word in words.split())
+    for name in values.keys() - {"kind"}:
+        try:
+            values[name] = int(values[name]) if name in ("seed", "kicks") else float(values[name])
+        except ValueError:
+            raise ValueError(f"thermostat: got {validation.shown(words)}, must be name:value …") from None
+    return from_entry(values)
 
 
 def _vector(entries: dict[str, str], name: str, count: int, default: float | None = None) -> Floats:

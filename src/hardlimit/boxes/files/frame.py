@@ -9,6 +9,7 @@ from typing import Any, BinaryIO, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from ..thermostats import Andersen, RandomKicks
 from ..walls import MovingWall
 
 Floats = NDArray[np.float64]
@@ -26,6 +27,7 @@ class Frame:
     boundary: tuple[str, ...]  #: "periodic" or "wall" for each axis
     gravity: Floats  #: (d,) [m/s²]
     walls: Mapping[str, MovingWall] = field(default_factory=dict)  #: those that move
+    thermostat: RandomKicks | Andersen | None = None
     time: float = 0.0  #: [s]
 
 

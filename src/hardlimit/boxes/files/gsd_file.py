@@ -15,6 +15,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from ..thermostats import as_entry, from_entry
 from ..walls import as_entries, from_entries
 from .frame import Append, Floats, Found, Frame, boundary_of, three
 
@@ -24,8 +25,8 @@ OF_PARTICLES: Final = {
 }
 OF_BOX: Final = {name: f"hardlimit/{name}" for name in ("box", "periodic", "gravity", "time")}
 
-#: Moving walls under ``log``, as JSON.
-WALLS: Final = "hardlimit/moving_walls"
+#: Moving walls and thermostat under ``log``, as JSON.
+DRIVING: Final = "hardlimit/driving"
 
 
 def _library() -> Any:
@@ -57,8 +58,9 @@ def _made(made: Any, step: int, frame: Frame) -> Any:
     made.log[OF_BOX["periodic"]] = np.array([side == "periodic" for side in frame.boundary], np.uint8)
     made.log[OF_BOX["gravity"]] = np.array(frame.gravity)
     made.log[OF_BOX["time"]] = np.array([frame.time])
-    if frame.walls:
-        made.log[WALLS] = np.frombuffer(json.dumps(as_entries(frame.walls)).encode(), np.uint8)
+    driving = {"walls": as_entries(frame.walls), "thermostat": as_entry(frame.thermostat)}
+    if frame.walls or frame.thermostat is not None:
+        made.log[DRIVING] = np.frombuffer(json.dumps(driving).encode(), np.uint8)
     return made
 
 
@@ -134,7 +136,10 @@ def _in_double(found: Any) -> Found:
             "log: must equal the values in single precision; another program has changed one of them"
         )
     values.pop("time")
-    values["walls"] = from_entries(json.loads(bytes(found.log[WALLS]))) if WALLS in found.log else {}
+    if DRIVING in found.log:
+        driving = json.loads(bytes(found.log[DRIVING]))
+        values["walls"] = from_entries(driving["walls"])
+        values["thermostat"] = from_entry(driving["thermostat"])
     return values | {"boundary": boundary_of(values.pop("periodic"))}, 0.0
 
 

@@ -47,6 +47,8 @@ def write(path: Path, frame: Frame, types: NDArray[np.int64]) -> None:
 def _write(file: BinaryIO, frame: Frame, types: NDArray[np.int64]) -> None:
     if frame.walls:
         raise ValueError("walls: got moving walls, must be none in LAMMPS data; .xyz and .gsd hold them")
+    if frame.thermostat is not None:
+        raise ValueError("thermostat: got one, must be none in LAMMPS data; .xyz and .gsd hold it")
     file.write(_header(frame, int(types.max())).encode())
     density, n = densities(frame.mass, frame.radius), len(frame.mass)
     numbers = [f"{i} {kind}" for i, kind in enumerate(types.tolist(), 1)]

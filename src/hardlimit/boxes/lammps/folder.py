@@ -112,6 +112,8 @@ def make_job(
     """Check the arguments and make the job for LAMMPS."""
     if system.walls:
         raise ValueError(f"walls: got {', '.join(system.walls)}, must be none that move for engine 'lammps'")
+    if system.thermostat is not None:
+        raise ValueError(f"thermostat: got {system.thermostat!r}, must be none for engine 'lammps'")
     count, keep, *_ = checked_output(samples, log, None, 60.0)
     refuse_too_soft(system, law)
     types_of(system, law)

@@ -1,0 +1,192 @@
+"""Thermostats, which change the velocities of all particles at equal intervals: random kicks, and Andersen's."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+import numpy as np
+
+from .. import _core
+from ..support import validation
+from .walls import LARGEST
+
+Floats = Any
+
+#: Intervals per mean time between two collisions of a particle with Andersen's bath, by default.
+SUBDIVISION: Final = 20
+
+
+@dataclass(frozen=True)
+class Thermostat:
+    """What all thermostats have in common. Random numbers depend on the seed and the number of the kick only."""
+
+    interval: float  #: between two kicks [s]
+    seed: int
+    kicks: int  #: number of kicks before the run, as in the result of a run that has been continued
+
+    def after(self, kicks: int) -> Any:
+        """The thermostat of a run that follows after this number of kicks.
+
+        :meta private:
+        """
+        return replace(self, kicks=self.kicks + kicks)
+
+    def _random(self, kick: int, n: int, normal: bool) -> Floats:
+        stream = 2 * (self.kicks + kick) + normal
+        return np.asarray(_core.random_numbers(self.seed, stream, n, normal))
+
+
+@dataclass(frozen=True, init=False)
+class RandomKicks(Thermostat):
+    """White noise, which heats a gas with a constant power.
+
+    At the times k·``interval`` each particle gets a normally distributed change of its velocity, the same distribution
+    for all. The total momentum does not change.
+
+    Parameters
+    ----------
+    power : float [W]
+        Mean power of all kicks together.
+    interval : float [s]
+        Short compared with the mean time between collisions of a particle, so that kicks act as noise. Each kick costs
+        about as much as a collision of each particle.
+    seed : int
+        The same seed gives the same kicks, under every engine.
+    kicks : int
+        Number of kicks that are passed over. A result has it, so that another run continues with new kicks.
+
+    Raises
+    ------
+    ValueError
+        If a value is outside its range.
+
+    Notes
+    -----
+    D. R. M. Williams and F. C. MacKintosh, Phys. Rev. E 54, R9 (1996); T. P. C. van Noije and M. H. Ernst, Granular
+    Matter 1, 57 (1998).
+
+    Examples
+    --------
+    >>> hl.RandomKicks(power=1e-3, interval=1e-4)
+    RandomKicks(interval=0.0001, seed=0, kicks=0, power=0.001)
+    """
+
+    power: float  #: [W]
+
+    def __init__(self, power: float, interval: float, *, seed: int = 0, kicks: int = 0) -> None:
+        _set(
+            self,
+            power=validation.number("power", power, 0.0, LARGEST),
+            interval=validation.number("interval", interval, 0.0, LARGEST),
+            seed=validation.whole("seed", seed, 0, 2**63 - 1),
+            kicks=validation.whole("kicks", kicks, 0, 2**60),
+        )
+
+    def velocities(self, kick: int, velocities: Floats, mass: Floats) -> Floats:
+        """The velocities after a kick, from those before it (N, d) [m/s].
+
+        With variances σ² of all components, less the mean motion, the mean energy gained is d σ² (M − Σm²/M)/2.
+
+        :meta private:
+        """
+        n, d = velocities.shape
+        total = float(mass.sum())
+        inert = total - float((mass * mass).sum()) / total
+        spread = math.sqrt(2.0 * self.power * self.interval / (d * inert)) if inert > 0.0 else 0.0
+        change = spread * self._random(kick, n * d, True).reshape(n, d)
+        return velocities + (change - (mass[:, None] * change).sum(axis=0) / total)
+
+
+@dataclass(frozen=True, init=False)
+class Andersen(Thermostat):
+    """Andersen's thermostat: particles collide with a heat bath at random times.
+
+    Each particle gets a new velocity, from Maxwell's distribution, on average ``rate`` times per second, at multiples
+    of ``interval``. Momentum is not conserved.
+
+    Parameters
+    ----------
+    temperature : float [m²/s²]
+        Granular temperature of a particle of mean mass: the variance of each velocity component. A particle of the
+        mass m has temperature·(mean mass)/m, the same energy.
+    rate : float [1/s]
+    interval : float [s], optional
+        A twentieth of 1/``rate`` by default.
+    seed : int
+        ``seed`` and ``kicks`` as for :class:`RandomKicks`.
+    kicks : int
+
+    Raises
+    ------
+    ValueError
+        If a value is outside its range.
+
+    Notes
+    -----
+    H. C. Andersen, J. Chem. Phys. 72, 2384 (1980).
+
+    Examples
+    --------
+    >>> hl.Andersen(temperature=0.01, rate=10.0).interval
+    0.005
+    """
+
+    temperature: float  #: [m²/s²]
+    rate: float  #: [1/s]
+
+    def __init__(
+        self, temperature: float, rate: float, *, interval: float | None = None, seed: int = 0, kicks: int = 0
+    ) -> None:
+        often = validation.number("rate", rate, 0.0, LARGEST)
+        chosen = 1.0 / (SUBDIVISION * often) if interval is None else interval
+        _set(
+            self,
+            temperature=validation.number("temperature", temperature, 0.0, LARGEST, lowest_allowed=True),
+            rate=often,
+            interval=validation.number("interval", chosen, 0.0, LARGEST),
+            seed=validation.whole("seed", seed, 0, 2**63 - 1),
+            kicks=validation.whole("kicks", kicks, 0, 2**60),
+        )
+
+    def velocities(self, kick: int, velocities: Floats, mass: Floats) -> Floats:
+        """The velocities after a kick, from those before it (N, d) [m/s].
+
+        :meta private:
+        """
+        n, d = velocities.shape
+        hit = self._random(kick, n, False) < -math.expm1(-self.rate * self.interval)
+        spread = np.sqrt(self.temperature * float(mass.mean()) / mass)[:, None]
+        return np.where(hit[:, None], spread * self._random(kick, n * d, True).reshape(n, d), velocities)
+
+
+def _set(thermostat: Any, **values: Any) -> None:
+    for name, value in values.items():
+        object.__setattr__(thermostat, name, value)
+
+
+KINDS: Final = {kind.__name__: kind for kind in (RandomKicks, Andersen)}
+
+
+def checked_thermostat(thermostat: Any) -> Any:
+    if thermostat is not None and not isinstance(thermostat, RandomKicks | Andersen):
+        shown = validation.shown(thermostat)
+        raise ValueError(f"thermostat: got {shown}, must be hl.RandomKicks, hl.Andersen or None")
+    return thermostat
+
+
+def as_entry(thermostat: Any) -> dict[str, Any] | None:
+    """A thermostat for files."""
+    return None if thermostat is None else {"kind": type(thermostat).__name__, **vars(thermostat)}
+
+
+def from_entry(entry: Any) -> Any:
+    """The thermostat from :func:`as_entry`. Raises ValueError if the entry is damaged."""
+    if entry is None:
+        return None
+    try:
+        values = dict(entry)
+        return KINDS[values.pop("kind")](**values)
+    except (KeyError, TypeError, ValueError) as error:
+        raise ValueError(f"thermostat: {error}") from None

@@ -1,0 +1,240 @@
+"""Thermostats: kicks that all engines share, their power, the steady state against kinetic theory, and bits."""
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import hardlimit as hl
+from conftest import refusal
+
+LINEAR = hl.LinearDashpot(stiffness=1e5, restitution=0.8)
+VISCOELASTIC = hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, restitution=0.8, impact_speed=0.3)
+KICKS = hl.RandomKicks(power=1e-3, interval=5e-4, seed=3)
+RULES: dict[str, dict[str, Any]] = {
+    "constant": {"restitution": 0.9},
+    "tc": {"restitution": 0.9, "rule": "tc", "contact_duration": 1e-5},
+    "law": {"law": VISCOELASTIC},
+    "soft": {"law": LINEAR, "rule": "soft"},
+}
+LAWS = {"linear": LINEAR, "viscoelastic": VISCOELASTIC}
+SOLVERS = [*RULES, *(f"{engine}, {law}" for engine in ("events", "steps") for law in LAWS)]
+each_solver = pytest.mark.parametrize("name", SOLVERS)
+
+
+def solved(name: str, system: hl.ParticleSystem, until: float, **more: Any) -> Any:
+    more = {"samples": 10} | more
+    if name in RULES:
+        return hl.event_driven(system, until=until, **RULES[name], **more)
+    engine, law = name.split(", ")
+    return hl.molecular_dynamics(system, until=until, engine=engine, law=LAWS[law], **more)
+
+
+def gas(n: int = 100, thermostat: Any = KICKS, **changed: Any) -> hl.ParticleSystem:
+    arguments: dict[str, Any] = {
+        "packing_fraction": 0.2, "radius": 1e-3, "density": 2500.0, "rms_speed": 0.3, "seed": 1,
+        "thermostat": thermostat,
+    }  # fmt: skip
+    return hl.ParticleSystem.random(n, **arguments | changed)
+
+
+@each_solver
+@pytest.mark.parametrize("radius", [1e-3, (0.8e-3, 1.6e-3)])
+def test_energy_and_momentum(name: str, radius: Any) -> None:
+    """The energies change by the heat, to 1e-10 (steps: the error of its time step); the momentum stays."""
+    run = solved(name, gas(radius=radius), 0.02)
+    kept = run.series
+    total = kept.kinetic_energy + kept.dissipated_energy - kept.heat
+    if "contact_energy" in kept:
+        total = total + kept.contact_energy
+    scale = float(kept.kinetic_energy.max())
+    assert float(abs(total - total[0]).max()) < (5e-3 if "steps" in name else 1e-10) * scale
+    assert run.system.thermostat.kicks == 40
+    size = float((run.system.mass @ np.abs(run.system.velocities)).max())
+    assert np.abs(run.system.momentum).max() < 1e-13 * size
+
+
+def test_all_engines_get_the_same_kicks() -> None:
+    """Particles that never touch: the same positions and velocities under every engine, to rounding."""
+    system = gas(20, packing_fraction=1e-7, dimension=2)
+    ends = [solved(name, system, 0.01).system for name in SOLVERS]
+    for end in ends[1:]:
+        np.testing.assert_allclose(end.velocities, ends[0].velocities, rtol=1e-12, atol=1e-14)
+        np.testing.assert_allclose(end.positions, ends[0].positions, rtol=1e-10)
+    other = solved("constant", system.replace(thermostat=hl.RandomKicks(1e-3, 5e-4, seed=4)), 0.01).system
+    assert np.abs(other.velocities - ends[0].velocities).max() > 1e-3
+
+
+@pytest.mark.parametrize("d", [2, 3])
+@pytest.mark.parametrize("radius", [1e-3, (0.5e-3, 2e-3)])
+def test_the_power_is_the_mean_heat(d: int, radius: Any) -> None:
+    """10,000 degrees of freedom and more: within 5 standard deviations, from particles at rest."""
+    system = gas(100, dimension=d, packing_fraction=1e-6, radius=radius, rms_speed=0.0)
+    heat = []
+    for seed in range(30):
+        hot = system.replace(thermostat=hl.RandomKicks(power=2e-3, interval=1e-3, seed=seed))
+        run = hl.event_driven(hot, restitution=1.0, until=0.05, samples=1)
+        heat.append(float(run.series.heat[-1]))
+    error = float(np.std(heat)) / math.sqrt(len(heat))
+    assert float(np.mean(heat)) == pytest.approx(2e-3 * 0.05, abs=5.0 * error)
+    assert error < 0.05 * 1e-4
+
+
+def heated(e: float, n: int, periods: int, seed: int = 1) -> tuple[float, float, float]:
+    """Temperature over theory, a2 over its samples, and theory's a2 of a heated gas in three dimensions."""
+    system = gas(n, None, packing_fraction=0.02, rms_speed=0.1, seed=seed)
+    phi = system.packing_fraction
+    chi = (1.0 - 0.5 * phi) / (1.0 - phi) ** 3
+    per_root = 4.0 * math.sqrt(math.pi) * n / system.domain.volume * (2e-3) ** 2 * chi
+    above = 16.0 * (1.0 - e) * (1.0 - 2.0 * e * e)
+    a2 = above / (73.0 + 56.0 * 3.0 - 24.0 * 3.0 * e - 105.0 * e + 30.0 * (1.0 - e) * e * e)
+    mass, temperature = float(system.mass.sum()), system.granular_temperature
+    power = 0.5 * mass * (1.0 - e * e) * per_root * temperature**1.5 * (1.0 + 3.0 * a2 / 16.0)
+    duration = 1.0 / (per_root * math.sqrt(temperature))
+    hot = system.replace(thermostat=hl.RandomKicks(power, 0.1 * duration, seed=seed))
+
+    def observe(_: float, now: hl.ParticleSystem) -> dict[str, float]:
+        square = (now.velocities**2).sum(axis=1)
+        return {"second": float(square.mean()), "fourth": float((square**2).mean())}
+
+    run = hl.event_driven(
+        hot, restitution=e, until=periods * duration, samples=periods, observe=observe
+    ).series.isel(time=slice(periods // 5, None))
+    found = float(run.granular_temperature.mean()) / temperature
+    cumulant = float((run.fourth / run.second**2).mean()) * 3.0 / 5.0 - 1.0
+    return found, cumulant, a2
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("e", [0.4, 0.8])
+def test_the_steady_state_of_the_heated_gas(e: float) -> None:
+    """T. P. C. van Noije and M. H. Ernst, Granular Matter 1, 57 (1998): the temperature within 3 % (kicks at intervals
+    of a tenth of the free time, finite density), a2 = 0.038 and −0.009 within 0.006 (the linear theory is known to
+    0.003 here, sampling to 0.002)."""
+    temperature, cumulant, a2 = heated(e, 2000, 300)
+    assert temperature == pytest.approx(1.0, abs=0.03)
+    assert cumulant == pytest.approx(a2, abs=0.006)
+
+
+def test_a_heated_gas_stays_near_its_temperature() -> None:
+    temperature, _, _ = heated(0.8, 300, 100)
+    assert temperature == pytest.approx(1.0, abs=0.08)
+
+
+@pytest.mark.parametrize("name", ["constant", "events, linear"])
+def test_andersen_reaches_its_temperature(name: str) -> None:
+    """A mixture: the same energy for small and large particles, 10 % (sampling)."""
+    bath = hl.Andersen(temperature=0.04, rate=400.0, seed=2)
+    system = gas(400, bath, radius=[1e-3] * 200 + [1.5e-3] * 200, packing_fraction=0.1, rms_speed=0.05)
+
+    def observe(_: float, now: hl.ParticleSystem) -> dict[str, Any]:
+        energy = now.mass * (now.velocities**2).sum(axis=1) / (3.0 * now.mass.mean())
+        return {"energy": energy.reshape(2, 200).mean(axis=1)}
+
+    more = {"law": hl.LinearDashpot(stiffness=1e5, restitution=1.0)} if "events" in name else {}
+    if more:
+        run = hl.molecular_dynamics(system, until=0.05, engine="events", samples=50, observe=observe, **more)
+    else:
+        run = hl.event_driven(system, restitution=1.0, until=0.05, samples=50, observe=observe)
+    np.testing.assert_allclose(run.series.energy.values[15:].mean(axis=0), 0.04, rtol=0.1)
+
+
+class Stopped(Exception):
+    pass
+
+
+def stops_at(last: float) -> Callable[[float, hl.ParticleSystem], dict[str, float]]:
+    def observe(time: float, _: hl.ParticleSystem) -> dict[str, float]:
+        if time >= last:
+            raise Stopped
+        return {"time_again": time}
+
+    return observe
+
+
+@each_solver
+@pytest.mark.parametrize("thermostat", [KICKS, hl.Andersen(0.03, 300.0, interval=7e-4)])
+def test_a_resumed_run_has_the_same_bits(name: str, thermostat: Any, tmp_path: Path) -> None:
+    system = gas(60, thermostat)
+    whole = solved(name, system, 0.01, observe=stops_at(math.inf))
+    with pytest.raises(Stopped):
+        solved(name, system, 0.01, observe=stops_at(0.0045), checkpoint=tmp_path / "run.ckpt")
+    resumed = hl.resume(tmp_path / "run.ckpt", observe=stops_at(math.inf))
+    assert resumed.system == whole.system
+    assert resumed.series.identical(whole.series)
+
+
+@pytest.mark.parametrize("threads", [2, 3])
+def test_steps_have_the_same_bits_with_any_number_of_threads(threads: int) -> None:
+    system = gas(500)
+    one, several = (
+        hl.molecular_dynamics(system, law=LINEAR, until=0.003, engine="steps", threads=k, samples=2)
+        for k in (1, threads)
+    )
+    assert one.system == several.system
+    assert one.series.identical(several.series)
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_events_and_small_steps_agree(law: str) -> None:
+    system = gas(30, packing_fraction=0.3)
+    exact = solved(f"events, {law}", system, 0.006).system.positions
+    error = []
+    for h in (2e-6, 5e-7):
+        apart = solved(f"steps, {law}", system, 0.006, time_step=h).system.positions - exact
+        error.append(float(np.abs(apart - system.box * np.round(apart / system.box)).max()))
+    assert error[1] < 0.3 * error[0] < 1e-5
+
+
+def test_results_continue_with_new_kicks() -> None:
+    """Two halves, and a shaken and heated box."""
+    system = gas(40)
+    half = hl.event_driven(system, restitution=0.9, until=0.005)
+    again = hl.event_driven(half.system, restitution=0.9, until=0.005)
+    whole = hl.event_driven(system, restitution=0.9, until=0.01)
+    assert again.system.thermostat == whole.system.thermostat
+    np.testing.assert_allclose(again.system.positions, whole.system.positions, atol=1e-9)
+    shaken = system.replace(boundary="wall", positions=0.5 * system.box + 0.8 * (system.positions - 0.5 * system.box),
+                            radius=0.5e-3, walls={"z-": hl.MovingWall(1e-4, 100.0)})  # fmt: skip
+    kept = hl.event_driven(shaken, restitution=0.9, until=0.02).series
+    total = kept.kinetic_energy + kept.dissipated_energy - kept.heat - kept.wall_work
+    assert float(abs(total - total[0]).max()) < 1e-12 * float(kept.kinetic_energy.max())
+
+
+@pytest.mark.parametrize("ending", ["xyz", "gsd"])
+@pytest.mark.parametrize("thermostat", [KICKS, hl.Andersen(0.03, 300.0)])
+def test_files_hold_thermostats(ending: str, thermostat: Any, tmp_path: Path) -> None:
+    if ending == "gsd":
+        pytest.importorskip("gsd")
+    system = gas(10, thermostat, packing_fraction=0.01)
+    assert hl.ParticleSystem.read(system.write(tmp_path / f"box.{ending}")) == system
+    assert system.replace(thermostat=None).thermostat is None
+    assert system.replace(gravity=1.0).thermostat == thermostat
+    assert "thermostat: got one" in refusal(lambda: system.write(tmp_path / "box.data"))
+    assert refusal(lambda: hl.molecular_dynamics(system, law=LINEAR, until=0.1, engine="lammps")).startswith(
+        "thermostat: "
+    )
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: hl.RandomKicks(power=0.0, interval=1.0), "power: got 0"),
+        (lambda: hl.RandomKicks(power=1.0, interval=-1.0), "interval: got -1"),
+        (lambda: hl.Andersen(temperature=-1.0, rate=1.0), "temperature: got -1"),
+        (lambda: hl.Andersen(temperature=1.0, rate=0.0), "rate: got 0"),
+        (lambda: hl.RandomKicks(1.0, 1.0, seed=-1), "seed: got -1"),
+        (lambda: gas(10, 3.0, packing_fraction=0.01), "thermostat: got 3.0, must be hl.RandomKicks"),
+    ],
+)
+def test_bad_thermostats_are_refused(make: Callable[[], Any], message: str) -> None:
+    assert refusal(make).startswith(message)
+
+
+def test_andersen_in_a_common_fall_is_refused() -> None:
+    falling = gas(10, hl.Andersen(0.01, 10.0), packing_fraction=0.01, gravity=9.81)
+    assert refusal(lambda: hl.event_driven(falling, restitution=0.9, until=0.1)).startswith("thermostat: ")
+    assert hl.event_driven(falling.replace(thermostat=KICKS), restitution=0.9, until=0.01).outcome == "ok"
