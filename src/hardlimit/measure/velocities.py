@@ -52,8 +52,8 @@ def granular_temperature(
 def a2(system: ParticleSystem, *, streaming: Streaming = None, bins: int = 20) -> xr.DataArray:
     """Fourth cumulant of the velocities, a₂ = d⟨c⁴⟩/((d + 2)⟨c²⟩²) − 1: 0 for Maxwell's distribution.
 
-    c² is m|v − u|², so that a mixture in equilibrium has a₂ = 0 too. NaN if nothing moves. Parameters and errors are
-    those of :func:`hardlimit.measure.granular_temperature`.
+    c² is m|v − u|², so that a mixture in equilibrium has a₂ = 0 too. NaN without relative motion. Parameters and
+    errors are those of :func:`hardlimit.measure.granular_temperature`.
 
     Notes
     -----
@@ -62,7 +62,8 @@ def a2(system: ParticleSystem, *, streaming: Streaming = None, bins: int = 20) -
     """
     squared = _thermal(system, streaming, bins)
     d, mean = system.dimension, float(squared.mean())
-    value = d * float(np.mean((squared / mean) ** 2)) / (d + 2) - 1.0 if mean > 0.0 else math.nan
+    rounding = 1e-20 * 2.0 * system.kinetic_energy / system.n
+    value = d * float(np.mean((squared / mean) ** 2)) / (d + 2) - 1.0 if mean > rounding else math.nan
     return array("a2", (), value, "1", "fourth cumulant a2 of the velocities")
 
 
