@@ -452,13 +452,17 @@ class ParticleSystem:
     def __hash__(self) -> int:
         return self._digest
 
+    def _drive(self) -> str:
+        """Boundary, moving walls and thermostat, with all digits."""
+        return repr((self.boundary, as_entries(self.walls), self.thermostat))
+
     @cached_property
     def _digest(self) -> int:
         # Adding 0 turns −0, which equals 0, into 0.
-        values = self._values()
-        others = repr((values.pop("boundary"), as_entries(values.pop("walls")), values.pop("thermostat")))
-        parts = ((value + 0.0).tobytes() for value in values.values())
-        digest = hashlib.blake2b(others.encode() + b"".join(parts), digest_size=8)
+        parts = (
+            (value + 0.0).tobytes() for value in self._values().values() if isinstance(value, np.ndarray)
+        )
+        digest = hashlib.blake2b(self._drive().encode() + b"".join(parts), digest_size=8)
         return int.from_bytes(digest.digest(), "little", signed=True)
 
     def __reduce__(self) -> tuple[Any, ...]:

@@ -104,9 +104,9 @@ def digest(system: ParticleSystem) -> NDArray[np.uint8]:
     """Hash of an initial state, 32 bytes."""
     found = hashlib.sha256()
     for value in system._values().values():
-        found.update(
-            np.ascontiguousarray(value).tobytes() if isinstance(value, np.ndarray) else repr(value).encode()
-        )
+        if isinstance(value, np.ndarray):
+            found.update(np.ascontiguousarray(value).tobytes())
+    found.update(system._drive().encode())
     return np.frombuffer(found.digest(), np.uint8)
 
 
