@@ -137,7 +137,12 @@ def boxes_of_the_core(draw):
         draw(st.sampled_from([0.0, 1.0])) if b == "wall" else 0.0 for b in boundary
     ]
     speed = draw(st.sampled_from([0.0, 0.3]))
-    walls = [tuple(speed * rng.uniform(-1, 1, 2)) if b == "wall" else (0.0, 0.0) for b in boundary]
+    walls = [
+        (-1 - 2 * axis - end, 0.0, speed * rng.uniform(-1, 1), 0.0, 0.0, 0.0, "none")
+        for axis, side in enumerate(boundary)
+        for end in (0, 1)
+        if side == "wall"
+    ]
     radii = draw(st.sampled_from([0.01, (0.004, 0.01)]))
     phi = draw(st.floats(0.02, 0.2))
     gas = hl.ParticleSystem.random(n, phi, radii, 2500.0, 1.0, dimension=d, boundary=boundary, seed=1)
