@@ -58,7 +58,7 @@ def test_near_pairs_are_those_of_all_pairs(seed: int) -> None:
     sides = rng.choice(["periodic", "wall"], d).tolist()
     system = hl.ParticleSystem._of(
         positions=rng.uniform(0.0, 1.0, (n, d)) * box, velocities=np.zeros((n, d)), radius=radius, mass=radius,
-        box=box, boundary=tuple(sides), gravity=np.zeros(d),
+        box=box, boundary=tuple(sides), gravity=np.zeros(d), walls={}, thermostat=None,
     )  # fmt: skip
     periodic = np.array([side == "periodic" for side in sides])
     apart = system.positions[:, None] - system.positions[None]
