@@ -1,5 +1,9 @@
-// The kernels compiled for each instruction set, and the widest set of this processor. All give identical results.
+// The kernels compiled for each instruction set, and the set that is used. All give identical results.
 #pragma once
+#include <cstdlib>
+#include <string>
+
+#include "arrays.hpp"
 #include "boxes/kernels/interface.hpp"
 #include "sweep/kernel_abi.hpp"
 
@@ -28,9 +32,18 @@ inline int widest_instruction_set() {
 #endif
     return 0;
 }
-inline const hardlimit_abi::TouchKernels& touch_kernels() {
-    static const hardlimit_abi::TouchKernels& widest = *touch_kernel_sets[widest_instruction_set()];
-    return widest;
+// The widest set, or that which the environment variable HARDLIMIT_LANES names, for tests and benchmarks.
+inline int instruction_set() {
+    const char* const name = std::getenv("HARDLIMIT_LANES");
+    const int widest = widest_instruction_set();
+    if (!name || !*name) return widest;
+    std::string names;
+    for (int set = 0; set <= widest; ++set) {
+        if (std::string(name) == sweep_kernels[set]->name) return set;
+        names += (set > 0 ? ", " : "") + std::string(sweep_kernels[set]->name);
+    }
+    throw value_error("HARDLIMIT_LANES: got " + std::string(name) + ", this processor has " + names);
 }
+inline const hardlimit_abi::TouchKernels& touch_kernels() { return *touch_kernel_sets[instruction_set()]; }
 
 }  // namespace hardlimit::bindings

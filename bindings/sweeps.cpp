@@ -37,7 +37,7 @@ T* output(const nb::dict& out, const char* name, hl::u64 count) {
 // Available kernels in order of preference; the last one runs on every processor.
 std::vector<const hardlimit_abi::Kernel*> kernels() {
     std::vector<const hardlimit_abi::Kernel*> found;
-    for (int set = hl::bindings::widest_instruction_set(); set >= 0; --set)
+    for (int set = hl::bindings::instruction_set(); set >= 0; --set)
         found.push_back(hl::bindings::sweep_kernels[set]);
     return found;
 }

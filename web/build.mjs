@@ -8,7 +8,7 @@ mkdirSync(out, { recursive: true });
 
 const define = { TABLES: tables(`${out}/core.wasm`) };
 const common = { define, bundle: true, format: "esm", target: "es2022", minify: true, charset: "utf8", legalComments: "none" };
-await build({ ...common, entryPoints: ["src/main.ts"], outfile: `${out}/main.js` });
-await build({ ...common, entryPoints: ["src/worker.ts"], outfile: `${out}/worker.js` });
-await build({ entryPoints: ["src/page.css"], bundle: true, outfile: `${out}/style.css`, minify: true, charset: "utf8" });
+await build({ ...common, entryPoints: ["src/app/main.ts"], outfile: `${out}/main.js` });
+await build({ ...common, entryPoints: ["src/core/worker.ts"], outfile: `${out}/worker.js` });
+await build({ entryPoints: ["src/style/page.css"], bundle: true, outfile: `${out}/style.css`, minify: true, charset: "utf8" });
 for (const file of ["index.html", "icon.svg"]) copyFileSync(`src/${file}`, `${out}/${file}`);

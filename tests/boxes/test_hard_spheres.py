@@ -378,6 +378,24 @@ def test_size_ratio_of_a_hundred() -> None:
     assert list(zip(first, second, strict=True)) == [row[1:3] for row in slow.log]
 
 
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("periodic", [True, False])
+def test_no_overlap_among_two_very_unequal_sizes(dimension: int, periodic: bool) -> None:
+    """Searches for small particles around large ones leave out none, in rows of cells of any length."""
+    radius = np.concatenate([np.full(12, 0.3), np.full(500, 0.02)])
+    box = [{2: 5.0, 3: 2.2}[dimension]] * dimension
+    kinds = [periodic, *[True] * (dimension - 1)]
+    position = grow_packing(radius, box, kinds, 4)
+    velocity = np.random.default_rng(5).standard_normal(position.shape)
+    run = engine(position, velocity, radius=radius, mass=radius**dimension, box=box, periodic=kinds)
+    for _ in range(20):
+        run.advance(math.inf, 500)
+        apart = (x := run.state()[0])[:, None] - x
+        apart -= np.where(kinds, np.round(apart / box) * box, 0.0)
+        distance = np.linalg.norm(apart, axis=-1) + np.eye(len(radius))
+        assert np.min(distance / (radius[:, None] + radius)) > 1.0 - 1e-9
+
+
 @pytest.mark.parametrize(
     "law", [("viscoelastic", 0, [1e6, 0.3, 1e-4]), ("tsuji", 0, [1e5, 0.7]), ("linear", 0, [1e4, 0.6])]
 )

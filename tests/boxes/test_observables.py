@@ -1,14 +1,21 @@
 """The registry of observables: every record is valid for every engine, in two and three dimensions."""
 
 import itertools
+import math
 import re
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from pint import UnitRegistry
 
 import hardlimit as hl
+from conftest import draws
+from hardlimit import _core
+from hardlimit.boxes.box import component_axes
 from hardlimit.boxes.engines import ENGINES
+from hardlimit.boxes.falling_frame import engine_arguments
 from hardlimit.boxes.observables import OBSERVABLES, RESERVED, Samples, components, provided
 
 LAW = hl.LinearDashpot(stiffness=1e4, restitution=0.8)
@@ -108,3 +115,73 @@ def test_a_rate_is_the_growth_of_its_sum():
     lasted = np.diff(run.series.time)
     assert (samples.rate("n_pairs") * lasted).sum() == pytest.approx(run.n_pairs)
     assert samples.rate("momentum").shape == (10, 3)
+
+
+RULES = (
+    {"restitution": 1.0},
+    {"restitution": 0.9},
+    {"restitution": 0.3, "rule": "tc", "rule_parameters": [1e-6]},
+    {"rule": "law", "law": ("viscoelastic", 1, [1e8, 0.3, 0.7, 1.0])},
+    {"rule": "soft", "law": ("linear", 0, [1e7, 0.8])},
+)
+
+
+@st.composite
+def boxes_of_the_core(draw):
+    """A random box with random boundaries, gravity, moving walls and unequal masses, and a rule."""
+    d, n = draw(st.integers(2, 3)), draw(st.integers(10, 40))
+    rng = np.random.default_rng(draw(st.integers(0, 2**32)))
+    boundary = draw(st.lists(st.sampled_from(["periodic", "wall"]), min_size=d, max_size=d))
+    gravity = rng.normal(size=d) * [
+        draw(st.sampled_from([0.0, 1.0])) if b == "wall" else 0.0 for b in boundary
+    ]
+    speed = draw(st.sampled_from([0.0, 0.3]))
+    walls = [tuple(speed * rng.uniform(-1, 1, 2)) if b == "wall" else (0.0, 0.0) for b in boundary]
+    radii = draw(st.sampled_from([0.01, (0.004, 0.01)]))
+    phi = draw(st.floats(0.02, 0.2))
+    gas = hl.ParticleSystem.random(n, phi, radii, 2500.0, 1.0, dimension=d, boundary=boundary, seed=1)
+    drift = draw(st.sampled_from([0.0, 1.0])) * rng.normal(size=d)
+    mass = np.array(gas.mass)
+    if radii != 0.01:
+        mass *= 10.0 ** rng.uniform(-2, 2, n)
+    box = _core.Box(gas.box.tolist(), boundary, gravity.tolist(), walls)
+    velocities = gas.velocities * 10.0 ** rng.uniform(-3, 0, (n, 1)) + drift
+    options = draw(st.sampled_from(RULES))
+    return _core.make_engine(
+        "hard_spheres", box, gas.positions, velocities, np.array(gas.radius), mass, log=False, **options
+    ), mass
+
+
+def check_sums(engine, mass):
+    """The sums are those of the velocities; returns the energy [J]."""
+    seen, v = engine.observe(), engine.state()[1]
+    first, second = component_axes(v.shape[1])
+    energy = 0.5 * mass @ (v * v).sum(axis=1)
+    momentum = math.sqrt(2.0 * mass.sum() * energy)
+    assert seen["kinetic_energy"] == pytest.approx(energy, rel=1e-13)
+    assert seen["momentum"] == pytest.approx(mass @ v, rel=0.0, abs=1e-13 * momentum)
+    tensor = mass @ (v[:, first] * v[:, second])
+    assert seen["kinetic_tensor"] == pytest.approx(tensor, rel=0.0, abs=1e-13 * energy)
+    return energy
+
+
+@draws(300, deadline=None)
+@given(boxes_of_the_core())
+def test_sums_of_hard_spheres_are_those_of_the_velocities(made):
+    """The engine updates them at each collision."""
+    engine, mass = made
+    for _ in range(40):
+        engine.advance(engine.time + 10.0, 200)
+        check_sums(engine, mass)
+
+
+def test_sums_of_hard_spheres_keep_their_digits_while_the_gas_cools():
+    gas = hl.ParticleSystem.random(50, 0.1, (0.008, 0.01), 2500.0, 1.0, seed=3)
+    mass = np.array(gas.mass)
+    settings = {"restitution": 0.3, "rule": "tc", "rule_parameters": [1e-6]}
+    engine = _core.make_engine("hard_spheres", *engine_arguments(gas), **settings)
+    energies = []
+    for _ in range(40):
+        engine.advance(math.inf, 100)
+        energies.append(check_sums(engine, mass))
+    assert energies[-1] < 1e-8 * energies[0]

@@ -517,3 +517,14 @@ def test_what_is_not_granular_is_refused():
     )
     assert "must be one of lammps, liggghts, yade" in refused(BASE, code="mfix")
     assert refused(3).startswith("script: got 3")
+
+
+def test_groups_of_atoms_and_of_regions_that_are_frozen():
+    """Atoms by number have known types; those of a region may be any, so some grains of each type stand still."""
+    atoms = BASE.replace(POUR, "create_atoms 1 single 0 0 0\ncreate_atoms 2 single 0 0 1\n")
+    grains = stage(f"{atoms}group low id 1\nfix 1 low freeze\nfix 2 all nve\nrun 1\n").grains
+    assert (grains["1"].frozen, grains["2"].frozen, grains["1"].counted) == (True, False, False)
+    grains = stage(f"{atoms}group up id 2\nfix 2 up nve\nrun 1\n").grains
+    assert (grains["1"].frozen, grains["2"].frozen) == (True, False)
+    grains = stage(f"{BASE}group low region box\nfix 1 low freeze\nfix 2 all nve\nrun 1\n").grains
+    assert grains["1"].partly_frozen and not grains["1"].frozen and not grains["1"].counted

@@ -338,3 +338,41 @@ def test_nothing_is_executed(tmp_path):
         + f"import os\nos.system('touch {target}')\nopen({str(target)!r}, 'w').write('x')\n__import__('os')\n"
     )
     assert read(text).stages and not target.exists()
+
+
+def test_lists_of_materials_in_loops():
+    """Materials made in a loop with ``enumerate``, spheres in comprehensions with ``zip`` and several loops."""
+    made = (
+        "mats = []\n"
+        "for k, (E, e) in enumerate([(1e7, 0.8), (2e7, 0.5)]):\n"
+        "    mats.append(O.materials.append(FrictMat(young=E, poisson=0.2, density=2500, label=f'm{k}')))\n"
+    )
+    bodies = (
+        "O.bodies.append([sphere((0, 0, z), r, material=mats[0]) for z, r in zip((0, 1), (1e-3, 2e-3))])\n"
+        "O.bodies.append([sphere((x, y, 0), 3e-3, material=mats[1]) for x in range(3) for y in range(4) if x != y])\n"
+    )
+    stage = read(script(material=made, bodies=bodies)).stages[0]
+    assert stage.grains["m0"].radii == (1e-3, 2e-3) and stage.grains["m1"].radii == (3e-3, 3e-3)
+
+
+@pytest.mark.parametrize("numbers_of", ["dict(young=2e7, poisson=0.2)", "{'young': 2e7, 'poisson': 0.2}"])
+def test_keywords_in_a_dictionary(numbers_of):
+    text = script(material=f"given = {numbers_of}\nO.materials.append(FrictMat(density=2500, **given))\n")
+    assert numbers(read(text).stages[0].contacts[0])["young"] == 2e7
+
+
+def test_keywords_that_are_not_known_are_no_defaults():
+    with pytest.raises(ValueError, match="known number for young"):
+        read(script(material="O.materials.append(FrictMat(density=2500, **given))\n"))
+
+
+@pytest.mark.parametrize("law", ["HertzWithLinearShear", "MindlinDeresiewitz"])
+def test_laws_without_damping(law):
+    found = read(script(pair=(MINDLIN[0], f"Law2_ScGeom_MindlinPhys_{law}()")))
+    (one,) = found.stages[0].contacts
+    assert numbers(one)["betan"] == 0.0 and one.asked == 0.7 and not found.unknown
+
+
+def test_a_long_loop_of_single_steps():
+    rest = "O.dt = 1e-6\nfor k in range(15000):\n    O.step()\n    print(O.bodies[0].state.vel[2], k)\n"
+    assert read(script(rest=rest)).stages[0].time_step == 1e-6

@@ -654,3 +654,17 @@ def test_a_mangled_script_gives_a_verdict_or_one_line(data):
         json.dumps(found.to_dict(), allow_nan=True)
         assert found.sentence and ("nan" not in found.sentence or found.unknown)
         assert found.contacts is not None
+
+
+def test_fixed_grains_among_moving_ones():
+    """Those that freeze in a region meet moving ones of their type with twice the effective mass."""
+    text = (
+        "units si\natom_style sphere\nregion box block 0 1 0 1 0 1\ncreate_box 1 box\n"
+        "create_atoms 1 random 100 1 box\nset type 1 diameter 2e-3 density 2500\n"
+        "pair_style gran/hooke 1e5 NULL 2e4 NULL 0 0\npair_coeff * *\n"
+        "group low region box\nfix 1 low freeze\nfix 2 all nve/sphere\nrun 1\n"
+    )
+    free, fixed = hl.check(text, speed=1.0).rows
+    assert (free.wall, fixed.wall) == (None, "fixed") and free.types == fixed.types
+    assert fixed.restitution == pytest.approx(0.72384, abs=1e-4)  # 0.72393 in LAMMPS
+    assert fixed.duration == pytest.approx(free.duration * math.sqrt(2.0), rel=0.01)

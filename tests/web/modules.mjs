@@ -1,6 +1,6 @@
 // The page's modules in node, with the compiled core: what needs no browser is tested here.
 import { build } from "esbuild";
-import { mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { mkdtempSync, readdirSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { tables } from "../../web/tables.mjs";
@@ -8,12 +8,20 @@ import { tables } from "../../web/tables.mjs";
 const src = new URL("../../web/src/", import.meta.url).pathname;
 const wasm = process.env.EXPLORER_WASM ?? new URL("../../src/hardlimit/explorer/page/core.wasm", import.meta.url).pathname;
 
+// The path of a module from its name: each name occurs in one room of web/src only.
+const paths = readdirSync(src, { recursive: true }).map(String).filter((path) => path.endsWith(".ts"));
+function pathOf(name) {
+  const found = paths.filter((path) => path === `${name}.ts` || path.endsWith(`/${name}.ts`));
+  if (found.length !== 1) throw new Error(`web/src has ${found.length} modules ${name}`);
+  return src + found[0];
+}
+
 // Besides the modules named here those asked for.
 export async function load(...more) {
   const folder = mkdtempSync(join(tmpdir(), "modules-"));
   const names = ["clock", "core", "drop", "format", "motion", "numbers", "scenario", "trajectory_csv", ...more];
   const outfile = join(folder, "modules.mjs");
-  const contents = names.map((name) => `export * from "${src}${name}";`).join("\n");
+  const contents = names.map((name) => `export * from "${pathOf(name)}";`).join("\n");
   await build({ stdin: { contents, resolveDir: src, loader: "ts" }, outfile, bundle: true, format: "esm", platform: "node", define: { TABLES: tables(wasm) } });
   const modules = await import(outfile);
   rmSync(folder, { recursive: true, force: true });

@@ -5,6 +5,7 @@
 // collision.
 #pragma once
 #include "../common/particle.hpp"
+#include "../common/symmetric_tensor.hpp"
 
 namespace hardlimit::boxes {
 
@@ -40,6 +41,65 @@ private:
     double sum_[n] = {}, lost_[n] = {};
 };
 
+// Sums over the velocities of all particles at one instant.
+struct VelocitySums {
+    double kinetic = 0.0;      // Σ m v²/2 [J]
+    double momentum[3] = {};   // Σ m v [kg m/s]
+    SymmetricTensor products;  // Σ m v⊗v [J]
+};
+
+// The same sums while collisions change velocities: those at the last full sum, and the changes since, computed from
+// the velocities before and after each collision. The error is of the order of one rounding of the largest value since
+// the full sum.
+template <int d>
+class RunningVelocitySums {
+public:
+    void restart(const VelocitySums& full) {
+        full_ = full;
+        products_ = {};
+        momentum_ = {};
+        largest_ = full.kinetic;
+    }
+    // The velocity of a particle of mass m [kg] has changed.
+    void change(double m, const double (&before)[d], const double (&after)[d]) {
+        double products[size], momentum[d];
+        int mixed = d;
+        for (int i = 0; i < d; ++i) {
+            momentum[i] = m * (after[i] - before[i]);
+            products[i] = m * (after[i] * after[i] - before[i] * before[i]);
+            for (int j = i + 1; j < d; ++j)
+                products[mixed++] = m * (after[i] * after[j] - before[i] * before[j]);
+        }
+        momentum_.add(momentum);
+        products_.add(products);
+        largest_ = math::max(largest_, kinetic());
+    }
+    double kinetic() const {
+        double trace = 0.0;
+        for (int k = 0; k < d; ++k) trace += products_.value(k);
+        return full_.kinetic + 0.5 * trace;
+    }
+    // Whether the energy has fallen so far that the sums lose digits.
+    bool are_inexact() const { return kinetic() < 0.25 * largest_; }
+    VelocitySums value() const {
+        VelocitySums now = full_;
+        now.kinetic = kinetic();
+        for (int k = 0; k < d; ++k) now.momentum[k] += momentum_.value(k);
+        int k = 0;
+        for (std::size_t c = 0; c < SymmetricTensor::size; ++c)
+            if (SymmetricTensor::column[c] < d) now.products.component[c] += products_.value(k++);
+        return now;
+    }
+
+private:
+    static constexpr int size = d * (d + 1) / 2;
+
+    VelocitySums full_;
+    Sums<size> products_;  // components xx, yy, (zz,) xy, (xz, yz)
+    Sums<d> momentum_;
+    double largest_ = 0.0;  // kinetic energy since the full sum [J]
+};
+
 template <int d>
 struct Accumulators {
     u64 pairs = 0, walls = 0;  // collisions
@@ -52,7 +112,8 @@ struct Accumulators {
     double time = 0.0;     // at which kinetic energy and momentum are valid [s]
     double kinetic = 0.0;  // E [J]
     double momentum[d] = {};
-    Sum kinetic_integral;  // ∫ Σ m v'² dt [J s]
+    Sum kinetic_integral;               // ∫ Σ m v'² dt [J s]
+    RunningVelocitySums<d> velocities;  // without gravity
 
     u64 collisions() const { return pairs + walls; }
 

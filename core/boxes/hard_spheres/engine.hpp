@@ -109,6 +109,7 @@ private:
     hardlimit_abi::ContactQuery query_{};  // of the particle whose next collision is predicted
     Scratch<u32> candidates_;
     Scratch<double> times_;               // until contact with each candidate [s]
+    std::vector<u32> rows_;               // of cells, in a search for smaller particles
     u64 next_sort_ = 0;                   // collision count at the next sort
     i64 until_refresh_ = 0;               // collisions until totals are recomputed; a pair counts twice
     Records<double> rescans_;             // time of the next search for smaller particles [s]
@@ -135,11 +136,17 @@ private:
         if constexpr (mixed) return cells_.level_for(2.0 * radius(i));
         return 0;
     }
+    bool holds_any(int level) const {
+        return !mixed || cells_.grids()[static_cast<std::size_t>(level)].widest > 0.0;
+    }
     u32 collisions(u32 i) const {
         if constexpr (mixed) return pending_[i].count;
         return collisions_in(particles_[i].radius);
     }
-    void count_collision(u32 i) {
+    // Counts a collision, which has changed the velocity.
+    void count_collision(u32 i, const double (&before)[d]) {
+        if constexpr (motion == Motion::straight)
+            accumulators_.velocities.change(mass(i), before, particles_[i].velocity);
         if constexpr (mixed)
             ++pending_[i].count;
         else
@@ -182,6 +189,10 @@ private:
 
     // observe.hpp
     std::vector<u32> in_original_order() const;
+    template <class F>
+    void for_original_order(const F& f) const;
+    VelocitySums velocity_sums() const;
+    double potential_energy() const;
     void refresh_accumulators();
 
     // predict.hpp
@@ -194,7 +205,7 @@ private:
     void predict_in_block(NextCollision& next, int level, const Place<d>& from, const Place<d>& to);
     void predict_in_images(NextCollision& next, int level, const Place<d>& from, const Place<d>& to);
     void predict_finer(NextCollision& next, int level);
-    void make_room_for_candidates();
+    void make_room_for_candidates(std::size_t room);
     void keep_earliest(NextCollision& next, const hardlimit_abi::EarliestContact& touched, bool nearest);
     bool touches(u32 id, bool nearest) const;
     void store(const NextCollision& next);

@@ -44,7 +44,7 @@ void HardSpheres<d, motion, mixed>::leave_cell(u32 i, Place<d> at) {
         Place<d> from, to;
         for (int k = 0; k < d; ++k) from[k] = place[k] - 1, to[k] = place[k] + 1;
         from[axis] = to[axis] = place[axis] + step;
-        predict_in_block(next, q, from, to);
+        if (holds_any(q)) predict_in_block(next, q, from, to);
         // The face just crossed is a face of the next coarser grid if an even number of cells lies below it.
         const int border = step > 0 ? place[axis] : place[axis] + 1;
         if (q + 1 == cells_.levels() || border % 2 != 0) break;
@@ -63,6 +63,8 @@ void HardSpheres<d, motion, mixed>::collide_with_wall(u32 i, const Wall& wall) {
     const int axis = wall.id.axis();
     const double away = wall.inward(), waited = now_ - p.time;
     advance_to_now(i);
+    double velocity[d];
+    std::copy_n(p.velocity, d, velocity);
     const double place = wall.position(now_) + away * (radius(i) * growth_.at(now_));
     const double moved = place - p.position[axis];  // nonzero by rounding, or if a soft contact was cut short
     p.position[axis] = place;
@@ -89,7 +91,7 @@ void HardSpheres<d, motion, mixed>::collide_with_wall(u32 i, const Wall& wall) {
         accumulators_.add_wall(axis, m * (p.velocity[axis] - before), lost, wall);
         record(i, wall.id.number, speed, e * speed, lost, waited);
     }
-    count_collision(i);
+    count_collision(i, velocity);
     after_collision(i);
     predict(i, no_particle);
 }
@@ -173,7 +175,9 @@ void HardSpheres<d, motion, mixed>::collide(u32 i, u32 j) {
     const double waited_i = now_ - p.time, waited_j = now_ - q.time;
     advance_to_now(i);
     advance_to_now(j);
-    double r[d], v[d];
+    double r[d], v[d], before_i[d], before_j[d];
+    std::copy_n(p.velocity, d, before_i);
+    std::copy_n(q.velocity, d, before_j);
     to_nearest_image(i, j, r);
     for (int k = 0; k < d; ++k) v[k] = q.velocity[k] - p.velocity[k];
     const double square = dot(r, r), distance = math::sqrt(square), speed = -dot(r, v) / distance;
@@ -184,8 +188,8 @@ void HardSpheres<d, motion, mixed>::collide(u32 i, u32 j) {
     } else {
         rebound(i, j, r, v, distance, speed, std::array{waited_i, waited_j});
     }
-    count_collision(i);
-    count_collision(j);
+    count_collision(i, before_i);
+    count_collision(j, before_j);
     after_collision(i);
     after_collision(j);
     // A pair that has just collided cannot collide again before one of them has another collision; other images can.
@@ -235,7 +239,7 @@ void HardSpheres<d, motion, mixed>::rebound(u32 i, u32 j, const double (&r)[d], 
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::after_collision(u32 i) {
     if (mixed && cells_.levels() > 1) fastest_ = math::max(fastest_, frame_speed(particles_[i].velocity));
-    if (--until_refresh_ == 0) refresh_accumulators();
+    if (--until_refresh_ == 0 || accumulators_.velocities.are_inexact()) refresh_accumulators();
 }
 
 }  // namespace hardlimit::boxes

@@ -12,53 +12,77 @@ std::vector<u32> HardSpheres<d, motion, mixed>::in_original_order() const {
     return place;
 }
 
+// Calls f(particle) in the original order, and prefetches the particles, which are stored by cell.
+template <int d, Motion motion, bool mixed>
+template <class F>
+void HardSpheres<d, motion, mixed>::for_original_order(const F& f) const {
+    constexpr std::size_t ahead = 24;
+    const std::vector<u32> place = in_original_order();
+    for (std::size_t at = 0; at < place.size(); ++at) {
+        const u32 next = place[std::min(at + ahead, place.size() - 1)];
+        prefetch(&particles_[next]);
+        if constexpr (motion == Motion::falling) prefetch(&image_flags_[next]);
+        if constexpr (mixed) prefetch(&masses_[next]);
+        f(place[at]);
+    }
+}
+
+template <int d, Motion motion, bool mixed>
+VelocitySums HardSpheres<d, motion, mixed>::velocity_sums() const {
+    VelocitySums sums;
+    Sum kinetic, momentum[d];
+    double velocity[3] = {};
+    for_original_order([&](u32 i) {
+        const Particle<d>& p = particles_[i];
+        const double m = mass(i);
+        double square = 0.0;
+        for (int k = 0; k < d; ++k) {
+            velocity[k] = velocity_after<motion>(p, k, now_ - p.time, box_);
+            square += velocity[k] * velocity[k];
+            momentum[k].add(m * velocity[k]);
+        }
+        kinetic.add(0.5 * m * square);
+        sums.products.add_square(m, velocity);
+    });
+    sums.kinetic = kinetic.value();
+    for (int k = 0; k < d; ++k) sums.momentum[k] = momentum[k].value();
+    return sums;
+}
+
+// Energy in the field of gravity [J], along unfolded paths.
+template <int d, Motion motion, bool mixed>
+double HardSpheres<d, motion, mixed>::potential_energy() const {
+    if constexpr (motion != Motion::falling) return 0.0;
+    Sum potential;
+    for_original_order([&](u32 i) {
+        const ImageMotion image = box_.image(image_flags_[i], now_);
+        for (int k = 0; k < d; ++k) {
+            const double x = position_after<motion>(particles_[i], k, now_ - particles_[i].time, box_);
+            potential.add(-mass(i) * box_.gravity[k] * (x + image.shift[k]));
+        }
+    });
+    return potential.value();
+}
+
 // Recomputes energy and momentum: accumulated values lose their digits while a gas cools by many orders of magnitude.
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::refresh_accumulators() {
     until_refresh_ = std::max<i64>(8192, 32 * static_cast<i64>(particles_.size()));
-    Sum mass_sum, kinetic, momentum[d];
-    for (const u32 i : in_original_order()) {
-        const Particle<d>& p = particles_[i];
-        double square = 0.0;
-        for (int k = 0; k < d; ++k) {
-            const double v = velocity_after<motion>(p, k, now_ - p.time, box_);
-            square += v * v;
-            momentum[k].add(mass(i) * v);
-        }
-        kinetic.add(0.5 * mass(i) * square);
-        mass_sum.add(mass(i));
-    }
-    accumulators_.mass = mass_sum.value();
-    for (int k = 0; k < d; ++k) accumulators_.gravity[k] = box_.gravity[k];
+    const VelocitySums sums = velocity_sums();
     accumulators_.advance(now_);
-    accumulators_.kinetic = kinetic.value();
-    for (int k = 0; k < d; ++k) accumulators_.momentum[k] = momentum[k].value();
+    accumulators_.kinetic = sums.kinetic;
+    std::copy_n(sums.momentum, d, accumulators_.momentum);
+    accumulators_.velocities.restart(sums);
 }
 
 template <int d, Motion motion, bool mixed>
 Observation HardSpheres<d, motion, mixed>::observe() const {
     Observation o;
-    Sum kinetic, potential, momentum[d];
-    double velocity[3] = {};
-    for (const u32 i : in_original_order()) {
-        const Particle<d>& p = particles_[i];
-        const double after = now_ - p.time, m = mass(i);
-        const ImageMotion image = box_.image(image_flags_[i], now_);
-        double square = 0.0;
-        for (int k = 0; k < d; ++k) {
-            const double v = velocity_after<motion>(p, k, after, box_);
-            const double x = position_after<motion>(p, k, after, box_) + image.shift[k];
-            square += v * v;
-            velocity[k] = v;
-            momentum[k].add(m * v);
-            potential.add(-m * box_.gravity[k] * x);
-        }
-        kinetic.add(0.5 * m * square);
-        o.kinetic_tensor.add_square(m, velocity);
-    }
-    o.kinetic_energy = kinetic.value();
-    o.potential_energy = potential.value();
-    for (int k = 0; k < d; ++k) o.momentum[k] = momentum[k].value();
+    const VelocitySums sums = motion == Motion::straight ? accumulators_.velocities.value() : velocity_sums();
+    o.kinetic_energy = sums.kinetic;
+    o.potential_energy = potential_energy();
+    std::copy_n(sums.momentum, d, o.momentum);
+    o.kinetic_tensor = sums.products;
     o.dissipated_energy = accumulators_.dissipated.value();
     int k = 0;
     for (std::size_t c = 0; c < SymmetricTensor::size; ++c)

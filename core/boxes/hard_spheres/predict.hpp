@@ -72,17 +72,17 @@ void HardSpheres<d, motion, mixed>::keep_earliest(NextCollision& next,
 }
 
 template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::make_room_for_candidates() {
-    if (times_.size() >= cells_.room()) return;
-    times_.resize(cells_.room());
-    candidates_.resize(cells_.room());
+void HardSpheres<d, motion, mixed>::make_room_for_candidates(std::size_t room) {
+    if (times_.size() >= room) return;
+    times_.resize(room);
+    candidates_.resize(room);
 }
 
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::predict_in_block(NextCollision& next, int level, const Place<d>& from,
                                                      const Place<d>& to) {
     if (cells_.grids()[static_cast<std::size_t>(level)].few) return predict_in_images(next, level, from, to);
-    make_room_for_candidates();
+    make_room_for_candidates(cells_.room());
     hardlimit_abi::CellBlock block;
     const bool across = cells_.lay_block(block, box_, level, from, to);
     const auto touch = across ? touch_.across : touch_.near;
@@ -94,7 +94,7 @@ void HardSpheres<d, motion, mixed>::predict_in_block(NextCollision& next, int le
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::predict_in_images(NextCollision& next, int level, const Place<d>& from,
                                                       const Place<d>& to) {
-    make_room_for_candidates();
+    make_room_for_candidates(cells_.room());
     cells_.for_block(box_, level, from, to, [&](u32 cell, const double (&shift)[d]) {
         for (int k = 0; k < d; ++k) query_.shift[k] = shift[k];
         const std::size_t n = cells_.collect(cell, candidates_, 0);
@@ -133,7 +133,7 @@ void HardSpheres<d, motion, mixed>::predict_unscheduled(u32 i, u32 except) {
     const Place<d> at = cells_.place(own, e.cell);
     NextCollision next = begin_prediction(i, except);
     cells_.for_stencils(own, at, [&](int level, const Place<d>& from, const Place<d>& to) {
-        predict_in_block(next, level, from, to);
+        if (holds_any(level)) predict_in_block(next, level, from, to);
     });
     e.pair_time = math::infinity;
     e.partner = no_particle;
@@ -174,20 +174,29 @@ void HardSpheres<d, motion, mixed>::predict_finer(NextCollision& next, int level
     double horizon = math::infinity;
     const double speed = frame_speed(query_.velocity) + speed_bound();
     for (int q = 0; q < level; ++q) {
-        const Grid<d>& g = cells_.grids()[q];
-        const double margin = 1.5 * g.diameter, reach = query_.radius + 0.5 * g.diameter + margin;
+        const double widest = cells_.grids()[q].widest;
+        if (widest == 0.0) continue;
+        const double margin = 2.0 * widest, reach = query_.radius + 0.5 * widest + margin;
         horizon = math::min(horizon, 0.99 * margin / speed);
         Place<d> from, to;
+        bool narrow = false;  // so that two images of a particle may be within reach
         for (int k = 0; k < d; ++k) {
-            from[k] = floor_to_int((query_.position[k] - reach) / g.edge[k]);
-            to[k] = floor_to_int((query_.position[k] + reach) / g.edge[k]);
+            narrow = narrow || (box_.is_periodic(k) && box_.edge[k] < 2.001 * reach);
+            from[k] = floor_to_int((query_.position[k] - reach) / cells_.grids()[q].edge[k]);
+            to[k] = floor_to_int((query_.position[k] + reach) / cells_.grids()[q].edge[k]);
         }
-        bool wide = false;
-        for (int k = 0; k < d; ++k) wide = wide || to[k] - from[k] > 2;
-        if (wide)
+        if (narrow) {
             predict_in_images(next, q, from, to);
-        else
-            predict_in_block(next, q, from, to);
+            continue;
+        }
+        cells_.for_blocks_within(box_, q, query_.position, reach, from, to, rows_,
+                                 [&](const hardlimit_abi::CellBlock& block, std::size_t room) {
+                                     make_room_for_candidates(room);
+                                     keep_earliest(next,
+                                                   touch_.across(query_, particles_.data(), next.id,
+                                                                 candidates_.data(), times_.data(), block),
+                                                   true);
+                                 });
     }
     rescans_[next.id] = now_ + horizon;
 }

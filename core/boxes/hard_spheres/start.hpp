@@ -18,6 +18,10 @@ HardSpheres<d, motion, mixed>::HardSpheres(const System& s, const RuleChoice& ru
     fill_cells();
     next_sort_ = collisions_between_sorts * s.n;
     if (takes_time_) last_contacts_.assign(s.n, {-math::infinity, no_particle});
+    Sum total;
+    for (std::size_t i = 0; i < s.n; ++i) total.add(s.mass[i]);
+    accumulators_.mass = total.value();
+    std::copy_n(box_.gravity, d, accumulators_.gravity);
     refresh_accumulators();
     predict_all(stop);
     rebuild_queue();
@@ -109,7 +113,10 @@ void HardSpheres<d, motion, mixed>::sort_in(const System& s) {
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::fill_cells() {
     cells_.clear();
-    for (u32 i = 0; i < size32(); ++i) cells_.insert(pending_[i].cell, i);
+    for (u32 i = 0; i < size32(); ++i) {
+        cells_.insert(pending_[i].cell, i);
+        if constexpr (mixed) cells_.note(level(i), 2.0 * radius(i));
+    }
 }
 
 template <int d, Motion motion, bool mixed>

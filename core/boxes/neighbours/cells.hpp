@@ -28,7 +28,8 @@ struct Grid {
     int cells[d];     // along each axis
     double edge[d];   // of a cell [m]
     u32 first;        // index of its first cell among the cells of all grids
-    double diameter;  // of the largest particle in it [m]
+    double diameter;  // of the largest particle that it can hold [m]
+    double widest;    // diameter of the largest particle in it [m], as note() was told; 0: it is empty
     u32 rows[9];      // offsets of the 3 × 3 rows of a block along the first axis from its first row
     u32 planes[3];    // offsets of those rows that differ only in the third coordinate
     u32 steps[d];     // start of each axis in `steps_`
@@ -164,7 +165,59 @@ public:
         block.rows = d == 3 ? rows * static_cast<u32>(to[d - 1] - from[d - 1] + 1) : rows;
         return false;
     }
-    std::size_t room() const { return 27 * inline_ids * (longest_chain_ + 1) + padding; }
+    std::size_t room(std::size_t cells = 27) const {
+        return cells * inline_ids * (longest_chain_ + 1) + padding;
+    }
+
+    // Describes the cells within `reach` of a point, which lie in this block, to the kernels: as blocks of rows of up to
+    // eight cells. Calls f(block, most ids in it) for each. Periodic edges must be longer than 2 reach: the nearest image
+    // of a particle is then the only one within reach. `rows` is storage.
+    template <class F>
+    void for_blocks_within(const Box& box, int level, const double* point, double reach, Place<d> from,
+                           Place<d> to, std::vector<u32>& rows, const F& f) const {
+        const Grid<d>& g = grids_[static_cast<std::size_t>(level)];
+        for (int k = 0; k < d; ++k)
+            if (!box.is_periodic(k)) from[k] = std::max(from[k], 0), to[k] = std::min(to[k], g.cells[k] - 1);
+        // Index of a cell along an axis, and the squared distance between its layer and the point.
+        const auto wrapped = [&](int k, int at) {
+            return static_cast<u32>(at < 0 ? at + g.cells[k] : at >= g.cells[k] ? at - g.cells[k] : at);
+        };
+        const auto away = [&](int k, int at) {
+            const double low = at * g.edge[k] - point[k], gap = math::max(low, -low - g.edge[k]);
+            return gap > 0.0 ? gap * gap : 0.0;
+        };
+        rows.clear();
+        const auto add_plane = [&](u32 plane, double square) {
+            for (int y = from[1]; y <= to[1]; ++y)
+                if (square + away(1, y) <= reach * reach)
+                    rows.push_back((plane + wrapped(1, y)) * static_cast<u32>(g.cells[0]));
+        };
+        if constexpr (d == 2) {
+            add_plane(0, 0.0);
+        } else {
+            for (int z = from[2]; z <= to[2]; ++z)
+                add_plane(wrapped(2, z) * static_cast<u32>(g.cells[1]), away(2, z));
+        }
+        hardlimit_abi::CellBlock line, block;
+        cut(line, from[0], to[0], g.cells[0], box.is_periodic(0));
+        block.cells = cells_.data() + g.first;
+        block.spilled = spilled_.data();
+        block.row = rows.data();
+        block.rows = static_cast<u32>(rows.size());
+        block.parts = 0;
+        for (u32 part = 0; part < line.parts; ++part)
+            for (u32 x = 0; x < line.length[part]; x += cells_of_part) {
+                if (block.parts == 2) f(block, room(2 * cells_of_part * rows.size())), block.parts = 0;
+                block.begin[block.parts] = line.begin[part] + x;
+                block.length[block.parts++] = std::min(line.length[part] - x, cells_of_part);
+            }
+        f(block, room(2 * cells_of_part * rows.size()));
+    }
+    // Notes that a grid has a particle of this diameter.
+    void note(int level, double diameter) {
+        double& widest = grids_[static_cast<std::size_t>(level)].widest;
+        widest = math::max(widest, diameter);
+    }
 
     // Cells that a particle will search, as offsets from its own: the neighbours, or the layer beyond them on one side.
     struct Stencil {
@@ -234,7 +287,7 @@ public:
     }
 
 private:
-    static constexpr u32 inline_ids = 3, linked = 4;
+    static constexpr u32 inline_ids = 3, linked = 4, cells_of_part = 4;
     static constexpr u32 beyond = 3;  // empty cells at the end, for a kernel that reads four cells at once
 
     // A block of three cells, of which at least one is in the box, reaches at most this far beyond the box.

@@ -23,6 +23,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -148,6 +149,7 @@ private:
     std::vector<i64> ended_by_;
     WallId ended_at_wall_;
     std::vector<ContactRecord> log_;
+    mutable std::optional<NewtonSnapshot> snapshot_;  // at the current time, until the run is advanced
 
     u32 size32() const { return static_cast<u32>(particles_.size()); }
     double radius(int i) const { return laws_.radius(static_cast<std::size_t>(i)); }
@@ -284,7 +286,8 @@ private:
     void add_group(NewtonSnapshot& s, const Group& g, Cluster<Law>& c) const;
     void add_body(NewtonSnapshot& s, int i, const Vector3& x, const Vector3& v) const;
     void log(const Group& g, const ContactPair<Law>& q, const EndedContact& e);
-    NewtonSnapshot snapshot() const;
+    const NewtonSnapshot& snapshot() const;
+    NewtonSnapshot new_snapshot() const;
     ContactRecord contact_row(const Group& g, const ContactPair<Law>& q, const EndedContact& e) const;
 
     // checkpoint.hpp
@@ -302,6 +305,7 @@ template <class Law>
 void NewtonEvents<Law>::advance(double until, u64 most_work, int /*threads*/, Stop& stop) {
     const u64 last = most_work > ~events_ ? ~u64{0} : events_ + most_work;
     paused_ = false;
+    snapshot_.reset();
     while (outcome_ == Outcome::ok) {
         const QueuedEvent* due =
             calendar_queue_.next([this](u32 id) { return pending_[id].time(); }, by_original_index(),

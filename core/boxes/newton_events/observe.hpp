@@ -4,8 +4,15 @@
 
 namespace hardlimit::boxes {
 
+// Integrating the groups is expensive, and a sample is often followed by the state at the same time.
 template <class Law>
-NewtonSnapshot NewtonEvents<Law>::snapshot() const {
+const NewtonSnapshot& NewtonEvents<Law>::snapshot() const {
+    if (!snapshot_) snapshot_ = new_snapshot();
+    return *snapshot_;
+}
+
+template <class Law>
+NewtonSnapshot NewtonEvents<Law>::new_snapshot() const {
     NewtonSnapshot s;
     s.position.resize(setting_.axes() * particles_.size());
     s.velocity.resize(s.position.size());
@@ -66,7 +73,7 @@ void NewtonEvents<Law>::add_group(NewtonSnapshot& s, const Group& g, Cluster<Law
 
 template <class Law>
 void NewtonEvents<Law>::state(double* position, double* velocity) const {
-    const NewtonSnapshot now = snapshot();
+    const NewtonSnapshot& now = snapshot();
     std::ranges::copy(now.position, position);
     std::ranges::copy(now.velocity, velocity);
 }

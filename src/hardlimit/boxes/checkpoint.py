@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from .. import _core
 from ..support import saving, validation
 
-FORMAT: Final = 5  #: version of the file format; files of another version are refused
+FORMAT: Final = 6  #: version of the file format; files of another version are refused
 HEADER: Final = "header"
 
 

@@ -22,7 +22,7 @@ from .rules import Settings
 from .system import ParticleSystem
 
 ENERGIES: Final = ("kinetic_energy", "potential_energy", "dissipated_energy")
-#: Quantities that every engine records at a sample.
+#: Quantities at the samples of every engine.
 COMMON: Final = (
     "time",
     *ENERGIES,
@@ -47,7 +47,7 @@ class EngineRecord:
     kind: str  #: name in the core; empty for an external program
     task: str  #: title of the progress bar
     counts: str  #: unit of the progress bar
-    records: tuple[str, ...] = OF_CONTACTS  #: recorded at each sample; observables are made from them
+    records: tuple[str, ...] = OF_CONTACTS  #: quantities at a sample; observables are made from them
     columns: tuple[Column, ...] = CONTACTS  #: columns of the log
     options: tuple[str, ...] = ()  #: arguments of molecular_dynamics that some engines do not accept
 
@@ -83,6 +83,7 @@ class Engine:
     ) -> None:
         self.record, self.system, self.settings, self.compiled = ENGINES[name], system, settings, compiled
         self._note = ProgressNote()
+        self._fall = system.domain.common_fall
 
     @classmethod
     def make(
@@ -165,14 +166,15 @@ class Engine:
         return system_at(self.system, self.time, self.compiled.state())
 
     def sample(self) -> dict[str, Any]:
-        """The quantities recorded at a sample."""
-        system, time = self.system, self.time
-        sums = dict(self.compiled.observe())
-        fall = system.domain.common_fall
-        if fall.any():
-            sums["potential_energy"] -= float(system.mass @ (self.compiled.state()[0] @ fall))
-        sums = laboratory_sums(system, time, sums) | {"time": time, "n_collisions": sums["n_contacts"]}
-        return {name: np.asarray(sums[name], float) for name in self.record.records}
+        """The quantities at a sample in the falling frame, with the potential energy of all gravity.
+
+        :meth:`result` converts those of all samples at once.
+        """
+        sums = self.compiled.observe()
+        if self._fall.any():
+            sums["potential_energy"] -= float(self.system.mass @ (self.compiled.state()[0] @ self._fall))
+        sums["time"], sums["n_collisions"] = self.time, sums["n_contacts"]
+        return {name: np.asarray(sums[name], float) for name in self.record.records if name in sums}
 
     def is_at(self, sample: Mapping[str, Any]) -> bool:
         """Whether this sample was taken in the current state, or no sample can be taken in it."""
@@ -210,14 +212,14 @@ class Engine:
     def result(
         self, samples: Mapping[str, Floats], log: Log | None, observed: Mapping[str, Any], idle: bool
     ) -> ParticleResult | ContactResult:
-        """The result of a run that ends now; ``idle`` means that no more collisions happen."""
+        """The result of a run that ends now, from all its samples; ``idle`` means that no more collisions happen."""
         now, sums, statistics = self.current(), self.compiled.observe(), self.compiled.statistics()
         largest = float(self.compiled.largest_compression)
         common: dict[str, Any] = {
             "system": now,
             "time": self.time,
             "outcome_name": "no_contact" if idle and self.outcome == "ok" else self.outcome,
-            "samples": samples,
+            "samples": laboratory_sums(self.system, samples["time"], dict(samples)),
             "log": None if log is None else self.whole_log(log),
             "largest_compression": None if math.isnan(largest) else largest,
             "early_end": self.early_end(now),

@@ -23,7 +23,7 @@ from .theory import Gas
 NAME: Final = "hard_spheres"
 MAX_COLLISIONS: Final = 2**62
 #: In a run without ``until``, the first sampling interval is this many times shorter than the expected final one.
-FIRST_SUBDIVISION: Final = 64
+FIRST_SUBDIVISION: Final = 8
 
 
 def event_driven(

@@ -76,7 +76,10 @@ def main(context: click.Context, version: bool, verbose: bool) -> None:
     if version:
         from . import about
 
-        click.echo(about.verbose() if verbose else about.brief())
+        try:
+            click.echo(about.verbose() if verbose else about.brief())
+        except ValueError as error:  # HARDLIMIT_LANES names no instruction set of this processor
+            raise click.UsageError(str(error), context) from None
         context.exit()
     if context.invoked_subcommand is None:
         click.echo(context.get_help())

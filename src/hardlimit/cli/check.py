@@ -278,7 +278,7 @@ def name(row: CheckedContact, plain: bool, walls: bool) -> str:
     """Types and sizes, and the name of the wall if there are several."""
     radii = [r for r in (row.radius, row.other_radius) if r is not None]
     sizes = ", ".join(dict.fromkeys(digits(r, 4) if plain else length(float(f"{r:.4g}")) for r in radii))
-    wall = f" {row.wall}" if walls and row.wall else ""
+    wall = f" {row.wall}" if row.wall and (walls or row.types[1] != "wall") else ""
     return f"{'–'.join(row.types)}{wall}{f' R {sizes}' if sizes else ''}"
 
 

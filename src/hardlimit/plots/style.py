@@ -134,7 +134,7 @@ def ball_colour(ball: int) -> str:
 # --- contact counts -----------------------------------------------------------------------------------------
 
 
-#: Colours of 0, 1, 2, … contacts in all pictures; web/src/theme.ts has the formula of these colours. They grow lighter
+#: Colours of 0, 1, 2, … contacts in all pictures; web/src/style/theme.ts has the formula of these colours. They grow lighter
 #: with the count, from purple through orange to straw, so that the order remains visible in grey and to colour-blind
 #: readers. No contact is dark grey.
 COUNT_COLOURS: Final = (

@@ -44,6 +44,7 @@ class Grains:
     masses: Range | None = None
     frozen: bool = False  #: whether none of them moves
     counted: bool = False  #: whether the code's formulas use their mass although none of them moves
+    partly_frozen: bool = False  #: whether some of them, but not all, do not move
 
 
 @dataclass(frozen=True)
@@ -56,6 +57,7 @@ class ContactSettings:
     quotes: tuple[Quote, ...]  #: the statements that these settings come from
     wall_mass: float | None = None  #: of a fixed wall if the code's formulas use it, as for YADE's boxes
     wall_radius: float = 1.0  #: effective radius in the code's formulas over that at other walls
+    asked: float | None = None  #: restitution in the script if the force leaves it out
 
 
 @dataclass(frozen=True)

@@ -106,7 +106,13 @@ class Population:
         self.batches = {each: held for each, held in self.batches.items() if held}
 
     def grains(
-        self, kind: int, name: str, frozen: bool, counted: bool = False, disks: bool = False
+        self,
+        kind: int,
+        name: str,
+        frozen: bool,
+        counted: bool = False,
+        disks: bool = False,
+        partly_frozen: bool = False,
     ) -> Grains:
         """The grains of one type, whose densities may be those of disks."""
         held = [one.with_mass_of(2) if disks else one for one in self.batches.get(kind, [])]
@@ -116,7 +122,8 @@ class Population:
         masses = None
         if densities is None:
             masses = union([one.with_mass_of(3).masses for one in held])
-        return Grains(name, union([one.radii for one in held]), densities, masses, frozen, counted)
+        radii = union([one.radii for one in held])
+        return Grains(name, radii, densities, masses, frozen, counted, partly_frozen)
 
 
 def atoms(text: str, style: str) -> Iterator[tuple[int, Batch]]:

@@ -51,10 +51,22 @@ sqrt exp log log10 log2 sin cos tan asin acos atan atan2 sinh cosh tanh radians 
 """
 FUNCTIONS: Final[dict[str, Callable[..., Any]]] = {
     **{name: getattr(math, name) for name in MATH.split()},
+    "linspace": lambda first, last, n=50: Vector(
+        first + (last - first) * k / max(n - 1, 1) for k in range(min(n, MAX_ITEMS))
+    ),
+    "arange": lambda *ends: Vector(spaced(*((0, *ends) if len(ends) == 1 else ends))),
     "arcsin": math.asin,
     "arccos": math.acos,
     "arctan": math.atan,
     **{function.__name__: function for function in (abs, min, max, round, float, int, sum, len)},
+}
+#: Functions of lists, whose elements may be anything.
+LISTS: Final[dict[str, Callable[..., Any]]] = {
+    "enumerate": lambda *values: list(enumerate(*values)),
+    "zip": lambda *values: list(zip(*values, strict=False)),
+    "reversed": lambda values: list(reversed(values)),
+    "list": lambda values=(): list(values),
+    "tuple": lambda values=(): tuple(values),
 }
 CONSTANTS: Final = {"pi": math.pi, "e": math.e, "inf": math.inf}
 
@@ -232,10 +244,11 @@ class Evaluator:
                     self.forget(target)
 
     def loop(self, target: ast.expr, iterable: ast.expr, body: list[ast.stmt]) -> None:
-        """A loop over known values; otherwise its body once, with names of unknown value."""
+        """A loop over known values; if it is too long or ends early, its body once, with names of unknown value."""
         items = self.items(iterable)
         jumps = any(isinstance(one, ast.Break | ast.Continue) for part in body for one in ast.walk(part))
-        if items is None or jumps:
+        long = sum(1 for part in body for _ in ast.walk(part)) * len(items or ()) > MAX_STEPS - self.count
+        if items is None or jumps or long:
             self.uncertain(target, [body], also=target)
             return
         for item in items:
@@ -351,11 +364,25 @@ class Evaluator:
                 return self.member(self.owner(owner), name, node)
             case ast.Subscript(owner, place):
                 return self.item(self.value(owner), place, node)
-            case ast.ListComp(element, [generator]) | ast.GeneratorExp(element, [generator]):
-                return self.comprehension(element, generator)
+            case ast.ListComp(element, generators) | ast.GeneratorExp(element, generators):
+                before, found = dict(self.names), list[Any]()
+                self.comprehension(element, generators, found)
+                self.names = before
+                return found
             case ast.JoinedStr(parts):
-                return "".join(str(self.value(getattr(part, "value", part))) for part in parts)
+                texts = [self.formatted(part) for part in parts]
+                return Unknown(ast.unparse(node)) if None in texts else "".join(map(str, texts))
         return Unknown(ast.unparse(node))
+
+    def formatted(self, part: ast.expr) -> str | None:
+        """A part of an f-string; None if it is not known."""
+        if not isinstance(part, ast.FormattedValue):
+            return str(self.value(part))
+        value = self.value(part.value)
+        form = "" if part.format_spec is None else self.value(part.format_spec)
+        if isinstance(value, Unknown | Instance) or not isinstance(form, str) or len(form) > 5:
+            return None
+        return format(value, form)
 
     def unary(self, sign: ast.unaryop, value: Any, node: ast.expr) -> Any:
         if isinstance(value, Unknown | Instance | str):
@@ -394,18 +421,23 @@ class Evaluator:
             return Unknown(ast.unparse(node))
         return held[self.value(place)]
 
-    def comprehension(self, element: ast.expr, generator: ast.comprehension) -> Any:
-        """Values of a comprehension. Over unknown values, its element once."""
-        before = dict(self.names)
-        items = self.items(generator.iter)
-        if items is None or generator.ifs:
-            items = [Unknown(ast.unparse(generator.iter))]
-        found = []
-        for item in items:
-            self.assign(generator.target, item, generator.target)
+    def comprehension(self, element: ast.expr, generators: list[ast.comprehension], found: list[Any]) -> None:
+        """Add the values of a comprehension. Over values or under conditions that are not known, its element once."""
+        if not generators:
             found.append(self.value(element))
-        self.names = before
-        return found
+            return
+        (generator, *inner), chosen = generators, list[Any]()
+        items = self.items(generator.iter)
+        for item in [Unknown(ast.unparse(generator.iter))] if items is None else items:
+            self.assign(generator.target, item, generator.target)
+            holds = [self.value(one) for one in generator.ifs]
+            if any(isinstance(one, Unknown | Instance) for one in holds):
+                chosen = [Unknown(ast.unparse(generator.iter))]
+                break
+            chosen += [item] * all(holds)
+        for item in chosen:
+            self.assign(generator.target, item, generator.target)
+            self.comprehension(element, inner, found)
 
     def call(self, node: ast.Call) -> Any:
         """A call: arithmetic, one of the script's own functions, or an instance."""
@@ -439,6 +471,16 @@ class Evaluator:
             return Vector(arguments)
         if name == "range" and arithmetic and all(isinstance(one, int) for one in arguments):
             return range(*arguments)
+        if name in LISTS and owner is None and not keywords and name not in self.names:
+            short = all(
+                isinstance(one, list | tuple | range | int) and count(one) <= MAX_ITEMS for one in arguments
+            )
+            return LISTS[name](*arguments) if short else Unknown(ast.unparse(node))
+        if name == "dict" and owner is None and not arguments and "**" not in keywords:
+            return keywords
+        if isinstance(owner, dict) and name in ("items", "keys", "values", "get"):
+            found = getattr(owner, name)(*arguments)
+            return found if name == "get" else list(found)
         if name in FUNCTIONS and arithmetic and not keywords and name not in self.names:
             unknown = [one for one in flat(arguments) if isinstance(one, Unknown | Instance | str)]
             return Unknown(ast.unparse(node)) if unknown else FUNCTIONS[name](*arguments)
@@ -474,6 +516,19 @@ class Evaluator:
             inside, self.names, self.depth = self.names, outside, self.depth - 1
         self.names |= {name: inside[name] for name in changed if name in inside}
         return found
+
+
+def count(value: Any) -> int:
+    """The length of a list, or 0."""
+    return 0 if isinstance(value, int) else len(value)
+
+
+def spaced(first: float, last: float, step: float = 1) -> list[float]:
+    """Numbers of ``numpy.arange``, at most ``MAX_ITEMS``."""
+    number = math.ceil((last - first) / step)
+    if number > MAX_ITEMS:
+        raise ValueError
+    return [first + k * step for k in range(number)]
 
 
 def flat(values: Iterable[Any]) -> list[Any]:

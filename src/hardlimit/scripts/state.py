@@ -262,7 +262,10 @@ class State:
         if style in ("delete", "clear"):
             self.groups.pop(name, None)
         elif name != "all":
-            new = self.group_of_types(words) if style == "type" else self.combined(style, words)
+            if style == "type":
+                new = self.group_of_types(words)
+            else:
+                new = self.group_of_atoms(words) if style == "id" else self.combined(style, words)
             if old is not None and old.types is not None and new.types is not None:
                 new = Group(old.types | new.types, old.whole and new.whole)  # a second command adds grains
             self.groups[name] = new
@@ -280,6 +283,23 @@ class State:
             last = last.partition(":")[0]
             kinds |= set(self.types_of(f"{first}*{last}" if last else first))
         return Group(frozenset(kinds), True)
+
+    def group_of_atoms(self, words: Sequence[str]) -> Group:
+        """Grains with numbers such as ``1 3`` or ``1:3``; any part of the grains if their types are not known."""
+        ends = [word.partition(":") for word in words]
+        if self.population.elsewhere or not all(
+            word.isdecimal() and len(word) < 10 for first, _, last in ends for word in (first, last or first)
+        ):
+            return Group(None, False)
+        ranges = [range(int(first), int(last or first) + 1) for first, _, last in ends]
+        chosen = {
+            kind: [one.atom is not None and any(one.atom in r for r in ranges) for one in held]
+            for kind, held in self.population.batches.items()
+        }
+        if any(one.atom is None for held in self.population.batches.values() for one in held):
+            return Group(None, False)
+        chosen = {kind: each for kind, each in chosen.items() if any(each)}
+        return Group(frozenset(chosen), all(map(all, chosen.values())))
 
     def combined(self, style: str, names: Sequence[str]) -> Group:
         """A union, difference or intersection of groups; any part of the grains for other styles, such as region."""
@@ -380,12 +400,13 @@ class State:
         self.changed_since = False
         kinds = self.present()
         disks = self.code == "liggghts" and self.dimension == 2
-        grains = {
-            str(kind): self.population.grains(
-                kind, str(kind), self.frozen(kind), not self.stopped("freeze", kind), disks
+        grains = {}
+        for kind in kinds:
+            frozen, freezes = self.frozen(kind), self.stopped("freeze", kind)
+            partly = [one for one in ("freeze", "setforce") if not frozen and self.stopped(one, kind, False)]
+            grains[str(kind)] = self.population.grains(
+                kind, str(kind), frozen, not freezes and "freeze" not in partly, disks, bool(partly)
             )
-            for kind in kinds
-        }
         new = Stage(
             quote,
             self.step_now(),
@@ -631,12 +652,12 @@ class State:
         stopped = self.stopped("freeze", kind) or self.stopped("setforce", kind)
         return stopped or bool(integrators and not integrated)
 
-    def stopped(self, style: str, kind: int) -> bool:
-        """Whether ``fix freeze``, or ``fix setforce`` with three zeros, acts on all grains of a type."""
+    def stopped(self, style: str, kind: int, whole: bool = True) -> bool:
+        """Whether ``fix freeze``, or ``fix setforce`` with three zeros, acts on all grains of a type, or on some."""
         return any(
             one.style == style
             and (style == "freeze" or (len(one.words) >= 3 and set(one.words[:3]) <= ZEROS))
-            and self.members(one.group).whole
+            and (self.members(one.group).whole or not whole)
             and kind in self.within(self.members(one.group))
             for one in self.fixes.values()
         )

@@ -47,6 +47,11 @@ LAWS: Final = (
     "Law2_ScGeom_FrictPhys_CundallStrack",
     "Law2_ScGeom_ViscElPhys_Basic",
 )
+#: Laws that leave out the damping of MindlinPhys.
+UNDAMPED_LAWS: Final = (
+    "Law2_ScGeom_MindlinPhys_HertzWithLinearShear",
+    "Law2_ScGeom_MindlinPhys_MindlinDeresiewitz",
+)
 STICKY_PARTS: Final = "Coh JCFpm Cpm Wire Cap Luding Mortar Bubble Lubrication CDM Bshd"
 STICKY: Final = tuple(STICKY_PARTS.split())
 #: What adds forces beside contacts.
@@ -428,7 +433,7 @@ class Yade(Evaluator):
     def number(self, instance: Instance, name: str) -> float:
         """A number of a material, or its default."""
         default = MATERIALS.get(instance.name, {"density": 1000.0}).get(name)
-        found = instance.attributes.get(name, default)
+        found = instance.attributes.get(name, instance.attributes.get("**", default))
         if isinstance(found, bool) or not isinstance(found, int | float) or not math.isfinite(found):
             said = found.text if isinstance(found, Unknown) else found
             raise refusal(
@@ -527,11 +532,25 @@ class Yade(Evaluator):
             counted = self.materials[k].name == "ViscElMat" and any(
                 PHYSICS.get(one.name) == "ViscElMat" for one in self.used("Ip2_")
             )
-            grains[name] = Grains(name, radii, densities, None, frozen, counted)
+            partly = not frozen and any(one.frozen for one in held)
+            grains[name] = Grains(name, radii, densities, None, frozen, counted, partly)
         return grains
 
     def contacts(self) -> Iterator[ContactSettings]:
-        """Pairs of materials, then walls."""
+        """Pairs of materials, then walls, without damping if the law leaves it out."""
+        undamped = [one for one in self.used("Law2_ScGeom_MindlinPhys_") if one.name in UNDAMPED_LAWS]
+        for contact in self.all_contacts():
+            settings = contact.settings
+            if undamped and settings["physics"].words[0] == "MindlinPhys":
+                law, en = undamped[-1], settings.get("en")
+                kept = {name: one for name, one in settings.items() if name not in ("en", "betan")}
+                zero = Setting(("0.0",), law.line, law.text)
+                asked = None if en is None else float(en.words[0])
+                contact = replace(contact, settings={**kept, "betan": zero}, asked=asked)
+            yield contact
+
+    def all_contacts(self) -> Iterator[ContactSettings]:
+        """The contacts, whose damping is that of the functor."""
         functors = {PHYSICS[one.name]: one for one in self.used("Ip2_") if one.name in PHYSICS}
         kinds = self.kinds()
         for i in kinds:
@@ -592,10 +611,8 @@ class Yade(Evaluator):
             return self.viscoelastic(functor, pair, ends)
         young = [self.number(each, "young") for each in pair]
         if functor.name.endswith("FrictPhys"):
-            sizes = union([one.radii for one in self.spheres() if one.material in ends])
-            if young[0] != young[1] and (sizes is None or sizes[0] != sizes[1]):
-                return None  # the stiffness depends on the modulus and size of each
-            return {"young": (2.0 * young[0] * young[1] / (young[0] + young[1]), one)}
+            mean = self.mean_modulus(young, ends)
+            return None if mean is None else {"young": (mean, one)}
         ratios = [self.number(each, "poisson") for each in pair]
         modulus, ratio = young[0], ratios[0]
         if young[0] != young[1] or ratios[0] != ratios[1]:
@@ -633,11 +650,20 @@ class Yade(Evaluator):
                 inverse = sum(1.0 / value for value in values if value)
                 found[name] = (values[0] if values[0] == values[1] else 2.0 / inverse, one)
         if "kn" not in found:
-            young = [self.number(each, "young") for each in pair]
-            if young[0] != young[1]:
+            mean = self.mean_modulus([self.number(each, "young") for each in pair], ends)
+            if mean is None:
                 return None
-            found["young"] = (young[0], one)
+            found["young"] = (mean, one)
         return found
+
+    def mean_modulus(self, young: list[float], ends: tuple[int, int]) -> float | None:
+        """The modulus of two springs 2 Y R in series; None if the sizes differ as well as the moduli."""
+        if young[0] == young[1]:
+            return young[0]
+        sizes = union([one.radii for one in self.spheres() if one.material in ends])
+        if sizes is None or sizes[0] != sizes[1]:
+            return None
+        return 2.0 * young[0] * young[1] / (young[0] + young[1])
 
     def matched(self, functor: Instance, name: str, ends: tuple[int, int]) -> float | None:
         """A number of a functor: the same for all contacts, or that of a MatchMaker; None if it has none."""
@@ -704,7 +730,7 @@ class Yade(Evaluator):
         if any(sign in name for sign in STICKY):
             self.invalidates[Note(f"adhesion or bonds ({name})", None, quote)] = None
         elif name.startswith("Law2_"):
-            if name not in LAWS:
+            if name not in (*LAWS, *UNDAMPED_LAWS):
                 self.unknown[quote] = None
             elif one.attributes.get("includeAdhesion") not in (None, False, 0):
                 self.invalidates[Note("adhesion (includeAdhesion)", None, quote)] = None

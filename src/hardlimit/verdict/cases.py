@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
+from itertools import permutations
 
 import numpy as np
 
@@ -24,6 +25,8 @@ from ..support.formatting import listed
 from .contacts import Body, Case, KnownBody
 
 WALL = "wall"
+#: In place of the name of a wall: the second grain is one of those of its type that do not move.
+FIXED = "fixed"
 
 
 @dataclass(frozen=True)
@@ -174,10 +177,27 @@ def _date(version: str) -> tuple[int, ...] | None:
 
 
 def _ends(number: int, stage: Stage, contact: ContactSettings, force: ModelForce | None) -> Iterator[Case]:
-    """The contact at the smallest and at the largest sizes; one if they are equal."""
+    """The contact at the smallest and at the largest sizes; one if they are equal. Then those with fixed grains."""
     grains = [stage.grains.get(name, Grains(name)) for name in contact.types if name != WALL]
     if all(one.frozen for one in grains):
         return
+    yield from _between(number, stage, contact, force, grains)
+    for first, second in {
+        (one.type, other.type): (one, other) for one, other in permutations(grains, 2)
+    }.values():
+        if second.partly_frozen and not first.frozen:
+            pair = [first, replace(second, frozen=True)]
+            yield from _between(number, stage, replace(contact, wall=FIXED), force, pair)
+
+
+def _between(
+    number: int,
+    stage: Stage,
+    contact: ContactSettings,
+    force: ModelForce | None,
+    grains: list[Grains],
+) -> Iterator[Case]:
+    """The contact of two grains, or of a grain and a wall, at the ends of their sizes."""
     grains.sort(key=lambda one: one.frozen)  # the first moves
     ends = [[_body(one, k) for one in grains] for k in (0, 1)]
     for bodies in ends if ends[0] != ends[1] else ends[:1]:
@@ -189,7 +209,7 @@ def _ends(number: int, stage: Stage, contact: ContactSettings, force: ModelForce
             bodies[1] if len(bodies) > 1 else None,
             force,
             None if force is None else force.model.name,
-            None if force is None else force.numbers.get("restitution"),
+            None if force is None else force.numbers.get("restitution", contact.asked),
             None if force is None else not force.attraction,
             stage.time_step,
             stage.numerical_damping,

@@ -244,7 +244,8 @@ def _lasting(
 
 
 def _fixed(stage: Stage, types: Sequence[str]) -> bool:
-    return any(name in stage.grains and stage.grains[name].frozen for name in types)
+    grains = [stage.grains[name] for name in types if name in stage.grains]
+    return any(one.frozen or one.partly_frozen for one in grains)
 
 
 def _finding(note: Note) -> Finding:

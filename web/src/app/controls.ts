@@ -1,0 +1,252 @@
+// The controls: a slider and a text field for every number.
+import { parse, sub, withUnit } from "../support/format";
+import {
+  clampTo, constants, constantsOf, densityFor, laws, massOf, MOST_BALLS, ranges, restitutionOf, setBallCount, settle, type Range, type Scenario,
+} from "../scenario/scenario";
+import { capital, labelOf, parameterOfColumn } from "../core/tables";
+import { touchable } from "../support/touch";
+
+// Positions of a slider: even steps on a linear scale, a thousand on a logarithmic one.
+const steps = (r: Range): number => (r.log ? 1000 : Math.round((r.high - r.low) / (r.step ?? 0.001)));
+
+interface Control {
+  element: HTMLElement;
+  refresh(): void;
+}
+
+// Sliders and fields are created once and reused when the law or the number of balls changes: creating
+// those of six balls takes longer than a frame.
+export class Controls {
+  private scenario: Scenario;
+  private list: Control[] = []; // those in the panel
+  private readonly made = new Map<string, Control>(); // by id and label
+  private shape = "";
+  private readonly about = document.createElement("p"); // text about the example
+  private readonly said = document.createElement("p"); // how an entry was corrected
+
+  constructor(
+    private readonly box: HTMLElement,
+    scenario: Scenario,
+    private readonly changed: () => void,
+  ) {
+    this.scenario = scenario;
+    this.about.className = "about";
+    this.said.className = "said";
+    this.said.setAttribute("role", "alert");
+    this.set(scenario, "");
+  }
+
+  // Returns whether the controls in the panel have changed.
+  set(scenario: Scenario, about: string): boolean {
+    if (scenario !== this.scenario) this.said.textContent = "";
+    this.scenario = scenario;
+    if (this.about.textContent !== about) this.about.textContent = about;
+    const shape = `${scenario.law} ${scenario.balls.length} ${scenario.cradle}`;
+    const changed = shape !== this.shape;
+    if (changed) this.build();
+    this.shape = shape;
+    for (const control of this.list) control.refresh();
+    return changed;
+  }
+
+  // Side effects of an entry are reported below it.
+  private edit(change: (s: Scenario) => void, at: HTMLElement | null = null, notes: string[] = []): void {
+    change(this.scenario);
+    settle(this.scenario, notes);
+    this.say(notes, at);
+    this.changed();
+  }
+
+  private say(notes: string[], at: HTMLElement | null): void {
+    this.said.textContent = notes.join("; ");
+    if (notes.length > 0) (at ?? this.box.firstElementChild)?.after(this.said);
+  }
+
+  private build(): void {
+    const focused = document.activeElement?.id;
+    const s = this.scenario;
+    this.list = [];
+    const parts: HTMLElement[] = [this.about];
+    const add = (c: Control): void => {
+      this.list.push(c);
+      parts.push(c.element);
+    };
+    add(this.number("restitution", labelOf(restitutionOf(s)), ranges.restitution, (q) => q.restitution, (q, x) => (q.restitution = x)));
+    if (s.balls.length === 2) add(this.gap(1, labelOf(parameterOfColumn("gap"))));
+    if (!s.cradle)
+      add(this.number("height", labelOf(parameterOfColumn("height")), ranges.height, (q) => q.height, (q, x) => (q.height = x)));
+    add(
+      this.once("law", () =>
+        this.choice("law", "Contact law", laws.map(({ name }) => [name, capital(name)]), () => this.scenario.law, (v) => this.edit((q) => (q.law = v))),
+      ),
+    );
+    for (const name of constantsOf(s)) {
+      const { label, range } = constants[name];
+      add(this.number(name, label, range, (q) => q.constants[name], (q, x) => (q.constants[name] = x)));
+    }
+    add(this.once("count", () => this.stepper()));
+    for (let i = s.balls.length - 1; i >= 0; i--) {
+      const group = document.createElement("div");
+      group.className = "ball";
+      group.setAttribute("role", "group");
+      const title = document.createElement("h3");
+      const n = s.balls.length;
+      const place = s.cradle ? (i === 0 ? ", first" : i === n - 1 ? ", last" : "") : i === 0 ? ", lowest" : i === n - 1 ? ", top" : "";
+      title.textContent = `Ball ${i + 1}${place}`;
+      title.id = `ball${i + 1}-title`;
+      group.setAttribute("aria-labelledby", title.id);
+      group.append(title);
+      const inside = (c: Control): void => {
+        this.list.push(c);
+        group.append(c.element);
+      };
+      const name = sub(i + 1);
+      inside(this.number(`radius${i + 1}`, labelOf(parameterOfColumn("radius")) + name, ranges.radius, (q) => q.balls[i].radius, (q, x) => (q.balls[i].radius = x)));
+      inside(
+        this.number(`mass${i + 1}`, labelOf(parameterOfColumn("mass")) + name, ranges.mass, (q) => massOf(q.balls[i]), (q, x) => (q.balls[i].density = densityFor(x, q.balls[i].radius))),
+      );
+      inside(this.density(i));
+      if (i > 0 && n > 2) inside(this.gap(i, s.cradle ? `Gap to ball ${i}` : `Gap below, to ball ${i}`));
+      if (s.cradle) inside(this.number(`velocity${i + 1}`, labelOf(parameterOfColumn("velocity")), ranges.velocity, (q) => q.velocities[i], (q, x) => (q.velocities[i] = x)));
+      parts.push(group);
+    }
+    this.box.replaceChildren(...parts);
+    if (focused) document.getElementById(focused)?.focus();
+  }
+
+  private once(key: string, make: () => Control): Control {
+    const known = this.made.get(key) ?? make();
+    this.made.set(key, known);
+    return known;
+  }
+
+  private density(i: number): Control {
+    return this.once(`density${i}`, () => {
+      const element = document.createElement("p");
+      element.className = "aside";
+      const refresh = (): void =>
+        void (element.textContent = `Density ${withUnit(this.scenario.balls[i].density, "kg/m³")}: stays when R${sub(i + 1)} changes, so m${sub(i + 1)} follows`);
+      return { element, refresh };
+    });
+  }
+
+  private gap(pair: number, label: string): Control {
+    return this.number(`gap${pair}`, label, ranges.gap, (q) => q.gaps[pair - 1], (q, x) => (q.gaps[pair - 1] = x));
+  }
+
+  private number(id: string, label: string, r: Range, get: (s: Scenario) => number, put: (s: Scenario, x: number) => void): Control {
+    return this.once(`${id} ${label}`, () => this.makeNumber(id, label, r, get, put));
+  }
+
+  private makeNumber(id: string, label: string, r: Range, get: (s: Scenario) => number, put: (s: Scenario, x: number) => void): Control {
+    const element = document.createElement("div");
+    element.className = "control";
+    const name = document.createElement("label");
+    name.textContent = label;
+    name.htmlFor = id;
+    const field = document.createElement("input");
+    field.type = "text";
+    field.id = `${id}-value`;
+    field.setAttribute("aria-label", `${label}, value${r.unit ? ` with unit (${r.unit})` : ""}`);
+    const slider = document.createElement("input");
+    slider.type = "range";
+    slider.id = id;
+    slider.min = "0";
+    slider.max = String(steps(r));
+    const say = (x: number): string => (r.zero && x === 0 ? "touching" : withUnit(x, r.unit, 4));
+    slider.addEventListener("input", () => this.edit((s) => put(s, fromSlider(r, Number(slider.value))), element));
+    field.addEventListener("change", () => {
+      const x = /^\s*touching\s*$/i.test(field.value) && r.zero ? 0 : parse(field.value, r.unit);
+      field.setAttribute("aria-invalid", String(!Number.isFinite(x)));
+      if (!Number.isFinite(x)) {
+        this.say([`${label}: “${field.value.slice(0, 20)}” is not a ${r.unit ? `value in ${r.unit}` : "number"}; ${say(get(this.scenario))} stays`], element);
+        return;
+      }
+      const kept = clampTo(r, x);
+      const range = `${r.zero ? 0 : withUnit(r.low, r.unit, 4)} … ${withUnit(r.high, r.unit, 4)}`;
+      this.edit((s) => put(s, kept), element, kept === x ? [] : [`${label}: ${withUnit(x, r.unit, 4)} is outside ${range}: ${say(kept)} used`]);
+    });
+    field.addEventListener("focus", () => field.select());
+    element.append(name, field, slider);
+    touchable(slider);
+    const refresh = (): void => {
+      const x = get(this.scenario);
+      slider.value = String(toSlider(r, x));
+      slider.setAttribute("aria-valuetext", say(x));
+      const text = say(x);
+      if (document.activeElement !== field || field.value === "" || parse(field.value, r.unit) !== x) field.value = text;
+      field.removeAttribute("aria-invalid");
+    };
+    return { element, refresh };
+  }
+
+  private choice(id: string, title: string, options: [string, string][], get: () => string, put: (v: string) => void): Control {
+    const element = document.createElement("fieldset");
+    element.className = "choice";
+    const legend = document.createElement("legend");
+    legend.textContent = title;
+    element.append(legend);
+    const inputs = options.map(([value, text]) => {
+      const label = document.createElement("label");
+      const input = document.createElement("input");
+      input.type = "radio";
+      input.name = id;
+      input.id = `${id}-${value}`;
+      input.value = value;
+      input.addEventListener("change", () => input.checked && put(value));
+      label.append(input, text);
+      element.append(label);
+      return input;
+    });
+    const refresh = (): void => inputs.forEach((input) => (input.checked = input.value === get()));
+    return { element, refresh };
+  }
+
+  private stepper(): Control {
+    const element = document.createElement("div");
+    element.className = "control count";
+    const name = document.createElement("span");
+    name.id = "count-label";
+    name.textContent = "Number of balls";
+    const group = document.createElement("div");
+    group.className = "stepper";
+    group.setAttribute("role", "group");
+    group.setAttribute("aria-labelledby", name.id);
+    const value = document.createElement("output");
+    value.id = "count";
+    const button = (text: string, label: string, id: string, by: number): HTMLButtonElement => {
+      const b = document.createElement("button");
+      b.type = "button";
+      b.id = id;
+      b.textContent = text;
+      b.setAttribute("aria-label", label);
+      b.addEventListener("click", () => this.edit((s) => setBallCount(s, Math.min(Math.max(s.balls.length + by, 2), MOST_BALLS))));
+      return b;
+    };
+    const less = button("−", "One ball less", "count-less", -1);
+    const more = button("+", "One ball more", "count-more", 1);
+    group.append(less, value, more);
+    element.append(name, group);
+    const refresh = (): void => {
+      const n = this.scenario.balls.length;
+      value.textContent = String(n);
+      less.setAttribute("aria-disabled", String(n <= 2));
+      more.setAttribute("aria-disabled", String(n >= MOST_BALLS));
+    };
+    return { element, refresh };
+  }
+}
+
+// Sliders are logarithmic where the range is; values are rounded to a few digits.
+export function fromSlider(r: Range, at: number): number {
+  if (r.zero && at === 0) return 0;
+  const share = at / steps(r);
+  const x = r.log ? r.low * (r.high / r.low) ** share : r.low + (r.high - r.low) * share;
+  return clampTo(r, Number(r.log ? x.toPrecision(3) : x.toFixed(3)));
+}
+
+export function toSlider(r: Range, x: number): number {
+  if (r.zero && x === 0) return 0;
+  const share = r.log ? Math.log(x / r.low) / Math.log(r.high / r.low) : (x - r.low) / (r.high - r.low);
+  return Math.round(steps(r) * Math.min(Math.max(share, 0), 1));
+}

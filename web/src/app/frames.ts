@@ -1,0 +1,92 @@
+// Layout: the whole page, the panels of a story step, or a single panel for a lecture or an embedding page.
+import { find } from "../support/dom";
+import type { PanelName } from "../story/lecture_view";
+import { lettering } from "../support/plot";
+import type { State } from "./state";
+
+export type Mode = "story" | "panel";
+
+export class Frames {
+  mode: Mode | null = null;
+
+  constructor() {
+    addEventListener("resize", () => this.sizeText());
+  }
+
+  // Elements shown besides the frame of the mode; null: the whole page.
+  show(mode: Mode | null, names: (PanelName | "tale")[]): void {
+    this.mode = mode;
+    const root = document.documentElement;
+    if (mode) root.dataset.mode = mode;
+    else delete root.dataset.mode;
+    root.dataset.panels = String(names.length);
+    this.sizeText();
+    document.querySelectorAll("main > .panel").forEach((panel) => panel.removeAttribute("data-shown"));
+    names.forEach((name, i) => document.querySelector(`main > .${name}`)?.setAttribute("data-shown", String(i + 1)));
+  }
+
+  private sizeText(): void {
+    lettering.lecture = this.mode !== null;
+    lettering.least = this.mode ? 0.88 * this.textSize() : 13;
+  }
+
+  // Size of text on the page [px]: in a lecture it grows with the window.
+  textSize(): number {
+    return parseFloat(getComputedStyle(document.documentElement).fontSize);
+  }
+
+  fullScreen(): void {
+    const asked = document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen?.();
+    asked?.catch(() => undefined); // the browser may refuse; the page still fills its window
+  }
+}
+
+// The page inside another page.
+export const embedded = (): boolean => window.self !== window.top;
+
+// A single panel: with a bar to choose another one, or embedded with a link to the whole page.
+export class SinglePanel {
+  constructor(
+    private readonly frames: Frames,
+    private readonly state: State,
+    private readonly changed: () => void,
+  ) {
+    find<HTMLSelectElement>("panel-choice").addEventListener("change", (e) => this.go((e.target as HTMLSelectElement).value as PanelName));
+    find("panel-full").addEventListener("click", () => frames.fullScreen());
+    find("panel-leave").addEventListener("click", () => this.go(null));
+    find("enlarge").addEventListener("click", () => this.go("film"));
+    addEventListener("keydown", (e) => {
+      if (e.key === "Escape" && state.lecture.panel && !embedded()) this.go(null);
+    });
+  }
+
+  go(panel: PanelName | null): void {
+    const { state } = this;
+    state.enterHistory();
+    state.lecture.panel = panel;
+    history.replaceState(null, "", state.link());
+    this.changed();
+    find(panel ? "panel-choice" : "enlarge").focus();
+  }
+
+  show(): void {
+    const { panel, pin } = this.state.lecture;
+    find("panel-bar").hidden = panel === null;
+    find("panel-tools").hidden = embedded();
+    find("panel-whole").hidden = !embedded();
+    if (panel === null) return;
+    this.frames.show("panel", [panel]);
+    const choice = find<HTMLSelectElement>("panel-choice");
+    choice.value = panel;
+    for (const option of choice.options) if (option.value === "compare") option.disabled = pin === null;
+    this.refreshLink();
+  }
+
+  // Keeps the link to the whole page in step with the setting.
+  refreshLink(): void {
+    if (!this.state.lecture.panel || !embedded()) return;
+    const url = new URL(this.state.link());
+    url.searchParams.delete("panel");
+    find<HTMLAnchorElement>("panel-whole").href = url.href;
+  }
+}

@@ -1,0 +1,44 @@
+// Progress of long computations.
+import { find } from "../support/dom";
+
+// A progress bar with a cancel button, shown after a short delay.
+export class Progress {
+  private timer = 0;
+  private began = 0;
+  private what = "";
+
+  constructor(giveUp: () => void) {
+    find("give-up").addEventListener("click", giveUp);
+  }
+
+  begin(): void {
+    document.documentElement.dataset.busy = "";
+    this.began = performance.now();
+    if (this.timer === 0) this.timer = window.setInterval(() => this.show(), 200);
+  }
+  tell(what: string, share: number): void {
+    this.what = what;
+    find<HTMLProgressElement>("progress").value = share;
+  }
+  end(): void {
+    clearInterval(this.timer);
+    this.timer = 0;
+    find("busy").hidden = true;
+    delete document.documentElement.dataset.busy;
+  }
+
+  private show(): void {
+    find("busy").hidden = false;
+    find("busy-what").textContent = `Computing ${this.what}: ${((performance.now() - this.began) / 1000).toFixed(1)} s`;
+  }
+}
+
+// Announces the result to screen readers once a slider rests.
+export class Announcer {
+  private timer = 0;
+
+  say(text: string): void {
+    clearTimeout(this.timer);
+    this.timer = window.setTimeout(() => (find("announcer").textContent = text), 600);
+  }
+}

@@ -1,0 +1,54 @@
+// Shared state of the page: the scenario, its solution, the time of the film, and
+// what must be drawn again.
+import type { Clock } from "../core/clock";
+import type { Drop } from "../core/drop";
+import { firstLectureView, lectureToQuery, scenarioToQuery, type LectureView } from "../story/lecture_view";
+import type { Scenario } from "../scenario/scenario";
+import { themeOf, type Theme } from "../style/theme";
+import { firstView, viewToQuery, type View } from "./view";
+
+export class State {
+  readonly view: View = firstView();
+  readonly lecture: LectureView = firstLectureView();
+  drop: Drop | null = null;
+  theme: Theme = themeOf(document.documentElement);
+  screen = 0; // time in the film [s on the screen]
+  playing = false;
+  readonly dirty = { solve: true, plots: true, timeline: true, mapPicture: true, stage: true };
+  private linkTimer = 0;
+
+  // `edited` is called when a part of the page has changed the scenario.
+  constructor(
+    public scenario: Scenario,
+    readonly edited: () => void,
+  ) {}
+
+  clock(): Clock {
+    return this.view.slow ? this.drop!.clock : this.drop!.realTime;
+  }
+  time(): number {
+    return this.drop ? this.clock().toPhysical(this.screen) : 0;
+  }
+  redraw(): void {
+    Object.assign(this.dirty, { plots: true, timeline: true, mapPicture: true, stage: true });
+  }
+
+  link(): string {
+    const q = new URLSearchParams();
+    scenarioToQuery(this.scenario, q);
+    viewToQuery({ ...this.view, time: this.playing || this.screen === 0 ? null : this.time() }, q);
+    lectureToQuery(this.lecture, q);
+    const text = q.toString().replaceAll("%2C", ",");
+    return `${location.origin}${location.pathname}${text ? `?${text}` : ""}`;
+  }
+  writeLink(): void {
+    clearTimeout(this.linkTimer);
+    this.linkTimer = window.setTimeout(() => history.replaceState(null, "", this.link()), 250);
+  }
+  // Adds a history entry; later links belong to it.
+  enterHistory(): void {
+    clearTimeout(this.linkTimer);
+    history.replaceState(null, "", this.link());
+    history.pushState(null, "", this.link());
+  }
+}

@@ -1,0 +1,75 @@
+// The web worker: computes one task after another.
+import { Core, Model, type TimelineRow } from "./core";
+import { solve, type Solved, type Unsolved } from "./drop";
+import { risesOf } from "./rises";
+import type { Scenario } from "../scenario/scenario";
+import { trajectoryCsv } from "./trajectory_csv";
+
+export interface Tasks {
+  solve: { ask: { scenario: Scenario }; answer: Solved | Unsolved };
+  csv: { ask: { scenario: Scenario }; answer: string | null };
+  // Points (ε, y) of a map; MAP_VALUES numbers each.
+  points: { ask: { column: Float64Array; axis: number; points: Float64Array }; answer: Float64Array };
+  // For each column the rebound height of its top ball under both models.
+  curve: { ask: { columns: Float64Array[] }; answer: Float64Array };
+  // Rows of the timeline; `adiabatic` also those of the lower ball unaffected by the upper one.
+  timeline: { ask: { column: Float64Array; restitution: number[]; adiabatic: boolean }; answer: { newton: TimelineRow[]; adiabatic: TimelineRow[] } };
+}
+export type Kind = keyof Tasks;
+
+export interface Request<K extends Kind = Kind> {
+  id: number;
+  kind: K;
+  ask: Tasks[K]["ask"];
+}
+export interface Reply {
+  id: number;
+  ms: number;
+  answer?: unknown;
+  error?: string;
+  begun?: { what: string; share: number }; // in progress: the stage that begins
+}
+
+let module: WebAssembly.Module;
+let core: Core;
+const post = (reply: Reply, transfer: Transferable[] = []): void => (self as unknown as Worker).postMessage(reply, transfer);
+
+const perform: { [K in Kind]: (ask: Tasks[K]["ask"], id: number) => Tasks[K]["answer"] } = {
+  solve: ({ scenario }, id) => solve(core, scenario, (what, share) => post({ id, ms: 0, begun: { what, share } })),
+  csv: ({ scenario }) => trajectoryCsv(core, scenario),
+  points({ column, axis, points }) {
+    core.setColumn(column);
+    return core.scan(axis, points);
+  },
+  curve: ({ columns }) => risesOf(core, columns),
+  timeline({ column, restitution, adiabatic }) {
+    core.setColumn(column);
+    return { newton: core.timeline(Model.newton, restitution), adiabatic: adiabatic ? core.timeline(Model.adiabatic, restitution) : [] };
+  },
+};
+
+function transferable(answer: unknown): Transferable[] {
+  if (answer instanceof Float64Array) return [answer.buffer];
+  if (answer && typeof answer === "object" && "newton" in answer && "icm" in answer) {
+    const { newton, icm } = answer as Solved;
+    return [newton, icm].flatMap(({ samples }) => [samples.times.buffer, samples.rows.buffer]);
+  }
+  return [];
+}
+
+self.onmessage = (event: MessageEvent<WebAssembly.Module | Request>): void => {
+  if (event.data instanceof WebAssembly.Module) {
+    module = event.data;
+    core = new Core(module);
+    return;
+  }
+  const { id, kind, ask } = event.data;
+  const begin = performance.now();
+  try {
+    const answer = (perform[kind] as (ask: unknown, id: number) => unknown)(ask, id);
+    post({ id, ms: performance.now() - begin, answer }, transferable(answer));
+  } catch (error) {
+    core = new Core(module); // the state after a trap is undefined
+    post({ id, ms: performance.now() - begin, error: String(error) });
+  }
+};

@@ -1,0 +1,122 @@
+// Axes of the plots: scales, ticks and labels.
+import { niceTicks } from "./format";
+import type { Theme } from "../style/theme";
+
+export interface Frame {
+  left: number;
+  top: number;
+  width: number;
+  height: number;
+}
+
+export class Scale {
+  constructor(
+    readonly low: number,
+    readonly high: number,
+    readonly from: number, // pixel of low
+    readonly to: number, // pixel of high
+    readonly log = false,
+  ) {}
+  private f(x: number): number {
+    return this.log ? Math.log(x) : x;
+  }
+  at(x: number): number {
+    return this.from + ((this.f(x) - this.f(this.low)) / (this.f(this.high) - this.f(this.low))) * (this.to - this.from);
+  }
+  value(pixel: number): number {
+    const y = this.f(this.low) + ((pixel - this.from) / (this.to - this.from)) * (this.f(this.high) - this.f(this.low));
+    return this.log ? Math.exp(y) : y;
+  }
+}
+
+// Scales with the plot and with the text of the page.
+// Size of text in pictures [px]: at least 13; in a lecture that of the text around them.
+export const lettering = { least: 13, lecture: false };
+
+export const fontSize = (w: number): number =>
+  lettering.lecture ? Math.min(lettering.least, Math.max(w / 26, 13)) : Math.min(Math.max(w / 42, 13), Math.max(16, w / 50));
+
+// Lines and marks grow with the text.
+export const grown = (size: number): number => Math.max(1, size / 16);
+
+export function setFont(g: CanvasRenderingContext2D, theme: Theme, size: number, weight = 400): void {
+  g.font = `${weight} ${Math.round(size)}px ${theme.font}`;
+}
+
+export interface AxisText {
+  ticks: number[];
+  name: (tick: number) => string;
+  title: string;
+  after?: number; // pixels: names of ticks begin to the right of it
+}
+
+// Ticks, grid and titles around a frame. The title of the vertical axis is horizontal, above the axis, so that it can
+// be read easily.
+export function drawAxes(g: CanvasRenderingContext2D, f: Frame, x: Scale, y: Scale, xText: AxisText | null, yText: AxisText, theme: Theme, size: number, grid = true): void {
+  setFont(g, theme, size);
+  g.lineWidth = 1;
+  g.textBaseline = "middle";
+  g.textAlign = "right";
+  for (const tick of yText.ticks) {
+    const at = Math.round(y.at(tick)) + 0.5;
+    if (grid) {
+      g.strokeStyle = theme.faint;
+      stroke(g, f.left, at, f.left + f.width, at);
+    }
+    g.strokeStyle = theme.muted;
+    stroke(g, f.left - 4, at, f.left, at);
+    g.fillStyle = theme.muted;
+    g.fillText(yText.name(tick), f.left - 7, at);
+  }
+  if (xText) {
+    g.textBaseline = "top";
+    g.textAlign = "center";
+    let right = xText.after ?? -Infinity;
+    for (const tick of xText.ticks) {
+      const at = Math.round(x.at(tick)) + 0.5;
+      g.strokeStyle = theme.muted;
+      stroke(g, at, f.top + f.height, at, f.top + f.height + 4);
+      const text = xText.name(tick);
+      const half = g.measureText(text).width / 2;
+      if (at - half < right + 8 || at + half > f.left + f.width + 1.4 * size) continue;
+      right = at + half;
+      g.fillStyle = theme.muted;
+      g.fillText(text, at, f.top + f.height + 7);
+    }
+    g.fillStyle = theme.ink;
+    g.textAlign = "right";
+    g.fillText(xText.title, f.left + f.width, f.top + f.height + 7 + 1.3 * size);
+  }
+  g.textBaseline = "bottom";
+  g.textAlign = "left";
+  g.fillStyle = theme.ink;
+  const crowded = yText.ticks.some((tick) => Math.abs(y.at(tick) - f.top) < 0.9 * size);
+  g.fillText(yText.title, Math.max(f.left - 2.6 * size, 2), f.top - (crowded ? 0.75 * size : 6));
+  g.strokeStyle = theme.muted;
+  g.strokeRect(Math.round(f.left) + 0.5, Math.round(f.top) + 0.5, Math.round(f.width), Math.round(f.height));
+}
+
+export function stroke(g: CanvasRenderingContext2D, x0: number, y0: number, x1: number, y1: number): void {
+  g.beginPath();
+  g.moveTo(x0, y0);
+  g.lineTo(x1, y1);
+  g.stroke();
+}
+
+// Unit of time for a span: a power of 1000 and its name.
+export function timeUnit(span: number): [number, string] {
+  if (span < 2e-6) return [1e9, "ns"];
+  if (span < 2e-3) return [1e6, "µs"];
+  if (span < 2) return [1e3, "ms"];
+  return [1, "s"];
+}
+
+// Ticks of a time axis whose zero is at `origin`.
+export function timeTicks(x: Scale, origin: number, factor: number, wanted: number): Pick<AxisText, "ticks" | "name"> {
+  const low = (x.low - origin) * factor;
+  const high = (x.high - origin) * factor;
+  return {
+    ticks: niceTicks(low, high, Math.max(3, wanted)).map((t) => origin + t / factor),
+    name: (t) => String(Number(((t - origin) * factor).toPrecision(6)) + 0).replace(/^-?\d+\.?\d*e-.*/, "0").replace("-", "−"),
+  };
+}

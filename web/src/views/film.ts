@@ -1,0 +1,139 @@
+// The film: its time, its controls and its drawing.
+import { find, type Sheet } from "../support/dom";
+import type { Drop } from "../core/drop";
+import { drawStage } from "./stage";
+import type { State } from "../app/state";
+import { independent, newton } from "../core/tables";
+import { touchable } from "../support/touch";
+
+export class Film {
+  private held = 0; // time for which the last picture has been shown [s]
+
+  constructor(
+    private readonly state: State,
+    private readonly sheet: Sheet,
+  ) {
+    find("play").addEventListener("click", () => this.play(!state.playing));
+    find("slow").addEventListener("click", () => this.setSlow(!state.view.slow));
+    this.refresh();
+    const scrubber = find<HTMLInputElement>("scrubber");
+    touchable(scrubber);
+    scrubber.addEventListener("input", () => {
+      this.play(false);
+      state.screen = (Number(scrubber.value) / 2000) * state.clock().length;
+    });
+    document.addEventListener("keydown", (e) => this.key(e));
+  }
+
+  // Updates the buttons.
+  refresh(): void {
+    find("play").textContent = this.state.playing ? "Pause" : "Play";
+    find("slow").setAttribute("aria-pressed", String(this.state.view.slow));
+  }
+
+  seek(time: number): void {
+    if (!this.state.drop) return;
+    this.state.screen = this.state.clock().toScreen(time);
+    this.held = 0;
+    this.state.dirty.stage = true;
+  }
+
+  play(on: boolean): void {
+    const { state } = this;
+    state.playing = on;
+    this.held = 0;
+    if (on && state.drop && state.screen >= state.clock().length) state.screen = 0;
+    this.refresh();
+    state.dirty.stage = true;
+    state.writeLink();
+  }
+
+  private setSlow(on: boolean): void {
+    const time = this.state.time();
+    this.state.view.slow = on;
+    this.refresh();
+    this.seek(time);
+    this.state.writeLink();
+  }
+
+  private step(by: number): void {
+    const { state } = this;
+    this.play(false);
+    state.screen = Math.min(Math.max(state.screen + by, 0), state.clock().length);
+  }
+
+  // Keys of the film work everywhere except in a focused control that uses them.
+  private key(e: KeyboardEvent): void {
+    const { state } = this;
+    const target = e.target as HTMLElement;
+    if (e.ctrlKey || e.metaKey || e.altKey || !state.drop) return;
+    const letter = e.key.length === 1;
+    if (target.closest("input:not([type=range]), select, textarea")) return;
+    if (target.closest(letter ? "button, a, summary" : "input, button, a, canvas[tabindex]")) return;
+    const step = state.clock().length / 200;
+    const actions: Record<string, () => void> = {
+      " ": () => this.play(!state.playing),
+      ArrowLeft: () => this.step(-step),
+      ArrowRight: () => this.step(step),
+      Home: () => this.step(-1e9),
+      End: () => this.step(1e9),
+      s: () => this.setSlow(!state.view.slow),
+    };
+    const action = actions[letter ? e.key.toLowerCase() : e.key];
+    if (!action) return;
+    e.preventDefault();
+    action();
+  }
+
+  advance(passed: number): void {
+    const { state } = this;
+    const end = state.clock().length;
+    if (state.screen < end) {
+      state.screen = Math.min(state.screen + passed, end);
+      state.dirty.stage = true;
+    } else {
+      this.held += passed;
+      if (this.held > 2.5) {
+        state.screen = this.held = 0;
+        state.dirty.stage = true;
+      }
+    }
+  }
+
+  draw(): void {
+    const { state, sheet } = this;
+    const d = state.drop!;
+    const time = state.time();
+    const rate = drawMoment(sheet.g, sheet.width, sheet.height, state);
+    const scrubber = find<HTMLInputElement>("scrubber");
+    scrubber.value = String(Math.round((2000 * state.screen) / state.clock().length));
+    const told = clockText(time, d);
+    find("time").textContent = `t = ${told}`;
+    const slower = 1 / rate;
+    const speed = slower < 1.05 ? "real time" : `${slower < 10 ? slower.toFixed(1) : Math.round(Number(slower.toPrecision(2))).toLocaleString("en").replaceAll(",", " ")} × slower than real`;
+    find("speed").textContent = speed;
+    scrubber.setAttribute("aria-valuetext", `${told}, ${speed}`);
+    if (!state.playing || sheet.canvas.getAttribute("aria-label") === null)
+      sheet.canvas.setAttribute("aria-label", `Animation at ${told}: balls of ${newton.label} beside those of ${independent.label}`);
+  }
+}
+
+// Both models at the time of the film; returns how fast it runs there.
+export function drawMoment(g: CanvasRenderingContext2D, w: number, h: number, state: State): number {
+  const d = state.drop!;
+  const time = state.time();
+  const [newton, icm] = [d.motion.newton.at(time), d.motion.icm.at(time)];
+  const rate = state.view.slow ? d.clock.rate(time) : 1;
+  drawStage(g, w, h, d, { time, rate, newton, icm }, state.theme);
+  return rate;
+}
+
+// In the unit of the contacts while they last, in seconds before and after.
+export function clockText(time: number, d: Drop): string {
+  const span = d.to - d.from;
+  const near = time > d.from - 2 * span && time < d.to + 2 * span;
+  if (!near) return `${(time - d.origin).toFixed(3).replace("-", "−")} s`;
+  const [factor, unit] = span < 2e-6 ? [1e9, "ns"] : span < 2e-3 ? [1e6, "µs"] : [1e3, "ms"];
+  const places = span * factor < 10 ? 3 : span * factor < 100 ? 2 : 1;
+  return `${((time - d.origin) * factor).toFixed(places).replace("-", "−")} ${unit}`;
+}

@@ -1,0 +1,33 @@
+// A strip with the result and a small film, visible on a phone while the film is scrolled away.
+import { find, Sheet } from "../support/dom";
+import { drawTrueScale } from "./stage";
+import type { State } from "../app/state";
+
+export class Mini {
+  private readonly sheet: Sheet;
+  private away = false;
+
+  constructor(private readonly state: State) {
+    this.sheet = new Sheet("mini-stage", () => state.redraw());
+    new IntersectionObserver(([entry]) => {
+      this.away = !entry.isIntersecting && entry.boundingClientRect.top < 0;
+      this.refresh();
+    }).observe(find("film"));
+    find("mini").addEventListener("click", () => find("film").scrollIntoView({ block: "start" }));
+  }
+
+  refresh(): void {
+    find("mini").classList.toggle("away", this.away);
+    this.state.dirty.stage = true;
+  }
+
+  draw(): void {
+    const { state, sheet } = this;
+    if (!this.away || !state.drop || sheet.width < 20) return;
+    sheet.g.clearRect(0, 0, sheet.width, sheet.height);
+    const time = state.time();
+    const { motion } = state.drop;
+    const moment = { time, rate: 1, newton: motion.newton.at(time), icm: motion.icm.at(time) };
+    drawTrueScale(sheet.g, { x: 0, y: 0, w: sheet.width, h: sheet.height }, state.drop, moment, state.theme, "");
+  }
+}

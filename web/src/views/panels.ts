@@ -1,0 +1,134 @@
+// The two plots over time, forces and timeline: drawing, pointer and keys.
+import { find, type Sheet } from "../support/dom";
+import { clockText, type Film } from "./film";
+import { drawForces, type ForcesLayout } from "./forces";
+import type { Frame, Scale } from "../support/plot";
+import type { Pool } from "../core/pool";
+import { clampTo, copyOf, ranges } from "../scenario/scenario";
+import type { State } from "../app/state";
+import { Timeline, type TimelineLayout } from "./timeline";
+import { dragged } from "../support/touch";
+
+// Moves the marker lines of the film's time in a plot.
+function placeCursors(box: string, time: number, x: Scale, frames: Frame[]): void {
+  find(box).querySelectorAll<HTMLElement>(".cursor").forEach((cursor, i) => {
+    const frame = frames[i];
+    cursor.hidden = !frame || time < x.low || time > x.high;
+    if (cursor.hidden) return;
+    cursor.style.transform = `translate(${x.at(time)}px, ${frame.top}px)`;
+    cursor.style.height = `${frame.height}px`;
+  });
+}
+
+// Contact forces; a press chooses the time of the film.
+export class ForcesPanel {
+  private layout: ForcesLayout | null = null;
+
+  constructor(
+    private readonly state: State,
+    private readonly sheet: Sheet,
+    private readonly film: Film,
+  ) {
+    dragged(sheet.canvas, (x) => this.layout && this.choose(this.layout.x.value(x)));
+    sheet.canvas.addEventListener("keydown", (e) => this.key(e));
+  }
+
+  draw(): void {
+    const { state, sheet } = this;
+    this.layout = drawForces(sheet.g, sheet.width, sheet.height, state.drop!, state.theme);
+  }
+
+  mark(): void {
+    const { layout, state, sheet } = this;
+    if (!layout) return;
+    const time = state.time();
+    placeCursors("forces-box", time, layout.x, layout.frames);
+    const share = Math.round((1000 * (time - layout.x.low)) / (layout.x.high - layout.x.low));
+    sheet.canvas.setAttribute("aria-valuenow", String(Math.min(Math.max(share, 0), 1000)));
+    if (!state.playing) sheet.canvas.setAttribute("aria-valuetext", clockText(time, state.drop!));
+  }
+
+  private choose(time: number): void {
+    if (this.state.playing) this.film.play(false);
+    this.film.seek(time);
+    this.state.writeLink();
+  }
+
+  private key(e: KeyboardEvent): void {
+    if (!this.layout) return;
+    const { low, high } = this.layout.x;
+    const now = this.state.time();
+    const to: Record<string, number> = {
+      ArrowLeft: now - (high - low) / 200,
+      ArrowRight: now + (high - low) / 200,
+      PageDown: now - (high - low) / 20,
+      PageUp: now + (high - low) / 20,
+      Home: low,
+      End: high,
+    };
+    if (!(e.key in to)) return;
+    e.preventDefault();
+    this.choose(Math.min(Math.max(to[e.key], low), high));
+  }
+}
+
+// Contacts over ε; a press chooses ε.
+export class TimelinePanel {
+  readonly timeline: Timeline;
+  private drawn = 0;
+  private layout: TimelineLayout | null = null;
+  private key = "";
+
+  constructor(
+    private readonly state: State,
+    private readonly sheet: Sheet,
+    pool: Pool,
+  ) {
+    this.timeline = new Timeline(pool, () => (state.dirty.timeline = true), sheet.shown);
+    dragged(sheet.canvas, (_, y) => this.layout && this.choose(this.layout.y.value(y)));
+    sheet.canvas.addEventListener("keydown", (e) => {
+      const by: Record<string, number> = { ArrowUp: 0.005, ArrowRight: 0.005, ArrowDown: -0.005, ArrowLeft: -0.005, PageUp: 0.05, PageDown: -0.05, Home: -1, End: 1 };
+      if (!(e.key in by)) return;
+      e.preventDefault();
+      this.choose(this.state.scenario.restitution + by[e.key]);
+    });
+  }
+
+  // Restarts unless only ε has changed.
+  refresh(): void {
+    const key = JSON.stringify({ ...this.state.scenario, restitution: 0 });
+    if (key !== this.key) this.timeline.start(copyOf(this.state.scenario));
+    this.key = key;
+  }
+
+  // Whether to redraw: less often while rows arrive.
+  due(now: number): boolean {
+    if (!this.state.dirty.timeline || !this.state.drop || (!this.timeline.done && now - this.drawn < 120)) return false;
+    this.drawn = now;
+    return true;
+  }
+
+  draw(): void {
+    const { state, sheet } = this;
+    state.dirty.timeline = false;
+    this.layout = this.timeline.draw(sheet.g, sheet.width, sheet.height, state.drop!, state.theme);
+    const s = state.scenario;
+    sheet.canvas.setAttribute("aria-valuenow", String(s.restitution));
+    sheet.canvas.dataset.computed = String(this.timeline.done);
+    const exact = s.law === "linear" && s.balls.length === 2 && !s.cradle;
+    const { done, progress, goesOn } = this.timeline;
+    find("timeline-hint").textContent =
+      (done ? "" : `${Math.floor(100 * progress)} % computed. `) +
+      (exact ? "Dotted edges: the same with the lower ball unaffected by the upper one. " : "") + (s.cradle ? "" : "Dashed: the floor contact ends. ") +
+      (done && goesOn && !s.cradle ? "Some contacts come later than shown. " : "") + "Click chooses ε.";
+  }
+
+  mark(): void {
+    if (this.layout) placeCursors("timeline-box", this.state.time(), this.layout.x, [this.layout.frame]);
+  }
+
+  private choose(restitution: number): void {
+    this.state.scenario.restitution = clampTo(ranges.restitution, Number(restitution.toFixed(3)));
+    this.state.edited();
+  }
+}

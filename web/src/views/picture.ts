@@ -1,0 +1,55 @@
+// All plots of the page in one image at twice the screen's resolution, with the parameters below.
+import { clockText, drawMoment } from "./film";
+import { drawForces } from "./forces";
+import { withUnit } from "../support/format";
+import type { ContactMap } from "../map/map";
+import { verdict } from "./numbers";
+import { constants, constantsOf, type Scenario } from "../scenario/scenario";
+import type { State } from "../app/state";
+import type { Timeline } from "./timeline";
+
+export function picture(state: State, timeline: Timeline, map: ContactMap, marked: [number, number]): HTMLCanvasElement {
+  const [width, height] = [1600, 1200];
+  const [canvas, g] = sharpCanvas(width, height);
+  const { theme } = state;
+  g.fillStyle = theme.ground;
+  g.fillRect(0, 0, width, height);
+  const d = state.drop!;
+  const part = (x: number, y: number, w: number, h: number, draw: (g: CanvasRenderingContext2D) => void): void => {
+    const [sheet, own] = sharpCanvas(w, h);
+    draw(own);
+    g.drawImage(sheet, x, y, w, h);
+  };
+  part(20, 96, 770, 540, (own) => void drawMoment(own, 770, 540, state));
+  part(820, 96, 760, 540, (own) => void drawForces(own, 760, 540, d, theme));
+  part(20, 656, 770, 460, (own) => void timeline.draw(own, 770, 460, d, theme));
+  part(820, 656, 760, 460, (own) => void map.draw(own, 760, 460, state.view.map.axis, marked, theme));
+  g.textBaseline = "alphabetic";
+  g.font = `600 26px ${theme.font}`;
+  const [said, saidByIcm] = verdict(d);
+  g.fillStyle = theme.newton;
+  g.fillText(said, 20, 36);
+  g.fillStyle = theme.icm;
+  g.fillText(saidByIcm, 20, 70);
+  g.font = `400 17px ${theme.font}`;
+  g.fillStyle = theme.muted;
+  g.fillText(`${parameters(state.scenario)}; pictured at t = ${clockText(state.time(), d)}`, 20, 1150);
+  g.fillText("hardlimit, after Müller & Pöschel, Phys. Rev. E 83, 041304 (2011)", 20, 1178);
+  return canvas;
+}
+
+function sharpCanvas(width: number, height: number): [HTMLCanvasElement, CanvasRenderingContext2D] {
+  const canvas = document.createElement("canvas");
+  canvas.width = 2 * width;
+  canvas.height = 2 * height;
+  const g = canvas.getContext("2d")!;
+  g.scale(2, 2);
+  return [canvas, g];
+}
+
+function parameters(s: Scenario): string {
+  const radii = s.balls.map((b) => withUnit(b.radius, "m")).join(", ");
+  const gaps = s.gaps.map((x) => withUnit(x, "m")).join(", ");
+  const law = constantsOf(s).map((name) => `${constants[name].symbol} = ${withUnit(s.constants[name], constants[name].range.unit)}`).join(", ");
+  return `ε = ${s.restitution}, radii ${radii}, gaps ${gaps}, ${s.cradle ? "cradle" : `height ${withUnit(s.height, "m")}`}, ${law}`;
+}

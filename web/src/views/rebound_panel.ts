@@ -1,0 +1,230 @@
+// The panel of rebound heights: drawing, reading values, pointer, measured heights.
+import { find, type Sheet } from "../support/dom";
+import { digits, metres, withUnit } from "../support/format";
+import type { CurveAxis, LectureView } from "../story/lecture_view";
+import { readMeasurements, type Measurements } from "./measurements";
+import type { Pool } from "../core/pool";
+import { Curve, spanOf, valueOn, type CurvePoint } from "./rebound";
+import { drawCurves, nameOf, nearest, valueAt, type CurveLayout, type CurvePicture } from "./rebound_plot";
+import { clampTo, firstGap, lowestHeight, ranges, type Scenario } from "../scenario/scenario";
+import type { State } from "../app/state";
+import { independent, newton } from "../core/tables";
+import { dragged } from "../support/touch";
+
+const largestFile = 1e6; // bytes
+
+export class ReboundPanel {
+  private readonly curve: Curve;
+  private readonly pinned: Curve;
+  private layout: CurveLayout | null = null;
+  private key = "";
+  private pinnedKey = "";
+  private hovered: number | null = null;
+  private measured: Measurements | null = null;
+  dirty = true;
+
+  constructor(
+    private readonly state: State,
+    private readonly view: LectureView,
+    private readonly sheet: Sheet,
+    pool: Pool,
+  ) {
+    const changed = (): void => void (this.dirty = true);
+    this.curve = new Curve(pool, changed, sheet.shown);
+    this.pinned = new Curve(pool, changed, sheet.shown);
+    this.listen();
+  }
+
+  // Restarts if the curves belong to another scenario.
+  refresh(): void {
+    const { state, view } = this;
+    if (!state.drop) return;
+    this.refreshChoices();
+    const { scenario } = state;
+    const { run } = state.drop.newton;
+    const floor = Number.isFinite(run.tFloorEnd) ? run.tFloorEnd : state.drop.to - state.drop.from;
+    const speed = scenario.cradle ? Math.max(...scenario.velocities.map(Math.abs)) : run.impactSpeed;
+    const span = spanOf(scenario, view.curve, floor, speed);
+    if (this.key !== keyOf(scenario, view.curve, span)) {
+      this.key = keyOf(scenario, view.curve, span);
+      this.curve.start(scenario, view.curve, span);
+    }
+    const same = view.pin !== null && view.pin.cradle === scenario.cradle;
+    const pinnedKey = same ? keyOf(view.pin!, view.curve, span) : "";
+    if (this.pinnedKey !== pinnedKey) {
+      this.pinnedKey = pinnedKey;
+      if (same) this.pinned.start(view.pin!, view.curve, span);
+      else this.pinned.stop();
+    }
+    this.dirty = true;
+  }
+
+  private refreshChoices(): void {
+    const { scenario } = this.state;
+    const select = find<HTMLSelectElement>("rebound-axis");
+    select.options[2].disabled = scenario.cradle;
+    if (scenario.cradle && this.view.curve === "ratio") this.view.curve = "gap";
+    select.value = this.view.curve;
+    const what = scenario.cradle ? "Speed of the last ball" : "Rebound height";
+    find("rebound-title").textContent = `${what} over ${{ gap: "the gap", e: "ε", ratio: "R₁/R₂" }[this.view.curve]}`;
+  }
+
+  drawIfDue(): void {
+    if (!this.dirty || !this.state.drop || this.sheet.width < 40) return;
+    this.dirty = false;
+    const { sheet, state } = this;
+    this.layout = drawCurves(sheet.g, sheet.width, sheet.height, this.picture(), state.theme);
+    this.tell();
+    sheet.canvas.dataset.points = String(this.curve.points.length);
+    sheet.canvas.dataset.done = String(this.curve.done && (this.pinnedKey === "" || this.pinned.done));
+  }
+
+  private picture(): CurvePicture {
+    const { state, view, curve } = this;
+    const { scenario } = state;
+    const top = scenario.height + scenario.balls.reduce((sum, b, i) => sum + (i > 0 ? 2 * b.radius : 0), 0) + scenario.gaps.reduce((a, b) => a + b, 0) +
+      scenario.balls[0].radius - scenario.balls[scenario.balls.length - 1].radius;
+    const pinned = this.pinnedKey !== "";
+    return {
+      axis: view.curve, span: curve.span, points: curve.points, touching: curve.touching,
+      pinned: pinned ? this.pinned.points : [], pinnedTouching: pinned ? this.pinned.touching : null,
+      pinnedAt: pinned ? valueOn(view.pin!, view.curve) : null,
+      released: scenario.cradle || view.curve === "ratio" ? NaN : top,
+      measured: scenario.cradle ? null : this.measured,
+      marked: this.marked(), hovered: this.hovered, cradle: scenario.cradle,
+    };
+  }
+
+  // The value under the pointer, or that of the present setting.
+  private tell(): void {
+    const picture = this.picture();
+    const point = this.hovered === null ? picture.marked : nearest(picture, this.hovered);
+    const text = point ? `${nameOf(picture.axis, point.x)}: ${this.told(point)}` : "computing …";
+    const out = find("rebound-reading");
+    if (out.textContent !== text) out.textContent = text;
+    const { canvas } = this.sheet;
+    canvas.setAttribute("aria-valuenow", String(Number(picture.marked.x.toPrecision(4))));
+    canvas.setAttribute("aria-valuetext", `${nameOf(picture.axis, picture.marked.x)}: ${this.told(picture.marked)}`);
+  }
+
+  // The present setting: its own values, not those of the nearest point computed.
+  private marked(): CurvePoint {
+    const { newton, icm, scenario } = this.state.drop!;
+    const top = scenario.balls.length - 1;
+    const value = (t: typeof newton): number => (scenario.cradle ? t.final.velocity[top] : t.peaks[top]);
+    return { x: valueOn(this.state.scenario, this.view.curve), newton: value(newton), icm: value(icm) };
+  }
+
+  private told(p: CurvePoint): string {
+    const say = (x: number): string => (!Number.isFinite(x) ? "none" : this.state.scenario.cradle ? withUnit(x, "m/s") : metres(x));
+    return `${newton.short} ${say(p.newton)}, ${independent.short} ${say(p.icm)}`;
+  }
+
+  // Newton's heights at gap 0 and the highest over the gap; null until they are computed.
+  extremes(): { touching: number; best: number; at: number } | null {
+    const { points, touching, axis, done } = this.curve;
+    if (!done || axis !== "gap" || !touching) return null;
+    const best = [touching, ...points].reduce((a, b) => (b.newton > a.newton ? b : a));
+    return { touching: touching.newton, best: best.newton, at: best.x };
+  }
+
+  private choose(x: number): void {
+    const { scenario: s } = this.state;
+    if (this.view.curve === "e") s.restitution = clampTo(ranges.restitution, Number(x.toFixed(3)));
+    else if (this.view.curve === "gap") s.gaps = s.gaps.map((gap, i) => (i < firstGap(s) ? gap : clampTo(ranges.gap, Number(x.toPrecision(3)))));
+    else {
+      const before = s.balls[0].radius;
+      s.balls[0].radius = clampTo(ranges.radius, Number((x * s.balls[1].radius).toPrecision(4)));
+      if (s.height < lowestHeight(s)) s.balls[0].radius = before;
+    }
+    this.state.edited();
+  }
+
+  // ---- changes ----------------------------------------------------------------------------------------
+
+  private listen(): void {
+    const { canvas } = this.sheet;
+    dragged(canvas, (x) => this.layout && this.choose(valueAt(this.layout, x)));
+    canvas.addEventListener("pointermove", (e) => {
+      if (e.pointerType === "touch" || !this.layout) return;
+      this.hovered = valueAt(this.layout, e.offsetX);
+      this.dirty = true;
+    });
+    canvas.addEventListener("pointerleave", () => {
+      this.hovered = null;
+      this.dirty = true;
+    });
+    canvas.addEventListener("keydown", (e) => this.press(e));
+    find<HTMLSelectElement>("rebound-axis").addEventListener("change", (e) => this.setAxis((e.target as HTMLSelectElement).value as CurveAxis));
+    const file = find<HTMLInputElement>("measured-file");
+    find("measured").addEventListener("click", () => (this.measured ? this.setMeasured(null, "") : file.click()));
+    file.addEventListener("change", () => {
+      if (file.files?.[0]) void this.load(file.files[0]);
+      file.value = "";
+    });
+  }
+
+  setAxis(axis: CurveAxis): void {
+    this.view.curve = axis;
+    this.refresh();
+    this.state.writeLink();
+  }
+
+  private press(e: KeyboardEvent): void {
+    if (!this.layout) return;
+    const { low, high, log } = this.curve.span;
+    const now = valueOn(this.state.scenario, this.view.curve);
+    const by = (share: number): number => {
+      if (!log) return now + share * (high - low);
+      if (now === 0) return share > 0 ? low : 0;
+      const next = now * (high / low) ** share;
+      return this.view.curve === "gap" && next < 0.999 * low && share < 0 ? 0 : next;
+    };
+    const to: Record<string, number> = {
+      ArrowRight: by(0.01), ArrowUp: by(0.01), ArrowLeft: by(-0.01), ArrowDown: by(-0.01),
+      PageUp: by(0.1), PageDown: by(-0.1), Home: this.view.curve === "gap" ? 0 : low, End: high,
+    };
+    if (!(e.key in to)) return;
+    e.preventDefault();
+    e.stopPropagation();
+    this.choose(Math.min(to[e.key], high));
+  }
+
+  // ---- measured heights -------------------------------------------------------------------------------
+
+  async load(file: File): Promise<void> {
+    if (file.size > largestFile) return this.setMeasured(null, `${file.name}: got ${file.size} bytes, must be at most ${largestFile}`);
+    try {
+      const found = readMeasurements(await file.text());
+      this.setMeasured(found, "");
+      if (found.axis !== this.view.curve) this.setAxis(found.axis);
+      const [low, high] = [Math.min(...found.list.map((m) => m.height)), Math.max(...found.list.map((m) => m.height))];
+      this.say(`${file.name}: ${found.list.length} measured height${found.list.length === 1 ? "" : "s"}, ${digits(low)} to ${digits(high)} m.`, false);
+    } catch (error) {
+      this.setMeasured(null, `${file.name}: ${(error as Error).message}`);
+    }
+  }
+
+  private setMeasured(measured: Measurements | null, fault: string): void {
+    this.measured = measured;
+    find("measured").textContent = measured ? "Remove measured heights" : "Load measured heights (CSV)";
+    this.say(fault, true);
+    this.dirty = true;
+  }
+
+  private say(text: string, fault: boolean): void {
+    const box = find("measured-note");
+    box.textContent = text;
+    box.hidden = text === "";
+    box.classList.toggle("fault", fault);
+  }
+}
+
+// Key of the parameters of the curves, without the one along their axis.
+function keyOf(scenario: Scenario, axis: CurveAxis, span: object): string {
+  const s = { ...scenario, gaps: [...scenario.gaps], balls: scenario.balls.map((b) => ({ ...b })) };
+  if (axis === "e") s.restitution = 0;
+  else if (axis === "gap") s.gaps = s.gaps.map((gap, i) => (i < firstGap(s) ? gap : 0));
+  else s.balls[0].radius = 0;
+  return JSON.stringify([s, axis, span]);
+}
