@@ -137,8 +137,15 @@ def _processor() -> str:
         return platform.processor() or platform.machine()
     text = cpuinfo.read_text()
     names = [line.split(":")[1].strip() for line in text.splitlines() if line.startswith("model name")]
-    widest = next((n for flag, n in (("avx512f", "AVX-512"), ("avx2", "AVX2")) if flag in text), "SSE2")
-    return f"{names[0] if names else platform.machine()} ({widest})"
+    return f"{names[0] if names else platform.machine()} (kernels: {lanes()})"
+
+
+def lanes() -> str:
+    """The vector kernels in use: base, avx2 or avx512."""
+    given = os.environ.get("HARDLIMIT_LANES")
+    cpuinfo = Path("/proc/cpuinfo")
+    flags = cpuinfo.read_text() if cpuinfo.exists() else ""
+    return given or next((n for n in ("avx512", "avx2") if n in flags), "base")
 
 
 def _versions() -> str:
