@@ -160,6 +160,11 @@ struct Wall {
     double velocity(double time) const {
         return motion.oscillates() ? piece(time).velocity(time) : motion.velocity;
     }
+    // Mean velocity around a time; of second order in the span also where the velocity jumps.
+    double mean_velocity(double time, double span) const {
+        if (!motion.oscillates() || !(span > 0.0)) return velocity(time);
+        return (position(time + 0.5 * span) - position(time - 0.5 * span)) / span;
+    }
     double acceleration(double time) const {
         return motion.oscillates() ? piece(time).acceleration(time) : 0.0;
     }

@@ -117,7 +117,7 @@ private:
         const double reach = bodies_.position[i][3];
         update_contact(slab, slot,
                        {i, no_body, w.wall.number, no_image, normal, distance, reach, v, a,
-                        wall.inward() * wall.velocity(now_.time)},
+                        wall.inward() * wall.mean_velocity(now_.time, now_.h)},
                        normal * distance);
     }
 
