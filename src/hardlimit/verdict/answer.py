@@ -31,13 +31,20 @@ def answer(
     missing: Sequence[str],
     rubs: bool = False,
     dumped: bool = False,
+    driven: bool = False,
 ) -> tuple[bool | None, str]:
     """Whether event-driven simulation is admissible, and the sentence.
 
-    ``rubs``: the script has friction, left out. ``dumped``: a dump was given.
+    ``rubs``: the script has friction, left out. ``dumped``: a dump was given. ``driven``: walls move, or a thermostat
+    heats.
     """
     if invalidates:
         return False, _invalid(invalidates)
+    if driven:
+        return (
+            None,
+            "Cannot be said: the law of the error is that of a cooling gas; this box is driven: run both.",
+        )
     known = [row for row in rows if row.rule in row.error]
     worst = max(known, key=lambda row: sum(_error(row)), default=None)
     if known and worst is not None:

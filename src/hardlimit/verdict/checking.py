@@ -398,8 +398,10 @@ def _of_system(system: ParticleSystem, law: Law, given: Given, step: float | Non
     state = dumps.State(
         0, system.n, system.packing_fraction, temperature, 2.0 * float(system.radius.mean()), None, None, None
     )
-    resting = [Finding("grains rest on each other under gravity")] * (walls and bool(system.gravity.any()))
-    return _of_law(cases.sizes(system), law, given, step, system.dimension, walls, (state,), resting)
+    driven = bool(system.walls) or system.thermostat is not None
+    rests = walls and bool(system.gravity.any()) and not driven
+    resting = [Finding("grains rest on each other under gravity")] * rests
+    return _of_law(cases.sizes(system), law, given, step, system.dimension, walls, (state,), resting, driven)
 
 
 def _of_law(
@@ -411,6 +413,7 @@ def _of_law(
     walls: bool,
     states: tuple[dumps.State, ...] = (),
     resting: Sequence[Finding] = (),
+    driven: bool = False,
 ) -> Verdict:
     found = cases.of_law(balls, law, walls, step)
     radii = {str(k): ball.radius for k, ball in enumerate(balls, 1)}
@@ -420,7 +423,7 @@ def _of_law(
     rows = [row for _, row in examined]
     invalidates = [*resting, *_lasting((), rows, dumped)]
     missing = _missing(rows, gas, speeds, dumped)
-    admissible, sentence = answer.answer(rows, invalidates, (), missing, dumped=bool(dumped))
+    admissible, sentence = answer.answer(rows, invalidates, (), missing, dumped=bool(dumped), driven=driven)
     return Verdict(
         admissible,
         sentence,
