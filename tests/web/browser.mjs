@@ -88,9 +88,10 @@ const entries = new Set(["#copy", "#enlarge", "#pin", "#png", "#csv", "#toml", "
 function openMenu(page) {
   const click = page.click.bind(page);
   page.click = async (selector, options) => {
-    if (entries.has(selector)) await page.evaluate(() => (document.getElementById("menu").open = true));
+    const menu = entries.has(selector) && (await page.$("#menu")); // the page of the gas has none
+    if (menu) await menu.evaluate((element) => (element.open = true));
     await click(selector, options);
-    if (entries.has(selector)) await page.evaluate(() => (document.getElementById("menu").open = false));
+    if (menu) await menu.evaluate((element) => (element.open = false));
   };
 }
 

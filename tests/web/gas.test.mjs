@@ -182,6 +182,7 @@ test("the theme is switched by hand", async (t) => {
 
 test("the first page links to the gas, and back", async (t) => {
   const page = await site.open(t);
+  await page.click("#menu summary");
   await page.click('a[href="gas.html"]');
   await ready(page);
   await page.click('h1 a[href="index.html"]');

@@ -8,8 +8,8 @@ import { tables } from "../../web/tables.mjs";
 const src = new URL("../../web/src/", import.meta.url).pathname;
 const wasm = process.env.EXPLORER_WASM ?? new URL("../../src/hardlimit/explorer/page/maps.wasm", import.meta.url).pathname;
 
-// The path of a module from its name: each name occurs in one room of web/src only.
-const paths = readdirSync(src, { recursive: true }).map(String).filter((path) => path.endsWith(".ts"));
+// The path of a module from its name: each name occurs in one room of web/src only. The page of the gas has its own.
+const paths = readdirSync(src, { recursive: true }).map(String).filter((path) => path.endsWith(".ts") && !path.startsWith("gas/"));
 function pathOf(name) {
   const found = paths.filter((path) => path === `${name}.ts` || path.endsWith(`/${name}.ts`));
   if (found.length !== 1) throw new Error(`web/src has ${found.length} modules ${name}`);
