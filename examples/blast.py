@@ -1,4 +1,4 @@
-"""Film of a blast in ten million elastic disks; the shock follows R ∝ √t.
+"""Film of a blast in elastic disks, up to ten million; the shock follows R ∝ √t.
 
     python examples/blast.py [N] [FILE.gif]
 
@@ -16,7 +16,7 @@ import numpy as np
 
 import hardlimit as hl
 
-n = int(float(sys.argv[1])) if len(sys.argv) > 1 else 10_000_000
+n = int(float(sys.argv[1])) if len(sys.argv) > 1 else 20_000
 path = sys.argv[2] if len(sys.argv) > 2 else "blast.gif"
 speed, reach, bins = (
     1.0,
