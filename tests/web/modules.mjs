@@ -1,4 +1,6 @@
 // The page's modules in node, with the compiled core: what needs no browser is tested here.
+import assert from "node:assert/strict";
+import { spawn } from "node:child_process";
 import { build } from "esbuild";
 import { mkdtempSync, readdirSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
@@ -26,6 +28,17 @@ export async function load(...more) {
   const modules = await import(outfile);
   rmSync(folder, { recursive: true, force: true });
   return { ...modules, core: new modules.Core(new WebAssembly.Module(readFileSync(wasm))) };
+}
+
+// What a Python program prints, a line of JSON for each of the texts that it gets as JSON.
+export async function fromPython(program, texts) {
+  const python = spawn(process.env.PYTHON ?? "python3", ["-c", program], { stdio: ["pipe", "pipe", "inherit"] });
+  python.stdin.end(JSON.stringify(texts));
+  let said = "";
+  for await (const data of python.stdout.setEncoding("utf8")) said += data;
+  const lines = said.trim().split("\n").map((line) => JSON.parse(line));
+  assert.equal(lines.length, texts.length);
+  return lines;
 }
 
 // Numbers in [0, 1) from a seed (mulberry32).

@@ -1,9 +1,8 @@
 // The report of the page, over 300 random settings with ties and extremes: every number in it and the condition of every
 // sentence is compared with Python. PYTHON: an interpreter that has hardlimit installed.
 import assert from "node:assert/strict";
-import { spawn } from "node:child_process";
 import { test } from "node:test";
-import { load, random } from "./modules.mjs";
+import { fromPython, load, random } from "./modules.mjs";
 
 const count = 300;
 const lib = await load("report", "presets", "story_text", "lecture_view");
@@ -102,16 +101,6 @@ for text in json.load(sys.stdin):
     out["overlapping"] = overlapping_contacts(c.newton)
     print(json.dumps(out), flush=True)
 `;
-async function fromPython(texts) {
-  const python = spawn(process.env.PYTHON ?? "python3", ["-c", program], { stdio: ["pipe", "pipe", "inherit"] });
-  python.stdin.end(JSON.stringify(texts));
-  let said = "";
-  for await (const data of python.stdout.setEncoding("utf8")) said += data;
-  const lines = said.trim().split("\n").map((line) => JSON.parse(line));
-  assert.equal(lines.length, texts.length);
-  return lines;
-}
-
 // ---- what a sentence claims ---------------------------------------------------------------------------------
 
 const top = (m) => m.rises[m.rises.length - 1];
@@ -246,7 +235,7 @@ function checkShares({ newton, icm, rows }, py, where) {
 
 test(`${count} random settings: every sentence and number is Python's`, async (t) => {
   const all = settings();
-  const asked = fromPython(all.map(({ scenario }) => lib.toToml(scenario)));
+  const asked = fromPython(program, all.map(({ scenario }) => lib.toToml(scenario)));
   const reports = all.map(({ scenario }) => {
     const solved = solve(core, scenario);
     return "reason" in solved ? null : reportOf(dropOf(solved), 0.01);

@@ -1,9 +1,8 @@
 // What must hold for every setting, over 500 random ones: nothing throws, the numbers are Python's, the film reaches every
 // contact of both models. PYTHON: an interpreter that has hardlimit installed.
 import assert from "node:assert/strict";
-import { spawn } from "node:child_process";
 import { test } from "node:test";
-import { load, random, randomLink } from "./modules.mjs";
+import { fromPython, load, random, randomLink } from "./modules.mjs";
 
 const count = 500;
 const { core, solve, dropOf, exactNumbers, fromQuery, toQuery, toToml, paper, trajectoryCsv, reportOf } = await load("report");
@@ -36,17 +35,6 @@ for text in json.load(sys.stdin):
                      "rises": [tidy(z) for z in r.rebound_heights]}
     print(json.dumps(out), flush=True)
 `;
-// Python computes beside us.
-async function fromPython(texts) {
-  const python = spawn(process.env.PYTHON ?? "python3", ["-c", program], { stdio: ["pipe", "pipe", "inherit"] });
-  python.stdin.end(JSON.stringify(texts));
-  let said = "";
-  for await (const data of python.stdout.setEncoding("utf8")) said += data;
-  const lines = said.trim().split("\n").map((line) => JSON.parse(line));
-  assert.equal(lines.length, texts.length);
-  return lines;
-}
-
 function checkNumbers(numbers, said, n, where) {
   for (const model of ["newton", "icm"]) {
     const of = (key) => numbers[`${model}_${key}`];
@@ -80,7 +68,7 @@ function checkFilm(d, where) {
 
 test(`${count} random settings`, async (t) => {
   const all = settings();
-  const asked = fromPython(all.map(({ scenario }) => toToml(scenario)));
+  const asked = fromPython(program, all.map(({ scenario }) => toToml(scenario)));
   let slowest = 0;
   let resolved = 0;
   const drops = all.map(({ scenario, link }) => {
