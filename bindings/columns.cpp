@@ -9,8 +9,8 @@
 #include <variant>
 
 #include "arrays.hpp"
+#include "column/comparison.hpp"
 #include "column/model.hpp"
-#include "column/rebound.hpp"
 #include "contact.hpp"
 
 namespace nb = nanobind;
@@ -109,13 +109,10 @@ std::vector<double> rebound_heights(const Solution& s) {
     });
 }
 
-auto parting(const Solution& s, const std::vector<int>& missing) {
-    if (!missing.empty()) require_values("missing", missing.size() + 2, s.balls, "one for each ball");
-    col::Parting found = continue_from(s, [&](const auto& column, const col::SolveOptions& options) {
-        return col::parting(column, s.model, options, *s.found, missing);
+col::Comparison compare(const Solution& newton, const Solution& independent, double tolerance) {
+    return continue_from(newton, [&](const auto& column, const col::SolveOptions& options) {
+        return col::compare_models(column, options, *newton.found, *independent.found, tolerance);
     });
-    return std::tuple(make_array(std::move(found.velocity), {s.balls}),
-                      make_array(std::move(found.since), {s.balls}));
 }
 
 auto contact_arrays(const Solution& s) {
@@ -221,11 +218,6 @@ void bind_columns(nb::module_& m) {
                 return col::final_velocities(*s.found, static_cast<int>(s.balls), s.options.until);
             },
             "Velocities after the last contact that ended [m/s]; NaN at rest.")
-        .def(
-            "parting", &parting, "missing"_a,
-            "Velocities at the end of the sequence [m/s], in the frame in free fall since time 0, and end of "
-            "each ball's last contact [s]. missing: number of further contacts to follow for each upper "
-            "pair.")
         .def("sample", &sample, "times"_a);
     m.def(
         "newton",
@@ -236,6 +228,18 @@ void bind_columns(nb::module_& m) {
     const auto under = [](col::Model model) {
         return [model](const Column& c, double until) { return solve(c, model, {.until = until}); };
     };
+    nb::class_<col::Comparison>(m, "Comparison", "Independent collisions compared with Newton's equations.")
+        .def_prop_ro("answer",
+                     [](const col::Comparison& c) { return col::answer_names[static_cast<int>(c.answer)]; })
+        .def_prop_ro("ground",
+                     [](const col::Comparison& c) { return col::ground_names[static_cast<int>(c.ground)]; })
+        .def_ro("overlapping", &col::Comparison::overlapping)
+        .def_ro("error", &col::Comparison::error)
+        .def_ro("independent", &col::Comparison::independent)
+        .def_ro("newton", &col::Comparison::newton)
+        .def_ro("ball", &col::Comparison::ball)
+        .def_ro("later", &col::Comparison::later);
+    m.def("compare", &compare, "newton"_a, "independent"_a, "tolerance"_a);
     m.def("adiabatic", under(col::Model::adiabatic), "column"_a, "until"_a);
     m.def("independent", under(col::Model::independent), "column"_a, "until"_a);
     m.def("fall_time", &col::fall_time, "gap"_a, "velocity"_a, "gravity"_a);

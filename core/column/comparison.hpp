@@ -10,6 +10,7 @@
 namespace hardlimit::column {
 
 enum class Answer { yes, by_luck, no, undecided };
+inline constexpr const char* answer_names[] = {"yes", "by luck", "no", "undecided"};
 
 // What the answer follows from.
 enum class Ground {
@@ -24,6 +25,19 @@ enum class Ground {
     only_independent_meets,
     newton_touches_again,  // the second floor contact begins before the balls separate
     independent_touches_again,
+};
+inline constexpr const char* ground_names[] = {
+    "numbers",
+    "newton_unclear",
+    "independent_unclear",
+    "no_contact",
+    "newton_at_rest",
+    "collapse",
+    "independent_at_rest",
+    "only_newton_meets",
+    "only_independent_meets",
+    "newton_touches_again",
+    "independent_touches_again",
 };
 
 struct Comparison {
@@ -65,7 +79,7 @@ inline int overlapping(const Solution& s) {
 inline std::vector<int> upper_contacts(const Solution& s, std::size_t balls) {
     std::vector<int> count(balls, 0);
     for (const std::size_t i : contacts_of_balls(s)) ++count[static_cast<std::size_t>(s.contacts[i].pair)];
-    count.erase(count.begin(), count.begin() + 2);
+    count.erase(count.begin(), count.begin() + std::min<std::ptrdiff_t>(2, std::ssize(count)));
     return count;
 }
 
@@ -134,10 +148,11 @@ inline bool unclear(Outcome o) {
 }
 
 // The answer that the outcomes give; Ground::numbers if both models reach the end of the sequence.
-inline Ground ground_of(Outcome newton, Outcome independent) {
+inline Ground ground_of(Outcome newton, Outcome independent, int balls) {
     if (unclear(newton)) return Ground::newton_unclear;
     if (unclear(independent)) return Ground::independent_unclear;
-    if (newton == Outcome::no_contact && independent == Outcome::no_contact) return Ground::no_contact;
+    if (balls > 1 && newton == Outcome::no_contact && independent == Outcome::no_contact)
+        return Ground::no_contact;
     if (newton == Outcome::at_rest) return Ground::newton_at_rest;
     if (independent == Outcome::collapse) return Ground::collapse;
     if (independent == Outcome::at_rest) return Ground::independent_at_rest;
@@ -151,7 +166,7 @@ template <class Law>
 Comparison compare_models(SharedColumn<Law> c, const SolveOptions& o, const Solution& newton,
                           const Solution& independent, double tolerance) {
     Comparison found;
-    found.ground = compare::ground_of(newton.sequence.outcome, independent.sequence.outcome);
+    found.ground = compare::ground_of(newton.sequence.outcome, independent.sequence.outcome, c->balls);
     if (found.ground != Ground::numbers) {
         const bool known = found.ground > Ground::no_contact;
         found.answer = known ? Answer::no : Answer::undecided;

@@ -127,14 +127,38 @@ class Solution:
     def final_velocities(self) -> list[float]:
         """Velocities after the last contact that ended [m/s]; NaN at rest."""
 
-    def parting(self, missing: Sequence[int]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
-        """
-        Velocities at the end of the sequence [m/s], in the frame in free fall since time 0, and end of each ball's last contact [s]. missing: number of further contacts to follow for each upper pair.
-        """
-
     def sample(self, times: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]: ...
 
 def newton(column: Column, until: float, general: bool, tolerance: float) -> Solution: ...
+
+class Comparison:
+    """Independent collisions compared with Newton's equations."""
+
+    @property
+    def answer(self) -> str: ...
+
+    @property
+    def ground(self) -> str: ...
+
+    @property
+    def overlapping(self) -> int: ...
+
+    @property
+    def error(self) -> float: ...
+
+    @property
+    def independent(self) -> float: ...
+
+    @property
+    def newton(self) -> float: ...
+
+    @property
+    def ball(self) -> int: ...
+
+    @property
+    def later(self) -> bool: ...
+
+def compare(newton: Solution, independent: Solution, tolerance: float) -> Comparison: ...
 
 def adiabatic(column: Column, until: float) -> Solution: ...
 

@@ -61,7 +61,6 @@ import json, math, sys, tempfile, warnings
 from pathlib import Path
 import numpy as np
 import hardlimit as hl
-from hardlimit.column.comparison import overlapping_contacts
 from hardlimit.column.files import read
 warnings.simplefilter("ignore")
 def tidy(x): return float(x) if math.isfinite(x) else None
@@ -80,6 +79,12 @@ def energies(r, column):
     release = column.initial_positions if column.floor else height[1] + gaps_zero
     whole = (0.5 * mass * v0**2 + mass * g * (release - gaps_zero - below)).sum()
     return [float(x) / whole for x in [*ball, float(t.contact_energy[1]), float(t.dissipated_energy[1])]]
+def overlapping(r):
+    """Number of contacts of balls that overlap another contact in time."""
+    pair, begin, end = r.contact_times
+    end = np.where(np.isnan(end), math.inf, end)
+    return sum(bool(np.any((np.arange(len(pair)) != i) & (begin < end[i]) & (begin[i] < end)))
+               for i in np.flatnonzero(pair)[: r.n_contacts])
 for text in json.load(sys.stdin):
     path.write_text(text)
     column = read(str(path))
@@ -98,7 +103,7 @@ for text in json.load(sys.stdin):
                      "shares": energies(r, column)}
     c = hl.compare(column)
     out["answer"], out["sentence"] = c.verdict
-    out["overlapping"] = overlapping_contacts(c.newton)
+    out["overlapping"] = overlapping(c.newton)
     print(json.dumps(out), flush=True)
 `;
 // ---- what a sentence claims ---------------------------------------------------------------------------------

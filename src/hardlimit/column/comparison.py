@@ -3,12 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final, Literal, NamedTuple
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import Final, Literal, NamedTuple, cast
 
 from .. import _core
 from ..support import html
@@ -18,6 +14,7 @@ from .result import Result, quantities
 from .scenario import Column
 from .solvers import adiabatic, independent, newton
 
+Answer = Literal["yes", "by luck", "no", "undecided"]
 #: Largest relative difference of the velocities that counts as agreement.
 TOLERANCE: Final = 0.01
 
@@ -25,7 +22,7 @@ TOLERANCE: Final = 0.01
 class ColumnVerdict(NamedTuple):
     """Whether an event-driven simulation is good enough for a column; returned by :attr:`Comparison.verdict`."""
 
-    answer: Literal["yes", "by luck", "no", "undecided"]  #: one word
+    answer: Answer  #: one word
     sentence: str  #: the reason, with numbers
 
 
@@ -80,84 +77,62 @@ def compare(column: Column) -> Comparison:
     return Comparison(fast, hard, adiabatic(column) if ADIABATIC.applies(column) else None)
 
 
-def overlapping_contacts(result: Result) -> int:
-    """Number of ball–ball contacts of the sequence that overlap another contact in time."""
-    pair, begin, end = result.contact_times
-    end = np.where(np.isnan(end), math.inf, end)
-    return sum(
-        bool(np.any((np.arange(len(pair)) != i) & (begin < end[i]) & (begin[i] < end)))
-        for i in _of_balls(result)
-    )
-
-
-def _of_balls(result: Result) -> NDArray[np.int64]:
-    """Indices of the ball–ball contacts of the sequence, in order of time."""
-    return np.flatnonzero(result.contact_times[0])[: result.n_contacts]
-
-
 # --- the verdict --------------------------------------------------------------------------------------------
 
-#: Outcomes that are failures of the event-driven model.
-_FAILURES: Final = {
-    "collapse": "ends in an inelastic collapse, infinitely many collisions in a finite time",
-    "at_rest": "comes to rest by infinitely many collisions in a finite time",
+#: The reason of an answer that does not follow from the velocities, by its name in the core.
+_REASONS: Final = {
+    "newton_unclear": "No verdict: the outcome of Newton’s equations is “{newton}”.",
+    "independent_unclear": "No verdict: the outcome of the event-driven model is “{independent}”.",
+    "no_contact": "No verdict: the balls do not meet before the second floor contact.",
+    "newton_at_rest": "No: under Newton’s equations a contact never ends, but event-driven collisions are "
+    "instantaneous.",
+    "collapse": "No: the event-driven sequence ends in an inelastic collapse, infinitely many collisions in a finite "
+    "time; that of Newton’s equations does not.",
+    "independent_at_rest": "No: the event-driven sequence comes to rest by infinitely many collisions in a finite "
+    "time; that of Newton’s equations does not.",
+    "only_newton_meets": "No: the balls meet under Newton’s equations but not in the event-driven model{before}.",
+    "only_independent_meets": "No: the balls meet in the event-driven model but not under Newton’s equations{before}.",
 }
 
 
 def _verdict(c: Comparison) -> ColumnVerdict:
-    true, hard = (_core.outcome_names[r.outcome_code] for r in (c.newton, c.independent))
-    unclear = _unclear(c, true, hard)
-    if unclear is not None:
-        return ColumnVerdict("undecided", f"No verdict: {unclear}.")
-    if true == "at_rest":
-        reason = (
-            "under Newton’s equations a contact never ends, but event-driven collisions are instantaneous"
-        )
-        return ColumnVerdict("no", f"No: {reason}.")
-    if hard in _FAILURES:
-        reason = f"the event-driven sequence {_FAILURES[hard]}; that of Newton’s equations does not"
-        return ColumnVerdict("no", f"No: {reason}.")
-    found = _difference(c)
-    counts = [r.n_contacts for r in (c.newton, c.independent)]
-    if 0 in counts and any(counts) and not found.error <= TOLERANCE:
-        models = ["under Newton’s equations", "in the event-driven model"]
-        met, missed = models if counts[0] else models[::-1]
-        before = " before the second floor contact" if c.newton.column.floor else ""
-        return ColumnVerdict("no", f"No: the balls meet {met} but not {missed}{before}.")
-    return _by_numbers(c, found)
+    found = _core.compare(c.newton._core, c.independent._core, TOLERANCE)
+    answer = cast(Answer, found.answer)
+    if found.ground not in _REASONS:
+        return ColumnVerdict(answer, _by_numbers(c, found))
+    outcomes = {r.model: r.outcome.split(":")[0] for r in (c.newton, c.independent)}
+    before = " before the second floor contact" if c.newton.column.floor else ""
+    return ColumnVerdict(answer, _REASONS[found.ground].format(before=before, **outcomes))
 
 
-def _unclear(c: Comparison, true: str, hard: str) -> str | None:
-    """The reason why the models cannot be compared; None if they can."""
-    models = (("Newton’s equations", true, c.newton), ("the event-driven model", hard, c.independent))
-    for model, name, result in models:
-        if name in ("invalid", "unresolved", "never_lands", "too_deep"):
-            return f"the outcome of {model} is “{result.outcome.split(':')[0]}”"
-    if true == hard == "no_contact" and len(c.newton.column.balls) > 1:
-        return "the balls do not meet before the second floor contact"
-    return None
-
-
-class _Difference(NamedTuple):
-    error: float  #: relative error of the event-driven model; NaN if a model has no such value
-    clause: str  #: describes the error in a sentence
-    later: bool = False  #: whether contacts of the upper balls after the second floor contact count
-
-
-def _by_numbers(c: Comparison, found: _Difference) -> ColumnVerdict:
-    """The verdict if both models reached the end of the sequence."""
-    overlap = overlapping_contacts(c.newton)
+def _by_numbers(c: Comparison, found: _core.Comparison) -> str:
+    """The sentence if both models reached the end of the sequence."""
     if len(c.newton.column.balls) == 1:
         contacts = "the only contact is that with the floor"
     else:
-        contacts = _overlaps(overlap, c.newton.n_contacts)
+        contacts = _overlaps(found.overlapping, c.newton.n_contacts)
     if found.later:
         contacts += ", under one model the last one follows the second floor contact"
-    if found.error <= TOLERANCE:
-        if overlap:
-            return ColumnVerdict("by luck", f"Only by luck: {contacts}, yet {found.clause}.")
-        return ColumnVerdict("yes", f"Yes: {contacts}, and {found.clause}.")
-    return ColumnVerdict("no", f"No: {contacts}{';' if overlap else ', yet'} {found.clause}.")
+    clause = _clause(found)
+    if found.answer == "no":
+        return f"No: {contacts}{';' if found.overlapping else ', yet'} {clause}."
+    return (
+        f"Yes: {contacts}, and {clause}."
+        if found.answer == "yes"
+        else f"Only by luck: {contacts}, yet {clause}."
+    )
+
+
+def _clause(found: _core.Comparison) -> str:
+    """Describes the error of the event-driven model."""
+    if math.isnan(found.error):
+        newton = found.ground == "newton_touches_again"
+        model = "under Newton’s equations" if newton else "in the event-driven model"
+        return f"{model} the second floor contact begins before the balls separate"
+    what = "separation velocity" if found.ball < 0 else f"final velocity of ball {found.ball + 1}"
+    if found.answer == "no":
+        return f"the event-driven {what} is {_both(found.independent, found.newton)}"
+    return f"the event-driven {what} is right to {_percent(found.error)}"
 
 
 def _overlaps(overlap: int, n: int) -> str:
@@ -167,65 +142,6 @@ def _overlaps(overlap: int, n: int) -> str:
     number = f"{overlap} of {n}" if overlap < n else {1: "the", 2: "both"}.get(n, f"all {n}")
     verb = "overlaps" if 1 in (overlap, n) else "overlap"
     return f"{number} ball–ball contact{'s' * (n > 1)} {verb} another contact in time"
-
-
-def _difference(c: Comparison) -> _Difference:
-    """Difference of the velocities at the end of the sequence."""
-    if len(c.newton.column.balls) == 2 and c.newton.column.floor:
-        return _of_separation(c)
-    found = _of_velocities(c)
-    counts = [_upper_contacts(result) for result in (c.newton, c.independent)]
-    if found.error <= TOLERANCE or (counts[0] == counts[1]).all():
-        return found
-    later = _of_velocities(c, counts)
-    return later if later.error <= TOLERANCE else found
-
-
-def _of_separation(c: Comparison) -> _Difference:
-    true, hard = c.newton.separation_velocity, c.independent.separation_velocity
-    if math.isnan(true) or math.isnan(hard):
-        model = "under Newton’s equations" if math.isnan(true) else "in the event-driven model"
-        return _Difference(math.nan, f"{model} the second floor contact begins before the balls separate")
-    return _stated("separation velocity", hard, true, abs(true))
-
-
-def _of_velocities(c: Comparison, counts: Sequence[NDArray[np.int64]] = ()) -> _Difference:
-    """Difference for the ball whose velocities differ most.
-
-    The velocity of each ball after its last contact is compared in the freely falling frame, so that the change of
-    velocity by gravity between the ends of this contact under both models does not count (there is none for a ball
-    without contacts under one model). ``counts`` are the numbers of contacts of the upper pairs under both models. If
-    they are given, the upper balls continue after the second floor contact until they have met as often as under the
-    other model.
-    """
-    missing = [(counts[1 - i] - counts[i]).clip(0).tolist() for i in range(len(counts))] or [[], []]
-    (moves, since), (hard, hard_since) = (
-        r._core.parting(m) for r, m in zip((c.newton, c.independent), missing, strict=True)
-    )
-    delay = np.nan_to_num(hard_since - since)
-    apart = hard - moves - c.newton.column.gravity * delay
-    worst = int(np.argmax(np.abs(apart)))
-    true = float(c.newton.final_velocities[worst])
-    what = f"final velocity of ball {worst + 1}"
-    return _stated(what, true + float(apart[worst]), true, _speed(c.newton.column), later=bool(counts))
-
-
-def _upper_contacts(result: Result) -> NDArray[np.int64]:
-    """Number of contacts of the sequence for each pair above the lowest ball."""
-    pair = result.contact_times[0][_of_balls(result)]
-    return np.bincount(pair, minlength=len(result.column.balls))[2:]
-
-
-def _stated(what: str, hard: float, true: float, scale: float, later: bool = False) -> _Difference:
-    error = 0.0 if hard == true else abs(hard - true) / scale if scale > 0.0 else math.inf
-    if error <= TOLERANCE:
-        return _Difference(error, f"the event-driven {what} is right to {_percent(error)}", later)
-    return _Difference(error, f"the event-driven {what} is {_both(hard, true)}", later)
-
-
-def _speed(column: Column) -> float:
-    """Reference speed [m/s] of errors: the impact speed, for a cradle the largest difference of velocities."""
-    return column.impact_speed if column.floor else max(column.velocities) - min(column.velocities)
 
 
 def _both(hard: float, true: float) -> str:
