@@ -195,7 +195,7 @@ def test_sums_of_hard_spheres_keep_their_digits_while_the_gas_cools():
 def test_sums_of_hard_spheres_keep_their_digits_when_walls_stop_all_particles():
     """The energy falls by four decades within few collisions of each particle, before any full sum is due."""
     gas = hl.ParticleSystem.random(50, 1e-3, 0.01, 2500.0, 1e-3, boundary="wall", seed=3)
-    gas = gas.replace(velocities=gas.velocities + [0.0, 0.0, -1e3])
+    gas = gas.replace(velocities=gas.velocities + np.array([0.0, 0.0, -1e3]))
     mass = np.array(gas.mass)
     engine = _core.make_engine(
         "hard_spheres", *engine_arguments(gas), restitution=1e-6, rule="tc", rule_parameters=[1e-9]

@@ -7,12 +7,13 @@ from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .. import _core
 from ..support import validation
 from .walls import LARGEST
 
-Floats = Any
+Floats = NDArray[np.float64]
 
 #: Intervals per mean time between two collisions of a particle with Andersen's bath, by default.
 SUBDIVISION: Final = 20
