@@ -97,7 +97,8 @@ class RandomKicks(Thermostat):
         inert = total - float((mass * mass).sum()) / total
         spread = math.sqrt(2.0 * self.power * self.interval / (d * inert)) if inert > 0.0 else 0.0
         change = spread * self._random(kick, n * d, True).reshape(n, d)
-        return velocities + (change - (mass[:, None] * change).sum(axis=0) / total)
+        kicked: Floats = velocities + (change - (mass[:, None] * change).sum(axis=0) / total)
+        return kicked
 
 
 @dataclass(frozen=True, init=False)
