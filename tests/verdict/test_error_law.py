@@ -167,3 +167,29 @@ def test_a_measurement_agrees(dimension, phi, rule):
     bar = math.hypot(np.std(ratios, ddof=1) / math.sqrt(len(ratios)), found.error_bar(instant))
     assert abs(np.mean(ratios) - found.error(instant)) < 4.0 * bar
     assert bar < 0.3 * abs(found.error(instant))
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("contact", ["linear", "viscoelastic"])
+@pytest.mark.parametrize("rule", ["constant", "tc", "soft"])
+def test_a_heated_gas_is_colder_by_two_thirds_of_the_error(dimension, contact, rule):
+    """To first order −(2/3)(a − 3/(2Dq)): at ε → 1 under the linear law the term 3/(4D) of a, which is that of the
+    energy in contacts, cancels. The mean t_c over t_c at √(πT) is that of Hertz's impact, v^(−1/5)."""
+    law = law_of(contact, 0.99)
+    found = hl.error_law(packing_fraction=0.2, restitution=0.99, dimension=dimension, rule=rule, law=law)
+    q, ratio = (2.0, 1.0) if contact == "linear" else (2.5, math.gamma(0.9) / (math.pi / 4.0) ** -0.1)
+    slope = found.heated_error(1e-6) / 1e-6
+    assert slope == pytest.approx(-2.0 / 3.0 * (found.coefficient - 1.5 * ratio / (dimension * q)), rel=1e-4)
+    assert found.heated_error(0.0) == 0.0
+
+
+@pytest.mark.parametrize("phi", [0.02, 0.05, 0.2, 0.35, 0.5])
+def test_the_stored_energy_cancels_at_equal_temperature(phi):
+    """ε → 1: −(2/3) [4/π + (1 − 2/π)s + 3φχ'/χ]/(24φχ), without the term 1/4 of a."""
+    chi = (1.0 - phi / 2.0) / (1.0 - phi) ** 3
+    growth = 3.0 / (1.0 - phi) - 0.5 / (1.0 - phi / 2.0)  # χ'/χ
+    slope = 9.0 * phi * (1.0 + phi) / (2.0 - phi) * (1.0 + 2.9 * phi**2 + 3.4 * phi**3)
+    left = (4.0 / math.pi + (1.0 - 2.0 / math.pi) * slope + 3.0 * phi * growth) / (24.0 * phi * chi)
+    found = hl.error_law(packing_fraction=phi, restitution=1.0)
+    rest = 2.2 * phi**8 if phi > 0.3 else 1e-3  # what h leaves of dense spheres
+    assert found.heated_error(1e-6) / 1e-6 == pytest.approx(-2.0 / 3.0 * left, rel=1e-3 + rest)

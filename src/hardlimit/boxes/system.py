@@ -167,6 +167,11 @@ class ParticleSystem:
         new = {"positions": positions, "velocities": velocities, "walls": walls}
         return self._of(**self._values() | new, _unfolded=unfolded)
 
+    @property
+    def driven(self) -> bool:
+        """Whether walls move or a thermostat heats, so that the box may reach a steady state."""
+        return bool(self.walls) or self.thermostat is not None
+
     @cached_property
     def domain(self) -> Box:
         """The box with its boundaries and gravity.

@@ -144,8 +144,13 @@ def print_report(start: hl.ParticleSystem, law: hl.Law, found: hl.Fidelity, writ
     ]
     show(out, start.count(), table(["", ""], rows), law_text(law))
     if len(found.models) > 1:
-        below = texts.legend(found) if found.n_replicas > 1 else "no error bars"
-        show(out, "Difference from Newton’s equations at the end [%]", table(*texts.table(found)), below)
+        below = texts.legend(found) if found.n_replicas > 1 or found.driven else "no error bars"
+        show(
+            out,
+            f"Difference from Newton’s equations {texts.when(found)} [%]",
+            table(*texts.table(found)),
+            below,
+        )
         head, left = texts.table(found)[0], texts.departures(found)
         if left:
             show(out, "First significant difference after [t_c], by [%]", table(head, left))

@@ -9,8 +9,10 @@ import numpy as np
 
 from ..boxes import theory
 from ..boxes.rules import RULES
+from ..boxes.thermostats import RandomKicks
 from ..support.estimate import Estimate
-from ..verdict.error_law import MEASURED_TC_NU, error_law, exponents, softness
+from ..verdict.error_law import MEASURED_TC_NU, ErrorLaw, error_law, exponents, softness
+from .replica import NEWTON
 
 if TYPE_CHECKING:
     from .result import Fidelity
@@ -47,7 +49,9 @@ def predicted(f: Fidelity, rule: str) -> Prediction:
     Besides, there are no contacts at the start, so that Newton's equations lag behind by t_c/2. The standard error
     contains half of this lag.
     """
-    reason = theory.why_not(f.start)
+    thermostat = f.start.thermostat
+    heated = isinstance(thermostat, RandomKicks)
+    reason = theory.why_not(f.start.replace(thermostat=None) if heated else f.start)
     if reason is not None:
         return Prediction(reason=reason)
     law, epsilon = f.plan.law, f.plan.restitution
@@ -56,10 +60,13 @@ def predicted(f: Fidelity, rule: str) -> Prediction:
         return Prediction(reason="it is no rule")
     if rule == "constant" and abs(q - 2.0) > 1e-6:
         return Prediction(reason="ε of this contact law depends on the speed")
-    own = softness(law, f.start, f.start.granular_temperature)
+    at_start = f.start.granular_temperature
+    own = softness(law, f.start, at_start)
     if not np.allclose((own.restitution, own.duration), (epsilon, f.contact_duration), rtol=1e-6):
         return Prediction(reason="ε or t_c was given and is not that of the law")
-    gas = theory.gas(f.start)
+    gas = theory.gas(f.start.replace(thermostat=None))
+    if heated:
+        return _heated(f, rule, gas)
     tc_nu = f.contact_duration * float(gas.collision_rate(f.start.granular_temperature))
     last = f.last_common(rule)
     grown = float(f._all("cooling")[:, 0, last].mean())  # y − 1 under Newton's equations
@@ -67,16 +74,7 @@ def predicted(f: Fidelity, rule: str) -> Prediction:
         return Prediction(reason=f"t_c ν = {tc_nu:.2g} is above {MEASURED_TC_NU:g}")
     if not grown > 0.0:
         return Prediction(reason="nothing was dissipated")
-    reference, of_rule = (
-        error_law(
-            packing_fraction=gas.packing_fraction,
-            restitution=epsilon,
-            dimension=gas.dimension,
-            rule=name,
-            law=law,
-        )
-        for name in ("law", rule)
-    )
+    reference, of_rule = (_law(f, name, gas) for name in ("law", rule))
     y = np.linspace(1.0, 1.0 + 2.0 * grown, 2 * INTERVALS + 1)
     at = [tc_nu / float(middle) ** (2.0 / q) for middle in 0.5 * (y[1:] + y[:-1])]
     newton = np.array([1.0 + reference.error(x) for x in at]) * np.diff(y)
@@ -86,3 +84,26 @@ def predicted(f: Fidelity, rule: str) -> Prediction:
     lag = tc_nu * (1.0 - epsilon**2) / (4.0 * gas.dimension * grown)
     uncertain = float(np.mean([of_rule.error_bar(x) for x in at[:INTERVALS]]))
     return Prediction(reached / grown - 1.0 + lag, math.hypot(uncertain, 0.5 * lag))
+
+
+def _heated(f: Fidelity, rule: str, gas: theory.Gas) -> Prediction:
+    """Prediction for the difference of the temperature in the steady state at equal heating power, at Enskog's t_c ν of
+    the temperature under Newton's equations."""
+    if f.steady.reason:
+        return Prediction(reason="there is no steady state")
+    temperature = f.steady_mean("granular_temperature", NEWTON).value
+    at = f.contact_duration * float(gas.collision_rate(temperature))
+    if at > MEASURED_TC_NU:
+        return Prediction(reason=f"t_c ν = {at:.2g} is above {MEASURED_TC_NU:g}")
+    one = _law(f, rule, gas)
+    return Prediction(one.heated_error(at), 2.0 / 3.0 * one.error_bar(at))
+
+
+def _law(f: Fidelity, rule: str, gas: theory.Gas) -> ErrorLaw:
+    return error_law(
+        packing_fraction=gas.packing_fraction,
+        restitution=f.plan.restitution,
+        dimension=gas.dimension,
+        rule=rule,
+        law=f.plan.law,
+    )

@@ -72,6 +72,23 @@ DIVERGENCE: Final = Observable(
     ("state",),
 )
 
+#: Observables of driven boxes in each interval between samples, besides the quantities themselves.
+INTERVALS: Final = {
+    one.name: one
+    for one in (
+        Observable(
+            "dissipation_rate", "W", "energy lost in contacts per time", ("dissipated_energy",), "rate"
+        ),
+        OBSERVABLES["collision_rate"],
+        OBSERVABLES["pressure"],
+        OBSERVABLES["pressure_tensor"],
+        Observable(
+            "driving_power", "W", "work of the walls and heat per time", ("wall_work", "heat"), "rate"
+        ),
+    )
+}
+PREFIX: Final = "interval_"  #: of their arrays
+
 Arrays = dict[str, NDArray[Any]]
 Call = Callable[[], object]  #: may raise an exception to stop the run
 
@@ -139,6 +156,10 @@ def compute(plan: Plan, system: ParticleSystem, sampled: Call, alive: Call) -> A
         for name, values in _series(system, ended, reached[i]).items():
             found[name][i, : reached[i]] = values
         totals.append(_totals(plan, system, ended))
+        if system.driven:
+            for name, values in _intervals(system, ended, reached[i]).items():
+                empty = np.full((len(runs), len(times) - 1, *values.shape[1:]), math.nan)
+                found.setdefault(PREFIX + name, empty)[i, : len(values)] = values
     found |= {name: np.array([total[name] for total in totals]) for name in totals[0]}
     return {**found, "start": digest(system)}
 
@@ -170,9 +191,23 @@ def _series(system: ParticleSystem, ended: Any, reached: int) -> dict[str, Float
     return found
 
 
+def _intervals(system: ParticleSystem, ended: Any, reached: int) -> dict[str, Floats]:
+    """The observables of the intervals between the samples that were reached."""
+    samples = Samples(system, {name: values[:reached] for name, values in ended.samples.items()})
+    found = {
+        "dissipation_rate": samples.rate("dissipated_energy"),
+        "driving_power": samples.rate("wall_work") + samples.rate("heat"),
+    }
+    shared = INTERVALS.keys() & OBSERVABLES.keys()
+    return found | {name: OBSERVABLES[name].values(samples)[1:] for name in shared}
+
+
 def _cooling(system: ParticleSystem, lost: Floats) -> Floats:
-    """√(E(0)/E) − 1; NaN under gravity. E is the kinetic energy; without walls, that relative to the centre of mass."""
-    if system.gravity.any():
+    """√(E(0)/E) − 1; NaN under gravity and in driven boxes.
+
+    E is the kinetic energy; without walls, that relative to the centre of mass.
+    """
+    if system.gravity.any() or system.driven:
         return np.full(len(lost), math.nan)
     at_start = system.kinetic_energy
     if "wall" not in system.boundary:

@@ -10,6 +10,7 @@ import numpy as np
 from ..support.estimate import Estimate
 from ..support.formatting import at_least_two_digits, digits, listed, percent, percent_with_error
 from .replica import NEWTON, QUANTITIES
+from .steady import EXAMINED
 
 if TYPE_CHECKING:
     from .result import Departure, Fidelity
@@ -46,6 +47,11 @@ def half_width(found: Estimate[float]) -> float:
     return 0.5 * (found.upper - found.lower)
 
 
+def when(f: Fidelity) -> str:
+    """Of which time the differences are."""
+    return "in the steady state" if f.driven else "at the end"
+
+
 # --- the sentence -------------------------------------------------------------------------------------------
 
 
@@ -55,6 +61,8 @@ def sentence(f: Fidelity) -> str:
     reason = _no_verdict(f, rules)
     if reason is not None:
         return f"No verdict: {reason}"
+    if f.driven:
+        return _steady_sentence(f, rules)
     measure = next((name for name in MEASURES if _defined(f, name, rules)), None)
     if measure is None:
         missing = "no time has passed" if f.last_common(NEWTON) == 0 else "no rule reached a sample"
@@ -83,6 +91,50 @@ def sentence(f: Fidelity) -> str:
     return f"At {numbers(f)} {'; '.join(parts)}.{_early_ends(f)}{law_of_error(f)}"
 
 
+def _steady_sentence(f: Fidelity, rules: list[str]) -> str:
+    """The differences of each rule in the steady state."""
+    if f.steady.reason:
+        end = f"{f.plan.until:.3g} s"
+        return (
+            f"No verdict: not steady by {end}, {f.steady.reason}; take a longer run.{_not_compared(f, rules)}"
+        )
+    compared = _defined(f, EXAMINED[0], rules)
+    errors = "; ".join(f"{rule} {_errors(f, rule)}" for rule in compared) or "no rule reached the end"
+    if f.n_replicas > 1:
+        bars = f"standard error of {f.n_replicas} replicas"
+    else:
+        bars = "standard error by blocking, one replica"
+    return (
+        f"Steady from {f.steady.start:.3g} s on. At {numbers(f)}, relative to Newton’s equations: {errors} "
+        f"(± {bars}; ? not resolved to {percent(f.resolution)}).{_not_compared(f, rules)}{law_of_error(f)}"
+    )
+
+
+def _errors(f: Fidelity, rule: str) -> str:
+    """The differences of the examined quantities."""
+    found = {name: f.final_difference(name, rule) for name in EXAMINED}
+    parts = [
+        f"{NAMES[name]} {percent_with_error(one.value, one.error)}{'?' * (half_width(one) > f.resolution)}"
+        for name, one in found.items()
+        if math.isfinite(one.value)
+    ]
+    return ", ".join(parts)
+
+
+def _not_compared(f: Fidelity, rules: list[str]) -> str:
+    """Sentences about models that did not reach the end in every replica."""
+    said = ""
+    for model in (NEWTON, *rules):
+        bad = [one for one in f.outcomes(model) if one != "ok"]
+        if bad:
+            what = next((text for name, text in EARLY.items() if name in bad), "another outcome")
+            who = "Newton’s equations" if model == NEWTON else f"The rule {model}"
+            said += (
+                f" {who} ended with {what} in {len(bad)} of {f.n_replicas} replicas and cannot be averaged."
+            )
+    return said
+
+
 def numbers(f: Fidelity) -> str:
     """t_c ν and δ/d of a comparison."""
     depth = "" if math.isnan(f.delta_over_d) else f" (δ/d = {f.delta_over_d:.2g})"
@@ -91,16 +143,18 @@ def numbers(f: Fidelity) -> str:
 
 def law_of_error(f: Fidelity) -> str:
     """The predictions of the law of the error as sentences, with a warning where they contradict the measurement."""
-    found = {rule: f.predicted(rule) for rule in _defined(f, "cooling", [m for m in f.models if m != NEWTON])}
+    measure = "granular_temperature" if f.driven else "cooling"
+    found = {rule: f.predicted(rule) for rule in _defined(f, measure, [m for m in f.models if m != NEWTON])}
     said = [
         f"{percent_with_error(one.value, one.error)} for {rule}"
         for rule, one in found.items()
         if math.isfinite(one.value)
     ]
-    wrong = [rule for rule, one in found.items() if one.contradicts(f.final_difference("cooling", rule))]
-    text = f" The law of the error predicts {listed(said)}." if said else ""
+    wrong = [rule for rule, one in found.items() if one.contradicts(f.final_difference(measure, rule))]
+    of = ", in temperature," if f.driven else ""
+    text = f" The law of the error predicts{of} {listed(said)}." if said else ""
     if wrong:
-        text += f" Warning: this contradicts the measured cooling of {listed(wrong)}."
+        text += f" Warning: this contradicts the measured {NAMES[measure]} of {listed(wrong)}."
     return text
 
 
@@ -125,7 +179,7 @@ def _no_verdict(f: Fidelity, rules: list[str]) -> str | None:
         return "there was no contact in this time."
     if not rules:
         return "models has no rule to compare with Newton’s equations."
-    if f.n_replicas < 2:
+    if f.n_replicas < 2 and not f.driven:
         at = "" if math.isnan(f.tc_nu) else f" (t_c ν = {f.tc_nu:.2g})"
         return f"one replica has no error bars{at}; ask for more, such as replicas=8."
     return None
@@ -173,7 +227,8 @@ def table(f: Fidelity) -> tuple[list[str], list[list[str]]]:
     law = [f.predicted(rule) for rule in rules]
     if any(math.isfinite(one.value) for one in law):
         known = ["–" if one.reason else _bare(percent_with_error(one.value, one.error)) for one in law]
-        rows.insert(1 + list(QUANTITIES).index("cooling"), ["cooling, law of the error", *known])
+        measure = "granular_temperature" if f.driven else "cooling"
+        rows.insert(1 + list(QUANTITIES).index(measure), [f"{NAMES[measure]}, law of the error", *known])
     return ["", *rules], rows
 
 

@@ -11,13 +11,14 @@ import numpy as np
 
 from .. import _core
 from ..boxes.box import Floats
+from ..boxes.observables import components
 from ..boxes.system import ParticleSystem
 from ..support import html, saving, validation
 from ..support.estimate import Estimate
 from ..verdict.error_law import softness
-from . import prediction, report, statistics
+from . import prediction, report, statistics, steady
 from .contacts import EDGES
-from .replica import DIVERGENCE, NEWTON, QUANTITIES, Arrays, Plan
+from .replica import DIVERGENCE, INTERVALS, NEWTON, PREFIX, QUANTITIES, Arrays, Plan
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -102,7 +103,9 @@ class Fidelity:
     @cached_property
     def tc_nu(self) -> float:
         """t_c ν: contact duration times the collision rate under Newton's equations, averaged over run and replicas;
-        NaN without elapsed time."""
+        in a driven box over the steady state. NaN without elapsed time or steady state."""
+        if self.driven:
+            return self.contact_duration * self.steady_mean("collision_rate", NEWTON).value
         rate = self._all("collision_rate")[:, 0]
         return self.contact_duration * float(rate[:, self.last_common(NEWTON)].mean())
 
@@ -111,6 +114,8 @@ class Fidelity:
         """δ/d: greatest compression of a contact at the mean impact speed, over the mean diameter; mean of the run.
         In a thin gas the error of the rules follows δ/d. NaN for particles at rest."""
         temperature = self._all("granular_temperature")[:, 0, : self.last_common(NEWTON) + 1]
+        if self.driven:
+            temperature = temperature[:, self.steady.first + 1 :]
         return softness(self.plan.law, self.start, temperature).delta_over_d
 
     def predicted(self, model: str) -> prediction.Prediction:
@@ -143,7 +148,9 @@ class Fidelity:
     def bars(self) -> str:
         """Half-width of the confidence intervals, in words."""
         if self.n_replicas < 2:
-            return "none: one replica"
+            return (
+                "99 % by the independent samples of the one replica" if self.driven else "none: one replica"
+            )
         half = statistics.student(self.n_replicas - 1)
         return f"{half:.3g} standard errors (99 % of Student’s distribution)"
 
@@ -178,6 +185,70 @@ class Fidelity:
         reached = np.isfinite(self._all("granular_temperature")[:, [0, self._index(model)]]).all(axis=(0, 1))
         return int(np.flatnonzero(reached)[-1])
 
+    # --- steady states of driven boxes ----------------------------------------------------------------------
+
+    @property
+    def driven(self) -> bool:
+        """Whether walls move or a thermostat heats. Final differences are then those of the steady state."""
+        return self.start.driven
+
+    @cached_property
+    def steady(self) -> steady.SteadyState:
+        """Where the steady state begins that all models share, or the reason why there is none.
+
+        Of temperature, pressure, dissipation and collision rate under each model that reached the end in all replicas,
+        the mean over replicas is examined: :func:`hardlimit.measure.steady` finds the start. From there on it
+        must have at least ten independent samples of all replicas together, and three of each, and the means of its
+        halves must not differ (99.9 % for all together).
+        """
+        if not self.driven:
+            return steady.SteadyState(0, math.nan, "the box is not driven")
+        series = {
+            (
+                report.NAMES[name],
+                "under " + ("Newton’s equations" if model == NEWTON else f"the rule {model}"),
+            ): one
+            for name in steady.EXAMINED
+            for model in self.models
+            if np.isfinite(one := self.series(name, model)).all()
+        }
+        return steady.detected(series, self.plan.times)
+
+    def series(self, quantity: str, model: str) -> Floats:
+        """Values of a quantity of a driven box (replica, interval): at the end of each interval between samples, or
+        averaged over it. NaN after an early end.
+
+        Parameters
+        ----------
+        quantity : str
+            As for :meth:`Fidelity.difference`.
+        model : str
+            One of ``models``.
+
+        Raises
+        ------
+        ValueError
+            If there is no such quantity or model, or the box is not driven.
+        """
+        name = validation.one_of("quantity", quantity, tuple(QUANTITIES))
+        i = self._index(model)
+        if not self.driven:
+            raise ValueError("series: the box is not driven, must have moving walls or a thermostat")
+        if PREFIX + name in self.arrays[0]:
+            return self._all(PREFIX + name)[:, i]
+        return self._all(name)[:, i, 1:]
+
+    def steady_mean(self, quantity: str, model: str) -> Estimate[float]:
+        """Average over the steady state of a driven box, with its 99 % interval: Student's distribution over replicas;
+        for one replica the statistical inefficiency of its samples (blocking). NaN without a steady state.
+
+        Parameters and errors as for :meth:`Fidelity.series`.
+        """
+        values = self.series(quantity, model)
+        if math.isnan(self.steady.start):
+            return Estimate(math.nan, math.nan, math.nan, math.nan)
+        return steady.average(values, self.steady)
+
     # --- differences ----------------------------------------------------------------------------------------
 
     def difference(self, quantity: str, model: str) -> Estimate[Floats]:
@@ -201,8 +272,16 @@ class Fidelity:
     def final_difference(self, quantity: str, model: str) -> Estimate[float]:
         """The difference at the last sample that both models reached in every replica; NaN if that is the start.
 
+        In a driven box: the difference of the averages over the steady state, paired by replica; with one replica, the
+        errors of both averages are taken as independent. NaN without a steady state.
+
         Parameters as for :meth:`Fidelity.difference`.
         """
+        if self.driven:
+            values, reference = (self.series(quantity, one) for one in (model, NEWTON))
+            if math.isnan(self.steady.start):
+                return Estimate(math.nan, math.nan, math.nan, math.nan)
+            return steady.difference(values, reference, self.steady)
         found, last = self.difference(quantity, model), self.last_common(model)
         return Estimate(*(float(part[last]) if last else math.nan for part in found))
 
@@ -259,6 +338,19 @@ class Fidelity:
         flags = {"flag_values": np.arange(len(names), dtype=np.int8), "flag_meanings": " ".join(names)}
         data["outcome"] = (("model", "replica"), self._all("outcome").T.astype(np.int8), flags)
         coordinates = {**self._coordinates(), "replica": np.arange(self.n_replicas)}
+        if self.driven:
+            for name, one in INTERVALS.items():
+                found = np.moveaxis(self._all(PREFIX + name), 1, 0)
+                dims = ("model", "replica", "interval", "component")[: found.ndim]
+                meaning = f"{one.meaning}, in each interval between samples"
+                attributes = {"units": one.unit_in(self.dimension), "long_name": meaning}
+                data[PREFIX + name] = (dims, found, attributes)
+            coordinates["component"] = components(self.dimension)
+            coordinates["interval"] = (
+                "interval",
+                self.plan.times[1:],
+                {"units": "s", "long_name": "its end"},
+            )
         return xr.Dataset(data, coordinates, self._global_attributes("Replicas"))
 
     @cached_property
@@ -281,8 +373,23 @@ class Fidelity:
         def table(function: Any) -> Floats:
             return np.array([[function(name, model) for model in self.models] for name in QUANTITIES])
 
+        steady_parts: dict[str, Any] = {}
+        if self.driven:
+            final = table(lambda *pair: np.array(self.final_difference(*pair)[:2]))
+            say = {
+                "units": "1",
+                "long_name": "difference from Newton’s equations in the steady state, relative",
+            }
+            steady_parts["steady_difference"] = (("quantity", "model", "statistic"), final, say)
+            for name, one in QUANTITIES.items():
+                mean = np.array([self.steady_mean(name, model)[:2] for model in self.models])
+                attributes = {
+                    "units": one.unit_in(self.dimension),
+                    "long_name": f"{one.meaning.removesuffix(', mean since the start')}, average over the steady state",
+                }
+                steady_parts[f"steady_{name}"] = (("model", "statistic"), mean, attributes)
         departures = table(lambda *pair: self.departure(*pair) or (math.nan,) * 3)
-        return {
+        return steady_parts | {
             "difference": (
                 ("quantity", "model", "time", "statistic"),
                 table(lambda *pair: _with_error(self.difference(*pair))),
@@ -333,6 +440,7 @@ class Fidelity:
             "engine": self.plan.engine,
             "restitution": self.plan.restitution,
             **{name: getattr(self, name) for name in own},
+            **({"steady_from": self.steady.start} if self.driven else {}),
             "summary": self.summary(),
             "hardlimit_version": _core.version,
         }
@@ -358,7 +466,8 @@ class Fidelity:
     # --- text and plots -------------------------------------------------------------------------------------
 
     def summary(self) -> str:
-        """One sentence: the final difference of each rule from Newton's equations, with standard errors."""
+        """In words: the final difference of each rule from Newton's equations, with standard errors; in a driven box
+        since when it is steady, and the differences there."""
         return report.sentence(self)
 
     def plot(self) -> Figure:
@@ -375,7 +484,9 @@ class Fidelity:
 
     def _repr_html_(self) -> str:
         head, rows = report.table(self)
-        return html.table("Difference from Newton’s equations at the end [%]", head, rows, self.summary())
+        return html.table(
+            f"Difference from Newton’s equations {report.when(self)} [%]", head, rows, self.summary()
+        )
 
 
 def _with_error(estimate: Estimate[Floats]) -> Floats:

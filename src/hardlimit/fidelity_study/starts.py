@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pickle
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
@@ -30,7 +30,8 @@ class Starts:
 
     def start(self, replica: int, report: Report) -> ParticleSystem:
         if isinstance(self.source, ParticleSystem):
-            return self.source if replica == 0 else equilibrated(self.source, self.seed + replica, report)
+            made = self.source if replica == 0 else equilibrated(self.source, self.seed + replica, report)
+            return _with_own_kicks(made, replica)
         made = self.source(self.seed + replica)
         if not isinstance(made, ParticleSystem):
             raise ValueError(
@@ -38,7 +39,15 @@ class Starts:
             )
         if self.engine == "events":
             check_box(made)
-        return made
+        return _with_own_kicks(made, replica)
+
+
+def _with_own_kicks(system: ParticleSystem, replica: int) -> ParticleSystem:
+    """The system with another seed of its thermostat for each replica."""
+    thermostat = system.thermostat
+    if thermostat is None or replica == 0:
+        return system
+    return system.replace(thermostat=replace(thermostat, seed=(thermostat.seed + replica) % 2**63))
 
 
 def checked_starts(source: Any, seed: Any, replicas: int, elsewhere: bool, engine: str) -> Starts:
@@ -73,12 +82,14 @@ def _check_redraw(system: ParticleSystem, replicas: int) -> None:
     reason = None
     if system.gravity.any():
         reason = "under gravity"
+    elif system.walls:
+        reason = "with moving walls"
     elif system.n < 2 or system.granular_temperature == 0.0:
         reason = "without relative motion of its particles"
     if reason is not None:
         raise ValueError(
             f"system | replicas: got a system {reason} and {replicas} replicas, must be a function of a seed that "
-            "returns the start of each replica, or a gas without gravity"
+            "returns the start of each replica, or a gas without gravity and moving walls"
         )
 
 
@@ -94,10 +105,12 @@ def equilibrated(
     drawn = (
         rng.standard_normal((system.n, system.dimension)) / np.sqrt(system.mass / system.mass.max())[:, None]
     )
-    start = system.replace(velocities=_rescaled(drawn, system))
+    start = system.replace(velocities=_rescaled(drawn, system), thermostat=None)
     n_collisions = max(1, collisions * system.n // 2)
     run = event_driven(start, restitution=1.0, max_collisions=n_collisions, samples=1, progress=report)
-    return run.system.replace(velocities=_rescaled(run.system.velocities, system))
+    return run.system.replace(
+        velocities=_rescaled(run.system.velocities, system), thermostat=system.thermostat
+    )
 
 
 def _rescaled(velocities: Floats, system: ParticleSystem) -> Floats:

@@ -80,6 +80,8 @@ def _temperature(ax: Axes, f: Fidelity, factor: float) -> None:
     for model, found in zip(f.models, values, strict=True):
         name = "Newton’s equations" if model == NEWTON else model
         _band(ax, f.plan.times * factor, found[:, 0], found[:, 1], LOOKS[model], label=name)
+    if np.isfinite(f.steady.start):
+        ax.axvline(f.steady.start * factor, color=GREY, lw=1.0, ls=":")
     set_scale(ax, values[..., 0].ravel(), [])
     ax.set_ylabel("granular temperature\n[m²/s²]")
 

@@ -141,6 +141,9 @@ class ErrorLaw:
     source: str  #: "theory", "measured" or "both"
     extrapolated: str  #: which argument is outside the measured range, in words; empty if none is
     decay: float = field(default=0.0, repr=False)  #: 2k of the rule tc; 0 for other rules
+    stored: float = field(
+        default=math.nan, repr=False
+    )  #: share of the energy that is stored in contacts, per t_c ν
 
     def error(self, tc_nu: float) -> float:
         """Relative error of the cooling: a t_c ν; for the rule tc (1 + (a + 2k) t_c ν) e^{−2k t_c ν} − 1.
@@ -167,6 +170,22 @@ class ErrorLaw:
         Argument and errors as for :meth:`ErrorLaw.error`.
         """
         return self._values.error_bar(_tc_nu(tc_nu))
+
+    def heated_error(self, tc_nu: float) -> float:
+        """Relative error of the granular temperature in the steady state at equal heating power.
+
+        T of the hard spheres over that under Newton's equations, less 1.
+
+        Hard spheres dissipate 1 + e times as much at an equal energy E, and dissipation grows as E^(3/2): in the steady
+        state E of the hard spheres is (1 + e)^(−2/3) times that under Newton's equations. There, a share t_c ν/(D q) of
+        the energy is stored in contacts, whose elastic energy is proportional to ξ^q. The granular temperature counts
+        kinetic energy only: (1 + e)^(−2/3)/(1 − t_c ν/(D q)) − 1. That heating changes the correlations of the
+        velocities is not included (:doc:`/error_law`).
+
+        Argument and errors as for :meth:`ErrorLaw.error`, with t_c ν in the steady state under Newton's equations.
+        """
+        e = self.error(tc_nu)
+        return float((1.0 + e) ** (-2.0 / 3.0) / (1.0 - self.stored * tc_nu) - 1.0)
 
     def largest_tc_nu(self, error: float = 0.01) -> float:
         """The largest t_c ν up to which the size of the error is at most ``error``; at most 0.3, the largest measured.
@@ -274,9 +293,9 @@ def error_law(
     found = _core.error_law(dim, phi, epsilon, name, *powers, powers.mean_compression, powers.mean_duration)
     source = "measured" if name == "soft" else "theory" if epsilon >= NEARLY_ELASTIC else "both"
     beyond = _outside(dim, phi, epsilon)
-    return ErrorLaw(
-        phi, epsilon, dim, name, found.coefficient, found.coefficient_error, source, beyond, found.decay
-    )
+    stored = powers.mean_duration / (dim * powers.energy)
+    values = found.coefficient, found.coefficient_error
+    return ErrorLaw(phi, epsilon, dim, name, *values, source, beyond, found.decay, stored)
 
 
 def _outside(dimension: int, phi: float, epsilon: float) -> str:

@@ -1,0 +1,117 @@
+"""Steady state of a driven box: where it begins, and averages with errors over time and replicas."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from ..boxes.box import Floats
+from ..measure.steadiness import FEWEST, inefficiency, steady
+from ..support.estimate import Estimate
+from ..support.formatting import digits, percent_with_error
+from . import statistics
+
+#: Smallest numbers of independent samples of a steady state: of all replicas together, and of each.
+INDEPENDENT: Final = 10.0
+OF_EACH: Final = 3.0
+
+#: Probability that a steady state is refused, for all series together.
+REFUSED: Final = 0.001
+#: Quantities that must be steady.
+EXAMINED: Final = ("granular_temperature", "pressure", "dissipation_rate", "collision_rate")
+
+
+@dataclass(frozen=True)
+class SteadyState:
+    """Where the steady state of all models begins; made by ``Fidelity.steady``."""
+
+    first: int  #: number of intervals between samples before it
+    start: float  #: its time [s]; NaN if there is none
+    reason: str = ""  #: why there is none
+
+
+def detected(series: Mapping[tuple[str, str], Floats], times: Floats) -> SteadyState:
+    """The steady state that all series share.
+
+    ``series`` has the values (replica, interval) by names of quantity and model. Of each, the mean over replicas is
+    examined. It is steady from the time that :func:`hardlimit.measure.steady` finds. There is no steady state if the
+    means of both halves of this part differ significantly (99.9 % for all series together), or if it has fewer than ten
+    independent samples of all replicas together, or fewer than three of each.
+    """
+    if len(times) - 1 < 2 * FEWEST:
+        return SteadyState(0, math.nan, f"it has fewer than {2 * FEWEST} samples")
+    if not series:
+        return SteadyState(0, math.nan, "and no model reached the end in every replica")
+    means = {name: values.mean(axis=0) for name, values in series.items()}
+    first = max(steady(one).n_discarded for one in means.values())
+    for (quantity, model), one in means.items():
+        replicas = len(series[quantity, model])
+        reason = _drift(one[first:], REFUSED / len(means), max(INDEPENDENT / replicas, OF_EACH))
+        if reason:
+            return SteadyState(first, math.nan, f"the {quantity} {model} {reason}")
+    return SteadyState(first, float(times[first]))
+
+
+def _drift(part: Floats, level: float, least: float) -> str:
+    """Why a series is not steady; empty if it is."""
+    if np.ptp(part) == 0.0:
+        return ""
+    whole = steady(part)
+    if whole.n_independent < least:
+        return f"has {digits(whole.n_independent, 2)} independent samples, fewer than {digits(least, 2)}"
+    half = len(part) // 2
+    g = whole.inefficiency
+    before, after = part[:half], part[half:]
+    error = math.hypot(*(float(one.std(ddof=1)) * math.sqrt(g / len(one)) for one in (before, after)))
+    change = float(after.mean() - before.mean())
+    if abs(change) <= statistics.student(max(int(len(part) / g) - 2, 1), level) * error:
+        return ""
+    scale = abs(float(part.mean()))
+    return f"still changes by {percent_with_error(change / scale, error / scale)}"
+
+
+def average(values: Floats, state: SteadyState) -> Estimate[float]:
+    """Mean over the steady state, (replica, interval).
+
+    Error: Student's distribution over replicas; for one replica from the statistical inefficiency of its samples.
+    """
+    part = values[:, state.first :]
+    if len(part) > 1:
+        return _plain(statistics.mean(part.mean(axis=1)))
+    error, independent = _within(part[0])
+    return _interval(float(part.mean()), error, independent)
+
+
+def difference(values: Floats, reference: Floats, state: SteadyState) -> Estimate[float]:
+    """(⟨values⟩ − ⟨reference⟩)/|⟨reference⟩| over the steady state, paired by replica; for one replica, both errors are
+    independent."""
+    parts = [one[:, state.first :] for one in (values, reference)]
+    means = [one.mean(axis=1) for one in parts]
+    if len(values) > 1:
+        return _plain(statistics.relative_difference(*means))
+    value, of_reference = (float(one[0]) for one in means)
+    if of_reference == 0.0:
+        return Estimate(math.nan, math.nan, math.nan, math.nan)
+    bars = [_within(one[0]) for one in parts]
+    error = math.hypot(bars[0][0], bars[1][0] * value / of_reference) / abs(of_reference)
+    return _interval((value - of_reference) / abs(of_reference), error, min(n for _, n in bars))
+
+
+def _within(part: Floats) -> tuple[float, float]:
+    """Standard error of the mean of a stationary series, and the number of its independent samples."""
+    g = inefficiency(part)
+    independent = len(part) / g
+    return float(part.std(ddof=1)) / math.sqrt(independent), independent
+
+
+def _interval(value: float, error: float, independent: float) -> Estimate[float]:
+    half = max(statistics.student(max(int(independent) - 1, 1)) * error, statistics.SMALLEST)
+    return Estimate(value, error, value - half, value + half)
+
+
+def _plain(found: Estimate[Floats]) -> Estimate[float]:
+    return Estimate(*(float(one) for one in found))
