@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 import hardlimit as hl
 from command_line import printed, refused, run
 from conftest import draws, log_floats
+from hardlimit.boxes import theory
 from hardlimit.scripts import ContactSettings, Description, Grains, Note, Quote, Setting, Stage
 from hardlimit.verdict import checking
 from hardlimit.verdict.error_law import error_law
@@ -727,14 +728,122 @@ def test_unequal_grains_have_a_wider_error():
     assert soft.admissible is False
 
 
-@pytest.mark.parametrize(
-    "drive", [{"walls": {"z-": hl.MovingWall(1e-3, 50.0)}}, {"thermostat": hl.RandomKicks(1e-3, 1e-4)}]
-)
-def test_the_law_of_cooling_does_not_judge_a_driven_box(drive):
+def test_the_law_of_cooling_does_not_judge_a_shaken_box():
     at_rest = hl.ParticleSystem.random(50, 0.05, 1e-3, 2500.0, 0.3, boundary="wall", gravity=9.81)
     law = hl.LinearDashpot(stiffness=1e6, restitution=0.9)
     assert hl.check(at_rest, law=law).admissible is False
     found = hl.check(
-        hl.ParticleSystem.random(50, 0.05, 1e-3, 2500.0, 0.3, boundary="wall", gravity=9.81, **drive), law=law
+        hl.ParticleSystem.random(50, 0.05, 1e-3, 2500.0, 0.3, boundary="wall", gravity=9.81,
+                                 walls={"z-": hl.MovingWall(1e-3, 50.0)}), law=law
+    )  # fmt: skip
+    assert (found.admissible, "walls drive this box" in found.sentence) == (None, True)
+
+
+# --- driven gases -------------------------------------------------------------------------------------------
+
+
+@draws(60)
+@given(
+    log_floats(1e-5, 1e-2), log_floats(1e2, 1e8), st.floats(0.5, 0.97), st.floats(0.02, 0.45),
+    log_floats(1e-8, 1.0), st.booleans(), st.booleans(),
+)  # fmt: skip
+def test_the_steady_speed_balances_power_and_loss(radius, stiffness, restitution, phi, drive, sheared, hertz):
+    """The speed is √(πT) of Enskog's balance, with the ε that the contact has at this speed."""
+    ball = hl.Ball(radius, density=2500.0)
+    law = hl.LinearDashpot(stiffness=stiffness, restitution=restitution)
+    if hertz:
+        law = hl.Viscoelastic(
+            youngs_modulus=1e5 * stiffness, poisson_ratio=0.3, restitution=restitution, impact_speed=1.0
+        )
+    options = {"shear_rate": 1e5 * drive} if sheared else {"power": drive * ball.mass}
+    found = hl.check(ball, law=law, packing_fraction=phi, **options)
+    pair = next(row for row in found.rows if row.types == ("1", "1"))
+    if pair.speed is None:
+        assert found.admissible is None and "speeds" in found.missing and "No speed from" in found.remarks[-1]
+        assert sheared or hertz  # out of the range of shear; or so slow that ε → 1
+        return
+    volume = 4.0 / 3.0 * math.pi * radius**3
+    one = theory.Gas(1, radius, ball.mass, volume / phi, 3)
+    e = law.between(ball, ball).restitution(pair.speed)
+    t = one.sheared_temperature(1e5 * drive, e) if sheared else one.heated_temperature(drive * ball.mass, e)
+    assert pair.speed == pytest.approx(math.sqrt(math.pi * t), rel=1e-6)
+    assert pair.restitution == pytest.approx(e, rel=1e-6)
+    assert pair.tc_nu == pytest.approx(pair.duration * float(one.collision_rate(t)), rel=1e-6)
+    wall = next((row for row in found.rows if row.types[1] == "wall"), None)
+    assert wall is None or wall.speed == pytest.approx(pair.speed / math.sqrt(2.0))
+    same = hl.check(ball, law=law, packing_fraction=phi, speed=pair.speed)
+    assert found.admissible == same.admissible and found.sentence.startswith(same.sentence)
+    assert "are those of the steady state under" in found.sentence
+
+
+@pytest.mark.parametrize(("phi", "e"), [(0.1, 0.9), (0.3, 0.7)])
+def test_the_steady_speed_is_that_of_heated_hard_spheres(phi, e):
+    """A system with its thermostat, by simulation: 5 % of the speed, of which sampling 1 %. At rest at the start."""
+    law = hl.LinearDashpot(stiffness=1e6, restitution=e)
+    start = hl.ParticleSystem.random(300, phi, 1e-3, 2500.0, 0.2, seed=3)
+    heated = start.replace(thermostat=hl.RandomKicks(3e-3, 2e-5, seed=2))
+    speed = next(iter(hl.check(heated, law=law).rows)).speed
+    free = 1.0 / float(theory.gas(start).collision_rate(speed**2 / math.pi))
+    heated = heated.replace(thermostat=hl.RandomKicks(3e-3, 0.07 * free, seed=2))
+    run = hl.event_driven(heated, restitution=e, until=150.0 * free, samples=300)
+    found = math.sqrt(math.pi * float(run.series.granular_temperature[100:].mean()))
+    assert found == pytest.approx(speed, rel=0.05)
+
+
+def test_an_andersen_bath_is_colder_than_its_temperature():
+    """A system in a bath, by simulation: 5 % of the speed."""
+    law = hl.LinearDashpot(stiffness=1e6, restitution=0.7)
+    bath = hl.Andersen(temperature=0.04, rate=20.0, seed=2)
+    heated = hl.ParticleSystem.random(300, 0.2, 1e-3, 2500.0, 0.2, seed=3, thermostat=bath)
+    found = hl.check(heated, law=law)
+    speed = found.rows[0].speed
+    assert speed < 0.8 * math.sqrt(math.pi * 0.04) and "the thermostat" in found.sentence
+    run = hl.event_driven(heated, restitution=0.7, until=0.6, samples=300)
+    assert math.sqrt(math.pi * float(run.series.granular_temperature[100:].mean())) == pytest.approx(
+        speed, rel=0.05
     )
-    assert (found.admissible, "driven" in found.sentence) == (None, True)
+
+
+def test_scripts_take_a_power_or_a_shear_rate():
+    """In cgs units the numbers are converted; the answer is that of the same script in SI units."""
+    for options in ({"power": 1e-6}, {"shear_rate": 200.0}):
+        found = hl.check(script(CLIPPED), packing_fraction=0.2, **options)
+        cgs = script(CLIPPED.replace("1e5", "1e8"), units="cgs", grains="set type 1 diameter 0.2 density 2.5")
+        other = hl.check(cgs, packing_fraction=0.2, **options)
+        assert other.rows[0].speed == pytest.approx(found.rows[0].speed)
+        assert other.sentence.split("Impacts")[1] == found.sentence.split("Impacts")[1]
+    grains = hl.check(script(CLIPPED), packing_fraction=0.2, power=1e-6).rows[0]
+    law = hl.LinearDashpot(stiffness=1e5, restitution=grains.restitution)
+    ball = hl.check(BEAD, law=law, packing_fraction=0.2, power=1e-6)
+    assert grains.speed == pytest.approx(ball.rows[0].speed)
+
+
+@pytest.mark.parametrize(
+    ("options", "text"),
+    [
+        ({"power": 1e-3, "speed": 1.0}, "speed | power: got 2 of them"),
+        ({"power": 1e-3, "shear_rate": 1.0}, "power | shear_rate: got 2 of them"),
+        ({"power": -1.0}, "power: got -1"),
+        ({"shear_rate": 0.0}, "shear_rate: got 0"),
+    ],
+)
+def test_a_bad_drive_is_refused(options, text):
+    with pytest.raises(ValueError) as caught:
+        hl.check(BEAD, law=hl.LinearDashpot(stiffness=1e5, restitution=0.9), packing_fraction=0.2, **options)
+    assert str(caught.value).startswith(text)
+
+
+def test_the_command_takes_a_power_or_a_shear_rate():
+    numbers = NUMBERS.replace("--speed 0.3m/s ", "").split()
+    watt = printed("check", *numbers, "--power", "1uW")
+    assert watt["contacts"][0]["speed"] == pytest.approx(
+        hl.check(BEAD, law=hl.LinearDashpot(stiffness=1e5, restitution=0.9), packing_fraction=0.3, power=1e-6)
+        .rows[0]
+        .speed
+    )
+    rates = [
+        printed("check", *numbers, "--shear", text)["contacts"][0]["speed"]
+        for text in ("100/s", "0.1/ms", "100")
+    ]
+    assert len(set(rates)) == 1
+    assert "--speed | --power | --shear" in refused("check", *NUMBERS.split(), "--power", "1uW")

@@ -74,6 +74,8 @@ script_options = options(
         metavar="SPEED[:SPEED]",
         help="Mean impact speed, or lowest and highest [m/s]; as in the script if it is in lj units.",
     ),
+    quantity_option("--power", unit="W", help="Heating power of each grain [W] instead of the speed."),
+    quantity_option("--shear", unit="1/s", help="Shear rate [1/s] instead of the speed."),
     quantity_option("--packing-fraction", unit="1", help="Packing fraction φ, instead of that of the dump."),
     click.option(
         "--var",
@@ -111,6 +113,8 @@ def check(
     as_json: bool,
     dump: str | None,
     speed: tuple[float, float] | None,
+    power: float | None,
+    shear: float | None,
     packing_fraction: float | None,
     variables: dict[str, str],
     code: str | None,
@@ -123,6 +127,9 @@ def check(
     that they cause, and the error of event-driven cooling. Without a file, it checks numbers.
     """
     given: dict[str, Any] = {"dump": dump, "speed": speed, "packing_fraction": packing_fraction}
+    if sum(one is not None for one in (speed, power, shear)) > 1:
+        raise ValueError("--speed | --power | --shear: must be at most one of them")
+    given |= {"power": power, "shear_rate": shear}
     if file is None:
         found = from_numbers(numbers, variables, code, given)
     else:

@@ -39,13 +39,14 @@ KINDS: Final = {
     "N s/m": ("a damping", "3 N s/m"),
     "Pa": ("a pressure", "210 GPa"),
     "Hz": ("a frequency", "50 Hz"),
+    "1/s": ("a rate", "100/s"),
     "W": ("a power", "1 mW"),
     "1": ("without unit", "0.7"),
 }
 
 _NUMBER: Final = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,6})?"
 _FACTOR: Final = r"[A-Za-zµμ%]{1,12}(?:(?:\^|\*\*)?-?\d(?:\.\d)?|[²³])?"
-_QUANTITY: Final = re.compile(rf"({_NUMBER})\s*({_FACTOR}(?:\s?[ */·]\s?{_FACTOR}){{0,5}})", re.ASCII)
+_QUANTITY: Final = re.compile(rf"({_NUMBER})\s*(/?{_FACTOR}(?:\s?[ */·]\s?{_FACTOR}){{0,5}})", re.ASCII)
 _POWER: Final = re.compile(r"([A-Za-zµμ%])(?:\^|\*\*)?(-?\d(?:\.\d)?)", re.ASCII)
 
 
@@ -100,6 +101,7 @@ def _convert(digits: str, given: str, wanted: str) -> float | None:
 def _normal(unit: str) -> str:
     """The unit in pint's syntax: ``N s/m3`` as ``N*s/m**3``."""
     plain = unit.replace("²", "2").replace("³", "3").replace("·", "*").replace(" / ", "/").replace(" * ", "*")
+    plain = f"1{plain}" if plain.startswith("/") else plain
     return _POWER.sub(r"\1**\2", plain).replace("/ ", "/").replace(" /", "/").replace(" ", "*")
 
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from ..support.formatting import digits, listed, percent, percent_with_error
 from .contacts import CheckedContact
+from .drive import Drive
 from .error_law import MEASURED_TC_NU
 from .expectation import ACCEPTED
 from .result import Finding
@@ -31,19 +32,18 @@ def answer(
     missing: Sequence[str],
     rubs: bool = False,
     dumped: bool = False,
-    driven: bool = False,
+    shaken: bool = False,
 ) -> tuple[bool | None, str]:
     """Whether event-driven simulation is admissible, and the sentence.
 
-    ``rubs``: the script has friction, left out. ``dumped``: a dump was given. ``driven``: walls move, or a thermostat
-    heats.
+    ``rubs``: the script has friction, left out. ``dumped``: a dump was given. ``shaken``: walls move.
     """
     if invalidates:
         return False, _invalid(invalidates)
-    if driven:
+    if shaken:
         return (
             None,
-            "Cannot be said: the law of the error is that of a cooling gas; this box is driven: run both.",
+            "Cannot be said: the law of the error is that of a homogeneous gas; walls drive this box: run both.",
         )
     known = [row for row in rows if row.rule in row.error]
     worst = max(known, key=lambda row: sum(_error(row)), default=None)
@@ -68,6 +68,27 @@ def answer(
         return None, f"Cannot be said: {_cools(worst)}, and {percent(ACCEPTED)} is within the error bar."
     condition = ", for grains without friction" if rubs else ""
     return True, f"Yes{condition}: {_cools(worst)}, less than {percent(ACCEPTED)}; {_may(worst)}."
+
+
+def steady(rows: Sequence[CheckedContact], drive: Drive | None, dimension: int, plain: bool) -> str:
+    """From where the speed of a driven gas comes, and the error of its steady state; rows in SI units."""
+    pairs = [
+        row for row in rows if row.types[1] != "wall" and row.speed is not None and row.rule in row.error
+    ]
+    if drive is None or not pairs:
+        return ""
+    worst = max(pairs, key=lambda row: abs(row.error[row.rule][0]))
+    speed, x = worst.speed or 0.0, worst.tc_nu or 0.0
+    shown = digits(speed, 2) if plain else f"{digits(speed, 2)} m/s"
+    text = f" Impacts at {shown} are those of the steady state under {drive.words(plain)}"
+    if drive.shear_rate is not None:
+        return f"{text} (kinetic theory); the error of stresses was not measured."
+    if drive.power is None or x > MEASURED_TC_NU:
+        return f"{text}."
+    stored = 0.5 / dimension  # of linear springs; 1/(Dq) for others
+    error = (1.0 + worst.error[worst.rule][0]) ** (-2.0 / 3.0) / (1.0 - stored * x) - 1.0
+    how = "cold" if error < 0.0 else "hot"
+    return f"{text}; event-driven is {percent(abs(error))} too {how} there."
 
 
 def given_by(missing: Sequence[str], dumped: bool) -> str:

@@ -18,7 +18,7 @@ from ..scripts import Description, Grains, Note, Quote, Stage
 from ..scripts import read as read_script
 from ..support import validation
 from ..support.formatting import percent
-from . import answer, cases, corrections, dumps
+from . import answer, cases, corrections, drive, dumps
 from .contacts import Case, CheckedContact, Surroundings, examine
 from .expectation import checked_packing_fraction
 from .result import CheckedStage, Finding, Verdict
@@ -49,6 +49,7 @@ class Given:
     speeds: tuple[float, ...]
     packing_fraction: float | None
     variables: Mapping[str, str]
+    drive: drive.Drive | None = None
 
 
 def checked(
@@ -61,6 +62,8 @@ def checked(
     law: Any,
     time_step: Any,
     dimension: Any,
+    power: Any,
+    shear_rate: Any,
 ) -> Verdict:
     """As :func:`hardlimit.check`."""
     if not isinstance(source, str | Path | ParticleSystem | Ball):
@@ -69,11 +72,13 @@ def checked(
         )
     if not isinstance(variables, Mapping):
         raise ValueError(f"variables: got {validation.shown(variables)}, must be values by name")
+    speeds = _speeds(speed)
     given = Given(
         None if dump is None else Path(dump),
-        _speeds(speed),
+        speeds,
         packing_fraction,
         {str(name): str(value) for name, value in variables.items()},
+        drive.checked_drive(power, shear_rate, speeds),
     )
     if isinstance(source, str | Path):
         for name, value in (("law", law), ("time_step", time_step), ("dimension", dimension)):
@@ -136,26 +141,30 @@ def _surroundings(
         phi = checked_packing_fraction(phi, dimension)
     elif state is not None and state.packing_fraction is not None:
         phi = min(state.packing_fraction, 0.99)
-    measured = state is not None and bool(state.temperature) and not given.speeds
+    measured = state is not None and bool(state.temperature) and not given.speeds and given.drive is None
     gas = Surroundings(
         dimension,
         phi,
         state.mean_speed if measured and state else None,
         state.mean_diameter if measured and state else None,
     )
-    return gas, given.speeds or (state.speeds if state else ())
+    return gas, given.speeds or (state.speeds if state and given.drive is None else ())
 
 
 def _examined(
-    found: Sequence[Case], gas: Surroundings, speeds: Sequence[float]
+    found: Sequence[Case], gas: Surroundings, speeds: Sequence[float], driven: drive.Drive | None
 ) -> list[tuple[Case, CheckedContact]]:
     """Each contact at each speed. Normal impact speeds at a wall are 1/√2 of those of grains in a gas."""
-    share = math.sqrt(0.5) if gas.mean_speed is not None else 1.0
-    return [
-        (case, row)
-        for case in found
-        for row in examine(case, [v * (share if case.second is None else 1.0) for v in speeds] or [None], gas)
-    ]
+    share = math.sqrt(0.5) if gas.mean_speed is not None or driven is not None else 1.0
+    rows = []
+    for case in found:
+        at, where = speeds, gas
+        if driven is not None:
+            steady = driven.speed(case, gas.dimension, gas.packing_fraction)
+            at, where = () if steady is None else (steady,), replace(gas, mean_speed=steady)
+        values = [v * (share if case.second is None else 1.0) for v in at]
+        rows += [(case, row) for row in examine(case, values or [None], where)]
+    return rows
 
 
 # --- scripts --------------------------------------------------------------------------------------------------
@@ -168,14 +177,16 @@ def _of_script(script: Description, given: Given) -> Verdict:
         others = "".join(f"; it has {note.what}" for note in script.invalidates[:1])
         raise ValueError(f"script: it has no run with granular contacts{others}")
     mass, length, time = SCALES[script.units]
-    given = replace(given, speeds=tuple(v * time / length for v in given.speeds))
+    asked = given.drive
+    driven = None if asked is None else asked.in_units(mass, length, time)
+    given = replace(given, speeds=tuple(v * time / length for v in given.speeds), drive=driven)
     frames = _frames(given)
     script = _with_sizes(script, frames)
     found, remarks = cases.of_script(script)
     last = script.stages[-1] if script.stages else NO_RUN
     states = _states(frames, _radii(last), script.dimension)
     gas, speeds = _surroundings(given, states, script.dimension)
-    examined = _examined(found, gas, speeds)
+    examined = _examined(found, gas, speeds, driven)
     rows = [row for _, row in examined]
     invalidates = [_finding(note) for note in script.invalidates]
     invalidates += _lasting(script.stages, rows, states)
@@ -191,20 +202,22 @@ def _of_script(script: Description, given: Given) -> Verdict:
         *remarks.versions,
         *dict.fromkeys(_notes(examined)),
         *_numerically_damped(last.numerical_damping),
+        *_no_speed(driven, rows, gas),
     ]
-    missing = _missing(rows, gas, speeds, states)
+    missing = _missing(rows, gas, _known_speeds(rows, speeds, driven), states)
     rubs = any(re.search(r"tangential|friction|rolling|twisting", note.what) for note in script.ignored)
     admissible, sentence = answer.answer(rows, invalidates, unknown, missing, rubs, bool(states))
+    rows = [_in_si(row, (mass, length, time)) for row in rows]
     return Verdict(
         admissible,
-        sentence,
+        sentence + answer.steady(rows, asked, script.dimension, script.units == "lj"),
         script.code,
         script.version,
         script.units,
         script.units_given,
         None if last.time_step is None else last.time_step * time,
         last.numerical_damping,
-        tuple(_in_si(row, (mass, length, time)) for row in rows),
+        tuple(rows),
         tuple(_stage(number, stage, (mass, length, time)) for number, stage in enumerate(script.stages, 1)),
         tuple(_state_in_si(one, length, time) for one in states),
         tuple(_checked(rows, last.gravity, states)),
@@ -305,6 +318,27 @@ def _checked(
         yield Finding(f"dump of {len(states)} frame{'s' if len(states) > 1 else ''}")
 
 
+def _known_speeds(
+    rows: Sequence[CheckedContact], speeds: Sequence[float], driven: drive.Drive | None
+) -> Sequence[float]:
+    """The speeds; those of the steady state if they are known for all contacts."""
+    if driven is None:
+        return speeds
+    found = [row.speed for row in rows if row.speed is not None]
+    return found if len(found) == len(rows) else ()
+
+
+def _no_speed(driven: drive.Drive | None, rows: Sequence[CheckedContact], gas: Surroundings) -> Iterator[str]:
+    """Why there is no speed of a steady state."""
+    if driven is None or all(row.speed is not None for row in rows):
+        return
+    reason = driven.why_not(gas.dimension, gas.packing_fraction)
+    reason = (
+        reason or "sizes or masses are not known, or the restitution is outside the range of kinetic theory"
+    )
+    yield f"No speed from {driven.words(False)}: {reason}."
+
+
 def _missing(
     rows: Sequence[CheckedContact], gas: Surroundings, speeds: Sequence[float], states: Sequence[dumps.State]
 ) -> tuple[str, ...]:
@@ -398,10 +432,12 @@ def _of_system(system: ParticleSystem, law: Law, given: Given, step: float | Non
     state = dumps.State(
         0, system.n, system.packing_fraction, temperature, 2.0 * float(system.radius.mean()), None, None, None
     )
-    driven = bool(system.walls) or system.thermostat is not None
-    rests = walls and bool(system.gravity.any()) and not driven
+    rests = walls and bool(system.gravity.any()) and not system.driven
     resting = [Finding("grains rest on each other under gravity")] * rests
-    return _of_law(cases.sizes(system), law, given, step, system.dimension, walls, (state,), resting, driven)
+    if given.drive is None and not given.speeds and not system.walls:
+        given = replace(given, drive=drive.of_system(system))
+    shaken = bool(system.walls) and given.drive is None
+    return _of_law(cases.sizes(system), law, given, step, system.dimension, walls, (state,), resting, shaken)
 
 
 def _of_law(
@@ -413,20 +449,20 @@ def _of_law(
     walls: bool,
     states: tuple[dumps.State, ...] = (),
     resting: Sequence[Finding] = (),
-    driven: bool = False,
+    shaken: bool = False,
 ) -> Verdict:
     found = cases.of_law(balls, law, walls, step)
     radii = {str(k): ball.radius for k, ball in enumerate(balls, 1)}
     dumped = _states(_frames(given), radii, dimension)
     gas, speeds = _surroundings(given, dumped or states, dimension)
-    examined = _examined(found, gas, speeds)
+    examined = _examined(found, gas, speeds, given.drive)
     rows = [row for _, row in examined]
     invalidates = [*resting, *_lasting((), rows, dumped)]
-    missing = _missing(rows, gas, speeds, dumped)
-    admissible, sentence = answer.answer(rows, invalidates, (), missing, dumped=bool(dumped), driven=driven)
+    missing = _missing(rows, gas, _known_speeds(rows, speeds, given.drive), dumped)
+    admissible, sentence = answer.answer(rows, invalidates, (), missing, dumped=bool(dumped), shaken=shaken)
     return Verdict(
         admissible,
-        sentence,
+        sentence + answer.steady(rows, given.drive, dimension, False),
         None,
         None,
         "si",
@@ -441,6 +477,6 @@ def _of_law(
         tuple(invalidates),
         (),
         missing,
-        tuple(_notes(examined)),
+        (*_notes(examined), *_no_speed(given.drive, rows, gas)),
         (),
     )

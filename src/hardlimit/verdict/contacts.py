@@ -259,6 +259,15 @@ def _in_gas(
     return found
 
 
+def restitution_of(case: Case, speed: float) -> float:
+    """ε of a contact whose bodies are known, at an impact speed."""
+    assert case.force is not None
+    second = None if case.second is None else case.second.tried(0)
+    return _collision(
+        case.force(case.first.tried(0), second, speed), speed, case.numerical_damping
+    ).restitution
+
+
 def usual_rule(powers: Powers) -> str:
     """The rule for this force in an event-driven simulation: "law" if ε depends on the speed, else "constant"."""
     return "constant" if 2 * powers.damping == powers.elastic - 4 else "law"
