@@ -96,7 +96,8 @@ def _heated(f: Fidelity, rule: str, gas: theory.Gas) -> Prediction:
     if at > MEASURED_TC_NU:
         return Prediction(reason=f"t_c ν = {at:.2g} is above {MEASURED_TC_NU:g}")
     one = _law(f, rule, gas)
-    return Prediction(one.heated_error(at), 2.0 / 3.0 * one.error_bar(at))
+    value = one.heated_error(at)
+    return Prediction(value, 2.0 / 3.0 * (1.0 + value) * one.error_bar(at))
 
 
 def _law(f: Fidelity, rule: str, gas: theory.Gas) -> ErrorLaw:

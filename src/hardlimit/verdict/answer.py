@@ -70,7 +70,7 @@ def answer(
     return True, f"Yes{condition}: {_cools(worst)}, less than {percent(ACCEPTED)}; {_may(worst)}."
 
 
-def steady(rows: Sequence[CheckedContact], drive: Drive | None, dimension: int, plain: bool) -> str:
+def steady(rows: Sequence[CheckedContact], drive: Drive | None, plain: bool) -> str:
     """From where the speed of a driven gas comes, and the error of its steady state; rows in SI units."""
     pairs = [
         row for row in rows if row.types[1] != "wall" and row.speed is not None and row.rule in row.error
@@ -83,12 +83,10 @@ def steady(rows: Sequence[CheckedContact], drive: Drive | None, dimension: int, 
     text = f" Impacts at {shown} are those of the steady state under {drive.words(plain)}"
     if drive.shear_rate is not None:
         return f"{text} (kinetic theory); the error of stresses was not measured."
-    if drive.power is None or x > MEASURED_TC_NU:
+    if drive.power is None or x > MEASURED_TC_NU or worst.heated_error is None:
         return f"{text}."
-    stored = 0.5 / dimension  # of linear springs; 1/(Dq) for others
-    error = (1.0 + worst.error[worst.rule][0]) ** (-2.0 / 3.0) / (1.0 - stored * x) - 1.0
-    how = "cold" if error < 0.0 else "hot"
-    return f"{text}; event-driven is {percent(abs(error))} too {how} there."
+    how = "cold" if worst.heated_error < 0.0 else "hot"
+    return f"{text}; event-driven is {percent(abs(worst.heated_error))} too {how} there."
 
 
 def given_by(missing: Sequence[str], dumped: bool) -> str:

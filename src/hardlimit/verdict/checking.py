@@ -210,7 +210,7 @@ def _of_script(script: Description, given: Given) -> Verdict:
     rows = [_in_si(row, (mass, length, time)) for row in rows]
     return Verdict(
         admissible,
-        sentence + answer.steady(rows, asked, script.dimension, script.units == "lj"),
+        sentence + answer.steady(rows, asked, script.units == "lj"),
         script.code,
         script.version,
         script.units,
@@ -462,7 +462,7 @@ def _of_law(
     admissible, sentence = answer.answer(rows, invalidates, (), missing, dumped=bool(dumped), shaken=shaken)
     return Verdict(
         admissible,
-        sentence + answer.steady(rows, given.drive, dimension, False),
+        sentence + answer.steady(rows, given.drive, False),
         None,
         None,
         "si",

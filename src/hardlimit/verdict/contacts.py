@@ -124,6 +124,7 @@ class CheckedContact:
     delta_over_d: float | None = None  #: greatest overlap at the mean impact speed, over the diameter
     error: Errors = field(default_factory=dict)  #: of event-driven cooling
     rule: str = "constant"  #: of the event-driven simulation that the answer is about: "law" if ε depends on the speed
+    heated_error: float | None = None  #: of the temperature of an event-driven gas at equal heating power
     softening: float | None = None  #: factor of the stiffness with which the error of cooling is 1 %
     spring: tuple[str, float, float] | None = None  #: name of the stiffness, value, value for an error of 1 %
 
@@ -255,6 +256,7 @@ def _in_gas(
         found[rule] = one.error
         found[f"{rule}±"] = math.hypot(one.bar, one.error * prolonged, one.error * unequal)
         if rule == usual:
+            found["heated_error"] = one.heated
             found["softening"] = (tc_nu / one.largest_tc_nu) ** exponent
     return found
 

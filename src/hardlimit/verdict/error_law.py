@@ -31,6 +31,9 @@ MEASURED_TC_NU: Final = _core.error_law_measured_tc_nu
 #: From this ε on the theory has no free parameter.
 NEARLY_ELASTIC: Final = _core.error_law_nearly_elastic
 
+#: Steps to the steady energy under the rule tc.
+FIXED_POINT_STEPS: Final = 60
+
 
 class Fluid(NamedTuple):
     """Structure of the hard-sphere fluid at a packing fraction."""
@@ -141,9 +144,8 @@ class ErrorLaw:
     source: str  #: "theory", "measured" or "both"
     extrapolated: str  #: which argument is outside the measured range, in words; empty if none is
     decay: float = field(default=0.0, repr=False)  #: 2k of the rule tc; 0 for other rules
-    stored: float = field(
-        default=math.nan, repr=False
-    )  #: share of the energy that is stored in contacts, per t_c ν
+    stored: float = field(default=math.nan, repr=False)  #: share of elastic energy at ε → 1, per t_c ν
+    delay: float = field(default=math.nan, repr=False)  #: mean t_c over t_c at the mean impact speed, over D
 
     def error(self, tc_nu: float) -> float:
         """Relative error of the cooling: a t_c ν; for the rule tc (1 + (a + 2k) t_c ν) e^{−2k t_c ν} − 1.
@@ -174,18 +176,27 @@ class ErrorLaw:
     def heated_error(self, tc_nu: float) -> float:
         """Relative error of the granular temperature in the steady state at equal heating power.
 
-        T of the hard spheres over that under Newton's equations, less 1.
+        T of the hard spheres over that under Newton's equations, less 1. :doc:`/heated_gas` derives and measures it.
 
-        Hard spheres dissipate 1 + e times as much at an equal energy E, and dissipation grows as E^(3/2): in the steady
-        state E of the hard spheres is (1 + e)^(−2/3) times that under Newton's equations. There, a share t_c ν/(D q) of
-        the energy is stored in contacts, whose elastic energy is proportional to ξ^q. The granular temperature counts
-        kinetic energy only: (1 + e)^(−2/3)/(1 − t_c ν/(D q)) − 1. That heating changes the correlations of the
-        velocities is not included (:doc:`/error_law`).
+        Notes
+        -----
+        Hard spheres of the energy E dissipate 1 + e times as much as a cooling gas under Newton's equations with the
+        same energy not yet dissipated, and both grow as E^(3/2). In a steady state, Newton's gas also holds the energy
+        that contacts in progress will still dissipate, for t_c/2 on average, a share (1 − ε²) t_c ν/(2D), which a
+        cooling gas has lost before. A share (1 − (1 − ε²)/2) t_c ν/(Dq) is stored in contacts (elastic energy ∝ ξ^q)
+        and is no kinetic energy. The rule tc dissipates less at a higher temperature: its factor e^(−2k t_c ν) holds at
+        its own temperature.
 
         Argument and errors as for :meth:`ErrorLaw.error`, with t_c ν in the steady state under Newton's equations.
         """
-        e = self.error(tc_nu)
-        return float((1.0 + e) ** (-2.0 / 3.0) / (1.0 - self.stored * tc_nu) - 1.0)
+        x = _tc_nu(tc_nu)
+        lossy = 1.0 - self.restitution**2
+        slower = 1.0 + (self.coefficient + self.decay) * x
+        root = 1.0  # √(E of the rule/E under Newton's equations)
+        for _ in range(FIXED_POINT_STEPS):
+            root = (math.exp(min(self.decay * x * root, 50.0)) / slower) ** (1.0 / 3.0)
+        kept = 0.5 * lossy * self.delay
+        return root**2 * (1.0 - kept * x) / (1.0 - (1.0 - 0.5 * lossy) * self.stored * x) - 1.0
 
     def largest_tc_nu(self, error: float = 0.01) -> float:
         """The largest t_c ν up to which the size of the error is at most ``error``; at most 0.3, the largest measured.
@@ -293,9 +304,11 @@ def error_law(
     found = _core.error_law(dim, phi, epsilon, name, *powers, powers.mean_compression, powers.mean_duration)
     source = "measured" if name == "soft" else "theory" if epsilon >= NEARLY_ELASTIC else "both"
     beyond = _outside(dim, phi, epsilon)
-    stored = powers.mean_duration / (dim * powers.energy)
+    delay = powers.mean_duration / dim
     values = found.coefficient, found.coefficient_error
-    return ErrorLaw(phi, epsilon, dim, name, *values, source, beyond, found.decay, stored)
+    return ErrorLaw(
+        phi, epsilon, dim, name, *values, source, beyond, found.decay, delay / powers.energy, delay
+    )
 
 
 def _outside(dimension: int, phi: float, epsilon: float) -> str:

@@ -27,11 +27,13 @@ OTHER_POWERS: Final = 0.1
 
 
 class Expected(NamedTuple):
-    """Relative error of the rate of cooling, its error bar, and the largest t_c ν with an error of 1 %."""
+    """Relative error of the rate of cooling, its error bar, the largest t_c ν with an error of 1 %, and the error of
+    the temperature of a heated gas."""
 
     error: float
     bar: float
     largest_tc_nu: float
+    heated: float
 
 
 def expected(
@@ -46,7 +48,7 @@ def expected(
     error, bar = law.error(tc_nu), law.error_bar(tc_nu)
     if nearest != given:
         bar = math.hypot(bar, OTHER_POWERS * error)
-    return Expected(error, bar, limit)
+    return Expected(error, bar, limit, law.heated_error(tc_nu))
 
 
 @cache

@@ -34,6 +34,7 @@ NUMBERS = {
     "largest_overlap": "1",
     "tc_nu": "1",
     "delta_over_d": "1",
+    "heated_error": "1",
     "softening": "1",
 }
 

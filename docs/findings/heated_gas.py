@@ -1,0 +1,297 @@
+"""Measurement of the steady state of a heated gas: hard spheres beside Newton's equations at equal power.
+
+    python docs/findings/heated_gas.py measure STORE [--replicas 6]
+    python docs/findings/heated_gas.py collect STORE
+    python docs/findings/heated_gas.py draw
+
+``measure`` appends one line for each run to the file STORE and skips runs that are in it. ``collect`` gathers them in
+heated_gas.nc beside this file. ``draw`` makes the figure and the tables of docs/heated_gas.md from that file.
+
+A run starts from an elastic equilibrium at the temperature that kinetic theory predicts, is heated by random kicks for
+25 collisions per particle, and is then measured for 120. Temperature and power fluctuate together. Measured are
+therefore the dissipation over T^(3/2), the pressure over T and the collision rate over √T, whose means fluctuate
+little. At equal power, the ratio of temperatures is that of the dissipations over T^(3/2) to the power −2/3.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+import hardlimit as hl
+from hardlimit import plots
+from hardlimit.boxes import theory
+from hardlimit.fidelity_study.starts import equilibrated
+from hardlimit.plots.style import PAGE_WIDTH, PALETTE, style
+from hardlimit.support import saving
+from hardlimit.verdict.error_law import fluid
+
+HERE = Path(__file__).parent
+DATA = HERE / "heated_gas.nc"
+IMAGES = HERE.parent / "images"
+
+N = 1000
+RADIUS, DENSITY = 1e-3, 2500.0  #: [m], [kg/m³]
+TEMPERATURE = 1.0  #: predicted by kinetic theory for hard spheres [m²/s²]
+RESTITUTION = (0.9, 0.7)
+#: t_c ν by Enskog's theory at this temperature. Softer particles would be compressed too much.
+TC_NU = {0.1: (0.01, 0.03, 0.1), 0.3: (0.01, 0.03, 0.1, 0.3), 0.5: (0.01, 0.03, 0.1, 0.3)}
+HEATED, MEASURED = 25, 120  #: collisions per particle before and in the window
+KICKS = 0.1 * math.sqrt(1.1)  #: interval over the mean free time; samples are at other phases
+SAMPLES_PER_COLLISION = 3
+#: Values of a run: meaning.
+VALUES = {
+    "dissipation": "dissipation over T^(3/2), over that of Enskog's theory",
+    "pressure": "pressure over nmT",
+    "collision_rate": "collision rate over √T, over Enskog's",
+    "temperature": "mean temperature over that of kinetic theory",
+    "power": "dissipation over the power of the kicks",
+    "largest_compression": "largest compression of a contact over the radius",
+}
+Point = tuple[float, float, str, float]  # φ, ε, model, t_c ν
+
+
+def points() -> Iterator[Point]:
+    """Hard spheres with a constant ε do not depend on t_c ν."""
+    for phi, values in TC_NU.items():
+        for epsilon in RESTITUTION:
+            yield phi, epsilon, "constant", 0.0
+            for tc_nu in values:
+                for model in ("newton", "tc", "soft"):
+                    yield phi, epsilon, model, tc_nu
+
+
+def run(point: Point, replica: int) -> dict[str, float]:
+    """The values of one run."""
+    phi, epsilon, model, tc_nu = point
+    start = hl.ParticleSystem.random(N, phi, RADIUS, DENSITY, math.sqrt(3.0 * TEMPERATURE), seed=replica)
+    gas = theory.gas(start.replace(gravity=0.0)) if phi < 0.49 else _dense(start)
+    rate = float(gas.collision_rate(TEMPERATURE))
+    unit_power = gas.heated_temperature(1.0, epsilon)
+    power = (TEMPERATURE / unit_power) ** 1.5
+    start = equilibrated(start, 1000 + replica, collisions=200 if phi > 0.4 else 30)
+    seed = 10_000 * replica + round(1e3 * tc_nu) + 17 * len(model)
+    start = start.replace(thermostat=hl.RandomKicks(power, KICKS / rate, seed=seed))
+    law = _law(epsilon, start, tc_nu / rate) if tc_nu else None
+    total = HEATED + MEASURED
+    options: dict[str, Any] = {"until": total / rate, "samples": total * SAMPLES_PER_COLLISION}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", hl.CompressionWarning)
+        if model == "newton":
+            done: Any = hl.molecular_dynamics(start, law=law, engine="auto", **options)
+        elif model == "soft":
+            done = hl.event_driven(start, law=law, rule="soft", **options)
+        else:
+            more = {"rule": "tc", "contact_duration": tc_nu / rate} if model == "tc" else {}
+            done = hl.event_driven(start, restitution=epsilon, **more, **options)
+    if done.outcome != "ok":
+        return {}
+    series = done.series.isel(time=slice(HEATED * SAMPLES_PER_COLLISION, None))
+    t = series.granular_temperature.values
+    lost = series.dissipated_energy.values
+    duration = float(series.time[-1] - series.time[0])
+    dissipation = (lost[-1] - lost[0]) / duration
+    enskog = 0.5 * (1.0 - epsilon**2) * rate * float(start.mass.sum()) * TEMPERATURE
+    ideal = gas.n * gas.mass / gas.volume
+    return {
+        "dissipation": dissipation / float(np.mean(t**1.5)) * TEMPERATURE**1.5 / enskog,
+        "pressure": float(series.pressure[1:].mean()) / (ideal * float(t.mean())),
+        "collision_rate": float(series.collision_rate[1:].mean())
+        / (rate * float(np.mean(np.sqrt(t / TEMPERATURE)))),
+        "temperature": float(t.mean()) / TEMPERATURE,
+        "power": dissipation / power,
+        "largest_compression": float(getattr(done, "largest_compression", 0.0) or 0.0),
+    }
+
+
+def _dense(system: hl.ParticleSystem) -> theory.Gas:
+    """The gas of a packing fraction at which spheres may freeze; random ones stay fluid in such a time."""
+    return theory.Gas(system.n, RADIUS, float(system.mass[0]), system.domain.volume, 3)
+
+
+def _law(epsilon: float, system: hl.ParticleSystem, duration: float) -> hl.LinearDashpot:
+    """The linear law with this restitution and duration of a contact [s]."""
+    ball = hl.Ball(RADIUS, mass=float(system.mass[0]))
+    unit = hl.LinearDashpot(stiffness=1.0, restitution=epsilon).between(ball, ball).duration(1.0)
+    return hl.LinearDashpot(stiffness=float(unit / duration) ** 2, restitution=epsilon)
+
+
+# --- store ----------------------------------------------------------------------------------------------------
+
+
+def measure(store: Path, replicas: int) -> None:
+    known = {(tuple(one["point"]), one["replica"]) for one in _lines(store)}
+    for replica in range(replicas):
+        for point in points():
+            if (tuple(point), replica) in known or (point[2] in ("tc", "soft") and replica >= replicas // 2):
+                continue
+            line = {"point": point, "replica": replica, "values": run(point, replica)}
+            with store.open("a") as file:
+                file.write(json.dumps(line) + "\n")
+
+
+def _lines(store: Path) -> list[dict[str, Any]]:
+    return [json.loads(line) for line in store.read_text().splitlines()] if store.exists() else []
+
+
+def collect(store: Path) -> None:
+    """All replicas as NetCDF; NaN where a run is missing or ended early."""
+    phis, rates = sorted(TC_NU), sorted({x for values in TC_NU.values() for x in values})
+    models = ("newton", "constant", "tc", "soft")
+    lines = _lines(store)
+    shape = (len(phis), len(RESTITUTION), len(models), len(rates), 1 + max(one["replica"] for one in lines))
+    data = {name: np.full(shape, math.nan) for name in VALUES}
+    for line in lines:
+        phi, epsilon, model, tc_nu = line["point"]
+        at = slice(None) if model == "constant" else rates.index(tc_nu)
+        where = phis.index(phi), RESTITUTION.index(epsilon), models.index(model), at, line["replica"]
+        for name, value in line["values"].items():
+            data[name][where] = value
+    dims = ("packing_fraction", "restitution", "model", "tc_nu", "replica")
+    found = xr.Dataset(
+        {name: (dims, data[name], {"units": "1", "long_name": VALUES[name]}) for name in VALUES},
+        {"packing_fraction": phis, "restitution": list(RESTITUTION), "model": list(models), "tc_nu": rates},
+        {
+            "title": "Steady states of a heated gas of hard spheres and of soft ones",
+            "source": f"hardlimit {hl.__version__}, docs/findings/heated_gas.py",
+            "n": N,
+            "tc_nu": "by Enskog's theory at the temperature that kinetic theory predicts for hard spheres",
+        },
+    )
+    saving.groups({"/": found}, DATA)
+
+
+# --- results --------------------------------------------------------------------------------------------------
+
+
+def ratio(one: xr.DataArray, other: xr.DataArray, power: float = 1.0) -> tuple[float, float]:
+    """(⟨one⟩/⟨other⟩)^power − 1 with its standard error, over replicas."""
+    means, errors = [], []
+    for values in (one.dropna("replica"), other.dropna("replica")):
+        n = values.sizes["replica"]
+        means.append(float(values.mean()) if n > 1 else math.nan)
+        errors.append(float(values.std(ddof=1)) / math.sqrt(n) / means[-1] if n > 1 else math.nan)
+    found = (means[0] / means[1]) ** power
+    return found - 1.0, abs(power) * found * math.hypot(*errors)
+
+
+def temperature_error(ds: xr.Dataset, model: str) -> tuple[float, float]:
+    """Error of the temperature of a rule at equal power; ``ds`` at one φ, ε and t_c ν."""
+    return ratio(ds.dissipation.sel(model=model), ds.dissipation.sel(model="newton"), -2.0 / 3.0)
+
+
+def real_tc_nu(ds: xr.Dataset, tc_nu: float) -> float:
+    """Enskog's t_c ν at the temperature under Newton's equations."""
+    return tc_nu * math.sqrt(float(ds.temperature.sel(model="newton").mean()))
+
+
+def at_equal_temperature(phi: float, epsilon: float) -> dict[str, float]:
+    """Errors over t_c ν of pressure and collision rate at equal kinetic temperature, theory for ε → 1."""
+    one = fluid(3, phi)
+    chi_slope = one.growth * one.contact_value / (3.0 * phi)  # dχ/dφ
+    collisional = 2.0 * (1.0 + epsilon)
+    z = 1.0 + collisional * phi * one.contact_value
+    return {
+        "pressure": collisional * (one.contact_value + phi * chi_slope) / (8.0 * one.contact_value * z),
+        "collision_rate": (one.slope + one.growth) / one.density,
+    }
+
+
+BERZI_JENKINS = 0.110  #: t over t_c of the linear law: (d/5)√(πρd/4k)
+
+
+def draw() -> None:
+    with xr.open_dataset(DATA) as file:
+        ds = file.load()
+    _figure(ds)
+    print(
+        "| φ | ε | t_c ν | constant: measured / law | Berzi & Jenkins | tc: measured / law | soft: measured / law |"
+    )
+    print("|---|---|---|---|---|---|---|")
+    for phi, values in TC_NU.items():
+        for epsilon in RESTITUTION:
+            for tc_nu in values:
+                here = ds.sel(packing_fraction=phi, restitution=epsilon, tc_nu=tc_nu)
+                x = real_tc_nu(here, tc_nu)
+                cells = []
+                for rule in ("constant", "tc", "soft"):
+                    value, error = temperature_error(here, rule)
+                    law = hl.error_law(packing_fraction=phi, restitution=epsilon, rule=rule).heated_error(x)
+                    cells.append(_signed(value, error, law))
+                other = (1.0 + BERZI_JENKINS * x) ** (-2.0 / 3.0) - 1.0
+                cells.insert(1, f"{100.0 * other:.2f}".replace("-", "−"))
+                print(f"| {phi} | {epsilon} | {tc_nu} | {' | '.join(cells)} |")
+    print("\n| φ | ε | pressure: measured / theory | collision rate: measured / theory |\n|---|---|---|---|")
+    for phi, values in TC_NU.items():
+        for epsilon in RESTITUTION:
+            tc_nu = values[-1]
+            here = ds.sel(packing_fraction=phi, restitution=epsilon, tc_nu=tc_nu)
+            x, theory_of = real_tc_nu(here, tc_nu), at_equal_temperature(phi, epsilon)
+            cells = []
+            for name, slope in theory_of.items():
+                value, error = ratio(here[name].sel(model="constant"), here[name].sel(model="newton"))
+                cells.append(f"{value / x:.3f}±{error / x:.3f} / {slope:.3f}")
+            print(f"| {phi} | {epsilon} | {' | '.join(cells)} |")
+
+
+def _signed(value: float, error: float, law: float) -> str:
+    if math.isnan(value):
+        return f"– / {100.0 * law:.2f}".replace("-", "−")
+    return f"{100.0 * value:.2f}±{100.0 * error:.2f} / {100.0 * law:.2f}".replace("-", "−")
+
+
+def _figure(ds: xr.Dataset) -> None:
+    colors = {0.9: PALETTE["blue"], 0.7: PALETTE["vermillion"]}
+    with style():
+        figure = Figure(figsize=(PAGE_WIDTH, 5.2), layout="constrained")
+        axes = figure.subplots(2, 3, sharex="col", sharey="row")
+        for column, (phi, values) in enumerate(TC_NU.items()):
+            top, below = axes[:, column]
+            x = np.geomspace(0.008, 1.3 * values[-1], 60)
+            for epsilon, color in colors.items():
+                law = hl.error_law(packing_fraction=phi, restitution=epsilon)
+                top.loglog(x, [-100.0 * law.heated_error(one) for one in x], color=color)
+                below.loglog(x, 100.0 * at_equal_temperature(phi, epsilon)["pressure"] * x, color=color)
+                for tc_nu in values:
+                    here = ds.sel(packing_fraction=phi, restitution=epsilon, tc_nu=tc_nu)
+                    at = real_tc_nu(here, tc_nu) * (1.05 if epsilon == 0.9 else 0.95)
+                    pressure = here.pressure.sel(model="constant"), here.pressure.sel(model="newton")
+                    label = f"ε = {epsilon:g}" if tc_nu == values[0] else None
+                    for ax, sign, (value, error) in (
+                        (top, -100.0, temperature_error(here, "constant")),
+                        (below, 100.0, ratio(*pressure)),
+                    ):
+                        ax.errorbar(at, sign * value, 100.0 * error, fmt="o", ms=4, color=color, label=label)
+            top.loglog(x, 100.0 * (1.0 - (1.0 + BERZI_JENKINS * x) ** (-2.0 / 3.0)), "k--", lw=1.0)
+            below.loglog(x, 100.0 * BERZI_JENKINS * x, "k--", lw=1.0, label="Berzi & Jenkins (2015)")
+            top.set_title(f"φ = {phi:g}")
+            below.set_xlabel(r"$t_c\nu$")
+        axes[0, 0].set(ylim=(0.03, 12.0), ylabel="too cold by [%]")
+        axes[1, 0].set(ylim=(0.03, 12.0), ylabel="pressure too high\nat equal temperature [%]")
+        axes[1, 0].legend(loc="upper left", fontsize="small")
+        plots.save(figure, IMAGES / "heated_gas.png")
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("task", choices=("measure", "collect", "draw"))
+    parser.add_argument("store", nargs="?", type=Path, default=Path("heated_gas.jsonl"))
+    parser.add_argument("--replicas", type=int, default=6)
+    given = parser.parse_args()
+    if given.task == "measure":
+        measure(given.store, given.replicas)
+    elif given.task == "collect":
+        collect(given.store)
+    else:
+        draw()
