@@ -11,6 +11,7 @@ from scipy import stats
 import hardlimit as hl
 from conftest import refusal
 from hardlimit.fidelity_study import report, steady
+from hardlimit.fidelity_study.starts import Starts
 from hardlimit.measure.steadiness import inefficiency
 
 LAW = hl.LinearDashpot(stiffness=3e5, restitution=0.8)
@@ -58,6 +59,16 @@ def test_a_transient_is_cut_and_a_drift_refused(seed: int) -> None:
     assert good.reason == "" and 0.03 < good.start <= 0.5 and good.start == times[good.first]
     bad = steady.detected({("T", "of x"): 1.0 + noise + 3.0 * at}, times)
     assert math.isnan(bad.start) and bad.reason.startswith("the T of x ")
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_drift_within_the_noise_is_refused(seed: int) -> None:
+    """1.5 times the noise over a series of 1000 independent samples: it is not taken for a correlation."""
+    noise = 1.0 + 0.02 * np.random.default_rng(seed).standard_normal((1, 1000))
+    drift = np.linspace(0.0, 0.03, 1000)
+    found = steady.detected({("T", "of x"): noise + drift}, np.arange(1001.0))
+    assert math.isnan(found.start) and "still changes by" in found.reason
+    assert steady.detected({("T", "of x"): noise}, np.arange(1001.0)).reason == ""
 
 
 def test_stationary_series_are_rarely_refused() -> None:
@@ -183,6 +194,8 @@ def test_energy_is_balanced_in_the_steady_state() -> None:
 
 
 def test_each_replica_has_its_own_kicks() -> None:
+    seeds = [Starts(heated(), 5).start(k, lambda done, total: None).thermostat.seed for k in range(3)]
+    assert len(set(seeds)) == 3 and seeds[0] == heated().thermostat.seed
     f = study(heated(), 3, until=2e-3, samples=10)
     power = f.replicas.interval_driving_power.sel(model="newton").values
     assert len({tuple(one) for one in power}) == 3

@@ -63,12 +63,14 @@ def _drift(part: Floats, level: float, least: float) -> str:
     whole = steady(part)
     if whole.n_independent < least:
         return f"has {digits(whole.n_independent, 2)} independent samples, fewer than {digits(least, 2)}"
+    # A drift makes a series look correlated: its own correlation is that of the rest about a line.
+    at = np.linspace(-1.0, 1.0, len(part))
+    rest = part - part.mean() - at * float(at @ part) / float(at @ at)
+    independent = len(part) / inefficiency(rest)
     half = len(part) // 2
-    g = whole.inefficiency
-    before, after = part[:half], part[half:]
-    error = math.hypot(*(float(one.std(ddof=1)) * math.sqrt(g / len(one)) for one in (before, after)))
-    change = float(after.mean() - before.mean())
-    if abs(change) <= statistics.student(max(int(len(part) / g) - 2, 1), level) * error:
+    error = 2.0 * float(rest.std(ddof=2)) / math.sqrt(independent)  # of the difference of the halves
+    change = float(part[-half:].mean() - part[:half].mean())
+    if abs(change) <= statistics.student(max(int(independent) - 2, 1), level) * error:
         return ""
     scale = abs(float(part.mean()))
     return f"still changes by {percent_with_error(change / scale, error / scale)}"
