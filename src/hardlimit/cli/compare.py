@@ -171,7 +171,9 @@ def as_mapping(found: hl.Fidelity, files: list[Path]) -> dict[str, Any]:
                 name: {"dims": v.dims, "units": v.attrs["units"], "values": v.values}
                 for name, v in ds.data_vars.items()
             },
-            "predicted_cooling": {model: found.predicted(model)._asdict() for model in found.models[1:]},
+            f"predicted_{'temperature' if found.driven else 'cooling'}": {
+                model: found.predicted(model)._asdict() for model in found.models[1:]
+            },
             "outcomes": {model: found.outcomes(model) for model in found.models},
             "files": files,
         }
