@@ -56,14 +56,18 @@ def fidelity(
     All models of a replica start from the same state. Differences between models therefore scatter less than the values
     themselves. Errors are standard errors over replicas; a single replica gives no errors and no verdict.
 
+    With moving walls or a thermostat, averages over the steady state are compared. If no steady state is found by
+    ``until``, the summary says so and nothing is averaged (:attr:`Fidelity.steady`). A single replica then has the
+    errors of its correlated samples.
+
     Parameters
     ----------
     system : ParticleSystem or callable(seed)
         Initial state of replica 0. Replica k > 0 starts from another equilibrium state of the same particles: new
         velocities (Maxwell, seed ``seed`` + k), about 20 elastic collisions per particle, then a shift and a scaling
         of the velocities to the mean velocity and granular temperature of ``system``. States out of equilibrium or
-        under gravity need a function instead, which is called with ``seed`` + k and returns the initial state of
-        replica k.
+        under gravity or with moving walls need a function instead, which is called with ``seed`` + k and returns the initial state of
+        replica k. Each replica gets another seed of its thermostat.
     law : Law
         Contact law of Newton's equations and of the rules law and soft.
     until : float [s]
