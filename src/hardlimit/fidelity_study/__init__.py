@@ -66,8 +66,8 @@ def fidelity(
         Initial state of replica 0. Replica k > 0 starts from another equilibrium state of the same particles: new
         velocities (Maxwell, seed ``seed`` + k), about 20 elastic collisions per particle, then a shift and a scaling
         of the velocities to the mean velocity and granular temperature of ``system``. States out of equilibrium or
-        under gravity or with moving walls need a function instead, which is called with ``seed`` + k and returns the initial state of
-        replica k. Each replica gets another seed of its thermostat.
+        under gravity or with moving walls need a function instead, which is called with ``seed`` + k and returns the
+        initial state of replica k. Each replica gets another seed of its thermostat.
     law : Law
         Contact law of Newton's equations and of the rules law and soft.
     until : float [s]
