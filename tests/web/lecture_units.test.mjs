@@ -134,11 +134,12 @@ test("the story: well formed for every step and setting", () => {
     for (const step of lib.steps)
       for (const guess of [null, 2.5])
         for (const gaps of [null, { touching: 0.9, best: 3.1, at: 0.02 }, { touching: NaN, best: NaN, at: 0 }])
-          for (const trusted of [null, Infinity, 0.0123]) {
-            const text = lib.joined(lib.story(step, { drop, report, guess, revealed: true, gaps, trusted }));
-            assert.match(text, /^[A-Z].*[.?]$/, text);
-            assert.doesNotMatch(text, /NaN|undefined|null|Infinity|  | [.,;]|\.\./, `${step}: ${text}`);
-          }
+          for (const trusted of [null, Infinity, 0.0123])
+            for (const fall of ["before", "falling", "over"]) {
+              const text = lib.joined(lib.story(step, { drop, report, guess, fall, gaps, trusted }));
+              assert.match(text, /^[A-Z].*[.?…]$/, text);
+              assert.doesNotMatch(text, /NaN|undefined|null|Infinity|  | [.,;]|\.\./, `${step}: ${text}`);
+            }
     told++;
   }
   assert.ok(told > 40);
@@ -185,7 +186,7 @@ test("the documentation names every parameter of a link, and what it may be", ()
   for (const name of Object.keys(one.constants)) one.constants[name] *= 1.01;
   lib.toQuery({ ...one, law: "tsuji", cradle: true, restitution: 0.5, height: 2, balls: [{ radius: 1, density: 1 }], gaps: [], velocities: [1] }, q);
   lib.viewToQuery({ map: { axis: "ratio", show: "effective", zoom: { x: [0.1, 1], y: [1, 2] } }, slow: false, time: 1 }, q);
-  lib.lectureToQuery({ step: "drop", guess: 1, panel: "film", curve: "e", pin: lib.paper() }, q);
+  lib.lectureToQuery({ step: "slow", guess: 1, panel: "film", curve: "e", pin: lib.paper() }, q);
   assert.ok(q.size > 20);
   for (const key of q.keys()) assert.ok(told.has(key.replace(/^a\..*/, "a.…")), key);
   const steps = lib.steps.filter((step) => step !== "predict");

@@ -1,4 +1,4 @@
-// Layout: the whole page, the panels of a story step, or a single panel for a lecture or an embedding page.
+// Layout: the whole page, the story, or a single panel for a lecture or an embedding page.
 import { find } from "../support/dom";
 import type { PanelName } from "../story/lecture_view";
 import { lettering } from "../support/plot";
@@ -13,13 +13,12 @@ export class Frames {
     addEventListener("resize", () => this.sizeText());
   }
 
-  // Elements shown besides the frame of the mode; null: the whole page.
-  show(mode: Mode | null, names: (PanelName | "tale" | "watch")[]): void {
+  // `names`: panels shown alone; mode null: the whole page.
+  show(mode: Mode | null, names: PanelName[]): void {
     this.mode = mode;
     const root = document.documentElement;
     if (mode) root.dataset.mode = mode;
     else delete root.dataset.mode;
-    root.dataset.panels = String(names.length);
     this.sizeText();
     document.querySelectorAll("main > .panel").forEach((panel) => panel.removeAttribute("data-shown"));
     names.forEach((name, i) => document.querySelector(`main > .${name}`)?.setAttribute("data-shown", String(i + 1)));

@@ -264,8 +264,9 @@ class Page {
   readonly report = (): object | null => {
     const { report, scenario, view, lecture } = this.state;
     if (!report) return null;
-    const sentences: Sentence[] = [...report.newton, ...report.icm, ...report.why, ...(report.verdict ? [report.verdict] : []), ...this.lecture.sentences()];
-    return { ...report, current: JSON.stringify(report.setting) === JSON.stringify(scenario), step: lecture.step, story: this.lecture.sentences(), sentences, time: this.state.time(), tolerance: view.tolerance };
+    const { read, all } = this.lecture.sentences();
+    const sentences: Sentence[] = [...report.newton, ...report.icm, ...report.why, ...(report.verdict ? [report.verdict] : []), ...all];
+    return { ...report, current: JSON.stringify(report.setting) === JSON.stringify(scenario), step: lecture.step, story: read, sentences, time: this.state.time(), tolerance: view.tolerance };
   };
 
   private say(newton: string, icm: string, verdict: string): void {
@@ -310,7 +311,7 @@ class Page {
       state.dirty.solve = false;
       if (this.solve()) return;
     }
-    if (state.drop && state.playing) this.film.advance(passed);
+    if (state.drop && state.playing && this.lecture.plays) this.film.advance(passed);
     const plots = this.drawPlots(now);
     const film = state.dirty.stage && state.drop !== null;
     if (film) {
@@ -318,7 +319,7 @@ class Page {
       this.film.draw();
       this.markTime();
     }
-    this.lecture.frame(plots, film);
+    this.lecture.frame(plots, film, now);
   };
 
   // Draws one of the large plots per frame; returns whether the drop was redrawn.

@@ -1,7 +1,11 @@
 // Commercial balls: measured properties with sources, and the stiffness that follows.
+import { massOf, type Ball } from "./scenario";
+
 export interface MeasuredBall {
   id: string;
   name: string;
+  short: string; // in a sentence
+  by: string; // who made the rules
   mass: [number, number]; // kg, lowest and highest allowed
   diameter: [number, number]; // m
   restitution: [number, number]; // from the rebound heights below
@@ -50,6 +54,8 @@ export const measuredBalls: MeasuredBall[] = [
   {
     id: "basketball",
     name: "Basketball, size 7",
+    short: "basketball",
+    by: "FIBA",
     mass: [0.567, 0.65],
     diameter: [0.749 / Math.PI, 0.78 / Math.PI],
     restitution: fromHeights(1.8, [1.2 - 0.243, 1.4 - 0.243]),
@@ -63,6 +69,8 @@ export const measuredBalls: MeasuredBall[] = [
   {
     id: "tennis",
     name: "Tennis ball, type 2",
+    short: "tennis ball",
+    by: "ITF",
     mass: [0.056, 0.0594],
     diameter: [0.0654, 0.0686],
     restitution: fromHeights(2.54, [1.35, 1.47]),
@@ -73,6 +81,8 @@ export const measuredBalls: MeasuredBall[] = [
   {
     id: "tabletennis",
     name: "Table tennis ball",
+    short: "table tennis ball",
+    by: "ITTF",
     mass: [0.0027, 0.0027],
     diameter: [0.04, 0.04],
     restitution: fromHeights(0.305, [0.24, 0.26]),
@@ -83,6 +93,21 @@ export const measuredBalls: MeasuredBall[] = [
 ];
 
 export const ballById = (id: string): MeasuredBall => measuredBalls.find((b) => b.id === id)!;
+
+// The measured ball that has this radius and mass.
+export function measuredLike(b: Ball): MeasuredBall | undefined {
+  const inside = ([low, high]: [number, number], x: number): boolean => x >= 0.999 * low && x <= 1.001 * high;
+  return measuredBalls.find(({ mass, diameter }) => inside(mass, massOf(b)) && inside(diameter, 2 * b.radius));
+}
+
+// Heights of the centre [m] to which a measured ball that is let go alone comes back: its lowest point falls by the
+// release less the radius and rises by ε² of that, with the ε of its rules.
+export function aloneRise(b: Ball, release: number): { low: number; high: number; by: string } | null {
+  const known = measuredLike(b);
+  if (!known) return null;
+  const [low, high] = known.restitution.map((e) => b.radius + e * e * (release - b.radius));
+  return { low, high, by: known.by };
+}
 
 // A ball with the mean values of its rules.
 export const typical = (id: string): { radius: number; mass: number } => {

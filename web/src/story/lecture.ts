@@ -10,6 +10,7 @@ import { Mini } from "../views/mini";
 import type { Pool } from "../core/pool";
 import { ReboundPanel } from "../views/rebound_panel";
 import type { State } from "../app/state";
+import { Guess } from "./guess";
 import { Story } from "./story";
 import { Watch } from "./watch";
 import type { Report } from "../report/report";
@@ -22,8 +23,8 @@ export class Lecture {
   private readonly rebound: ReboundPanel;
   private readonly compare: Compare;
   private readonly mini: Mini;
-  private mapped: number | null = null; // computing time of the map that the story has reported
-  private entered: { step: Step; placed: boolean } | null = null; // a step that waits until the drop is computed
+  private trusted: number | null = null; // what the story has reported of the map
+  private placed: boolean; // the link gives the time of the film
 
   constructor(
     private readonly state: State,
@@ -39,23 +40,25 @@ export class Lecture {
     this.compare = new Compare(state, view, new Sheet("compare-stage", resized), pool, () => this.settingsChanged());
     this.mini = new Mini(state);
     this.single = new SinglePanel(this.frames, state, () => this.show());
-    this.story = new Story(state, view, film, new Sheet("tale", resized), this.frames, {
+    const hand = {
       told: () => ({ gaps: this.rebound.extremes(), trusted: this.map.trusted() }),
-      entered: (step) => this.enter(step),
+      arrived: (step: Step) => this.arrive(step),
       left: () => this.show(),
       load,
-    }, new Watch(state, film, new Sheet("duel", resized), moves));
+    };
+    const changed = (): void => void (this.story.dirty = true);
+    this.story = new Story(state, view, film, this.frames, hand, new Watch(state, film, new Sheet("duel", resized), moves), new Guess(state, view, new Sheet("tale", resized), moves, changed));
     fillMeasured();
+    this.placed = state.view.time !== null;
     this.show();
-    if (view.step) this.enter(view.step, state.view.time !== null);
   }
 
   // Shows what the link or the user selects: the whole page, the story or one panel.
   show(): void {
     const { step, panel } = this.state.lecture;
+    this.story.show();
     if (!step && !panel) this.frames.show(null, []);
     this.single.show();
-    this.story.show();
     this.compare.refresh();
     this.state.redraw();
   }
@@ -65,8 +68,14 @@ export class Lecture {
     this.rebound.refresh();
   }
 
-  sentences(): Sentence[] {
-    return this.story.sentences();
+  // Of the chapter that is read, and of all.
+  sentences(): { read: Sentence[]; all: Sentence[] } {
+    const said = this.story.sentences();
+    return said ? { read: said[this.state.lecture.step!], all: Object.values(said).flat() } : { read: [], all: [] };
+  }
+
+  get plays(): boolean {
+    return this.story.plays;
   }
 
   // The report has changed, perhaps before the drop is solved to its end.
@@ -81,53 +90,43 @@ export class Lecture {
   solved(): void {
     this.settingsChanged();
     this.single.refreshLink();
-    if (this.entered) this.enter(this.entered.step, this.entered.placed);
     this.story.dirty = true;
   }
 
   // Called once per frame; says whether the plots of the drop and the film were redrawn.
-  frame(plots: boolean, film: boolean): void {
+  frame(plots: boolean, film: boolean, now: number): void {
     if (plots) this.rebound.dirty = true;
     if (plots || film) {
       this.story.dirty = true;
       this.compare.draw();
       this.mini.draw();
     }
-    const { elapsed } = this.map.map;
-    if (this.rebound.dirty || elapsed !== this.mapped) this.story.dirty = true;
-    this.mapped = elapsed;
+    const trusted = this.map.trusted();
+    if (this.rebound.dirty || trusted !== this.trusted) this.story.dirty = true;
+    this.trusted = trusted;
     this.rebound.drawIfDue();
-    this.story.frame();
+    this.story.frame(now);
   }
 
   // ---- the story ----------------------------------------------------------------------------------------
 
-  // Sets film and map for a step; `placed`: the link gives the time of the film.
-  private enter(step: Step, placed = false): void {
-    const { state, film } = this;
-    const { drop } = state;
-    this.entered = drop ? null : { step, placed };
+  // Sets what a chapter shows as it comes into view.
+  private arrive(step: Step): void {
+    const { drop } = this.state;
     if (!drop) return;
-    const contact = this.moves() ? drop.from - 0.02 : 0.5 * (drop.from + drop.to);
-    const actions: Partial<Record<Step, () => void>> = {
-      watch: () => this.start(true, this.moves() ? Math.max(drop.start, drop.from - 0.35) : Infinity, this.moves()),
-      predict: () => this.start(false, 0, false),
-      drop: () => this.start(false, this.moves() ? 0 : Infinity, this.moves()),
-      slow: () => this.start(true, contact, this.moves()),
-      gap: () => this.rebound.setAxis("gap"),
-      map: () => this.map.showTrusted(),
-    };
-    if (!placed || step === "gap" || step === "map") actions[step]?.();
-    film.refresh();
-    state.redraw();
+    const film = !this.placed;
+    if (step === "watch" && film) this.start(this.moves() ? Math.max(drop.start, drop.from - 0.35) : Infinity);
+    if (step === "slow" && film) this.start(this.moves() ? drop.from - 0.02 : 0.5 * (drop.from + drop.to));
+    if (step === "watch" || step === "slow") this.placed = false;
+    if (step === "gap") this.rebound.setAxis("gap");
+    if (step === "map") this.map.showTrusted();
   }
 
-  // Plays the film from a time; 0 and infinity mean its ends.
-  private start(slow: boolean, time: number, plays: boolean): void {
+  // Plays the film from a time.
+  private start(time: number): void {
     const { state, film } = this;
-    state.view.slow = slow;
-    const clock = state.clock();
-    state.screen = time === 0 ? 0 : clock.toScreen(Math.min(time, clock.stop));
-    film.play(plays);
+    state.view.slow = true;
+    film.seek(Math.min(time, state.clock().stop));
+    film.play(this.moves());
   }
 }

@@ -2,7 +2,7 @@
 import { presets } from "../scenario/presets";
 import { copyOf, fromQuery, toQuery, type Scenario } from "../scenario/scenario";
 
-export const steps = ["watch", "predict", "drop", "slow", "count", "gap", "map"] as const;
+export const steps = ["watch", "predict", "slow", "count", "gap", "map"] as const; // chapters of the story
 export type Step = (typeof steps)[number];
 
 export const panels = ["film", "numbers", "energy", "forces", "timeline", "rebound", "map", "compare"] as const;
@@ -12,7 +12,7 @@ export const curveAxes = ["gap", "e", "ratio"] as const; // what the rebound hei
 export type CurveAxis = (typeof curveAxes)[number];
 
 export interface LectureView {
-  step: Step | null; // of the story; null: the laboratory or a single panel
+  step: Step | null; // chapter that is read; null: the laboratory or a single panel
   guess: number | null; // height the viewer expects [m]
   panel: PanelName | null; // shown alone
   curve: CurveAxis;
@@ -21,7 +21,7 @@ export interface LectureView {
 
 export const firstLectureView = (): LectureView => ({ step: "watch", guess: null, panel: null, curve: "gap", pin: null });
 
-const highestGuess = 1000; // m
+export const highestGuess = 1000; // m
 
 const queryOf = (s: Scenario): URLSearchParams => {
   const q = new URLSearchParams();
@@ -68,6 +68,7 @@ export function lectureFromQuery(v: LectureView, q: URLSearchParams, notes: stri
     notes.push(`${key} = “${text.slice(0, 20)}” is none of ${options.join(", ")}: left out`);
     return null;
   };
+  if (q.get("story") === "drop") q.set("story", "predict"); // in older links
   const asked = choice("story", steps);
   v.panel = asked ? null : choice("panel", panels);
   const pinned = [...q.keys()].some((key) => key.startsWith(prefix));

@@ -1,20 +1,22 @@
-// The sentences of the story, from the report of the present setting. One table for each step.
+// The sentences of the story, from the report of the present setting. One table for each chapter.
 import type { Drop } from "../core/drop";
 import { capital } from "../core/tables";
 import type { Report } from "../report/report";
 import { chosen, type Case, type Numbers, type Sentence } from "../report/sentence";
 import { inPercent } from "../report/tolerance";
 import { counted, spell, times } from "../report/words";
-import { ballById } from "../scenario/measured";
-import { massOf, type Ball } from "../scenario/scenario";
+import { aloneRise, measuredLike } from "../scenario/measured";
+import type { Ball } from "../scenario/scenario";
 import { digits, metres, withUnit } from "../support/format";
 import type { Step } from "./lecture_view";
+
+export type Fall = "before" | "falling" | "over";
 
 export interface Told {
   drop: Drop;
   report: Report;
   guess: number | null; // m
-  revealed: boolean; // whether the drop has been seen to its end
+  fall: Fall; // of the balls beside the ruler
   gaps: { touching: number; best: number; at: number } | null; // Newton's heights at gap 0 and the highest, with its gap
   trusted: number | null; // gap above which both models agree [m]; infinite: nowhere in the map; null: not known
 }
@@ -22,25 +24,17 @@ export interface Told {
 const titles: Record<Step, string> = {
   watch: "One bounce, two models",
   predict: "How high will it fly?",
-  drop: "The drop",
   slow: "Slowly, through the contact",
   count: "Count the contacts",
   gap: "Change the gap",
   map: "Where event-driven simulation may be trusted",
 };
 
-const onCradle: Partial<Record<Step, string>> = { predict: "How fast will the last one leave?", drop: "The collision" };
+const onCradle: Partial<Record<Step, string>> = { predict: "How fast will the last one leave?" };
 export const titleOf = (step: Step, cradle: boolean): string => (cradle && onCradle[step]) || titles[step];
 
 // "basketball" where radius and mass are those of one, else what the place in the column says.
-export function nameOfBall(b: Ball, place: string): string {
-  const known = ["basketball", "tennis", "tabletennis"].find((id) => {
-    const { mass, diameter } = ballById(id);
-    const inside = ([low, high]: [number, number], x: number): boolean => x >= 0.999 * low && x <= 1.001 * high;
-    return inside(mass, massOf(b)) && inside(diameter, 2 * b.radius);
-  });
-  return known === "basketball" ? "basketball" : known === "tennis" ? "tennis ball" : known ? "table tennis ball" : place;
-}
+export const nameOfBall = (b: Ball, place: string): string => measuredLike(b)?.short ?? place;
 
 // Height of the top ball's centre at release [m].
 export function releaseHeight(d: Drop): number {
@@ -82,19 +76,17 @@ const watch: Case<Told>[] = [
   { id: "watch-none", when: () => true, say: (t) => `The ${cradle(t) ? "last ball" : topName(t)} does not bounce.` },
 ];
 
+const before = (t: Told): boolean => t.fall === "before";
 const predict: Case<Told>[] = [
-  { id: "predict-cradle", when: cradle, say: (t) => `${capital(spell(count(t)))} balls in a line, and no floor. The first arrives: with what speed will the last one leave?` },
+  { id: "predict-cradle", when: (t) => before(t) && cradle(t), say: (t) => `${capital(spell(count(t)))} balls in a line, and no floor. The first arrives: with what speed will the last one leave?` },
   {
-    id: "predict", when: () => true,
+    id: "predict", when: before,
     say: (t) => `${column(t)} are let go together, the ${topName(t)} ${metres(releaseHeight(t.drop))} above the floor. How high will the ${topName(t)} rise after the bounce? Drag the line there, then let them drop.`,
     numbers: (t) => ({ release: releaseHeight(t.drop) }),
   },
-];
-
-const drop: Case<Told>[] = [
-  { id: "drop-wait-cradle", when: (t) => cradle(t) && !t.revealed, say: () => "Watch the last ball …" },
+  { id: "drop-wait-cradle", when: (t) => cradle(t) && t.fall === "falling", say: () => "Watch the last ball …" },
   { id: "drop-cradle", when: cradle, say: (t) => `The last ball leaves with ${speed(newton(t))}; the textbook, one collision after the other, says ${speed(icm(t))}.`, numbers: both },
-  { id: "drop-wait", when: (t) => !t.revealed, say: () => "Watch the ruler …" },
+  { id: "drop-wait", when: (t) => t.fall === "falling", say: () => "Watch the ruler …" },
   { id: "drop-none", when: (t) => !Number.isFinite(newton(t)), say: (t) => `The ${topName(t)} does not bounce.` },
   { id: "drop-newton-only", when: (t) => !Number.isFinite(icm(t)), say: (t) => `The ${topName(t)} rises to ${metres(newton(t))}, ${compared(t)}.${guessed(t)}`, numbers: (t) => ({ newton: newton(t) }) },
   { id: "drop-agree", when: agree, say: (t) => `The ${topName(t)} rises to ${metres(newton(t))}, ${compared(t)}.${guessed(t)} The textbook, one collision after the other, agrees to ${inPercent(t.report.tolerance)}: ${metres(icm(t))}.`, numbers: both },
@@ -130,6 +122,16 @@ const gap: Case<Told>[] = [
 ];
 gap[0].when = cradle;
 
+const alone = (t: Told): ReturnType<typeof aloneRise> => aloneRise(t.drop.scenario.balls[count(t) - 1], releaseHeight(t.drop));
+const experiment: Case<Told>[] = [
+  {
+    id: "alone", when: (t) => !cradle(t) && alone(t) !== null,
+    say: (t) => `Of these balls together we know no published heights as numbers; your own can be loaded. Alone, the ${topName(t)} would come back to ${metres(alone(t)!.low)} to ${metres(alone(t)!.high)}, by the bounce that the rules of the ${alone(t)!.by} ask of it.`,
+    numbers: (t) => ({ low: alone(t)!.low, high: alone(t)!.high }),
+  },
+  { id: "no-experiment", when: (t) => !cradle(t), say: () => "Of these balls together we know no published heights as numbers; your own can be loaded." },
+];
+
 const line = (t: Told): string => `Above the line both models agree to ${inPercent(t.report.tolerance)}`;
 const map: Case<Told>[] = [
   { id: "map-cradle", when: cradle, say: () => "The map counts contacts. Event-driven simulation is right where no two of them overlap." },
@@ -149,7 +151,11 @@ const map: Case<Told>[] = [
   },
 ];
 
-const tables: Record<Exclude<Step, "slow">, Case<Told>[]> = { watch, predict, drop, count: counting, gap, map };
+const tables: Record<Exclude<Step, "slow">, Case<Told>[]> = { watch, predict, count: counting, gap, map };
 
-// The third step says why; its sentences are those of the report.
-export const story = (step: Step, t: Told): Sentence[] => (step === "slow" ? t.report.why : [chosen(tables[step], t)!]);
+// The chapter on the contact says why; its sentences are those of the report.
+export function story(step: Step, t: Told): Sentence[] {
+  if (step === "slow") return t.report.why;
+  const measured = step === "gap" ? chosen(experiment, t) : null;
+  return [chosen(tables[step], t)!, ...(measured ? [measured] : [])];
+}

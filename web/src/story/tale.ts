@@ -21,7 +21,9 @@ export interface Tale {
 export interface TaleLayout {
   floor: number; // pixel
   scale: number; // pixels per metre
-  top: number; // m at the upper edge
+  left: number; // pixels between which the ruler lies
+  right: number;
+  asked: number; // m where the viewer is asked for a guess
 }
 
 // The ruler covers every possible guess and does not reveal the result.
@@ -34,12 +36,13 @@ export function rulerTop(d: Drop, guess: number | null, falling: boolean): numbe
 export function drawTale(g: CanvasRenderingContext2D, whole: number, h: number, t: Tale, size: number, theme: Theme): TaleLayout {
   g.clearRect(0, 0, whole, h);
   const room = !t.falling && whole > 34 * size; // for the balls themselves
-  const w = room ? 0.58 * whole : whole;
+  const w = room ? 0.52 * whole : whole;
   if (room) drawPortrait(g, t.drop, w + 2 * size, whole - w - 2 * size, h, size, theme);
   const floor = h - 2.4 * size;
   const top = rulerTop(t.drop, t.guess, t.falling);
   const scale = (floor - 1.2 * size) / top;
   const left = 3.4 * size;
+  const asked = 0.55 * top;
   drawRuler(g, left, w, floor, scale, top, size, theme);
   const lanes = t.falling ? 2 : 1;
   const lane = (w - left) / lanes;
@@ -78,10 +81,10 @@ export function drawTale(g: CanvasRenderingContext2D, whole: number, h: number, 
     setFont(g, theme, 1.1 * size, 650);
     g.textAlign = "center";
     g.textBaseline = "middle";
-    halo(g, "↕ drag: my guess", left + 0.5 * (w - left), floor - 0.55 * top * scale, theme.ink, theme);
+    halo(g, "↕ drag: my guess", left + 0.5 * (w - left), floor - asked * scale, theme.ink, theme);
   }
   if (t.guess !== null) drawLevel(g, left, w, floor - t.guess * scale, `${t.falling ? "your guess" : "my guess"}: ${t.guess} m`, theme.ink, [], 3, size, theme, "right");
-  return { floor, scale, top };
+  return { floor, scale, left, right: w, asked };
 }
 
 // The balls at a common scale, with their names.
@@ -89,7 +92,7 @@ function drawPortrait(g: CanvasRenderingContext2D, d: Drop, x: number, w: number
   const { balls, gaps } = d.scenario;
   const tall = balls.reduce((sum, b) => sum + 2 * b.radius, 0);
   const wide = Math.max(...balls.map((b) => b.radius));
-  const scale = Math.min((0.72 * h) / tall, (0.2 * w) / wide);
+  const scale = Math.min((0.72 * h) / tall, Math.max(0.5 * (w - 14 * size), 2 * size) / wide); // the names need 14 letters' heights
   let bottom = 0.5 * h + 0.5 * tall * scale;
   const middle = x + wide * scale;
   balls.forEach((b, i) => {

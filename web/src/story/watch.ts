@@ -1,17 +1,23 @@
-// The first step of the story: the drop plays, and one slider changes the gap. The balls can be dragged as well.
+// The first chapter: the drop plays in both worlds, and its balls can be dragged; a slider changes the gap too.
 import { find, type Sheet } from "../support/dom";
 import { withUnit } from "../support/format";
+import { Handle, type Pull } from "../support/handle";
 import { fromSlider, toSlider } from "../support/slider";
 import { clampTo, firstGap, lowestHeight, ranges } from "../scenario/scenario";
 import type { State } from "../app/state";
+import { drawCloseUp } from "../views/close_up";
 import { drawDuel, type DuelLayout } from "../views/duel";
 import type { Film } from "../views/film";
 
-const slowTo = 0.02; // s before the first contact from which the film starts after a change
+const slowTo = 0.02; // s before the first contact from which the film starts after a change of the gap
+
+type Held = "gap" | "height";
 
 export class Watch {
   private layout: DuelLayout | null = null;
+  private held: Held | null = null; // what is being dragged
   private readonly slider = find<HTMLInputElement>("watch-gap");
+  private readonly handles: { what: Held; world: number; handle: Handle }[];
 
   constructor(
     private readonly state: State,
@@ -20,72 +26,89 @@ export class Watch {
     private readonly moves: () => boolean,
   ) {
     this.slider.max = "1000";
-    this.slider.addEventListener("input", () => this.setGap(fromSlider(ranges.gap, Number(this.slider.value))));
+    this.slider.addEventListener("input", () => this.set("gap", fromSlider(ranges.gap, Number(this.slider.value))));
     find("watch-play").addEventListener("click", () => film.play(!state.playing));
-    this.listenDrag();
+    const pulls: Record<Held, Pull> = { gap: this.pull("gap", "Gap below the top ball"), height: this.pull("height", "Height of the lowest ball") };
+    this.handles = [0, 1].flatMap((world) => (["height", "gap"] as const).map((what) => ({ what, world, handle: new Handle(find("duel-box"), pulls[what], world === 1) })));
+  }
+
+  get seen(): boolean {
+    return this.sheet.seen;
   }
 
   draw(size: number): void {
-    const { state, sheet } = this;
+    const { state, sheet, held } = this;
     const d = state.drop!;
-    if (sheet.width < 40 || d.scenario.cradle) return;
-    const time = state.time();
+    if (sheet.width < 40 || !sheet.seen) return;
     const clock = state.clock();
-    const moment = { time, screen: state.screen, rate: state.view.slow ? clock.rate(time) : 1, newton: d.motion.newton.at(time), icm: d.motion.icm.at(time) };
-    this.layout = drawDuel(sheet.g, sheet.width, sheet.height, d, moment, (t) => clock.toScreen(t), state.theme, Math.min(size, sheet.width / 24, sheet.height / 18));
-    const slower = 1 / moment.rate;
-    find("watch-speed").textContent = slower < 1.05 ? "real time" : `${slower < 10 ? slower.toFixed(1) : Math.round(Number(slower.toPrecision(2)))} × slower`;
+    const time = held === "gap" ? d.from : held === "height" ? d.start : state.time(); // where the balls are as they are let go
+    const rate = held === "gap" ? clock.rate(0.5 * (d.from + d.to)) : state.view.slow ? clock.rate(time) : 1;
+    const moment = { time, screen: clock.toScreen(time), rate, newton: d.motion.newton.at(time), icm: d.motion.icm.at(time) };
+    const said = held && { ball: held === "gap" ? d.scenario.balls.length - 1 : 0, text: this.say(held) };
+    const letters = Math.min(size, sheet.width / 24, sheet.height / 16);
+    this.layout = null;
+    if (d.scenario.cradle) drawCloseUp(sheet.g, sheet.width, sheet.height, d, moment, state.theme, letters);
+    else this.layout = drawDuel(sheet.g, sheet.width, sheet.height, d, { ...moment, said }, (t) => clock.toScreen(t), state.theme, letters);
+    this.placeHandles();
+    const slower = 1 / rate;
+    find("watch-speed").textContent = held ? "" : slower < 1.05 ? "real time" : `${slower < 10 ? slower.toFixed(1) : Math.round(Number(slower.toPrecision(2)))} × slower`;
     find("watch-play").textContent = state.playing ? "Pause" : "Play";
   }
 
-  // The slider follows the setting.
+  private placeHandles(): void {
+    for (const { what, world, handle } of this.handles) handle.place(this.layout && (what === "gap" ? this.layout.worlds[world].top : this.layout.worlds[world].lowest));
+  }
+
+  // The controls follow the setting.
   refresh(): void {
-    const { scenario } = this.state;
-    const gap = scenario.gaps[firstGap(scenario)];
-    const said = gap === 0 ? "touching" : withUnit(gap, "m");
+    const gap = this.value("gap");
+    const said = this.say("gap");
     this.slider.value = String(toSlider(ranges.gap, gap));
     this.slider.setAttribute("aria-valuetext", said);
     find("watch-gap-said").textContent = said;
+    for (const { world, handle } of this.handles) if (world === 0) handle.refresh();
   }
 
-  private setGap(gap: number): void {
+  // ---- changes ----------------------------------------------------------------------------------------
+
+  private value(what: Held): number {
     const { scenario } = this.state;
-    scenario.gaps = scenario.gaps.map((old, i) => (i < firstGap(scenario) ? old : gap));
-    this.changed();
+    return what === "gap" ? scenario.gaps[firstGap(scenario)] : scenario.height;
   }
 
-  private changed(): void {
+  private say(what: Held): string {
+    return what === "gap" && this.value("gap") === 0 ? "touching" : withUnit(this.value(what), "m");
+  }
+
+  private set(what: Held, value: number): void {
+    const { scenario } = this.state;
+    const tidy = Number(value.toPrecision(3));
+    if (what === "height") scenario.height = clampTo(ranges.height, Math.max(tidy, Number((lowestHeight(scenario) + 1e-3).toPrecision(4))));
+    else scenario.gaps = scenario.gaps.map((old, i) => (i < firstGap(scenario) ? old : tidy < ranges.gap.low ? 0 : clampTo(ranges.gap, tidy)));
     this.refresh();
     this.state.edited();
+    if (!this.held) this.playFrom(what);
+  }
+
+  private playFrom(what: Held): void {
     const { drop } = this.state;
-    if (drop) this.film.seek(Math.max(drop.start, drop.from - slowTo));
+    if (drop) this.film.seek(what === "gap" ? Math.max(drop.start, drop.from - slowTo) : drop.start);
     this.film.play(this.moves());
   }
 
-  // The top ball changes the gap, the lowest one the height.
-  private listenDrag(): void {
-    const { canvas } = this.sheet;
-    let held: { top: boolean; from: number; scale: number; value: number } | null = null;
-    canvas.addEventListener("pointerdown", (e) => {
-      const { drop, scenario } = this.state;
-      if (e.button !== 0 || !this.layout || !drop) return;
-      const balls = drop.motion.newton.at(this.state.time());
-      const n = scenario.balls.length;
-      const at = (i: number): number => Math.abs(this.layout!.floor - balls.position[i] * this.layout!.scale - e.offsetY);
-      const top = at(n - 1) <= at(0);
-      held = { top, from: e.offsetY, scale: this.layout.scale, value: top ? scenario.gaps[firstGap(scenario)] : scenario.height };
-      canvas.setPointerCapture(e.pointerId);
-    });
-    canvas.addEventListener("pointermove", (e) => {
-      if (!held || !canvas.hasPointerCapture(e.pointerId)) return;
-      const { scenario } = this.state;
-      const moved = held.value + (held.from - e.offsetY) / held.scale;
-      if (held.top) this.setGap(clampTo(ranges.gap, Number(Math.max(moved, 0).toFixed(4))));
-      else {
-        scenario.height = clampTo(ranges.height, Number(Math.max(moved, lowestHeight(scenario)).toFixed(3)));
-        this.changed();
-      }
-    });
-    for (const type of ["pointerup", "pointercancel"]) canvas.addEventListener(type, () => (held = null));
+  private pull(what: Held, label: string): Pull {
+    return {
+      label, range: what === "gap" ? { low: 0, high: ranges.gap.high } : ranges.height,
+      value: () => this.value(what),
+      say: () => this.say(what),
+      set: (value) => this.set(what, value),
+      perPixel: () => 1 / (this.layout?.scale ?? Infinity),
+      size: () => (what === "gap" ? this.state.scenario.balls[this.state.scenario.balls.length - 1].radius : this.value("height")),
+      held: (on) => {
+        this.held = on ? what : null;
+        if (!on) this.playFrom(what);
+        this.state.redraw();
+      },
+    };
   }
 }

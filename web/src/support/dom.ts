@@ -18,6 +18,8 @@ export class Sheet {
   readonly g: CanvasRenderingContext2D;
   width = 0;
   height = 0;
+  seen = true; // in the window
+  private near = false; // within one window of it
   constructor(id: string, resized: () => void) {
     this.canvas = find<HTMLCanvasElement>(id);
     this.g = this.canvas.getContext("2d")!;
@@ -25,9 +27,17 @@ export class Sheet {
     new ResizeObserver(() => {
       if (this.measure()) resized();
     }).observe(this.canvas.parentElement!);
+    const watch = (rootMargin: string, see: (inside: boolean) => void): void => {
+      new IntersectionObserver((entries) => {
+        see(entries[entries.length - 1].isIntersecting);
+        resized();
+      }, { rootMargin }).observe(this.canvas);
+    };
+    watch("0px", (inside) => (this.seen = inside));
+    watch("100%", (inside) => (this.near = inside));
   }
-  // Whether it is displayed, even if scrolled out of view.
-  readonly shown = (): boolean => this.width > 0;
+  // Whether it is displayed, even if scrolled out of view; in the story only what is near the window.
+  readonly shown = (): boolean => this.width > 0 && (this.near || document.documentElement.dataset.mode !== "story");
 
   private measure(): boolean {
     const { clientWidth: w, clientHeight: h } = this.canvas.parentElement!;

@@ -5,7 +5,7 @@ import { digits, lengths, withUnit } from "../support/format";
 import type { LectureView } from "../story/lecture_view";
 import type { Pool } from "../core/pool";
 import { constantAt, constants, constantsOf, copyOf, massOf, type Scenario } from "../scenario/scenario";
-import { drawTrueScale } from "./stage";
+import { drawTrueScale } from "./true_scale";
 import type { State } from "../app/state";
 import { labelOf, namesOf, parameterOfColumn } from "../core/tables";
 

@@ -13,12 +13,20 @@ export interface DuelMoment {
   rate: number; // physical seconds per screen second
   newton: Balls;
   icm: Balls;
+  said: { ball: number; text: string } | null; // what is being dragged, and its value
+}
+
+interface Place {
+  x: number; // middle [px]
+  y: number;
+  width: number;
+  height: number;
 }
 
 // Where things are, for the pointer.
 export interface DuelLayout {
-  floor: number; // pixel
   scale: number; // pixels per metre
+  worlds: { top: Place; lowest: Place }[];
 }
 
 const flash = 0.45; // s on the screen for which a collision is shown
@@ -26,20 +34,22 @@ const flash = 0.45; // s on the screen for which a collision is shown
 export function drawDuel(g: CanvasRenderingContext2D, w: number, h: number, d: Drop, m: DuelMoment, toScreen: (t: number) => number, theme: Theme, size: number): DuelLayout {
   g.clearRect(0, 0, w, h);
   const floor = h - 2.2 * size;
-  const room = floor - 2.6 * size;
+  const room = floor - 3.4 * size;
   const scale = scaleAt(d, m, room, 0.5 * w - 2 * size);
   const half = 0.5 * w;
   drawRuler(g, w, floor, scale, room, size, theme);
   const worlds: [Track, Balls, string, string][] = [
-    [d.newton, m.newton, theme.newton, half > 12 * size ? newton.label : newton.short],
+    [d.newton, m.newton, theme.newton, half > 15 * size ? newton.label : newton.short],
     [d.icm, m.icm, theme.icm, half > 18 * size ? capital(independent.label) : independent.short],
   ];
-  worlds.forEach(([track, balls, color, name], k) => {
+  const places = worlds.map(([track, balls, color, name], k) => {
     const world = new World(g, d, m, theme, size, k * half + 0.5 * half + (k === 0 ? 1 : -0.4) * size, floor, scale, color, (k + 1) * half);
     world.shadow(balls);
     world.balls(balls);
-    if (k === 0) world.forces(balls);
-    else {
+    if (k === 0) {
+      world.forces(balls);
+      if (m.said) world.note(balls, m.said.ball, m.said.text);
+    } else {
       g.save();
       g.beginPath();
       g.rect(half, 0, half, floor);
@@ -53,13 +63,14 @@ export function drawDuel(g: CanvasRenderingContext2D, w: number, h: number, d: D
     g.textBaseline = "middle";
     g.fillStyle = color;
     g.fillText(name, world.x, 1.1 * size);
+    return world.places(balls);
   });
   g.fillStyle = theme.line;
   g.fillRect(half - 0.5, 0.4 * size, 1, floor - 0.4 * size);
   g.strokeStyle = theme.ink;
   g.lineWidth = Math.max(2, size / 8);
   stroke(g, 0, floor + 1, w, floor + 1);
-  return { floor, scale };
+  return { scale, worlds: places };
 }
 
 // Pixels per metre: near enough for the contacts where the film is slow, else far enough for the whole flight.
@@ -110,6 +121,30 @@ class World {
   }
   private radius(i: number): number {
     return Math.max(this.d.scenario.balls[i].radius * this.scale, 3);
+  }
+
+  // Where the top and the lowest ball are taken hold of: large enough for a finger, and apart.
+  places(balls: Balls): { top: Place; lowest: Place } {
+    const n = this.d.scenario.balls.length - 1;
+    const [high, low] = [this.y(balls.position[n]), this.y(balls.position[0])];
+    const [above, below] = [Math.max(this.radius(n), 22), Math.max(this.radius(0), 22)];
+    const middle = 0.5 * (high + this.radius(n) + low - this.radius(0));
+    const between = (from: number, to: number, width: number): Place => ({ x: this.x, y: 0.5 * (from + to), width, height: to - from });
+    return { top: between(high - above, Math.min(high + above, middle), 2 * above), lowest: between(Math.max(low - below, middle), low + below, 2 * below) };
+  }
+
+  note(balls: Balls, i: number, text: string): void {
+    const { g, size, theme } = this;
+    const y = this.y(balls.position[i]);
+    setFont(g, theme, 1.1 * size, 650);
+    g.textAlign = "left";
+    g.textBaseline = "middle";
+    g.lineWidth = 5;
+    g.strokeStyle = theme.ground;
+    const left = Math.min(this.x + this.radius(i) + size, this.right - g.measureText(text).width - 4);
+    g.strokeText(text, left, y);
+    g.fillStyle = theme.ink;
+    g.fillText(text, left, y);
   }
 
   shadow(balls: Balls): void {

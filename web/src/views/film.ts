@@ -25,6 +25,10 @@ export class Film {
     document.addEventListener("keydown", (e) => this.key(e));
   }
 
+  get seen(): boolean {
+    return this.sheet.seen;
+  }
+
   // Updates the buttons.
   refresh(): void {
     find("play").textContent = this.state.playing ? "Pause" : "Play";
@@ -66,7 +70,7 @@ export class Film {
   private key(e: KeyboardEvent): void {
     const { state } = this;
     const target = e.target as HTMLElement;
-    if (e.ctrlKey || e.metaKey || e.altKey || !state.drop) return;
+    if (e.ctrlKey || e.metaKey || e.altKey || !state.drop || state.lecture.step) return; // in the story keys scroll
     const letter = e.key.length === 1;
     if (target.closest("input:not([type=range]), select, textarea")) return;
     if (target.closest(letter ? "button, a, summary" : "input, button, a, canvas[tabindex]")) return;
@@ -102,7 +106,7 @@ export class Film {
 
   draw(): void {
     const { state, sheet } = this;
-    if (!sheet.shown()) return;
+    if (!sheet.shown() || !(sheet.seen || !state.lecture.step)) return;
     const d = state.drop!;
     const time = state.time();
     const rate = drawMoment(sheet.g, sheet.width, sheet.height, state);
@@ -114,7 +118,7 @@ export class Film {
     const speed = slower < 1.05 ? "real time" : `${slower < 10 ? slower.toFixed(1) : Math.round(Number(slower.toPrecision(2))).toLocaleString("en").replaceAll(",", " ")} × slower than real`;
     find("speed").textContent = speed;
     scrubber.setAttribute("aria-valuetext", `${told}, ${speed}`);
-    if (!state.playing || sheet.canvas.getAttribute("aria-label") === null)
+    if (!state.playing || sheet.canvas.getAttribute("aria-label") === "Animation")
       sheet.canvas.setAttribute("aria-label", `Animation at ${told}: balls of ${newton.label} beside those of ${independent.label}`);
   }
 }

@@ -1,6 +1,6 @@
 // A strip with the result and a small film, visible on a phone while the film is scrolled away.
 import { find, Sheet } from "../support/dom";
-import { drawTrueScale } from "./stage";
+import { drawTrueScale } from "./true_scale";
 import type { State } from "../app/state";
 
 export class Mini {

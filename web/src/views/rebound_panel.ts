@@ -4,6 +4,7 @@ import { digits, metres, withUnit } from "../support/format";
 import type { CurveAxis, LectureView } from "../story/lecture_view";
 import { readMeasurements, type Measurements } from "./measurements";
 import type { Pool } from "../core/pool";
+import { aloneRise } from "../scenario/measured";
 import { Curve, spanOf, valueOn, type CurvePoint } from "./rebound";
 import { drawCurves, nameOf, nearest, valueAt, type CurveLayout, type CurvePicture } from "./rebound_plot";
 import { clampTo, firstGap, lowestHeight, ranges, type Scenario } from "../scenario/scenario";
@@ -70,7 +71,7 @@ export class ReboundPanel {
   }
 
   drawIfDue(): void {
-    if (!this.dirty || !this.state.drop || this.sheet.width < 40) return;
+    if (!this.dirty || !this.state.drop || this.sheet.width < 40 || !this.sheet.shown()) return;
     this.dirty = false;
     const { sheet, state } = this;
     this.layout = drawCurves(sheet.g, sheet.width, sheet.height, this.picture(), state.theme);
@@ -85,11 +86,12 @@ export class ReboundPanel {
     const top = scenario.height + scenario.balls.reduce((sum, b, i) => sum + (i > 0 ? 2 * b.radius : 0), 0) + scenario.gaps.reduce((a, b) => a + b, 0) +
       scenario.balls[0].radius - scenario.balls[scenario.balls.length - 1].radius;
     const pinned = this.pinnedKey !== "";
+    const released = scenario.cradle || view.curve === "ratio" ? NaN : top;
     return {
       axis: view.curve, span: curve.span, points: curve.points, touching: curve.touching,
       pinned: pinned ? this.pinned.points : [], pinnedTouching: pinned ? this.pinned.touching : null,
       pinnedAt: pinned ? valueOn(view.pin!, view.curve) : null,
-      released: scenario.cradle || view.curve === "ratio" ? NaN : top,
+      released, alone: Number.isFinite(released) ? aloneRise(scenario.balls[scenario.balls.length - 1], released) : null,
       measured: scenario.cradle ? null : this.measured,
       marked: this.marked(), hovered: this.hovered, cradle: scenario.cradle,
     };

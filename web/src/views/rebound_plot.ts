@@ -16,6 +16,7 @@ export interface CurvePicture {
   pinnedTouching: CurvePoint | null;
   pinnedAt: number | null; // x of setting A
   released: number; // height of the top ball's centre at release [m]; NaN on a cradle
+  alone: { low: number; high: number; by: string } | null; // heights to which the top ball comes back by itself [m]
   measured: Measurements | null;
   marked: CurvePoint; // the present setting
   hovered: number | null;
@@ -74,6 +75,7 @@ export function drawCurves(g: CanvasRenderingContext2D, w: number, h: number, p:
   if (lane > 0) drawLane(g, frame, zero, theme, size);
   const layout: CurveLayout = { x, y, frame, zero };
   drawRelease(g, whole, y, p, theme);
+  drawAlone(g, whole, y, p, theme);
   g.save();
   g.beginPath();
   g.rect(whole.left, whole.top - 2, whole.width, whole.height + 4);
@@ -84,7 +86,9 @@ export function drawCurves(g: CanvasRenderingContext2D, w: number, h: number, p:
   drawPinned(g, layout, p, theme, size);
   const room = new Room(whole, layout, p);
   drawPlace(g, layout, p, room, theme, size);
+  nameMeasured(g, layout, p, room, theme, size);
   nameRelease(g, whole, y, p, room, theme, size);
+  nameAlone(g, whole, y, p, room, theme, size);
   drawNames(g, whole, crowded, p, theme, size);
   return layout;
 }
@@ -123,14 +127,32 @@ function drawRelease(g: CanvasRenderingContext2D, f: Frame, y: Scale, p: CurvePi
   g.setLineDash([]);
 }
 
-// Above or below its line, depending on the room.
+// The heights that the rules of the top ball allow it, let go alone.
+function drawAlone(g: CanvasRenderingContext2D, f: Frame, y: Scale, p: CurvePicture, theme: Theme): void {
+  if (!p.alone) return;
+  const top = y.at(p.alone.high);
+  g.fillStyle = theme.muted;
+  g.globalAlpha = 0.35;
+  g.fillRect(f.left, top, f.width, Math.max(y.at(p.alone.low) - top, 2));
+  g.globalAlpha = 1;
+}
+
+function nameAlone(g: CanvasRenderingContext2D, f: Frame, y: Scale, p: CurvePicture, room: Room, theme: Theme, size: number): void {
+  if (p.alone) nameLevel(g, f, [y.at(p.alone.high), y.at(p.alone.low)], ["alone, by the rules", "alone"].map((begin) => `${begin} (${p.alone!.by}): ${metres(p.alone!.low)} to ${metres(p.alone!.high)}`), room, theme, size);
+}
+
 function nameRelease(g: CanvasRenderingContext2D, f: Frame, y: Scale, p: CurvePicture, room: Room, theme: Theme, size: number): void {
-  if (!Number.isFinite(p.released)) return;
+  if (Number.isFinite(p.released)) nameLevel(g, f, [y.at(p.released), y.at(p.released)], [`let go at ${metres(p.released)}`], room, theme, size);
+}
+
+// Above or below a line or a band, depending on the room; the first text that fits into the frame.
+function nameLevel(g: CanvasRenderingContext2D, f: Frame, [top, bottom]: [number, number], texts: string[], room: Room, theme: Theme, size: number): void {
   setFont(g, theme, 0.92 * size);
-  const text = `let go at ${metres(p.released)}`;
+  const text = texts.find((x) => g.measureText(x).width < f.width - 12);
+  if (text === undefined) return;
   const width = g.measureText(text).width;
   const places: Box[] = [];
-  for (const middle of [y.at(p.released) - 0.5 * size - 3, y.at(p.released) + 0.5 * size + 4])
+  for (const middle of [top - 0.5 * size - 3, bottom + 0.5 * size + 4])
     for (let left = f.left + f.width - 6 - width; left > f.left + 4; left -= 0.5 * size) places.push({ left, middle, width, height: size });
   write(g, text, room.take(places), theme.muted, theme);
 }
@@ -264,6 +286,20 @@ function drawMeasured(g: CanvasRenderingContext2D, l: CurveLayout, p: CurvePictu
     g.lineTo(x - 6, y);
     g.closePath();
     g.fill();
+  }
+}
+
+// The measured heights as numbers, as long as there are not too many to be read.
+function nameMeasured(g: CanvasRenderingContext2D, l: CurveLayout, p: CurvePicture, room: Room, theme: Theme, size: number): void {
+  if (p.measured?.axis !== p.axis || p.measured.list.length > 24) return;
+  setFont(g, theme, 0.92 * size, 650);
+  for (const m of p.measured.list) {
+    const [x, y] = [pixelOf(l, m.x), l.y.at(m.height)];
+    if (!Number.isFinite(x)) continue;
+    const text = metres(m.height);
+    const width = g.measureText(text).width;
+    const places = [1, -1].flatMap((side) => [0, -1, 1, -2, 2].map((down) => ({ left: side > 0 ? x + 10 : x - 10 - width, middle: y + down * 0.9 * size, width, height: size })));
+    write(g, text, room.take(places), theme.ink, theme);
   }
 }
 

@@ -1,0 +1,83 @@
+// A part of a drawing that is pulled up and down, with a mouse, a finger or the arrow keys: a slider for screen readers.
+import { niceBelow } from "./format";
+
+export interface Pull {
+  label: string;
+  range: { low: number; high: number };
+  value(): number;
+  say(): string;
+  set(value: number): void;
+  perPixel(): number; // change of the value for a pixel upwards
+  size(): number; // an arrow key changes the value by about a fiftieth of this, Page Up and Page Down by a fifth
+  held?(on: boolean): void;
+}
+
+export class Handle {
+  readonly element = document.createElement("div");
+  private wanted = 0; // the value before it is rounded
+  private last = 0; // pixel
+
+  // `twin`: a second place to pull at, for the pointer only.
+  constructor(
+    box: HTMLElement,
+    private readonly pull: Pull,
+    twin = false,
+  ) {
+    const { element } = this;
+    element.className = "handle";
+    if (twin) element.setAttribute("aria-hidden", "true");
+    else {
+      element.tabIndex = 0;
+      element.setAttribute("role", "slider");
+      element.setAttribute("aria-orientation", "vertical");
+      element.setAttribute("aria-label", pull.label);
+      element.setAttribute("aria-valuemin", String(pull.range.low));
+      element.setAttribute("aria-valuemax", String(pull.range.high));
+      element.addEventListener("keydown", (e) => this.key(e));
+      this.refresh();
+    }
+    element.title = pull.label;
+    element.addEventListener("pointerdown", (e) => {
+      if (e.button !== 0) return;
+      e.preventDefault();
+      if (!twin) element.focus({ preventScroll: true });
+      element.setPointerCapture(e.pointerId);
+      this.wanted = pull.value();
+      this.last = e.clientY;
+      pull.held?.(true);
+    });
+    element.addEventListener("pointermove", (e) => {
+      if (!element.hasPointerCapture(e.pointerId)) return;
+      const { low, high } = pull.range;
+      this.wanted = Math.min(Math.max(this.wanted + (this.last - e.clientY) * pull.perPixel(), low), high);
+      this.last = e.clientY;
+      pull.set(this.wanted);
+    });
+    element.addEventListener("lostpointercapture", () => pull.held?.(false));
+    box.append(element);
+  }
+
+  // Where it lies in its drawing [px], by its middle; null: nowhere.
+  place(at: { x: number; y: number; width: number; height: number } | null): void {
+    const { style } = this.element;
+    style.display = at ? "" : "none";
+    if (!at) return;
+    Object.assign(style, { width: `${at.width}px`, height: `${at.height}px`, transform: `translate(${at.x - 0.5 * at.width}px, ${at.y - 0.5 * at.height}px)` });
+  }
+
+  refresh(): void {
+    this.element.setAttribute("aria-valuenow", String(this.pull.value()));
+    this.element.setAttribute("aria-valuetext", this.pull.say());
+  }
+
+  private key(e: KeyboardEvent): void {
+    const { pull } = this;
+    const step = niceBelow(pull.size() / 50);
+    const by: Record<string, number> = { ArrowUp: step, ArrowRight: step, ArrowDown: -step, ArrowLeft: -step, PageUp: 10 * step, PageDown: -10 * step, Home: -Infinity, End: Infinity };
+    if (!(e.key in by)) return;
+    e.preventDefault();
+    e.stopPropagation();
+    const next = pull.value() + by[e.key];
+    pull.set(Math.min(Math.max(Number.isFinite(next) ? Number(next.toPrecision(9)) : next, pull.range.low), pull.range.high));
+  }
+}

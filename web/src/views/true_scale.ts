@@ -1,0 +1,112 @@
+// The balls at true scale: Newton's (filled) beside those of the independent-collisions model (outlined).
+import type { Drop, Track } from "../core/drop";
+import { digits, lengths, niceTicks, withUnit } from "../support/format";
+import { laterHeight } from "../report/table";
+import { grown, lettering } from "../support/plot";
+import { Line, Painter, type Moment, type Rect } from "./painter";
+import type { Theme } from "../style/theme";
+
+// The balls at true scale alone, with a title unless that is empty.
+export function drawTrueScale(g: CanvasRenderingContext2D, r: Rect, d: Drop, m: Moment, theme: Theme, title: string): void {
+  const size = Math.min(Math.max(r.w / 34, lettering.least), r.w / 12, Math.max(lettering.least, 18));
+  new TrueScale(g, d, m, theme, size).draw(r, title);
+}
+
+export class TrueScale extends Painter {
+  draw(r: Rect, title = "True scale, metres"): void {
+    this.header(r, title);
+    if (this.d.scenario.cradle) this.trueCradle(r);
+    else this.trueDrop(r);
+  }
+
+  private trueDrop(r: Rect): void {
+    const { g, d, theme, size } = this;
+    const floor = r.y + r.h - 2.1 * size;
+    const top = r.y + 2.2 * size;
+    const left = r.x + 3.6 * size;
+    const lane = (r.x + r.w - left) / 2;
+    const largest = Math.max(...d.scenario.balls.map((b) => b.radius));
+    const scale = Math.min((floor - top) / (1.03 * d.top), (0.84 * lane) / (2 * largest));
+    const height = (floor - top) / scale;
+    this.font(0.88);
+    g.lineWidth = 1;
+    const ticks = niceTicks(0, height, Math.min(6, (floor - top) / (2.6 * size)));
+    for (const z of ticks) {
+      const y = floor - z * scale;
+      g.strokeStyle = theme.faint;
+      this.line(left, y, r.x + r.w, y);
+      this.text(digitsOf(z, ticks), left - 8, y, theme.muted, "right");
+    }
+    this.floor(left, r.x + r.w, floor);
+    this.models().forEach(([name, color, state, track, ghost], k) => {
+      const line = new Line(g, false, floor, left + (k + 0.5) * lane);
+      this.font(1, 600);
+      this.text(name, line.center, floor + 1.15 * size, color, "center");
+      d.scenario.balls.forEach((b, i) => {
+        const radius = Math.max(b.radius * scale, 3);
+        line.ball(Math.max(state.position[i] * scale, radius), radius, -1e4, 1e4, this.style(ghost, i, radius));
+      });
+      if (this.m.time > track.known) this.label("not resolved", line.center, floor - 0.5 * (floor - top), color);
+      else if (this.m.time > track.run.last) this.peaks(line, track, scale, lane, color);
+    });
+  }
+
+  // The rebound height of the top ball, and where it comes higher after the next floor contact, that.
+  private peaks(line: Line, track: Track, scale: number, lane: number, color: string): void {
+    const { d, g, size } = this;
+    const n = d.scenario.balls.length - 1;
+    const both = [d.newton, d.icm];
+    const k = both.indexOf(track);
+    const mark = (z: number, text: string): void => {
+      line.segment(z * scale, -0.42 * lane, z * scale, 0.42 * lane);
+      const [x, y] = line.at(z * scale);
+      this.label(text, x, Math.max(y - 0.9 * size, 1.9 * size), color);
+    };
+    g.strokeStyle = color;
+    g.lineWidth = 2 * grown(size);
+    this.font(0.95, 600);
+    const height = track.peaks[n];
+    if (!Number.isFinite(height)) return;
+    mark(height, lengths(d.newton.peaks[n], d.icm.peaks[n])[k]);
+    const later = laterHeight(track, n);
+    if (later === null || (later - height) * scale < 2 * size) return;
+    g.strokeStyle = color;
+    g.lineWidth = 1.5;
+    g.setLineDash([4, 4]);
+    this.font(0.88, 400);
+    mark(later, `later ${withUnit(later, "m", 3, true)}`);
+    g.setLineDash([]);
+  }
+
+  private trueCradle(r: Rect): void {
+    const { g, d, theme, size } = this;
+    const left = r.x + 4.6 * size;
+    const right = r.x + r.w - 8;
+    const top = r.y + 2.2 * size;
+    const bottom = r.y + r.h - 2.2 * size;
+    const row = (bottom - top) / 2;
+    const scale = Math.min((right - left) / (1.02 * (d.top - d.bottom)), (0.8 * row) / (2 * Math.max(...d.scenario.balls.map((b) => b.radius))));
+    const origin = left - d.bottom * scale + ((right - left) - (d.top - d.bottom) * scale) / 2;
+    this.font(0.88);
+    const ticks = niceTicks(d.bottom, d.top, 6);
+    for (const z of ticks) {
+      g.strokeStyle = theme.faint;
+      g.lineWidth = 1;
+      this.line(origin + z * scale, top, origin + z * scale, bottom);
+      this.text(digitsOf(z, ticks), origin + z * scale, bottom + size, theme.muted, "center");
+    }
+    this.models().forEach(([name, color, state, , ghost], k) => {
+      const line = new Line(g, true, origin, top + (k + 0.5) * row);
+      this.font(1, 600);
+      this.text(name, r.x, line.center, color);
+      d.scenario.balls.forEach((b, i) =>
+        line.ball(state.position[i] * scale, Math.max(b.radius * scale, 3), -1e4, 1e4, this.style(ghost, i, b.radius * scale)),
+      );
+    });
+  }
+}
+
+function digitsOf(x: number, ticks: number[]): string {
+  const step = ticks.length > 1 ? ticks[1] - ticks[0] : 1;
+  return step >= 1e-4 ? x.toFixed(Math.max(0, -Math.floor(Math.log10(step) + 1e-9))).replace("-", "−") : digits(x);
+}
