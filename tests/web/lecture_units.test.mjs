@@ -121,6 +121,11 @@ test("measured balls: stiffness, restitution and contact time belong together", 
   }
   const { restitution: r } = lib.ballById("tennis");
   assert.deepEqual(r.map((x) => x.toFixed(2)), ["0.73", "0.76"]);
+  const ball = lib.presets[0].scenario.balls[1]; // a tennis ball, whose lowest point comes back from 2.54 m to 1.35 to 1.47 m
+  const alone = lib.aloneRise(ball, 1.3);
+  for (const [end, rise] of [["low", 1.35], ["high", 1.47]]) assert.ok(Math.abs(alone[end] - ball.radius - (rise / 2.54) * (1.3 - ball.radius)) < 1e-12);
+  assert.equal(alone.by, "ITF");
+  assert.equal(lib.aloneRise({ ...ball, radius: 0.05 }, 1.3), null, "no tennis ball");
 });
 
 test("the story: well formed for every step and setting", () => {

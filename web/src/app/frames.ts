@@ -8,6 +8,7 @@ export type Mode = "story" | "panel";
 
 export class Frames {
   mode: Mode | null = null;
+  private text = 16;
 
   constructor() {
     addEventListener("resize", () => this.sizeText());
@@ -25,13 +26,14 @@ export class Frames {
   }
 
   private sizeText(): void {
+    this.text = parseFloat(getComputedStyle(document.documentElement).fontSize);
     lettering.lecture = this.mode !== null;
     lettering.least = this.mode ? 0.88 * this.textSize() : 13;
   }
 
   // Size of text on the page [px]: in a lecture it grows with the window.
   textSize(): number {
-    return parseFloat(getComputedStyle(document.documentElement).fontSize);
+    return this.text;
   }
 
   fullScreen(): void {

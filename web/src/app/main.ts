@@ -187,7 +187,7 @@ class Page {
   // Returns whether the controls have changed, which takes a whole frame.
   private solve(): boolean {
     const { state } = this;
-    const built = this.controls.set(state.scenario, this.about);
+    const built = state.lecture.step === null && this.controls.set(state.scenario, this.about);
     this.progress.begin();
     const ask = { scenario: copyOf(state.scenario), tolerance: state.view.tolerance };
     this.desk.put(
@@ -251,13 +251,23 @@ class Page {
   private tellNumbers(d: Answered): void {
     const { state } = this;
     const report = (state.report = reportOf(d, state.view.tolerance));
-    fillTable(find("numbers"), report);
-    find("rebound-said").hidden = d.scenario.cradle;
-    fillDefinitions(find("definitions").querySelector("dl")!, report);
-    fillEnergy(find("energy"), report);
+    if (state.lecture.step) state.dirty.laboratory = true;
+    else this.fillLaboratory();
     this.say(joined(report.newton), report.icm.length > 0 ? joined(report.icm) : "Independent collisions are still being computed.", report.verdict?.text ?? "");
     this.lecture.told(report);
     document.documentElement.dataset.answer = report.verdict?.answer ?? "";
+  }
+
+  // What the story does not show; it waits until the laboratory is opened.
+  private fillLaboratory(): void {
+    const { report, dirty, scenario } = this.state;
+    if (!report) return;
+    dirty.laboratory = false;
+    this.controls.set(scenario, this.about);
+    fillTable(find("numbers"), report);
+    find("rebound-said").hidden = report.setting.cradle;
+    fillDefinitions(find("definitions").querySelector("dl")!, report);
+    fillEnergy(find("energy"), report);
   }
 
   // All that the page says at this moment, as data.
@@ -311,6 +321,7 @@ class Page {
       state.dirty.solve = false;
       if (this.solve()) return;
     }
+    if (state.dirty.laboratory && state.lecture.step === null) this.fillLaboratory();
     if (state.drop && state.playing && this.lecture.plays) this.film.advance(passed);
     const plots = this.drawPlots(now);
     const film = state.dirty.stage && state.drop !== null;

@@ -96,8 +96,9 @@ export class Lecture {
   // Called once per frame; says whether the plots of the drop and the film were redrawn.
   frame(plots: boolean, film: boolean, now: number): void {
     if (plots) this.rebound.dirty = true;
+    if (plots) this.story.dirty = true;
     if (plots || film) {
-      this.story.dirty = true;
+      this.story.moved = true;
       this.compare.draw();
       this.mini.draw();
     }

@@ -19,7 +19,8 @@ export interface Stagehand {
 }
 
 export class Story {
-  dirty = true;
+  dirty = true; // what is said and drawn
+  moved = true; // the film only
   private readonly chapters = steps.map((step) => {
     const section = document.querySelector<HTMLElement>(`.chapter[data-step="${step}"]`)!;
     return { step, section, title: section.querySelector("h2")!, text: section.querySelector<HTMLElement>(".say")!, beside: section.querySelector<HTMLElement>(".beside"), said: "" };
@@ -99,15 +100,17 @@ export class Story {
     const { state, view } = this;
     if (!view.step || !state.drop) return;
     if (this.guess.advance(now)) this.dirty = true;
-    if (this.dirty) this.draw();
+    const size = this.frames.textSize();
+    if (this.dirty) this.draw(size);
+    else if (this.moved) this.watch.draw(size);
+    this.moved = false;
     if (this.aim && this.aim !== "watch") this.scrollTo(this.aim); // the texts above are there now
     this.aim = null;
     if (this.scrolled) this.look();
   }
 
-  private draw(): void {
+  private draw(size: number): void {
     this.dirty = false;
-    const size = this.frames.textSize();
     this.watch.refresh();
     this.watch.draw(size);
     this.guess.draw(size);

@@ -94,7 +94,7 @@ const predict: Case<Told>[] = [
 ];
 
 const touch = (t: Told): string => `At ε = ${Number(t.drop.scenario.restitution.toPrecision(3))} ${count(t) === 2 ? "the balls" : "neighbouring balls"} touch ${times(t.drop.newton.run.nContacts)}`;
-const counts = (t: Told): Numbers => ({ newton: t.drop.newton.run.nContacts, icm: t.drop.icm.run.nContacts, overlapping: t.drop.comparison.overlapping });
+const counts = (t: Told): Numbers => ({ newton: t.drop.newton.run.nContacts, icm: t.drop.icm.run.nContacts });
 const more = "The bands show when they touch, for every ε: drag the line to another ε, and count again.";
 const counting: Case<Told>[] = [
   { id: "count-without-end", when: (t) => [4, 5].includes(t.drop.icm.run.outcome), say: (t) => `${touch(t)}; the collision model counts without end. ${more}`, numbers: counts },
@@ -105,7 +105,7 @@ const counting: Case<Told>[] = [
   {
     id: "count-overlaps", when: (t) => t.drop.comparison.overlapping > 0,
     say: (t) => `${touch(t)}, as often as in the collision model; but here ${t.drop.newton.run.nContacts === 1 ? "the contact overlaps" : `${spell(t.drop.comparison.overlapping)} of the contacts overlap${t.drop.comparison.overlapping === 1 ? "s" : ""}`} another one in time. ${more}`,
-    numbers: counts,
+    numbers: (t) => ({ ...counts(t), overlapping: t.drop.comparison.overlapping }),
   },
   { id: "count-same", when: () => true, say: (t) => `${touch(t)}, as often as in the collision model. ${more}`, numbers: counts },
 ];

@@ -11,6 +11,11 @@ import type { Film } from "../views/film";
 
 const slowTo = 0.02; // s before the first contact from which the film starts after a change of the gap
 
+// Text that is often set again: only a change is a change of the page.
+const say = (id: string, text: string): void => {
+  if (find(id).textContent !== text) find(id).textContent = text;
+};
+
 type Held = "gap" | "height";
 
 export class Watch {
@@ -41,7 +46,8 @@ export class Watch {
     const d = state.drop!;
     if (sheet.width < 40 || !sheet.seen) return;
     const clock = state.clock();
-    const time = held === "gap" ? d.from : held === "height" ? d.start : state.time(); // where the balls are as they are let go
+    const before = d.from - 1e-3 * (d.to - d.from);
+    const time = held === "gap" ? before : held === "height" ? d.start : state.time(); // where the balls are as they are let go
     const rate = held === "gap" ? clock.rate(0.5 * (d.from + d.to)) : state.view.slow ? clock.rate(time) : 1;
     const moment = { time, screen: clock.toScreen(time), rate, newton: d.motion.newton.at(time), icm: d.motion.icm.at(time) };
     const said = held && { ball: held === "gap" ? d.scenario.balls.length - 1 : 0, text: this.say(held) };
@@ -51,8 +57,8 @@ export class Watch {
     else this.layout = drawDuel(sheet.g, sheet.width, sheet.height, d, { ...moment, said }, (t) => clock.toScreen(t), state.theme, letters);
     this.placeHandles();
     const slower = 1 / rate;
-    find("watch-speed").textContent = held ? "" : slower < 1.05 ? "real time" : `${slower < 10 ? slower.toFixed(1) : Math.round(Number(slower.toPrecision(2)))} × slower`;
-    find("watch-play").textContent = state.playing ? "Pause" : "Play";
+    say("watch-speed", held ? "" : slower < 1.05 ? "real time" : `${slower < 10 ? slower.toFixed(1) : Math.round(Number(slower.toPrecision(2)))} × slower`);
+    say("watch-play", state.playing ? "Pause" : "Play");
   }
 
   private placeHandles(): void {

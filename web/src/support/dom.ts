@@ -31,7 +31,7 @@ export class Sheet {
       new IntersectionObserver((entries) => {
         see(entries[entries.length - 1].isIntersecting);
         resized();
-      }, { rootMargin }).observe(this.canvas);
+      }, { rootMargin }).observe(this.canvas.parentElement!);
     };
     watch("0px", (inside) => (this.seen = inside));
     watch("100%", (inside) => (this.near = inside));

@@ -60,9 +60,13 @@ export class Handle {
   // Where it lies in its drawing [px], by its middle; null: nowhere.
   place(at: { x: number; y: number; width: number; height: number } | null): void {
     const { style } = this.element;
-    style.display = at ? "" : "none";
+    if (style.display !== (at ? "" : "none")) style.display = at ? "" : "none";
     if (!at) return;
-    Object.assign(style, { width: `${at.width}px`, height: `${at.height}px`, transform: `translate(${at.x - 0.5 * at.width}px, ${at.y - 0.5 * at.height}px)` });
+    const size = `${Math.round(at.width / 4) * 4}px`; // steps: a new size costs a layout
+    if (style.width !== size) style.width = size;
+    const tall = `${Math.round(at.height / 4) * 4}px`;
+    if (style.height !== tall) style.height = tall;
+    Object.assign(style, { transform: `translate(${at.x - 0.5 * at.width}px, ${at.y - 0.5 * at.height}px)` });
   }
 
   refresh(): void {

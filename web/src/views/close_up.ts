@@ -229,6 +229,7 @@ export class CloseUp extends Painter {
     g.globalAlpha = 1 - age;
     for (let i = 0; i < 8; i++) {
       const [c, s] = [Math.cos((i * Math.PI) / 4), Math.sin((i * Math.PI) / 4)];
+      if (pair === 0 && s < -0.1) continue; // nothing below the floor
       const [r0, r1] = [(0.5 + 0.7 * age) * size, (0.9 + 1.1 * age) * size];
       line.segment(plane + r0 * s, r0 * c, plane + r1 * s, r1 * c);
     }

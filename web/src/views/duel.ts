@@ -151,8 +151,8 @@ class World {
     const { g, d, floor } = this;
     const above = Math.max(balls.position[0] - d.scenario.balls[0].radius, 0) * this.scale;
     const wide = this.radius(0) * (1 + 0.15 * Math.min(above / (4 * this.radius(0)), 1));
-    g.globalAlpha = 0.22 / (1 + above / (2 * this.radius(0)));
-    g.fillStyle = this.theme.ink;
+    g.globalAlpha = (this.theme.dark ? 0.7 : 0.22) / (1 + above / (2 * this.radius(0)));
+    g.fillStyle = "#000000";
     g.beginPath();
     g.ellipse(this.x, floor + 0.35 * this.size, wide, Math.max(0.16 * wide, 2), 0, 0, 2 * Math.PI);
     g.fill();
@@ -161,7 +161,7 @@ class World {
 
   // Each ball is pressed flat where it overlaps a neighbour or the floor, and grows as much wider.
   balls(balls: Balls): void {
-    const { g, d, theme } = this;
+    const { g, d } = this;
     d.scenario.balls.forEach((b, i) => {
       const pressed = (pair: number): number => (pair < d.scenario.balls.length ? Math.max(-balls.gap[pair], 0) * (pair === 0 ? 1 : 0.5) : 0);
       const [low, high] = [balls.position[i] - b.radius + pressed(i), balls.position[i] + b.radius - pressed(i + 1)];
@@ -169,15 +169,15 @@ class World {
       const rx = this.radius(i) * Math.sqrt(Math.max(this.radius(i) / ry, 0.5));
       const y = Math.min(this.y(0.5 * (low + high)), this.floor - ry);
       const light = g.createRadialGradient(this.x - 0.35 * rx, y - 0.4 * ry, 0.1 * rx, this.x, y, 1.15 * rx);
-      light.addColorStop(0, mixed(this.color, theme.ground, 0.55));
-      light.addColorStop(0.55, mixed(this.color, theme.ground, 0.12 * (i % 2)));
-      light.addColorStop(1, mixed(this.color, theme.ink, 0.35));
+      light.addColorStop(0, mixed(this.color, "#ffffff", 0.55));
+      light.addColorStop(0.55, mixed(this.color, "#ffffff", 0.12 * (i % 2)));
+      light.addColorStop(1, mixed(this.color, "#000000", 0.35));
       g.beginPath();
       g.ellipse(this.x, y, rx, ry, 0, 0, 2 * Math.PI);
       g.fillStyle = light;
       g.fill();
       g.lineWidth = 1.5;
-      g.strokeStyle = mixed(this.color, theme.ink, 0.5);
+      g.strokeStyle = mixed(this.color, "#000000", 0.5);
       g.stroke();
     });
   }
@@ -187,21 +187,23 @@ class World {
     const { g, d, theme, size } = this;
     const most = Math.max(...d.peakForce, 1e-300);
     const longest = 5.5 * size;
-    for (let pair = 0; pair < d.scenario.balls.length; pair++) {
+    const n = d.scenario.balls.length;
+    setFont(g, theme, 0.85 * size, 600);
+    g.textBaseline = "middle";
+    for (let pair = 0; pair < n; pair++) {
       const force = balls.force[pair];
       if (!(force > 0.004 * most)) continue;
       const length = Math.max((longest * force) / most, 0.7 * size);
-      const i = Math.max(pair - 1, 0);
-      const side = this.x + this.radius(i) + 1.3 * size;
-      const y = pair === 0 ? this.floor : this.y(balls.position[i] + d.scenario.balls[i].radius);
+      const way = n > 2 && pair % 2 === 1 ? -1 : 1; // in a high column on both sides, so that arrows of neighbours stay apart
+      const side = this.x + way * (this.radius(Math.max(pair - 1, 0)) + 1.3 * size);
+      const y = pair === 0 ? this.floor : this.y(balls.position[pair - 1] + d.scenario.balls[pair - 1].radius);
       g.strokeStyle = g.fillStyle = theme.ink;
       arrow(g, side, y, y - length, 0.45 * size);
       if (pair > 0) arrow(g, side, y, y + length, 0.45 * size);
-      setFont(g, theme, 0.85 * size, 600);
-      g.textAlign = "left";
-      g.textBaseline = "middle";
+      g.textAlign = way > 0 ? "left" : "right";
       const said = withUnit(force, "N", 2);
-      if (side + 0.7 * size + g.measureText(said).width < this.right) g.fillText(said, side + 0.7 * size, y - 0.5 * length);
+      const end = side + way * (0.7 * size + g.measureText(said).width);
+      if (end < this.right && end > this.right - 2 * this.x) g.fillText(said, side + way * 0.7 * size, y - 0.5 * length);
     }
   }
 
