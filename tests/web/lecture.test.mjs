@@ -477,6 +477,23 @@ test("accessible, and no wider than a phone", async (t) => {
   }
 });
 
+// 640 × 360 is a window of 1280 × 720 at 200 %.
+test("the story in windows of every kind: accessible, and nothing over anything else", async (t) => {
+  const page = await open(t, "?page=story");
+  for (const [width, height] of [[390, 844], [844, 390], [640, 360], [1280, 720], [1920, 1080]]) {
+    await page.setViewportSize({ width, height });
+    await frames(page);
+    await accessible(page, `${width} × ${height}`);
+    const over = await page.$$eval(".chapter", (chapters) => chapters.flatMap((chapter) => {
+      const parts = [...chapter.children].filter((x) => x.checkVisibility()).map((x) => [x, x.getBoundingClientRect()]);
+      return parts.flatMap(([a, r], i) => parts.slice(i + 1).filter(([, q]) => Math.min(r.right, q.right) - Math.max(r.left, q.left) > 1 && Math.min(r.bottom, q.bottom) - Math.max(r.top, q.top) > 1).map(([b]) => `${a.className || a.tagName} over ${b.className || b.tagName}`));
+    }));
+    assert.deepEqual(over, [], `${width} × ${height}`);
+    const bar = await page.$$eval(".top, .menu", (list) => list.map((x) => x.getBoundingClientRect().bottom));
+    assert.ok(Math.max(...bar) < 80, `${width} × ${height}: the bar is one line`);
+  }
+});
+
 test("the page opens with both worlds playing, and its slider changes the gap", async (t) => {
   const page = await open(t, "?page=story", { reducedMotion: "no-preference" });
   await page.waitForFunction(() => document.documentElement.dataset.ready);
