@@ -71,7 +71,7 @@ std::string message_of(const box::Fault& f, const box::System& s) {
 
 // --- the box ------------------------------------------------------------------------------------------------
 
-constexpr const char* boundary_names[] = {"none", "periodic", "wall"};
+constexpr const char* boundary_names[] = {"none", "periodic", "wall", "lees-edwards"};
 
 constexpr const char* waveform_names[] = {"none", "sine", "triangle", "parabola"};
 
@@ -100,7 +100,8 @@ void move_walls(box::Box& made, const WallMotions& moving) {
 }
 
 box::Box make_box(const std::vector<double>& edges, const std::vector<std::string>& boundary,
-                  const std::optional<std::vector<double>>& gravity, const WallMotions& moving_walls) {
+                  const std::optional<std::vector<double>>& gravity, const WallMotions& moving_walls,
+                  double shear_rate, double shear_displacement) {
     const std::size_t d = edges.size();
     if (d != 2 && d != 3) throw value_error("box: got " + std::to_string(d) + " edges, must be 2 or 3");
     require_values("boundary", boundary.size(), d, "one for each axis");
@@ -110,16 +111,21 @@ box::Box make_box(const std::vector<double>& edges, const std::vector<std::strin
     for (std::size_t k = 0; k < d; ++k) {
         made.edge[k] = edges[k];
         if (!(edges[k] > 0.0)) throw value_error("box: got " + shown(edges[k]) + ", must be > 0");
-        if (boundary[k] == "periodic")
-            made.boundary[k] = box::Boundary::periodic;
-        else if (boundary[k] == "wall")
-            made.boundary[k] = box::Boundary::wall;
-        else
-            throw value_error("boundary: got " + boundary[k] + ", must be periodic or wall");
         if (gravity) made.gravity[k] = (*gravity)[k];
         if (!hl::math::is_finite(made.gravity[k]))
             throw value_error("gravity: got " + shown(made.gravity[k]) + ", must be finite");
+        const auto* const found = std::ranges::find(boundary_names, std::string_view(boundary[k]));
+        if (found == std::end(boundary_names) || found == boundary_names)
+            throw value_error("boundary: got " + boundary[k] + ", must be periodic, wall or lees-edwards");
+        made.boundary[k] = static_cast<box::Boundary>(found - boundary_names);
+        if (made.boundary[k] != box::Boundary::lees_edwards) continue;
+        if (k == 0 || made.is_sheared() || !made.is_periodic(0))
+            throw value_error("boundary: got lees-edwards along axis " + std::to_string(k) +
+                              ", must be on one axis, not the first, which must be periodic");
+        made.shear(static_cast<int>(k), shear_rate, shear_displacement);
     }
+    for (const double x : {shear_rate, shear_displacement})
+        if (!hl::math::is_finite(x)) throw value_error("shear_rate: got " + shown(x) + ", must be finite");
     move_walls(made, moving_walls);
     return made;
 }
@@ -267,6 +273,8 @@ Engine make_engine(const std::string& kind, const box::Box& bounds, Rows positio
         arguments.rule.law = law_choice(*law);
     else
         throw value_error("law: got None, must be a contact law");
+    if (bounds.is_sheared() && !record.sheared)
+        throw value_error("boundary: got lees-edwards, must be periodic or wall for the engine " + kind);
     if (kind == "newton_steps" && !(time_step > 0.0))
         throw value_error("time_step: got " + shown(time_step) + ", must be > 0");
     arguments.time_step = time_step;
@@ -325,7 +333,9 @@ nb::dict observe(const Engine& e) {
     seen["dissipated_energy"] = o.dissipated_energy;
     seen["kinetic_tensor"] = tensor(o.kinetic_tensor, e.get().dimension());
     seen["virial_tensor"] = tensor(o.virial, e.get().dimension());
+    seen["flow_momentum"] = o.flow_momentum;
     seen["wall_work"] = o.wall_work;
+    seen["shear_work"] = o.shear_work;
     seen["kinetic_integral"] = o.kinetic_integral;
     seen["largest_compression"] = o.largest_compression;
     seen["n_contacts"] = o.begun;
@@ -412,11 +422,12 @@ void bind_boxes(nb::module_& m) {
 
     nb::class_<box::Box>(
         m, "Box",
-        "Edges [m], boundary of each axis (periodic or wall), gravity [m/s²]; of each moving wall: its number as in "
-        "logs, offset [m], velocity [m/s], amplitude [m], frequency [Hz], phase, waveform (none, sine, triangle or "
-        "parabola).")
+        "Edges [m], boundary of each axis (periodic, wall or lees-edwards), gravity [m/s²]; of each moving wall: its "
+        "number as in logs, offset [m], velocity [m/s], amplitude [m], frequency [Hz], phase, waveform (none, sine, "
+        "triangle or parabola); of a Lees–Edwards boundary: shear rate [1/s], and displacement of the images beyond "
+        "the far side at time 0 [m].")
         .def(nb::new_(&make_box), "edges"_a, "boundary"_a, "gravity"_a.none() = nb::none(),
-             "moving_walls"_a = WallMotions())
+             "moving_walls"_a = WallMotions(), "shear_rate"_a = 0.0, "shear_displacement"_a = 0.0)
         .def_prop_ro("edges", [](const box::Box& b) { return std::vector(b.edge, b.edge + b.dimension); })
         .def_prop_ro("boundary", &boundaries)
         .def_prop_ro("gravity",
@@ -443,7 +454,7 @@ void bind_boxes(nb::module_& m) {
         .def("statistics", &statistics)
         .def(
             "state", &state,
-            "Current positions [m], unwrapped across periodic boundaries, and velocities [m/s], (n, d) each.")
+            "Current positions [m] and velocities [m/s] of the unfolded paths, (n, d) each.")
         .def(
             "set_velocities",
             [](const Engine& e, Rows velocities) {

@@ -12,6 +12,7 @@ enum class Boundary : int {
     none,  // no such axis
     periodic,
     wall,
+    lees_edwards,  // the images along this axis slide along the first one
 };
 
 // What a periodic image adds to the particle itself: unfolded minus folded position and velocity.
@@ -27,8 +28,17 @@ struct Box {
     double gravity[3] = {};             // acceleration [m/s²]
     WallMotion wall_motion[3][2] = {};  // of the walls at 0 and at L
     bool walls_move[3] = {};            // whether one of the two moves
+    // Lees–Edwards boundary (J. Phys. C 5, 1921 (1972)): mean flow v_x = shear rate · (y − L/2) along the first axis,
+    // which is periodic. The images beyond the far side of the gradient axis y move with shear rate · L.
+    int gradient = 0;                 // axis of the gradient; 0: no such boundary
+    double shear_rate = 0.0;          // [1/s]
+    double shear_displacement = 0.0;  // of the images beyond the far side, along the first axis at time 0 [m]
 
+    // Whether the images along an axis are at rest.
     bool is_periodic(int axis) const { return boundary[axis] == Boundary::periodic; }
+    // Whether a particle that leaves through one side comes back through the other.
+    bool wraps(int axis) const { return is_periodic(axis) || boundary[axis] == Boundary::lees_edwards; }
+    bool is_sheared() const { return gradient != 0; }
     bool has_walls(int axis) const { return boundary[axis] == Boundary::wall; }
     bool any_wall() const { return has_walls(0) || has_walls(1) || has_walls(2); }
     bool falls() const { return gravity[0] != 0.0 || gravity[1] != 0.0 || gravity[2] != 0.0; }
@@ -81,17 +91,38 @@ struct Box {
         return all;
     }
 
+    void shear(int axis, double rate, double displacement) {
+        gradient = axis, shear_rate = rate, shear_displacement = displacement;
+    }
+    // Velocity of the images beyond the far side of a sheared box [m/s], and their displacement [m], both along the
+    // first axis.
+    double image_velocity() const { return shear_rate * edge[gradient]; }
+    double image_displacement(double time) const { return shear_displacement + image_velocity() * time; }
+    // The same displacement in [0, L] of the first axis.
+    double image_offset(double time) const {
+        const double displaced = image_displacement(time);
+        return math::clamp(displaced - edge[0] * floor_of(displaced / edge[0]), 0.0, edge[0]);
+    }
+    // Velocity of the mean flow at a coordinate along the gradient axis [m/s].
+    double mean_flow(double y) const { return shear_rate * (y - 0.5 * edge[gradient]); }
+
     // The image with these flags, one for each axis. A flag counts crossings of the far side (+1) and of the side at 0
-    // (−1). Cells, kernels and clusters use only shifts that are constant. A boundary whose images move must be refused
-    // in fault_of_sizes() (system_check.hpp) by engines that do not add its velocity there.
+    // (−1). In a sheared box, position + shift and velocity + image velocity are the path in the infinite system, also
+    // beyond a crossing.
     template <class Flags>
-    ImageMotion image(const Flags& flags, double /*time*/) const {
+    ImageMotion image(const Flags& flags, double time) const {
         ImageMotion of{};
         for (int k = 0; k < dimension; ++k) of.shift[k] = static_cast<int>(flags[k]) * edge[k];
+        if (is_sheared()) {
+            const int crossed = static_cast<int>(flags[gradient]);
+            of.shift[0] += crossed * image_displacement(time);
+            of.velocity[0] = crossed * image_velocity();
+        }
         return of;
     }
-    // Moves a particle that has left through a periodic side, the far one (step 1) or that at 0 (−1), to its image in
-    // the box.
+    // Moves a particle that has left through a side, the far one (step 1) or that at 0 (−1), to its image in the box.
+    // `time`: that of the position. Beyond a sheared side, the particle may have to be wrapped along the first axis as
+    // well: by turns(x, 0).
     template <class Position, class Velocity, class Flags>
     void wrap(Position& x, Velocity& v, Flags& flags, int axis, int step, double time) const {
         int crossed[3] = {};
@@ -100,15 +131,38 @@ struct Box {
         for (int k = 0; k < dimension; ++k) x[k] -= left.shift[k], v[k] -= left.velocity[k];
         flags[axis] += step;
     }
+    // Number of edges by which a coordinate lies beyond the box: 0 in the box, −1 below it.
+    int turns(double x, int axis) const { return static_cast<int>(floor_of(x / edge[axis])); }
     // Minimum image of a coordinate difference along a periodic axis [m].
     double minimum_image(double distance, int axis) const {
         return distance - edge[axis] * math::round_small(distance / edge[axis]);
     }
-    // Folds an unfolded coordinate into the box [m].
+    // Replaces the vector between two particles by the one to the nearest image of the second particle, and returns the
+    // velocity of this image relative to the particle, along the first axis [m/s].
+    template <class Vector>
+    double to_minimum_image(Vector& r, double time) const {
+        double velocity = 0.0;
+        if (is_sheared()) {
+            const double count = -math::round_small(r[gradient] / edge[gradient]);
+            r[gradient] += count * edge[gradient];
+            r[0] += count * image_offset(time);
+            velocity = count * image_velocity();
+        }
+        for (int k = 0; k < dimension; ++k)
+            if (is_periodic(k)) r[k] = minimum_image(r[k], k);
+        return velocity;
+    }
+    // Folds an unfolded coordinate along a periodic axis into the box [m].
     double folded(double x, int axis) const {
         if (!is_periodic(axis)) return x;
         x = minimum_image(x, axis);
         return x < 0.0 ? math::min(x + edge[axis], edge[axis]) : x;
+    }
+
+private:
+    static double floor_of(double x) {
+        const double whole = math::round_small(x);
+        return whole > x ? whole - 1.0 : whole;
     }
 };
 

@@ -35,8 +35,10 @@ struct Observation {
     double contact_energy = 0.0;                          // elastic, of all contacts [J]
     double momentum[3] = {};                              // [kg m/s]
     double dissipated_energy = 0.0;                       // so far [J]
-    SymmetricTensor kinetic_tensor;                       // Σ m v⊗v [J]
-    double wall_work = 0.0;                               // done by moving walls, so far [J]
+    SymmetricTensor kinetic_tensor;  // Σ m c⊗c [J], c the velocity relative to the mean flow of a sheared box
+    double flow_momentum = 0.0;      // Σ m of that mean flow, along the first axis [kg m/s]
+    double wall_work = 0.0;          // done by moving walls, so far [J]
+    double shear_work = 0.0;         // done by a Lees–Edwards boundary, so far [J]
     SymmetricTensor virial;                  // ∫ Σ r⊗F dt of pairs, Σ r⊗Δp of collisions, so far [J s]
     double kinetic_integral = math::nan;     // ∫ Σ m v'² dt so far [J s], v' relative to the mean
     double largest_compression = math::nan;  // in units of the smaller radius, so far; NaN without a law
@@ -85,11 +87,11 @@ public:
     virtual u64 logged() const = 0;
     virtual std::vector<Statistic> statistics() const = 0;
 
-    // Gives all particles new velocities now, n·d values in the user's order, as a thermostat does. Contacts go on. Not
-    // during a pause.
+    // Gives all particles new velocities now, as a thermostat does: n·d values in the user's order, as state() gives
+    // them. Contacts go on. Not during a pause.
     virtual void set_velocities(const double* velocity) = 0;
 
-    // Writes n·d values each, in the user's order. Positions are unfolded.
+    // Writes n·d values each, in the user's order: those of the unfolded paths, with Box::image() added to both.
     virtual void state(double* position, double* velocity) const = 0;
     virtual Observation observe() const = 0;
     virtual bool contacts_have_duration() const = 0;    // whether contacts take time; false: collisions

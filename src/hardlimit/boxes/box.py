@@ -22,12 +22,12 @@ Vector = float | Sequence[float] | Floats
 AXES: Final = moving_walls.AXES
 #: Volume of a ball of radius 1, by dimension.
 UNIT_BALL: Final = {2: math.pi, 3: 4.0 / 3.0 * math.pi}
-BOUNDARIES: Final = ("periodic", "wall")
+BOUNDARIES: Final = ("periodic", "wall", "lees-edwards")
 #: Largest length, speed and acceleration: the squares of larger ones would overflow.
 LARGEST: Final = moving_walls.LARGEST
 #: Shortest edge in units of the largest radius. A particle then touches at most one image of another particle, and at
 #: most one of two opposite walls.
-SHORTEST_EDGE: Final = {"periodic": 4, "wall": 2}
+SHORTEST_EDGE: Final = {"periodic": 4, "wall": 2, "lees-edwards": 5}
 #: Meaning of a wall's number, for the logs of all engines.
 WALL_NUMBERS: Final = "−1 − 2·axis wall at 0, −2 − 2·axis at L"
 
@@ -37,9 +37,11 @@ class Box:
     """A rectangular box from 0 to ``edges``, with boundaries and gravity."""
 
     edges: Floats  #: (d,) [m]
-    boundary: tuple[str, ...]  #: ``"periodic"`` or ``"wall"`` for each axis
+    boundary: tuple[str, ...]  #: one of :data:`BOUNDARIES` for each axis
     gravity: Floats  #: (d,) [m/s²]
     moving: Walls = field(default_factory=dict)  #: the walls that move
+    shear_rate: float = 0.0  #: of a Lees–Edwards boundary [1/s]
+    shear_displacement: float = 0.0  #: of the images beyond its far side, along the first axis [m]
 
     @property
     def dimension(self) -> int:
@@ -48,6 +50,30 @@ class Box:
     @property
     def periodic(self) -> list[bool]:
         return [side == "periodic" for side in self.boundary]
+
+    @property
+    def wraps(self) -> list[bool]:
+        """For each axis, whether a particle that leaves through one side comes back through the other."""
+        return [side != "wall" for side in self.boundary]
+
+    @property
+    def gradient(self) -> int | None:
+        """The axis of the gradient in a sheared box, or None."""
+        return self.boundary.index("lees-edwards") if "lees-edwards" in self.boundary else None
+
+    def mean_flow(self, positions: Floats) -> Floats:
+        """Velocity of the mean flow in a sheared box at positions (N, d) [m/s]: γ̇(y − L/2) along the first axis."""
+        flow, axis = np.zeros_like(positions), self.gradient
+        if axis is not None:
+            flow[:, 0] = self.shear_rate * (positions[:, axis] - 0.5 * self.edges[axis])
+        return flow
+
+    def displacement_after(self, time: float) -> float:
+        """Displacement of the images beyond the far side of a sheared box after a time [m], in [0, edge)."""
+        if self.gradient is None:
+            return 0.0
+        moved = self.shear_displacement + self.shear_rate * float(self.edges[self.gradient]) * time
+        return moved % float(self.edges[0]) % float(self.edges[0])
 
     @property
     def volume(self) -> float:
@@ -85,10 +111,24 @@ class Box:
         """The box for the core, whose gravity is that in the frame of the common fall."""
         gravity = self.gravity - self.common_fall
         walls = list(moving_walls.of_core(self.moving))
-        return _core.Box(self.edges.tolist(), list(self.boundary), gravity.tolist(), walls)
+        shear = (self.shear_rate, self.shear_displacement)
+        # Images that are aligned and stay so are those of a periodic box.
+        sides = ["periodic" if side == "lees-edwards" and shear == (0.0, 0.0) else side for side in self.boundary]
+        return _core.Box(self.edges.tolist(), sides, gravity.tolist(), walls, *shear)
 
-    def fold(self, positions: Floats) -> None:
-        """Map unfolded positions (N, d) [m] into the box, in place."""
+    def fold(self, positions: Floats, velocities: Floats | None = None, time: float = 0.0) -> None:
+        """Map positions [m] and velocities [m/s] of unfolded paths at a time [s] into the box, in place; (N, d) each.
+
+        Only a sheared box uses velocities and time.
+        """
+        if (sheared := self.gradient) is not None:
+            edge = float(self.edges[sheared])
+            crossed = np.floor(positions[:, sheared] / edge)
+            positions[:, sheared] -= crossed * edge
+            np.clip(positions[:, sheared], 0.0, edge, out=positions[:, sheared])
+            positions[:, 0] -= crossed * (self.shear_displacement + self.shear_rate * edge * time)
+            if velocities is not None:
+                velocities[:, 0] -= crossed * (self.shear_rate * edge)
         for axis, periodic in enumerate(self.periodic):
             x, edge = positions[:, axis], self.edges[axis]
             if periodic:
@@ -142,6 +182,34 @@ def checked_boundary(boundary: Any, d: int) -> tuple[str, ...]:
     if len(sides) != d:
         raise ValueError(f"boundary: got {len(sides)} words, must be 1, or {d}: one for each axis")
     return tuple(validation.one_of(f"boundary[{i}]", side, BOUNDARIES) for i, side in enumerate(sides))
+
+
+def checked_shear(
+    boundary: tuple[str, ...], rate: Any, displacement: Any, edges: Floats, gravity: Floats
+) -> tuple[float, float]:
+    """Shear rate [1/s] and displacement of the images [m], in [0, edge); both 0 without a Lees–Edwards boundary."""
+    limits: dict[str, Any] = {"lowest": -LARGEST, "highest": LARGEST, "lowest_allowed": True}
+    found = validation.number("shear_rate", rate, **limits), validation.number(
+        "shear_displacement", displacement, **limits
+    )
+    sheared = boundary.count("lees-edwards")
+    if not sheared:
+        for name, value in zip(("shear_rate", "shear_displacement"), found, strict=True):
+            if value:
+                raise ValueError(f"{name}: got {value:.16g}, must be 0 without the boundary 'lees-edwards'")
+        return 0.0, 0.0
+    axis = boundary.index("lees-edwards")
+    if sheared > 1 or axis == 0 or boundary[0] != "periodic":
+        raise ValueError(
+            f"boundary: got {boundary}, must be 'periodic' along x and 'lees-edwards' along only one other axis"
+        )
+    for k in (0, axis):
+        if gravity[k]:
+            raise ValueError(
+                f"gravity: got {gravity[k]:.16g} along {AXES[k]}, must be 0 along the flow and the gradient of a "
+                "sheared box"
+            )
+    return found[0] + 0.0, found[1] % float(edges[0]) % float(edges[0])
 
 
 def checked_gravity(gravity: Any, d: int) -> Floats:

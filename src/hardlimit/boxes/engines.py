@@ -36,9 +36,10 @@ COMMON: Final = (
     "n_pairs",
 )
 #: Those of hard spheres, those of engines for Newton's equations, and those of LAMMPS.
-OF_COLLISIONS: Final = (*COMMON, "wall_work", "heat", "kinetic_integral", "n_collisions")
+_DRIVEN: Final = ("flow_momentum", "wall_work", "shear_work", "heat")
+OF_COLLISIONS: Final = (*COMMON, *_DRIVEN, "kinetic_integral", "n_collisions")
 OF_LAMMPS: Final = (*COMMON, "contact_energy", "n_contacts", "n_ended", "n_overlapped", "n_in_contact")
-OF_CONTACTS: Final = (*OF_LAMMPS, "wall_work", "heat")
+OF_CONTACTS: Final = (*OF_LAMMPS, *_DRIVEN)
 #: Arrays of a system in a checkpoint. Positions and velocities are in the saved state of the engine.
 FIXED: Final = ("radius", "mass", "box", "gravity")
 
@@ -165,9 +166,11 @@ class Engine:
         # A contiguous array and no BLAS: sums have the same bits after a checkpoint.
         thermostat, mass = self.system.thermostat, np.ascontiguousarray(self.system.mass)
         assert thermostat is not None
-        before = np.asarray(self.compiled.state()[1])
+        positions, unfolded = map(np.asarray, self.compiled.state())
+        before = unfolded.copy()
+        self.system.domain.fold(positions, before, self.time)
         after = np.ascontiguousarray(thermostat.velocities(self.kicks + 1, before, mass))
-        self.compiled.set_velocities(after)
+        self.compiled.set_velocities(after + (unfolded - before))
         self.kicks += 1
         self.heat += 0.5 * float((mass[:, None] * ((after - before) * (after + before))).sum())
 
@@ -293,6 +296,7 @@ class Engine:
         header = {
             "engine": self.record.name,
             "boundary": list(self.system.boundary),
+            "shear": [self.system.shear_rate, self.system.shear_displacement],
             "walls": as_entries(self.system.walls),
             "thermostat": as_entry(self.system.thermostat),
             "kicks": [self.kicks, self.heat],
@@ -311,6 +315,8 @@ class Engine:
         compiled = _core.load_engine(ENGINES[name].kind, arrays["engine"].tobytes())
         fixed = {key: arrays[key] for key in FIXED} | {
             "boundary": tuple(header["boundary"]),
+            "shear_rate": float(header["shear"][0]),
+            "shear_displacement": float(header["shear"][1]),
             "walls": from_entries(header["walls"]),
             "thermostat": from_entry(header["thermostat"]),
         }

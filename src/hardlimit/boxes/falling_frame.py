@@ -27,7 +27,7 @@ def engine_arguments(system: ParticleSystem) -> tuple[_core.Box, Floats, Floats,
 
 
 def state(system: ParticleSystem, time: float, falling: tuple[Floats, Floats]) -> tuple[Floats, Floats]:
-    """Unfolded positions [m] and velocities [m/s] in the laboratory, (N, d) each.
+    """Positions [m] and velocities [m/s] of the unfolded paths in the laboratory, (N, d) each.
 
     ``falling`` contains those in the falling frame at ``time`` [s]; it is changed in place.
     """
@@ -43,7 +43,7 @@ def system_at(system: ParticleSystem, time: float, falling: tuple[Floats, Floats
     """The system at ``time`` [s], with positions in the box; ``falling`` as for :func:`state`."""
     unfolded, velocities = state(system, time, falling)
     positions = unfolded.copy()
-    system.domain.fold(positions)
+    system.domain.fold(positions, velocities, time)
     return system._moved(positions, velocities, time, unfolded)
 
 
@@ -52,11 +52,17 @@ def laboratory_sums(system: ParticleSystem, time: Any, sums: dict[str, Any]) -> 
 
     Each is a number, or an array over ``time`` [s]. ``sums["potential_energy"]`` includes all gravity. The temperature
     and ``kinetic_tensor``, Σ m v⊗v and then Σ m v'⊗v', are the same in both frames; computed in the laboratory, they
-    would lose digits in a fast fall.
+    would lose digits in a fast fall. In a sheared box both use velocities relative to the mean flow, whose momentum
+    along the first axis is ``flow_momentum``.
     """
     mass, kinetic, momentum = float(system.mass.sum()), sums["kinetic_energy"], np.asarray(sums["momentum"])
-    drift = (momentum * momentum).sum(axis=-1)
-    temperature = np.maximum(2.0 * kinetic - drift / mass, 0.0) / (system.dimension * mass)
+    relative, twice = momentum, 2.0 * kinetic
+    if system.domain.gradient is not None:
+        relative = momentum.copy()
+        relative[..., 0] -= sums["flow_momentum"]
+        twice = sums["kinetic_tensor"][..., : system.dimension].sum(axis=-1)
+    drift = (relative * relative).sum(axis=-1)
+    temperature = np.maximum(twice - drift / mass, 0.0) / (system.dimension * mass)
     first, second = component_axes(system.dimension)
     gained = np.multiply.outer(time, system.domain.common_fall)
     fallen = 0.5 * mass * (gained * gained).sum(axis=-1)
@@ -65,5 +71,5 @@ def laboratory_sums(system: ParticleSystem, time: Any, sums: dict[str, Any]) -> 
         "potential_energy": sums["potential_energy"] - fallen,
         "momentum": momentum + mass * gained,
         "granular_temperature": temperature,
-        "kinetic_tensor": sums["kinetic_tensor"] - momentum[..., first] * momentum[..., second] / mass,
+        "kinetic_tensor": sums["kinetic_tensor"] - relative[..., first] * relative[..., second] / mass,
     }

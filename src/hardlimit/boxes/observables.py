@@ -123,11 +123,12 @@ _RECORDS: Final = (
         "dissipated_energy", "J", "energy lost in contacts", ("dissipated_energy",), "sum", never_falls=True
     ),
     Observable("wall_work", "J", "work of moving walls on the particles", ("wall_work",), "sum"),
+    Observable("shear_work", "J", "work of a Lees–Edwards boundary on the particles", ("shear_work",), "sum"),
     Observable("heat", "J", "energy from the thermostat", ("heat",), "sum"),
     Observable(
         "granular_temperature",
         "m2/s2",
-        "granular temperature Σ m|v − V|²/(d Σ m)",
+        "granular temperature Σ m|v − V|²/(d Σ m), v relative to the mean flow of a sheared box",
         ("granular_temperature",),
     ),
     Observable("momentum", "kg m/s", "Σ m v", ("momentum",), shape="vector"),

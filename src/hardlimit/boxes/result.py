@@ -342,14 +342,15 @@ class ContactResult(_Result):
 
     @property
     def energy_error(self) -> float:
-        """Largest change of the total energy, including dissipated energy and less that from walls and thermostat, over
-        the largest kinetic or dissipated energy; NaN with LAMMPS, whose dissipated energy is computed as the difference
+        """Largest change of the total energy, including dissipated energy and less that from walls, shear and thermostat,
+        over the largest kinetic or dissipated energy; NaN with LAMMPS, whose dissipated energy is computed as the difference
         of the others."""
         if self.engine == "lammps":
             return math.nan
         kept = self.samples
         kinds = ("kinetic", "potential", "contact", "dissipated")
-        total = np.sum([kept[f"{kind}_energy"] for kind in kinds], axis=0) - kept["wall_work"] - kept["heat"]
+        total = np.sum([kept[f"{kind}_energy"] for kind in kinds], axis=0)
+        total -= kept["wall_work"] + kept["shear_work"] + kept["heat"]
         scale = max(float(kept["kinetic_energy"].max()), float(kept["dissipated_energy"].max()))
         error = float(np.abs(total - total[0]).max())
         return error / scale if scale > 0.0 else error

@@ -112,7 +112,7 @@ def positions(radius: Floats, box: Box, generators: Generators, report: Report) 
         at, end = box.limits(axis)
         low[axis], edges[axis] = max(at, 0.0), min(end, edges[axis]) - max(at, 0.0)
     found = _core.grow_packing(
-        Box(edges, box.boundary, box.gravity).of_core(),
+        Box(edges, box.boundary, box.gravity).of_core(),  # without shear: all images are aligned
         np.ascontiguousarray(radius),
         generators.seed_of_positions,
         lambda fraction, collisions: report(int(1000.0 * fraction), 1000),

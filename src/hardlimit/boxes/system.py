@@ -28,6 +28,7 @@ from .box import (
     checked_boundary,
     checked_edges,
     checked_gravity,
+    checked_shear,
     read_only,
 )
 from .files.frame import Frame
@@ -62,14 +63,23 @@ class ParticleSystem:
     box : d numbers [m]
         Edges, or one number for all of them. A periodic edge is at least four times the largest radius, so that no
         particle touches two images of another one; an edge between walls at least twice.
-    boundary : "periodic", "wall", or one of them for each axis
+    boundary : "periodic", "wall", "lees-edwards", or one of them for each axis
+        With "lees-edwards" along one axis y (not the first), the box is sheared: the mean flow is
+        v_x = shear_rate · (y − L/2) along the first axis, which is periodic. The edge L is at least five times the
+        largest radius. Velocities are those in the laboratory. A particle that leaves through the far side comes back
+        with v_x − shear_rate · L.
     gravity : number or d numbers [m/s²]
-        A vector, or one number for an acceleration against the last axis.
+        A vector, or one number for an acceleration against the last axis. 0 along flow and gradient of a sheared box.
     walls : mapping of "x-", "x+", … "z+" to MovingWall, optional
         The walls that move, by axis and end: ``{"z-": hl.MovingWall(amplitude=1e-3, frequency=50.0)}`` shakes the
         floor. The box is that of the rest places.
     thermostat : RandomKicks or Andersen, optional
         Heats or thermalizes the particles.
+    shear_rate : number [1/s]
+        Of a box with a "lees-edwards" boundary; of either sign.
+    shear_displacement : number [m]
+        Displacement of the images beyond the far side of a sheared box along x, modulo the edge. 0: all images are
+        aligned. A state of a run has that of its time, so that a new run goes on from there.
     allowed_overlap : float
         Largest accepted overlap, relative to the sum of the radii (at a wall, to the radius). The default allows for
         rounding errors. Particles in contact under Newton's equations overlap by more.
@@ -82,7 +92,8 @@ class ParticleSystem:
 
     Notes
     -----
-    The granular temperature is that of Goldhirsch, Powder Technol. 182, 130 (2008).
+    The granular temperature is that of Goldhirsch, Powder Technol. 182, 130 (2008). The boundary is that of Lees &
+    Edwards, J. Phys. C 5, 1921 (1972).
 
     Examples
     --------
@@ -99,10 +110,12 @@ class ParticleSystem:
     radius: Floats  #: (N,) [m]
     mass: Floats  #: (N,) [kg]
     box: Floats  #: (d,) [m]
-    boundary: tuple[str, ...]  #: ``"periodic"`` or ``"wall"`` for each axis
+    boundary: tuple[str, ...]  #: ``"periodic"``, ``"wall"`` or ``"lees-edwards"`` for each axis
     gravity: Floats  #: (d,) [m/s²]
     walls: Mapping[str, MovingWall]  #: the walls that move
     thermostat: RandomKicks | Andersen | None
+    shear_rate: float  #: of a Lees–Edwards boundary [1/s]
+    shear_displacement: float  #: of the images beyond its far side, in [0, edge) [m]
 
     _unfolded = None  # positions along the unfolded paths (N, d) [m], in a state of a run
 
@@ -119,6 +132,8 @@ class ParticleSystem:
         gravity: Vector = 0.0,
         walls: Mapping[str, MovingWall] | None = None,
         thermostat: RandomKicks | Andersen | None = None,
+        shear_rate: float = 0.0,
+        shear_displacement: float = 0.0,
         allowed_overlap: float = ROUNDING,
     ) -> None:
         given = validation.exactly_one(density=density, mass=mass)
@@ -126,17 +141,20 @@ class ParticleSystem:
         n, d = at.shape
         size = validation.each("radius", radius, n, lowest=0.0, highest=LARGEST)
         amount = validation.each(given, density if given == "density" else mass, n, lowest=0.0)
-        sides = checked_boundary(boundary, d)
+        sides, edges, pull = checked_boundary(boundary, d), checked_edges(box, d), checked_gravity(gravity, d)
+        rate, displacement = checked_shear(sides, shear_rate, shear_displacement, edges, pull)
         self._set(
             positions=at,
             velocities=_checked_velocities(velocities, n, d),
             radius=size,
             mass=starts.checked_masses(given, amount, size),
-            box=checked_edges(box, d),
+            box=edges,
             boundary=sides,
-            gravity=checked_gravity(gravity, d),
+            gravity=pull,
             walls=checked_walls(walls, sides),
-            thermostat=checked_thermostat(thermostat),
+            thermostat=checked_thermostat(thermostat, sheared="lees-edwards" in sides),
+            shear_rate=rate,
+            shear_displacement=displacement,
         )
         allowed = validation.number("allowed_overlap", allowed_overlap, 0.0, 1.0, lowest_allowed=True)
         self._check_geometry(allowed)
@@ -162,9 +180,14 @@ class ParticleSystem:
     def _moved(
         self, positions: Floats, velocities: Floats, time: float = 0.0, unfolded: Floats | None = None
     ) -> ParticleSystem:
-        """The same particles with other positions and velocities, unchecked, after a time in which walls move [s]."""
-        walls = {name: wall.after(time) for name, wall in self.walls.items()}
-        new = {"positions": positions, "velocities": velocities, "walls": walls}
+        """The same particles with other positions and velocities, unchecked, after a time in which walls and images
+        move [s]."""
+        new = {
+            "positions": positions,
+            "velocities": velocities,
+            "walls": {name: wall.after(time) for name, wall in self.walls.items()},
+            "shear_displacement": self.domain.displacement_after(time),
+        }
         return self._of(**self._values() | new, _unfolded=unfolded)
 
     @property
@@ -178,7 +201,8 @@ class ParticleSystem:
 
         :meta private:
         """
-        return Box(self.box, self.boundary, self.gravity, self.walls)
+        shear = (self.shear_rate, self.shear_displacement)
+        return Box(self.box, self.boundary, self.gravity, self.walls, *shear)
 
     def _check_geometry(self, allowed_overlap: float) -> None:
         self.domain.check_size(float(self.radius.max()))
@@ -207,6 +231,7 @@ class ParticleSystem:
         gravity: Vector = 0.0,
         walls: Mapping[str, MovingWall] | None = None,
         thermostat: RandomKicks | Andersen | None = None,
+        shear_rate: float = 0.0,
         progress: bool | Report | None = None,
     ) -> ParticleSystem:
         """Particles at random positions without overlap, with Maxwell's velocities.
@@ -225,7 +250,7 @@ class ParticleSystem:
             Two numbers are the limits of a uniform distribution, unless n is 2.
         rms_speed : float [m/s]
             Root mean square of the speeds; the sample has exactly this value. The total momentum along periodic axes is
-            zero.
+            zero. In a sheared box these are the velocities relative to the mean flow, which is added to them.
         dimension : int
             2 or 3.
         seed : int
@@ -253,11 +278,15 @@ class ParticleSystem:
         size = starts.radii(radius, count, generators)
         mass = starts.checked_masses("density", validation.each("density", density, count, lowest=0.0), size)
         moving = checked_walls(walls, sides)
-        box = Box(np.full(d, starts.edge(packing_fraction, size, d)), sides, pull, moving)
+        edges = np.full(d, starts.edge(packing_fraction, size, d))
+        rate, _ = checked_shear(sides, shear_rate, 0.0, edges, pull)
+        box = Box(edges, sides, pull, moving, rate)
         starts.check_size(box, size)
-        velocities = starts.velocities(mass, d, speed, box.periodic, generators)
+        velocities = starts.velocities(mass, d, speed, box.wraps, generators)
         with reporter(progress, "random start", "") as report:
             positions = starts.positions(size, box, generators, report)
+        if rate:
+            velocities += box.mean_flow(positions)
         values = {"positions": positions, "velocities": velocities, "radius": size, "mass": mass}
         return cls._of(
             **values,
@@ -265,7 +294,9 @@ class ParticleSystem:
             boundary=sides,
             gravity=pull,
             walls=moving,
-            thermostat=checked_thermostat(thermostat),
+            thermostat=checked_thermostat(thermostat, sheared="lees-edwards" in sides),
+            shear_rate=rate,
+            shear_displacement=0.0,
         )
 
     @classmethod
@@ -334,19 +365,32 @@ class ParticleSystem:
         gravity: Vector | None = None,
         walls: Mapping[str, MovingWall] | None = None,
         thermostat: RandomKicks | Andersen | Literal["keep"] | None = "keep",
+        shear_rate: float | None = None,
+        shear_displacement: float | None = None,
     ) -> ParticleSystem:
         """A copy with the given values changed and all others kept, including the masses.
 
-        Errors are those of the system itself. Existing overlaps are accepted unless positions, radius, box, boundary
-        or walls change.
+        Errors are those of the system itself. Existing overlaps are accepted unless positions, radius, box, boundary,
+        walls or the displacement of images change. Another shear rate leaves the velocities as they are. Rate and
+        displacement are dropped with the Lees–Edwards boundary.
         """
         if density is not None and mass is not None:
             raise ValueError("density | mass: got both, must be at most one of them")
-        new = {"positions": positions, "radius": radius, "box": box, "boundary": boundary, "walls": walls}
+        new = {
+            "positions": positions,
+            "radius": radius,
+            "box": box,
+            "boundary": boundary,
+            "walls": walls,
+            "shear_displacement": shear_displacement,
+        }
         kept: dict[str, Any] = {
             name: getattr(self, name) if value is None else value for name, value in new.items()
         }
         moved = any(value is not None for value in new.values())
+        kept["shear_rate"] = self.shear_rate if shear_rate is None else shear_rate
+        if boundary is not None and "lees-edwards" not in checked_boundary(boundary, self.dimension):
+            kept["shear_rate"], kept["shear_displacement"] = shear_rate or 0.0, shear_displacement or 0.0
         return ParticleSystem(
             velocities=self.velocities if velocities is None else velocities,
             density=density,
@@ -417,9 +461,13 @@ class ParticleSystem:
 
     @property
     def granular_temperature(self) -> float:
-        """Granular temperature T = Σ m|v − V|²/(d Σ m) [m²/s²], with the velocity V of the centre of mass."""
+        """Granular temperature T = Σ m|v − V|²/(d Σ m) [m²/s²], with the velocity V of the centre of mass; in a sheared
+        box v is relative to the mean flow."""
         total = float(self.mass.sum())
         relative = self.velocities - self.momentum / total
+        if self.domain.gradient is not None:
+            relative = self.velocities - self.domain.mean_flow(self.positions)
+            relative -= self.mass @ relative / total
         return float(np.einsum("i,ij,ij->", self.mass, relative, relative)) / (self.dimension * total)
 
     @property
@@ -440,6 +488,8 @@ class ParticleSystem:
         about = {"title": f"Box of {self.n} grains", "source": f"hardlimit {_core.version}"}
         about |= {f"wall {name}": repr(wall) for name, wall in self.walls.items()}
         about |= {} if self.thermostat is None else {"thermostat": repr(self.thermostat)}
+        if self.domain.gradient is not None:
+            about |= {"shear_rate": self.shear_rate, "shear_displacement": self.shear_displacement}
         return xr.Dataset(data, coordinates, about | {"packing_fraction": self.packing_fraction})
 
     # --- as a value -----------------------------------------------------------------------------------------
@@ -458,8 +508,10 @@ class ParticleSystem:
         return self._digest
 
     def _drive(self) -> str:
-        """Boundary, moving walls and thermostat, with all digits."""
-        return repr((self.boundary, as_entries(self.walls), self.thermostat))
+        """Boundary, moving walls, thermostat and shear, with all digits."""
+        drive = (self.boundary, as_entries(self.walls), self.thermostat)
+        sheared = self.domain.gradient is not None
+        return repr((*drive, self.shear_rate, self.shear_displacement) if sheared else drive)
 
     @cached_property
     def _digest(self) -> int:
@@ -505,6 +557,8 @@ def described(system: ParticleSystem) -> list[tuple[str, str]]:
     ]
     if system.gravity.any():
         found.append(("gravity [m/s²]", "(" + ", ".join(f"{g:.6g}" for g in system.gravity) + ")"))
+    if system.domain.gradient is not None:
+        found.append(("shear rate [1/s]", digits(system.shear_rate)))
     found += [(f"wall {name}", repr(wall)) for name, wall in system.walls.items()]
     found += [] if system.thermostat is None else [("thermostat", repr(system.thermostat))]
     return found

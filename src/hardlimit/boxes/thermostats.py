@@ -171,10 +171,12 @@ def _set(thermostat: Any, **values: Any) -> None:
 KINDS: Final = {kind.__name__: kind for kind in (RandomKicks, Andersen)}
 
 
-def checked_thermostat(thermostat: Any) -> Any:
+def checked_thermostat(thermostat: Any, sheared: bool = False) -> Any:
     if thermostat is not None and not isinstance(thermostat, RandomKicks | Andersen):
         shown = validation.shown(thermostat)
         raise ValueError(f"thermostat: got {shown}, must be hl.RandomKicks, hl.Andersen or None")
+    if sheared and isinstance(thermostat, Andersen):
+        raise ValueError("thermostat: got Andersen, must be hl.RandomKicks or None in a sheared box")
     return thermostat
 
 

@@ -47,7 +47,7 @@ def _comment(frame: Frame) -> str:
     """The comment line of a frame: cell, columns, periodicity, time, gravity and moving walls."""
     d = len(frame.box)
     edges = three(frame.box, 2.0 * float(frame.radius.max()))
-    flags = ["T" if side == "periodic" else "F" for side in frame.boundary] + ["F"] * (3 - d)
+    flags = ["F" if side == "wall" else "T" for side in frame.boundary] + ["F"] * (3 - d)
     gravity = " ".join(map(repr, three(frame.gravity).tolist()))
     lattice = " ".join(map(repr, np.diag(edges).ravel().tolist()))
     walls = "; ".join(" ".join(map(str, entry)) for entry in as_entries(frame.walls))
@@ -55,6 +55,9 @@ def _comment(frame: Frame) -> str:
     if frame.thermostat is not None:
         entry = as_entry(frame.thermostat) or {}
         walls += f' thermostat="{" ".join(f"{name}:{value}" for name, value in entry.items())}"'
+    if "lees-edwards" in frame.boundary:
+        axis = frame.boundary.index("lees-edwards")
+        walls += f' shear="{axis} {frame.shear_rate!r} {frame.shear_displacement!r}"'
     return (
         f'Lattice="{lattice}" Properties={COLUMNS} pbc="{" ".join(flags)}" '
         f'Time={frame.time!r} gravity="{gravity}" dimension={d}{walls}'
@@ -137,6 +140,7 @@ def _arguments(table: Floats, where: dict[str, slice], entries: dict[str, str]) 
     flags = entries.get("pbc", "T T T").split()
     if len(flags) != 3 or not {*flags} <= {"T", "F", "1", "0"}:
         raise ValueError(f"pbc: got {validation.shown(entries['pbc'])}, must be T or F for each axis")
+    shear = _vector(entries, "shear", 3) if "shear" in entries else None
     positions, velocities = (table[:, where[name]] for name in ("positions", "velocities"))
     if np.any(positions[:, d:]) or np.any(velocities[:, d:]):
         raise ValueError("dimension: got 2, must be 3 for particles with z ≠ 0")
@@ -146,7 +150,7 @@ def _arguments(table: Floats, where: dict[str, slice], entries: dict[str, str]) 
         "radius": table[:, where["radius"]][:, 0],
         "mass": table[:, where["mass"]][:, 0],
         "box": np.diag(cell)[:d],
-        "boundary": boundary_of(flag in "T1" for flag in flags[:d]),
+        **boundary_of([flag in "T1" for flag in flags[:d]], shear),
         "gravity": _vector(entries, "gravity", 3, 0.0)[:d],
         "walls": from_entries(
             wall.split() for wall in entries.get("moving_walls", "").split(";") if wall.strip()

@@ -24,10 +24,12 @@ class Frame:
     radius: Floats  #: (N,) [m]
     mass: Floats  #: (N,) [kg]
     box: Floats  #: (d,) [m]
-    boundary: tuple[str, ...]  #: "periodic" or "wall" for each axis
+    boundary: tuple[str, ...]  #: "periodic", "wall" or "lees-edwards" for each axis
     gravity: Floats  #: (d,) [m/s²]
     walls: Mapping[str, MovingWall] = field(default_factory=dict)  #: those that move
     thermostat: RandomKicks | Andersen | None = None
+    shear_rate: float = 0.0  #: of a Lees–Edwards boundary [1/s]
+    shear_displacement: float = 0.0  #: of the images beyond its far side, along the first axis [m]
     time: float = 0.0  #: [s]
 
 
@@ -63,6 +65,14 @@ def read_table(name: str, lines: Iterable[Any], columns: list[int] | None = None
         raise ValueError(f"{name}: {str(error).splitlines()[0]}") from None
 
 
-def boundary_of(periodic: Any) -> tuple[str, ...]:
-    """The boundary of each axis, from flags that are true for periodic axes."""
-    return tuple("periodic" if flag else "wall" for flag in periodic)
+def boundary_of(periodic: Any, shear: Any = None) -> dict[str, Any]:
+    """The boundary of each axis from flags that are true for periodic axes, with that of a sheared box: axis of the
+    gradient, rate [1/s] and displacement [m]."""
+    sides = ["periodic" if flag else "wall" for flag in periodic]
+    if shear is None:
+        return {"boundary": tuple(sides)}
+    axis, rate, displacement = (float(value) for value in shear)
+    if axis not in range(1, len(sides)):
+        raise ValueError(f"shear: got axis {axis:g}, must be a whole number in [1, {len(sides) - 1}]")
+    sides[int(axis)] = "lees-edwards"
+    return {"boundary": tuple(sides), "shear_rate": rate, "shear_displacement": displacement}

@@ -25,7 +25,7 @@ OF_PARTICLES: Final = {
 }
 OF_BOX: Final = {name: f"hardlimit/{name}" for name in ("box", "periodic", "gravity", "time")}
 
-#: Moving walls and thermostat under ``log``, as JSON.
+#: Moving walls, thermostat and shear under ``log``, as JSON.
 DRIVING: Final = "hardlimit/driving"
 
 
@@ -55,11 +55,14 @@ def _made(made: Any, step: int, frame: Frame) -> Any:
     for name, key in OF_PARTICLES.items():
         made.log[key] = np.ascontiguousarray(getattr(frame, name))
     made.log[OF_BOX["box"]] = np.array(frame.box)
-    made.log[OF_BOX["periodic"]] = np.array([side == "periodic" for side in frame.boundary], np.uint8)
+    made.log[OF_BOX["periodic"]] = np.array([side != "wall" for side in frame.boundary], np.uint8)
     made.log[OF_BOX["gravity"]] = np.array(frame.gravity)
     made.log[OF_BOX["time"]] = np.array([frame.time])
     driving = {"walls": as_entries(frame.walls), "thermostat": as_entry(frame.thermostat)}
-    if frame.walls or frame.thermostat is not None:
+    if sheared := "lees-edwards" in frame.boundary:
+        axis = frame.boundary.index("lees-edwards")
+        driving["shear"] = [axis, frame.shear_rate, frame.shear_displacement]
+    if frame.walls or frame.thermostat is not None or sheared:
         made.log[DRIVING] = np.frombuffer(json.dumps(driving).encode(), np.uint8)
     return made
 
@@ -136,11 +139,13 @@ def _in_double(found: Any) -> Found:
             "log: must equal the values in single precision; another program has changed one of them"
         )
     values.pop("time")
+    shear = None
     if DRIVING in found.log:
         driving = json.loads(bytes(found.log[DRIVING]))
         values["walls"] = from_entries(driving["walls"])
         values["thermostat"] = from_entry(driving["thermostat"])
-    return values | {"boundary": boundary_of(values.pop("periodic"))}, 0.0
+        shear = driving.get("shear")
+    return values | boundary_of(values.pop("periodic"), shear), 0.0
 
 
 def _of_another_program(found: Any) -> Found:

@@ -47,6 +47,8 @@ def write(path: Path, frame: Frame, types: NDArray[np.int64]) -> None:
 def _write(file: BinaryIO, frame: Frame, types: NDArray[np.int64]) -> None:
     if frame.walls:
         raise ValueError("walls: got moving walls, must be none in LAMMPS data; .xyz and .gsd hold them")
+    if "lees-edwards" in frame.boundary:
+        raise ValueError("boundary: got 'lees-edwards', must be none in LAMMPS data; .xyz and .gsd hold it")
     if frame.thermostat is not None:
         raise ValueError("thermostat: got one, must be none in LAMMPS data; .xyz and .gsd hold it")
     file.write(_header(frame, int(types.max())).encode())
@@ -191,6 +193,6 @@ def _from_mark(mark: re.Match[str] | None, d: int) -> dict[str, Any]:
     if len(sides) != d or len(gravity) != d:
         raise ValueError("first line: must contain a boundary and a gravity for each axis")
     return {
-        "boundary": boundary_of(side == "p" for side in sides),
+        **boundary_of(side == "p" for side in sides),
         "gravity": [_float("gravity", word) for word in gravity],
     }
