@@ -452,9 +452,8 @@ void bind_boxes(nb::module_& m) {
         .def_prop_ro("n_contacts", [](const Engine& e) { return e.get().contacts(); })
         .def_prop_ro("n_logged", [](const Engine& e) { return e.get().logged(); })
         .def("statistics", &statistics)
-        .def(
-            "state", &state,
-            "Current positions [m] and velocities [m/s] of the unfolded paths, (n, d) each.")
+        .def("state", &state,
+             "Current positions [m] and velocities [m/s] of the unfolded paths, (n, d) each.")
         .def(
             "set_velocities",
             [](const Engine& e, Rows velocities) {

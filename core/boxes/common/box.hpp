@@ -141,16 +141,20 @@ struct Box {
     // velocity of this image relative to the particle, along the first axis [m/s].
     template <class Vector>
     double to_minimum_image(Vector& r, double time) const {
-        double velocity = 0.0;
-        if (is_sheared()) {
-            const double count = -math::round_small(r[gradient] / edge[gradient]);
-            r[gradient] += count * edge[gradient];
-            r[0] += count * image_offset(time);
-            velocity = count * image_velocity();
-        }
+        const double velocity = to_nearest_layer(r, time);
         for (int k = 0; k < dimension; ++k)
             if (is_periodic(k)) r[k] = minimum_image(r[k], k);
         return velocity;
+    }
+    // The same along the gradient axis of a sheared box only.
+    template <class Vector>
+    double to_nearest_layer(Vector& r, double time) const {
+        if (!is_sheared()) return 0.0;
+        const double count = -math::round_small(r[gradient] / edge[gradient]);
+        if (count == 0.0) return 0.0;
+        r[gradient] += count * edge[gradient];
+        r[0] += count * image_offset(time);
+        return count * image_velocity();
     }
     // Folds an unfolded coordinate along a periodic axis into the box [m].
     double folded(double x, int axis) const {

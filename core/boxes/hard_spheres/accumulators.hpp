@@ -87,11 +87,36 @@ public:
         add_potential(-energy);
         for (int k = 0; k < d; ++k) largest_[k] = math::max(largest_[k], products_.value(k));
     }
+    // All particles move for a time [s] in a mean flow of this rate [1/s] with a gradient along the axis; the velocities
+    // c are relative to it, so that dc_x/dt = −rate · c_y.
+    void shear(double rate, int axis, double time) {
+        constexpr int of_pair[3][3] = {{0, d, d + 1}, {d, 1, d + 2}, {d + 1, d + 2, 2}};
+        const double angle = rate * time, square = products_.value(axis);
+        double products[size] = {}, gained[d] = {};
+        gained[0] = -angle * momentum(axis);
+        products[0] = angle * (angle * square - 2.0 * products_.value(of_pair[0][axis]));
+        products[of_pair[0][axis]] = -angle * square;
+        for (int k = 1; k < d; ++k)
+            if (k != axis) products[of_pair[0][k]] = -angle * products_.value(of_pair[axis][k]);
+        momentum_.add(gained);
+        products_.add(products);
+        largest_[0] = math::max(largest_[0], products_.value(0));
+    }
     // Whether the sums have not lost digits by falling to a small part of their largest value.
     bool are_exact() const {
         bool exact = math::abs(potential_.value()) >= small * largest_[d];
         for (int k = 0; k < d; ++k) exact = exact && products_.value(k) >= small * largest_[k];
         return exact;
+    }
+
+    // ∫ Σ m c'² dt over a time [s], c' relative to the mean, in a mean flow as for shear(); m: total mass [kg].
+    double sheared_integral(double m, double rate, int axis, double time) const {
+        double squares = 0.0;
+        for (int k = 0; k < d; ++k) squares += momentum(k) * momentum(k);
+        const double angle = rate * time, p = momentum(axis);
+        const double along = products_.value(axis) - p * p / m;
+        const double across = products_.value(axis == 1 ? d : d + 1) - momentum(0) * p / m;
+        return time * ((twice_kinetic() - squares / m) + angle * (angle * along / 3.0 - across));
     }
 
     double product(int k) const { return products_.value(k); }   // of Σ m v⊗v [J]: xx, yy, (zz,) xy, (xz, yz)
@@ -119,11 +144,15 @@ struct Accumulators {
     Sum dissipated;              // energy lost in collisions [J]
     Sums<d*(d + 1) / 2> virial;  // Σ r⊗Δp of pair collisions, components xx, yy, (zz,) xy, (xz, yz) [J s]
     Sum wall_work;               // done by moving walls [J]
+    Sum shear_work;              // done by a Lees–Edwards boundary [J]
     double mass = 0.0;           // M [kg]
     double gravity[d] = {};
     double time = 0.0;  // at which the sums are valid [s]
     ParticleSums<d> sums;
-    Sum kinetic_integral;  // ∫ Σ m v'² dt [J s]
+    int gradient = 0;           // axis of the gradient in a sheared box, or 0
+    double shear_rate = 0.0;    // [1/s]
+    ParticleSums<d> from_flow;  // those of the velocities relative to the mean flow, in a sheared box
+    Sum kinetic_integral;       // ∫ Σ m v'² dt [J s]
 
     u64 collisions() const { return pairs + walls; }
 
@@ -146,14 +175,24 @@ struct Accumulators {
     }
     // The integral up to a later time. Common gravity does not change v'.
     double integral_until(double until) const {
-        return kinetic_integral.value() + thermal() * (until - time);
+        return kinetic_integral.value() + thermal_integral(until - time);
     }
+    double thermal_integral(double step) const {
+        return gradient == 0 ? thermal() * step
+                             : from_flow.sheared_integral(mass, shear_rate, gradient, step);
+    }
+    // Whether no sum has lost digits.
+    bool are_exact() const { return sums.are_exact() && (gradient == 0 || from_flow.are_exact()); }
     void advance(double until) {
         const double step = until - time;
         if (step == 0.0) return;
-        kinetic_integral.add(thermal() * step);
-        if (std::any_of(gravity, gravity + d, [](double g) { return g != 0.0; }))
-            sums.fall(mass, gravity, step);
+        kinetic_integral.add(thermal_integral(step));
+        const bool falls = std::any_of(gravity, gravity + d, [](double g) { return g != 0.0; });
+        if (falls) sums.fall(mass, gravity, step);
+        if (gradient != 0) {
+            if (falls) from_flow.fall(mass, gravity, step);
+            from_flow.shear(shear_rate, gradient, step);
+        }
         time = until;
     }
     // Collision with a wall, which does this work [J].

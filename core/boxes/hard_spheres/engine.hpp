@@ -188,8 +188,8 @@ private:
 
     // observe.hpp
     std::vector<u32> in_original_order() const;
-    ParticleSums<d> full_sums() const;
-    ParticleSums<d> present_sums() const;
+    ParticleSums<d> full_sums(bool from_flow) const;
+    ParticleSums<d> present_sums(bool from_flow) const;
     i64 changes_between_refreshes() const { return 16 * static_cast<i64>(size32()); }
     void refresh_accumulators();
 
@@ -200,6 +200,10 @@ private:
     void predict_unscheduled(u32 i, u32 except);
     void predict_self_event(u32 i, const Place<d>& at);
     double wall_time(u32 i, const Wall& wall, double horizon) const;
+    void predict_near(NextCollision& next, int level, const Place<d>& from, const Place<d>& to);
+    void predict_beyond_sides(NextCollision& next, int level, const Place<d>& from, const Place<d>& to);
+    template <class F>
+    void for_images_beyond(int level, const Place<d>& from, const Place<d>& to, const F& f);
     void predict_in_block(NextCollision& next, int level, const Place<d>& from, const Place<d>& to);
     void predict_in_images(NextCollision& next, int level, const Place<d>& from, const Place<d>& to);
     void predict_finer(NextCollision& next, int level);
@@ -213,13 +217,15 @@ private:
     // events.hpp
     void process_event(u32 i);
     void leave_cell(u32 i, Place<d> at);
+    void slide(u32 i);
+    void cross_sheared_side(u32 i, int step);
     void collide_with_wall(u32 i, const Wall& wall);
     bool meets_wall(u32 i, const Wall& wall) const;
     void collide(u32 i, u32 j);
     void advance_to_now(u32 i) { boxes::advance<motion>(particles_[i], now_, box_); }
-    void to_nearest_image(u32 i, u32 j, double (&r)[d]) const;
+    double to_nearest_image(u32 i, u32 j, double (&r)[d]) const;
     void rebound(u32 i, u32 j, const double (&r)[d], const double (&v)[d], double distance, double speed,
-                 std::array<double, 2> waited);
+                 double image_velocity, std::array<double, 2> waited);
     Rebound rebound_of(const Impact& impact);
     double since_last(u32 i, double waited) const { return collisions(i) > 0 ? waited : math::infinity; }
     PairGeometry geometry(u32 i, u32 j) const;
@@ -231,7 +237,8 @@ private:
     void end_unsolved(Outcome outcome, u32 i, i64 second, double speed);
 
     // soft_contact.hpp
-    void contact(u32 i, u32 j, const double (&r)[d], const double (&v)[d], double distance, double speed);
+    void contact(u32 i, u32 j, const double (&r)[d], const double (&v)[d], double distance, double speed,
+                 double image_velocity);
     void contact_with_wall(u32 i, const Wall& wall, double speed);
     void displace(u32 i, double share, const double (&velocity)[d], const double (&shift)[d]);
     void update_cell(u32 i);
@@ -282,9 +289,11 @@ void HardSpheres<d, motion, mixed>::set_velocities(const double* velocity) {
     for (u32 i = 0; i < size32(); ++i) {
         Particle<d>& p = particles_[i];
         const double time = p.time;
+        const ImageMotion image = box_.image(image_flags_[i], now_);
         advance_to_now(i);
         for (int k = 0; k < d; ++k)
-            p.velocity[k] = velocity[std::size_t{original_index_[i]} * d + static_cast<std::size_t>(k)];
+            p.velocity[k] = velocity[std::size_t{original_index_[i]} * d + static_cast<std::size_t>(k)] -
+                            image.velocity[k];
         fastest_ = math::max(fastest_, frame_speed(p.velocity));
         boxes::advance<motion>(p, time, box_);
         if (takes_time_ && last_contacts_[i].until <= now_) last_contacts_[i].partner = no_particle;
@@ -304,7 +313,7 @@ void HardSpheres<d, motion, mixed>::state(double* position, double* velocity) co
             const std::size_t at = std::size_t{original_index_[i]} * d + static_cast<std::size_t>(k);
             const double after = now_ - p.time;
             position[at] = position_after<motion>(p, k, after, box_) + image.shift[k];
-            velocity[at] = velocity_after<motion>(p, k, after, box_);
+            velocity[at] = velocity_after<motion>(p, k, after, box_) + image.velocity[k];
         }
     }
 }

@@ -16,6 +16,7 @@ void HardSpheres<d, motion, mixed>::process_event(u32 i) {
     }
     const SelfEvent own = static_cast<SelfEvent>(e.own);
     if (own == SelfEvent::rescan) return predict(i, excluded_partner(i));
+    if (own == SelfEvent::slides) return slide(i);
     if (is_wall(own)) return collide_with_wall(i, box_.wall(wall_at(own)));
     leave_cell(i, cells_.place(level(i), e.cell));
 }
@@ -31,12 +32,19 @@ void HardSpheres<d, motion, mixed>::leave_cell(u32 i, Place<d> at) {
     const Grid<d>& g = cells_.grids()[fine];
     cells_.remove(e.cell, i);
     at[axis] += step;
-    if (at[axis] < 0 || at[axis] == g.cells[axis]) {
-        at[axis] -= step * g.cells[axis];
+    const bool leaves = at[axis] < 0 || at[axis] == g.cells[axis];
+    const bool sheared = leaves && box_.is_sheared() && axis == box_.gradient;
+    if (leaves) at[axis] -= step * g.cells[axis];
+    if (sheared) {
+        cross_sheared_side(i, step);
+        const double x = position_after<motion>(p, 0, now_ - p.time, box_);
+        at[0] = static_cast<int>(math::clamp(x / g.edge[0], 0.0, g.cells[0] - 1.0));
+    } else if (leaves) {
         box_.wrap(p.position, p.velocity, image_flags_[i], axis, step, p.time);
     }
     e.cell = cells_.number(fine, at) & (most_cells - 1);
     cells_.insert(e.cell, i);
+    if (sheared) return predict(i, excluded_partner(i));
 
     NextCollision next = begin_prediction(i, excluded_partner(i));
     Place<d> place = at;
@@ -44,7 +52,7 @@ void HardSpheres<d, motion, mixed>::leave_cell(u32 i, Place<d> at) {
         Place<d> from, to;
         for (int k = 0; k < d; ++k) from[k] = place[k] - 1, to[k] = place[k] + 1;
         from[axis] = to[axis] = place[axis] + step;
-        if (holds_any(q)) predict_in_block(next, q, from, to);
+        if (holds_any(q)) predict_near(next, q, from, to);
         // The face just crossed is a face of the next coarser grid if an even number of cells lies below it.
         const int border = step > 0 ? place[axis] : place[axis] + 1;
         if (q + 1 == cells_.levels() || border % 2 != 0) break;
@@ -53,6 +61,39 @@ void HardSpheres<d, motion, mixed>::leave_cell(u32 i, Place<d> at) {
     store(next);
     predict_self_event(i, at);
     schedule(i);
+}
+
+// Predicts the collisions of a particle beside a sheared side with the particles that may reach it now that the images
+// beyond this side have moved by a cell.
+template <int d, Motion motion, bool mixed>
+void HardSpheres<d, motion, mixed>::slide(u32 i) {
+    const int own = level(i);
+    const Place<d> at = cells_.place(own, pending_[i].cell);
+    NextCollision next = begin_prediction(i, excluded_partner(i));
+    cells_.for_stencils(own, at, [&](int level, const Place<d>& from, const Place<d>& to) {
+        if (holds_any(level)) predict_beyond_sides(next, level, from, to);
+    });
+    store(next);
+    predict_self_event(i, at);
+    schedule(i);
+}
+
+// Moves a particle that leaves a sheared box through the far side (step 1) or that at 0 (−1) to its image in the box.
+// The boundary does the work by which its kinetic energy changes.
+template <int d, Motion motion, bool mixed>
+void HardSpheres<d, motion, mixed>::cross_sheared_side(u32 i, int step) {
+    Particle<d>& p = particles_[i];
+    accumulators_.advance(now_);
+    const double after = now_ - p.time;
+    double before[d], crossed[d];
+    for (int k = 0; k < d; ++k) before[k] = crossed[k] = velocity_after<motion>(p, k, after, box_);
+    box_.wrap(p.position, p.velocity, image_flags_[i], box_.gradient, step, p.time);
+    crossed[0] = p.velocity[0];
+    if (const int turns = box_.turns(position_after<motion>(p, 0, after, box_), 0))
+        box_.wrap(p.position, p.velocity, image_flags_[i], 0, turns, p.time);
+    accumulators_.sums.change(mass(i), before, crossed);
+    accumulators_.shear_work.add(0.5 * mass(i) * (crossed[0] - before[0]) * (crossed[0] + before[0]));
+    if (mixed && cells_.levels() > 1) fastest_ = math::max(fastest_, frame_speed(crossed));
 }
 
 template <int d, Motion motion, bool mixed>
@@ -113,20 +154,22 @@ void HardSpheres<d, motion, mixed>::collide_with_wall(u32 i, const Wall& wall) {
     predict(i, no_particle);
 }
 
-// Vector from i to the image of j that i touches.
+// Vector from i to the image of j that i touches. Returns the velocity of this image along the first axis [m/s].
 template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::to_nearest_image(u32 i, u32 j, double (&r)[d]) const {
+double HardSpheres<d, motion, mixed>::to_nearest_image(u32 i, u32 j, double (&r)[d]) const {
     const Particle<d>&p = particles_[i], &q = particles_[j];
+    for (int k = 0; k < d; ++k) r[k] = q.position[k] - p.position[k];
+    const double image_velocity = box_.to_nearest_layer(r, now_);
     for (int k = 0; k < d; ++k) {
-        r[k] = q.position[k] - p.position[k];
         const double edge = box_.edge[k];
         if (math::abs(r[k]) < 0.499 * edge || !box_.is_periodic(k)) continue;
         r[k] = box_.minimum_image(r[k], k);
         // If both images may touch, the approaching one does.
         const double other = r[k] > 0.0 ? r[k] - edge : r[k] + edge;
-        const double v = q.velocity[k] - p.velocity[k];
+        const double v = q.velocity[k] - p.velocity[k] + (k == 0 ? image_velocity : 0.0);
         if (math::abs(r[k]) > 0.499999 * edge && r[k] * v > 0.0) r[k] = other;
     }
+    return image_velocity;
 }
 
 template <int d, Motion motion, bool mixed>
@@ -194,15 +237,16 @@ void HardSpheres<d, motion, mixed>::collide(u32 i, u32 j) {
     advance_to_now(j);
     if (motion != Motion::growing) accumulators_.advance(now_);
     double r[d], v[d];
-    to_nearest_image(i, j, r);
+    const double image_velocity = to_nearest_image(i, j, r);
     for (int k = 0; k < d; ++k) v[k] = q.velocity[k] - p.velocity[k];
+    if (image_velocity != 0.0) v[0] += image_velocity;
     const double square = dot(r, r), distance = math::sqrt(square), speed = -dot(r, v) / distance;
     if (motion != Motion::growing && !(speed > 0.0)) {  // by rounding: they only touch
         if (takes_time_) last_contacts_[i] = {now_, j}, last_contacts_[j] = {now_, i};
     } else if (motion != Motion::growing && takes_time_) {
-        contact(i, j, r, v, distance, speed);
+        contact(i, j, r, v, distance, speed, image_velocity);
     } else {
-        rebound(i, j, r, v, distance, speed, std::array{waited_i, waited_j});
+        rebound(i, j, r, v, distance, speed, image_velocity, std::array{waited_i, waited_j});
     }
     count_collision(i);
     count_collision(j);
@@ -213,10 +257,12 @@ void HardSpheres<d, motion, mixed>::collide(u32 i, u32 j) {
     predict(j, takes_time_ ? excluded_partner(j) : i);
 }
 
-// An instantaneous collision. r: vector from i to j.
+// An instantaneous collision. r: vector from i to j; image_velocity: of the image of j that i touches, on which a sheared
+// boundary does work.
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::rebound(u32 i, u32 j, const double (&r)[d], const double (&v)[d],
-                                            double distance, double speed, std::array<double, 2> waited) {
+                                            double distance, double speed, double image_velocity,
+                                            std::array<double, 2> waited) {
     Particle<d>&p = particles_[i], &q = particles_[j];
     const PairGeometry pair = geometry(i, j);
     const double mi = mass(i), mj = mass(j), reduced = pair.effective_mass;
@@ -245,15 +291,24 @@ void HardSpheres<d, motion, mixed>::rebound(u32 i, u32 j, const double (&r)[d], 
     }
     set_velocity(i, to_i);
     set_velocity(j, to_j);
+    if (image_velocity != 0.0) accumulators_.shear_work.add(-(reduced * gain * r[0]) * image_velocity);
     if (motion != Motion::growing) record(i, j, speed, e * speed, lost, math::max(waited[0], waited[1]));
     ++accumulators_.pairs;
 }
 
-// Gives a particle another velocity.
+// Gives a particle another velocity at the instant of its position.
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::set_velocity(u32 i, const double (&velocity)[d]) {
     double (&own)[d] = particles_[i].velocity;
     if (motion != Motion::growing) accumulators_.sums.change(mass(i), own, velocity);
+    if (box_.is_sheared()) {
+        const double flow = box_.mean_flow(particles_[i].position[box_.gradient]);
+        double before[d], after[d];
+        std::copy_n(own, d, before);
+        std::copy_n(velocity, d, after);
+        before[0] -= flow, after[0] -= flow;
+        accumulators_.from_flow.change(mass(i), before, after);
+    }
     std::copy_n(velocity, d, own);
 }
 
@@ -262,8 +317,7 @@ template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::after_collision(u32 i) {
     if (mixed && cells_.levels() > 1) fastest_ = math::max(fastest_, frame_speed(particles_[i].velocity));
     const i64 changes = changes_between_refreshes() - --until_refresh_;
-    if (until_refresh_ == 0 || (changes >= size32() && !accumulators_.sums.are_exact()))
-        refresh_accumulators();
+    if (until_refresh_ == 0 || (changes >= size32() && !accumulators_.are_exact())) refresh_accumulators();
 }
 
 }  // namespace hardlimit::boxes

@@ -12,9 +12,10 @@ std::vector<u32> HardSpheres<d, motion, mixed>::in_original_order() const {
     return place;
 }
 
-// The sums from the state of each particle, whose data are prefetched: particles are stored by cell.
+// The sums from the state of each particle, whose data are prefetched: particles are stored by cell. `from_flow`: of the
+// velocities relative to the mean flow of a sheared box.
 template <int d, Motion motion, bool mixed>
-ParticleSums<d> HardSpheres<d, motion, mixed>::full_sums() const {
+ParticleSums<d> HardSpheres<d, motion, mixed>::full_sums(bool from_flow) const {
     constexpr std::size_t ahead = 24;
     ParticleSums<d> sums;
     const std::vector<u32> place = in_original_order();
@@ -27,6 +28,7 @@ ParticleSums<d> HardSpheres<d, motion, mixed>::full_sums() const {
         const double after = now_ - p.time;
         double velocity[d], potential = 0.0;
         for (int k = 0; k < d; ++k) velocity[k] = velocity_after<motion>(p, k, after, box_);
+        if (from_flow) velocity[0] -= box_.mean_flow(position_after<motion>(p, box_.gradient, after, box_));
         sums.add(mass(i), velocity);
         if constexpr (motion != Motion::falling) continue;
         const ImageMotion image = box_.image(image_flags_[i], now_);
@@ -38,11 +40,11 @@ ParticleSums<d> HardSpheres<d, motion, mixed>::full_sums() const {
 }
 
 template <int d, Motion motion, bool mixed>
-ParticleSums<d> HardSpheres<d, motion, mixed>::present_sums() const {
-    if (motion == Motion::growing || !accumulators_.sums.are_exact()) return full_sums();
+ParticleSums<d> HardSpheres<d, motion, mixed>::present_sums(bool from_flow) const {
+    if (motion == Motion::growing || !accumulators_.are_exact()) return full_sums(from_flow);
     Accumulators<d> now = accumulators_;
     now.advance(now_);
-    return now.sums;
+    return from_flow ? now.from_flow : now.sums;
 }
 
 // Recomputes the sums: the errors of many changes add up, and a gas cools by many orders of magnitude.
@@ -50,13 +52,15 @@ template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::refresh_accumulators() {
     until_refresh_ = changes_between_refreshes();
     accumulators_.advance(now_);
-    accumulators_.sums = full_sums();
+    accumulators_.sums = full_sums(false);
+    if (box_.is_sheared()) accumulators_.from_flow = full_sums(true);
 }
 
 template <int d, Motion motion, bool mixed>
 Observation HardSpheres<d, motion, mixed>::observe() const {
     Observation o;
-    const ParticleSums<d> sums = present_sums();
+    const ParticleSums<d> sums = present_sums(false);
+    const ParticleSums<d> relative = box_.is_sheared() ? present_sums(true) : sums;
     o.kinetic_energy = 0.5 * sums.twice_kinetic();
     o.potential_energy = sums.potential();
     for (int k = 0; k < d; ++k) o.momentum[k] = sums.momentum(k);
@@ -64,9 +68,11 @@ Observation HardSpheres<d, motion, mixed>::observe() const {
     int k = 0;
     for (std::size_t c = 0; c < SymmetricTensor::size; ++c)
         if (SymmetricTensor::column[c] < d) {
-            o.kinetic_tensor.component[c] = sums.product(k);
+            o.kinetic_tensor.component[c] = relative.product(k);
             o.virial.component[c] = accumulators_.virial.value(k++);
         }
+    o.flow_momentum = sums.momentum(0) - relative.momentum(0);
+    o.shear_work = accumulators_.shear_work.value();
     o.wall_work = accumulators_.wall_work.value();
     o.kinetic_integral = accumulators_.integral_until(now_);
     o.largest_compression = deepest_.compression;

@@ -78,6 +78,46 @@ void HardSpheres<d, motion, mixed>::make_room_for_candidates(std::size_t room) {
     candidates_.resize(room);
 }
 
+// Predicts collisions with the particles of a block that may reach beyond the sides of the box.
+template <int d, Motion motion, bool mixed>
+void HardSpheres<d, motion, mixed>::predict_near(NextCollision& next, int level, const Place<d>& from,
+                                                 const Place<d>& to) {
+    predict_in_block(next, level, from, to);
+    if (box_.is_sheared()) predict_beyond_sides(next, level, from, to);
+}
+
+// The same for the parts of the block beyond the sides of a sheared box.
+template <int d, Motion motion, bool mixed>
+void HardSpheres<d, motion, mixed>::predict_beyond_sides(NextCollision& next, int level, const Place<d>& from,
+                                                         const Place<d>& to) {
+    const bool few = cells_.grids()[static_cast<std::size_t>(level)].few;
+    const auto predict_part = [&](Place<d> low, const Place<d>& high) {
+        for (Place<d> end = high; low[0] <= high[0]; low[0] = end[0] + 1) {
+            if (!few) end[0] = std::min(low[0] + 3, high[0]);  // the kernels read at most four cells of a row
+            predict_in_block(next, level, low, end);
+        }
+    };
+    for_images_beyond(level, from, to, predict_part);
+}
+
+// Calls f(from, to) for the parts of a block beyond the sides of a sheared box. Meanwhile, the particle of the query is
+// in the frame of the images there: the relative motion is the same, and the neighbours stay as they are.
+template <int d, Motion motion, bool mixed>
+template <class F>
+void HardSpheres<d, motion, mixed>::for_images_beyond(int level, const Place<d>& from, const Place<d>& to,
+                                                      const F& f) {
+    cells_.for_sheared_parts(box_, level, from, to, now_,
+                             [&](const Place<d>& low, const Place<d>& high, const ImageMotion& image) {
+                                 const auto query = query_;
+                                 for (int k = 0; k < d; ++k) {
+                                     query_.position[k] -= image.shift[k];
+                                     query_.velocity[k] -= image.velocity[k];
+                                 }
+                                 f(low, high);
+                                 query_ = query;
+                             });
+}
+
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::predict_in_block(NextCollision& next, int level, const Place<d>& from,
                                                      const Place<d>& to) {
@@ -133,7 +173,7 @@ void HardSpheres<d, motion, mixed>::predict_unscheduled(u32 i, u32 except) {
     const Place<d> at = cells_.place(own, e.cell);
     NextCollision next = begin_prediction(i, except);
     cells_.for_stencils(own, at, [&](int level, const Place<d>& from, const Place<d>& to) {
-        if (holds_any(level)) predict_in_block(next, level, from, to);
+        if (holds_any(level)) predict_near(next, level, from, to);
     });
     e.pair_time = math::infinity;
     e.partner = no_particle;
@@ -172,7 +212,7 @@ double HardSpheres<d, motion, mixed>::speed_bound() const {
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::predict_finer(NextCollision& next, int level) {
     double horizon = math::infinity;
-    const double speed = frame_speed(query_.velocity) + speed_bound();
+    const double speed = frame_speed(query_.velocity) + speed_bound() + math::abs(box_.image_velocity());
     for (int q = 0; q < level; ++q) {
         const double widest = cells_.grids()[q].widest;
         if (widest == 0.0) continue;
@@ -185,18 +225,19 @@ void HardSpheres<d, motion, mixed>::predict_finer(NextCollision& next, int level
             from[k] = floor_to_int((query_.position[k] - reach) / cells_.grids()[q].edge[k]);
             to[k] = floor_to_int((query_.position[k] + reach) / cells_.grids()[q].edge[k]);
         }
-        if (narrow) {
-            predict_in_images(next, q, from, to);
-            continue;
-        }
-        cells_.for_blocks_within(box_, q, query_.position, reach, from, to, rows_,
-                                 [&](const hardlimit_abi::CellBlock& block, std::size_t room) {
-                                     make_room_for_candidates(room);
-                                     keep_earliest(next,
-                                                   touch_.across(query_, particles_.data(), next.id,
-                                                                 candidates_.data(), times_.data(), block),
-                                                   true);
-                                 });
+        const auto examine = [&](const hardlimit_abi::CellBlock& block, std::size_t room) {
+            make_room_for_candidates(room);
+            keep_earliest(
+                next,
+                touch_.across(query_, particles_.data(), next.id, candidates_.data(), times_.data(), block),
+                true);
+        };
+        const auto predict_within = [&](const Place<d>& low, const Place<d>& high) {
+            if (narrow) return predict_in_images(next, q, low, high);
+            cells_.for_blocks_within(box_, q, query_.position, reach, low, high, rows_, examine);
+        };
+        predict_within(from, to);
+        if (box_.is_sheared()) for_images_beyond(q, from, to, predict_within);
     }
     rescans_[next.id] = now_ + horizon;
 }
@@ -273,6 +314,10 @@ void HardSpheres<d, motion, mixed>::predict_self_event(u32 i, const Place<d>& at
         for (int k = 0; k < d; ++k)
             for (const bool upper : {false, true})
                 if (box_.has_moving_walls(k)) consider(wall_time(i, box_.wall(k, upper), in), k, upper, true);
+    if (box_.is_sheared()) {
+        const double slides = (now_ - p.time) + cells_.time_to_slide(box_, own, at, now_);
+        if (slides < in) in = slides, which = SelfEvent::slides;
+    }
     e.own_time = math::max(now_, p.time + in);
     e.own = static_cast<u32>(which) & 15u;
     if constexpr (mixed)

@@ -13,9 +13,18 @@ void HardSpheres<d, motion, mixed>::displace(u32 i, double share, const double (
     double changed[d];
     for (int k = 0; k < d; ++k) {
         changed[k] = p.velocity[k] + share * velocity[k];
-        p.position[k] += share * shift[k];
     }
     set_velocity(i, changed);
+    for (int k = 0; k < d; ++k) p.position[k] += share * shift[k];
+    if (box_.is_sheared()) {  // the mean flow at the new place is another one
+        const double flow = box_.mean_flow(p.position[box_.gradient]);
+        const double moved = box_.shear_rate * (share * shift[box_.gradient]);
+        double before[d];
+        changed[0] -= flow;
+        std::copy_n(changed, d, before);
+        before[0] += moved;
+        accumulators_.from_flow.change(mass(i), before, changed);
+    }
     if (motion == Motion::falling)
         accumulators_.sums.add_potential(-share * mass(i) * dot(accumulators_.gravity, shift));
     update_cell(i);
@@ -25,9 +34,14 @@ void HardSpheres<d, motion, mixed>::displace(u32 i, double share, const double (
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::update_cell(u32 i) {
     Particle<d>& p = particles_[i];
-    for (int k = 0; k < d; ++k)
-        while (box_.is_periodic(k) && (p.position[k] < 0.0 || p.position[k] > box_.edge[k]))
-            box_.wrap(p.position, p.velocity, image_flags_[i], k, p.position[k] < 0.0 ? -1 : 1, p.time);
+    for (int k = d - 1; k >= 0; --k)  // crossing a sheared side moves a particle along the first axis
+        while (box_.wraps(k) && (p.position[k] < 0.0 || p.position[k] > box_.edge[k])) {
+            const int step = p.position[k] < 0.0 ? -1 : 1;
+            if (box_.is_periodic(k))
+                box_.wrap(p.position, p.velocity, image_flags_[i], k, step, p.time);
+            else
+                cross_sheared_side(i, step);
+        }
     const u32 cell = cells_.number(level(i), cells_.place_of(level(i), p.position));
     if (cell == pending_[i].cell) return;
     cells_.remove(pending_[i].cell, i);
@@ -38,7 +52,7 @@ void HardSpheres<d, motion, mixed>::update_cell(u32 i) {
 // Contact of two particles at the instant of touch. r: vector from i to j; v: velocity of j relative to i.
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::contact(u32 i, u32 j, const double (&r)[d], const double (&v)[d],
-                                            double distance, double speed) {
+                                            double distance, double speed, double image_velocity) {
     double across[d], square = 0.0;
     for (int k = 0; k < d; ++k) {
         across[k] = v[k] + speed / distance * r[k];
@@ -70,6 +84,8 @@ void HardSpheres<d, motion, mixed>::contact(u32 i, u32 j, const double (&r)[d], 
     for (int k = 0; k < d; ++k) departing[k] = v[k] + change[k];
     accumulators_.add_virial(pair.effective_mass, r, change);
     accumulators_.add_virial(pair.effective_mass, shift, departing);
+    if (image_velocity != 0.0)
+        accumulators_.shear_work.add(-(pair.effective_mass * change[0]) * image_velocity);
     const double whole = mass(i) + mass(j);
     displace(i, -mass(j) / whole, change, shift);
     displace(j, mass(i) / whole, change, shift);

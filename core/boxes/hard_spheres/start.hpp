@@ -22,6 +22,7 @@ HardSpheres<d, motion, mixed>::HardSpheres(const System& s, const RuleChoice& ru
     for (std::size_t i = 0; i < s.n; ++i) total.add(s.mass[i]);
     accumulators_.mass = total.value();
     std::copy_n(box_.gravity, d, accumulators_.gravity);
+    accumulators_.gradient = box_.gradient, accumulators_.shear_rate = box_.shear_rate;
     refresh_accumulators();
     predict_all(stop);
     rebuild_queue();

@@ -5,6 +5,9 @@
 // 2^d cells of the next finer one, so a face of a coarse cell consists of faces of fine cells. Grids of fewer than
 // three cells along an axis are no special case: neighbours are counted by offset, and a periodic image of a particle
 // is a separate neighbour.
+//
+// Beyond a sheared side the cells slide along the first axis: three columns of a block face four columns there. Blocks
+// leave these cells out, as beyond a wall; for_sheared_parts() has them.
 #pragma once
 #include <algorithm>
 #include <cstring>
@@ -277,6 +280,52 @@ public:
             ++at[k];
         }
     }
+    // Calls f(from, to, image) for each part of a block that lies beyond a side of a sheared box, at a time [s]: the
+    // cells in the box whose particles are there, moved by this image. Along the first axis these are the columns that
+    // overlap those of the block, to within a small part of a cell; they may reach beyond the far side of the box.
+    template <class F>
+    void for_sheared_parts(const Box& box, int level, const Place<d>& from, const Place<d>& to, double time,
+                           const F& f) const {
+        const Grid<d>& g = grids_[static_cast<std::size_t>(level)];
+        const int axis = box.gradient, rows = g.cells[axis];
+        if (from[axis] >= 0 && to[axis] < rows) return;
+        const double offset = box.image_offset(time);
+        const int last = floor_to_int(static_cast<double>(to[axis]) / rows);
+        for (int count = floor_to_int(static_cast<double>(from[axis]) / rows); count <= last; ++count) {
+            if (count == 0) continue;
+            Place<d> low = from, high = to;
+            low[axis] = std::max(from[axis] - count * rows, 0);
+            high[axis] = std::min(to[axis] - count * rows, rows - 1);
+            const double slid = -count * (offset / g.edge[0]);
+            low[0] = floor_to_int(from[0] + slid - slide_margin);
+            high[0] = -floor_to_int(-(to[0] + slid + slide_margin));
+            const int turns = floor_to_int(static_cast<double>(low[0]) / g.cells[0]);
+            low[0] -= turns * g.cells[0], high[0] -= turns * g.cells[0];
+            ImageMotion image{};
+            image.shift[axis] = count * box.edge[axis];
+            image.shift[0] = count * offset + turns * box.edge[0];
+            image.velocity[0] = count * box.image_velocity();
+            f(low, high, image);
+        }
+    }
+    // Time until the columns of for_sheared_parts() change for a particle in this cell [s].
+    double time_to_slide(const Box& box, int level, Place<d> at, double time) const {
+        double soonest = math::infinity;
+        for (int own = level; level < levels(); ++level) {
+            // Of two equal grids that slide along each other, the particles of one have to look.
+            const Grid<d>& g = grids_[static_cast<std::size_t>(level)];
+            const int row = at[box.gradient];
+            if (row == 0 || (level > own && row == g.cells[box.gradient] - 1)) {
+                const double slid = box.image_offset(time) / g.edge[0],
+                             rate = box.image_velocity() / g.edge[0];
+                const double ahead = rate > 0.0 ? slid + slide_margin : -slid + slide_margin;
+                const double cells = (floor_to_int(ahead) + 1) - (ahead - slide_margin);
+                if (rate != 0.0) soonest = math::min(soonest, cells / math::abs(rate));
+            }
+            for (int k = 0; k < d; ++k) at[k] >>= 1;
+        }
+        return soonest;
+    }
     // Calls f(level, from, to) for the block around a cell, in its own grid and in each coarser one.
     template <class F>
     void for_stencils(int level, Place<d> at, const F& f) const {
@@ -295,6 +344,7 @@ public:
 
 private:
     static constexpr u32 inline_ids = 3, linked = 4, cells_of_part = 4;
+    static constexpr double slide_margin = 1e-6;  // of a cell; more than the rounding of a displacement
     static constexpr u32 beyond = 3;  // empty cells at the end, for a kernel that reads four cells at once
 
     // A block of three cells, of which at least one is in the box, reaches at most this far beyond the box.

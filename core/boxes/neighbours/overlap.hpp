@@ -46,6 +46,13 @@ private:
     // Of the nearest images. A periodic edge is at least four times the largest radius.
     double distance_squared(u32 a, u32 b) const {
         double sum = 0.0;
+        if (box_.is_sheared()) {
+            double r[d];
+            for (int axis = 0; axis < d; ++axis)
+                r[axis] = position_[std::size_t{b} * d + axis] - position_[std::size_t{a} * d + axis];
+            box_.to_minimum_image(r, 0.0);
+            return boxes::dot(r, r);
+        }
         for (int axis = 0; axis < d; ++axis) {
             double x = math::abs(position_[std::size_t{a} * d + axis] - position_[std::size_t{b} * d + axis]);
             if (box_.is_periodic(axis) && box_.edge[axis] - x < x) x = box_.edge[axis] - x;
@@ -76,11 +83,17 @@ Overlap deepest_overlap_in(const Box& box, const double* position, const double*
     for (u32 i = 0; i < n && !stop(); ++i) {
         const int own = cells.level_for(2.0 * radius[i]);
         cells.for_stencils(own, place(i, own), [&](int level, const Place<d>& from, const Place<d>& to) {
-            cells.for_block(box, level, from, to, [&](u32 cell, const double (&)[d]) {
+            const auto consider = [&](u32 cell, const double (&)[d]) {
                 const std::size_t held = cells.collect(cell, near, 0);
                 for (std::size_t k = 0; k < held; ++k)
                     if (level > own || near[k] < i) deepest.consider(i, near[k]);
-            });
+            };
+            cells.for_block(box, level, from, to, consider);
+            if (!box.is_sheared()) return;
+            cells.for_sheared_parts(box, level, from, to, 0.0,
+                                    [&](const Place<d>& low, const Place<d>& high, const ImageMotion&) {
+                                        cells.for_block(box, level, low, high, consider);
+                                    });
         });
     }
     return stop.stopped() ? Overlap{} : deepest.found();
