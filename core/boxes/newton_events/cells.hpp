@@ -12,7 +12,7 @@ NewtonEvents<Law>::NewtonEvents(const NewtonSetting& setting, const System& s,
       soft_(soft_contacts(laws_, s.n, kernels)),
       gravity_(std::to_array(box_.gravity)) {
     find_extreme_radii(s.n);
-    largest_safety_radius_ = initial_safety_radius(s.velocity);
+    largest_safety_radius_ = initial_safety_radius(s);
     make_cells(s.n, kernels);
     sort_in(s);
     begin_contacts();
@@ -29,19 +29,27 @@ void NewtonEvents<Law>::find_extreme_radii(std::size_t n) {
     }
 }
 
-// A multiple of the compression of contacts at the initial speeds of bodies and walls; a larger radius requires wider
-// cells, which hold more candidates. The largest value under gravity, since speeds grow.
+// A multiple of the compression of contacts at the initial speeds of bodies, relative to a sheared flow, and of walls; a
+// larger radius requires wider cells, which hold more candidates. The largest value under gravity, since speeds grow.
 template <class Law>
-double NewtonEvents<Law>::initial_safety_radius(const double* velocity) const {
+double NewtonEvents<Law>::initial_safety_radius(const System& s) const {
     const double most = 0.1 * largest_radius_;
     if (dot(gravity_, gravity_) > 0.0) return most;
     double square = 0.0;
     std::size_t at = 0;
     const std::size_t n = setting_.count();
-    for (std::size_t k = 0; k < n * setting_.axes(); ++k) square += velocity[k] * velocity[k];
+    for (std::size_t i = 0; i < n; ++i) {
+        double x[3], v[3];
+        setting_.in_three(s.position, i, x);
+        setting_.in_three(s.velocity, i, v);
+        if (box_.is_sheared()) v[0] -= box_.mean_flow(x[box_.gradient]);
+        square += dot(v, v);
+    }
     for (std::size_t i = 0; i < n; ++i)
         if (laws_.radius(i) == largest_radius_) at = i;
-    const double speed = math::max(math::sqrt(square / static_cast<double>(n)), 2.0 * box_.fastest_wall());
+    const double of_shear = math::abs(box_.shear_rate) * largest_radius_;
+    const double speed = math::max(math::sqrt(square / static_cast<double>(n)),
+                                   math::max(2.0 * box_.fastest_wall(), of_shear));
     if (!(speed > 0.0)) return most;
     const auto body = static_cast<std::int64_t>(at);
     const double duration = laws_(body, body).duration(speed, 0.5 * laws_.mass(at));
@@ -52,7 +60,7 @@ template <class Law>
 double NewtonEvents<Law>::smallest_edge() const {
     double least = math::infinity;
     for (int axis = 0; axis < box_.dimension; ++axis)
-        if (box_.is_periodic(axis)) least = math::min(least, box_.edge[axis]);
+        if (box_.wraps(axis)) least = math::min(least, box_.edge[axis]);
     return least;
 }
 
@@ -83,7 +91,7 @@ void NewtonEvents<Law>::make_cells(std::size_t n, const hardlimit_abi::TouchKern
         math::min(0.25 * smallest_radius_, 0.22 * smallest_edge() - 0.9 * largest_radius_);
     const Grid<3>& g = cells_.grids()[static_cast<std::size_t>(level_)];
     for (int a = 0; a < box_.dimension; ++a) {
-        several_images_ = several_images_ || (box_.is_periodic(a) && g.cells[a] < 4);
+        several_images_ = several_images_ || (box_.wraps(a) && g.cells[a] < 4);
         walled_ = walled_ || box_.has_walls(a);
     }
 }
@@ -140,22 +148,25 @@ typename NewtonEvents<Law>::Block NewtonEvents<Law>::around(const Place<3>& at) 
     return {{at[0] - 1, at[1] - 1, at[2] - deep}, {at[0] + 1, at[1] + 1, at[2] + deep}};
 }
 
-// Calls f(j, r) for all images of bodies in the cells around body i; r: vector from i to j at the current time.
+// Calls f(j, r, v) for all images of bodies in the cells around body i. r: vector from i to j at the current time; v:
+// what the image adds to the velocity of j.
 template <class Law>
 template <class F>
 void NewtonEvents<Law>::for_neighbours(int i, const F& f) const {
     reserve_candidates();
     const Block near = around(cells_.place(level_, pending_[i].cell));
     const Vector3 x = position(i, now_);
-    cells_.for_block(cell_box_, level_, near.from, near.to, [&](u32 cell, const double (&shift)[3]) {
-        const std::size_t n = cells_.collect(cell, candidates_, 0);
-        for (std::size_t k = 0; k < n; ++k) {
-            const int j = static_cast<int>(candidates_[k]);
-            if (j == i) continue;
-            Vector3 r = position(j, now_);
-            for (std::size_t a = 0; a < 3; ++a) r[a] = (r[a] + shift[a]) - x[a];
-            f(j, r);
-        }
+    for_sides(near, [&](const Block& in, const ImageMotion& image, bool) {
+        cells_.for_block(cell_box_, level_, in.from, in.to, [&](u32 cell, const double (&shift)[3]) {
+            const std::size_t n = cells_.collect(cell, candidates_, 0);
+            for (std::size_t k = 0; k < n; ++k) {
+                const int j = static_cast<int>(candidates_[k]);
+                if (j == i) continue;
+                Vector3 r = position(j, now_);
+                for (std::size_t a = 0; a < 3; ++a) r[a] = (r[a] + (shift[a] + image.shift[a])) - x[a];
+                f(j, r, image.velocity);
+            }
+        });
     });
 }
 
@@ -171,6 +182,7 @@ void NewtonEvents<Law>::leave_cell(int i) {
     at[axis] += step;
     if (at[axis] < 0 || at[axis] == g.cells[axis]) {
         at[axis] -= step * g.cells[axis];
+        if (axis == box_.gradient) return cross_sheared_side(i, step, at);
         Particle<3>& p = particles_[i];
         box_.wrap(p.position, p.velocity, e.image_flags, axis, step, p.time);
     }

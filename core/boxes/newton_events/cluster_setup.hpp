@@ -67,6 +67,8 @@ void NewtonEvents<Law>::open_group(Group& g, const std::vector<int>& set) const 
     Cluster<Law>& c = g.cluster->before;
     reset_cluster(c, now_);
     for (std::size_t m = 0; m < set.size(); ++m) set_member(g, m, c.members.emplace_back());
+    if (box_.is_sheared())
+        g.sheared_energy = sheared_energy(g, [&](std::size_t m) { return c.members[m].velocity; });
 }
 
 // Sets a member from the image of its body that is nearest to the group's origin, and stores which image that is. Works
@@ -77,6 +79,7 @@ void NewtonEvents<Law>::set_member(Group& g, std::size_t m, Member& member) cons
     const Particle<3>& p = particles_[i];
     member.mass = mass(i);
     member.radius = radius(i);
+    if (box_.is_sheared()) return set_sheared_member(g, m, member);
     for (std::size_t a = 0; a < 3; ++a) {
         const double x = p.position[a] - g.origin[a];
         const double period = nearest_period(x, static_cast<int>(a));
@@ -140,10 +143,18 @@ void NewtonEvents<Law>::set_wall_pieces(Group& g) const {
 template <class Law>
 bool NewtonEvents<Law>::may_touch(const Member& a, const Member& b) const {
     double square = 0.0;
-    for (int k = 0; k < 3; ++k) {
-        const auto s = static_cast<std::size_t>(k);
-        const double x = b.position[s] - a.position[s], r = x - nearest_period(x, k) * box_.edge[s];
-        square += r * r;
+    if (box_.is_sheared()) {
+        Vector3 r;
+        for (std::size_t k = 0; k < 3; ++k) r[k] = b.position[k] - a.position[k];
+        const BodyImage image = nearest_image(r);
+        for (std::size_t k = 0; k < 3; ++k) r[k] -= image.motion.shift[k];
+        square = dot(r, r);
+    } else {
+        for (int k = 0; k < 3; ++k) {
+            const auto s = static_cast<std::size_t>(k);
+            const double x = b.position[s] - a.position[s], r = x - nearest_period(x, k) * box_.edge[s];
+            square += r * r;
+        }
     }
     const double near = 1.001 * (a.radius + b.radius + 2.0 * largest_displacement_);
     return square < near * near;
@@ -173,9 +184,13 @@ void NewtonEvents<Law>::set_pair(const Group& g, int i, int j, const Member& a, 
     q = {};
     q.first = i;
     q.second = j;
-    for (int k = 0; k < 3; ++k) {
-        const auto s = static_cast<std::size_t>(k);
-        q.image[s] = -nearest_period(b.position[s] - a.position[s], k) * box_.edge[s];
+    if (box_.is_sheared()) {
+        set_sheared_image(a, b, q);
+    } else {
+        for (int k = 0; k < 3; ++k) {
+            const auto s = static_cast<std::size_t>(k);
+            q.image[s] = -nearest_period(b.position[s] - a.position[s], k) * box_.edge[s];
+        }
     }
     q.contact_distance = a.radius + b.radius;
     q.mass = effective(a.mass, b.mass);
@@ -225,8 +240,10 @@ double NewtonEvents<Law>::horizon_of(const Group& g) const {
         double& longest = q.state == ContactState::closed ? closed : slack;
         longest = math::max(longest, q.law.duration(math::max(q.impact_speed, 1e-3 * speed), q.mass));
     }
+    // A moving image counts half for each of its two bodies.
     const double farthest =
-        math::min(time_to_cover(largest_displacement_, speed, c.near_a_wall()), time_to_a_wall(g, speed));
+        math::min(time_to_cover(largest_displacement_, speed + 0.5 * c.image_speed(), c.near_a_wall()),
+                  time_to_a_wall(g, speed));
     const double longest = closed > 0.0 ? contacts * closed : contacts_without_force * slack;
     return longest > 0.0 ? math::min(longest, farthest) : farthest;
 }

@@ -63,6 +63,8 @@ public:
     static constexpr double largest_rotation = 1.0;
     // Largest initial overlap that counts as rounding error, relative to the sum of the radii.
     static constexpr double touching_depth = 1e-9;
+    // Part of a cell's length by which images may have slid early. Cells are longer than needed by more than this.
+    static constexpr double rounding_of_slides = 1e-6;
 
     // Bodies that overlap start in contact if their force is repulsive.
     NewtonEvents(const NewtonSetting& setting, const System& s, const hardlimit_abi::TouchKernels& kernels);
@@ -109,6 +111,11 @@ private:
     struct Block {
         Place<3> from, to;
     };
+    // Flags of an image, and what it adds to its particle.
+    struct BodyImage {
+        double flags[3] = {};
+        ImageMotion motion{};
+    };
 
     NewtonSetting setting_;
     const Box& box_ = setting_.box;
@@ -139,7 +146,7 @@ private:
     bool several_images_ = false;         // whether several images of a body may be near
     bool walled_ = false;                 // whether there are walls
     bool prefetches_ = false;             // whether the data exceed the caches
-    double now_ = 0.0, wall_work_ = 0.0, clustered_ = 0.0;
+    double now_ = 0.0, wall_work_ = 0.0, shear_work_ = 0.0, clustered_ = 0.0;
     SymmetricTensor virial_;
     double dissipated_ = 0.0;  // including the elastic energy that slack pairs still store [J]
     std::uint64_t begun_ = 0, begun_pairs_ = 0, ended_ = 0, overlapped_ = 0, events_ = 0;
@@ -154,6 +161,7 @@ private:
     std::vector<ContactRecord> log_;
     mutable std::optional<NewtonSnapshot> snapshot_;  // at the current time, until the run is advanced
 
+    const Grid<3>& grid() const { return cells_.grids()[static_cast<std::size_t>(level_)]; }
     u32 size32() const { return static_cast<u32>(particles_.size()); }
     double radius(int i) const { return laws_.radius(static_cast<std::size_t>(i)); }
     double mass(int i) const { return laws_.mass(static_cast<std::size_t>(i)); }
@@ -188,7 +196,7 @@ private:
 
     // cells.hpp
     void find_extreme_radii(std::size_t n);
-    double initial_safety_radius(const double* velocity) const;
+    double initial_safety_radius(const System& s) const;
     double smallest_edge() const;
     void make_cells(std::size_t n, const hardlimit_abi::TouchKernels& kernels);
     void sort_in(const System& s);
@@ -199,6 +207,34 @@ private:
     template <class F>
     void for_neighbours(int i, const F& f) const;
     void leave_cell(int i);
+
+    // sheared_side.hpp
+    static double floor_of(double x) {
+        const double whole = math::round_small(x);
+        return whole > x ? whole - 1.0 : whole;
+    }
+    // Kinetic energy that a body gains with a change of its velocity along the axis [J].
+    static double gained_energy(double mass, double velocity, double change) {
+        return 0.5 * mass * change * (2.0 * velocity + change);
+    }
+    double displaced_cells() const;
+    double next_slide() const;
+    template <class F>
+    void for_sides(const Block& in, const F& f) const;
+    ImageMotion slide_columns(Block& block, bool high) const;
+    bool at_sheared_side(const Place<3>& at) const;
+    void slide(int i);
+    void cross_sheared_side(int i, int step, Place<3>& at);
+    BodyImage nearest_image(const Vector3& r) const;
+    void set_sheared_member(Group& g, std::size_t m, Member& member) const;
+    void set_sheared_image(const Member& a, const Member& b, ContactPair<Law>& q) const;
+    ImageMotion cell_frame(const Group& g, std::size_t m, double time) const;
+    template <class Velocity>
+    double sheared_energy(const Group& g, const Velocity& velocity) const;
+    template <class Velocity>
+    double shear_work(const Group& g, const Velocity& velocity) const;
+    double shear_work_of_contact(const Group& g) const;
+    double to_image_in_box(Observation& sums, int i, const Vector3& x, Vector3& v) const;
 
     // flight.hpp
     Vector3 position(int i, double t) const;
@@ -211,6 +247,7 @@ private:
     void predict_events_without(int i, int other);
     void set_query(int i);
     void predict_collisions(int i, const Block& in);
+    void predict_part(int i, Block in, bool beyond);
     void take_candidates(int i, const hardlimit_abi::EarliestContact& touched);
     void take_candidate(int i, u32 id, double enlarged_time);
     double collision_time(int i, int j, double enlarged_time) const;
@@ -247,7 +284,8 @@ private:
     void join_group(int i, int index, std::size_t m, double span);
     void release_members(int i);
     void restart_body(const Group& g, std::size_t m, const Member& at);
-    Vector3 body_position(const Group& g, std::size_t m, Vector3 x) const;
+    Vector3 body_position(const Group& g, std::size_t m, Vector3 x, double time) const;
+    Vector3 body_velocity(const Group& g, std::size_t m, Vector3 v) const;
 
     // cluster_setup.hpp
     void build_cluster(int index, ClusterSeed& set);
@@ -289,7 +327,7 @@ private:
 
     // observe.hpp
     void add_group(NewtonSnapshot& s, const Group& g, Cluster<Law>& c) const;
-    void add_body(NewtonSnapshot& s, int i, const Vector3& x, const Vector3& v) const;
+    void add_body(NewtonSnapshot& s, int i, const Vector3& x, Vector3 v) const;
     void log(const Group& g, const ContactPair<Law>& q, const EndedContact& e);
     const NewtonSnapshot& snapshot() const;
     NewtonSnapshot new_snapshot() const;
@@ -369,6 +407,7 @@ void NewtonEvents<Law>::process_event(int i) {
     }
     const SelfEvent own = static_cast<SelfEvent>(e.own);
     if (own == SelfEvent::ends) return end_cluster(i);
+    if (own == SelfEvent::rescan) return slide(i);
     if (is_wall(own))
         return meets_wall(i, box_.wall(wall_at(own))) ? begin_contact(i, -1, wall_at(own)) : reschedule(i);
     leave_cell(i);
@@ -385,3 +424,4 @@ void NewtonEvents<Law>::process_event(int i) {
 #include "membership.hpp"
 #include "observe.hpp"
 #include "safety_radius.hpp"
+#include "sheared_side.hpp"

@@ -98,6 +98,21 @@ void NewtonEvents<Law>::set_query(int i) {
 
 template <class Law>
 void NewtonEvents<Law>::predict_collisions(int i, const Block& in) {
+    if (!box_.is_sheared()) return predict_part(i, in, false);
+    for_sides(in, [&](const Block& part, const ImageMotion& image, bool beyond) {
+        const hardlimit_abi::ContactQuery own = query_;
+        for (int a = 0; a < 3; ++a)
+            query_.position[a] -= image.shift[a], query_.velocity[a] -= image.velocity[a];
+        predict_part(i, part, beyond);
+        for (int a = 0; a < 3; ++a)
+            query_.position[a] = own.position[a], query_.velocity[a] = own.velocity[a];
+    });
+}
+
+// Predicts collisions with the bodies in a block of cells. `beyond`: the query is in the frame of images beyond the
+// sheared side, and its position may lie outside of the box.
+template <class Law>
+void NewtonEvents<Law>::predict_part(int i, Block in, bool beyond) {
     reserve_candidates();
     const auto self = static_cast<unsigned>(i);
     if (several_images_) {
@@ -110,8 +125,12 @@ void NewtonEvents<Law>::predict_collisions(int i, const Block& in) {
         return;
     }
     hardlimit_abi::CellBlock block;
-    const auto touch =
-        cells_.lay_block(block, cell_box_, level_, in.from, in.to) ? touch_.across : touch_.near;
+    if (beyond) {
+        const int n = grid().cells[0], moved = in.from[0] - (in.from[0] % n + n) % n;
+        in.from[0] -= moved, in.to[0] -= moved;  // the kernel uses the nearest image
+    }
+    const bool outside = cells_.lay_block(block, cell_box_, level_, in.from, in.to);
+    const auto touch = outside || beyond ? touch_.across : touch_.near;
     take_candidates(i, touch(query_, particles_.data(), self, candidates_.data(), times_.data(), block));
 }
 
@@ -272,6 +291,10 @@ void NewtonEvents<Law>::predict_self_event(int i, const Place<3>& at) {
                              a, up, true);
     e.own_time = now_ + in;
     e.own = static_cast<u32>(which) & 15u;
+    if (at_sheared_side(at)) {
+        const double next = next_slide();
+        if (next < e.own_time) e.own_time = next, e.own = static_cast<u32>(SelfEvent::rescan) & 15u;
+    }
     if (!e.first || !e.clustered || e.end > e.own_time) return;
     e.own_time = e.end;
     e.own = static_cast<u32>(SelfEvent::ends) & 15u;

@@ -26,10 +26,11 @@ void NewtonEvents<Law>::begin_contacts() {
     };
     for (int i = 0; i < static_cast<int>(particles_.size()); ++i) {
         const Particle<3>& p = particles_[i];
-        for_neighbours(i, [&](int j, const Vector3& r) {
+        for_neighbours(i, [&](int j, const Vector3& r, const double (&image_velocity)[3]) {
             if (j <= i) return;
             Vector3 v;
-            for (std::size_t a = 0; a < 3; ++a) v[a] = particles_[j].velocity[a] - p.velocity[a];
+            for (std::size_t a = 0; a < 3; ++a)
+                v[a] = (particles_[j].velocity[a] + image_velocity[a]) - p.velocity[a];
             const double distance = math::sqrt(dot(r, r));
             overlap(i, j, {}, (radius(i) + radius(j)) - distance, -dot(r, v) / distance);
         });
@@ -91,6 +92,7 @@ void NewtonEvents<Law>::set_velocities(const double* velocity) {
     for (int i = 0; i < static_cast<int>(size32()); ++i) {
         restart_path(i);
         std::copy_n(velocity + d * std::size_t{pending_[i].original_index}, d, particles_[i].velocity);
+        particles_[i].velocity[0] -= box_.image(pending_[i].image_flags, now_).velocity[0];
     }
     split_cluster(set.bodies, set.pairs);
     form_parts();
@@ -131,6 +133,7 @@ void NewtonEvents<Law>::end_isolated_contact(int index) {
     dissipated_ += l.dissipated;
     virial_ += l.virial;
     wall_work_ += group(index).wall_work;
+    shear_work_ += shear_work_of_contact(group(index));
     const int first = l.body[0], second = l.body[1];
     const auto for_both = [&](const auto& f) {
         f(first);
@@ -195,6 +198,8 @@ void NewtonEvents<Law>::open_isolated_contact(Group& g, int i, int j, WallId wal
     IsolatedContact& l = g.isolated_contact;
     l.body[0] = i, l.body[1] = j;
     for (std::size_t m = 0; m < members; ++m) set_member(g, m, l.before[m]);
+    if (box_.is_sheared())
+        g.sheared_energy = sheared_energy(g, [&](std::size_t m) { return l.before[m].velocity; });
     if (j >= 0)
         set_pair(g, 0, 1, l.before[0], l.before[1], l.pair);
     else
@@ -288,7 +293,7 @@ void NewtonEvents<Law>::absorb_touching(std::size_t last, ClusterSeed& set) {
     for (; last < set.bodies.size(); ++last) {
         const int i = set.bodies[last];
         near.clear();
-        for_neighbours(i, [&](int j, const Vector3& r) {
+        for_neighbours(i, [&](int j, const Vector3& r, const double (&)[3]) {
             const double reach = (particles_[i].radius + particles_[j].radius) * (1.0 + rounding_of_touch);
             if (dot(r, r) < reach * reach) near.push_back(j);
         });
@@ -299,7 +304,7 @@ void NewtonEvents<Law>::absorb_touching(std::size_t last, ClusterSeed& set) {
 
 template <class Law>
 void NewtonEvents<Law>::find_third_bodies(int i, int index, std::vector<int>& near) const {
-    for_neighbours(i, [&](int j, const Vector3& r) {
+    for_neighbours(i, [&](int j, const Vector3& r, const double (&)[3]) {
         const double reach = particles_[i].radius + particles_[j].radius;
         if (pending_[j].group != index && dot(r, r) < reach * reach &&
             std::find(near.begin(), near.end(), j) == near.end())

@@ -38,9 +38,9 @@ template <class Law>
 void NewtonEvents<Law>::restart_body(const Group& g, std::size_t m, const Member& at) {
     const int i = g.body[m];
     Particle<3>& p = particles_[i];
-    const Vector3 x = body_position(g, m, at.position);
+    const Vector3 x = body_position(g, m, at.position, now_), v = body_velocity(g, m, at.velocity);
     std::copy_n(x.data(), 3, p.position);
-    std::copy_n(at.velocity.data(), 3, p.velocity);
+    std::copy_n(v.data(), 3, p.velocity);
     p.time = now_;
     release_members(i);
     ++pending_[i].count;
@@ -48,11 +48,19 @@ void NewtonEvents<Law>::restart_body(const Group& g, std::size_t m, const Member
 
 // Position of a member in the frame of its body's cell.
 template <class Law>
-Vector3 NewtonEvents<Law>::body_position(const Group& g, std::size_t m, Vector3 x) const {
-    const std::array<int, 3>& image_flags = pending_[g.body[m]].image_flags;
-    for (std::size_t a = 0; a < 3; ++a)
-        x[a] += g.origin[a] + (g.image_offset[m][a] - image_flags[a]) * box_.edge[a];
+Vector3 NewtonEvents<Law>::body_position(const Group& g, std::size_t m, Vector3 x, double time) const {
+    const ImageMotion image = cell_frame(g, m, time);
+    for (std::size_t a = 0; a < 3; ++a) x[a] += g.origin[a] + image.shift[a];
     return x;
+}
+
+// Velocity of a member in the frame of its body's cell.
+template <class Law>
+Vector3 NewtonEvents<Law>::body_velocity(const Group& g, std::size_t m, Vector3 v) const {
+    if (!box_.is_sheared()) return v;
+    const ImageMotion image = cell_frame(g, m, now_);
+    for (std::size_t a = 0; a < 3; ++a) v[a] += image.velocity[a];
+    return v;
 }
 
 // Ends a group at the current time: all members become free bodies, and `active` receives the pairs still active.
@@ -69,6 +77,7 @@ void NewtonEvents<Law>::dissolve_group(int index, bool at_end, std::vector<Activ
     dissipated_ += c.dissipated;
     virial_ += c.virial;
     wall_work_ += c.wall_work;
+    shear_work_ += c.shear_work + shear_work(g, [&](std::size_t m) { return c.members[m].velocity; });
     largest_compression_ = math::max(largest_compression_, c.largest_compression);
     begun_ += static_cast<std::uint64_t>(c.begun);
     begun_pairs_ += static_cast<std::uint64_t>(c.begun_pairs);
@@ -90,10 +99,11 @@ void NewtonEvents<Law>::revert_group(int index) {
     for (std::size_t m = 0; m < g.body.size(); ++m) {
         const int i = g.body[m];
         const Member& before = g.isolated ? g.isolated_contact.before[m] : g.cluster->before.members[m];
-        const Vector3 x = body_position(g, m, before.position);
+        const Vector3 x = body_position(g, m, before.position, now_),
+                      v = body_velocity(g, m, before.velocity);
         release_members(i);
         std::copy_n(x.data(), 3, particles_[i].position);
-        std::copy_n(before.velocity.data(), 3, particles_[i].velocity);
+        std::copy_n(v.data(), 3, particles_[i].velocity);
     }
     discard_group(index);
 }

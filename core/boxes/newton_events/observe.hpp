@@ -18,7 +18,7 @@ NewtonSnapshot NewtonEvents<Law>::new_snapshot() const {
     s.velocity.resize(s.position.size());
     Observation& o = s.sums;
     o.dissipated_energy = dissipated_, o.virial = virial_, o.largest_compression = largest_compression_;
-    o.wall_work = wall_work_;
+    o.wall_work = wall_work_, o.shear_work = shear_work_;
     o.begun = begun_, o.pairs = begun_pairs_, o.ended = ended_, o.overlapped = overlapped_;
     for (int i = 0; i < static_cast<int>(particles_.size()); ++i)
         if (free(i)) add_body(s, i, position(i, now_), velocity(i, now_));
@@ -29,17 +29,21 @@ NewtonSnapshot NewtonEvents<Law>::new_snapshot() const {
 }
 
 template <class Law>
-void NewtonEvents<Law>::add_body(NewtonSnapshot& s, int i, const Vector3& x, const Vector3& v) const {
+void NewtonEvents<Law>::add_body(NewtonSnapshot& s, int i, const Vector3& x, Vector3 v) const {
     const std::size_t d = setting_.axes(), at = d * std::size_t{pending_[i].original_index};
     const double m = mass(i);
     const ImageMotion image = box_.image(pending_[i].image_flags, now_);
     for (std::size_t a = 0; a < d; ++a) {
         s.position[at + a] = x[a] + image.shift[a];
-        s.velocity[at + a] = v[a];
+        s.velocity[at + a] = v[a] + image.velocity[a];
+    }
+    const double flow = box_.is_sheared() ? to_image_in_box(s.sums, i, x, v) : 0.0;
+    for (std::size_t a = 0; a < d; ++a) {
         s.sums.kinetic_energy += 0.5 * m * v[a] * v[a];
         s.sums.potential_energy -= m * box_.gravity[a] * s.position[at + a];
         s.sums.momentum[a] += m * v[a];
     }
+    v[0] -= flow;
     s.sums.kinetic_tensor.add_square(m, v);
 }
 
@@ -54,11 +58,13 @@ void NewtonEvents<Law>::add_group(NewtonSnapshot& s, const Group& g, Cluster<Law
     o.dissipated_energy += c.dissipated - slack;
     o.virial += c.virial;
     o.wall_work += c.wall_work;
+    o.shear_work += c.shear_work + shear_work(g, [&](std::size_t m) { return c.members[m].velocity; });
     o.largest_compression = math::max(o.largest_compression, c.largest_compression);
     o.begun += static_cast<u64>(c.begun);
     o.pairs += static_cast<u64>(c.begun_pairs);
     for (std::size_t m = 0; m < g.body.size(); ++m)
-        add_body(s, g.body[m], body_position(g, m, c.members[m].position), c.members[m].velocity);
+        add_body(s, g.body[m], body_position(g, m, c.members[m].position, now_),
+                 body_velocity(g, m, c.members[m].velocity));
     for (const EndedContact& e : c.ended) {
         ++o.ended;
         o.overlapped += e.overlapped;

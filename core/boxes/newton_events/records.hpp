@@ -55,9 +55,10 @@ template <class Law>
 struct ContactGroup {
     IsolatedContact<Law> isolated_contact{};  // if isolated
     bool alive = false, isolated = false;
-    double compression = 0.0;  // of an isolated contact: largest, in units of the smaller radius
-    double wall_work = 0.0;    // of an isolated contact with a moving wall [J]
-    double until = 0.0;        // latest end of a large cluster [s]
+    double compression = 0.0;     // of an isolated contact: largest, in units of the smaller radius
+    double wall_work = 0.0;       // of an isolated contact with a moving wall [J]
+    double until = 0.0;           // latest end of a large cluster [s]
+    double sheared_energy = 0.0;  // sheared_energy() at the begin [J]
     Vector3 origin{};
     SmallVector<int, 2> body;
     SmallVector<Vector3, 2> image_offset;         // [members] image flags of the member's position

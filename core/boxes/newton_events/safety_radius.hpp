@@ -27,7 +27,9 @@ template <class Law>
 double NewtonEvents<Law>::deviation_from_path(const Group& g, std::size_t m) const {
     const std::size_t n = g.body.size();
     const Vector3& x0 = g.cluster->before.members[m].position;
-    const double (&chord)[3] = particles_[g.body[m]].velocity;
+    Vector3 chord;
+    std::copy_n(particles_[g.body[m]].velocity, 3, chord.begin());
+    if (box_.is_sheared()) chord[0] -= cell_frame(g, m, now_).velocity[0];
     const Trajectory& trajectory = g.cluster->after.trajectory;
     double largest = 0.0, last = 0.0, last_rate = 0.0, last_time = 0.0;
     for (std::size_t k = 0; k < trajectory.time.size(); ++k) {
@@ -65,6 +67,7 @@ void NewtonEvents<Law>::assign_path(int index, std::size_t m, const Member& befo
     for (std::size_t a = 0; a < 3; ++a)
         particles_[i].velocity[a] =
             (after.position[a] - before.position[a]) / span - 0.5 * span * box_.gravity[a];
+    if (box_.is_sheared()) particles_[i].velocity[0] += cell_frame(group(index), m, now_).velocity[0];
 }
 
 // Sets the safety radius of each member from its share of the deviation of the relative path.
@@ -90,6 +93,7 @@ void NewtonEvents<Law>::follow_outgoing_path(int index, std::size_t m, const Mem
         particles_[i].velocity[a] = v;
         particles_[i].position[a] += x - l.before[m].position[a];
     }
+    if (box_.is_sheared()) particles_[i].velocity[0] += cell_frame(group(index), m, now_).velocity[0];
 }
 
 // Sets a radius including the safety radius. It is enlarged by the overlap that counts as rounding error.
@@ -110,8 +114,9 @@ double NewtonEvents<Law>::largest_safety_use(int instants) const {
             const double time = span * k / instants;
             c.run_through(time);
             for (std::size_t m = 0; m < g.body.size(); ++m)
-                most = math::max(most, safety_radius_used(g, m, body_position(g, m, c.members[m].position),
-                                                          c.base + time));
+                most = math::max(
+                    most, safety_radius_used(g, m, body_position(g, m, c.members[m].position, c.base + time),
+                                             c.base + time));
         }
     }
     return most;

@@ -46,6 +46,7 @@ public:
     double dissipated = 0.0;   // including the elastic energy that slack pairs still store [J]
     SymmetricTensor virial;    // ∫ Σ r⊗F dt over pairs of bodies [J s]
     double wall_work = 0.0;    // done by moving walls [J]
+    double shear_work = 0.0;   // done on pairs whose image moves [J]
     double tolerance = 1e-11;  // of a step, relative to the units of length, speed and time
     bool record = false;       // whether to keep the trajectory
     std::vector<EndedContact> ended;
@@ -62,7 +63,7 @@ public:
         wall_pieces.clear();
         ended.clear();
         trajectory.clear();
-        base = time = dissipated = wall_work = largest_compression = 0.0;
+        base = time = dissipated = wall_work = shear_work = largest_compression = 0.0;
         virial = {};
         too_deep = -1;
         record = unresolved = known_ = false;
@@ -90,6 +91,13 @@ public:
 
     // Upper bound on a member's speed relative to the others, or to walls if one may be touched [m/s].
     double speed() const { return unit_of_speed(); }
+    // The largest velocity of an image of a pair [m/s].
+    double image_speed() const {
+        double most = 0.0;
+        for (const ContactPair<Law>& q : pairs)
+            if (q.image_moves) most = math::max(most, math::sqrt(dot(q.image_velocity, q.image_velocity)));
+        return most;
+    }
 
     bool near_a_wall() const {
         return std::any_of(pairs.begin(), pairs.end(), [](const auto& q) { return q.second < 0; });
@@ -146,6 +154,7 @@ private:
     Scratch<int> slot_;                  // [pairs] index of s in the state
     bool known_ = false;                 // whether k_ is the derivative of y_
     bool walls_move_ = false;            // whether a wall of a pair moves: the state then holds wall_work
+    bool images_move_ = false;           // whether the image of a pair moves: the state then holds shear_work
     bool integrates_ = !LinearLaw<Law>;  // whether steps are integrated; otherwise they are power series
     bool sine_ = false;                  // whether a wall of a pair moves as a sine
     double h_ = 0.0, speed_unit_ = 0.0, lightest_ = 0.0;
@@ -156,7 +165,8 @@ private:
     int time_index() const { return 6 * count(); }
     int loss_index() const { return 6 * count() + 1; }
     int wall_work_index() const { return 6 * count() + 2; }
-    int first_root_index() const { return 6 * count() + 2 + (walls_move_ ? 1 : 0); }
+    int shear_work_index() const { return 6 * count() + 2 + (walls_move_ ? 1 : 0); }
+    int first_root_index() const { return shear_work_index() + (images_move_ ? 1 : 0); }
     // The virial stands last: nothing depends on it.
     int virial_index() const { return first_root_index() + static_cast<int>(rooted_.size()); }
     int dimension() const { return virial_index() + static_cast<int>(SymmetricTensor::size); }
@@ -204,18 +214,18 @@ private:
     Geometry geometry(const ContactPair<Law>& q, const double* y) const {
         const double *xa = y + 3 * q.first, *va = y + 3 * (count() + q.first);
         if (q.second < 0) return wall_geometry(q, xa, va, y[time_index()]);
-        return geometry(q, xa, va, y + 3 * q.second, y + 3 * (count() + q.second));
+        return geometry(q, xa, va, y + 3 * q.second, y + 3 * (count() + q.second), y[time_index()]);
     }
     Geometry geometry_of_members(const ContactPair<Law>& q) const {
         const Member& a = members[static_cast<std::size_t>(q.first)];
         if (q.second < 0) return wall_geometry(q, a.position.data(), a.velocity.data(), time);
         const Member& b = members[static_cast<std::size_t>(q.second)];
-        return geometry(q, a.position.data(), a.velocity.data(), b.position.data(), b.velocity.data());
+        return geometry(q, a.position.data(), a.velocity.data(), b.position.data(), b.velocity.data(), time);
     }
     inline Geometry wall_geometry(const ContactPair<Law>& q, const double* x, const double* v,
                                   double t) const;
     static inline Geometry geometry(const ContactPair<Law>& q, const double* xa, const double* va,
-                                    const double* xb, const double* vb);
+                                    const double* xb, const double* vb, double t);
     // s of a pair, from the members or from a state y.
     double depth_root(const ContactPair<Law>& q) const;
     double depth_root(int q, const Geometry& g, const double* y) const {
@@ -280,7 +290,7 @@ private:
     double time_to_touch(const ContactPair<Law>& q) const;
     double time_to_open(const ContactPair<Law>& q) const;
     double time_to_engage(const ContactPair<Law>& q) const;
-    double relative_speed_squared(const ContactPair<Law>& q) const;
+    double relative_speed_squared(const ContactPair<Law>& q, const double* y) const;
 
     // events.hpp
     static std::array<Event, 2> events_of(const ContactPair<Law>& q) {

@@ -31,11 +31,7 @@ double Cluster<Law>::acceleration(const ContactPair<Law>& q, const Geometry& g, 
     const double* b = dy + 3 * (count() + q.second);
     double along = 0.0;
     for (std::size_t i = 0; i < 3; ++i) along += (b[i] - a[i]) * g.normal[i];
-    double speed2 = 0.0;
-    for (int i = 0; i < 3; ++i) {
-        const double v = y[3 * (count() + q.second) + i] - y[3 * (count() + q.first) + i];
-        speed2 += v * v;
-    }
+    const double speed2 = relative_speed_squared(q, y);
     return -along - dy[time_index()] * (speed2 - g.rate * g.rate) / g.distance;
 }
 

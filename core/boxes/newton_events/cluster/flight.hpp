@@ -64,7 +64,7 @@ double Cluster<Law>::time_to_touch(const ContactPair<Law>& q) const {
         return (math::sqrt(square) - g.rate) / towards;
     }
     if (!(g.rate > 0.0)) return math::infinity;
-    const double speed2 = relative_speed_squared(q);
+    const double speed2 = relative_speed_squared(q, y_.data());
     const double b = g.rate * g.distance,
                  c = -g.depth * (g.distance + q.contact_distance);  // c = r² − σ²
     if (c <= 0.0) return 0.0;
@@ -82,7 +82,7 @@ double Cluster<Law>::time_to_open(const ContactPair<Law>& q) const {
         if (g.rate <= 0.0) return 2.0 * g.depth / (math::sqrt(square) - g.rate);
         return -(g.rate + math::sqrt(square)) / towards;
     }
-    const double speed2 = relative_speed_squared(q);
+    const double speed2 = relative_speed_squared(q, y_.data());
     const double b = -g.rate * g.distance, c = g.depth * (g.distance + q.contact_distance);  // σ² − r²
     if (c <= 0.0) return 0.0;
     if (speed2 == 0.0) return math::infinity;
@@ -98,10 +98,11 @@ double Cluster<Law>::time_to_engage(const ContactPair<Law>& q) const {
 }
 
 template <class Law>
-double Cluster<Law>::relative_speed_squared(const ContactPair<Law>& q) const {
+double Cluster<Law>::relative_speed_squared(const ContactPair<Law>& q, const double* y) const {
     double sum = 0.0;
     for (int a = 0; a < 3; ++a) {
-        const double v = y_[3 * (count() + q.second) + a] - y_[3 * (count() + q.first) + a];
+        double v = y[3 * (count() + q.second) + a] - y[3 * (count() + q.first) + a];
+        if (q.image_moves) v += q.image_velocity[static_cast<std::size_t>(a)];
         sum += v * v;
     }
     return sum;

@@ -22,7 +22,7 @@ void Cluster<Law>::derivative(const double* y, double* dy) const {
     for (int i = 0; i < 3 * n; ++i) dy[i] = gamma * y[3 * n + i];
     for (int i = 3 * n; i < 6 * n; i += 3)
         for (std::size_t a = 0; a < 3; ++a) dy[static_cast<std::size_t>(i) + a] = gravity[a];
-    double loss_rate = 0.0, power = 0.0;
+    double loss_rate = 0.0, power = 0.0, shear_power = 0.0;
     SymmetricTensor pressing;  // Σ r⊗F
     for (std::size_t q = 0; q < pairs.size(); ++q) {
         const ContactPair<Law>& pair = pairs[q];
@@ -32,6 +32,7 @@ void Cluster<Law>::derivative(const double* y, double* dy) const {
         const double force = pair.law.force(s, g.rate);
         loss_rate += (force - pair.law.elastic_force(s)) * g.rate;
         if (pair.second >= 0) pressing.add_square(force * g.distance, g.normal);
+        if (pair.image_moves) shear_power -= force * dot(g.normal, pair.image_velocity);
         if (pair.second < 0) power += force * pair.side * wall_velocity(pair, y[time_index()]);
         for (int a = 0; a < 3; ++a) {
             const double along = force * g.normal[static_cast<std::size_t>(a)];
@@ -45,6 +46,7 @@ void Cluster<Law>::derivative(const double* y, double* dy) const {
     dy[time_index()] = gamma;
     dy[loss_index()] = gamma * loss_rate;
     if (walls_move_) dy[wall_work_index()] = gamma * power;
+    if (images_move_) dy[shear_work_index()] = gamma * shear_power;
     for (std::size_t k = 0; k < SymmetricTensor::size; ++k)
         dy[static_cast<std::size_t>(virial_index()) + k] = gamma * pressing.component[k];
 }
@@ -239,6 +241,7 @@ void Cluster<Law>::set_tolerance(double length) {
     tolerance_[time_index()] = tolerance * time_unit();
     tolerance_[loss_index()] = tolerance * math::max(energy_unit(), math::abs(y_[loss_index()] - dissipated));
     if (walls_move_) tolerance_[wall_work_index()] = math::infinity;
+    if (images_move_) tolerance_[shear_work_index()] = math::infinity;
     for (const int q : rooted_)
         tolerance_[slot_[q]] = tolerance * (math::abs(y_[slot_[q]]) + pairs[q].s_unit);
 }

@@ -23,7 +23,9 @@ enum class ContactState : unsigned char {
 template <class Law>
 struct ContactPair {
     int first, second;        // second < 0: a wall
-    Vector3 image;            // shift to the nearest periodic image, added to x_second − x_first
+    Vector3 image;            // shift to the nearest periodic image at `base`, added to x_second − x_first
+    Vector3 image_velocity;   // of that image: a Lees–Edwards boundary lies between the two [m/s]
+    bool image_moves;         // whether it is not 0
     WallId wall_id;           // of the wall, if any
     int axis;                 // of the wall's normal
     double side;              // +1 for a wall at the low end of the axis, −1 at the high end

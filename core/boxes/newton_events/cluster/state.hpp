@@ -27,7 +27,8 @@ template <class Law>
 void Cluster<Law>::load_state() {
     walls_move_ = !wall_pieces.empty() || std::any_of(pairs.begin(), pairs.end(),
                                                       [](const auto& q) { return q.wall_velocity != 0.0; });
-    integrates_ = !LinearLaw<Law>;
+    images_move_ = std::any_of(pairs.begin(), pairs.end(), [](const auto& q) { return q.image_moves; });
+    integrates_ = !LinearLaw<Law> || images_move_;
     sine_ = false;
     if (!wall_pieces.empty())
         for (const ContactPair<Law>& q : pairs) {
@@ -52,6 +53,7 @@ void Cluster<Law>::load_state() {
     y_[loss_index()] = dissipated;
     std::ranges::copy(virial.component, &y_[virial_index()]);
     if (walls_move_) y_[wall_work_index()] = wall_work;
+    if (images_move_) y_[shear_work_index()] = shear_work;
     for (const int q : rooted_) y_[slot_[q]] = pairs[q].s;
     if (integrates_) resize();
     lightest_ = lightest();
@@ -79,6 +81,7 @@ void Cluster<Law>::store_state() {
     dissipated = y_[loss_index()];
     std::copy_n(&y_[virial_index()], SymmetricTensor::size, virial.component);
     if (walls_move_) wall_work = y_[wall_work_index()];
+    if (images_move_) shear_work = y_[shear_work_index()];
     for (const int q : rooted_) pairs[q].s = y_[slot_[q]];
 }
 
@@ -115,8 +118,8 @@ double Cluster<Law>::lightest() const {
 }
 
 // Speed that the lightest member would have with all energy, kinetic in the cluster's frame and elastic. A second wall
-// with another velocity, or a wall that changes its velocity, does work in this frame: it may add several times this
-// difference.
+// with another velocity, a wall that changes its velocity, or a moving image does work in this frame: it may add several
+// times this difference.
 template <class Law>
 double Cluster<Law>::unit_of_speed() const {
     const Vector3 mean = frame_velocity();
@@ -126,6 +129,7 @@ double Cluster<Law>::unit_of_speed() const {
             energy += 0.5 * m.mass * (m.velocity[a] - mean[a]) * (m.velocity[a] - mean[a]);
     for (const ContactPair<Law>& q : pairs) {
         if (q.state == ContactState::closed) energy += q.law.energy(depth_root(q));
+        if (q.image_moves) gain = math::max(gain, 4.0 * math::sqrt(dot(q.image_velocity, q.image_velocity)));
         if (q.second >= 0) continue;
         const double other = wall_velocity(q, time) - mean[static_cast<std::size_t>(q.axis)];
         const double change = wall_pieces.empty() ? 0.0 : 2.0 * piece(q).motion.fastest();
@@ -193,13 +197,19 @@ typename Cluster<Law>::Geometry Cluster<Law>::wall_geometry(const ContactPair<La
 
 template <class Law>
 typename Cluster<Law>::Geometry Cluster<Law>::geometry(const ContactPair<Law>& q, const double* xa,
-                                                       const double* va, const double* xb, const double* vb) {
+                                                       const double* va, const double* xb, const double* vb,
+                                                       double t) {
     Geometry g{};
     Vector3 v;
     for (std::size_t a = 0; a < 3; ++a) {
         g.normal[a] = (xb[a] - xa[a]) + q.image[a];
         v[a] = vb[a] - va[a];
     }
+    if (q.image_moves) [[unlikely]]
+        for (std::size_t a = 0; a < 3; ++a) {
+            g.normal[a] += q.image_velocity[a] * t;
+            v[a] += q.image_velocity[a];
+        }
     g.distance = math::sqrt(dot(g.normal, g.normal));
     const double inverse = 1.0 / g.distance;
     for (double& x : g.normal) x *= inverse;
