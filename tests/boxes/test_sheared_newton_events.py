@@ -1,0 +1,325 @@
+"""Lees–Edwards shear in the event-driven engine for Newton's equations: any origin, integration by scipy, balances."""
+
+import itertools
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+
+import hardlimit as hl
+from box_engines import core_engine
+from conftest import draws
+from hardlimit import _core
+
+LAWS = [
+    hl.LinearDashpot(stiffness=2000.0, restitution=0.8),
+    hl.LinearDashpot(stiffness=2000.0, restitution=1.0),
+    hl.LinearDashpot(stiffness=2000.0, damping=0.05),
+    hl.Viscoelastic(youngs_modulus=1e7, poisson_ratio=0.3, dissipative_time=1e-5),
+    hl.Tsuji(elastic_prefactor=1e5, restitution=0.7),
+]
+RADIUS = 1e-3
+STIFF = hl.LinearDashpot(stiffness=2e4, restitution=0.8)
+
+
+def sheared(d: int, gradient: int, walls: bool = False) -> tuple[str, ...]:
+    """The boundary of a box of d axes, of which one is sheared."""
+    return tuple(
+        "lees-edwards" if k == gradient else "wall" if walls and k > 0 else "periodic" for k in range(d)
+    )
+
+
+def random_system(
+    seed: int,
+    *,
+    n: int,
+    phi: float,
+    d: int,
+    rate: float,
+    gradient: int = 1,
+    walls: bool = False,
+    mixed: bool = False,
+) -> hl.ParticleSystem:
+    return hl.ParticleSystem.random(
+        n=n, packing_fraction=phi, radius=(0.6e-3, 1.4e-3) if mixed else RADIUS, density=2500.0, rms_speed=1.0,
+        dimension=d, seed=seed, boundary=sheared(d, gradient, walls), shear_rate=rate,
+    )  # fmt: skip
+
+
+def from_another_origin(system: hl.ParticleSystem, rise: float) -> tuple[hl.ParticleSystem, np.ndarray]:
+    """The same bodies in a box that begins lower by ``rise``, in the frame in which its middle rests; and for each body
+    whether it crosses the far side by this."""
+    gradient = system.boundary.index("lees-edwards")
+    edge, rate = system.box[gradient], system.shear_rate
+    positions, velocities = system.positions.copy(), system.velocities.copy()
+    positions[:, gradient] += rise
+    crossed = np.floor(positions[:, gradient] / edge)
+    positions[:, gradient] -= crossed * edge
+    positions[:, 0] = np.mod(positions[:, 0] - crossed * system.shear_displacement, system.box[0])
+    velocities[:, 0] += rate * (rise - crossed * edge)
+    return system.replace(positions=positions, velocities=velocities), crossed
+
+
+def difference(
+    a: Any, b: Any, system: hl.ParticleSystem, rise: float, crossed: np.ndarray
+) -> tuple[float, float]:
+    """Largest difference of the unfolded paths of two engines [m], [m/s], of which b starts from another origin."""
+    gradient = system.boundary.index("lees-edwards")
+    edge, rate, time = system.box[gradient], system.shear_rate, a.time
+    assert b.time == time
+    (xa, va), (xb, vb) = a.state(), b.state()
+    away = xb - xa
+    away[:, gradient] -= rise - crossed * edge
+    away[:, 0] -= rate * rise * time - crossed * (system.shear_displacement + rate * edge * time)
+    away[:, 0] -= system.box[0] * np.round(away[:, 0] / system.box[0])
+    turned = vb - va
+    turned[:, 0] -= rate * (rise - crossed * edge)
+    return float(np.abs(away).max()), float(np.abs(turned).max())
+
+
+def contacts(engine: Any) -> dict[str, np.ndarray]:
+    """Rows of the log and open contacts, by begin."""
+    log, still = engine.take_log(), engine.open_contacts()
+    joined = {name: np.concatenate([log[name], still[name]]) for name in log}
+    order = np.lexsort([joined["second"], joined["first"], joined["begin"]])
+    return {name: values[order] for name, values in joined.items()}
+
+
+def few_bodies(seed: int, count: int, d: int, gradient: int, rate: float) -> hl.ParticleSystem:
+    """Two bodies that approach each other in the middle of a box, or three of which two overlapping contacts follow."""
+    random = np.random.default_rng(seed)
+    edge = np.array([0.02, 0.017, 0.023])[:d]
+    axis = random.normal(size=d)
+    axis[gradient] += math.copysign(1.0, axis[gradient])  # not within the side
+    axis /= np.linalg.norm(axis)
+    places = 2.0 * RADIUS * (1.0 + 1e-4) * (np.arange(count) - 0.5 * (count - 1))
+    positions = 0.5 * edge + places[:, None] * axis
+    positions[:, gradient] += random.uniform(-0.3, 0.3) * RADIUS
+    velocities = random.normal(scale=0.1, size=(count, d)) - np.sign(places)[:, None] * axis
+    velocities[:, 0] += rate * (positions[:, gradient] - 0.5 * edge[gradient])
+    return hl.ParticleSystem(
+        positions=positions, velocities=velocities, radius=RADIUS, density=2500.0, box=edge,
+        boundary=sheared(d, gradient), shear_rate=rate, shear_displacement=random.uniform(0.0, edge[0]),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("law", LAWS, ids=repr)
+@pytest.mark.parametrize("count", [2, 3])
+@pytest.mark.parametrize(("d", "gradient"), [(2, 1), (3, 1), (3, 2)])
+def test_a_contact_across_the_side_is_that_in_the_middle(
+    law: hl.Law, count: int, d: int, gradient: int
+) -> None:
+    """An isolated contact, and a cluster of three bodies: the relative paths agree to the rounding of positions, also
+    during the contact and where a body crosses the side meanwhile."""
+    for seed, rate in itertools.product(range(3), (-300.0, 40.0)):
+        system = few_bodies(seed, count, d, gradient, rate)
+        rise = 0.5 * system.box[gradient]
+        moved, crossed = from_another_origin(system, rise)
+        assert len(set(crossed)) == 2  # the side lies between them
+        one, other = (core_engine("newton_events", s, law, log=True) for s in (system, moved))
+        for until in (1e-4, 2.5e-4, 1e-3, 3e-3):
+            one.advance(until)
+            other.advance(until)
+            places, speeds = difference(one, other, system, rise, crossed)
+            assert places < 1e-9 * RADIUS and speeds < 1e-8
+        a, b = contacts(one), contacts(other)
+        assert len(a["begin"]) >= count - 1 and (count == 2 or a["overlapped"].any())
+        for name in ("first", "second", "overlapped"):
+            assert np.array_equal(a[name], b[name])
+        for name, allowed in (
+            ("begin", 1e-12),
+            ("end", 1e-12),
+            ("impact_speed", 1e-8),
+            ("separation_speed", 1e-8),
+        ):
+            assert np.allclose(a[name], b[name], rtol=0.0, atol=allowed, equal_nan=True)
+
+
+@pytest.mark.parametrize(
+    ("d", "gradient", "rate"), [(2, 1, 60.0), (2, 1, -200.0), (3, 1, 90.0), (3, 2, -90.0)]
+)
+@pytest.mark.parametrize("phi", [0.1, 0.45])
+def test_the_origin_does_not_matter(d: int, gradient: int, rate: float, phi: float) -> None:
+    """The first hundred contacts of a hundred bodies for another origin along the gradient. Rounding grows with each
+    contact."""
+    for seed, law in ((1, STIFF), (2, LAWS[3])):
+        system = random_system(seed, n=100, phi=phi, d=d, rate=rate, gradient=gradient)
+        rise = 0.37 * system.box[gradient]
+        moved, crossed = from_another_origin(system, rise)
+        one, other = (core_engine("newton_events", s, law, log=True) for s in (system, moved))
+        until = 0.0
+        while one.n_contacts < 100:
+            until += 2e-5
+            one.advance(until)
+        other.advance(until)
+        a, b = contacts(one), contacts(other)
+        assert np.array_equal(a["first"], b["first"]) and np.array_equal(a["second"], b["second"])
+        assert np.allclose(a["begin"], b["begin"], rtol=0.0, atol=1e-6 * until)
+        places, speeds = difference(one, other, system, rise, crossed)
+        assert places < 1e-6 * RADIUS and speeds < 1e-5
+
+
+def test_without_shear_the_box_is_periodic() -> None:
+    """At rate zero the same bits, and at a small rate almost the same path."""
+    law = LAWS[0]
+    for d in (2, 3):
+        system = random_system(3, n=60, phi=0.3, d=d, rate=1e-9)
+        periodic = system.replace(boundary="periodic")
+        still = system.replace(shear_rate=0.0)
+        runs = [core_engine("newton_events", s, law) for s in (periodic, still, system)]
+        for run in runs:
+            run.advance(8e-4)
+        (x, v), (x0, v0), (x1, v1) = (run.state() for run in runs)
+        assert runs[0].n_contacts > 30
+        assert np.array_equal(x, x0) and np.array_equal(v, v0)
+        assert np.abs(x - x1).max() < 1e-7 * RADIUS and np.abs(v - v1).max() < 1e-7
+
+
+def accelerations(
+    system: hl.ParticleSystem, stiffness: float, damping: float, time: float, x: np.ndarray, v: np.ndarray
+) -> np.ndarray:
+    """Of bodies on unfolded paths. For each pair the nearest image is searched among all near the side."""
+    d, edge = system.dimension, system.box
+    gradient = system.boundary.index("lees-edwards")
+    first, second = np.triu_indices(len(x), 1)
+    r, w = x[second] - x[first], v[second] - v[first]
+    rounds = np.round(r[:, gradient] / edge[gradient])
+    r[:, gradient] -= rounds * edge[gradient]
+    r[:, 0] -= rounds * (system.shear_displacement + system.shear_rate * edge[gradient] * time)
+    w[:, 0] -= rounds * system.shear_rate * edge[gradient]
+    for k in set(range(d)) - {gradient}:
+        r[:, k] -= edge[k] * np.round(r[:, k] / edge[k])
+    distance = np.linalg.norm(r, axis=1)
+    normal = r / distance[:, None]
+    depth = system.radius[first] + system.radius[second] - distance
+    rate = -np.einsum("ij,ij->i", normal, w)
+    force = np.where(depth > 0.0, np.maximum(stiffness * depth + damping * rate, 0.0), 0.0)
+    total = np.zeros_like(x)
+    np.add.at(total, second, force[:, None] * normal)
+    np.subtract.at(total, first, force[:, None] * normal)
+    return total / system.mass[:, None]
+
+
+def integrated(system: hl.ParticleSystem, stiffness: float, damping: float, until: float, step: float) -> Any:
+    """Unfolded positions and velocities at the end, by DOP853."""
+    shape = (2, *system.positions.shape)
+
+    def slope(time: float, y: np.ndarray) -> np.ndarray:
+        x, v = y.reshape(shape)
+        return np.concatenate([v, accelerations(system, stiffness, damping, time, x, v)]).ravel()
+
+    start = np.concatenate([system.positions, system.velocities]).ravel()
+    found = solve_ivp(slope, (0.0, until), start, "DOP853", rtol=1e-10, atol=1e-13, max_step=step)
+    return found.y[:, -1].reshape(shape)
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.05])
+@pytest.mark.parametrize(("d", "gradient", "n"), [(2, 1, 5), (3, 1, 6), (3, 2, 6)])
+def test_against_an_integration(d: int, gradient: int, n: int, damping: float) -> None:
+    """Paths of a small box, many of whose contacts overlap, against scipy's integration of all bodies."""
+    law, stiffness = hl.LinearDashpot(stiffness=1000.0, damping=damping), 1000.0
+    for seed, rate in ((1, 150.0), (2, -40.0)):
+        system = random_system(seed, n=n, phi=0.3 if d == 2 else 0.12, d=d, rate=rate, gradient=gradient)
+        system = system.replace(shear_displacement=0.3 * system.box[0])
+        run = core_engine("newton_events", system, law)
+        run.advance(2.5e-3)
+        seen = run.observe()
+        assert seen["n_contacts"] > 5
+        duration = float(law.between(*[hl.Ball(RADIUS, density=2500.0)] * 2).duration(1.0))
+        x, v = integrated(system, stiffness, damping, 2.5e-3, 0.1 * duration)
+        places, velocities = run.state()
+        places = places - x
+        places[:, 0] -= system.box[0] * np.round(places[:, 0] / system.box[0])
+        assert np.abs(places).max() < 1e-5 * RADIUS
+        assert np.abs(velocities - v).max() < 1e-4
+
+
+def balance(seen: dict[str, Any]) -> float:
+    gained = sum(
+        seen[name] for name in ("kinetic_energy", "potential_energy", "contact_energy", "dissipated_energy")
+    )
+    return float(gained - seen["shear_work"] - seen["wall_work"])
+
+
+@draws(60)
+@given(
+    seed=st.integers(0, 10_000), law=st.sampled_from(LAWS), gradient=st.sampled_from([(2, 1), (3, 1), (3, 2)]),
+    mixed=st.booleans(), walls=st.booleans(), phi=st.floats(0.05, 0.5), n=st.sampled_from([10, 40, 100]),
+    rate=st.floats(0.1, 500.0), back=st.booleans(), displaced=st.floats(0.0, 1.0),
+)  # fmt: skip
+def test_balances_of_random_boxes(
+    seed: int, law: hl.Law, gradient: tuple[int, int], mixed: bool, walls: bool, phi: float, n: int, rate: float,
+    back: bool, displaced: float,
+) -> None:  # fmt: skip
+    """The energy balance with the work of the shear, unfolded momentum, safety radii, and the bits of a saved run, at
+    samples with bodies in contact."""
+    d, axis = gradient
+    rate = -rate if back else rate
+    try:
+        system = random_system(seed, n=n, phi=phi, d=d, rate=rate, gradient=axis, walls=walls, mixed=mixed)
+    except ValueError as error:  # too few for this box
+        assert "must be more" in str(error) or "must be >=" in str(error)
+        return
+    system = system.replace(shear_displacement=displaced * system.box[0])
+    run = core_engine("newton_events", system, law)
+    start = run.observe()
+    scale = start["kinetic_energy"]
+    loaded = None
+    for k in range(1, 9):
+        run.advance(3e-4 * k)
+        if run.outcome == "too_deep":
+            return
+        seen = run.observe()
+        scale = max(scale, seen["kinetic_energy"], abs(seen["shear_work"]))
+        assert run.outcome == "ok" and abs(balance(seen) - balance(start)) < 1e-10 * scale
+        assert run.largest_safety_use(5) <= 1.0
+        if k == 5:
+            loaded = _core.load_engine("newton_events", run.save())
+    loaded.advance(run.time)
+    for one, other in zip(run.state(), loaded.state(), strict=True):
+        assert np.array_equal(one, other)
+    again = loaded.observe()
+    for name in ("shear_work", "kinetic_energy", "dissipated_energy", "flow_momentum", "n_contacts"):
+        assert again[name] == seen[name]
+    # Unfolded momenta are kept: forces across the side act on images with a constant velocity.
+    total = system.mass @ (run.state()[1] - system.velocities)
+    kept = [k for k, side in enumerate(system.boundary) if side != "wall"]
+    assert np.abs(total[kept]).max() < 1e-11 * float(system.mass @ np.linalg.norm(system.velocities, axis=1))
+
+
+def test_a_stopped_run_goes_on_with_the_same_bits(tmp_path: Any) -> None:
+    system = random_system(5, n=100, phi=0.35, d=3, rate=100.0, mixed=True)
+    options: dict[str, Any] = {"engine": "events", "law": LAWS[3], "log": True, "samples": 8}
+    whole = hl.molecular_dynamics(system, until=2e-3, **options)
+    path = tmp_path / "run"
+    hl.molecular_dynamics(system, until=0.3e-3, **options, checkpoint=path)
+    for until in (0.31e-3, 0.9e-3, 2e-3):
+        resumed = hl.resume(path, until=until)
+    assert whole.outcome == resumed.outcome == "ok"
+    assert np.array_equal(whole.system.positions, resumed.system.positions)
+    assert np.array_equal(whole.system.velocities, resumed.system.velocities)
+    assert whole.contacts.equals(resumed.contacts)
+    assert whole.energy_error < 1e-10
+
+
+@pytest.mark.parametrize("law", LAWS, ids=repr)
+def test_a_start_in_contact_goes_on_as_if_it_had_not_stopped(law: hl.Law) -> None:
+    """The final state of a run, with contacts in progress, starts another run, whose images are displaced."""
+    system = random_system(8, n=60, phi=0.35, d=3, rate=200.0, mixed=True)
+    options: dict[str, Any] = {"engine": "events", "law": law, "samples": 1}
+    whole = hl.molecular_dynamics(system, until=1e-3, **options)
+    first = hl.molecular_dynamics(system, until=0.6e-3, **options)
+    assert first.series.n_in_contact.values[-1] > 0
+    second = hl.molecular_dynamics(first.system, until=whole.time - first.time, **options)
+    assert second.energy_error < 1e-9
+    away = second.system.positions - whole.system.positions
+    away -= system.box * np.round(away / system.box)
+    inside = (
+        np.abs(whole.system.positions[:, 1] / system.box[1] - 0.5) < 0.49
+    )  # the others may differ by an image
+    assert np.abs(away[inside]).max() < 1e-7 * RADIUS
+    assert np.abs(second.system.velocities - whole.system.velocities)[inside].max() < 1e-6
