@@ -182,7 +182,7 @@ void NewtonEvents<Law>::leave_cell(int i) {
     at[axis] += step;
     if (at[axis] < 0 || at[axis] == g.cells[axis]) {
         at[axis] -= step * g.cells[axis];
-        if (axis == box_.gradient) return cross_sheared_side(i, step, at);
+        if (box_.is_sheared() && axis == box_.gradient) return cross_sheared_side(i, step, at);
         Particle<3>& p = particles_[i];
         box_.wrap(p.position, p.velocity, e.image_flags, axis, step, p.time);
     }
