@@ -174,7 +174,7 @@ def test_without_shear_the_box_is_periodic() -> None:
         for run in runs:
             run.advance(8e-4)
         (x, v), (x0, v0), (x1, v1) = (run.state() for run in runs)
-        assert runs[0].n_contacts > 30
+        assert runs[0].n_contacts > 10
         assert np.array_equal(x, x0) and np.array_equal(v, v0)
         assert np.abs(x - x1).max() < 1e-7 * RADIUS and np.abs(v - v1).max() < 1e-7
 
@@ -217,6 +217,7 @@ def integrated(system: hl.ParticleSystem, stiffness: float, damping: float, unti
     return found.y[:, -1].reshape(shape)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("damping", [0.0, 0.05])
 @pytest.mark.parametrize(("d", "gradient", "n"), [(2, 1, 5), (3, 1, 6), (3, 2, 6)])
 def test_against_an_integration(d: int, gradient: int, n: int, damping: float) -> None:

@@ -29,7 +29,7 @@ struct Case : fuzz::SmallBox {
     double least_restitution = 1.0;       // of an isolated contact at these speeds
 
     explicit Case(Draw& draw)
-        : fuzz::SmallBox(draw, 3, 4.2001),
+        : fuzz::SmallBox(draw, 3, 4.2001, true),
           choice(fuzz::law_choice<Law>(fuzz::Material<Law>(draw))),
           laws(NewtonSetting(s, choice, true).laws<Law>()) {
         const double smallest = *std::min_element(radius.begin(), radius.end());
@@ -46,6 +46,7 @@ struct Case : fuzz::SmallBox {
         for (int k = 0; k < s.box.dimension; ++k)
             s.box.gravity[k] *= 0.1 * fall * unit * unit * speed * speed / s.box.edge[k];
         for (const double component : velocity) v.push_back(unit * component);
+        s.box.shear_rate *= unit;
         s.velocity = v.data();
         for (std::size_t i = 0; i < s.n; ++i)
             for (std::int64_t j = -1; j < static_cast<std::int64_t>(s.n); ++j) {
@@ -123,7 +124,7 @@ private:
         return c.wide ? kernels<8> : kernels<2>;
     }
     static double sum(const Observation& o) {
-        return o.kinetic_energy + o.potential_energy + o.contact_energy + o.dissipated_energy;
+        return o.kinetic_energy + o.potential_energy + o.contact_energy + o.dissipated_energy - o.shear_work;
     }
 
     void check() {
@@ -132,8 +133,11 @@ private:
         for (const auto* numbers : {&now.position, &now.velocity})
             for (const double value : *numbers)
                 require(math::is_finite(value), "finite places and velocities");
-        require(engine_->outcome() == Outcome::ok, "so few bodies are resolved");
-        double scale = c_.energy + math::abs(start_.potential_energy) + now.sums.kinetic_energy;
+        // Shear heats the bodies without bound.
+        const bool heated = c_.s.box.is_sheared() && engine_->outcome() == Outcome::too_deep;
+        require(engine_->outcome() == Outcome::ok || heated, "so few bodies are resolved");
+        double scale = c_.energy + math::abs(start_.potential_energy) + now.sums.kinetic_energy +
+                       math::abs(now.sums.shear_work);
         for (std::size_t i = 0; i < c_.s.n; ++i)
             for (int k = 0; k < c_.s.box.dimension; ++k)
                 scale += c_.mass[i] *
@@ -168,20 +172,19 @@ private:
         const int d = c_.s.box.dimension;
         for (std::int64_t i = 0; i < n; ++i) {
             for (std::int64_t j = i + 1; j < n; ++j) {
-                double square = 0.0, inwards = 0.0;
-                for (int k = 0; k < c_.s.box.dimension; ++k) {
+                double square = 0.0, inwards = 0.0, r[3] = {}, v[3] = {};
+                for (int k = 0; k < d; ++k) {
                     const auto a = static_cast<std::size_t>(d * i + k),
                                b = static_cast<std::size_t>(d * j + k);
-                    double r = now.position[b] - now.position[a];
-                    if (c_.s.box.is_periodic(k))
-                        r -= c_.s.box.edge[k] * math::round_small(r / c_.s.box.edge[k]);
-                    square += r * r;
-                    inwards -= r * (now.velocity[b] - now.velocity[a]);
+                    r[k] = now.position[b] - now.position[a];
+                    v[k] = now.velocity[b] - now.velocity[a];
                 }
+                v[0] += c_.s.box.to_minimum_image(r, engine_->time());
+                for (int k = 0; k < d; ++k) square += r[k] * r[k], inwards -= r[k] * v[k];
                 check_overlap(now, i, j, c_.radius[i] + c_.radius[j] - math::sqrt(square), inwards, energy);
             }
             for (int k = 0; k < c_.s.box.dimension; ++k) {
-                if (c_.s.box.is_periodic(k)) continue;
+                if (!c_.s.box.has_walls(k)) continue;
                 const auto a = static_cast<std::size_t>(d * i + k);
                 const double at = now.position[a], speed = now.velocity[a];
                 for (const bool high : {false, true}) {

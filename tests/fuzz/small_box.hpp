@@ -39,7 +39,8 @@ struct SmallBox {
 
     // most_places: largest number of lattice sites along an axis. least_edge: smallest periodic edge, in largest radii.
     template <class Source>
-    SmallBox(Draw<Source>& draw, int most_places, double least_edge) {
+    // sheared: whether an axis may have a Lees–Edwards boundary.
+    SmallBox(Draw<Source>& draw, int most_places, double least_edge, bool sheared = false) {
         s.box.dimension = 2 + draw.below(2);
         wide = draw.below(2) != 0;
         large = draw.decades(1e-4, 1.0);
@@ -61,6 +62,7 @@ struct SmallBox {
             s.box.gravity[k] = draw.often({0.0}, [&] { return draw.between(-10.0, 10.0); });
             if (slow) s.box.gravity[k] *= draw.often({1.0, 0.0}, [&] { return draw.decades(1e-320, 1.0); });
         }
+        if (sheared && draw.below(2) == 0) shear(draw);
         for (int x = 0; x < places[0]; ++x)
             for (int y = 0; y < places[1]; ++y)
                 for (int z = 0; z < places[2]; ++z) {
@@ -79,6 +81,19 @@ struct SmallBox {
 private:
     double together[3] = {}, apart = 1.0;
     bool mirrored, slow;
+
+    // Makes a periodic axis the gradient. The speed of the images is at most `speed`, in the units of the velocities.
+    template <class Source>
+    void shear(Draw<Source>& draw) {
+        const int axis = 1 + draw.below(s.box.dimension - 1);
+        if (!s.box.is_periodic(0) || !s.box.is_periodic(axis)) return;
+        s.box.boundary[axis] = boxes::Boundary::lees_edwards;
+        s.box.edge[axis] = math::max(s.box.edge[axis], 5.0001 * large);
+        s.box.gravity[0] = s.box.gravity[axis] = 0.0;
+        const double images = draw.often({0.0, speed, -speed}, [&] { return draw.between(-speed, speed); });
+        const double displaced = draw.often({0.0}, [&] { return draw.between(0.0, s.box.edge[0]); });
+        s.box.shear(axis, images / s.box.edge[axis], displaced);
+    }
 
     template <class Source>
     void add(Draw<Source>& draw, const int (&at)[3], double spacing, double size) {
