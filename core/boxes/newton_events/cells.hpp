@@ -29,8 +29,8 @@ void NewtonEvents<Law>::find_extreme_radii(std::size_t n) {
     }
 }
 
-// A multiple of the compression of contacts at the initial speeds of bodies, relative to a sheared flow, and of walls; a
-// larger radius requires wider cells, which hold more candidates. The largest value under gravity, since speeds grow.
+// A multiple of the compression of contacts at the initial speeds of bodies, relative to a sheared flow, and of walls.
+// A larger radius requires wider cells, which hold more candidates. The largest value under gravity, since speeds grow.
 template <class Law>
 double NewtonEvents<Law>::initial_safety_radius(const System& s) const {
     const double most = 0.1 * largest_radius_;

@@ -1,5 +1,5 @@
-// The Lees–Edwards boundary. The images of bodies beyond it move along the first axis. Its cells slide past those of the
-// box, so that a row of three cells has four neighbours there.
+// The Lees–Edwards boundary. The images of bodies beyond it move along the first axis. Their cells slide past those of
+// the box, so that a row of three cells has four neighbours there.
 //
 // A prediction moves the body to the frame of the images, and then reads their cells like any others. Each time the
 // images have slid by the length of a cell, the bodies at both sides look into the next cell.

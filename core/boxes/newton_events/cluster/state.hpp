@@ -118,8 +118,8 @@ double Cluster<Law>::lightest() const {
 }
 
 // Speed that the lightest member would have with all energy, kinetic in the cluster's frame and elastic. A second wall
-// with another velocity, a wall that changes its velocity, or a moving image does work in this frame: it may add several
-// times this difference.
+// with another velocity, a wall that changes its velocity, or a moving image does work in this frame: it may add
+// several times this difference.
 template <class Law>
 double Cluster<Law>::unit_of_speed() const {
     const Vector3 mean = frame_velocity();
