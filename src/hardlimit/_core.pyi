@@ -231,10 +231,10 @@ rules: tuple = ...
 
 class Box:
     """
-    Edges [m], boundary of each axis (periodic or wall), gravity [m/s²]; of each moving wall: its number as in logs, offset [m], velocity [m/s], amplitude [m], frequency [Hz], phase, waveform (none, sine, triangle or parabola).
+    Edges [m], boundary of each axis (periodic, wall or lees-edwards), gravity [m/s²]; of each moving wall: its number as in logs, offset [m], velocity [m/s], amplitude [m], frequency [Hz], phase, waveform (none, sine, triangle or parabola); of a Lees–Edwards boundary: shear rate [1/s], and displacement of the images beyond the far side at time 0 [m].
     """
 
-    def __init__(self, edges: Sequence[float], boundary: Sequence[str], gravity: Sequence[float] | None = None, moving_walls: Sequence[tuple[int, float, float, float, float, float, str]] = []) -> None: ...
+    def __init__(self, edges: Sequence[float], boundary: Sequence[str], gravity: Sequence[float] | None = None, moving_walls: Sequence[tuple[int, float, float, float, float, float, str]] = [], shear_rate: float = 0.0, shear_displacement: float = 0.0) -> None: ...
 
     @property
     def edges(self) -> list[float]: ...
@@ -295,7 +295,7 @@ class Engine:
 
     def state(self) -> tuple:
         """
-        Current positions [m], unwrapped across periodic boundaries, and velocities [m/s], (n, d) each.
+        Current positions [m] and velocities [m/s] of the unfolded paths, (n, d) each.
         """
 
     def set_velocities(self, velocities: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)]) -> None:

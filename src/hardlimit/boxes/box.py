@@ -113,7 +113,9 @@ class Box:
         walls = list(moving_walls.of_core(self.moving))
         shear = (self.shear_rate, self.shear_displacement)
         # Images that are aligned and stay so are those of a periodic box.
-        sides = ["periodic" if side == "lees-edwards" and shear == (0.0, 0.0) else side for side in self.boundary]
+        sides = [
+            "periodic" if side == "lees-edwards" and shear == (0.0, 0.0) else side for side in self.boundary
+        ]
         return _core.Box(self.edges.tolist(), sides, gravity.tolist(), walls, *shear)
 
     def fold(self, positions: Floats, velocities: Floats | None = None, time: float = 0.0) -> None:
@@ -189,8 +191,9 @@ def checked_shear(
 ) -> tuple[float, float]:
     """Shear rate [1/s] and displacement of the images [m], in [0, edge); both 0 without a Lees–Edwards boundary."""
     limits: dict[str, Any] = {"lowest": -LARGEST, "highest": LARGEST, "lowest_allowed": True}
-    found = validation.number("shear_rate", rate, **limits), validation.number(
-        "shear_displacement", displacement, **limits
+    found = (
+        validation.number("shear_rate", rate, **limits),
+        validation.number("shear_displacement", displacement, **limits),
     )
     sheared = boundary.count("lees-edwards")
     if not sheared:

@@ -342,9 +342,9 @@ class ContactResult(_Result):
 
     @property
     def energy_error(self) -> float:
-        """Largest change of the total energy, including dissipated energy and less that from walls, shear and thermostat,
-        over the largest kinetic or dissipated energy; NaN with LAMMPS, whose dissipated energy is computed as the difference
-        of the others."""
+        """Largest change of the total energy, including dissipated energy and less that from walls, shear and
+        thermostat, over the largest kinetic or dissipated energy; NaN with LAMMPS, whose dissipated energy is computed
+        as the difference of the others."""
         if self.engine == "lammps":
             return math.nan
         kept = self.samples

@@ -485,7 +485,7 @@ class ParticleSystem:
             "boundary": ("axis", list(self.boundary), {"long_name": "sides of the box"}),
         }
         coordinates = {"particle": np.arange(self.n), "axis": list(AXES[: self.dimension])}
-        about = {"title": f"Box of {self.n} grains", "source": f"hardlimit {_core.version}"}
+        about: dict[str, Any] = {"title": f"Box of {self.n} grains", "source": f"hardlimit {_core.version}"}
         about |= {f"wall {name}": repr(wall) for name, wall in self.walls.items()}
         about |= {} if self.thermostat is None else {"thermostat": repr(self.thermostat)}
         if self.domain.gradient is not None:

@@ -261,8 +261,10 @@ def why_not(system: ParticleSystem) -> str | None:
     """The reason why the theory does not apply to a system; None if it applies."""
     if not isinstance(system, ParticleSystem):
         return f"got {validation.shown(system)}"
-    if len(system.boundary) != system.boundary.count("periodic"):
+    if "wall" in system.boundary:
         return "it has walls"
+    if "lees-edwards" in system.boundary:
+        return "it is sheared"
     if system.gravity.any():
         return "it has gravity"
     if system.thermostat is not None:

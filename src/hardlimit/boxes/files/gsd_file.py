@@ -58,7 +58,7 @@ def _made(made: Any, step: int, frame: Frame) -> Any:
     made.log[OF_BOX["periodic"]] = np.array([side != "wall" for side in frame.boundary], np.uint8)
     made.log[OF_BOX["gravity"]] = np.array(frame.gravity)
     made.log[OF_BOX["time"]] = np.array([frame.time])
-    driving = {"walls": as_entries(frame.walls), "thermostat": as_entry(frame.thermostat)}
+    driving: dict[str, Any] = {"walls": as_entries(frame.walls), "thermostat": as_entry(frame.thermostat)}
     if sheared := "lees-edwards" in frame.boundary:
         axis = frame.boundary.index("lees-edwards")
         driving["shear"] = [axis, frame.shear_rate, frame.shear_displacement]
