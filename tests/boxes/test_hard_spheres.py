@@ -536,7 +536,7 @@ def test_a_box_names_its_walls() -> None:
         ([1.0], ["wall"], "box: got 1 edges"),
         ([1.0, 0.0], ["wall"] * 2, "box: got 0, must be > 0"),
         ([1.0, 1.0], ["wall"], "boundary: got 1 values, must be 2"),
-        ([1.0, 1.0], ["wall", "open"], "boundary: got open, must be periodic or wall"),
+        ([1.0, 1.0], ["wall", "open"], "boundary: got open, must be periodic, wall or lees-edwards"),
     ):
         with pytest.raises(ValueError, match=message):
             _core.Box(edges, sides)

@@ -12,8 +12,8 @@ std::vector<u32> HardSpheres<d, motion, mixed>::in_original_order() const {
     return place;
 }
 
-// The sums from the state of each particle, whose data are prefetched: particles are stored by cell. `from_flow`: of the
-// velocities relative to the mean flow of a sheared box.
+// The sums from the state of each particle, whose data are prefetched: particles are stored by cell. `from_flow`: those
+// of the velocities relative to the mean flow of a sheared box.
 template <int d, Motion motion, bool mixed>
 ParticleSums<d> HardSpheres<d, motion, mixed>::full_sums(bool from_flow) const {
     constexpr std::size_t ahead = 24;

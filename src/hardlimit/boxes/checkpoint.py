@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from .. import _core
 from ..support import saving, validation
 
-FORMAT: Final = 7  #: version of the file format; files of another version are refused
+FORMAT: Final = 8  #: version of the file format; files of another version are refused
 HEADER: Final = "header"
 
 
@@ -35,7 +35,7 @@ def checked_path(path: Any, parameter: str = "checkpoint") -> Path:
 
 
 def write(path: Path, header: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> None:
-    facts = {"format": FORMAT, "hardlimit_version": _core.version, **header}
+    facts = {"format": FORMAT, "hardlimit_version": _core.version, "arrays": sorted(arrays), **header}
     content: dict[str, Any] = {HEADER: np.frombuffer(json.dumps(facts).encode(), np.uint8), **arrays}
     with saving.whole(path) as unfinished, open(unfinished, "wb") as file:
         np.savez(file, **content)
@@ -50,6 +50,7 @@ def read(path: Any) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
             arrays = {name: content[name] for name in content.files}
         header = json.loads(bytes(arrays.pop(HEADER)))
         written = header["format"], header["hardlimit_version"]
+        complete = header.pop("arrays", None) == sorted(arrays)
     except OSError as error:
         raise ValueError(f"{path}: cannot be read: {error.strerror or error}") from None
     except Exception:  # zipfile and NumPy raise many kinds of exceptions for a damaged file
@@ -59,4 +60,6 @@ def read(path: Any) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
             f"{path}: got a checkpoint of hardlimit {validation.shown(written[1])[1:-1]}, must be one of "
             f"{_core.version}: another version may give other bits"
         )
+    if not complete:
+        raise ValueError(f"{path}: not a checkpoint, or damaged")
     return header, arrays
