@@ -257,8 +257,8 @@ void HardSpheres<d, motion, mixed>::collide(u32 i, u32 j) {
     predict(j, takes_time_ ? excluded_partner(j) : i);
 }
 
-// An instantaneous collision. r: vector from i to j. image_velocity: of the image of j that i touches; a sheared boundary
-// does work on it.
+// An instantaneous collision. r: vector from i to j. image_velocity: of the image of j that i touches; a sheared
+// boundary does work on it.
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::rebound(u32 i, u32 j, const double (&r)[d], const double (&v)[d],
                                             double distance, double speed, double image_velocity,
