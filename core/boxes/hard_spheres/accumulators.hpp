@@ -87,8 +87,8 @@ public:
         add_potential(-energy);
         for (int k = 0; k < d; ++k) largest_[k] = math::max(largest_[k], products_.value(k));
     }
-    // All particles move for a time [s] in a mean flow of this rate [1/s] with a gradient along the axis. The velocities
-    // c are relative to it, so that dc_x/dt = −rate · c_y.
+    // All particles move for a time [s] in a mean flow of this rate [1/s] with a gradient along the axis. Velocities c
+    // are relative to it, so that dc_x/dt = −rate · c_y.
     void shear(double rate, int axis, double time) {
         constexpr int of_pair[3][3] = {{0, d, d + 1}, {d, 1, d + 2}, {d + 1, d + 2, 2}};
         const double angle = rate * time, square = products_.value(axis);
