@@ -87,10 +87,10 @@ public:
 
     // Const: groups are integrated in a copy.
     void state(double* position, double* velocity) const override;
-    Observation observe() const override { return snapshot().sums; }
+    Observation observe() const override;
     bool contacts_have_duration() const override { return true; }
     std::vector<ContactRecord> take_log() override { return std::exchange(log_, {}); }
-    std::vector<ContactRecord> open_contacts() const override { return snapshot().open; }
+    std::vector<ContactRecord> open_contacts() const override { return groups_at_present().open; }
     double largest_safety_use(int instants) const override;
 
     std::vector<char> save() const override;
@@ -159,7 +159,7 @@ private:
     std::vector<i64> ended_by_;
     WallId ended_at_wall_;
     std::vector<ContactRecord> log_;
-    mutable std::optional<NewtonSnapshot> snapshot_;  // at the current time, until the run is advanced
+    mutable std::optional<GroupsAtPresent> groups_at_present_;  // until the run is advanced
 
     const Grid<3>& grid() const { return cells_.grids()[static_cast<std::size_t>(level_)]; }
     u32 size32() const { return static_cast<u32>(particles_.size()); }
@@ -326,11 +326,11 @@ private:
     bool far_from_walls(const Group& g, const SeparatedMembers& after) const;
 
     // observe.hpp
-    void add_group(NewtonSnapshot& s, const Group& g, Cluster<Law>& c) const;
-    void add_body(NewtonSnapshot& s, int i, const Vector3& x, Vector3 v) const;
+    const GroupsAtPresent& groups_at_present() const;
+    void add_group(GroupsAtPresent& present, const Group& g, Cluster<Law>& c) const;
+    template <class F>
+    void for_bodies(const F& f) const;
     void log(const Group& g, const ContactPair<Law>& q, const EndedContact& e);
-    const NewtonSnapshot& snapshot() const;
-    NewtonSnapshot new_snapshot() const;
     ContactRecord contact_row(const Group& g, const ContactPair<Law>& q, const EndedContact& e) const;
 
     // checkpoint.hpp
@@ -348,7 +348,7 @@ template <class Law>
 void NewtonEvents<Law>::advance(double until, u64 most_work, int /*threads*/, Stop& stop) {
     const u64 last = most_work > ~events_ ? ~u64{0} : events_ + most_work;
     paused_ = false;
-    snapshot_.reset();
+    groups_at_present_.reset();
     while (outcome_ == Outcome::ok) {
         const QueuedEvent* due =
             calendar_queue_.next([this](u32 id) { return pending_[id].time(); }, by_original_index(),

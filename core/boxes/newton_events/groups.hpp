@@ -80,7 +80,7 @@ ActivePair<Law> NewtonEvents<Law>::active_pair(int i, int j, WallId wall) const 
 // All groups are integrated up to now and formed again from the contacts that are open.
 template <class Law>
 void NewtonEvents<Law>::set_velocities(const double* velocity) {
-    snapshot_.reset();
+    groups_at_present_.reset();
     ClusterSeed set;
     for (std::size_t index = 0; index < groups_.size(); ++index) {
         const Group& g = groups_[index];

@@ -6,51 +6,20 @@ namespace hardlimit::boxes {
 
 // Integrating the groups is expensive, and a sample is often followed by the state at the same time.
 template <class Law>
-const NewtonSnapshot& NewtonEvents<Law>::snapshot() const {
-    if (!snapshot_) snapshot_ = new_snapshot();
-    return *snapshot_;
-}
-
-template <class Law>
-NewtonSnapshot NewtonEvents<Law>::new_snapshot() const {
-    NewtonSnapshot s;
-    s.position.resize(setting_.axes() * particles_.size());
-    s.velocity.resize(s.position.size());
-    Observation& o = s.sums;
-    o.dissipated_energy = dissipated_, o.virial = virial_, o.largest_compression = largest_compression_;
-    o.wall_work = wall_work_, o.shear_work = shear_work_;
-    o.begun = begun_, o.pairs = begun_pairs_, o.ended = ended_, o.overlapped = overlapped_;
-    for (int i = 0; i < static_cast<int>(particles_.size()); ++i)
-        if (free(i)) add_body(s, i, position(i, now_), velocity(i, now_));
+const GroupsAtPresent& NewtonEvents<Law>::groups_at_present() const {
+    if (groups_at_present_) return *groups_at_present_;
+    GroupsAtPresent& present = groups_at_present_.emplace();
+    present.sums.largest_compression = largest_compression_;
     Cluster<Law> c;
     for (const Group& g : groups_)
-        if (g.alive) add_group(s, g, c);
-    return s;
-}
-
-template <class Law>
-void NewtonEvents<Law>::add_body(NewtonSnapshot& s, int i, const Vector3& x, Vector3 v) const {
-    const std::size_t d = setting_.axes(), at = d * std::size_t{pending_[i].original_index};
-    const double m = mass(i);
-    const ImageMotion image = box_.image(pending_[i].image_flags, now_);
-    for (std::size_t a = 0; a < d; ++a) {
-        s.position[at + a] = x[a] + image.shift[a];
-        s.velocity[at + a] = v[a] + image.velocity[a];
-    }
-    const double flow = box_.is_sheared() ? to_image_in_box(s.sums, i, x, v) : 0.0;
-    for (std::size_t a = 0; a < d; ++a) {
-        s.sums.kinetic_energy += 0.5 * m * v[a] * v[a];
-        s.sums.potential_energy -= m * box_.gravity[a] * s.position[at + a];
-        s.sums.momentum[a] += m * v[a];
-    }
-    v[0] -= flow;
-    s.sums.kinetic_tensor.add_square(m, v);
+        if (g.alive) add_group(present, g, c);
+    return present;
 }
 
 // Adds a group, integrated in c up to the current time.
 template <class Law>
-void NewtonEvents<Law>::add_group(NewtonSnapshot& s, const Group& g, Cluster<Law>& c) const {
-    Observation& o = s.sums;
+void NewtonEvents<Law>::add_group(GroupsAtPresent& present, const Group& g, Cluster<Law>& c) const {
+    Observation& o = present.sums;
     initial_cluster(g, c);
     c.run_through(now_ - c.base);
     const double slack = c.stored(ContactState::slack);
@@ -63,25 +32,62 @@ void NewtonEvents<Law>::add_group(NewtonSnapshot& s, const Group& g, Cluster<Law
     o.begun += static_cast<u64>(c.begun);
     o.pairs += static_cast<u64>(c.begun_pairs);
     for (std::size_t m = 0; m < g.body.size(); ++m)
-        add_body(s, g.body[m], body_position(g, m, c.members[m].position, now_),
-                 body_velocity(g, m, c.members[m].velocity));
+        present.bodies.push_back({g.body[m], body_position(g, m, c.members[m].position, now_),
+                                  body_velocity(g, m, c.members[m].velocity)});
     for (const EndedContact& e : c.ended) {
         ++o.ended;
         o.overlapped += e.overlapped;
-        s.open.push_back(contact_row(g, c.pairs[static_cast<std::size_t>(e.pair)], e));
+        present.open.push_back(contact_row(g, c.pairs[static_cast<std::size_t>(e.pair)], e));
     }
     for (const ContactPair<Law>& q : c.pairs) {
         if (q.state != ContactState::closed) continue;
         ++o.in_contact;
-        s.open.push_back(contact_row(g, q, {0, q.begin, math::nan, q.impact_speed, math::nan, q.overlapped}));
+        present.open.push_back(
+            contact_row(g, q, {0, q.begin, math::nan, q.impact_speed, math::nan, q.overlapped}));
     }
+}
+
+// Calls f(i, position, velocity) for every body at the current time, in the order of memory and then by group.
+template <class Law>
+template <class F>
+void NewtonEvents<Law>::for_bodies(const F& f) const {
+    for (int i = 0; i < static_cast<int>(particles_.size()); ++i)
+        if (free(i)) f(i, position(i, now_), velocity(i, now_));
+    for (const auto& [i, x, v] : groups_at_present().bodies) f(i, x, v);
+}
+
+template <class Law>
+Observation NewtonEvents<Law>::observe() const {
+    Observation o = groups_at_present().sums;
+    o.dissipated_energy += dissipated_, o.virial += virial_;
+    o.wall_work += wall_work_, o.shear_work += shear_work_;
+    o.begun += begun_, o.pairs += begun_pairs_, o.ended += ended_, o.overlapped += overlapped_;
+    for_bodies([&](int i, const Vector3& x, Vector3 v) {
+        const double m = mass(i);
+        const ImageMotion image = box_.image(pending_[i].image_flags, now_);
+        const double flow = box_.is_sheared() ? to_image_in_box(o, i, x, v) : 0.0;
+        for (std::size_t a = 0; a < setting_.axes(); ++a) {
+            o.kinetic_energy += 0.5 * m * v[a] * v[a];
+            o.potential_energy -= m * box_.gravity[a] * (x[a] + image.shift[a]);
+            o.momentum[a] += m * v[a];
+        }
+        v[0] -= flow;
+        o.kinetic_tensor.add_square(m, v);
+    });
+    return o;
 }
 
 template <class Law>
 void NewtonEvents<Law>::state(double* position, double* velocity) const {
-    const NewtonSnapshot& now = snapshot();
-    std::ranges::copy(now.position, position);
-    std::ranges::copy(now.velocity, velocity);
+    const std::size_t d = setting_.axes();
+    for_bodies([&](int i, const Vector3& x, const Vector3& v) {
+        const std::size_t at = d * std::size_t{pending_[i].original_index};
+        const ImageMotion image = box_.image(pending_[i].image_flags, now_);
+        for (std::size_t a = 0; a < d; ++a) {
+            position[at + a] = x[a] + image.shift[a];
+            velocity[at + a] = v[a] + image.velocity[a];
+        }
+    });
 }
 
 // cluster_share: fraction of the bodies' time spent in clusters.

@@ -101,11 +101,15 @@ private:
     std::vector<std::pair<int, std::size_t>> sorted_;
 };
 
-// State of the whole box at one time.
-struct NewtonSnapshot {
-    Observation sums;
-    std::vector<double> position, velocity;  // [N d], along the unfolded paths
-    std::vector<ContactRecord> open;         // open contacts, and ended contacts of unfinished groups
+// All groups, integrated up to the current time.
+struct GroupsAtPresent {
+    struct Body {
+        int index;
+        Vector3 position, velocity;  // in the frame of its cell
+    };
+    Observation sums;  // what the groups add to those of the engine, without the bodies' motion
+    std::vector<Body> bodies;
+    std::vector<ContactRecord> open;  // open contacts, and ended contacts of unfinished groups
 };
 
 }  // namespace hardlimit::boxes
