@@ -49,9 +49,15 @@ def mean_contact(system: ParticleSystem, law: Law) -> _core.Contact:
     return contact(law, 0.5 * float(system.mass.mean()), 0.5 * float(system.radius.mean()))
 
 
+def _unique_pairs(first: Floats, second: Floats) -> tuple[Floats, Indices]:
+    """The different pairs of numbers, in ascending order, and the index of each. Rows of an array are sorted slowly."""
+    pairs, index = np.unique(first + 1j * second, return_inverse=True)
+    return np.stack([pairs.real, pairs.imag], axis=1), index
+
+
 def of_kinds(system: ParticleSystem, law: Law) -> Iterator[_core.Contact]:
     """A contact for each pair of kinds of particles, and for each kind with a wall if there are walls."""
-    kinds = np.unique(np.stack([system.mass, system.radius], axis=1), axis=0)
+    kinds, _ = _unique_pairs(system.mass, system.radius)
     if len(kinds) > MAX_KINDS:
         ends = [f(kinds[:, column]) for column in (0, 1) for f in (np.argmin, np.argmax)]
         kinds = kinds[sorted(set(map(int, ends)))]
@@ -71,9 +77,9 @@ def of_pairs(
         np.where(wall, values[first], values[first] * values[second] / (values[first] + values[second]))
         for values in (system.mass, system.radius)
     )
-    kinds, kind = np.unique(np.stack([mass, radius], axis=1), axis=0, return_inverse=True)
-    order = np.argsort(kind.ravel(), kind="stable")
-    ends = np.cumsum(np.bincount(kind.ravel(), minlength=len(kinds)))
+    kinds, kind = _unique_pairs(mass, radius)
+    order = np.argsort(kind, kind="stable")
+    ends = np.cumsum(np.bincount(kind, minlength=len(kinds)))
     for (m, r), rows in zip(kinds.tolist(), np.split(order, ends[:-1]), strict=False):
         if len(rows):
             yield rows, contact(law, m, r)
