@@ -336,6 +336,8 @@ nb::dict observe(const Engine& e) {
     seen["flow_momentum"] = o.flow_momentum;
     seen["wall_work"] = o.wall_work;
     seen["shear_work"] = o.shear_work;
+    seen["wall_impulse"] = make_array(std::vector<double>(o.walls.impulse, o.walls.impulse + 2 * d), {2 * d});
+    seen["wall_energy"] = make_array(std::vector<double>(o.walls.energy, o.walls.energy + 2 * d), {2 * d});
     seen["kinetic_integral"] = o.kinetic_integral;
     seen["largest_compression"] = o.largest_compression;
     seen["n_contacts"] = o.begun;

@@ -66,6 +66,7 @@ def test_values_are_as_the_record_says(at, name):
     found = run.series[name]
     assert found.dims == one.dims() and found.attrs["units"] == one.unit_in(dimension)
     sizes = {"scalar": (), "vector": (dimension,), "tensor": (len(components(dimension)),)}
+    sizes["walls"] = (2 * dimension,)
     assert found.shape == (11, *sizes[one.shape])
     assert np.isnan(found.values[0]).all() == (one.kind == "rate")
     assert np.isfinite(found.values[1:].astype(float)).all()

@@ -39,6 +39,7 @@ struct Observation {
     double flow_momentum = 0.0;      // Σ m of that mean flow, along the first axis [kg m/s]
     double wall_work = 0.0;          // done by moving walls, so far [J]
     double shear_work = 0.0;         // done by a Lees–Edwards boundary, so far [J]
+    WallSums walls;                  // so far
     SymmetricTensor virial;          // ∫ Σ r⊗F dt of pairs, Σ r⊗Δp of collisions, so far [J s]
     double kinetic_integral = math::nan;     // ∫ Σ m v'² dt so far [J s], v' relative to the mean
     double largest_compression = math::nan;  // in units of the smaller radius, so far; NaN without a law

@@ -1,5 +1,6 @@
 // A wall and its motion: at rest, with a constant velocity, or oscillating.
 #pragma once
+#include <cstddef>
 #include <cstdint>
 
 #include "../../base/math.hpp"
@@ -17,9 +18,26 @@ struct WallId {
     constexpr explicit operator bool() const { return number < 0; }
     constexpr int axis() const { return (-1 - number) / 2; }
     constexpr bool high() const { return (-1 - number) % 2 != 0; }
+    constexpr std::size_t index() const { return static_cast<std::size_t>(-1 - number); }  // 0 … 5
     constexpr bool operator==(const WallId&) const = default;
 };
 inline constexpr int most_walls = 6;
+
+// What particles have given to each wall in their contacts with it, by index() of the wall: momentum along the outward
+// normal, and energy, which is the dissipated energy less the work of the wall.
+struct WallSums {
+    double impulse[most_walls] = {};  // [N s]
+    double energy[most_walls] = {};   // [J]
+
+    void add(WallId wall, double momentum, double given) {
+        impulse[wall.index()] += momentum;
+        energy[wall.index()] += given;
+    }
+    WallSums& operator+=(const WallSums& other) {
+        for (int k = 0; k < most_walls; ++k) impulse[k] += other.impulse[k], energy[k] += other.energy[k];
+        return *this;
+    }
+};
 
 // One period as a function of the phase φ: sin φ; the triangle wave with its zeros and extrema; parabolic arcs with
 // these, φ = π u: 4u(1 − u) in [0, π].

@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "../common/particle.hpp"
+#include "../common/wall.hpp"
 
 namespace hardlimit::boxes {
 
@@ -153,6 +154,7 @@ struct Accumulators {
     double shear_rate = 0.0;    // [1/s]
     ParticleSums<d> from_flow;  // those of the velocities relative to the mean flow, in a sheared box
     Sum kinetic_integral;       // ∫ Σ m v'² dt [J s]
+    Sum wall_impulse[most_walls], wall_energy[most_walls];  // as in WallSums [N s], [J]
 
     u64 collisions() const { return pairs + walls; }
 
@@ -195,10 +197,18 @@ struct Accumulators {
         }
         time = until;
     }
-    // Collision with a wall, which does this work [J].
-    void add_wall(double work) {
+    // Collision with a wall, which gets this momentum and does this work; `lost`: dissipated [N s], [J].
+    void add_wall(WallId wall, double impulse, double work, double lost) {
         ++walls;
         wall_work.add(work);
+        wall_impulse[wall.index()].add(impulse);
+        wall_energy[wall.index()].add(lost - work);
+    }
+    WallSums of_walls() const {
+        WallSums sums;
+        for (int k = 0; k < most_walls; ++k)
+            sums.impulse[k] = wall_impulse[k].value(), sums.energy[k] = wall_energy[k].value();
+        return sums;
     }
 };
 

@@ -125,7 +125,10 @@ void HardSpheres<d, motion, mixed>::collide_with_wall(u32 i, const Wall& wall) {
     p.position[axis] = place;
     if (motion == Motion::falling) accumulators_.sums.add_potential(-mass(i) * box_.gravity[axis] * moved);
     const double before = p.velocity[axis], speed = math::abs(before - wall.velocity(now_));
-    if (takes_time_) accumulators_.dissipated.add(mass(i) * box_.gravity[axis] * moved);
+    if (takes_time_) {
+        accumulators_.dissipated.add(mass(i) * box_.gravity[axis] * moved);
+        accumulators_.wall_energy[wall.id.index()].add(mass(i) * box_.gravity[axis] * moved);
+    }
     if constexpr (motion == Motion::growing) {
         velocity[axis] = away * math::max(speed, separation_of_growing * radius(i) * growth_.rate);
         set_velocity(i, velocity);
@@ -146,7 +149,8 @@ void HardSpheres<d, motion, mixed>::collide_with_wall(u32 i, const Wall& wall) {
         velocity[axis] = away * (e * speed) + wall.velocity(now_);
         set_velocity(i, velocity);
         const double lost = 0.5 * m * (1.0 - e) * (1.0 + e) * speed * speed;
-        accumulators_.add_wall(m * (velocity[axis] - before) * wall.velocity(now_));
+        const double gained = m * (velocity[axis] - before);
+        accumulators_.add_wall(wall.id, away * gained, gained * wall.velocity(now_), lost);
         record(i, wall.id.number, speed, e * speed, lost, waited);
     }
     count_collision(i);

@@ -74,6 +74,7 @@ Observation HardSpheres<d, motion, mixed>::observe() const {
     o.flow_momentum = sums.momentum(0) - relative.momentum(0);
     o.shear_work = accumulators_.shear_work.value();
     o.wall_work = accumulators_.wall_work.value();
+    o.walls = accumulators_.of_walls();
     o.kinetic_integral = accumulators_.integral_until(now_);
     o.largest_compression = deepest_.compression;
     o.begun = o.ended = accumulators_.collisions();

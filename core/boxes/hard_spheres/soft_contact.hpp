@@ -125,7 +125,7 @@ void HardSpheres<d, motion, mixed>::contact_with_wall(u32 i, const Wall& wall, d
         shift[axis] = moved + away * beyond - t * (after + 0.5 * g * t);
         work = 0.5 * m * change[axis] * (after + before) - m * g * shift[axis] + dissipated;
     }
-    accumulators_.add_wall(work);
+    accumulators_.add_wall(wall.id, m * away * change[axis], work, dissipated);
     displace(i, 1.0, change, shift);
     remember_contact(i, no_particle, found.duration, wall.id);
     const double separation = math::sqrt(math::max(0.0, speed * speed - 2.0 * dissipated / m));

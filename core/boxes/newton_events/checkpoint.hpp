@@ -9,9 +9,9 @@ template <class Archive>
 void NewtonEvents<Law>::exchange(Archive& archive, Cluster<Law>& c) {
     archive(c.members), archive(c.pairs), archive(c.wall_pieces), archive(c.gravity),
         archive(c.largest_coordinate), archive(c.base), archive(c.time);
-    archive(c.dissipated), archive(c.virial), archive(c.wall_work), archive(c.shear_work), archive(c.begun),
-        archive(c.begun_pairs), archive(c.ended), archive(c.unresolved), archive(c.too_deep),
-        archive(c.largest_compression);
+    archive(c.dissipated), archive(c.virial), archive(c.wall_work), archive(c.shear_work), archive(c.walls),
+        archive(c.begun), archive(c.begun_pairs), archive(c.ended), archive(c.unresolved),
+        archive(c.too_deep), archive(c.largest_compression);
 }
 
 // Everything except the groups. The queues are rebuilt from bodies and groups.
@@ -20,7 +20,7 @@ template <class Archive>
 void NewtonEvents<Law>::exchange(Archive& archive) {
     archive(particles_), archive(pending_), archive(free_groups_), archive(log_);
     archive(now_), archive(dissipated_), archive(virial_), archive(wall_work_), archive(shear_work_),
-        archive(clustered_);
+        archive(walls_), archive(clustered_);
     archive(begun_), archive(begun_pairs_), archive(ended_), archive(overlapped_), archive(events_);
     archive(largest_cluster_), archive(integration_steps_), archive(begun_before_), archive(paused_),
         archive(outcome_);
@@ -38,7 +38,7 @@ void NewtonEvents<Law>::exchange(Archive& archive, SmallVector<T, most_in_place>
 template <class Law>
 template <class Archive>
 void NewtonEvents<Law>::exchange(Archive& archive, Group& g) {
-    archive(g.alive), archive(g.isolated), archive(g.compression), archive(g.wall_work), archive(g.until);
+    archive(g.alive), archive(g.isolated), archive(g.compression), archive(g.wall_impulse), archive(g.until);
     archive(g.origin), archive(g.sheared_energy);
     exchange(archive, g.body);
     exchange(archive, g.image_offset);

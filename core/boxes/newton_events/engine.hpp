@@ -147,6 +147,7 @@ private:
     bool walled_ = false;                 // whether there are walls
     bool prefetches_ = false;             // whether the data exceed the caches
     double now_ = 0.0, wall_work_ = 0.0, shear_work_ = 0.0, clustered_ = 0.0;
+    WallSums walls_;
     SymmetricTensor virial_;
     double dissipated_ = 0.0;  // including the elastic energy that slack pairs still store [J]
     std::uint64_t begun_ = 0, begun_pairs_ = 0, ended_ = 0, overlapped_ = 0, events_ = 0;

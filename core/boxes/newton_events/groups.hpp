@@ -18,7 +18,9 @@ void NewtonEvents<Law>::begin_contacts() {
             ++begun_;
             begun_pairs_ += j >= 0;
         } else {
-            dissipated_ += law(i, j).energy(onset_root<Law::onset_power>(depth));
+            const double stored = law(i, j).energy(onset_root<Law::onset_power>(depth));
+            dissipated_ += stored;
+            if (j < 0) walls_.add(wall, 0.0, stored);
         }
         active.push_back(pair);
         for (const int k : {i, j})
@@ -132,7 +134,11 @@ void NewtonEvents<Law>::end_isolated_contact(int index) {
     if (setting_.log) log_.push_back(contact_row(group(index), l.pair, l.contact));
     dissipated_ += l.dissipated;
     virial_ += l.virial;
-    wall_work_ += group(index).wall_work;
+    if (const ContactPair<Law>& q = l.pair; q.second < 0) {
+        const double impulse = group(index).wall_impulse, work = q.side * impulse * q.wall_velocity;
+        wall_work_ += work;
+        walls_.add(q.wall_id, impulse, l.dissipated - work);
+    }
     shear_work_ += shear_work_of_contact(group(index));
     const int first = l.body[0], second = l.body[1];
     const auto for_both = [&](const auto& f) {

@@ -54,7 +54,6 @@ bool NewtonEvents<Law>::solve_pair(Group& g, SeparatedMembers& after) {
     l.contact = {0, now_, now_ + end.duration, approach, separation, false};
     q.impact_speed = approach;
     g.compression = end.greatest / math::min(a.radius, b.radius);
-    g.wall_work = 0.0;
     l.dissipated = 0.5 * q.mass *
                    (end.speed_loss * (approach + separation) +
                     (tangential - tangential_after) * (tangential + tangential_after));
@@ -147,7 +146,7 @@ bool NewtonEvents<Law>::solve_wall(Group& g, SeparatedMembers& after) {
     to.position[axis] = q.wall_position(l.span) + q.side * q.contact_distance;
     to.velocity[axis] = q.side * (end.radial_speed - weight * opening) + q.wall_velocity;
     const double gained = to.velocity[axis] - a.velocity[axis] - l.span * box_.gravity[axis];
-    g.wall_work = q.mass * gained * q.wall_velocity;
+    g.wall_impulse = q.side * (q.mass * gained);
     l.dissipated = q.mass * (0.5 * end.speed_loss * (approach + end.radial_speed) + weight * end.compression);
     l.virial = {};  // counts pairs of bodies only
     l.contact = {0, now_, now_ + end.duration, approach, end.radial_speed, false};

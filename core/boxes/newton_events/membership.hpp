@@ -77,6 +77,7 @@ void NewtonEvents<Law>::dissolve_group(int index, bool at_end, std::vector<Activ
     dissipated_ += c.dissipated;
     virial_ += c.virial;
     wall_work_ += c.wall_work;
+    walls_ += c.walls;
     shear_work_ += c.shear_work + shear_work(g, [&](std::size_t m) { return c.members[m].velocity; });
     largest_compression_ = math::max(largest_compression_, c.largest_compression);
     begun_ += static_cast<std::uint64_t>(c.begun);

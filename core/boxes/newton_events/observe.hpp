@@ -23,6 +23,7 @@ void NewtonEvents<Law>::add_group(GroupsAtPresent& present, const Group& g, Clus
     initial_cluster(g, c);
     c.run_through(now_ - c.base);
     const double slack = c.stored(ContactState::slack);
+    o.walls += c.given_to_walls();
     o.contact_energy += c.stored(ContactState::closed) + slack;
     o.dissipated_energy += c.dissipated - slack;
     o.virial += c.virial;
@@ -60,7 +61,7 @@ template <class Law>
 Observation NewtonEvents<Law>::observe() const {
     Observation o = groups_at_present().sums;
     o.dissipated_energy += dissipated_, o.virial += virial_;
-    o.wall_work += wall_work_, o.shear_work += shear_work_;
+    o.wall_work += wall_work_, o.shear_work += shear_work_, o.walls += walls_;
     o.begun += begun_, o.pairs += begun_pairs_, o.ended += ended_, o.overlapped += overlapped_;
     for_bodies([&](int i, const Vector3& x, Vector3 v) {
         const double m = mass(i);

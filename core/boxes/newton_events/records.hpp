@@ -56,7 +56,7 @@ struct ContactGroup {
     IsolatedContact<Law> isolated_contact{};  // if isolated
     bool alive = false, isolated = false;
     double compression = 0.0;     // of an isolated contact: largest, in units of the smaller radius
-    double wall_work = 0.0;       // of an isolated contact with a moving wall [J]
+    double wall_impulse = 0.0;    // of an isolated contact with a wall: momentum that it gets [N s]
     double until = 0.0;           // latest end of a large cluster [s]
     double sheared_energy = 0.0;  // sheared_energy() at the begin [J]
     Vector3 origin{};

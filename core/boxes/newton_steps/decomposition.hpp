@@ -20,6 +20,7 @@ public:
     // Sums over contacts up to the last list build.
     double dissipated = 0.0, wall_work = 0.0;  // [J]
     SymmetricTensor virial;                    // [J s]
+    WallSums given_to_walls;
 
     Decomposition(const Box& box, const PairLaws<Law>& laws, std::size_t n) : box_(box), sort_(n) {
         for (std::size_t i = 0; i < n; ++i) {
@@ -132,7 +133,7 @@ public:
         if constexpr (FrictionalLaw<Law>) archive(bodies.spin), archive(bodies.angular_acceleration);
         archive(sort_.reference()), archive(grid), archive(start_), archive(skin_), archive(lists_);
         archive(dissipated), archive(wall_work), archive(virial), archive(largest_compression_);
-        archive(listed_at_);
+        archive(listed_at_), archive(given_to_walls);
         std::size_t count = slabs.size();
         archive(count);
         slabs.resize(count);
@@ -181,6 +182,7 @@ private:
             for (const auto* accelerated : {&s.accelerated, &s.accelerated_next})
                 for (const std::uint32_t i : *accelerated)
                     saved_accelerations_.push_back({i, bodies.acceleration[i]});
+            given_to_walls += s.given_to_walls;
             dissipated += s.dissipated, wall_work += s.wall_work, virial += s.virial;
         }
     }

@@ -45,6 +45,7 @@ public:
             add_virial(slab, c, 0.5 * h * c.force + impulse);
             if constexpr (FrictionalLaw<Law>) add_friction_virial(slab, c, 0.5 * h);
             slab.wall_work += (0.5 * h * c.force + impulse) * c.wall_velocity;
+            add_to_wall(slab, c, 0.5 * h * c.force + impulse);
         }
     }
 
@@ -139,7 +140,7 @@ private:
             c.in_contact = f.force > 0.0;
         }
         if (now_.velocity_lag > 0.0)
-            slab.dissipated += is_new ? dissipated_at_onset(c.law, f, c.onset) : dissipated(c, f, m);
+            add_loss(slab, c, is_new ? dissipated_at_onset(c.law, f, c.onset) : dissipated(c, f, m));
         c.index_first = m.first, c.index_second = m.second;
         c.normal = m.normal, c.distance = m.distance, c.wall_velocity = m.wall_velocity;
         c.excess = excess, c.is_new = is_new, c.compression = compression;
@@ -249,6 +250,7 @@ private:
         }
         add_virial(slab, c, now_.weight * c.force + impulse);
         slab.wall_work += (now_.weight * c.force + impulse) * c.wall_velocity;
+        add_to_wall(slab, c, now_.weight * c.force + impulse);
         if (!(c.force > 0.0)) return;
         accelerate(slab, c.index_first, c.normal * (-c.force * bodies_.velocity[c.index_first][3]));
         if (c.index_second != no_body)
@@ -278,7 +280,7 @@ private:
         const Double4 force{f.component[0], f.component[1], f.component[2], 0.0};
         c.friction.force = force;
         c.friction.power = -dot(force, v);
-        slab.dissipated += 0.5 * duration * (power + c.friction.power) - (c.friction.energy(c.law) - stored);
+        add_loss(slab, c, 0.5 * duration * (power + c.friction.power) - (c.friction.energy(c.law) - stored));
         const Double4 torque = -cross(m.normal, force);  // over the lever arm, on either body
         accelerate(slab, i, -force * bodies_.velocity[i][3]);
         bodies_.angular_acceleration[i].add(now_.step, torque * (arm * bodies_.spin[i][3]));
@@ -291,7 +293,7 @@ private:
     // its spring is dissipated.
     void end_friction(Slab<Law>& slab, const Contact<Law>& c) const {
         const double apart = c.rate < 0.0 ? math::clamp(c.compression / c.rate, 0.0, now_.h) : 0.0;
-        slab.dissipated += 0.5 * (now_.h - apart) * c.friction.power + c.friction.energy(c.law);
+        add_loss(slab, c, 0.5 * (now_.h - apart) * c.friction.power + c.friction.energy(c.law));
     }
     // Angular velocity now [rad/s], from the torques of the step before.
     Double4 spin_at(std::uint32_t body) const {
@@ -309,6 +311,14 @@ private:
     static void add_friction_virial(Slab<Law>& slab, const Contact<Law>& c, double duration) {
         if (c.index_second != no_body)
             slab.virial.add_product(duration * c.distance, c.normal, c.friction.force);
+    }
+    // Energy dissipated in a contact [J], and what the impulse of its force [N s] gives to a wall.
+    static void add_loss(Slab<Law>& slab, const Contact<Law>& c, double energy) {
+        slab.dissipated += energy;
+        if (c.second < 0) slab.given_to_walls.add(WallId::of(c.second), 0.0, energy);
+    }
+    static void add_to_wall(Slab<Law>& slab, const Contact<Law>& c, double impulse) {
+        if (c.second < 0) slab.given_to_walls.add(WallId::of(c.second), impulse, -impulse * c.wall_velocity);
     }
     static void add_impulse(Slab<Law>& slab, const Bodies& bodies, const Contact<Law>& c, double impulse) {
         slab.impulses.push_back({c.index_first, c.normal * (-impulse * bodies.velocity[c.index_first][3])});

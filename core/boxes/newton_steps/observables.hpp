@@ -25,7 +25,9 @@ Observation observe(const Box& box, const Decomposition<Law>& domain, double tim
         }
     }
     o.dissipated_energy = domain.dissipated, o.wall_work = domain.wall_work, o.virial = domain.virial;
+    o.walls = domain.given_to_walls;
     for (const Slab<Law>& s : domain.slabs) {
+        o.walls += s.given_to_walls;
         o.dissipated_energy += s.dissipated, o.wall_work += s.wall_work, o.virial += s.virial;
         for (const Contact<Law>& c : s.contacts) {
             if (c.index_first == no_body) continue;

@@ -30,6 +30,7 @@ struct alignas(64) Slab {
     std::vector<Impulse> impulses;  // on bodies of both
     std::vector<ContactEvent> events;
     double dissipated = 0.0, wall_work = 0.0;  // since the list was built [J]
+    WallSums given_to_walls;                   // since the list was built
     SymmetricTensor virial;                    // ∫ Σ r⊗F dt of pairs, since the list was built [J s]
     double farthest = 0.0, fastest = 0.0;      // squares [m²], [m²/s²]
     double largest_compression = 0.0;          // in units of the smaller radius, since the list was built
@@ -43,6 +44,7 @@ struct alignas(64) Slab {
         clear_step();
         dissipated = wall_work = farthest = fastest = largest_compression = 0.0;
         virial = {};
+        given_to_walls = {};
     }
     template <class Archive>
     void exchange(Archive& archive) {
@@ -50,7 +52,7 @@ struct alignas(64) Slab {
         archive(pairs), archive(walls), archive(contact_of_pair), archive(contact_of_wall);
         archive(contacts), archive(free_slots), archive(accelerated), archive(accelerated_next);
         archive(dissipated), archive(wall_work), archive(virial);
-        archive(largest_compression), archive(deepest);
+        archive(given_to_walls), archive(largest_compression), archive(deepest);
     }
 };
 

@@ -77,8 +77,16 @@ class Box:
 
     @property
     def volume(self) -> float:
-        """Volume [m³], in 2-D the area [m²]."""
-        return float(np.prod(self.edges))
+        """Volume between the walls where they are [m³], in 2-D the area [m²]."""
+        return math.prod(high - low for low, high in map(self.limits, range(self.dimension)))
+
+    def mean_lengths(self, begin: Floats, end: Floats) -> Floats:
+        """Mean length of each axis between two times (times, d) [m], for walls that move."""
+        lengths = np.tile(self.edges, (len(begin), 1))
+        for name, wall in self.moving.items():
+            moved = wall.mean_displacement(begin, end)
+            lengths[:, AXES.index(name[0])] += moved if name[1] == "+" else -moved
+        return lengths
 
     @property
     def common_fall(self) -> Floats:

@@ -36,7 +36,7 @@ COMMON: Final = (
     "n_pairs",
 )
 #: Those of hard spheres, those of engines for Newton's equations, and those of LAMMPS.
-_DRIVEN: Final = ("flow_momentum", "wall_work", "shear_work", "heat")
+_DRIVEN: Final = ("flow_momentum", "wall_work", "shear_work", "heat", "wall_impulse", "wall_energy")
 OF_COLLISIONS: Final = (*COMMON, *_DRIVEN, "kinetic_integral", "n_collisions")
 OF_LAMMPS: Final = (*COMMON, "contact_energy", "n_contacts", "n_ended", "n_overlapped", "n_in_contact")
 OF_CONTACTS: Final = (*OF_LAMMPS, *_DRIVEN)

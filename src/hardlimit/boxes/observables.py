@@ -12,9 +12,16 @@ from numpy.typing import NDArray
 
 from .box import AXES, Floats, component_axes, read_only
 from .system import ParticleSystem
+from .walls import name_of
 
-Shape = Literal["scalar", "vector", "tensor"]
+Shape = Literal["scalar", "vector", "tensor", "walls"]
 Kind = Literal["value", "sum", "rate"]
+_DIMS: Final[Mapping[Shape, tuple[str, ...]]] = {
+    "scalar": (),
+    "vector": ("axis",),
+    "tensor": ("component",),
+    "walls": ("wall",),
+}
 #: Text that is appended to the meaning of a variable, by kind.
 KINDS: Final[Mapping[Kind, str]] = {
     "value": "",
@@ -24,11 +31,15 @@ KINDS: Final[Mapping[Kind, str]] = {
 
 
 class Samples:
-    """Quantities that an engine recorded at the samples of a run; ``samples[name]`` is an array over the samples."""
+    """Quantities that an engine recorded at the samples of a run; ``samples[name]`` is an array over the samples.
 
-    def __init__(self, system: ParticleSystem, records: Mapping[str, Floats]) -> None:
+    ``now`` is the time [s] of ``system``, whose walls may move.
+    """
+
+    def __init__(self, system: ParticleSystem, records: Mapping[str, Floats], now: float = 0.0) -> None:
         self.system, self._records = system, records
         self.lasted = np.diff(records["time"])  #: time between samples [s]
+        self._since_now = records["time"] - now
 
     def __getitem__(self, name: str) -> Floats:
         return self._records[name]
@@ -41,6 +52,33 @@ class Samples:
         with np.errstate(invalid="ignore", divide="ignore"):
             growth: Floats = (np.diff(self[name], axis=0).T / self.lasted).T
         return growth
+
+    def lengths(self) -> Floats:
+        """Length of each axis of the box at the samples (samples, d) [m]."""
+        return self.system.domain.mean_lengths(self._since_now, self._since_now)
+
+    def mean_lengths(self) -> Floats:
+        """Mean length of each axis since the previous sample (samples − 1, d) [m]."""
+        return self.system.domain.mean_lengths(self._since_now[:-1], self._since_now[1:])
+
+    def mean_volume(self) -> Floats:
+        """Volume of the box [m³; disks m²], mean since the previous sample, without the first.
+
+        Exact if the walls of one axis move; otherwise the product of the mean lengths.
+        """
+        found: Floats = self.mean_lengths().prod(axis=1)
+        return found
+
+    def mean_areas(self) -> Floats:
+        """Area of each wall [m²; disks: length, m], mean since the previous sample (samples − 1, walls)."""
+        lengths = self.mean_lengths()
+        return np.stack(
+            [np.delete(lengths, axis, 1).prod(axis=1) for _, axis, _ in self.system.domain.walls()], axis=1
+        )
+
+    def of_walls(self, name: str) -> Floats:
+        """A record of all sides, of those that are walls (samples, walls)."""
+        return self[name][:, [-1 - number for number, _, _ in self.system.domain.walls()]]
 
     def mean_thermal_energy(self) -> Floats:
         """Σ m v'², mean since the previous sample, without the first. Exact if the engine integrates it over time."""
@@ -72,7 +110,7 @@ class Observable:
         found = samples[self.name] if self.of is None else self.of(samples)
         if self.kind == "rate":
             found = np.concatenate([np.full((1, *found.shape[1:]), math.nan), found])
-        whole = self.unit == "1" and self.kind != "rate" and not np.isnan(found).any()
+        whole = self.name.startswith("n_") and not np.isnan(found).any()
         return found.astype(np.int64) if whole else found.copy()
 
     def unit_in(self, dimension: int) -> str:
@@ -81,7 +119,7 @@ class Observable:
 
     def dims(self) -> tuple[str, ...]:
         """The dimensions in a Dataset."""
-        return {"scalar": ("time",), "vector": ("time", "axis"), "tensor": ("time", "component")}[self.shape]
+        return ("time", *_DIMS[self.shape])
 
 
 def _collision_rate(samples: Samples) -> Floats:
@@ -91,24 +129,112 @@ def _collision_rate(samples: Samples) -> Floats:
 def _pressure(samples: Samples) -> Floats:
     d = samples.system.dimension
     virial = samples.rate("virial_tensor")[:, :d].sum(axis=1)
-    mean: Floats = (samples.mean_thermal_energy() + virial) / (d * samples.system.domain.volume)
+    mean: Floats = (samples.mean_thermal_energy() + virial) / (d * samples.mean_volume())
     return mean
 
 
-def _pressure_tensor(samples: Samples) -> Floats:
-    """Components in LAMMPS' order; the trace divided by d is the pressure, to rounding."""
+def _kinetic_pressure_tensor(samples: Samples) -> Floats:
     d, kinetic = samples.system.dimension, samples["kinetic_tensor"]
     mean = 0.5 * (kinetic[1:] + kinetic[:-1])
     # The mean of two samples is corrected isotropically to the exact mean thermal energy.
     isotropic = (samples.mean_thermal_energy() - mean[:, :d].sum(axis=1)) / d
     mean[:, :d] += isotropic[:, None]
-    return (mean + samples.rate("virial_tensor")) / samples.system.domain.volume
+    return mean / samples.mean_volume()[:, None]
+
+
+def _collisional_pressure_tensor(samples: Samples) -> Floats:
+    return samples.rate("virial_tensor") / samples.mean_volume()[:, None]
+
+
+def _pressure_tensor(samples: Samples) -> Floats:
+    """The trace divided by d is the pressure, to rounding."""
+    return _kinetic_pressure_tensor(samples) + _collisional_pressure_tensor(samples)
+
+
+def _gradient(samples: Samples) -> int:
+    """The axis of the gradient of a shear flow along x."""
+    return samples.system.domain.gradient or 1
+
+
+def _shear_stress(samples: Samples) -> Floats:
+    d = samples.system.dimension
+    return -_pressure_tensor(samples)[:, d - 1 + _gradient(samples)]
+
+
+def _first_normal_stress_difference(samples: Samples) -> Floats:
+    tensor = _pressure_tensor(samples)
+    return tensor[:, _gradient(samples)] - tensor[:, 0]
+
+
+def _packing_fraction(samples: Samples) -> Floats:
+    filled = samples.system.packing_fraction * samples.system.domain.volume
+    return filled / samples.lengths().prod(axis=1)
+
+
+def _flux_to_walls(name: str) -> Callable[[Samples], Floats]:
+    def flux(samples: Samples) -> Floats:
+        with np.errstate(invalid="ignore", divide="ignore"):
+            growth = np.diff(samples.of_walls(name), axis=0) / samples.lasted[:, None]
+        return growth / samples.mean_areas()
+
+    return flux
+
+
+def _rate_of(name: str) -> Callable[[Samples], Floats]:
+    return lambda samples: samples.rate(name)
 
 
 def _overlapped_share(samples: Samples) -> Floats:
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.diff(samples["n_overlapped"]) / np.diff(samples["n_ended"])
 
+
+_OF_PARTS: Final = ("granular_temperature", "kinetic_tensor", "virial_tensor")
+_COMPONENTS: Final = "components xx, yy, zz, xy, xz, yz, positive in compression"
+_STRESSES: Final[tuple[tuple[str, str, tuple[str, ...], Shape, Callable[[Samples], Floats]], ...]] = (
+    (
+        "pressure",
+        "(Σ m v'² + Σ r·Δp of pairs per time)/(d·volume)",
+        ("granular_temperature", "virial_tensor"),
+        "scalar",
+        _pressure,
+    ),
+    (
+        "pressure_tensor",
+        f"(Σ m v'⊗v' + Σ r⊗Δp of pairs per time)/volume, {_COMPONENTS}",
+        _OF_PARTS,
+        "tensor",
+        _pressure_tensor,
+    ),
+    (
+        "kinetic_pressure_tensor",
+        f"kinetic part of the pressure tensor, Σ m v'⊗v'/volume, {_COMPONENTS}",
+        _OF_PARTS[:2],
+        "tensor",
+        _kinetic_pressure_tensor,
+    ),
+    (
+        "collisional_pressure_tensor",
+        f"collisional part of the pressure tensor, (Σ r⊗Δp of pairs per time)/volume, {_COMPONENTS}",
+        _OF_PARTS[2:],
+        "tensor",
+        _collisional_pressure_tensor,
+    ),
+    (
+        "shear_stress",
+        "−P_xy of the pressure tensor P; y is the axis of the gradient in a sheared box",
+        _OF_PARTS,
+        "scalar",
+        _shear_stress,
+    ),
+    (
+        "first_normal_stress_difference",
+        "P_yy − P_xx of the pressure tensor P; y is the axis of the gradient in a sheared box",
+        _OF_PARTS,
+        "scalar",
+        _first_normal_stress_difference,
+    ),
+)
 
 _RECORDS: Final = (
     Observable("kinetic_energy", "J", "Σ m v²/2", ("kinetic_energy",)),
@@ -125,6 +251,15 @@ _RECORDS: Final = (
     Observable("wall_work", "J", "work of moving walls on the particles", ("wall_work",), "sum"),
     Observable("shear_work", "J", "work of a Lees–Edwards boundary on the particles", ("shear_work",), "sum"),
     Observable("heat", "J", "energy from the thermostat", ("heat",), "sum"),
+    *(
+        Observable(name, "W", f"{of} per time", (total,), "rate", of=_rate_of(total))
+        for name, total, of in (
+            ("dissipation_rate", "dissipated_energy", "energy lost in contacts"),
+            ("wall_power", "wall_work", "work of moving walls on the particles"),
+            ("shear_power", "shear_work", "work of a Lees–Edwards boundary on the particles"),
+            ("heating_power", "heat", "energy from the thermostat"),
+        )
+    ),
     Observable(
         "granular_temperature",
         "m2/s2",
@@ -140,23 +275,61 @@ _RECORDS: Final = (
         "collision_rate", "1/s", "2·collisions of pairs/(N·time)", ("n_pairs",), "rate", of=_collision_rate
     ),
     Observable(
-        "pressure",
-        "Pa",
-        "(Σ m v'² + Σ r·Δp of pairs per time)/(d·volume)",
-        ("granular_temperature", "virial_tensor"),
-        "rate",
-        unit_of_disks="N/m",
-        of=_pressure,
+        "wall_impulse",
+        "N s",
+        "momentum that each wall gets from the particles, along its outward normal",
+        ("wall_impulse",),
+        "sum",
+        "walls",
+        of=lambda samples: samples.of_walls("wall_impulse"),
     ),
     Observable(
-        "pressure_tensor",
+        "wall_energy",
+        "J",
+        "energy that each wall gets from the particles: lost in its contacts, less its work",
+        ("wall_energy",),
+        "sum",
+        "walls",
+        of=lambda samples: samples.of_walls("wall_energy"),
+    ),
+    Observable(
+        "wall_pressure",
         "Pa",
-        "(Σ m v'⊗v' + Σ r⊗Δp of pairs per time)/volume, components xx, yy, zz, xy, xz, yz",
-        ("granular_temperature", "kinetic_tensor", "virial_tensor"),
+        "momentum flux to each wall along its outward normal: impulse per area and time",
+        ("wall_impulse",),
         "rate",
-        "tensor",
+        "walls",
         unit_of_disks="N/m",
-        of=_pressure_tensor,
+        of=_flux_to_walls("wall_impulse"),
+    ),
+    Observable(
+        "wall_heat_flux",
+        "W/m2",
+        "energy flux to each wall: energy lost in its contacts, less its work, per area and time",
+        ("wall_energy",),
+        "rate",
+        "walls",
+        unit_of_disks="W/m",
+        of=_flux_to_walls("wall_energy"),
+    ),
+    Observable(
+        "volume",
+        "m3",
+        "volume of the box, between the walls where they are",
+        ("time",),
+        unit_of_disks="m2",
+        of=lambda samples: samples.lengths().prod(axis=1),
+    ),
+    Observable(
+        "packing_fraction",
+        "1",
+        "volume of the particles over that of the box",
+        ("time",),
+        of=_packing_fraction,
+    ),
+    *(
+        Observable(name, "Pa", meaning, needs, "rate", shape, unit_of_disks="N/m", of=of)
+        for name, meaning, needs, shape, of in _STRESSES
     ),
     Observable("n_in_contact", "1", "contacts that last at this time", ("n_in_contact",)),
     Observable(
@@ -171,7 +344,7 @@ _RECORDS: Final = (
 #: Observables by name, in the order of the variables of a Dataset.
 OBSERVABLES: Final = {one.name: one for one in _RECORDS}
 #: Coordinates of a series, whose names no observable may have.
-RESERVED: Final = ("time", "axis", "component")
+RESERVED: Final = ("time", "axis", "component", "wall")
 
 
 def provided(records: Any) -> Iterator[Observable]:
@@ -182,6 +355,11 @@ def provided(records: Any) -> Iterator[Observable]:
 def components(dimension: int) -> list[str]:
     """Names of the components of a symmetric tensor, in LAMMPS' order: xx, yy, zz, xy, xz, yz."""
     return [AXES[a] + AXES[b] for a, b in zip(*component_axes(dimension), strict=True)]
+
+
+def wall_names(system: ParticleSystem) -> list[str]:
+    """The walls of a system: ``"x-"`` at 0, ``"x+"`` at the edge, … ``"z+"``."""
+    return [name_of(axis, upper) for _, axis, upper in system.domain.walls()]
 
 
 def variables(samples: Samples) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -198,11 +376,16 @@ def variables(samples: Samples) -> tuple[dict[str, Any], dict[str, Any]]:
             },
         )
         for one in provided(samples)
+        if one.shape != "walls" or "wall" in system.boundary
     }
     time = read_only(samples["time"].copy())
     coordinates: dict[str, Any] = {
         "time": ("time", time, {"units": "s", "long_name": "time after the start of the run"})
     }
     used = {dim for dims, _, _ in data.values() for dim in dims}
-    named = {"axis": list(AXES[: system.dimension]), "component": components(system.dimension)}
+    named = {
+        "axis": list(AXES[: system.dimension]),
+        "component": components(system.dimension),
+        "wall": wall_names(system),
+    }
     return data, coordinates | {dim: names for dim, names in named.items() if dim in used}

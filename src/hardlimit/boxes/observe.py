@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..support import validation
 from .box import AXES
-from .observables import OBSERVABLES, components
+from .observables import OBSERVABLES
 from .system import ParticleSystem
 
 #: f(t, system) with t [s] returns numbers, arrays of numbers or DataArrays by name.
@@ -151,7 +151,7 @@ def _refuse_clashes(at: str, found: Observed, known: Mapping[str, Variable]) -> 
                 raise ValueError(
                     f"{at} got {length} values of {name!r} along {dim!r}, must be {lengths[dim]}"
                 )
-    taken = {"time", *OBSERVABLES}
+    taken = {"time", "wall", *OBSERVABLES}
     dims = {name: {*one.dims} - known.keys() for name, one in found.data.items()}
     labels = {*found.coordinates}.union(*dims.values())
     for name in found.data:

@@ -134,11 +134,15 @@ class _Result:
         """The outcome as an index of ``hardlimit.OUTCOMES``; 0 is ok."""
         return _core.outcome_names.index(self.outcome_name)
 
+    @property
+    def _samples(self) -> Samples:
+        return Samples(self.system, self.samples, self.time)
+
     @cached_property
     def _series(self) -> xr.Dataset:
         import xarray as xr
 
-        data, coordinates = observables.variables(Samples(self.system, self.samples))
+        data, coordinates = observables.variables(self._samples)
         seen, labels = observe.variables(self.observed)
         return xr.Dataset(data | seen, coordinates | labels, self._attributes("Series"))
 
@@ -280,7 +284,7 @@ class ParticleResult(_Result):
             ("granular temperature at the end [m²/s²]", ended),
         ]
         if lasted.sum() > 0.0:
-            good, samples = lasted > 0.0, Samples(self.system, self.samples)
+            good, samples = lasted > 0.0, self._samples
             for name, label in (("collision_rate", "mean collision rate"), ("pressure", "mean pressure")):
                 mean = np.average(OBSERVABLES[name].values(samples)[1:][good], weights=lasted[good])
                 found.append((f"{label} [{OBSERVABLES[name].unit_in(self.system.dimension)}]", float(mean)))

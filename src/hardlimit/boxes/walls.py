@@ -7,8 +7,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import astuple, dataclass
 from typing import Any, Final
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ..support import validation
 
+Floats = NDArray[np.float64]
 AXES: Final = ("x", "y", "z")
 WAVEFORMS: Final = ("sine", "triangle", "parabola")
 #: Largest displacement, speed and acceleration of a wall: the squares of larger ones would overflow.
@@ -108,6 +112,20 @@ class MovingWall:
         moved = self.offset + self.velocity * time
         return moved + self.amplitude * _wave(self.waveform, cycles) if self.oscillates else moved
 
+    def mean_displacement(self, begin: Floats, end: Floats) -> Floats:
+        """Mean displacement from the rest place between two times of the run [m], exact for each waveform.
+
+        :meta private:
+        """
+        found: Floats = self.offset + 0.5 * self.velocity * (begin + end)
+        if not self.oscillates:
+            return found
+        cycles = [(self.frequency * t + self.phase / (2.0 * math.pi)) % 1.0 for t in (begin, end)]
+        gained = _integral(self.waveform, cycles[1]) - _integral(self.waveform, cycles[0])
+        passed = self.frequency * (end - begin)
+        still = np.array([_wave(self.waveform, float(c)) for c in cycles[0].ravel()]).reshape(begin.shape)
+        return found + self.amplitude * np.divide(gained, passed, where=passed > 0.0, out=still)
+
     def after(self, time: float) -> MovingWall:
         """The wall in a run that begins at a time of this one [s].
 
@@ -146,6 +164,20 @@ def _wave(waveform: str, cycles: float) -> float:
         return 1.0 - 4.0 * abs((cycles + 0.25) % 1.0 - 0.5)
     half = cycles % 0.5
     return math.copysign(16.0 * half * (0.5 - half), 0.5 - cycles)
+
+
+def _integral(waveform: str, cycles: Floats) -> Floats:
+    """Integral of the wave over the cycles in [0, 1) from 0. The second half of a period is the first with the other
+    sign."""
+    half: Floats = cycles % 0.5
+    if waveform == "sine":
+        first, whole = (1.0 - np.cos(2.0 * math.pi * half)) / (2.0 * math.pi), 1.0 / math.pi
+    elif waveform == "triangle":
+        first = np.where(half < 0.25, 2.0 * half**2, 0.25 - 2.0 * (0.5 - half) ** 2)
+        whole = 0.25
+    else:
+        first, whole = half**2 * (4.0 - 16.0 / 3.0 * half), 1.0 / 3.0
+    return np.where(cycles < 0.5, first, whole - first)
 
 
 #: The moving walls of a system, by axis and end: ``"x-"`` at 0, … ``"z+"`` at the edge. In this order.

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from .motion import diffusion, msd, paths
 from .pairs import coordination, rdf
 from .steadiness import Steady, contact_value, steady
+from .stress import pressure_tensor
 from .velocities import a2, granular_temperature, profiles
 
 if TYPE_CHECKING:
@@ -26,6 +27,7 @@ __all__ = [
     "msd",
     "paths",
     "plot",
+    "pressure_tensor",
     "profiles",
     "rdf",
     "steady",
@@ -36,7 +38,7 @@ def plot(measured: Any) -> Figure:
     """Plot a measurement.
 
     A quantity over one coordinate is a line, over ``time`` and another coordinate a map; a Dataset has a panel for each
-    of its variables. Colours are those of Okabe & Ito (2008).
+    of its variables, a pressure tensor bars of its parts. Colours are those of Okabe & Ito (2008).
 
     Parameters
     ----------

@@ -142,7 +142,7 @@ def profiles(system: ParticleSystem, axis: str, *, bins: int = 20) -> xr.Dataset
     """
     k, count = checked_axis("axis", axis, checked_system(system)), checked_bins(bins)
     d, mass, bin_of = system.dimension, system.mass, _bins(system, k, count)
-    volume, of_disks = system.domain.volume / count, d == 2
+    volume, of_disks = float(np.prod(system.box)) / count, d == 2
     means = _mean_velocities(system, bin_of, count)
     relative = system.velocities - means[bin_of]
     thermal = _sums(bin_of, mass * np.einsum("ij,ij->i", relative, relative), count)

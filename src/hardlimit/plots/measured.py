@@ -9,6 +9,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from ..boxes.box import component_axes
 from ..measure import Steady
 from ..support import validation
 from .labels import axis_label, axis_scale
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 PANEL_HEIGHT: Final = 1.5  #: [inch] of a variable of a Dataset
+LABELLED: Final = ("axis", "component", "wall")  #: dimensions with a line for each of their names
 MAX_LABEL: Final = 50  #: longest meaning [characters] that an axis shows; beyond it the name
 
 
@@ -30,6 +32,9 @@ def measured(one: Any) -> Figure:
         elif isinstance(one, xr.Dataset) and "rattler" in one:
             figure, (ax,) = _panels(1)
             _contacts(ax, one)
+        elif isinstance(one, xr.Dataset) and "collisional" in one:
+            figure, (ax,) = _panels(1)
+            _stress(ax, one)
         elif isinstance(one, xr.Dataset):
             shown = [v for v in one.data_vars.values() if _kind(v)]
             figure, axes = _panels(_some(one, len(shown)), PANEL_HEIGHT)
@@ -59,14 +64,14 @@ def _some(one: Any, count: int) -> int:
 
 
 def _kind(one: xr.DataArray) -> str:
-    """``"line"``, ``"lines"`` (one for each axis), ``"map"``, or empty if there is no picture of it."""
-    along = [dim for dim in one.dims if dim != "axis"]
+    """``"line"``, ``"lines"`` (one for each label), ``"map"``, or empty if there is no picture of it."""
+    along = [dim for dim in one.dims if dim not in LABELLED]
     numeric = all(dim in one.coords and one[dim].dtype.kind in "iuf" for dim in along)
     if not numeric or one.size == 0 or len(along) not in (1, 2):
         return ""
     if len(along) == 2:
         return "map" if along[0] == "time" and one.ndim == 2 else ""
-    return "lines" if "axis" in one.dims else "line"
+    return {1: "line", 2: "lines"}.get(one.ndim, "")
 
 
 def _scale(one: xr.DataArray) -> tuple[float, str]:
@@ -95,7 +100,7 @@ def _draw(figure: Figure, ax: Axes, one: xr.DataArray) -> None:
         ax.set_xlabel(when)
         ax.set_ylabel(where)
         return
-    (along,) = (dim for dim in one.dims if dim != "axis")
+    (along,) = (dim for dim in one.dims if dim not in LABELLED)
     if along == "lag":  # over decades, from ballistic flight to diffusion
         one = one[one["lag"] > 0.0]
         if (one > 0.0).any():
@@ -105,8 +110,8 @@ def _draw(figure: Figure, ax: Axes, one: xr.DataArray) -> None:
     if one.name == "rdf":
         ax.axhline(1.0, color=GREY, lw=0.8)
     ax.plot(at, values)
-    if "axis" in one.dims:
-        ax.legend(ax.lines, one["axis"].values.tolist(), ncols=3)
+    for dim in set(LABELLED).intersection(one.dims):
+        ax.legend(ax.lines, one[dim].values.tolist(), ncols=3)
     ax.set_xlabel(where)
     ax.set_ylabel(label)
 
@@ -126,6 +131,23 @@ def _steady(ax: Axes, one: Steady) -> None:
     )
     ax.set_xlim(at[0], at[-1])
     ax.set_xlabel(where)
+    ax.set_ylabel(label)
+    ax.legend()
+
+
+def _stress(ax: Axes, one: xr.Dataset) -> None:
+    """Bars of both parts of each component of a pressure tensor, with the standard errors."""
+    names = one["row"].values.tolist()
+    first, second = component_axes(len(names))
+    factor, label = _scale(one["pressure_tensor"])
+    places = np.arange(len(first))
+    for shift, name in ((-0.2, "kinetic"), (0.2, "collisional")):
+        values, errors = (factor * one[part].values[first, second] for part in (name, f"{name}_error"))
+        colour = PALETTE["blue" if shift < 0.0 else "orange"]
+        ax.bar(places + shift, values, 0.4, yerr=errors, color=colour, label=name)
+    ax.axhline(0.0, color=GREY, lw=0.8)
+    ax.set_xticks(places, [names[i] + names[j] for i, j in zip(first, second, strict=True)])
+    ax.set_xlabel("component")
     ax.set_ylabel(label)
     ax.legend()
 

@@ -46,6 +46,7 @@ public:
     double dissipated = 0.0;   // including the elastic energy that slack pairs still store [J]
     SymmetricTensor virial;    // ∫ Σ r⊗F dt over pairs of bodies [J s]
     double wall_work = 0.0;    // done by moving walls [J]
+    WallSums walls;            // as `dissipated`, with the energy that slack pairs still store
     double shear_work = 0.0;   // done on pairs whose image moves [J]
     double tolerance = 1e-11;  // of a step, relative to the units of length, speed and time
     bool record = false;       // whether to keep the trajectory
@@ -65,6 +66,7 @@ public:
         trajectory.clear();
         base = time = dissipated = wall_work = shear_work = largest_compression = 0.0;
         virial = {};
+        walls = {};
         too_deep = -1;
         record = unresolved = known_ = false;
         begun = begun_pairs = steps_ = 0;
@@ -114,6 +116,15 @@ public:
         return sum;
     }
 
+    // `walls` without the energy that slack pairs still store.
+    WallSums given_to_walls() const {
+        WallSums given = walls;
+        for (const ContactPair<Law>& q : pairs)
+            if (q.second < 0 && q.state == ContactState::slack)
+                given.add(q.wall_id, 0.0, -q.law.energy(math::max(depth_root(q), 0.0)));
+        return given;
+    }
+
 private:
     // Speed below which squares underflow: the bodies do not move [m/s].
     static constexpr double at_rest = 1e-150;
@@ -150,9 +161,11 @@ private:
     Scratch<char> is_ordered_;      // [members]
     int in_contact_ = 0;            // number of members in contact
     Scratch<series::Contact> contacts_;
-    Scratch<int> rooted_;                // pairs whose s is a component, in the order of the state
-    Scratch<int> slot_;                  // [pairs] index of s in the state
-    bool known_ = false;                 // whether k_ is the derivative of y_
+    Scratch<int> rooted_;                      // pairs whose s is a component, in the order of the state
+    Scratch<int> slot_;                        // [pairs] index of s in the state
+    bool known_ = false;                       // whether k_ is the derivative of y_
+    std::array<int, most_walls> wall_slot_{};  // place of each wall among those of the pairs, or −1
+    int touched_walls_ = 0;                    // number of the walls of the pairs
     bool walls_move_ = false;            // whether a wall of a pair moves: the state then holds wall_work
     bool images_move_ = false;           // whether the image of a pair moves: the state then holds shear_work
     bool integrates_ = !LinearLaw<Law>;  // whether steps are integrated; otherwise they are power series
@@ -167,9 +180,22 @@ private:
     int wall_work_index() const { return 6 * count() + 2; }
     int shear_work_index() const { return 6 * count() + 2 + (walls_move_ ? 1 : 0); }
     int first_root_index() const { return shear_work_index() + (images_move_ ? 1 : 0); }
-    // The virial stands last: nothing depends on it.
+    // The virial stands behind the others, and what each wall of the pairs gets (impulse, energy) last: nothing depends
+    // on them.
     int virial_index() const { return first_root_index() + static_cast<int>(rooted_.size()); }
-    int dimension() const { return virial_index() + static_cast<int>(SymmetricTensor::size); }
+    int wall_sums_index() const { return virial_index() + static_cast<int>(SymmetricTensor::size); }
+    int wall_sums_index(WallId wall) const { return wall_sums_index() + 2 * wall_slot_[wall.index()]; }
+    int dimension() const { return wall_sums_index() + 2 * touched_walls_; }
+    template <class F>
+    void for_touched_walls(const F& f) const {
+        for (std::size_t k = 0; k < most_walls; ++k)
+            if (wall_slot_[k] >= 0) f(k, wall_sums_index() + 2 * wall_slot_[k]);
+    }
+    // Adds energy that is dissipated in a pair, or taken back if negative.
+    void add_loss(const ContactPair<Law>& q, double energy) {
+        y_[loss_index()] += energy;
+        if (q.second < 0) y_[wall_sums_index(q.wall_id) + 1] += energy;
+    }
 
     bool all(ContactState state) const {
         return std::all_of(pairs.begin(), pairs.end(), [&](const auto& q) { return q.state == state; });

@@ -138,7 +138,7 @@ void Cluster<Law>::apply(Event what, int index) {
     if (what == Event::begins) {
         begin_contact(index, g);
     } else if (what == Event::engages) {
-        y_[loss_index()] -= q.law.energy(onset_root<p>(g.depth));
+        add_loss(q, -q.law.energy(onset_root<p>(g.depth)));
         begin_contact(index, g);
     } else if (what == Event::ends) {
         end_contact(index, g);
@@ -177,7 +177,7 @@ void Cluster<Law>::end_contact(int index, const Geometry& g) {
     ContactPair<Law>& q = pairs[static_cast<std::size_t>(index)];
     ended.push_back({index, q.begin, base + y_[time_index()], q.impact_speed, -g.rate, q.overlapped});
     const double s = math::max(depth_root(index, g, y_.data()), 0.0);
-    y_[loss_index()] += q.law.energy(s);
+    add_loss(q, q.law.energy(s));
     if (q.rooted) {
         std::vector<int> chosen;
         for (const int other : rooted_)

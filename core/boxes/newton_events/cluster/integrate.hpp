@@ -23,17 +23,24 @@ void Cluster<Law>::derivative(const double* y, double* dy) const {
     for (int i = 3 * n; i < 6 * n; i += 3)
         for (std::size_t a = 0; a < 3; ++a) dy[static_cast<std::size_t>(i) + a] = gravity[a];
     double loss_rate = 0.0, power = 0.0, shear_power = 0.0;
-    SymmetricTensor pressing;  // Σ r⊗F
+    SymmetricTensor pressing;           // Σ r⊗F
+    double given[2 * most_walls] = {};  // force on each wall of the pairs, and power that it gets
     for (std::size_t q = 0; q < pairs.size(); ++q) {
         const ContactPair<Law>& pair = pairs[q];
         if (pair.state != ContactState::closed) continue;
         const Geometry g = geometry(pair, y);
         const double s = depth_root(static_cast<int>(q), g, y);
         const double force = pair.law.force(s, g.rate);
-        loss_rate += (force - pair.law.elastic_force(s)) * g.rate;
+        const double lost = (force - pair.law.elastic_force(s)) * g.rate;
+        loss_rate += lost;
         if (pair.second >= 0) pressing.add_square(force * g.distance, g.normal);
         if (pair.image_moves) shear_power -= force * dot(g.normal, pair.image_velocity);
-        if (pair.second < 0) power += force * pair.side * wall_velocity(pair, y[time_index()]);
+        if (pair.second < 0) {
+            const double work = force * pair.side * wall_velocity(pair, y[time_index()]);
+            power += work;
+            double* const of_wall = given + 2 * wall_slot_[pair.wall_id.index()];
+            of_wall[0] += force, of_wall[1] += lost - work;
+        }
         for (int a = 0; a < 3; ++a) {
             const double along = force * g.normal[static_cast<std::size_t>(a)];
             dy[3 * (n + pair.first) + a] -= along / members[pair.first].mass;
@@ -49,6 +56,7 @@ void Cluster<Law>::derivative(const double* y, double* dy) const {
     if (images_move_) dy[shear_work_index()] = gamma * shear_power;
     for (std::size_t k = 0; k < SymmetricTensor::size; ++k)
         dy[static_cast<std::size_t>(virial_index()) + k] = gamma * pressing.component[k];
+    for (int k = 0; k < 2 * touched_walls_; ++k) dy[wall_sums_index() + k] = gamma * given[k];
 }
 
 // Chooses the coordinate of each closed contact: s if it is compressed or approaches fast, otherwise the positions. s

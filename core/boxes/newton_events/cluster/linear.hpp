@@ -256,11 +256,15 @@ void Cluster<Law>::advance_series(double at, double unit) {
                   static_cast<int>(contacts_.size()), at, unit, gravity4().data(), y_.data(),
                   &y_[loss_index()], &y_[virial_index()], chord_deviation);
     for (const series::Contact& f : contacts_) {
-        if (!walls_move_ || !f.closed || f.second >= 0) continue;
-        double impulse = 0.0;  // of the force on the body, over the unit of time
+        if (!f.closed || f.second >= 0) continue;
+        double impulse = 0.0, lost = 0.0;  // of the force on the body, over the unit of time; dissipated
         for (int k = series::order; k >= 0; --k)
             impulse = (impulse + f.force[static_cast<std::size_t>(k)] / (k + 1)) * at;
-        y_[wall_work_index()] += impulse * f.side * f.wall[1];
+        const double work = impulse * f.side * f.wall[1];
+        if (walls_move_) y_[wall_work_index()] += work;
+        series::add_integrals(f, at, unit, &lost, nullptr);
+        const int given = wall_sums_index(pairs[f.pair].wall_id);
+        y_[given] += impulse * unit, y_[given + 1] += lost - work;
     }
     y_[time_index()] += at * unit;
 }

@@ -36,6 +36,11 @@ void Cluster<Law>::load_state() {
             sine_ = sine_ || piece(q).amplitude != 0.0;
             integrates_ = integrates_ || sine_ || piece(q).acceleration0 != 0.0;
         }
+    wall_slot_.fill(-1);
+    touched_walls_ = 0;
+    for (const ContactPair<Law>& q : pairs)
+        if (q.second < 0 && wall_slot_[q.wall_id.index()] < 0)
+            wall_slot_[q.wall_id.index()] = touched_walls_++;
     slot_.assign(pairs.size(), -1);
     rooted_.clear();
     for (std::size_t q = 0; q < pairs.size(); ++q) {
@@ -52,6 +57,8 @@ void Cluster<Law>::load_state() {
     y_[time_index()] = time;
     y_[loss_index()] = dissipated;
     std::ranges::copy(virial.component, &y_[virial_index()]);
+    for_touched_walls(
+        [&](std::size_t wall, int at) { y_[at] = walls.impulse[wall], y_[at + 1] = walls.energy[wall]; });
     if (walls_move_) y_[wall_work_index()] = wall_work;
     if (images_move_) y_[shear_work_index()] = shear_work;
     for (const int q : rooted_) y_[slot_[q]] = pairs[q].s;
@@ -80,6 +87,8 @@ void Cluster<Law>::store_state() {
         }
     dissipated = y_[loss_index()];
     std::copy_n(&y_[virial_index()], SymmetricTensor::size, virial.component);
+    for_touched_walls(
+        [&](std::size_t wall, int at) { walls.impulse[wall] = y_[at], walls.energy[wall] = y_[at + 1]; });
     if (walls_move_) wall_work = y_[wall_work_index()];
     if (images_move_) shear_work = y_[shear_work_index()];
     for (const int q : rooted_) pairs[q].s = y_[slot_[q]];
