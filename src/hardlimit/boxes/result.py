@@ -233,8 +233,9 @@ class ParticleResult(_Result):
 
         ``kinetic_energy``, ``potential_energy`` and ``dissipated_energy`` [J], ``granular_temperature`` [m²/s²],
         ``momentum`` [kg m/s], ``n_collisions``, ``collision_rate`` [1/s], ``pressure`` and ``pressure_tensor`` [Pa;
-        disks N/m], and the values of ``observe``. Rate and pressures are means since the previous sample, and NaN at
-        the first sample. The tensor is positive in compression; its ``component`` is xx, yy, zz, xy, xz or yz.
+        disks N/m], what each ``wall`` gets, rates of work and more (:doc:`grains` lists all), and the values of
+        ``observe``. Rates and pressures are means since the previous sample, and NaN at the first sample. The tensor is
+        positive in compression; its ``component`` is xx, yy, zz, xy, xz or yz.
         """
         return self._series.copy()
 
@@ -365,10 +366,11 @@ class ContactResult(_Result):
 
         ``kinetic_energy``, ``potential_energy``, ``contact_energy`` and ``dissipated_energy`` [J],
         ``granular_temperature`` [m²/s²], ``momentum`` [kg m/s], ``n_contacts``, ``n_in_contact``, ``collision_rate``
-        [1/s], ``pressure`` and ``pressure_tensor`` [Pa; disks N/m], ``overlapped_share``, and the values of
-        ``observe``. Rate, pressures and share are means since the previous sample, and NaN at the first sample. The
-        tensor is positive in compression; its ``component`` is xx, yy, zz, xy, xz or yz. With LAMMPS and without a log
-        ``n_contacts``, ``collision_rate`` and ``overlapped_share`` are NaN.
+        [1/s], ``pressure`` and ``pressure_tensor`` [Pa; disks N/m], ``overlapped_share``, what each ``wall`` gets,
+        rates of work and more (:doc:`grains` lists all), and the values of ``observe``. Rates, pressures and share are
+        means since the previous sample, and NaN at the first sample. The tensor is positive in compression; its
+        ``component`` is xx, yy, zz, xy, xz or yz. With LAMMPS and without a log ``n_contacts``, ``collision_rate`` and
+        ``overlapped_share`` are NaN; it has no quantities of walls, boundaries and thermostats.
         """
         return self._series.copy()
 
