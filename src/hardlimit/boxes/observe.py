@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..support import validation
 from .box import AXES
-from .observables import OBSERVABLES
+from .observables import OBSERVABLES, components
 from .system import ParticleSystem
 
 #: f(t, system) with t [s] returns numbers, arrays of numbers or DataArrays by name.
