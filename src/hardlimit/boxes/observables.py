@@ -163,7 +163,8 @@ def _shear_stress(samples: Samples) -> Floats:
 
 def _first_normal_stress_difference(samples: Samples) -> Floats:
     tensor = _pressure_tensor(samples)
-    return tensor[:, _gradient(samples)] - tensor[:, 0]
+    difference: Floats = tensor[:, _gradient(samples)] - tensor[:, 0]
+    return difference
 
 
 def _packing_fraction(samples: Samples) -> Floats:

@@ -124,7 +124,8 @@ class MovingWall:
         gained = _integral(self.waveform, cycles[1]) - _integral(self.waveform, cycles[0])
         passed = self.frequency * (end - begin)
         still = np.array([_wave(self.waveform, float(c)) for c in cycles[0].ravel()]).reshape(begin.shape)
-        return found + self.amplitude * np.divide(gained, passed, where=passed > 0.0, out=still)
+        found += self.amplitude * np.divide(gained, passed, where=passed > 0.0, out=still)
+        return found
 
     def after(self, time: float) -> MovingWall:
         """The wall in a run that begins at a time of this one [s].
