@@ -76,4 +76,11 @@ struct Bodies {
     std::size_t count() const { return position.size(); }
 };
 
+// Velocity of a body relative to the mean flow of a sheared box [m/s].
+inline Double4 velocity_from_flow(const Box& box, const Bodies& bodies, std::size_t i) {
+    Double4 v = bodies.velocity[i];
+    if (box.is_sheared()) v[0] -= box.mean_flow(bodies.position[i][box.gradient]);
+    return v;
+}
+
 }  // namespace hardlimit::boxes

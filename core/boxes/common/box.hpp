@@ -170,6 +170,11 @@ private:
     }
 };
 
+// Kinetic energy that a particle gains with a change of its velocity along the axis [J].
+HL_FN double gained_energy(double mass, double velocity, double change) {
+    return 0.5 * mass * change * (2.0 * velocity + change);
+}
+
 HL_FN int floor_to_int(double x) {
     const int toward_zero = static_cast<int>(x);
     return toward_zero - (x < toward_zero ? 1 : 0);

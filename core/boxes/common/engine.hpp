@@ -48,6 +48,20 @@ struct Observation {
     u64 in_contact = 0;             // contacts at present
 };
 
+// Changes the velocity of a particle at x to that of its image in a sheared box, and adds the work that this takes. A
+// particle may be beyond the side before its path is continued from the other one. Returns the mean flow there [m/s].
+template <class Position, class Velocity>
+double to_image_in_box(const Box& box, Observation& sums, double mass, const Position& x, Velocity& v) {
+    const double y = x[static_cast<std::size_t>(box.gradient)];
+    const int crossed = box.turns(y, box.gradient);
+    const double change = -crossed * box.image_velocity(),
+                 flow = box.mean_flow(y - crossed * box.edge[box.gradient]);
+    sums.shear_work += gained_energy(mass, v[0], change);
+    sums.flow_momentum += mass * flow;
+    v[0] += change;
+    return flow;
+}
+
 // One row of the log. A collision of hard spheres begins and ends at the same instant.
 struct ContactRecord {
     double begin, end;                      // [s]; end is NaN while the contact is open

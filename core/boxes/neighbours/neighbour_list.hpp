@@ -2,6 +2,9 @@
 //
 // Bodies are sorted by cell, layer by layer along the axis with the most cells. A pair belongs to its body in the lower
 // cell, so the pairs of a layer reach into this layer and the next one only.
+//
+// In a sheared box the layers follow the gradient, so that only pairs of the last layer reach across the sheared side.
+// There the cells are displaced along the first axis: three columns face four.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -12,7 +15,7 @@
 
 namespace hardlimit::boxes {
 
-// Two bodies that may touch, and the periodic image of the second one as a code from 0 to 26.
+// Two bodies that may touch, and the periodic image of the second one as a code of CellLayers.
 struct NeighbourPair {
     std::uint32_t first;
     std::uint32_t coded;  // second body and image
@@ -24,18 +27,6 @@ struct NeighbourPair {
     std::uint32_t second() const { return coded & ((1u << bits) - 1); }
     std::uint32_t image() const { return coded >> bits; }
 };
-inline constexpr std::uint32_t no_image = 13;
-
-// Image of the second body relative to the first in unfolded coordinates, in units of the edges. It does not change
-// while the bodies are neighbours, even if one crosses a periodic boundary.
-inline std::array<std::int32_t, 3> relative_image(NeighbourPair p, const Records<BodyTag>& tag) {
-    std::array<std::int32_t, 3> image{};
-    std::uint32_t code = p.image();
-    for (std::size_t axis = 0; axis < 3; ++axis, code /= 3)
-        image[axis] = static_cast<std::int32_t>(code % 3) - 1 - tag[p.second()].image_flags[axis] +
-                      tag[p.first].image_flags[axis];
-    return image;
-}
 
 // A body that may touch a wall.
 struct WallNeighbour {
@@ -45,26 +36,64 @@ struct WallNeighbour {
 
 class CellLayers {
 public:
+    static constexpr std::uint32_t most_images = 30;
+
     CellLayers() = default;
     // Cells are at least as wide as `reach`, and at most about two per body. More than 16 layers are rounded down to an
-    // even number: the number of slabs is even too, so slabs then have equal work.
-    CellLayers(const Box& box, double reach, std::size_t bodies) : box_(box) {
+    // even number: the number of slabs is even too, so slabs then have equal work. `time` [s]: of the positions.
+    CellLayers(const Box& box, double reach, std::size_t bodies, double time) : box_(box) {
         divide(reach, 2.0 * static_cast<double>(bodies) + 64.0);
         for (int a = 0; a < 3; ++a) order_[a] = a;
-        std::stable_sort(order_, order_ + 3, [&](int a, int b) { return cells_[a] > cells_[b]; });
+        std::stable_sort(order_, order_ + 3, [&](int a, int b) {
+            const bool along = box.is_sheared() && a == box.gradient,
+                       other = box.is_sheared() && b == box.gradient;
+            return along != other ? along : cells_[a] > cells_[b];
+        });
         if (int& layers = cells_[order_[0]]; layers > 16) layers -= layers % 2;
-        for (std::uint32_t code = 0; code < 27; ++code) {
-            const int step[3] = {static_cast<int>(code % 3) - 1, static_cast<int>(code / 3 % 3) - 1,
-                                 static_cast<int>(code / 9) - 1};
-            const ImageMotion image = box.image(step, 0.0);
-            for (int a = 0; a < 3; ++a) shift_[code][a] = image.shift[a];
+        if (box.is_sheared()) {
+            periods_ = math::round_small(box.image_displacement(time) / box.edge[0]);
+            displacement_ = displacement(time);
+            least_[0] = -2, count_[0] = 5;  // a displaced row of cells reaches further
+            least_[box.gradient] = 0, count_[box.gradient] = 2;
+        }
+        for (std::uint32_t code = 0; code < count_[0] * count_[1] * count_[2]; ++code) {
+            const std::array<int, 3> flags = flags_of(code);
+            for (std::size_t a = 0; a < 3; ++a) shift_[code][a] = flags[a] * box.edge[a];
+            if (box.is_sheared()) shift_[code][3] = flags[static_cast<std::size_t>(box.gradient)];
+            shift_[code][0] += shift_[code][3] * displacement_;
         }
     }
 
     std::uint32_t layers() const { return width(0); }
     std::uint32_t cells_in_layer() const { return width(1) * width(2); }
     std::uint32_t cells() const { return layers() * cells_in_layer(); }
+    // Shifts of the images, by code [m]; the last component counts how often the image lies beyond the sheared side.
+    // They are those at the time of the list, as they stay unless they are beyond this side.
     const Double4* shifts() const { return shift_; }
+    // Writes those at another time.
+    void shifts_at(double time, Double4 (&shift)[most_images]) const {
+        const double moved = displacement(time) - displacement_;
+        for (std::uint32_t code = 0; code < most_images; ++code) {
+            shift[code] = shift_[code];
+            shift[code][0] += shift[code][3] * moved;
+        }
+    }
+    // Velocity of an image relative to the body itself, along the first axis [m/s].
+    double velocity(std::uint32_t code) const { return shift_[code][3] * box_.image_velocity(); }
+    std::uint32_t no_image() const {
+        std::uint32_t code = 0;
+        for (int a = 2; a >= 0; --a) code = code * count_[a] - static_cast<std::uint32_t>(least_[a]);
+        return code;
+    }
+    // Image of the second body relative to the first in unfolded coordinates, in units of the edges. It does not change
+    // while the bodies are neighbours, even if one crosses a periodic boundary.
+    std::array<std::int32_t, 3> relative_image(NeighbourPair p, const Records<BodyTag>& tag) const {
+        std::array<std::int32_t, 3> image = flags_of(p.image());
+        image[0] -= static_cast<std::int32_t>(shift_[p.image()][3] * periods_);
+        for (std::size_t a = 0; a < 3; ++a)
+            image[a] += tag[p.first].image_flags[a] - tag[p.second()].image_flags[a];
+        return image;
+    }
 
     std::uint32_t cell_of(Double4 position) const {
         return (along(0, position) * width(1) + along(1, position)) * width(2) + along(2, position);
@@ -77,14 +106,25 @@ public:
         const int x = static_cast<int>(cell / cells_in_layer());
         visit_run(x, y, z + 1, z + 1, visit);
         visit_run(x, y + 1, z - 1, z + 1, visit);
-        for (int dy = -1; dy <= 1; ++dy) visit_run(x + 1, y + dy, z - 1, z + 1, visit);
+        int from[2] = {y - 1, z - 1}, to[2] = {y + 1, z + 1};
+        if (box_.is_sheared() && x + 1 == cells_[order_[0]]) {
+            const int k = order_[1] == 0 ? 0 : 1;
+            from[k] = floor_to_int(from[k] - displacement_ / box_.edge[0] * cells_[0]);
+            to[k] = from[k] + 3;
+        }
+        for (int at = from[0]; at <= to[0]; ++at) visit_run(x + 1, at, from[1], to[1], visit);
     }
 
 private:
     Box box_{};
     int cells_[3] = {1, 1, 1};  // along x, y, z
     int order_[3] = {0, 1, 2};  // axes by decreasing number of cells
-    Double4 shift_[27] = {};    // of the images [m]
+    // The code of an image: its flags as digits, for each axis count_ values from least_ on.
+    std::uint32_t count_[3] = {3, 3, 3};
+    int least_[3] = {-1, -1, -1};
+    Double4 shift_[most_images] = {};
+    // Of the images beyond the sheared side at the time of the list: at most half an edge and whole edges.
+    double displacement_ = 0.0, periods_ = 0.0;  // [m], edges
 
     std::uint32_t width(int place) const { return static_cast<std::uint32_t>(cells_[order_[place]]); }
 
@@ -105,19 +145,29 @@ private:
         return static_cast<std::uint32_t>(cell < n ? static_cast<int>(cell) : n - 1);
     }
 
+    std::array<std::int32_t, 3> flags_of(std::uint32_t code) const {
+        std::array<std::int32_t, 3> flags{};
+        for (std::size_t a = 0; a < 3; code /= count_[a++])
+            flags[a] = static_cast<std::int32_t>(code % count_[a]) + least_[a];
+        return flags;
+    }
+    // Displacement of the images beyond the sheared side, less whole edges at the time of the list [m].
+    double displacement(double time) const { return box_.image_displacement(time) - periods_ * box_.edge[0]; }
+
     // Replaces a cell beyond a periodic boundary by its image. Returns false beyond a wall.
     bool wrap(int place, int& cell, std::uint32_t& image) const {
-        constexpr std::uint32_t unit[3] = {1, 3, 9};
         const int axis = order_[place], n = cells_[axis];
         if (cell >= 0 && cell < n) return true;
-        if (!box_.is_periodic(axis)) return false;
-        image += cell < 0 ? 0u - unit[axis] : unit[axis];
-        cell += cell < 0 ? n : -n;
+        if (!box_.wraps(axis)) return false;
+        std::uint32_t unit = 1;
+        for (int a = 0; a < axis; ++a) unit *= count_[a];
+        for (; cell < 0; cell += n) image -= unit;
+        for (; cell >= n; cell -= n) image += unit;
         return true;
     }
     template <class Visit>
     void visit_run(int x, int y, int from, int to, const Visit& visit) const {
-        std::uint32_t image = no_image;
+        std::uint32_t image = no_image();
         if (!wrap(0, x, image) || !wrap(1, y, image)) return;
         const std::uint32_t row =
             (static_cast<std::uint32_t>(x) * width(1) + static_cast<std::uint32_t>(y)) * width(2);
@@ -142,7 +192,7 @@ inline void list_pairs(const CellLayers& grid, const Records<Double4>& position,
     struct Run {
         std::uint32_t first, last, image;
     };
-    Run runs[13];
+    Run runs[16];
     int count = 0;
     grid.after(cell, [&](std::uint32_t at, std::uint32_t cells, std::uint32_t image) {
         if (start[at] < start[at + cells]) runs[count++] = {start[at], start[at + cells], image};
@@ -160,7 +210,7 @@ inline void list_pairs(const CellLayers& grid, const Records<Double4>& position,
                     pairs.push_back(NeighbourPair::of(i, j, image));
             }
         };
-        consider(i + 1, start[cell + 1], no_image);
+        consider(i + 1, start[cell + 1], grid.no_image());
         for (int k = 0; k < count; ++k) consider(runs[k].first, runs[k].last, runs[k].image);
     }
 }

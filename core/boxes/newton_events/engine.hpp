@@ -214,10 +214,6 @@ private:
         const double whole = math::round_small(x);
         return whole > x ? whole - 1.0 : whole;
     }
-    // Kinetic energy that a body gains with a change of its velocity along the axis [J].
-    static double gained_energy(double mass, double velocity, double change) {
-        return 0.5 * mass * change * (2.0 * velocity + change);
-    }
     double displaced_cells() const;
     double next_slide() const;
     template <class F>
@@ -235,7 +231,6 @@ private:
     template <class Velocity>
     double shear_work(const Group& g, const Velocity& velocity) const;
     double shear_work_of_contact(const Group& g) const;
-    double to_image_in_box(Observation& sums, int i, const Vector3& x, Vector3& v) const;
 
     // flight.hpp
     Vector3 position(int i, double t) const;

@@ -66,7 +66,7 @@ Observation NewtonEvents<Law>::observe() const {
     for_bodies([&](int i, const Vector3& x, Vector3 v) {
         const double m = mass(i);
         const ImageMotion image = box_.image(pending_[i].image_flags, now_);
-        const double flow = box_.is_sheared() ? to_image_in_box(o, i, x, v) : 0.0;
+        const double flow = box_.is_sheared() ? to_image_in_box(box_, o, m, x, v) : 0.0;
         for (std::size_t a = 0; a < setting_.axes(); ++a) {
             o.kinetic_energy += 0.5 * m * v[a] * v[a];
             o.potential_energy -= m * box_.gravity[a] * (x[a] + image.shift[a]);

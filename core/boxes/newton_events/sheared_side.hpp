@@ -181,19 +181,4 @@ double NewtonEvents<Law>::shear_work_of_contact(const Group& g) const {
     });
 }
 
-// Changes the velocity of a body at x to that of its image in the box, and adds the work that this takes. The centre of
-// a body in contact may have left the box before its path does. Returns the mean flow there [m/s].
-template <class Law>
-double NewtonEvents<Law>::to_image_in_box(Observation& sums, int i, const Vector3& x, Vector3& v) const {
-    const int axis = box_.gradient;
-    const double y = x[static_cast<std::size_t>(axis)];
-    const int crossed = box_.turns(y, axis);
-    const double change = -crossed * box_.image_velocity(),
-                 flow = box_.mean_flow(y - crossed * box_.edge[axis]);
-    sums.shear_work += gained_energy(mass(i), v[0], change);
-    sums.flow_momentum += mass(i) * flow;
-    v[0] += change;
-    return flow;
-}
-
 }  // namespace hardlimit::boxes

@@ -41,6 +41,7 @@ struct Contact : ContactBegin, ContactForce {  // the force of the last step
     Double4 normal;                           // unit vector from the first to the second
     double distance;                          // of the centres, or to the wall [m]
     double wall_velocity;                     // of a wall, inwards [m/s]; 0 for two bodies
+    double image_velocity;                    // of the image of the second body, along the first axis [m/s]
     double compression;                       // at the last step [m]
     double damped;                            // impulse of the damping during the last step [N s]
     double excess;                            // of the compression over the slack of the law [m]

@@ -18,8 +18,8 @@ public:
     std::vector<Slab<Law>> slabs;
     CellLayers grid;
     // Sums over contacts up to the last list build.
-    double dissipated = 0.0, wall_work = 0.0;  // [J]
-    SymmetricTensor virial;                    // [J s]
+    double dissipated = 0.0, wall_work = 0.0, shear_work = 0.0;  // [J]
+    SymmetricTensor virial;                                      // [J s]
     WallSums given_to_walls;
 
     Decomposition(const Box& box, const PairLaws<Law>& laws, std::size_t n) : box_(box), sort_(n) {
@@ -36,6 +36,8 @@ public:
 
     double skin() const { return skin_; }                   // [m]
     double smallest_diameter() const { return smallest_; }  // [m]
+    // Bound on what the shear adds to the speeds of neighbours below [m/s].
+    double strain_speed() const { return (0.5 + most_skin) * math::abs(box_.shear_rate) * widest_; }
     std::uint64_t lists_built() const { return lists_; }
     // Evaluated at the steps, in units of the smaller radius.
     double largest_compression() const {
@@ -46,10 +48,11 @@ public:
 
     // The stages of a rebuild, in the order of their calls. Functions that take a range of bodies or a slab may run on
     // several threads.
-    void begin_rebuild(double fastest, double step) {
+    void begin_rebuild(double fastest, double step, double time) {
         choose_skin(fastest, step);
-        grid = CellLayers(box_, widest_ + skin_, bodies.count());
+        grid = CellLayers(box_, widest_ + skin_, bodies.count(), time);
         save_contacts();
+        if (box_.is_sheared()) cross_sheared_side(time);
     }
     void find_cells(std::size_t first, std::size_t last, double time) {
         sort_.find_cells(box_, grid, bodies, first, last, time);
@@ -89,15 +92,23 @@ public:
         ++lists_;
     }
 
-    // Largest displacement since the list was built [m], and largest speed [m/s], of bodies and walls.
+    // Largest displacement since the list was built [m], and largest speed [m/s], of bodies and walls. In a sheared box
+    // displacements w are relative to the mean flow at the place of the body when the list was built, and speeds c to
+    // that at its present place.
+    //
+    // Two bodies that touch a time t after the list are then at most 2 w + γ̇ t (D + 2 w) nearer, for they were D + 2 w
+    // apart along the gradient, D the largest diameter. As w grows by at most c + γ̇ w per time and 2 w is at most the
+    // skin, c + γ̇ (D/2 + skin) bounds the growth of half the distance.
     struct Measurement {
         double farthest = 0.0, fastest = 0.0;
         bool finite = true;
     };
-    void measure(Slab<Law>& slab) {
+    void measure(Slab<Law>& slab, double time) {
         const Records<Double4>& from = sort_.reference();
         for (std::uint32_t i = slab.first_body; i < slab.last_body; ++i) {
-            const Double4 d = bodies.position[i] - from[i], v = bodies.velocity[i];
+            Double4 d = bodies.position[i] - from[i];
+            const Double4 v = velocity_from_flow(box_, bodies, i);
+            if (box_.is_sheared()) d[0] -= box_.mean_flow(from[i][box_.gradient]) * (time - listed_at_);
             const double distance = dot(d, d), speed = dot(v, v);
             slab.farthest = distance <= slab.farthest ? slab.farthest : distance;  // keeps NaN
             slab.fastest = speed <= slab.fastest ? slab.fastest : speed;
@@ -112,12 +123,14 @@ public:
             m.fastest = math::max(m.fastest, math::sqrt(s.fastest));
             s.farthest = s.fastest = 0.0;
         }
+        m.farthest += strain_speed() * (time - listed_at_), m.fastest += strain_speed();
         return m;
     }
     // Original index of the fastest body, or of one whose state is not finite.
     i64 fastest_body() const {
         const auto square = [this](std::size_t i) {
-            const double speed = dot(bodies.velocity[i], bodies.velocity[i]);
+            const Double4 v = velocity_from_flow(box_, bodies, i);
+            const double speed = dot(v, v);
             const double distance = dot(bodies.position[i], bodies.position[i]);
             return distance < math::infinity && speed < math::infinity ? speed : math::infinity;
         };
@@ -132,7 +145,8 @@ public:
         archive(bodies.position), archive(bodies.velocity), archive(bodies.tag), archive(bodies.acceleration);
         if constexpr (FrictionalLaw<Law>) archive(bodies.spin), archive(bodies.angular_acceleration);
         archive(sort_.reference()), archive(grid), archive(start_), archive(skin_), archive(lists_);
-        archive(dissipated), archive(wall_work), archive(virial), archive(largest_compression_);
+        archive(dissipated), archive(wall_work), archive(shear_work), archive(virial);
+        archive(largest_compression_);
         archive(listed_at_), archive(given_to_walls);
         std::size_t count = slabs.size();
         archive(count);
@@ -141,6 +155,8 @@ public:
     }
 
 private:
+    static constexpr double most_skin = 0.3;  // in units of the mean diameter
+
     const Box& box_;
     CellSort sort_;
     std::vector<std::uint32_t> start_;  // [cells + 1] first body of each cell
@@ -165,7 +181,7 @@ private:
         }
         const double least = math::max(20.0 * fastest * step, 1e-3 * mean_width_);
         const double best = best_skin(pairs_per_skin, fastest, step);
-        skin_ = math::min(math::max(best, least), 0.3 * mean_width_);
+        skin_ = math::min(math::max(best, least), most_skin * mean_width_);
     }
     // Saves the contacts and the accelerations of the last step, which outlive the list.
     void save_contacts() {
@@ -183,7 +199,25 @@ private:
                 for (const std::uint32_t i : *accelerated)
                     saved_accelerations_.push_back({i, bodies.acceleration[i]});
             given_to_walls += s.given_to_walls;
-            dissipated += s.dissipated, wall_work += s.wall_work, virial += s.virial;
+            dissipated += s.dissipated, wall_work += s.wall_work, shear_work += s.shear_work;
+            virial += s.virial;
+        }
+    }
+    // Moves bodies that have left through a sheared side to their images in the box. By one thread, so that the work has
+    // the same bits with any number of threads.
+    void cross_sheared_side(double time) {
+        const int axis = box_.gradient;
+        for (std::size_t i = 0; i < bodies.count(); ++i) {
+            Double4 &x = bodies.position[i], &v = bodies.velocity[i];
+            auto& flags = bodies.tag[i].image_flags;
+            for (const int step : {-1, 1}) {
+                if (step < 0 ? x[axis] >= 0.0 : x[axis] < box_.edge[axis]) continue;
+                const double before = v[0];
+                box_.wrap(x, v, flags, axis, step, time);
+                shear_work += gained_energy(1.0 / v[3], before, v[0] - before);
+                const int turns = box_.turns(x[0], 0);
+                x[0] -= turns * box_.edge[0], flags[0] += turns;
+            }
         }
     }
 
@@ -224,7 +258,7 @@ private:
         auto p = std::lower_bound(s.pairs.begin(), s.pairs.end(), i, before);
         for (; p != s.pairs.end() && p->first == i; ++p) {
             if (p->second() != j) continue;
-            const auto image = relative_image(*p, bodies.tag);
+            const auto image = grid.relative_image(*p, bodies.tag);
             bool same = true;
             for (std::size_t axis = 0; axis < 3; ++axis) same = same && image[axis] == sense * c.image[axis];
             if (!same) continue;

@@ -38,8 +38,7 @@ public:
             bodies_.position.push_back(Double4{x[0], x[1], x[2], laws_.radius(i)});
             bodies_.velocity.push_back(Double4{v[0], v[1], v[2], 1.0 / laws_.mass(i)});
             bodies_.tag.push_back({static_cast<std::uint32_t>(i), {0, 0, 0}});
-            criterion_.fastest =
-                math::max(criterion_.fastest, math::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]));
+            include_speed(i);
         }
         criterion_.fastest = math::max(criterion_.fastest, box_.fastest_wall());
         bodies_.acceleration.resize(bodies_.count());
@@ -86,12 +85,16 @@ public:
         const auto d = static_cast<std::size_t>(box_.dimension);
         for (std::size_t i = 0; i < bodies_.count(); ++i) {
             const double* of = velocity + d * std::size_t{bodies_.tag[i].original_index};
-            double square = 0.0;
-            for (std::size_t axis = 0; axis < d; ++axis) {
-                bodies_.velocity[i][axis] = of[axis];
-                square += of[axis] * of[axis];
+            Double4& v = bodies_.velocity[i];
+            const double before = v[0];
+            for (std::size_t axis = 0; axis < d; ++axis) v[axis] = of[axis];
+            if (box_.is_sheared()) {
+                v[0] -= box_.image(bodies_.tag[i].image_flags, time_).velocity[0];
+                // Beyond the side, the work of the crossing is counted in advance. It depends on the velocity.
+                const int crossed = box_.turns(bodies_.position[i][box_.gradient], box_.gradient);
+                domain_.shear_work += crossed * box_.image_velocity() * (v[0] - before) / v[3];
             }
-            criterion_.fastest = math::max(criterion_.fastest, math::sqrt(square));
+            include_speed(i);
         }
     }
 
@@ -104,7 +107,7 @@ public:
             const std::size_t to = std::size_t{bodies_.tag[i].original_index} * static_cast<std::size_t>(d);
             for (int axis = 0; axis < d; ++axis) {
                 position[to + static_cast<std::size_t>(axis)] = bodies_.position[i][axis] + image.shift[axis];
-                velocity[to + static_cast<std::size_t>(axis)] = v[axis];
+                velocity[to + static_cast<std::size_t>(axis)] = v[axis] + image.velocity[axis];
             }
         }
     }
@@ -228,6 +231,10 @@ private:
         return bodies_.velocity[i] +
                (bodies_.acceleration[i].at(now_.step) + gravity_of(box_)) * (0.5 * plan_.h);
     }
+    void include_speed(std::size_t i) {
+        const Double4 v = velocity_from_flow(box_, bodies_, i);
+        criterion_.fastest = math::max(criterion_.fastest, math::sqrt(dot(v, v)) + domain_.strain_speed());
+    }
     double pull() const { return math::sqrt(dot(gravity_of(box_), gravity_of(box_))); }
 
     // --- phases ---------------------------------------------------------------------------------------------------
@@ -253,7 +260,7 @@ private:
             case Phase::move:
                 return for_slabs([&](std::uint32_t slab) { stepper_.move(slab, 0, true); });
             case Phase::measure:
-                return for_slabs([&](std::uint32_t slab) { domain_.measure(slabs_[slab]); });
+                return for_slabs([&](std::uint32_t slab) { domain_.measure(slabs_[slab], time_); });
             case Phase::cells:
                 return domain_.find_cells(first, last, time_);
             case Phase::gather:
@@ -365,7 +372,8 @@ private:
     }
     void begin_rebuild() {
         phase_ = Phase::cells;
-        domain_.begin_rebuild(criterion_.fastest, domain_.lists_built() > 0 ? plan_.h : setting_.time_step);
+        const double step = domain_.lists_built() > 0 ? plan_.h : setting_.time_step;
+        domain_.begin_rebuild(criterion_.fastest, step, time_);
     }
 
     // Ends the run because a contact has reached the largest compression of its law.

@@ -42,10 +42,8 @@ public:
                           force.impulse_until_step(c.onset, c.force);
                 add_impulse(slab, bodies, c, impulse);
             }
-            add_virial(slab, c, 0.5 * h * c.force + impulse);
-            if constexpr (FrictionalLaw<Law>) add_friction_virial(slab, c, 0.5 * h);
-            slab.wall_work += (0.5 * h * c.force + impulse) * c.wall_velocity;
-            add_to_wall(slab, c, 0.5 * h * c.force + impulse);
+            add_sums(slab, c, 0.5 * h * c.force + impulse);
+            if constexpr (FrictionalLaw<Law>) add_friction_sums(slab, c, 0.5 * h);
         }
     }
 
@@ -66,6 +64,7 @@ private:
         Double4 velocity;        // [m/s], known velocity_lag before now
         Double4 acceleration;    // at the step before [m/s²]
         double wall_velocity;    // inwards [m/s]; 0 for two bodies
+        double image_velocity;   // of the image of the second body, along the first axis [m/s]
 
         double compression() const { return reach - distance; }
     };
@@ -73,6 +72,11 @@ private:
     void sweep_pairs(Slab<Law>& slab) {
         const double* position = as_doubles(bodies_.position);
         const Double4* shift = grid_.shifts();
+        Double4 present[CellLayers::most_images];
+        if (box_.is_sheared() && slab.last_cell == grid_.cells()) {
+            grid_.shifts_at(now_.time, present);
+            shift = present;
+        }
         const std::size_t count = slab.pairs.size();
         for (std::size_t k = 0; k < count; ++k) {
             const NeighbourPair p = slab.pairs[k];
@@ -100,11 +104,16 @@ private:
                                   double reach) {
         const std::uint32_t i = p.first, j = p.second();
         const double distance = math::sqrt(dot(separation, separation));
-        const Double4 normal = separation * (1.0 / distance), v = bodies_.velocity[j] - bodies_.velocity[i];
+        const Double4 normal = separation * (1.0 / distance);
+        Double4 v = bodies_.velocity[j] - bodies_.velocity[i];
+        const double image_velocity = grid_.velocity(p.image());
+        if (image_velocity != 0.0) v[0] += image_velocity;
         const Double4 a =
             bodies_.acceleration[j].previous(now_.step) - bodies_.acceleration[i].previous(now_.step);
         const auto number = static_cast<std::int32_t>(bodies_.tag[j].original_index);
-        update_contact(slab, slot, {i, j, number, p.image(), normal, distance, reach, v, a, 0.0}, separation);
+        update_contact(slab, slot,
+                       {i, j, number, p.image(), normal, distance, reach, v, a, 0.0, image_velocity},
+                       separation);
     }
     HL_FN_APART void wall_contact(Slab<Law>& slab, std::int32_t& slot, WallNeighbour w, double distance) {
         const std::uint32_t i = w.body;
@@ -117,8 +126,8 @@ private:
         a[w.wall.axis()] += wall.acceleration(known_at);
         const double reach = bodies_.position[i][3];
         update_contact(slab, slot,
-                       {i, no_body, w.wall.number, no_image, normal, distance, reach, v, a,
-                        wall.inward() * wall.mean_velocity(now_.time, now_.h)},
+                       {i, no_body, w.wall.number, grid_.no_image(), normal, distance, reach, v, a,
+                        wall.inward() * wall.mean_velocity(now_.time, now_.h), 0.0},
                        normal * distance);
     }
 
@@ -142,7 +151,8 @@ private:
         if (now_.velocity_lag > 0.0)
             add_loss(slab, c, is_new ? dissipated_at_onset(c.law, f, c.onset) : dissipated(c, f, m));
         c.index_first = m.first, c.index_second = m.second;
-        c.normal = m.normal, c.distance = m.distance, c.wall_velocity = m.wall_velocity;
+        c.normal = m.normal, c.distance = m.distance;
+        c.wall_velocity = m.wall_velocity, c.image_velocity = m.image_velocity;
         c.excess = excess, c.is_new = is_new, c.compression = compression;
         static_cast<ContactForce&>(c) = f;
         record_depth(slab, c, m);
@@ -199,7 +209,7 @@ private:
         c.second = m.number;
         c.begin_event = -1;
         c.law = laws_(c.first, wall ? -1 : m.number);
-        if (!wall) c.image = relative_image(NeighbourPair::of(m.first, m.second, m.image), bodies_.tag);
+        if (!wall) c.image = grid_.relative_image(NeighbourPair::of(m.first, m.second, m.image), bodies_.tag);
         c.begin = now_.time;
         c.impact_speed = -dot(m.normal, m.velocity);
         if (!(now_.velocity_lag > 0.0)) return c;
@@ -248,9 +258,7 @@ private:
                                    : force.missed_impulse(c.onset, now_.h);
             add_impulse(slab, bodies_, c, impulse);
         }
-        add_virial(slab, c, now_.weight * c.force + impulse);
-        slab.wall_work += (now_.weight * c.force + impulse) * c.wall_velocity;
-        add_to_wall(slab, c, now_.weight * c.force + impulse);
+        add_sums(slab, c, now_.weight * c.force + impulse);
         if (!(c.force > 0.0)) return;
         accelerate(slab, c.index_first, c.normal * (-c.force * bodies_.velocity[c.index_first][3]));
         if (c.index_second != no_body)
@@ -285,7 +293,7 @@ private:
         accelerate(slab, i, -force * bodies_.velocity[i][3]);
         bodies_.angular_acceleration[i].add(now_.step, torque * (arm * bodies_.spin[i][3]));
         if (wall) return;
-        add_friction_virial(slab, c, now_.weight);
+        add_friction_sums(slab, c, now_.weight);
         accelerate(slab, j, force * bodies_.velocity[j][3]);
         bodies_.angular_acceleration[j].add(now_.step, torque * (other_arm * bodies_.spin[j][3]));
     }
@@ -304,11 +312,18 @@ private:
         if (bodies_.acceleration[body].add(now_.step, acceleration))
             (slab.holds(body) ? slab.accelerated : slab.accelerated_next).push_back(body);
     }
-    // r⊗Δp of an impulse along the line of centres r. With friction r⊗F is not symmetric; its symmetric part is added.
-    static void add_virial(Slab<Law>& slab, const Contact<Law>& c, double impulse) {
-        if (c.index_second != no_body) slab.virial.add_square(impulse * c.distance, c.normal);
+    // Virial r⊗Δp of an impulse along the line of centres r, and its work on what moves the bodies. With friction r⊗F is
+    // not symmetric; its symmetric part is added.
+    static void add_sums(Slab<Law>& slab, const Contact<Law>& c, double impulse) {
+        slab.wall_work += impulse * c.wall_velocity;
+        slab.shear_work -= impulse * c.normal[0] * c.image_velocity;
+        if (c.index_second != no_body)
+            slab.virial.add_square(impulse * c.distance, c.normal);
+        else
+            slab.given_to_walls.add(WallId::of(c.second), impulse, -impulse * c.wall_velocity);
     }
-    static void add_friction_virial(Slab<Law>& slab, const Contact<Law>& c, double duration) {
+    static void add_friction_sums(Slab<Law>& slab, const Contact<Law>& c, double duration) {
+        slab.shear_work -= duration * c.friction.force[0] * c.image_velocity;
         if (c.index_second != no_body)
             slab.virial.add_product(duration * c.distance, c.normal, c.friction.force);
     }
@@ -316,9 +331,6 @@ private:
     static void add_loss(Slab<Law>& slab, const Contact<Law>& c, double energy) {
         slab.dissipated += energy;
         if (c.second < 0) slab.given_to_walls.add(WallId::of(c.second), 0.0, energy);
-    }
-    static void add_to_wall(Slab<Law>& slab, const Contact<Law>& c, double impulse) {
-        if (c.second < 0) slab.given_to_walls.add(WallId::of(c.second), impulse, -impulse * c.wall_velocity);
     }
     static void add_impulse(Slab<Law>& slab, const Bodies& bodies, const Contact<Law>& c, double impulse) {
         slab.impulses.push_back({c.index_first, c.normal * (-impulse * bodies.velocity[c.index_first][3])});

@@ -5,9 +5,10 @@
 namespace hardlimit::boxes::steps {
 
 template <class Law>
-void change_velocity(Slab<Law>& slab, Bodies& bodies, std::uint32_t i, Double4 change) {
+void change_velocity(Slab<Law>& slab, Bodies& bodies, const Box& box, std::uint32_t i, Double4 change) {
     bodies.velocity[i] += change;
-    slab.fastest = math::max(slab.fastest, dot(bodies.velocity[i], bodies.velocity[i]));
+    const Double4 v = velocity_from_flow(box, bodies, i);
+    slab.fastest = math::max(slab.fastest, dot(v, v));
 }
 
 // Advances the velocities by `kick` [s] with the accelerations of a step. Contacts accelerate few bodies, gravity all.
@@ -16,7 +17,7 @@ template <class Law>
 void kick(Slab<Law>& slab, const Slab<Law>& previous, Bodies& bodies, const Box& box, std::uint64_t step,
           double kick) {
     const auto accelerate = [&](std::uint32_t i) {
-        change_velocity(slab, bodies, i, bodies.acceleration[i].at(step) * kick);
+        change_velocity(slab, bodies, box, i, bodies.acceleration[i].at(step) * kick);
         if constexpr (FrictionalLaw<Law>) bodies.spin[i] += bodies.angular_acceleration[i].at(step) * kick;
     };
     for (const std::uint32_t i : slab.accelerated) accelerate(i);
@@ -25,7 +26,7 @@ void kick(Slab<Law>& slab, const Slab<Law>& previous, Bodies& bodies, const Box&
     const auto add_impulses = [&](const Slab<Law>& from) {
         for (const Impulse& impulse : from.impulses)
             if (slab.holds(impulse.body))
-                change_velocity(slab, bodies, impulse.body, impulse.velocity_change);
+                change_velocity(slab, bodies, box, impulse.body, impulse.velocity_change);
     };
     add_impulses(slab);
     if (&previous != &slab) add_impulses(previous);

@@ -13,22 +13,25 @@ Observation observe(const Box& box, const Decomposition<Law>& domain, double tim
     const Bodies& bodies = domain.bodies;
     Observation o;
     for (std::size_t i = 0; i < bodies.count(); ++i) {
-        const Double4 v = velocity_of(i);
+        Double4 v = velocity_of(i);
         const double mass = 1.0 / bodies.velocity[i][3];
         const ImageMotion image = box.image(bodies.tag[i].image_flags, time);
+        const double flow = box.is_sheared() ? to_image_in_box(box, o, mass, bodies.position[i], v) : 0.0;
         o.kinetic_energy += 0.5 * mass * dot(v, v);
-        o.kinetic_tensor.add_square(mass, v);
         for (int axis = 0; axis < box.dimension; ++axis) {
             const double unfolded = bodies.position[i][axis] + image.shift[axis];
             o.potential_energy -= mass * box.gravity[axis] * unfolded;
             o.momentum[axis] += mass * v[axis];
         }
+        v[0] -= flow;
+        o.kinetic_tensor.add_square(mass, v);
     }
     o.dissipated_energy = domain.dissipated, o.wall_work = domain.wall_work, o.virial = domain.virial;
+    o.shear_work += domain.shear_work;
     o.walls = domain.given_to_walls;
     for (const Slab<Law>& s : domain.slabs) {
-        o.walls += s.given_to_walls;
-        o.dissipated_energy += s.dissipated, o.wall_work += s.wall_work, o.virial += s.virial;
+        o.dissipated_energy += s.dissipated, o.wall_work += s.wall_work, o.shear_work += s.shear_work;
+        o.virial += s.virial, o.walls += s.given_to_walls;
         for (const Contact<Law>& c : s.contacts) {
             if (c.index_first == no_body) continue;
             o.contact_energy += c.law.energy(onset_root<Law::onset_power>(c.compression));

@@ -96,7 +96,7 @@ public:
         slab.freed_slots.clear();
         const std::size_t before = (k + slabs_.size() - 1) % slabs_.size();
         steps::kick(slab, slabs_[before], domain_.bodies, box_, now.step + step, kick);
-        const double fastest = math::sqrt(slab.fastest);
+        const double fastest = math::sqrt(slab.fastest) + domain_.strain_speed();
         slab.fastest = 0.0;
         if (!drifts) return;
         if (fastest > criterion_.fastest) {
