@@ -286,31 +286,42 @@ def test_states_and_energies_agree_with_those_by_events(name, restitution):
 
 @st.composite
 def boxes(draw, most=40):
-    """Random systems: flat and long boxes, walls, gravity, mixed sizes, dense and dilute."""
+    """Random systems: flat and long boxes, walls, gravity, shear, mixed sizes, dense and dilute."""
     dimension, seed = draw(st.sampled_from([2, 3])), draw(st.integers(0, 2**31))
     cells = [draw(st.integers(1, 4)) for _ in range(dimension)]
     rng = np.random.default_rng(seed)
     spread = draw(st.sampled_from([1.0, 1.5, 4.0]))
     boundary = [draw(st.sampled_from(["periodic", "wall"])) for _ in range(dimension)]
     cells = [max(2, c) if side == "periodic" else c for c, side in zip(cells, boundary, strict=True)]
+    edge = draw(st.sampled_from([2.02e-3, 2.5e-3]))
+    gradient = draw(st.sampled_from(range(dimension)))  # 0: no shear
+    shear_rate = draw(st.sampled_from([-3000.0, -200.0, 20.0, 500.0])) if gradient else 0.0
+    if gradient:
+        boundary[0], boundary[gradient] = "periodic", "lees-edwards"
+        cells[0], cells[gradient] = max(2, cells[0]), max(math.ceil(5e-3 / edge), cells[gradient])
     points = np.stack(np.meshgrid(*map(np.arange, cells), indexing="ij"), -1).reshape(-1, dimension)
     points = rng.permutation(points)[: draw(st.integers(1, most))]
-    edge = draw(st.sampled_from([2.02e-3, 2.5e-3]))
     free = 0.499 * edge - 1e-3
     at = (points + 0.5) * edge + rng.uniform(-free, free, points.shape)
     gravity = draw(st.sampled_from([0.0, 9.81])) * rng.normal(size=dimension)
     velocities, radius = rng.normal(size=points.shape), 1e-3 * spread ** -rng.random(len(points))
     box = [c * edge for c in cells]
-    return hl.ParticleSystem(at, velocities, radius, 2500.0, box=box, boundary=boundary, gravity=gravity)
+    if gradient:
+        velocities[:, 0] += shear_rate * (at[:, gradient] - 0.5 * box[gradient])
+        gravity[[0, gradient]] = 0.0
+    values = {"box": box, "boundary": boundary, "gravity": gravity, "shear_rate": shear_rate}
+    return hl.ParticleSystem(at, velocities, radius, 2500.0, **values)
 
 
 def overlaps(system):
     """All overlapping pairs, walls as negative numbers, found without neighbour lists."""
     found = set()
-    shifts = [(-1, 0, 1) if side == "periodic" else (0,) for side in system.boundary]
+    shifts = [(0,) if side == "wall" else (-2, -1, 0, 1, 2) for side in system.boundary]
+    sliding = [system.shear_displacement * (side == "lees-edwards") for side in system.boundary]
     for i, j in itertools.combinations(range(system.n), 2):
         for shift in itertools.product(*shifts):
             d = system.positions[j] - system.positions[i] + np.array(shift) * system.box
+            d[0] += np.dot(shift, sliding)
             if d @ d < (system.radius[i] + system.radius[j]) ** 2:
                 found.add((i, j))
     for i, axis in itertools.product(range(system.n), range(system.dimension)):
@@ -347,11 +358,15 @@ def test_energy_is_balanced_and_momentum_kept(system, law):
     assert run.energy_error < 5e-3
     assert run.outcome == "ok"
     scale = (system.mass[:, None] * np.abs(system.velocities)).sum()
+    gained = system.mass.sum() * system.gravity * run.time
+    if (sheared := system.domain.gradient) is not None:  # each crossing of the far side
+        crossed = np.floor(run.system.unfolded_positions[:, sheared] / system.box[sheared])
+        gained[0] -= system.shear_rate * system.box[sheared] * (system.mass @ crossed)
+        scale += system.mass @ np.abs(crossed) * abs(system.shear_rate) * system.box[sheared]
     for axis, side in enumerate(system.boundary):
-        if side == "periodic":
-            gained = system.mass.sum() * system.gravity[axis] * run.time
+        if side != "wall":
             assert run.system.momentum[axis] == pytest.approx(
-                system.momentum[axis] + gained, abs=1e-12 * (scale + abs(gained))
+                system.momentum[axis] + gained[axis], abs=1e-12 * (scale + abs(gained[axis]))
             )
 
 

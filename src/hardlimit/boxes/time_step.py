@@ -63,7 +63,12 @@ def _longest(system: ParticleSystem, law: Law, error: float, longest_step: Longe
 
 
 def largest_speed(system: ParticleSystem) -> float:
-    """The largest expected impact speed [m/s]: twice the largest speed, plus the speed after a fall through the box."""
-    fastest = math.sqrt(float(np.einsum("ij,ij->i", system.velocities, system.velocities).max()))
+    """The largest expected impact speed [m/s]: twice the largest speed, plus the speed after a fall through the box.
+
+    In a sheared box speeds are relative to the mean flow, whose difference over a diameter is added.
+    """
+    velocities = system.velocities - system.domain.mean_flow(system.positions)
+    fastest = math.sqrt(float(np.einsum("ij,ij->i", velocities, velocities).max()))
+    fastest += abs(system.shear_rate) * float(system.radius.max())
     fall = float(np.abs(system.gravity) @ system.box)
     return 2.0 * (fastest + system.domain.fastest_wall) + math.sqrt(2.0 * fall)
