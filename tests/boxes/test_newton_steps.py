@@ -388,9 +388,12 @@ def test_pauses_threads_and_saving_do_not_change_a_bit(system, law, data):
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
-@pytest.mark.parametrize("boundary", ["periodic", "wall"])
+@pytest.mark.parametrize("boundary", ["periodic", "wall", "lees-edwards"])
 def test_the_same_bits_with_any_number_of_threads(dimension, boundary):
-    system = lattice(1500, dimension, seed=4, spread=1.3, boundary=boundary, gravity=9.81)
+    given = {"boundary": boundary, "gravity": 9.81}
+    if boundary == "lees-edwards":
+        given = {"boundary": ["periodic", boundary, "periodic"][:dimension], "shear_rate": 100.0}
+    system = lattice(1500, dimension, seed=4, spread=1.3, **given)
     found = set()
     for threads in (1, 2, 3, 8):
         engine = engine_of(system, GLASS, 2e-6)
@@ -513,9 +516,12 @@ def test_series_and_repr():
         _ = run.contacts
 
 
-@pytest.mark.parametrize("engine", ["events", "steps"])
-def test_an_interrupted_run_goes_on_with_the_same_bits(tmp_path, engine):
-    system, path = lattice(100, seed=7), tmp_path / "run.npz"
+@pytest.mark.parametrize(
+    ("engine", "shear_rate"), [("events", 0.0), ("events", 200.0), ("steps", 0.0), ("steps", 200.0)]
+)
+def test_an_interrupted_run_goes_on_with_the_same_bits(tmp_path, engine, shear_rate):
+    boundary = ["periodic", "lees-edwards" if shear_rate else "periodic", "periodic"]
+    system, path = lattice(100, seed=7, boundary=boundary, shear_rate=shear_rate), tmp_path / "run.npz"
     options = {"law": GLASS, "until": 2e-3, "log": True, "samples": 20, "engine": engine}
     whole = molecular_dynamics(system, **options)
     with pytest.raises(KeyboardInterrupt):

@@ -1,4 +1,4 @@
-"""Lees–Edwards shear in the event-driven engine for Newton's equations: any origin, integration by scipy, balances."""
+"""Lees–Edwards shear in the engines for Newton's equations: any origin, integration by scipy, balances."""
 
 import itertools
 import math
@@ -14,6 +14,7 @@ import hardlimit as hl
 from box_engines import core_engine
 from conftest import draws
 from hardlimit import _core
+from hardlimit.boxes import time_step
 from hardlimit.boxes.theory import Gas
 from sheared_boxes import displaced, lun
 
@@ -50,6 +51,17 @@ def random_system(
         n=n, packing_fraction=phi, radius=(0.6e-3, 1.4e-3) if mixed else RADIUS, density=2500.0, rms_speed=1.0,
         dimension=d, seed=seed, boundary=sheared(d, gradient, walls), shear_rate=rate,
     )  # fmt: skip
+
+
+KINDS = ["newton_events", "newton_steps"]
+each_kind = pytest.mark.parametrize("kind", KINDS)
+
+
+def engine_of(kind: str, system: hl.ParticleSystem, law: hl.Law, **options: Any) -> _core.Engine:
+    """An engine of the core, with the default step if it takes steps."""
+    if kind == "newton_steps":
+        options = {"time_step": time_step.chosen(system, law, None, None)} | options
+    return core_engine(kind, system, law, **options)
 
 
 def from_another_origin(system: hl.ParticleSystem, rise: float) -> tuple[hl.ParticleSystem, np.ndarray]:
@@ -109,11 +121,12 @@ def few_bodies(seed: int, count: int, d: int, gradient: int, rate: float) -> hl.
     )  # fmt: skip
 
 
+@each_kind
 @pytest.mark.parametrize("law", LAWS, ids=repr)
 @pytest.mark.parametrize("count", [2, 3])
 @pytest.mark.parametrize(("d", "gradient"), [(2, 1), (3, 1), (3, 2)])
 def test_a_contact_across_the_side_is_that_in_the_middle(
-    law: hl.Law, count: int, d: int, gradient: int
+    kind: str, law: hl.Law, count: int, d: int, gradient: int
 ) -> None:
     """An isolated contact, and a cluster of three bodies: the relative paths agree to the rounding of positions, also
     during the contact and where a body crosses the side meanwhile."""
@@ -122,7 +135,7 @@ def test_a_contact_across_the_side_is_that_in_the_middle(
         rise = 0.5 * system.box[gradient]
         moved, crossed = from_another_origin(system, rise)
         assert len(set(crossed)) == 2  # the side lies between them
-        one, other = (core_engine("newton_events", s, law, log=True) for s in (system, moved))
+        one, other = (engine_of(kind, s, law, log=True) for s in (system, moved))
         for until in (1e-4, 2.5e-4, 1e-3, 3e-3):
             one.advance(until)
             other.advance(until)
@@ -141,23 +154,24 @@ def test_a_contact_across_the_side_is_that_in_the_middle(
             assert np.allclose(a[name], b[name], rtol=0.0, atol=allowed, equal_nan=True)
 
 
+@each_kind
 @pytest.mark.parametrize(
     ("d", "gradient", "rate"), [(2, 1, 60.0), (2, 1, -200.0), (3, 1, 90.0), (3, 2, -90.0)]
 )
 @pytest.mark.parametrize("phi", [0.1, 0.45])
-def test_the_origin_does_not_matter(d: int, gradient: int, rate: float, phi: float) -> None:
+def test_the_origin_does_not_matter(kind: str, d: int, gradient: int, rate: float, phi: float) -> None:
     """The first hundred contacts of a hundred bodies for another origin along the gradient. Rounding grows with each
     contact."""
     for seed, law in ((1, STIFF), (2, LAWS[3])):
         system = random_system(seed, n=100, phi=phi, d=d, rate=rate, gradient=gradient)
         rise = 0.37 * system.box[gradient]
         moved, crossed = from_another_origin(system, rise)
-        one, other = (core_engine("newton_events", s, law, log=True) for s in (system, moved))
+        one, other = (engine_of(kind, s, law, log=True) for s in (system, moved))
         until = 0.0
         while one.n_contacts < 100:
             until += 2e-5
             one.advance(until)
-        other.advance(until)
+            other.advance(until)
         a, b = contacts(one), contacts(other)
         assert np.array_equal(a["first"], b["first"]) and np.array_equal(a["second"], b["second"])
         assert np.allclose(a["begin"], b["begin"], rtol=0.0, atol=1e-6 * until)
@@ -165,14 +179,15 @@ def test_the_origin_does_not_matter(d: int, gradient: int, rate: float, phi: flo
         assert places < 1e-6 * RADIUS and speeds < 1e-5
 
 
-def test_without_shear_the_box_is_periodic() -> None:
+@each_kind
+def test_without_shear_the_box_is_periodic(kind: str) -> None:
     """At rate zero the same bits, and at a small rate almost the same path."""
     law = LAWS[0]
     for d in (2, 3):
         system = random_system(3, n=60, phi=0.3, d=d, rate=1e-9)
         periodic = system.replace(boundary="periodic")
         still = system.replace(shear_rate=0.0)
-        runs = [core_engine("newton_events", s, law) for s in (periodic, still, system)]
+        runs = [engine_of(kind, s, law) for s in (periodic, still, system)]
         for run in runs:
             run.advance(8e-4)
         (x, v), (x0, v0), (x1, v1) = (run.state() for run in runs)
@@ -248,15 +263,16 @@ def balance(seen: dict[str, Any]) -> float:
     return float(gained - seen["shear_work"] - seen["wall_work"])
 
 
-@draws(60)
+@draws(120)
 @given(
+    kind=st.sampled_from(KINDS),
     seed=st.integers(0, 10_000), law=st.sampled_from(LAWS), gradient=st.sampled_from([(2, 1), (3, 1), (3, 2)]),
     mixed=st.booleans(), walls=st.booleans(), phi=st.floats(0.05, 0.5), n=st.sampled_from([10, 40, 100]),
     rate=st.floats(0.1, 500.0), back=st.booleans(), slid=st.floats(0.0, 1.0),
 )  # fmt: skip
 def test_balances_of_random_boxes(
-    seed: int, law: hl.Law, gradient: tuple[int, int], mixed: bool, walls: bool, phi: float, n: int, rate: float,
-    back: bool, slid: float,
+    kind: str, seed: int, law: hl.Law, gradient: tuple[int, int], mixed: bool, walls: bool, phi: float, n: int,
+    rate: float, back: bool, slid: float,
 ) -> None:  # fmt: skip
     """The energy balance with the work of the shear, unfolded momentum, safety radii, and the bits of a saved run, at
     samples with bodies in contact."""
@@ -268,7 +284,8 @@ def test_balances_of_random_boxes(
         assert "must be more" in str(error) or "must be >=" in str(error)
         return
     system = displaced(system, slid)
-    run = core_engine("newton_events", system, law)
+    run = engine_of(kind, system, law)
+    error = 1e-10 if kind == "newton_events" else 5e-3
     start = run.observe()
     scale = start["kinetic_energy"]
     saved = b""
@@ -278,11 +295,11 @@ def test_balances_of_random_boxes(
             return
         seen = run.observe()
         scale = max(scale, seen["kinetic_energy"], abs(seen["shear_work"]))
-        assert run.outcome == "ok" and abs(balance(seen) - balance(start)) < 1e-10 * scale
+        assert run.outcome == "ok" and abs(balance(seen) - balance(start)) < error * scale
         assert run.largest_safety_use(5) <= 1.0
-        if k == 5:
+        if k == 7:
             saved = run.save()
-    loaded = _core.load_engine("newton_events", saved)
+    loaded = _core.load_engine(kind, saved)
     loaded.advance(run.time)
     for one, other in zip(run.state(), loaded.state(), strict=True):
         assert np.array_equal(one, other)
@@ -350,3 +367,40 @@ def test_stiff_spheres_have_the_stress_of_kinetic_theory(phi: float, restitution
     stress = -float(kept.pressure_tensor.sel(component="xy").mean())
     root = float(np.sqrt(kept.granular_temperature).mean())
     assert stress == pytest.approx(viscosity * rate * root, rel=0.08)
+
+
+@pytest.mark.parametrize(("d", "gradient"), [(2, 1), (3, 1), (3, 2)])
+def test_steps_approach_events(d: int, gradient: int) -> None:
+    """Paths, sums over the box and the energy balance, with an error of second order in the step."""
+    until, steps, errors = 8e-4, np.array([4e-6, 2e-6, 1e-6, 5e-7]), np.zeros((len(LAWS), 4))
+    system = displaced(random_system(7, n=80, phi=0.3, d=d, rate=300.0, gradient=gradient, mixed=True), 0.3)
+    for i, law in enumerate(LAWS):
+        exact = core_engine("newton_events", system, law)
+        exact.advance(until)
+        sums = exact.observe()
+        energy, mass = sums["kinetic_energy"], float(system.mass.sum())
+        assert (
+            sums["n_contacts"] > 20 and sums["n_in_contact"] > 2 and abs(sums["shear_work"]) > 1e-3 * energy
+        )
+        for j, step in enumerate(steps):
+            run = core_engine("newton_steps", system, law, time_step=step)
+            start = balance(run.observe())
+            run.advance(until)
+            found = run.observe()
+            paths = [np.linalg.norm(a - b) for a, b in zip(run.state(), exact.state(), strict=True)]
+            change = {name: np.abs(found[name] - sums[name]).max() for name in found if name in sums}
+            of_energy = (
+                "kinetic_energy",
+                "contact_energy",
+                "dissipated_energy",
+                "shear_work",
+                "kinetic_tensor",
+            )
+            energies = [change[name] / energy for name in of_energy]
+            virial = change["virial_tensor"] / np.abs(sums["virial_tensor"]).max()
+            error = (balance(found) - start) / energy
+            errors[i, j] = np.linalg.norm([paths[0] / RADIUS, paths[1], virial, error, *energies])
+            # The same bodies have crossed the side.
+            assert max(change["momentum"], change["flow_momentum"]) < 1e-12 * math.sqrt(energy * mass)
+    assert errors[:, -1].max() < 1e-3
+    assert 1.7 < np.polyfit(np.log(steps), np.log(errors).mean(axis=0), 1)[0] < 2.3
