@@ -4,6 +4,7 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -368,3 +369,44 @@ def test_a_gas_is_heated(tmp_path: Path) -> None:
     box = lattice(27, seed=1).write(tmp_path / "box.xyz")
     assert printed("gas", box, "--heat", 1e-6, *FAST)["series"]["heat"][-1] != 0.0
     assert "--heat: got -1" in refused("gas", "--n", 10, "--heat", -1)
+
+
+def test_a_box_is_sheared(tmp_path: Path) -> None:
+    """By an option, by a job file, with Newton's equations, beside walls along z, and from a file of particles."""
+    numbers = ["--n", 100, "--packing-fraction", 0.1, "--rms-speed", 0.2]
+    found = printed("gas", *numbers, "--shear", "50/s", "--until", "20ms")
+    assert found["system"]["boundary"] == ["periodic", "lees-edwards", "periodic"]
+    assert found["system"]["shear_rate"] == 50.0 and found["theory"] == {}
+    assert found["series"]["shear_work"][-1] != 0.0
+    job = tmp_path / "job.toml"
+    job.write_text(
+        "[random]\nn = 100\npacking_fraction = 0.1\nrms_speed = 0.2\nshear = '50/s'\n[event_driven]\nuntil = 0.02\n"
+    )
+    assert printed("gas", job)["series"] == found["series"]
+    stiff = ["--law", "linear", "--stiffness", 1e4, "--restitution", 0.9, "--engine", "events"]
+    contacts = printed("gas", *numbers, "--shear", 50, "--until", "5ms", *stiff)
+    assert contacts["series"]["shear_work"][-1] != 0.0 and contacts["energy_error"] < 1e-10
+    shaken = printed("gas", *numbers, "--shear", 50, "--shake", "0.1mm:50Hz", "--until", "5ms")
+    assert shaken["system"]["boundary"] == ["periodic", "lees-edwards", "wall"]
+    high = ["--boundary", "periodic", "--boundary", "periodic", "--boundary", "lees-edwards"]
+    assert printed("gas", *numbers, "--shear", -50, *high, *FAST)["system"]["shear_rate"] == -50.0
+    still = lattice(27, seed=1).replace(velocities=np.zeros((27, 3)))
+    moved = printed("gas", still.write(tmp_path / "box.xyz"), "--shear", 50, *FAST)
+    assert moved["system"]["boundary"][1] == "lees-edwards"
+    assert moved["series"]["granular_temperature"][0] < 1e-25 < moved["series"]["kinetic_energy"][0]
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (
+            ["--boundary", "wall"],
+            "--shear: got the boundary wall, must be one with lees-edwards, or left out",
+        ),
+        (["--shake", "1mm:50Hz", "--wall", "y-"], "--shear: got walls along y, must be none along x and y"),
+        (["--gravity", 9.81, "--boundary", "periodic", *["--boundary", "lees-edwards"] * 2], "boundary: got"),
+    ],
+)
+def test_bad_shear_is_refused(options: list[Any], message: str) -> None:
+    assert message in refused("gas", "--n", 100, "--shear", 10, *options)
+    assert "--shear: got 'fast'" in refused("gas", "--shear", "fast")

@@ -355,6 +355,8 @@ def as_mapping(result: Any, files: list[Path]) -> dict[str, Any]:
     found: dict[str, Any] = {"system": {name: getattr(system, name) for name in facts}}
     if system.walls:
         found["system"]["walls"] = {name: vars(wall) for name, wall in system.walls.items()}
+    if system.domain.gradient is not None:
+        found["system"] |= {name: getattr(system, name) for name in ("shear_rate", "shear_displacement")}
     if system.thermostat is not None:
         found["system"]["thermostat"] = as_entry(system.thermostat)
     if isinstance(result, hl.ContactResult):

@@ -55,10 +55,15 @@ START: Final = (
     Entry("shake", "Shake a wall: AMPLITUDE:FREQUENCY, such as 0.5mm:50Hz.", metavar="AMPLITUDE:FREQUENCY"),
     Entry("wall", "The wall to shake: x- | x+ | y- … z+.  [default: the lower one of the last axis]"),
     Entry("waveform", f"How it moves: {' | '.join(WAVEFORMS)}.  [default: sine]"),
+    Entry(
+        "shear",
+        "Shear the box at this rate [1/s]: flow along x, gradient along y or the axis with the boundary lees-edwards.",
+        "1/s",
+    ),
     Entry("heat", "Heat the grains by random kicks of this total power [W].", "W"),
 )
 OF_SHAKING: Final = ("shake", "wall", "waveform")
-OF_THE_BOX: Final = ("boundary", "gravity", *OF_SHAKING, "heat")
+OF_THE_BOX: Final = ("boundary", "gravity", *OF_SHAKING, "shear", "heat")
 #: Interval between the kicks of a heated gas, in mean times between two collisions of a particle.
 KICK_INTERVAL: Final = 0.1
 
@@ -130,18 +135,26 @@ class GasJob:
     def start(self, **changes: Any) -> hl.ParticleSystem:
         """The start, from a file or at random; ``changes`` are arguments of a random one."""
         given = {name: single(value) for name, value in self.random.items()} | changes
-        power = given.pop("heat", None)
+        power, rate = given.pop("heat", None), given.pop("shear", None)
         shaken: dict[str, str] = {name: given.pop(name) for name in OF_SHAKING if name in given}
         if self.file is None:
             arguments = GLASS_BEADS | given
-            walls = moving_walls(shaken, arguments.get("dimension", 3), arguments.get("boundary"))
-            return heated(hl.ParticleSystem.random(**arguments | walls, progress=not changes), power)
+            d, sides = arguments.get("dimension", 3), arguments.get("boundary")
+            arguments |= moving_walls(shaken, d, sides)
+            arguments |= shear(rate, sides, arguments.get("boundary", ["periodic"] * d))
+            return heated(hl.ParticleSystem.random(**arguments, progress=not changes), power)
         for name in given:
             if name not in OF_THE_BOX:
                 raise ValueError(f"{name}: must be left out with a start from a file")
         system = hl.ParticleSystem.read(self.file)
+        sides = given.get("boundary")
         given |= moving_walls(shaken, system.dimension, given.get("boundary", system.boundary))
-        return heated(system.replace(**given) if given else system, power)
+        given |= shear(rate, sides, system.boundary)
+        changed_box = system.replace(**given) if given else system
+        if rate is not None:  # the flow changes, velocities relative to it do not
+            flow = [one.domain.mean_flow(one.positions) for one in (changed_box, system)]
+            changed_box = changed_box.replace(velocities=system.velocities + flow[0] - flow[1])
+        return heated(changed_box, power)
 
     def contact_law(self) -> hl.Law | None:
         """The law of the job file, changed by the options; None if there is neither."""
@@ -211,6 +224,24 @@ def moving_walls(shaken: Mapping[str, str], dimension: int, boundary: Any) -> di
     if boundary is None:
         found["boundary"] = ["wall" if axis == name[0] else "periodic" for axis in axes]
     return found
+
+
+def shear(rate: float | None, given: Any, sides: Any) -> dict[str, Any]:
+    """The arguments ``shear_rate`` and ``boundary`` of a sheared system.
+
+    ``given`` is the boundary in options and job, ``sides`` the one of the system without shear, for each axis.
+    """
+    if rate is None:
+        return {}
+    if "lees-edwards" in (sides if given is None else given):
+        return {"shear_rate": rate}
+    if given is not None:
+        shown = given if isinstance(given, str) else ", ".join(given)
+        raise ValueError(f"shear: got the boundary {shown}, must be one with lees-edwards, or left out")
+    if list(sides[:2]) != ["periodic", "periodic"]:
+        walls = listed([axis for axis, side in zip(AXES, sides, strict=False) if side == "wall"], "and")
+        raise ValueError(f"shear: got walls along {walls}, must be none along x and y, flow and gradient")
+    return {"shear_rate": rate, "boundary": [sides[0], "lees-edwards", *sides[2:]]}
 
 
 def heated(system: hl.ParticleSystem, power: float | None) -> hl.ParticleSystem:

@@ -1,4 +1,7 @@
-"""A film of a box of grains: disks, or the cross sections of spheres in the plane y = L/2."""
+"""A film of a box of grains: disks, or the cross sections of spheres in the middle plane.
+
+The plane is that of x and the last axis; in a sheared box that of flow and gradient.
+"""
 
 from __future__ import annotations
 
@@ -16,6 +19,7 @@ from matplotlib.colors import Normalize
 from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 
+from ..boxes.box import AXES
 from . import video
 from .labels import scaled
 from .style import style
@@ -26,6 +30,12 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 COLOURS = "viridis"
+#: Line of each kind of side.
+LINES = {
+    "wall": {"lw": 2.0, "ls": "-"},
+    "periodic": {"lw": 0.9, "ls": (0, (4, 3))},
+    "lees-edwards": {"lw": 0.9, "ls": (0, (6, 2, 1, 2))},
+}
 FASTEST = 2.0  #: end of the colour bar, in units of the root mean square speed; few particles are faster
 
 
@@ -78,7 +88,7 @@ class Stage(Canvas):
 
     def __init__(self, system: ParticleSystem, end: float, width: int) -> None:
         self.unit = scaled(end, "s")
-        self.plane = (0, system.dimension - 1)  # x to the right, the last axis upwards
+        self.plane = plane(system)  # x to the right, the other axis upwards
         super().__init__(width)
         self.ax = self.figure.add_axes((0.03, 0.07, 0.52, 0.86))
         self._draw_box(system)
@@ -107,8 +117,7 @@ class Stage(Canvas):
         corners = np.array([[0, 0], [across, 0], [across, up], [0, up], [0, 0]])
         sides = [system.boundary[axis] for axis in (self.plane[1], self.plane[0])]
         for i, (a, b) in enumerate(itertools.pairwise(corners)):
-            solid = sides[i % 2] == "wall"
-            line: dict[str, Any] = {"lw": 2.0, "ls": "-"} if solid else {"lw": 0.9, "ls": (0, (4, 3))}
+            line: dict[str, Any] = LINES[sides[i % 2]]
             self.ax.plot([a[0], b[0]], [a[1], b[1]], color="black", zorder=3, clip_on=False, **line)
 
     def picture(self, snapshot: Snapshot, collisions: int) -> Frame:
@@ -132,27 +141,46 @@ def root_mean_square(system: ParticleSystem) -> float:
     return float(np.linalg.norm(system.velocities)) / math.sqrt(system.n)
 
 
+def plane(system: ParticleSystem) -> tuple[int, int]:
+    """The two axes that a frame shows."""
+    return 0, system.domain.gradient or system.dimension - 1
+
+
 def caption(system: ParticleSystem) -> str:
-    """The caption of the film: the number of particles, and for spheres the plane of the cross section."""
-    what = f"{system.n} disks" if system.dimension == 2 else f"{system.n} spheres, cut by the plane y = L/2"
-    return f"{what}\ndashed sides are periodic" if "periodic" in system.boundary else what
+    """The caption of the film: the number of particles, for spheres the plane of the cross section, and the sides."""
+    what = f"{system.n} disks"
+    if system.dimension == 3:
+        (cut,) = {0, 1, 2} - set(plane(system))
+        what = f"{system.n} spheres, cut by the plane {AXES[cut]} = L/2"
+    shown = [system.boundary[axis] for axis in plane(system)]
+    if "lees-edwards" in shown:
+        return f"{what}\ndashed sides: periodic; dash-dotted: images slide"
+    return f"{what}\ndashed sides are periodic" if "periodic" in shown else what
 
 
 def shown(system: ParticleSystem) -> tuple[Floats, Floats, Floats]:
     """Centres (n, 2), radii (n,) and speeds (n,) of the circles, including periodic images at the edges."""
     radius = np.asarray(system.radius)
     at, speed = system.positions, np.linalg.norm(system.velocities, axis=1)
+    across, up = plane(system)
     if system.dimension == 3:
-        off = np.abs(at[:, 1] - 0.5 * system.box[1])
+        (normal,) = {0, 1, 2} - {across, up}
+        off = np.abs(at[:, normal] - 0.5 * system.box[normal])
         cut = off < radius
-        at, radius, off = at[cut][:, [0, 2]], radius[cut], off[cut]
+        at, radius, off = at[cut], radius[cut], off[cut]
         radius = np.sqrt(radius**2 - off**2)
         speed = speed[cut]
-    for column, axis in enumerate((0, system.dimension - 1)):
-        if system.boundary[axis] == "periodic":
+    at = at[:, [across, up]]
+    for column, axis in ((1, up), (0, across)):
+        if system.boundary[axis] != "wall":
             edge = float(system.box[axis])
             low, high = at[:, column] < radius, at[:, column] > edge - radius
             shift = edge * np.eye(2)[column]
-            at = np.concatenate([at, at[low] + shift, at[high] - shift])
+            if axis == system.domain.gradient:
+                shift[0] = system.shear_displacement
+            beyond = np.concatenate([at[low] + shift, at[high] - shift])
+            if axis == system.domain.gradient:
+                beyond[:, 0] %= float(system.box[0])
+            at = np.concatenate([at, beyond])
             radius, speed = (np.concatenate([one, one[low], one[high]]) for one in (radius, speed))
     return at, radius, speed

@@ -1,0 +1,102 @@
+"""Cost of a collision in a sheared and in a shaken box, over that in a periodic box: hard spheres and Newton by events.
+
+    python benchmarks/driven.py --write
+
+All boxes have φ = 0.3 and ε = 0.9. The shear rate is that at which spheres of the initial temperature are in a steady
+state. The shaken box has walls along z and no gravity; the floor moves as a sine with half the thermal speed and an
+amplitude of half a radius. Boxes run in turn in each repetition; ratios are medians over the repetitions.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import time
+from collections.abc import Callable
+
+import numpy as np
+from grains import DENSITY, RADIUS, RESTITUTION, by_events, equilibrium, hard_spheres, law_of, rate_of
+from harness import publish, table
+
+import hardlimit as hl
+from hardlimit.boxes.theory import Gas
+
+#: Duration of a contact times the collision rate.
+SOFTNESS = 0.003
+
+
+def boxes(n: int) -> dict[str, hl.ParticleSystem]:
+    """Starts of one temperature."""
+    periodic = equilibrium(hl.ParticleSystem.random(n, 0.3, RADIUS, DENSITY, rms_speed=1.0))
+    heat = periodic.granular_temperature
+    theory = Gas(n, RADIUS, float(periodic.mass[0]), periodic.domain.volume, 3)
+    rate = math.sqrt(heat / theory.sheared_temperature(1.0, RESTITUTION))
+    sheared = periodic.replace(boundary=("periodic", "lees-edwards", "periodic"), shear_rate=rate)
+    sheared = sheared.replace(velocities=sheared.velocities + sheared.domain.mean_flow(sheared.positions))
+    amplitude = 0.5 * RADIUS
+    floor = hl.MovingWall(amplitude, 0.5 * math.sqrt(heat) / (2.0 * math.pi * amplitude))
+    sides = ("periodic", "periodic", "wall")
+    walled = {"packing_fraction": 0.3, "radius": RADIUS, "density": DENSITY, "rms_speed": 1.0}
+    shaken = hl.ParticleSystem.random(n, boundary=sides, walls={"z-": floor}, **walled)
+    return {"periodic": periodic, "sheared": sheared, "shaken": shaken}
+
+
+def cost(advance: Callable[[], int], seconds: float) -> float:
+    """CPU time of a collision [s], over about this time."""
+    begin, collisions = time.process_time(), 0
+    while time.process_time() - begin < seconds:
+        collisions += advance()
+    return (time.process_time() - begin) / collisions
+
+
+def of_hard_spheres(system: hl.ParticleSystem) -> Callable[[], int]:
+    run = hard_spheres(system, "constant", RESTITUTION)
+    run.advance(math.inf, 3 * system.n)
+
+    def advance() -> int:
+        before = run.n_contacts
+        run.advance(math.inf, 20_000)
+        return int(run.n_contacts - before)
+
+    return advance
+
+
+def of_events(system: hl.ParticleSystem) -> Callable[[], int]:
+    rate = rate_of(system)
+    run = by_events(system, law_of(SOFTNESS / rate))
+    run.advance(3.0 / rate)
+
+    def advance() -> int:
+        before = run.n_contacts
+        run.advance(run.time + 20_000.0 / (0.5 * system.n * rate))
+        return int(run.n_contacts - before)
+
+    return advance
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--n", type=int, nargs="+", default=[1000, 10_000])
+    parser.add_argument("--repetitions", type=int, default=7)
+    parser.add_argument("--seconds", type=float, default=0.3, help="CPU time of one measurement")
+    parser.add_argument("--write", action="store_true", help="write the table into README.md")
+    given = parser.parse_args()
+    rows = []
+    for n in given.n:
+        starts = boxes(n)
+        for name, engine in (("hard spheres", of_hard_spheres), ("Newton by events", of_events)):
+            runs = {box: engine(system) for box, system in starts.items()}
+            measured = np.array(
+                [[cost(run, given.seconds) for run in runs.values()] for _ in range(given.repetitions)]
+            )
+            ratios = np.median(measured / measured[:, :1], axis=0)
+            for box, found, ratio in zip(runs, np.median(measured, axis=0), ratios, strict=True):
+                rows.append([name, f"{n:g}", box, f"{1e6 * found:.2f}", f"{ratio:.2f}"])
+    head = ["engine", "spheres", "box", "collision [µs]", "over periodic"]
+    publish("driven", table(head, rows), write=given.write)
+
+
+if __name__ == "__main__":
+    main()
