@@ -472,6 +472,25 @@ def test_a_cooled_gas_keeps_its_colours(slower: float, dimension: int) -> None:
     assert_legible(figure, **video.STYLE)
 
 
+@pytest.mark.parametrize("gradient", [1, 2])
+def test_film_of_a_sheared_box(gradient: int) -> None:
+    """The plane of flow and gradient; the image of a sphere at a sheared side is where the images have moved to."""
+    sides = tuple("lees-edwards" if axis == gradient else "periodic" for axis in range(3))
+    at = [[8e-3, 5e-3, 5e-3]]
+    at[0][gradient] = 0.4e-3
+    box = {"radius": 1e-3, "density": 2500.0, "box": 1e-2, "boundary": sides, "shear_displacement": 3e-3}
+    system = hl.ParticleSystem(at, [[0.0] * 3], **box)
+    centres, radii, _ = grain_film.shown(system)
+    expected = [[1e-3, 10.4e-3], [8e-3, 0.4e-3]]
+    np.testing.assert_allclose(sorted(centres.tolist())[: len(expected)], expected, atol=1e-12)
+    assert np.all(radii == 1e-3)
+    with style.style(**video.STYLE):
+        film = grain_film.Stage(system, 1.0, 640)
+        film.picture(grain_film.Snapshot.of(0.0, system), 0)
+    assert "dash-dotted: images slide" in texts(film.figure)
+    assert_legible(film.figure, **video.STYLE)
+
+
 @pytest.mark.parametrize(("samples", "until"), [(100, 0.02), (400, 0.02), (20, 1e-4)])
 def test_the_transient_of_the_start_is_marked(samples: int, until: float) -> None:
     """After the transient the rate is Enskog's; within it is much higher. A run may be shorter than the transient."""
