@@ -169,7 +169,8 @@ def _first_normal_stress_difference(samples: Samples) -> Floats:
 
 def _packing_fraction(samples: Samples) -> Floats:
     filled = samples.system.packing_fraction * samples.system.domain.volume
-    return filled / samples.lengths().prod(axis=1)
+    fraction: Floats = filled / samples.lengths().prod(axis=1)
+    return fraction
 
 
 def _flux_to_walls(name: str) -> Callable[[Samples], Floats]:
