@@ -238,7 +238,7 @@ def test_the_momentum_flux_of_an_elastic_gas_is_its_pressure(engine: str) -> Non
     for wall in (low, high):
         expected = zz * edge / (edge - 2 * radius)
         assert abs(wall.value - expected) < 4.0 * math.hypot(wall.error, error)
-        assert wall.error < 0.02 * wall.value
+        assert wall.error < 0.05 * wall.value
     between = x.domain.volume * (edge - 2 * radius) / edge
     phi = n * 4 / 3 * math.pi * radius**3 / between
     temperature = float(run.series.granular_temperature[0])
