@@ -1,6 +1,7 @@
 """hl.fidelity for driven boxes: where the steady state begins, averages over it and their errors."""
 
 import math
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from scipy import stats
 import hardlimit as hl
 from conftest import refusal
 from hardlimit.fidelity_study import report, steady
+from hardlimit.fidelity_study.observables import Observer, near_pairs
 from hardlimit.fidelity_study.starts import Starts
 from hardlimit.measure.steadiness import inefficiency
 
@@ -240,3 +242,135 @@ def test_it_is_saved(tmp_path: Path) -> None:
         for name, variable in ds.data_vars.items():
             assert name == "outcome" or {"units", "long_name"} <= set(variable.attrs), name
     assert f.plot() is not None
+
+
+# --- sheared boxes ----------------------------------------------------------------------------------------------
+
+
+def sheared(
+    seed: int = 0, n: int = 60, rate: float = 250.0, phi: float = 0.3, **more: object
+) -> hl.ParticleSystem:
+    sides = ("periodic", "lees-edwards", "periodic")
+    options = {"seed": seed, "boundary": sides, "shear_rate": rate} | more
+    return hl.ParticleSystem.random(n, phi, 1e-3, 2500.0, 1.0, **options)
+
+
+def test_a_sheared_box_is_driven() -> None:
+    assert sheared().driven and not sheared(rate=0.0).driven
+    f = study(sheared(rate=0.0), 1, until=1e-4, samples=2)
+    assert not f.driven and "shear_stress" not in f.quantities
+
+
+@pytest.mark.parametrize("rate", [250.0, -250.0])
+@pytest.mark.parametrize(
+    "sides", [("periodic", "lees-edwards", "periodic"), ("periodic", "periodic", "lees-edwards")]
+)
+def test_stresses_of_a_sheared_box_are_those_of_its_runs(rate: float, sides: tuple[str, ...]) -> None:
+    """Each interval, and the mean since the start; the shear stress is positive for both signs of the rate."""
+    system = sheared(n=40, rate=rate, boundary=sides)
+    f = study(system, replicas=1, until=0.01, samples=10, engine="events")
+    runs = {
+        "newton": hl.molecular_dynamics(system, law=LAW, until=0.01, samples=10, engine="events"),
+        "constant": hl.event_driven(system, restitution=0.8, until=0.01, samples=10),
+    }
+    gradient = "y" if sides[1] == "lees-edwards" else "z"
+    for model, run in runs.items():
+        tensor, dt = run.series.pressure_tensor[1:], np.diff(run.series.time)
+        stress = -np.sign(rate) * tensor.sel(component="x" + gradient).values
+        normal = (tensor.sel(component="xx") - tensor.sel(component=2 * gradient)).values
+        np.testing.assert_allclose(f.series("shear_stress", model)[0], stress, rtol=1e-12)
+        np.testing.assert_allclose(f.series("normal_stress_difference", model)[0], normal, rtol=1e-12)
+        means = f.replicas.shear_stress.sel(model=model, replica=0).values[1:]
+        np.testing.assert_allclose(means, np.cumsum(stress * dt) / np.cumsum(dt), rtol=1e-12)
+        assert stress.mean() > 0.0
+        work = np.diff(run.series.shear_work) / dt
+        np.testing.assert_allclose(f.replicas.interval_driving_power.sel(model=model)[0], work, rtol=1e-9)
+
+
+@pytest.mark.slow
+def test_stress_times_rate_is_the_dissipation() -> None:
+    """In the steady state, within 4 standard errors of both; the summary names what it compares."""
+    rate = 250.0
+    f = study(sheared(rate=rate), 4, until=0.2, samples=400, engine="events")
+    assert f.steady.reason == "", f.steady
+    for model in f.models:
+        lost, stress = f.steady_mean("dissipation_rate", model), f.steady_mean("shear_stress", model)
+        work = stress.value * rate * f.start.domain.volume
+        error = math.hypot(lost.error, stress.error / stress.value * work)
+        assert abs(lost.value - work) < 4.0 * error + 0.01 * work and error < 0.1 * work
+        assert abs(f.nonlinear_flow(model)) < report.BANDED
+    assert (
+        f"shear stress {report.percent_with_error(*f.final_difference('shear_stress', 'constant')[:2])}"
+        in str(f)
+    )
+    assert "The law of the error predicts, in temperature," in str(f)
+    assert {"steady_shear_stress", "nonlinear_flow"} <= set(f.dataset)
+
+
+def test_replicas_of_a_sheared_box_keep_flow_and_temperature() -> None:
+    system = sheared(n=200)
+    other = Starts(system, 5).start(1, lambda done, total: None)
+    assert other.shear_rate == system.shear_rate and not np.array_equal(other.positions, system.positions)
+    assert other.granular_temperature == pytest.approx(system.granular_temperature, rel=1e-12)
+    slope = np.polyfit(other.positions[:, 1], other.velocities[:, 0], 1)[0]
+    noise = math.sqrt(system.granular_temperature / 200.0) / other.positions[:, 1].std()
+    assert abs(slope - 250.0) < 4.0 * noise < 125.0
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_flow_in_layers_is_noticed(seed: int) -> None:
+    """0 on average for thermal motion, near 1 for two plugs; also for unfolded paths at a later time."""
+    system = sheared(seed, n=400)
+    observer = Observer(system)
+    shares = []
+    rng = np.random.default_rng(seed)
+    for _ in range(20):
+        thermal = rng.standard_normal((400, 3)) + system.domain.mean_flow(system.positions)
+        shares.append(observer.nonlinear_flow(system.positions, thermal))
+    assert abs(np.mean(shares)) < 0.01
+    height = system.positions[:, 1] / system.box[1]
+    plugs = system.domain.mean_flow(system.positions)
+    plugs[:, 0] += np.where(height < 0.5, 30.0, -30.0) + 3.0 * rng.standard_normal(400)
+    assert observer.nonlinear_flow(system.positions, plugs) > 0.95
+    time, turns = 0.013, rng.integers(-3, 4, 400)
+    away, moving = system.positions.copy(), plugs.copy()
+    away[:, 1] += turns * system.box[1]
+    away[:, 0] += turns * (system.shear_displacement + system.shear_rate * system.box[1] * time)
+    moving[:, 0] += turns * system.shear_rate * system.box[1]
+    here = observer.nonlinear_flow(system.positions, plugs, time)
+    assert observer.nonlinear_flow(away, moving, time) == pytest.approx(here, rel=1e-9)
+    assert observer.pair_correlation(away, time) == observer.pair_correlation(system.positions, time)
+
+
+def test_pairs_across_a_sheared_side_are_found() -> None:
+    """All pairs of a sheared box at a time, against nearest images one by one."""
+    system, time = sheared(3, n=150, phi=0.4), 0.0171
+    shift = system.domain.displacement_after(time)
+    assert 0.0 < shift < system.box[0]
+    count = 0
+    for i in range(150):
+        r = system.positions[i + 1 :] - system.positions[i]
+        turn = np.round(r[:, 1] / system.box[1])
+        r[:, 1] -= turn * system.box[1]
+        r[:, 0] -= turn * shift
+        r[:, [0, 2]] -= system.box[[0, 2]] * np.round(r[:, [0, 2]] / system.box[[0, 2]])
+        count += int(np.count_nonzero(np.linalg.norm(r, axis=1) < 1.1 * 2e-3))
+    assert (
+        near_pairs(system, system.positions, time) == count > near_pairs(system, system.positions, 0.0) - 30
+    )
+
+
+def test_shear_bands_and_elastic_grains_are_refused() -> None:
+    system = sheared()
+    f = study(system, 2, until=0.03, samples=60, engine="events")
+    banded = [one | {"nonlinear_flow": np.full_like(one["nonlinear_flow"], 0.6)} for one in f.arrays]
+    g = replace(f, arrays=tuple(banded))
+    object.__setattr__(g, "steady", steady.SteadyState(20, 0.01))  # the run is too short to find it
+    assert g.nonlinear_flow("constant") == pytest.approx(0.6)
+    assert str(g).startswith(
+        "No verdict: shear bands under Newton’s equations and the rule constant, 60 % of"
+    )
+    elastic = hl.LinearDashpot(stiffness=3e5, restitution=1.0)
+    for text, more in (("law", {"law": elastic}), ("restitution", {"law": LAW, "restitution": 1.0})):
+        refused = refusal(lambda more=more: hl.fidelity(system, until=1e-3, replicas=2, **more))
+        assert refused.startswith(f"{text}: got ε = 1 in a sheared box, must be < 1")

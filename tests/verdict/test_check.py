@@ -403,7 +403,7 @@ CONTACT = {
     "density": MAYBE, "restitution_asked": MAYBE, "restitution": MAYBE, "clipped": bool | None, "speed": MAYBE,
     "duration": MAYBE, "steps_per_contact": int | None, "restitution_error_of_step": MAYBE, "time_step": MAYBE,
     "rayleigh_time": MAYBE, "p_wave_time": MAYBE, "largest_overlap": MAYBE, "tc_nu": MAYBE, "delta_over_d": MAYBE,
-    "softening": MAYBE, "heated_error": MAYBE, "rule": str, "error": dict,
+    "softening": MAYBE, "heated_error": MAYBE, "sheared_error": MAYBE, "rule": str, "error": dict,
 }  # fmt: skip
 FINDING = {"what": str, "types": list | None, "where": str | None}
 STAGE = {"number": int, "command": str, "time_step": MAYBE, "steps": int | None, "gravity": MAYBE}

@@ -192,8 +192,8 @@ class ParticleSystem:
 
     @property
     def driven(self) -> bool:
-        """Whether walls move or a thermostat heats, so that the box may reach a steady state."""
-        return bool(self.walls) or self.thermostat is not None
+        """Whether walls move, a thermostat heats or the box is sheared, so that it may reach a steady state."""
+        return bool(self.walls) or self.thermostat is not None or self.shear_rate != 0.0
 
     @cached_property
     def domain(self) -> Box:

@@ -56,7 +56,8 @@ def fidelity(
     All models of a replica start from the same state. Differences between models therefore scatter less than the values
     themselves. Errors are standard errors over replicas; a single replica gives no errors and no verdict.
 
-    With moving walls or a thermostat, averages over the steady state are compared. If no steady state is found by
+    With moving walls, a thermostat or shear, averages over the steady state are compared; under shear also the shear
+    stress and the first normal stress difference, unless there are shear bands. If no steady state is found by
     ``until``, the summary says so and nothing is averaged (:attr:`Fidelity.steady`). A single replica then has the
     errors of its correlated samples.
 
@@ -65,7 +66,8 @@ def fidelity(
     system : ParticleSystem or callable(seed)
         Initial state of replica 0. Replica k > 0 starts from another equilibrium state of the same particles: new
         velocities (Maxwell, seed ``seed`` + k), about 20 elastic collisions per particle, then a shift and a scaling
-        of the velocities to the mean velocity and granular temperature of ``system``. States out of equilibrium or
+        of the velocities to the mean velocity and granular temperature of ``system``, and its mean flow if it is
+        sheared. States out of equilibrium or
         under gravity or with moving walls need a function instead, which is called with ``seed`` + k and returns the
         initial state of replica k. Each replica gets another seed of its thermostat.
     law : Law
@@ -149,6 +151,7 @@ def fidelity(
             solver = engine_choice.estimated(first, law, end, RESTITUTION_ERROR).engine
             starts = replace(starts, engine=solver)
         plan = Plan(law, chosen, end, spacings, *_impact(first, law, restitution, contact_duration), solver)
+        _refuse_endless_heating(first, plan.restitution, law)
         kept = Store(store, facts_of(plan, digest(first).tobytes().hex(), starts.seed))
         wanted = [k for k in range(count) if k not in kept.replicas]
         _compute(starts, plan, kept, wanted, count, many if elsewhere else 1, scheduler, report)
@@ -226,6 +229,17 @@ def _impact(system: ParticleSystem, law: Law, restitution: Any, contact_duration
     if contact_duration is None:
         return epsilon, float(typical.duration(speed)[0])
     return epsilon, validation.number("contact_duration", contact_duration, 0.0, lowest_allowed=True)
+
+
+def _refuse_endless_heating(system: ParticleSystem, restitution: float, law: Law) -> None:
+    """Refuse elastic grains in a sheared box, which have no steady state."""
+    if system.shear_rate == 0.0:
+        return
+    for name, value in (("law", law.specified_restitution), ("restitution", restitution)):
+        if value == 1.0:
+            raise ValueError(
+                f"{name}: got ε = 1 in a sheared box, must be < 1: elastic grains only heat and reach no steady state"
+            )
 
 
 def typical_speed(system: ParticleSystem) -> float:

@@ -1,4 +1,4 @@
-"""Observables of particle positions: pairs near contact, clustering, distance between two trajectories."""
+"""Observables of a state: pairs near contact, clustering, flow in layers, distance between two trajectories."""
 
 from __future__ import annotations
 
@@ -14,10 +14,13 @@ from ..boxes.system import ParticleSystem
 NEAR: Final = 1.1
 #: Mean number of particles in a cell for the variance of the density.
 CELL: Final = 8
+#: Least mean number of particles in a layer across the gradient of a sheared box, and the largest number of layers.
+LAYER: Final = 20
+MOST_LAYERS: Final = 8
 
 
 class Observer:
-    """Computes observables of one system from unfolded positions."""
+    """Computes observables of one system from unfolded positions and velocities."""
 
     def __init__(self, system: ParticleSystem) -> None:
         self.system = system
@@ -25,29 +28,51 @@ class Observer:
         edge = (float(np.prod(system.box)) * CELL / system.n) ** (1.0 / system.dimension)
         self._cells = tuple(max(1, round(float(length) / edge)) for length in system.box)
 
-    def _folded(self, positions: Floats) -> Floats:
+    def _folded(self, positions: Floats, time: float, velocities: Floats | None = None) -> Floats:
         found = positions.copy()
-        self.system.domain.fold(found)
+        self.system.domain.fold(found, velocities, time)
         return found
 
-    def pair_correlation(self, positions: Floats) -> float:
+    def pair_correlation(self, positions: Floats, time: float = 0.0) -> float:
         """Pair correlation function g near contact: the number of pairs closer than 1.1 (R_i + R_j), including
         overlapping pairs, divided by the number expected between touch and this distance for independent positions. NaN
         for one particle."""
         if self.system.n < 2:
             return math.nan
-        return near_pairs(self.system, self._folded(positions)) / self._expected_pairs
+        return near_pairs(self.system, self._folded(positions, time), time) / self._expected_pairs
 
-    def density_variance(self, positions: Floats) -> float:
+    def density_variance(self, positions: Floats, time: float = 0.0) -> float:
         """Variance divided by mean of the number of centres in cells of about 8 particles: 1 for independent positions,
         smaller in a dense fluid, larger with clusters. NaN for a single cell."""
         cells = self._cells
         if math.prod(cells) < 2:
             return math.nan
-        at = (self._folded(positions) / self.system.box * cells).astype(np.int64)
+        at = (self._folded(positions, time) / self.system.box * cells).astype(np.int64)
         found = np.ravel_multi_index(tuple(np.minimum(at, np.array(cells) - 1).T), cells)
         counts = np.bincount(found, minlength=math.prod(cells))
         return float(counts.var() / counts.mean())
+
+    def nonlinear_flow(self, positions: Floats, velocities: Floats, time: float = 0.0) -> float:
+        """Share of the mean square T of v_x, about the linear flow, that is a flow in layers across the gradient.
+
+        With V_l the mean velocity of layer l relative to the linear flow and N_l its particles, Σ N_l V_l² is
+        (layers − 1) T by thermal noise alone, and N T if all motion is such a flow. The share is zero on average
+        without one, and near 1 in shear bands. NaN without shear and for fewer than 40 particles.
+        Particles of different masses count alike.
+        """
+        axis, n = self.system.domain.gradient, self.system.n
+        layers = min(MOST_LAYERS, n // LAYER)
+        if axis is None or layers < 2:
+            return math.nan
+        moving = velocities.copy()
+        folded = self._folded(positions, time, moving)
+        flow = (moving - self.system.domain.mean_flow(folded))[:, 0]
+        flow -= flow.mean()
+        at = np.minimum((folded[:, axis] / self.system.box[axis] * layers).astype(np.int64), layers - 1)
+        count = np.bincount(at, minlength=layers)
+        ordered = float(np.sum(np.bincount(at, flow, layers) ** 2 / np.maximum(count, 1)))
+        noise = (layers - 1) / n
+        return (ordered / float(flow @ flow) - noise) / (1.0 - noise)
 
     def divergence(self, positions: Floats, others: Floats) -> float:
         """Root mean square distance, in radii, between the same particles on two unfolded trajectories."""
@@ -55,17 +80,25 @@ class Observer:
         return math.sqrt(float(np.mean(apart / self.system.radius**2)))
 
 
-def near_pairs(system: ParticleSystem, positions: Floats) -> int:
-    """Number of pairs closer than 1.1 (R_i + R_j), counting the nearest periodic image."""
+def near_pairs(system: ParticleSystem, positions: Floats, time: float = 0.0) -> int:
+    """Number of pairs closer than 1.1 (R_i + R_j), counting the nearest image at a time [s]; positions in the box."""
     from scipy.spatial import cKDTree
 
     edges = np.where(system.domain.periodic, system.box, np.inf)
     wrapped = positions % edges  # an edge is its own image
+    reach, index = 2.0 * NEAR * float(system.radius.max()), np.arange(system.n)
+    if (axis := system.domain.gradient) is not None:  # images of the lowest particles beyond the far side
+        low = np.flatnonzero(wrapped[:, axis] <= reach)
+        images = wrapped[low]
+        images[:, axis] += system.box[axis]
+        images[:, 0] = (images[:, 0] + system.domain.displacement_after(time)) % edges[0]
+        wrapped, index = np.concatenate([wrapped, images]), np.concatenate([index, low])
     tree = cKDTree(wrapped, boxsize=np.where(np.isinf(edges), 0.0, edges))
-    pairs = tree.query_pairs(2.0 * NEAR * float(system.radius.max()), output_type="ndarray")
+    pairs = tree.query_pairs(reach, output_type="ndarray")
+    pairs = pairs[pairs.min(axis=1) < system.n]  # not of two images
     apart = wrapped[pairs[:, 0]] - wrapped[pairs[:, 1]]
     apart -= np.where(np.isinf(edges), 0.0, system.box * np.round(apart / system.box))
-    limit = NEAR * system.radius[pairs].sum(axis=1)
+    limit = NEAR * system.radius[index[pairs]].sum(axis=1)
     return int(np.count_nonzero(np.einsum("ij,ij->i", apart, apart) < limit**2))
 
 

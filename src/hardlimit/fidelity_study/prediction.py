@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 #: Standard errors of the prediction in its 99 % interval.
 BARS: Final = 2.6
+#: Standard error of the temperature under shear that is predicted, over t_c ν: from docs/sheared_gas.md.
+SHEAR_BAR: Final = 0.08
 #: Number of intervals of √(E(0)/E) over which the predicted error is integrated.
 INTERVALS: Final = 64
 
@@ -51,7 +53,10 @@ def predicted(f: Fidelity, rule: str) -> Prediction:
     """
     thermostat = f.start.thermostat
     heated = isinstance(thermostat, RandomKicks)
-    reason = theory.why_not(f.start.replace(thermostat=None) if heated else f.start)
+    if f.sheared and thermostat is not None:
+        return Prediction(reason="it is sheared and has a thermostat")
+    still = f.start.replace(boundary="periodic") if f.sheared else f.start
+    reason = theory.why_not(still.replace(thermostat=None) if heated else still)
     if reason is not None:
         return Prediction(reason=reason)
     law, epsilon = f.plan.law, f.plan.restitution
@@ -64,9 +69,9 @@ def predicted(f: Fidelity, rule: str) -> Prediction:
     own = softness(law, f.start, at_start)
     if not np.allclose((own.restitution, own.duration), (epsilon, f.contact_duration), rtol=1e-6):
         return Prediction(reason="ε or t_c was given and is not that of the law")
-    gas = theory.gas(f.start.replace(thermostat=None))
-    if heated:
-        return _heated(f, rule, gas)
+    gas = theory.gas(still.replace(thermostat=None))
+    if heated or f.sheared:
+        return _driven(f, rule, gas)
     tc_nu = f.contact_duration * float(gas.collision_rate(f.start.granular_temperature))
     last = f.last_common(rule)
     grown = float(f._all("cooling")[:, 0, last].mean())  # y − 1 under Newton's equations
@@ -86,9 +91,9 @@ def predicted(f: Fidelity, rule: str) -> Prediction:
     return Prediction(reached / grown - 1.0 + lag, math.hypot(uncertain, 0.5 * lag))
 
 
-def _heated(f: Fidelity, rule: str, gas: theory.Gas) -> Prediction:
-    """Prediction for the difference of the temperature in the steady state at equal heating power, at Enskog's t_c ν of
-    the temperature under Newton's equations."""
+def _driven(f: Fidelity, rule: str, gas: theory.Gas) -> Prediction:
+    """Prediction for the difference of the temperature in the steady state at equal heating power or shear rate, at
+    Enskog's t_c ν of the temperature under Newton's equations."""
     if f.steady.reason:
         return Prediction(reason="there is no steady state")
     temperature = f.steady_mean("granular_temperature", NEWTON).value
@@ -96,8 +101,13 @@ def _heated(f: Fidelity, rule: str, gas: theory.Gas) -> Prediction:
     if at > MEASURED_TC_NU:
         return Prediction(reason=f"t_c ν = {at:.2g} is above {MEASURED_TC_NU:g}")
     one = _law(f, rule, gas)
-    value = one.heated_error(at)
-    return Prediction(value, 2.0 / 3.0 * (1.0 + value) * one.error_bar(at))
+    if not f.sheared:
+        value = one.heated_error(at)
+        return Prediction(value, 2.0 / 3.0 * (1.0 + value) * one.error_bar(at))
+    if reason := one.no_shear():
+        return Prediction(reason=f"the law of the error of shear is not that of {reason}")
+    value = one.sheared_errors(at).temperature
+    return Prediction(value, (1.0 + value) * math.hypot(one.error_bar(at), SHEAR_BAR * at))
 
 
 def _law(f: Fidelity, rule: str, gas: theory.Gas) -> ErrorLaw:

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..boxes import hard_spheres, newton, time_step
-from ..boxes.box import Floats
+from ..boxes.box import AXES, Floats
 from ..boxes.engines import NewtonSettings
-from ..boxes.observables import OBSERVABLES, Observable, Samples
+from ..boxes.observables import OBSERVABLES, Observable, Samples, components
 from ..boxes.result import ContactResult
 from ..boxes.rules import Settings
 from ..boxes.run import Output, Run
@@ -65,6 +65,32 @@ _COMPARED: Final = (
 )
 #: Observables of every sample and model that are compared, by name.
 QUANTITIES: Final = {one.name: one for one in _COMPARED}
+#: Further ones of a sheared box.
+OF_SHEAR: Final = {
+    one.name: one
+    for one in (
+        Observable(
+            "shear_stress",
+            "Pa",
+            "∓P_xy, viscosity times the size of the shear rate; y is the gradient; mean since the start",
+            ("pressure_tensor",),
+            unit_of_disks="N/m",
+        ),
+        Observable(
+            "normal_stress_difference",
+            "Pa",
+            "P_xx − P_yy, the first normal stress difference; mean since the start",
+            ("pressure_tensor",),
+            unit_of_disks="N/m",
+        ),
+    )
+}
+NONLINEAR: Final = Observable(
+    "nonlinear_flow",
+    "1",
+    "share of the mean square of v_x, about the linear flow of a sheared box, that is a flow in layers",
+    ("state",),
+)
 DIVERGENCE: Final = Observable(
     "divergence",
     "1",
@@ -83,7 +109,11 @@ INTERVALS: Final = {
         OBSERVABLES["pressure"],
         OBSERVABLES["pressure_tensor"],
         Observable(
-            "driving_power", "W", "work of the walls and heat per time", ("wall_work", "heat"), "rate"
+            "driving_power",
+            "W",
+            "work of the walls and of shear, and heat, per time",
+            ("wall_work", "heat", "shear_work"),
+            "rate",
         ),
     )
 }
@@ -91,6 +121,11 @@ PREFIX: Final = "interval_"  #: of their arrays
 
 Arrays = dict[str, NDArray[Any]]
 Call = Callable[[], object]  #: may raise an exception to stop the run
+
+
+def quantities(system: ParticleSystem) -> dict[str, Observable]:
+    """The observables that are compared in a box."""
+    return QUANTITIES | (OF_SHEAR if system.shear_rate else {})
 
 
 @dataclass(frozen=True)
@@ -135,7 +170,10 @@ def compute(plan: Plan, system: ParticleSystem, sampled: Call, alive: Call) -> A
     runs = [_start(plan, model, system) for model in plan.models]
     paths = [run.steps(lambda done, total: alive()) for run in runs]
     observer, times = Observer(system), plan.times
-    found = {name: np.full((len(runs), len(times)), math.nan) for name in (*QUANTITIES, "divergence")}
+    found = {
+        name: np.full((len(runs), len(times)), math.nan)
+        for name in (*quantities(system), *([NONLINEAR.name] if system.shear_rate else []), "divergence")
+    }
     reached = [0] * len(runs)
     for k, time in enumerate(times):
         reference: Floats | None = None  # positions under Newton's equations
@@ -144,10 +182,12 @@ def compute(plan: Plan, system: ParticleSystem, sampled: Call, alive: Call) -> A
             if reached[i] < k or next(path, None) != time:
                 continue
             reached[i] = k + 1
-            positions = run.engine.state()[0]
+            positions, velocities = run.engine.state()
             reference = positions if i == 0 else reference
-            found["pair_correlation"][i, k] = observer.pair_correlation(positions)
-            found["density_variance"][i, k] = observer.density_variance(positions)
+            found["pair_correlation"][i, k] = observer.pair_correlation(positions, time)
+            found["density_variance"][i, k] = observer.density_variance(positions, time)
+            if system.shear_rate:
+                found[NONLINEAR.name][i, k] = observer.nonlinear_flow(positions, velocities, time)
             if reference is not None:
                 found["divergence"][i, k] = observer.divergence(positions, reference)
     totals = []
@@ -186,9 +226,21 @@ def _series(system: ParticleSystem, ended: Any, reached: int) -> dict[str, Float
     found = {"granular_temperature": samples["granular_temperature"], "cooling": _cooling(system, lost)}
     with np.errstate(invalid="ignore", divide="ignore"):
         found["dissipation_rate"] = lost / passed
-        for name in ("collision_rate", "pressure"):
-            found[name] = np.append(0.0, np.cumsum(OBSERVABLES[name].values(samples)[1:] * lasted)) / passed
+        rates = {name: OBSERVABLES[name].values(samples)[1:] for name in ("collision_rate", "pressure")}
+        for name, values in (rates | _stresses(samples)).items():
+            found[name] = np.append(0.0, np.cumsum(values * lasted)) / passed
     return found
+
+
+def _stresses(samples: Samples) -> dict[str, Floats]:
+    """Shear stress and first normal stress difference of a sheared box, means since the previous sample."""
+    system, axis = samples.system, samples.system.domain.gradient
+    if axis is None or not system.shear_rate:
+        return {}
+    tensor = OBSERVABLES["pressure_tensor"].values(samples)[1:]
+    flux = tensor[:, components(system.dimension).index("x" + AXES[axis])]
+    normal = tensor[:, 0] - tensor[:, axis]
+    return {"shear_stress": -math.copysign(1.0, system.shear_rate) * flux, "normal_stress_difference": normal}
 
 
 def _intervals(system: ParticleSystem, ended: Any, reached: int) -> dict[str, Floats]:
@@ -196,8 +248,8 @@ def _intervals(system: ParticleSystem, ended: Any, reached: int) -> dict[str, Fl
     samples = Samples(system, {name: values[:reached] for name, values in ended.samples.items()})
     found = {
         "dissipation_rate": samples.rate("dissipated_energy"),
-        "driving_power": samples.rate("wall_work") + samples.rate("heat"),
-    }
+        "driving_power": samples.rate("wall_work") + samples.rate("heat") + samples.rate("shear_work"),
+    } | _stresses(samples)
     shared = INTERVALS.keys() & OBSERVABLES.keys()
     return found | {name: OBSERVABLES[name].values(samples)[1:] for name in shared}
 

@@ -9,8 +9,7 @@ import numpy as np
 
 from ..support.estimate import Estimate
 from ..support.formatting import at_least_two_digits, digits, listed, percent, percent_with_error
-from .replica import NEWTON, QUANTITIES
-from .steady import EXAMINED
+from .replica import NEWTON
 
 if TYPE_CHECKING:
     from .result import Departure, Fidelity
@@ -24,7 +23,11 @@ NAMES: Final = {
     "pressure": "pressure",
     "pair_correlation": "pairs near contact",
     "density_variance": "density variance",
+    "shear_stress": "shear stress",
+    "normal_stress_difference": "normal stress difference",
 }
+#: Share of the fluctuations of v_x in a flow that is not linear above which shear is not homogeneous.
+BANDED: Final = 0.2
 #: The verdict is about the first of these quantities that is defined; each has a verb, and words for more and for less.
 MEASURES: Final = {
     "cooling": ("cools", "too fast", "too slowly"),
@@ -98,7 +101,14 @@ def _steady_sentence(f: Fidelity, rules: list[str]) -> str:
         return (
             f"No verdict: not steady by {end}, {f.steady.reason}; take a longer run.{_not_compared(f, rules)}"
         )
-    compared = _defined(f, EXAMINED[0], rules)
+    banded = {model: f.nonlinear_flow(model) for model in f.models if f.nonlinear_flow(model) > BANDED}
+    if banded:
+        who = listed(["Newton’s equations" if model == NEWTON else f"the rule {model}" for model in banded])
+        return (
+            f"No verdict: shear bands under {who}, {percent(max(banded.values()))} of the fluctuations of v_x is a "
+            f"flow that is not linear; averages over the box are not those of a sheared gas.{_not_compared(f, rules)}"
+        )
+    compared = _defined(f, f.examined[0], rules)
     errors = "; ".join(f"{rule} {_errors(f, rule)}" for rule in compared) or "no rule reached the end"
     if f.n_replicas > 1:
         bars = f"standard error of {f.n_replicas} replicas"
@@ -112,7 +122,7 @@ def _steady_sentence(f: Fidelity, rules: list[str]) -> str:
 
 def _errors(f: Fidelity, rule: str) -> str:
     """The differences of the examined quantities."""
-    found = {name: f.final_difference(name, rule) for name in EXAMINED}
+    found = {name: f.final_difference(name, rule) for name in f.examined}
     parts = [
         f"{NAMES[name]} {percent_with_error(one.value, one.error)}{'?' * (half_width(one) > f.resolution)}"
         for name, one in found.items()
@@ -223,12 +233,12 @@ def _early_end(how: str, last: float, models: list[str]) -> str:
 def table(f: Fidelity) -> tuple[list[str], list[list[str]]]:
     """Head and rows: the final difference of each rule in per cent."""
     rules = [model for model in f.models if model != NEWTON]
-    rows = [[NAMES[name], *(_cell(f, name, rule) for rule in rules)] for name in QUANTITIES]
+    rows = [[NAMES[name], *(_cell(f, name, rule) for rule in rules)] for name in f.quantities]
     law = [f.predicted(rule) for rule in rules]
     if any(math.isfinite(one.value) for one in law):
         known = ["–" if one.reason else _bare(percent_with_error(one.value, one.error)) for one in law]
         measure = "granular_temperature" if f.driven else "cooling"
-        rows.insert(1 + list(QUANTITIES).index(measure), [f"{NAMES[measure]}, law of the error", *known])
+        rows.insert(1 + list(f.quantities).index(measure), [f"{NAMES[measure]}, law of the error", *known])
     return ["", *rules], rows
 
 
@@ -255,7 +265,7 @@ def departures(f: Fidelity) -> list[list[str]]:
     """Rows: time [t_c] and size of the first significant difference of each rule. Quantities without one are absent."""
     rules = [model for model in f.models if model != NEWTON]
     rows = []
-    for name in QUANTITIES:
+    for name in f.quantities:
         found = [f.departure(name, rule) for rule in rules]
         if any(found):
             rows.append([NAMES[name], *("–" if at is None else _time_and_size(f, at) for at in found)])

@@ -11,14 +11,14 @@ import numpy as np
 
 from .. import _core
 from ..boxes.box import Floats
-from ..boxes.observables import components
+from ..boxes.observables import Observable, components
 from ..boxes.system import ParticleSystem
 from ..support import html, saving, validation
 from ..support.estimate import Estimate
 from ..verdict.error_law import softness
 from . import prediction, report, statistics, steady
 from .contacts import EDGES
-from .replica import DIVERGENCE, INTERVALS, NEWTON, PREFIX, QUANTITIES, Arrays, Plan
+from .replica import DIVERGENCE, INTERVALS, NEWTON, NONLINEAR, PREFIX, Arrays, Plan, quantities
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -189,15 +189,58 @@ class Fidelity:
 
     @property
     def driven(self) -> bool:
-        """Whether walls move or a thermostat heats. Final differences are then those of the steady state."""
+        """Whether walls move, a thermostat heats or the box is sheared. Final differences are then those of the steady
+        state."""
         return self.start.driven
+
+    @property
+    def sheared(self) -> bool:
+        """Whether the box is sheared: shear stress and first normal stress difference are then compared too."""
+        return self.start.shear_rate != 0.0
+
+    @cached_property
+    def quantities(self) -> dict[str, Observable]:
+        """The observables that are compared, by name.
+
+        :meta private:
+        """
+        return quantities(self.start)
+
+    @property
+    def examined(self) -> tuple[str, ...]:
+        """The quantities that must be steady, and that the summary of a driven box compares.
+
+        :meta private:
+        """
+        return (*steady.EXAMINED, "shear_stress") if self.sheared else steady.EXAMINED
+
+    def nonlinear_flow(self, model: str) -> float:
+        """Share of the fluctuations of v_x in a sheared box that is a flow in layers, in the steady state; the largest
+        of the replicas. 0 in homogeneous shear, near 1 in shear bands. NaN without shear or steady state.
+
+        Parameters
+        ----------
+        model : str
+            One of ``models``.
+
+        Raises
+        ------
+        ValueError
+            If there is no such model.
+        """
+        i = self._index(model)
+        if not self.sheared or self.steady.reason:
+            return math.nan
+        values = self._all(NONLINEAR.name)[:, i, self.steady.first + 1 :]
+        return float(values.mean(axis=1).max())
 
     @cached_property
     def steady(self) -> steady.SteadyState:
         """Where the steady state begins that all models share, or the reason why there is none.
 
-        Of temperature, pressure, dissipation and collision rate under each model that reached the end in all replicas,
-        the mean over replicas is examined: :func:`hardlimit.measure.steady` finds the start. From there on it
+        Of temperature, pressure, dissipation, collision rate and, in a sheared box, shear stress, under each model that
+        reached the end in all replicas, the mean over replicas is examined: :func:`hardlimit.measure.steady` finds the
+        start. From there on it
         must have at least ten independent samples of all replicas together, and three of each, and the means of its
         halves must not differ (99.9 % for all together).
         """
@@ -208,7 +251,7 @@ class Fidelity:
                 report.NAMES[name],
                 "under " + ("Newton’s equations" if model == NEWTON else f"the rule {model}"),
             ): one
-            for name in steady.EXAMINED
+            for name in self.examined
             for model in self.models
             if np.isfinite(one := self.series(name, model)).all()
         }
@@ -230,10 +273,10 @@ class Fidelity:
         ValueError
             If there is no such quantity or model, or the box is not driven.
         """
-        name = validation.one_of("quantity", quantity, tuple(QUANTITIES))
+        name = validation.one_of("quantity", quantity, tuple(self.quantities))
         i = self._index(model)
         if not self.driven:
-            raise ValueError("series: the box is not driven, must have moving walls or a thermostat")
+            raise ValueError("series: the box is not driven, must have moving walls, a thermostat or shear")
         if PREFIX + name in self.arrays[0]:
             return self._all(PREFIX + name)[:, i]
         return self._all(name)[:, i, 1:]
@@ -266,7 +309,7 @@ class Fidelity:
         ValueError
             If there is no such quantity or model.
         """
-        values = self._all(validation.one_of("quantity", quantity, tuple(QUANTITIES)))
+        values = self._all(validation.one_of("quantity", quantity, tuple(self.quantities)))
         return statistics.relative_difference(values[:, self._index(model)], values[:, 0])
 
     def final_difference(self, quantity: str, model: str) -> Estimate[float]:
@@ -366,12 +409,16 @@ class Fidelity:
             data[name] = (dims, found, attributes)
         share = _with_error(statistics.mean(self._all("restitution_share")))
         data["restitution_share"] = (("model", "restitution", "statistic"), share, _SHARE)
-        coordinates = {**self._coordinates(), "statistic": list(STATISTICS), "quantity": list(QUANTITIES)}
+        coordinates = {
+            **self._coordinates(),
+            "statistic": list(STATISTICS),
+            "quantity": list(self.quantities),
+        }
         return xr.Dataset(data | self._differences(), coordinates, self._global_attributes("Means"))
 
     def _differences(self) -> dict[str, Any]:
         def table(function: Any) -> Floats:
-            return np.array([[function(name, model) for model in self.models] for name in QUANTITIES])
+            return np.array([[function(name, model) for model in self.models] for name in self.quantities])
 
         steady_parts: dict[str, Any] = {}
         if self.driven:
@@ -381,7 +428,7 @@ class Fidelity:
                 "long_name": "difference from Newton’s equations in the steady state, relative",
             }
             steady_parts["steady_difference"] = (("quantity", "model", "statistic"), final, say)
-            for name, one in QUANTITIES.items():
+            for name, one in self.quantities.items():
                 mean = np.array([self.steady_mean(name, model)[:2] for model in self.models])
                 attributes = {
                     "units": one.unit_in(self.dimension),
@@ -417,7 +464,7 @@ class Fidelity:
 
     def _attributes(self) -> dict[str, dict[str, str]]:
         """Unit and meaning of each variable."""
-        observables = (*QUANTITIES.values(), DIVERGENCE)
+        observables = (*self.quantities.values(), *([NONLINEAR] if self.sheared else []), DIVERGENCE)
         all_of = {one.name: (one.unit_in(self.dimension), one.meaning) for one in observables} | TOTALS
         return {name: {"units": unit, "long_name": meaning} for name, (unit, meaning) in all_of.items()}
 

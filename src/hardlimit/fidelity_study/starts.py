@@ -100,23 +100,28 @@ def equilibrated(
 
     Velocities are drawn from a Maxwell distribution, each particle undergoes ``collisions`` elastic collisions as a
     hard sphere, and the velocities are shifted and scaled to the mean velocity and granular temperature of ``system``.
+    The collisions of a sheared box are without shear, and its mean flow is added at the end.
     """
     rng = np.random.default_rng(np.random.SeedSequence([seed, system.n]))
     drawn = (
         rng.standard_normal((system.n, system.dimension)) / np.sqrt(system.mass / system.mass.max())[:, None]
     )
-    start = system.replace(velocities=_rescaled(drawn, system), thermostat=None)
+    drift = (system.momentum - system.mass @ system.domain.mean_flow(system.positions)) / system.mass.sum()
+    start = system.replace(velocities=_rescaled(drawn, system, drift), thermostat=None, shear_rate=0.0)
     n_collisions = max(1, collisions * system.n // 2)
     run = event_driven(start, restitution=1.0, max_collisions=n_collisions, samples=1, progress=report)
+    at, velocities = run.system.positions, _rescaled(run.system.velocities, system, drift)
     return run.system.replace(
-        velocities=_rescaled(run.system.velocities, system), thermostat=system.thermostat
+        velocities=velocities + system.domain.mean_flow(at),
+        thermostat=system.thermostat,
+        shear_rate=system.shear_rate,
     )
 
 
-def _rescaled(velocities: Floats, system: ParticleSystem) -> Floats:
-    """Velocities, shifted and scaled to the mean velocity and the granular temperature of ``system``."""
+def _rescaled(velocities: Floats, system: ParticleSystem, drift: Floats) -> Floats:
+    """Velocities, shifted and scaled to the mean velocity ``drift`` and the granular temperature of ``system``."""
     relative = velocities - np.average(velocities, axis=0, weights=system.mass)
     total = float(system.mass.sum())
     temperature = float(np.einsum("i,ij,ij->", system.mass, relative, relative)) / (system.dimension * total)
-    found: Floats = relative * np.sqrt(system.granular_temperature / temperature) + system.momentum / total
+    found: Floats = relative * np.sqrt(system.granular_temperature / temperature) + drift
     return found

@@ -82,11 +82,19 @@ def steady(rows: Sequence[CheckedContact], drive: Drive | None, plain: bool) -> 
     shown = digits(speed, 2) if plain else f"{digits(speed, 2)} m/s"
     text = f" Impacts at {shown} are those of the steady state under {drive.words(plain)}"
     if drive.shear_rate is not None:
-        return f"{text} (kinetic theory); the error of stresses was not measured."
+        return f"{text} (kinetic theory){_of_stress(worst)}."
     if drive.power is None or x > MEASURED_TC_NU or worst.heated_error is None:
         return f"{text}."
     how = "cold" if worst.heated_error < 0.0 else "hot"
     return f"{text}; event-driven is {percent(abs(worst.heated_error))} too {how} there."
+
+
+def _of_stress(row: CheckedContact) -> str:
+    """The error of the shear stress, if it is known."""
+    if row.sheared_error is None or (row.tc_nu or 0.0) > MEASURED_TC_NU:
+        return ""
+    how = "high" if row.sheared_error > 0.0 else "low"
+    return f"; there the shear stress of event-driven is {percent(abs(row.sheared_error))} too {how}"
 
 
 def given_by(missing: Sequence[str], dumped: bool) -> str:

@@ -125,6 +125,7 @@ class CheckedContact:
     error: Errors = field(default_factory=dict)  #: of event-driven cooling
     rule: str = "constant"  #: of the event-driven simulation that the answer is about: "law" if ε depends on the speed
     heated_error: float | None = None  #: of the temperature of an event-driven gas at equal heating power
+    sheared_error: float | None = None  #: of the shear stress of event-driven spheres at equal shear rate
     softening: float | None = None  #: factor of the stiffness with which the error of cooling is 1 %
     spring: tuple[str, float, float] | None = None  #: name of the stiffness, value, value for an error of 1 %
 
@@ -256,7 +257,7 @@ def _in_gas(
         found[rule] = one.error
         found[f"{rule}±"] = math.hypot(one.bar, one.error * prolonged, one.error * unequal)
         if rule == usual:
-            found["heated_error"] = one.heated
+            found |= {"heated_error": one.heated, "sheared_error": one.sheared}
             found["softening"] = (tc_nu / one.largest_tc_nu) ** exponent
     return found
 

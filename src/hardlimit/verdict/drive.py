@@ -110,8 +110,10 @@ def checked_drive(power: float | None, shear_rate: float | None, speeds: tuple[f
 
 
 def of_system(system: ParticleSystem) -> Drive | None:
-    """The drive of a system; None without a thermostat."""
+    """The drive of a system; None without shear and thermostat, and with both."""
     thermostat = system.thermostat
+    if system.shear_rate != 0.0:
+        return Drive(shear_rate=abs(system.shear_rate)) if thermostat is None else None
     if isinstance(thermostat, RandomKicks):
         return Drive(power=thermostat.power / system.n)
     if isinstance(thermostat, Andersen):

@@ -17,6 +17,7 @@ from .. import _core
 from ..boxes.contacts import mean_contact
 from ..boxes.rules import RULES
 from ..boxes.system import ParticleSystem
+from ..boxes.theory import FLUID
 from ..contact.balls import Ball
 from ..contact.contact import Law
 from ..support import validation
@@ -112,6 +113,31 @@ def softness(law: Law, system: ParticleSystem, temperature: Any) -> Softness:
     return Softness(duration, restitution, depth / (2.0 * float(system.radius.mean())))
 
 
+class ShearedErrors(NamedTuple):
+    """Relative errors in steady shear at equal shear rate; made by ``ErrorLaw.sheared_errors``."""
+
+    temperature: float  #: of the granular temperature
+    stress: float  #: of shear stress, apparent viscosity and dissipation
+
+
+def viscosity_error(phi: float) -> float:
+    """Error of the shear viscosity of hard spheres at equal kinetic temperature, per t_c ν; ε → 1, linear springs.
+
+    Enskog's viscosity, in units of that of a thin gas, is (1 + P)²/χ + M with P = 8φχ/5 and M = 768φ²χ/(25π). To first
+    order in w/d = t_c ν/(24φχ), the kinetic stress of soft spheres relaxes more slowly by R w/d, their coupling P is
+    less by C w/d, and M, of collisions between layers of the flow, by L w/d: docs/sheared_gas.md.
+    """
+    one = fluid(3, phi)
+    chi, s, growth = one.contact_value, one.slope, one.growth
+    coupling, layers = 1.6 * phi * chi, 768.0 / (25.0 * math.pi) * phi**2 * chi
+    kinetic = (1.0 + coupling) ** 2 / chi
+    slower = 0.5 * math.pi + s + growth  # R
+    uncoupled = 7.5 + 0.5 * s + growth  # C
+    lost = 13.0 / 8.0 * math.pi + (1.0 - 0.25 * math.pi) * s + growth  # L
+    change = kinetic * slower - 2.0 * coupling * (1.0 + coupling) / chi * uncoupled - layers * lost
+    return -change / ((kinetic + layers) * one.density)
+
+
 # --- the result ---------------------------------------------------------------------------------------------
 
 
@@ -197,6 +223,63 @@ class ErrorLaw:
             root = (math.exp(min(self.decay * x * root, 50.0)) / slower) ** (1.0 / 3.0)
         kept = 0.5 * lossy * self.delay
         return root**2 * (1.0 - kept * x) / (1.0 - (1.0 - 0.5 * lossy) * self.stored * x) - 1.0
+
+    def sheared_errors(self, tc_nu: float) -> ShearedErrors:
+        """Relative errors of granular temperature and shear stress in steady shear at equal shear rate.
+
+        Hard spheres over Newton's equations, less 1, for spheres with linear springs and a constant ε.
+        :doc:`/sheared_gas` derives and measures them.
+
+        Parameters
+        ----------
+        tc_nu : float
+            t_c ν in the steady state under Newton's equations, at least 0.
+
+        Returns
+        -------
+        ShearedErrors
+            Of temperature and stress.
+
+        Raises
+        ------
+        ValueError
+            If it is negative or not finite, or for disks, other contact laws, the rules tc and soft, and φ above 0.49.
+
+        Notes
+        -----
+        Shear works η γ̇² per volume. With η ∝ √T and the dissipation ∝ T^(3/2) of hard spheres, their temperature is
+        (1 + e_η)/(1 + e_Γ) times that under Newton's equations, where e are the errors of viscosity and dissipation at
+        equal kinetic temperature. e_Γ is that of :meth:`ErrorLaw.heated_error`; e_η is that of Enskog's viscosity.
+
+        Examples
+        --------
+        >>> law = hl.error_law(packing_fraction=0.3, restitution=0.9)
+        >>> f"stress {law.sheared_errors(0.1).stress:.1%}"
+        'stress 4.6%'
+        """
+        x = _tc_nu(tc_nu)
+        if reason := self.no_shear():
+            accepted = f"spheres up to φ = {FLUID[3]:g} with linear springs and a constant ε"
+            raise ValueError(f"sheared_errors: got {reason}, must be {accepted}")
+        viscosity = 1.0 + x * viscosity_error(self.packing_fraction)
+        kept = 0.5 * (1.0 - self.restitution**2)
+        moving = (1.0 - (1.0 - kept) * self.stored * x) / (1.0 - kept * self.delay * x)
+        temperature = viscosity / ((1.0 + self.coefficient * x) * moving**1.5)
+        return ShearedErrors(temperature - 1.0, viscosity * math.sqrt(temperature) - 1.0)
+
+    def no_shear(self) -> str:
+        """Why the errors under shear are not known; empty if they are.
+
+        :meta private:
+        """
+        if self.dimension != 3:
+            return "disks"
+        if self.rule in ("tc", "soft"):
+            return f"the rule {self.rule}"
+        linear = LINEAR.mean_duration / 3.0
+        if not np.allclose((self.stored, self.delay), (linear / LINEAR.energy, linear), rtol=1e-6):
+            return "another contact law"
+        return f"φ = {self.packing_fraction:g}" if self.packing_fraction > FLUID[3] else ""
 
     def largest_tc_nu(self, error: float = 0.01) -> float:
         """The largest t_c ν up to which the size of the error is at most ``error``; at most 0.3, the largest measured.

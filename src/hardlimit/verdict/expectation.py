@@ -27,13 +27,14 @@ OTHER_POWERS: Final = 0.1
 
 
 class Expected(NamedTuple):
-    """Relative error of the rate of cooling, its error bar, the largest t_c ν with an error of 1 %, and the error of
-    the temperature of a heated gas."""
+    """Relative error of the rate of cooling, its error bar, the largest t_c ν with an error of 1 %, the error of the
+    temperature of a heated gas, and that of the stress of a sheared one, None if unknown."""
 
     error: float
     bar: float
     largest_tc_nu: float
     heated: float
+    sheared: float | None
 
 
 def expected(
@@ -48,7 +49,8 @@ def expected(
     error, bar = law.error(tc_nu), law.error_bar(tc_nu)
     if nearest != given:
         bar = math.hypot(bar, OTHER_POWERS * error)
-    return Expected(error, bar, limit, law.heated_error(tc_nu))
+    sheared = None if law.no_shear() else law.sheared_errors(tc_nu).stress
+    return Expected(error, bar, limit, law.heated_error(tc_nu), sheared)
 
 
 @cache

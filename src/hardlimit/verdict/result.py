@@ -35,6 +35,7 @@ NUMBERS = {
     "tc_nu": "1",
     "delta_over_d": "1",
     "heated_error": "1",
+    "sheared_error": "1",
     "softening": "1",
 }
 
