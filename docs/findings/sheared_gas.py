@@ -1,0 +1,309 @@
+"""Measurement of the steady state of a sheared gas: hard spheres beside Newton's equations at equal shear rate.
+
+    python docs/findings/sheared_gas.py measure STORE [--replicas 6]
+    python docs/findings/sheared_gas.py collect STORE
+    python docs/findings/sheared_gas.py draw
+
+``measure`` appends one line for each run to the file STORE and skips runs that are in it. ``collect`` gathers them in
+sheared_gas.nc beside this file. ``draw`` makes the figure and the tables of docs/sheared_gas.md from that file.
+
+A run starts from an elastic equilibrium at the temperature that kinetic theory predicts, with the mean flow of the
+shear. It is sheared for 60 collisions per particle and then measured for 1000. In this time the work of the shear
+stress equals the dissipation, whose mean fluctuates less; the viscosity is that dissipation over the square of the
+shear rate.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+import hardlimit as hl
+from hardlimit import plots
+from hardlimit.boxes import theory
+from hardlimit.fidelity_study.starts import equilibrated
+from hardlimit.plots.style import PAGE_WIDTH, PALETTE, style
+from hardlimit.support import saving
+from hardlimit.verdict.error_law import viscosity_error
+
+HERE = Path(__file__).parent
+DATA = HERE / "sheared_gas.nc"
+IMAGES = HERE.parent / "images"
+
+N = 500
+RADIUS, DENSITY = 1e-3, 2500.0  #: [m], [kg/m³]
+TEMPERATURE = 1.0  #: predicted by kinetic theory for hard spheres [m²/s²]
+RESTITUTION = (0.9, 0.7)
+#: t_c ν by Enskog's theory at this temperature. Softer particles would be compressed too much.
+TC_NU = {0.1: (0.03, 0.1), 0.3: (0.03, 0.1, 0.3), 0.45: (0.03, 0.1, 0.3)}
+SHEARED, MEASURED = 60, 1000  #: collisions per particle before and in the window
+LAYERS = 6  #: across the gradient, for the profile of the flow
+#: Values of a run: meaning.
+VALUES = {
+    "temperature": "mean temperature over that of kinetic theory (Lun et al. 1984)",
+    "dissipation": "dissipation over T^(3/2), over that of Enskog's theory",
+    "viscosity": "dissipation over the square of the shear rate and √T, over that of Lun et al. (1984)",
+    "balance": "work of the shear stress over the dissipation",
+    "shear_stress": "−P_xy over p",
+    "first_normal": "(P_xx − P_yy) over p",
+    "second_normal": "(P_yy − P_zz) over p",
+    "pressure": "pressure over nmT",
+    "collision_rate": "collision rate over √T, over Enskog's",
+    "profile": "variance of the mean velocity in layers about the linear profile, over that of thermal noise",
+    "largest_compression": "largest compression of a contact over the radius",
+}
+Point = tuple[float, float, str, float]  # φ, ε, model, t_c ν
+SIDES = ("periodic", "lees-edwards", "periodic")
+
+
+def points() -> Iterator[Point]:
+    """Hard spheres with a constant ε do not depend on t_c ν."""
+    for phi, values in TC_NU.items():
+        for epsilon in RESTITUTION:
+            yield phi, epsilon, "constant", 0.0
+            for tc_nu in values:
+                yield phi, epsilon, "newton", tc_nu
+
+
+def run(point: Point, replica: int) -> dict[str, float]:
+    """The values of one run; none if it ended early."""
+    phi, epsilon, model, tc_nu = point
+    start = hl.ParticleSystem.random(
+        N, phi, RADIUS, DENSITY, math.sqrt(3.0 * TEMPERATURE), seed=replica, boundary=SIDES
+    )
+    gas = theory.Gas(N, RADIUS, float(start.mass[0]), start.domain.volume, 3)
+    enskog = float(gas.collision_rate(TEMPERATURE))
+    rate = math.sqrt(TEMPERATURE / gas.sheared_temperature(1.0, epsilon))
+    start = equilibrated(start.replace(shear_rate=rate), 1000 + replica, collisions=100)
+    total = SHEARED + MEASURED
+    options: dict[str, Any] = {"until": total / enskog, "samples": 4 * total}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", hl.CompressionWarning)
+        if model == "newton":
+            law = linear_law(epsilon, start, tc_nu / enskog)
+            done: Any = hl.molecular_dynamics(start, law=law, engine="events", **options)
+        else:
+            done = hl.event_driven(start, restitution=epsilon, **options)
+    if done.outcome != "ok":
+        return {}
+    series = done.series.isel(time=slice(4 * SHEARED, None))
+    t = series.granular_temperature.values
+    duration = float(series.time[-1] - series.time[0])
+    lost, work = (
+        float(series[name][-1] - series[name][0]) / duration for name in ("dissipated_energy", "shear_work")
+    )
+    tensor = series.pressure_tensor[1:].mean("time")
+    xx, yy, zz, xy = (float(tensor.sel(component=one)) for one in ("xx", "yy", "zz", "xy"))
+    pressure = float(series.pressure[1:].mean())
+    by_theory = 0.5 * (1.0 - epsilon**2) * enskog * float(start.mass.sum()) * TEMPERATURE
+    roots = float(np.mean(np.sqrt(t / TEMPERATURE)))
+    return {
+        "temperature": float(t.mean()) / TEMPERATURE,
+        "dissipation": lost / float(np.mean((t / TEMPERATURE) ** 1.5)) / by_theory,
+        "viscosity": lost / roots / by_theory,
+        "balance": work / lost,
+        "shear_stress": -xy / pressure,
+        "first_normal": (xx - yy) / pressure,
+        "second_normal": (yy - zz) / pressure,
+        "pressure": pressure / (gas.n * gas.mass / gas.volume * float(t.mean())),
+        "collision_rate": float(series.collision_rate[1:].mean()) / (enskog * roots),
+        "profile": profile(done.system),
+        "largest_compression": float(getattr(done, "largest_compression", 0.0) or 0.0),
+    }
+
+
+def profile(system: hl.ParticleSystem) -> float:
+    """Variance of the mean velocities in layers about the linear profile, over that of independent particles."""
+    axis = system.domain.gradient
+    assert axis is not None
+    flow = (system.velocities - system.domain.mean_flow(system.positions))[:, 0]
+    layer = np.minimum((system.positions[:, axis] / system.box[axis] * LAYERS).astype(int), LAYERS - 1)
+    count = np.bincount(layer, minlength=LAYERS)
+    mean = np.bincount(layer, flow, LAYERS) / np.maximum(count, 1)
+    return float(np.sum(count * mean**2)) / ((LAYERS - 1) * float(flow.var()))
+
+
+def linear_law(epsilon: float, system: hl.ParticleSystem, duration: float) -> hl.LinearDashpot:
+    """The linear law with this restitution and duration of a contact [s]."""
+    ball = hl.Ball(RADIUS, mass=float(system.mass[0]))
+    unit = hl.LinearDashpot(stiffness=1.0, restitution=epsilon).between(ball, ball).duration(1.0)
+    return hl.LinearDashpot(stiffness=float(unit / duration) ** 2, restitution=epsilon)
+
+
+# --- store ----------------------------------------------------------------------------------------------------
+
+
+def measure(store: Path, replicas: int) -> None:
+    known = {(tuple(one["point"]), one["replica"]) for one in _lines(store)}
+    for replica in range(replicas):
+        for point in points():
+            if (tuple(point), replica) not in known:
+                line = {"point": point, "replica": replica, "values": run(point, replica)}
+                with store.open("a") as file:
+                    file.write(json.dumps(line) + "\n")
+
+
+def _lines(store: Path) -> list[dict[str, Any]]:
+    return [json.loads(line) for line in store.read_text().splitlines()] if store.exists() else []
+
+
+def collect(store: Path) -> None:
+    """All replicas as NetCDF; NaN where a run is missing or ended early."""
+    phis, rates = sorted(TC_NU), sorted({x for values in TC_NU.values() for x in values})
+    models, lines = ("newton", "constant"), _lines(store)
+    shape = (len(phis), len(RESTITUTION), len(models), len(rates), 1 + max(one["replica"] for one in lines))
+    data = {name: np.full(shape, math.nan) for name in VALUES}
+    for line in lines:
+        phi, epsilon, model, tc_nu = line["point"]
+        at = slice(None) if model == "constant" else rates.index(tc_nu)
+        where = phis.index(phi), RESTITUTION.index(epsilon), models.index(model), at, line["replica"]
+        for name, value in line["values"].items():
+            data[name][where] = value
+    dims = ("packing_fraction", "restitution", "model", "tc_nu", "replica")
+    found = xr.Dataset(
+        {name: (dims, data[name], {"units": "1", "long_name": VALUES[name]}) for name in VALUES},
+        {"packing_fraction": phis, "restitution": list(RESTITUTION), "model": list(models), "tc_nu": rates},
+        {
+            "title": "Steady states of a sheared gas of hard spheres and of soft ones",
+            "source": f"hardlimit {hl.__version__}, docs/findings/sheared_gas.py",
+            "n": N,
+            "tc_nu": "by Enskog's theory at the temperature that kinetic theory predicts for hard spheres",
+        },
+    )
+    saving.groups({"/": found}, DATA)
+
+
+# --- results --------------------------------------------------------------------------------------------------
+
+
+def ratio(ds: xr.Dataset, name: str) -> tuple[float, float]:
+    """Hard spheres over Newton's equations, less 1, with its standard error over replicas."""
+    means, errors = [], []
+    for model in ("constant", "newton"):
+        values = ds[name].sel(model=model).dropna("replica")
+        n = values.sizes["replica"]
+        means.append(float(values.mean()) if n > 1 else math.nan)
+        errors.append(float(values.std(ddof=1)) / math.sqrt(n) / means[-1] if n > 1 else math.nan)
+    found = means[0] / means[1]
+    return found - 1.0, abs(found) * math.hypot(*errors)
+
+
+def stress_error(ds: xr.Dataset) -> tuple[float, float]:
+    """Error of the shear stress, which is that of the dissipation: viscosity times √T."""
+    stress = ds.viscosity * np.sqrt(ds.temperature)
+    return ratio(ds.assign(stress=stress), "stress")
+
+
+def real_tc_nu(ds: xr.Dataset, tc_nu: float) -> float:
+    """Enskog's t_c ν at the temperature under Newton's equations."""
+    return tc_nu * math.sqrt(float(ds.temperature.sel(model="newton").mean()))
+
+
+BERZI_JENKINS = 0.110  #: t over t_c of the linear law: (d/5)√(πρd/4k)
+
+
+def draw() -> None:
+    with xr.open_dataset(DATA) as file:
+        ds = file.load()
+    _figure(ds)
+    print(
+        "| φ | ε | t_c ν | temperature | stress | Berzi & Jenkins | viscosity at equal T | dissipation at equal T |"
+    )
+    print("|---|---|---|---|---|---|---|---|")
+    for phi, epsilon, tc_nu, here in _measured(ds):
+        x = real_tc_nu(here, tc_nu)
+        law = hl.error_law(packing_fraction=phi, restitution=epsilon)
+        predicted = law.sheared_errors(x)
+        dissipation = (1.0 + law.heated_error(x)) ** -1.5 - 1.0
+        cells = [
+            _cell(*ratio(here, "temperature"), predicted.temperature),
+            _cell(*stress_error(here), predicted.stress),
+            f"{100.0 * BERZI_JENKINS * x:.1f}",
+            _cell(*ratio(here, "viscosity"), x * viscosity_error(phi)),
+            _cell(*ratio(here, "dissipation"), dissipation),
+        ]
+        print(f"| {phi} | {epsilon} | {tc_nu} | {' | '.join(cells)} |")
+    print(
+        "\n| φ | ε | t_c ν | (P_xx − P_yy)/p: hard, Newton | (P_yy − P_zz)/p: hard, Newton |\n|---|---|---|---|---|"
+    )
+    for phi, epsilon, tc_nu, here in _measured(ds):
+        if tc_nu == TC_NU[phi][-1]:
+            cells = [
+                ", ".join(_value(here[name].sel(model=model)) for model in ("constant", "newton"))
+                for name in ("first_normal", "second_normal")
+            ]
+            print(f"| {phi} | {epsilon} | {tc_nu} | {' | '.join(cells)} |")
+
+
+def _measured(ds: xr.Dataset) -> Iterator[tuple[float, float, float, xr.Dataset]]:
+    for phi, values in TC_NU.items():
+        for epsilon in RESTITUTION:
+            for tc_nu in values:
+                yield phi, epsilon, tc_nu, ds.sel(packing_fraction=phi, restitution=epsilon, tc_nu=tc_nu)
+
+
+def _value(values: xr.DataArray) -> str:
+    known = values.dropna("replica")
+    error = float(known.std(ddof=1)) / math.sqrt(known.sizes["replica"])
+    return f"{float(known.mean()):.3f}±{error:.3f}".replace("-", "−")
+
+
+def _cell(value: float, error: float, law: float) -> str:
+    return f"{100.0 * value:.1f}±{100.0 * error:.1f} / {100.0 * law:.1f}".replace("-", "−")
+
+
+def _figure(ds: xr.Dataset) -> None:
+    colors = {0.9: PALETTE["blue"], 0.7: PALETTE["vermillion"]}
+    with style():
+        figure = Figure(figsize=(PAGE_WIDTH, 5.2), layout="constrained")
+        axes = figure.subplots(2, 3, sharex="col", sharey="row")
+        for column, (phi, values) in enumerate(TC_NU.items()):
+            top, below = axes[:, column]
+            x = np.linspace(0.0, 1.15 * values[-1], 60)
+            for epsilon, color in colors.items():
+                law = hl.error_law(packing_fraction=phi, restitution=epsilon)
+                top.plot(x, [100.0 * law.sheared_errors(one).temperature for one in x], color=color)
+                below.plot(x, [100.0 * law.sheared_errors(one).stress for one in x], color=color)
+                for tc_nu in values:
+                    here = ds.sel(packing_fraction=phi, restitution=epsilon, tc_nu=tc_nu)
+                    at = real_tc_nu(here, tc_nu)
+                    label = f"ε = {epsilon:g}" if tc_nu == values[0] else None
+                    for ax, (value, error) in (
+                        (top, ratio(here, "temperature")),
+                        (below, stress_error(here)),
+                    ):
+                        ax.errorbar(at, 100.0 * value, 100.0 * error, fmt="o", ms=4, color=color, label=label)
+            top.axhline(0.0, color="k", ls="--", lw=1.0)
+            below.plot(x, 100.0 * BERZI_JENKINS * x, "k--", lw=1.0, label="Berzi & Jenkins (2015)")
+            top.set_title(f"φ = {phi:g}")
+            below.set_xlabel(r"$t_c\nu$")
+            below.set_xlim(0.0, x[-1])
+        axes[0, 0].set(ylabel="error of the temperature [%]")
+        axes[1, 0].set(ylabel="error of the shear stress [%]")
+        axes[1, 1].legend(loc="upper left", fontsize="small")
+        plots.save(figure, IMAGES / "sheared_gas.png")
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("task", choices=("measure", "collect", "draw"))
+    parser.add_argument("store", nargs="?", type=Path, default=Path("sheared_gas.jsonl"))
+    parser.add_argument("--replicas", type=int, default=6)
+    given = parser.parse_args()
+    if given.task == "measure":
+        measure(given.store, given.replicas)
+    elif given.task == "collect":
+        collect(given.store)
+    else:
+        draw()
