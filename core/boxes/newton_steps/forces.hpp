@@ -327,7 +327,7 @@ private:
         if (c.index_second != no_body)
             slab.virial.add_product(duration * c.distance, c.normal, c.friction.force);
     }
-    // Energy dissipated in a contact [J], and what the impulse of its force [N s] gives to a wall.
+    // Energy dissipated in a contact [J].
     static void add_loss(Slab<Law>& slab, const Contact<Law>& c, double energy) {
         slab.dissipated += energy;
         if (c.second < 0) slab.given_to_walls.add(WallId::of(c.second), 0.0, energy);
