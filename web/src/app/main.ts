@@ -31,6 +31,7 @@ const queryOf = (s: Scenario): string => {
 };
 
 const pause = 700; // ms between changes that undo takes back one by one
+const stillness = 250; // ms after a change until the setting rests
 
 const moves = (): boolean => !matchMedia("(prefers-reduced-motion: reduce)").matches;
 
@@ -73,7 +74,7 @@ class Page {
     this.lecture = new Lecture(state, this.film, this.map, this.pool, moves, (id) => this.load(presets.find((p) => p.id === id)!), resized);
     find("notes").querySelector("button")!.addEventListener("click", () => this.note([]));
     addEventListener("popstate", () => this.goBack());
-    new ThemeSwitch(state);
+    new ThemeSwitch(state, () => this.drawAll());
     this.listenFiles();
     this.frame(performance.now());
   }
@@ -315,6 +316,7 @@ class Page {
   private readonly frame = (now: number): void => {
     requestAnimationFrame(this.frame);
     const { state } = this;
+    this.rest(now);
     const passed = Math.min((now - this.lastFrame) / 1000, 0.1);
     this.lastFrame = now;
     if (state.dirty.solve) {
@@ -333,10 +335,17 @@ class Page {
     this.lecture.frame(plots, film, now);
   };
 
+  // What is out of the window is computed and drawn once the setting rests.
+  private rest(now: number): void {
+    const moving = now - this.changedAt < stillness;
+    if (Sheet.moving && !moving) this.pool.wake();
+    Sheet.moving = moving;
+  }
+
   // Draws one of the large plots per frame; returns whether the drop was redrawn.
   private drawPlots(now: number): boolean {
     const { dirty, drop } = this.state;
-    const forces = dirty.plots && drop !== null;
+    const forces = dirty.plots && drop !== null && (this.forcesSheet.shown() || !Sheet.moving);
     if (forces) {
       dirty.plots = false;
       this.forces.draw();
@@ -346,6 +355,16 @@ class Page {
       this.timeline.mark();
     } else this.map.drawIfDue(now);
     return forces;
+  }
+
+  private drawAll(): void {
+    if (!this.state.drop) return;
+    this.state.redraw();
+    this.film.draw();
+    this.forces.draw();
+    this.timeline.draw();
+    this.map.drawIfDue(Infinity);
+    this.lecture.frame(true, true, performance.now());
   }
 
   private markTime(): void {

@@ -1,5 +1,6 @@
 // Web workers: a few for maps and curves, one for the drop itself.
 import type { Answered } from "./drop";
+import { Script } from "../support/script";
 import type { Kind, Reply, Request, Tasks } from "./worker";
 
 // A task and its callbacks.
@@ -16,7 +17,7 @@ export type Source = () => Piece | null;
 
 export const piece = <K extends Kind>(p: Piece<K>): Piece => p as unknown as Piece;
 
-const workerUrl = new URL("worker.js", import.meta.url).href;
+const script = new Script("worker.js");
 
 // One worker, one task at a time.
 class Hand {
@@ -29,7 +30,7 @@ class Hand {
     module: WebAssembly.Module,
     private readonly free: () => void,
   ) {
-    this.worker = new Worker(workerUrl, { type: "module" });
+    this.worker = new Worker(script.url, { type: "module" });
     this.worker.postMessage(module);
     this.worker.onmessage = (event: MessageEvent<Reply>) => this.receive(event.data);
     this.worker.onerror = (event) => this.fail(event.message);
@@ -128,6 +129,7 @@ export class Desk {
   private hand: Hand;
   private waiting: Piece | null = null;
   private since = 0;
+  private patience = 150; // ms: four times what the last answer took, so that a moving slider does not cancel each of them
 
   constructor(private readonly module: WebAssembly.Module) {
     this.hand = this.hire();
@@ -136,7 +138,7 @@ export class Desk {
   // Replaces the waiting request; a request that has run for long is cancelled.
   put(work: Piece): void {
     this.waiting = work;
-    if (this.hand.lost || (!this.hand.idle && performance.now() - this.since > 150)) this.replace();
+    if (this.hand.lost || (!this.hand.idle && performance.now() - this.since > this.patience)) this.replace();
     this.go();
   }
 
@@ -157,7 +159,10 @@ export class Desk {
     this.waiting = null;
   }
   private hire(): Hand {
-    return new Hand(this.module, () => this.go());
+    return new Hand(this.module, () => {
+      this.patience = Math.min(Math.max(150, 4 * (performance.now() - this.since)), 1000);
+      this.go();
+    });
   }
   private replace(): void {
     this.hand.end();

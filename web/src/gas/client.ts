@@ -1,6 +1,8 @@
 // The page's end of the worker: one question at a time; a start may interrupt what the worker computes.
+import { Script } from "../support/script";
 import type { Answer, Ask } from "./worker";
 
+const script = new Script("gas_worker.js");
 const patience = 1500; // ms that a new start waits for the worker before it is replaced
 
 export class Client {
@@ -13,7 +15,7 @@ export class Client {
   private async made(): Promise<Worker> {
     const module = await this.module;
     if (this.worker) return this.worker;
-    const worker = new Worker("gas_worker.js", { type: "module" });
+    const worker = new Worker(script.url, { type: "module" });
     worker.postMessage(module);
     worker.onmessage = ({ data: { id, answer } }: MessageEvent<{ id: number; answer: Answer }>): void => {
       this.waiting.get(id)?.(answer);

@@ -50,7 +50,7 @@ class Page {
     this.read();
     this.buildControls();
     // The theme switch draws at once.
-    new ThemeSwitch({ theme: themeOf(root), redraw: () => this.retheme() });
+    new ThemeSwitch({ theme: themeOf(root), redraw: () => this.retheme() }, () => this.draw(true));
     this.connect();
     this.restart();
     requestAnimationFrame(() => this.tick());
@@ -277,14 +277,14 @@ class Page {
     this.draw();
   }
 
-  private draw(): void {
+  private draw(all = !this.playing): void {
     if (!this.frame || !this.facts || !this.theme) return;
     const begin = performance.now();
     const { start } = this.facts;
     const colors = [this.theme.icm, this.theme.newton];
     this.worlds.forEach(({ g, width, height, shown }, i) => shown() && drawWorld(g, width, height, start, this.frame!.worlds[i], colors[i], this.theme));
     // The plots change slowly.
-    if (!this.playing || this.drawn % 3 === 0) this.plots.forEach(({ g, canvas, width, height, shown }, i) => {
+    if (all || this.drawn % 3 === 0) this.plots.forEach(({ g, canvas, width, height, shown }, i) => {
         // Of plots below each other only the last has numbers at the time axis.
         const timed = !this.plots.slice(i + 1).some((other) => other.canvas.getBoundingClientRect().left === canvas.getBoundingClientRect().left);
         if (shown()) drawGraph(g, width, height, graphs[i], this.facts!, this.theme, timed);

@@ -1,5 +1,5 @@
 // Draws the disks of one world.
-import type { Theme } from "../style/theme";
+import { colorOf, type Theme } from "../style/theme";
 import type { Seen, Start } from "./simulation";
 import { RADIUS } from "./setting";
 
@@ -9,9 +9,7 @@ export interface GasTheme extends Theme {
 }
 
 export function gasTheme(theme: Theme, root: HTMLElement): GasTheme {
-  const css = getComputedStyle(root);
-  const get = (name: string): string => css.getPropertyValue(`--${name}`).trim();
-  return { ...theme, disk: get("disk"), lit: get("lit") };
+  return { ...theme, disk: colorOf(root, "disk"), lit: colorOf(root, "lit") };
 }
 
 // `color` marks disks in contact.

@@ -105,7 +105,7 @@ export class Lecture {
     const trusted = this.map.trusted();
     if (this.rebound.dirty || trusted !== this.trusted) this.story.dirty = true;
     this.trusted = trusted;
-    this.rebound.drawIfDue();
+    this.rebound.drawIfDue(now);
     this.story.frame(now);
   }
 

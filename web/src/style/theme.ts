@@ -13,9 +13,15 @@ export interface Theme {
   font: string;
 }
 
+// A colour of the style sheet. As the text of a property light-dark(…, …) is not resolved.
+export function colorOf(root: HTMLElement, name: string): string {
+  const css = getComputedStyle(root);
+  return css.getPropertyValue(`--${name}`).trim().replace(/^light-dark\((.*),\s*(.*)\)$/, css.colorScheme === "dark" ? "$2" : "$1");
+}
+
 export function themeOf(root: HTMLElement): Theme {
   const css = getComputedStyle(root);
-  const get = (name: string): string => css.getPropertyValue(`--${name}`).trim();
+  const get = (name: string): string => colorOf(root, name);
   return {
     dark: css.colorScheme === "dark",
     ground: get("ground"),

@@ -18,7 +18,8 @@ export class Sheet {
   readonly g: CanvasRenderingContext2D;
   width = 0;
   height = 0;
-  seen = true; // in the window
+  static printing = false;
+  private inWindow = true;
   private near = false; // within one window of it
   constructor(id: string, resized: () => void) {
     this.canvas = find<HTMLCanvasElement>(id);
@@ -33,11 +34,16 @@ export class Sheet {
         resized();
       }, { rootMargin }).observe(this.canvas.parentElement!);
     };
-    watch("0px", (inside) => (this.seen = inside));
+    watch("0px", (inside) => (this.inWindow = inside));
     watch("100%", (inside) => (this.near = inside));
   }
+  get seen(): boolean {
+    return this.inWindow || Sheet.printing;
+  }
+  // While a slider moves, what is scrolled out of the window waits.
+  static moving = false;
   // Whether it is displayed, even if scrolled out of view; in the story only what is near the window.
-  readonly shown = (): boolean => this.width > 0 && (this.near || document.documentElement.dataset.mode !== "story");
+  readonly shown = (): boolean => this.width > 0 && (this.seen || (!Sheet.moving && (this.near || document.documentElement.dataset.mode !== "story")));
 
   private measure(): boolean {
     const { clientWidth: w, clientHeight: h } = this.canvas.parentElement!;

@@ -6,7 +6,8 @@ import { readMeasurements, type Measurements } from "./measurements";
 import type { Pool } from "../core/pool";
 import { aloneRise } from "../scenario/measured";
 import { Curve, spanOf, valueOn, type CurvePoint } from "./rebound";
-import { drawCurves, nameOf, nearest, valueAt, type CurveLayout, type CurvePicture } from "./rebound_plot";
+import { nameOf, nearest, valueAt, type CurveLayout, type CurvePicture } from "./rebound_layout";
+import { drawCurves } from "./rebound_plot";
 import { clampTo, firstGap, lowestHeight, ranges, type Scenario } from "../scenario/scenario";
 import type { State } from "../app/state";
 import { independent, newton } from "../core/tables";
@@ -22,6 +23,7 @@ export class ReboundPanel {
   private pinnedKey = "";
   private hovered: number | null = null;
   private measured: Measurements | null = null;
+  private drawn = 0;
   dirty = true;
 
   constructor(
@@ -70,9 +72,12 @@ export class ReboundPanel {
     find("rebound-title").textContent = `${what} over ${{ gap: "the gap", e: "ε", ratio: "R₁/R₂" }[this.view.curve]}`;
   }
 
-  drawIfDue(): void {
+  // Less often while points arrive.
+  drawIfDue(now: number): void {
     if (!this.dirty || !this.state.drop || this.sheet.width < 40 || !this.sheet.shown()) return;
+    if (!this.curve.done && now - this.drawn < 80) return;
     this.dirty = false;
+    this.drawn = now;
     const { sheet, state } = this;
     this.layout = drawCurves(sheet.g, sheet.width, sheet.height, this.picture(), state.theme);
     this.tell();
