@@ -34,6 +34,22 @@ def predicted(law, tc_nu, tc, samples, bound):
     k = min(max(int(np.searchsorted(stretched, at)), 1), len(t) - 1)
     return (y[k - 1] + (y[k] - y[k - 1]) / (stretched[k] - stretched[k - 1]) * (at - stretched[k - 1])) ** -2
 
+def divergence(samples):
+    "E-folds of the worlds' distance per collision of each disk, where its logarithm is straight; None: nowhere."
+    c, d = (np.array([np.nan if s[name] is None else s[name] for s in samples]) for name in ("collisions", "distance"))
+    far = np.flatnonzero(d > 0.3)
+    c, d = (x[: far[0]] if len(far) else x for x in (c, d))
+    c, d = c[d > 0.0], np.log(d[d > 0.0])
+    for part in range(5):
+        x, y = (z[part * len(c) // 8 :] for z in (c, d))
+        if len(x) < 10:
+            return None
+        line = np.polynomial.Polynomial.fit(x, y, 1)
+        begin, end = (float(line(z)) for z in (x[0], x[-1]))
+        if 1.0 - np.var(y - line(x)) / np.var(y) >= 0.98 and end - begin >= 2.0:
+            return dict(rate=(end - begin) / float(x[-1] - x[0]), **{"from": float(x[0])}, to=float(x[-1]), near=math.exp(begin), far=math.exp(end))
+    return None
+
 def compare(case):
     faults, i, s = [], case["input"], case["setting"]
     n = i["number"]
@@ -92,6 +108,7 @@ def compare(case):
     if case["newton"]["ended"]:
         near("share", newton.overlapped_share, case["newton"]["overlapped"] / case["newton"]["ended"], faults)
     samples = case["samples"]
+    answer["grows"] = divergence(samples)
     if answer["gas"] and len(samples) > 1 and hard.outcome_name == "ok":
         for k, bound in enumerate((0, -1, 1)):
             near(f"predicted {bound}", predicted(law, s["tcNu"], tc, samples, bound), samples[-1]["predicted"][k], faults, 1e-9)
@@ -153,12 +170,15 @@ export async function agrees(python, report, worlds) {
   assert.equal(said.hard, stopped ? (answer.outcomes[0] === "collapse" ? "collapse" : "stopped") : undefined, what);
   assert.equal(said.newton, answer.outcomes[1] === "ok" ? undefined : "stopped", what);
   assert.equal(said.contacts, newton.ended > 0 ? "overlapping" : "none", what);
+  assert.equal(said.distance, report.time === 0 ? undefined : answer.grows ? "grows" : "unknown", what);
   // The numbers in the sentences.
   for (const { topic, text, numbers } of report.sentences) {
     const has = (...shown) => shown.forEach((x) => assert.ok(text.includes(x), `${what}: ${text}: ${x}`));
     assert.ok(!/NaN|undefined|null|Infinity/.test(text), `${what}: ${text}`);
     if (topic === "verdict" && "error" in numbers) assert.deepEqual([numbers.error, numbers.bar, numbers.trusted], [Math.abs(law.error), law.errorBar, law.trusted], what);
     if (topic === "contacts" && newton.ended > 0) has(`(${newton.overlapped} of ${newton.ended})`);
+    if (topic === "distance" && answer.grows)
+      for (const [name, x] of Object.entries(answer.grows)) assert.ok(Math.abs(numbers[name] / x - 1) < 1e-8 || numbers[name] === x, `${what}: ${name}: ${numbers[name]}, ${x}`);
     if (topic === "hard") assert.equal(numbers.time, hard.time, what);
     if (topic === "measured") assert.deepEqual([numbers.hard, numbers.newton], report.samples.at(-1).energy, what);
   }

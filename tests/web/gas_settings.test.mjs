@@ -82,6 +82,7 @@ test(`${count} random gases: collisions, numbers and sentences are Python's`, as
   }
   t.diagnostic(JSON.stringify(seen));
   for (const id of ["too-soft", "stopped", "elastic", "elsewhere", "differs", "agrees", "open"]) assert.ok(seen[`verdict: ${id}`], id);
+  for (const id of ["grows", "unknown"]) assert.ok(seen[`distance: ${id}`] > 5, id);
 });
 
 test("the examples do what they say", async () => {

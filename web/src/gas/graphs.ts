@@ -1,4 +1,5 @@
 // The plots over time: energy, its difference between the worlds, their distance, share of contacts that overlap.
+import { divergenceOf } from "./divergence";
 import { digits, logTicks, minus, niceTicks } from "../support/format";
 import { drawAxes, fontSize, grown, Scale, setFont, timeTicks, timeUnit, type Frame } from "../support/plot";
 import type { Facts } from "./facts";
@@ -90,6 +91,7 @@ function differencePlot({ samples, start }: Facts, theme: GasTheme): Plot {
 }
 
 function distancePlot({ samples }: Facts, theme: GasTheme): Plot {
+  const grows = divergenceOf(samples);
   const all = samples.map((s) => s.distance).filter((x) => x > 0);
   const high = 10 ** Math.max(1, Math.ceil(Math.log10(Math.max(...all, 1e-2))));
   const low = 10 ** Math.min(-3, Math.max(Math.floor(Math.log10(Math.min(...all, 1e-3))), -9));
@@ -98,7 +100,11 @@ function distancePlot({ samples }: Facts, theme: GasTheme): Plot {
     y: (to, from) => new Scale(low, high, from, to, true),
     ticks: decades,
     name: power,
-    curves: [curve(samples, (s) => (s.distance > 0 ? s.distance : NaN), theme.ink, 2.5)],
+    named: "low",
+    curves: [
+      { ...curve(samples, (s) => (s.distance > 0 ? s.distance : NaN), theme.muted, 2.5), name: "this run" },
+      ...(grows ? [{ ...curve(samples, (s) => (s.collisions >= grows.from && s.collisions <= grows.to ? grows.low * Math.exp(grows.rate * (s.collisions - grows.from)) : NaN), theme.ink, 2, [6, 4]), name: `${digits(grows.rate, 2)} e-folds per collision` }] : []),
+    ],
   };
 }
 

@@ -303,7 +303,7 @@ class Page {
     };
     write("verdict", of("verdict", "range"));
     write("news", of("hard", "newton", "end"));
-    write("measured", of("measured", "contacts"));
+    write("measured", of("measured", "contacts", "distance"));
     write("time", `${milliseconds(this.facts.sample.time)}`);
   }
 }

@@ -1,5 +1,6 @@
 // What the page says of a gas: one table of cases. In each topic the first case that holds is said.
 import { digits, minus, trim } from "../support/format";
+import { divergenceOf } from "./divergence";
 import type { Facts } from "./facts";
 import { TOLERANCE } from "./simulation";
 
@@ -10,7 +11,7 @@ export interface Sentence {
   numbers: { [name: string]: number };
 }
 interface Case {
-  topic: "verdict" | "range" | "hard" | "newton" | "measured" | "contacts" | "end";
+  topic: "verdict" | "range" | "hard" | "newton" | "measured" | "contacts" | "distance" | "end";
   id: string;
   when: (f: Facts) => boolean;
   numbers: (f: Facts) => { [name: string]: number };
@@ -35,6 +36,11 @@ const format: { [name: string]: (x: number) => string } = {
   low: (x) => trim(String(x)),
   high: (x) => trim(String(x)),
   collisions: (x) => x.toFixed(1),
+  rate: (x) => digits(x, 2),
+  from: (x) => x.toFixed(1),
+  to: (x) => x.toFixed(1),
+  near: (x) => digits(x, 2),
+  far: (x) => digits(x, 2),
   hard: energy,
   newton: energy,
   predicted: energy,
@@ -159,6 +165,23 @@ const cases: Case[] = [
     when: () => true,
     numbers: () => ({}),
     text: () => "No contact has ended yet.",
+  },
+  {
+    topic: "distance",
+    id: "grows",
+    when: ({ samples }) => divergenceOf(samples) !== null,
+    numbers: ({ samples }) => {
+      const { rate, from, to, low, high } = divergenceOf(samples)!;
+      return { rate, from, to, near: low, far: high };
+    },
+    text: ({ rate, from, to, near, far }) => `The distance of the worlds grows by ${rate} e-folds per collision of each disk (straight line from ${from} to ${to} collisions, ${near} to ${far} diameters).`,
+  },
+  {
+    topic: "distance",
+    id: "unknown",
+    when: ({ sample }) => sample.time > 0,
+    numbers: () => ({}),
+    text: () => "How fast the worlds part cannot be said: their distance has no straight part on the logarithmic axis.",
   },
   {
     topic: "end",
