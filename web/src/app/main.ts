@@ -31,6 +31,7 @@ const queryOf = (s: Scenario): string => {
 };
 
 const pause = 700; // ms between changes that undo takes back one by one
+const often = 100; // ms between tables while a slider moves
 const stillness = 250; // ms after a change until the setting rests
 
 const moves = (): boolean => !matchMedia("(prefers-reduced-motion: reduce)").matches;
@@ -51,6 +52,7 @@ class Page {
   private preset = "";
   private about = "";
   private lastFrame = 0;
+  private filled = -Infinity; // when the tables were written
   private maps: Promise<void> | null = null; // loaded once the first answer is there
   private readonly past: Scenario[] = []; // settings that undo returns to
   private before: Scenario;
@@ -252,18 +254,19 @@ class Page {
   private tellNumbers(d: Answered): void {
     const { state } = this;
     const report = (state.report = reportOf(d, state.view.tolerance));
-    if (state.lecture.step) state.dirty.laboratory = true;
+    if (state.lecture.step || (Sheet.moving && performance.now() - this.filled < often)) state.dirty.laboratory = true;
     else this.fillLaboratory();
     this.say(joined(report.newton), report.icm.length > 0 ? joined(report.icm) : "Independent collisions are still being computed.", report.verdict?.text ?? "");
     this.lecture.told(report);
     document.documentElement.dataset.answer = report.verdict?.answer ?? "";
   }
 
-  // What the story does not show; it waits until the laboratory is opened.
+  // What the story does not show: it waits until the laboratory is opened. While a slider moves it is renewed less often.
   private fillLaboratory(): void {
     const { report, dirty, scenario } = this.state;
     if (!report) return;
     dirty.laboratory = false;
+    this.filled = performance.now();
     this.controls.set(scenario, this.about);
     fillTable(find("numbers"), report);
     find("rebound-said").hidden = report.setting.cradle;
@@ -323,7 +326,7 @@ class Page {
       state.dirty.solve = false;
       if (this.solve()) return;
     }
-    if (state.dirty.laboratory && state.lecture.step === null) this.fillLaboratory();
+    if (state.dirty.laboratory && state.lecture.step === null && now - this.filled >= often) this.fillLaboratory();
     if (state.drop && state.playing && this.lecture.plays) this.film.advance(passed);
     const plots = this.drawPlots(now);
     const film = state.dirty.stage && state.drop !== null;

@@ -1,0 +1,88 @@
+// The pages without their server, and on paper.
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+import { forget, goTo, mapDone, shoot, Site, solved } from "./browser.mjs";
+import { long } from "./scenarios.mjs";
+
+let site;
+before(async () => void (site = await Site.begin()));
+after(() => site?.end());
+
+// What a page asks for since it is offline; it must be nothing. The browser itself asks for the icon after a new link.
+async function offline(page) {
+  const asked = [];
+  page.on("request", (request) => /^http(?!.*icon.svg)/.test(request.url()) && asked.push(request.url()));
+  await page.context().setOffline(true);
+  return asked;
+}
+
+test("the laboratory works without network once it is loaded", async (t) => {
+  const page = await site.open(t);
+  await mapDone(page);
+  const asked = await offline(page);
+  for (const axis of ["ratio", "gap"]) {
+    await page.selectOption("#map-axis", axis);
+    await page.waitForFunction(() => document.getElementById("map").dataset.ms === undefined);
+    await mapDone(page);
+  }
+  for (const value of ["300", "700"]) {
+    await forget(page);
+    await page.evaluate((value) => Object.assign(document.getElementById("restitution"), { value }).dispatchEvent(new Event("input")), value);
+    await solved(page);
+  }
+  await page.selectOption("#rebound-axis", "e");
+  await page.waitForFunction(() => document.getElementById("rebound").dataset.done === "true");
+  // A setting that takes long is given up: its worker is replaced.
+  await goTo(page, long);
+  await page.waitForSelector("#busy:not([hidden])");
+  await page.click("#give-up");
+  await forget(page);
+  await page.evaluate(() => Object.assign(document.getElementById("restitution"), { value: "600" }).dispatchEvent(new Event("input")));
+  await solved(page);
+  await page.click("#tell");
+  await page.waitForFunction(() => document.documentElement.dataset.mode === "story");
+  assert.deepEqual(asked, []);
+});
+
+test("the gas works without network once it is loaded", async (t) => {
+  const ready = (page) => page.waitForFunction(() => window.hardlimit?.report()?.samples.length > 0);
+  const page = await site.open(t, "gas.html?n=150", { ready });
+  const asked = await offline(page);
+  await page.click("#example-collapse");
+  await page.waitForFunction(() => window.hardlimit.report()?.setting.restitution < 0.7 && window.hardlimit.report().samples.length > 5);
+  assert.deepEqual(asked, []);
+});
+
+// Brightness of the corner of a canvas: its ground.
+const grounds = (page) => page.evaluate(() => Object.fromEntries([...document.querySelectorAll("canvas")].filter((c) => c.width > 100 && c.getBoundingClientRect().width > 0).map((canvas) => {
+  const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+  let [dark, drawn] = [0, 0];
+  for (let i = 0; i < data.length; i += 4) {
+    if (data[i + 3] > 200) drawn++;
+    if (data[i + 3] > 200 && Math.max(data[i], data[i + 1], data[i + 2]) < 40) dark++;
+  }
+  return [canvas.id, { drawn: drawn / (data.length / 4), dark: dark / Math.max(drawn, 1) }];
+})));
+
+for (const [name, query, ready] of [
+  ["laboratory", "", mapDone],
+  ["gas", "gas.html?n=150&t=0.01", (page) => page.waitForFunction(() => document.documentElement.dataset.settled === document.documentElement.dataset.run)],
+])
+  test(`${name}: a dark page is printed light, and is dark again`, async (t) => {
+    const page = await site.open(t, query, { ready, colorScheme: "dark" });
+    const theme = () => page.evaluate(() => [document.documentElement.dataset.theme, getComputedStyle(document.body).color]);
+    assert.deepEqual(await theme(), ["dark", "rgb(238, 240, 243)"]);
+    await page.evaluate(() => dispatchEvent(new Event("beforeprint")));
+    assert.deepEqual((await theme())[0], "light");
+    for (const [id, { drawn, dark }] of Object.entries(await grounds(page))) {
+      assert.ok(drawn > 0.005, `${id} is empty`);
+      assert.ok(id === "map" || dark < 0.4, `${id}: ${dark}`);
+    }
+    await page.evaluate(() => dispatchEvent(new Event("afterprint")));
+    assert.deepEqual(await theme(), ["dark", "rgb(238, 240, 243)"]);
+    await page.emulateMedia({ media: "print" });
+    await page.waitForFunction(() => document.documentElement.dataset.theme === "light");
+    await shoot(page, `print-${name}`, { fullPage: true });
+    await page.emulateMedia({ media: "screen" });
+    await page.waitForFunction(() => document.documentElement.dataset.theme === "dark");
+  });
