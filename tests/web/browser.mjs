@@ -66,7 +66,8 @@ export class Site {
     const complain = (text) => {
       if (!(process.env.SHOTS && text.includes("blocked an inline style"))) faults.push(text); // Playwright's, for a screenshot
     };
-    page.on("console", (m) => ["error", "warning"].includes(m.type()) && complain(m.text()));
+    const icon = (m) => m.location().url.endsWith("/icon.svg") && m.text().includes("ERR_INTERNET_DISCONNECTED"); // the browser asks for it after each new link
+    page.on("console", (m) => ["error", "warning"].includes(m.type()) && !icon(m) && complain(m.text()));
     page.on("pageerror", (e) => complain(String(e)));
     page.on("request", (r) => !/^(data|blob):/.test(r.url()) && !r.url().startsWith(this.base) && faults.push("request to " + r.url()));
     t.after(async () => {

@@ -178,9 +178,10 @@ export class Controls {
     touchable(slider);
     const refresh = (): void => {
       const x = get(this.scenario);
-      slider.value = String(toSlider(r, x));
-      slider.setAttribute("aria-valuetext", say(x));
       const text = say(x);
+      const place = String(toSlider(r, x));
+      if (slider.value !== place) slider.value = place;
+      if (slider.getAttribute("aria-valuetext") !== text) slider.setAttribute("aria-valuetext", text);
       if (document.activeElement !== field || field.value === "" || parse(field.value, r.unit) !== x) field.value = text;
       field.removeAttribute("aria-invalid");
     };

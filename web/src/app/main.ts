@@ -2,7 +2,7 @@
 import { Controls } from "./controls";
 import { find, Sheet, tell } from "../support/dom";
 import { dropOf, type Answered, type Solved, type Unsolved } from "../core/drop";
-import { reportOf } from "../report/report";
+import { reportOf, type Report } from "../report/report";
 import { joined, type Sentence } from "../report/sentence";
 import { inPercent, tolerances } from "../report/tolerance";
 import { save } from "./exporting";
@@ -31,7 +31,7 @@ const queryOf = (s: Scenario): string => {
 };
 
 const pause = 700; // ms between changes that undo takes back one by one
-const often = 100; // ms between tables while a slider moves
+const often = 100; // ms between texts while a slider moves, and until a part of an answer is shown
 const stillness = 250; // ms after a change until the setting rests
 
 const moves = (): boolean => !matchMedia("(prefers-reduced-motion: reduce)").matches;
@@ -52,7 +52,8 @@ class Page {
   private preset = "";
   private about = "";
   private lastFrame = 0;
-  private filled = -Infinity; // when the tables were written
+  private told = -Infinity; // when texts and tables were written
+  private early = 0; // timer of an answer of which a part is known
   private maps: Promise<void> | null = null; // loaded once the first answer is there
   private readonly past: Scenario[] = []; // settings that undo returns to
   private before: Scenario;
@@ -192,6 +193,7 @@ class Page {
     const { state } = this;
     const built = state.lecture.step === null && this.controls.set(state.scenario, this.about);
     this.progress.begin();
+    clearTimeout(this.early);
     const ask = { scenario: copyOf(state.scenario), tolerance: state.view.tolerance };
     this.desk.put(
       piece<"solve">({
@@ -199,7 +201,7 @@ class Page {
         ask,
         begun: (what, share, known) => {
           this.progress.tell(what, share);
-          if (known) this.tellNumbers(known);
+          if (known) this.early = window.setTimeout(() => this.tellNumbers(known), often);
         },
         done: (result) => this.solved(result),
         failed: (error) => this.solved({ scenario: ask.scenario, reason: `This setting could not be computed: ${error}` }),
@@ -209,6 +211,7 @@ class Page {
   }
 
   private solved(result: Solved | Unsolved): void {
+    clearTimeout(this.early);
     const { state } = this;
     const share = state.drop ? state.screen / state.clock().length : 0;
     if (!this.desk.waits) this.progress.end();
@@ -227,7 +230,6 @@ class Page {
       state.view.time = null;
     } else state.screen = Math.min(share, 1) * state.clock().length;
     this.tellNumbers(result);
-    document.documentElement.dataset.numbers = JSON.stringify(state.report!.numbers);
     this.forcesSheet.canvas.setAttribute("aria-description", forcesSummary(state.drop));
     this.map.refreshChoices();
     this.timeline.refresh();
@@ -240,6 +242,7 @@ class Page {
 
   // Back to the setting that was solved last.
   private giveUp(): void {
+    clearTimeout(this.early);
     const { state } = this;
     this.desk.giveUp();
     this.progress.end();
@@ -250,24 +253,30 @@ class Page {
     this.controls.set(state.scenario, this.about);
   }
 
-  // Shows what is known so far.
+  // Shows what is known so far; while a slider moves, texts and tables are renewed less often.
   private tellNumbers(d: Answered): void {
     const { state } = this;
-    const report = (state.report = reportOf(d, state.view.tolerance));
-    if (state.lecture.step || (Sheet.moving && performance.now() - this.filled < often)) state.dirty.laboratory = true;
-    else this.fillLaboratory();
+    state.report = reportOf(d, state.view.tolerance);
+    state.dirty.said = state.dirty.laboratory = true;
+    if (!Sheet.moving || performance.now() - this.told >= often) this.tellReport();
+  }
+
+  private tellReport(): void {
+    const { report, dirty, lecture } = this.state;
+    if (!report) return;
+    this.told = performance.now();
+    dirty.said = false;
     this.say(joined(report.newton), report.icm.length > 0 ? joined(report.icm) : "Independent collisions are still being computed.", report.verdict?.text ?? "");
     this.lecture.told(report);
     document.documentElement.dataset.answer = report.verdict?.answer ?? "";
+    if (lecture.step === null) this.fillLaboratory(report);
+    if (report.icm.length > 0) document.documentElement.dataset.numbers = JSON.stringify(report.numbers);
   }
 
-  // What the story does not show: it waits until the laboratory is opened. While a slider moves it is renewed less often.
-  private fillLaboratory(): void {
-    const { report, dirty, scenario } = this.state;
-    if (!report) return;
-    dirty.laboratory = false;
-    this.filled = performance.now();
-    this.controls.set(scenario, this.about);
+  // What the story does not show: it waits until the laboratory is opened.
+  private fillLaboratory(report: Report): void {
+    this.state.dirty.laboratory = false;
+    this.controls.set(this.state.scenario, this.about);
     fillTable(find("numbers"), report);
     find("rebound-said").hidden = report.setting.cradle;
     fillDefinitions(find("definitions").querySelector("dl")!, report);
@@ -326,7 +335,7 @@ class Page {
       state.dirty.solve = false;
       if (this.solve()) return;
     }
-    if (state.dirty.laboratory && state.lecture.step === null && now - this.filled >= often) this.fillLaboratory();
+    if ((state.dirty.said || (state.dirty.laboratory && state.lecture.step === null)) && now - this.told >= often) this.tellReport();
     if (state.drop && state.playing && this.lecture.plays) this.film.advance(passed);
     const plots = this.drawPlots(now);
     const film = state.dirty.stage && state.drop !== null;

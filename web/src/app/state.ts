@@ -16,7 +16,7 @@ export class State {
   theme: Theme = themeOf(document.documentElement);
   screen = 0; // time in the film [s on the screen]
   playing = false;
-  readonly dirty = { solve: true, plots: true, timeline: true, mapPicture: true, stage: true, laboratory: true };
+  readonly dirty = { solve: true, plots: true, timeline: true, mapPicture: true, stage: true, said: true, laboratory: true };
   private linkTimer = 0;
 
   // `edited` is called when a part of the page has changed the scenario.
