@@ -66,7 +66,7 @@ const grounds = (page) => page.evaluate(() => Object.fromEntries([...document.qu
 
 for (const [name, query, ready] of [
   ["laboratory", "", mapDone],
-  ["gas", "gas.html?n=150&t=0.01", (page) => page.waitForFunction(() => document.documentElement.dataset.settled === document.documentElement.dataset.run)],
+  ["gas", "gas.html?n=150&t=0.01", (page) => page.waitForFunction(() => document.documentElement.dataset.run && document.documentElement.dataset.settled === document.documentElement.dataset.run)],
 ])
   test(`${name}: a dark page is printed light, and is dark again`, async (t) => {
     const page = await site.open(t, query, { ready, colorScheme: "dark" });

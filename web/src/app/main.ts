@@ -193,7 +193,7 @@ class Page {
     const { state } = this;
     const built = state.lecture.step === null && this.controls.set(state.scenario, this.about);
     this.progress.begin();
-    clearTimeout(this.early);
+    this.forgetEarly();
     const ask = { scenario: copyOf(state.scenario), tolerance: state.view.tolerance };
     this.desk.put(
       piece<"solve">({
@@ -201,7 +201,7 @@ class Page {
         ask,
         begun: (what, share, known) => {
           this.progress.tell(what, share);
-          if (known) this.early = window.setTimeout(() => this.tellNumbers(known), often);
+          if (known) this.early ||= window.setTimeout(() => this.tellNumbers(known), often);
         },
         done: (result) => this.solved(result),
         failed: (error) => this.solved({ scenario: ask.scenario, reason: `This setting could not be computed: ${error}` }),
@@ -211,7 +211,7 @@ class Page {
   }
 
   private solved(result: Solved | Unsolved): void {
-    clearTimeout(this.early);
+    this.forgetEarly();
     const { state } = this;
     const share = state.drop ? state.screen / state.clock().length : 0;
     if (!this.desk.waits) this.progress.end();
@@ -240,9 +240,14 @@ class Page {
     document.documentElement.dataset.ready ??= String(Math.round(performance.now()));
   }
 
+  private forgetEarly(): void {
+    clearTimeout(this.early);
+    this.early = 0;
+  }
+
   // Back to the setting that was solved last.
   private giveUp(): void {
-    clearTimeout(this.early);
+    this.forgetEarly();
     const { state } = this;
     this.desk.giveUp();
     this.progress.end();
