@@ -33,7 +33,9 @@ const queryOf = (s: Scenario): string => {
 const pause = 700; // ms between changes that undo takes back one by one
 const often = 100; // ms between texts while a slider moves, and until a part of an answer is shown
 const stillness = 250; // ms after a change until the setting rests
+const leisure = 1500; // ms after the start or a change until what is far from the window is computed
 
+const root = document.documentElement;
 const moves = (): boolean => !matchMedia("(prefers-reduced-motion: reduce)").matches;
 
 class Page {
@@ -77,6 +79,7 @@ class Page {
     this.lecture = new Lecture(state, this.film, this.map, this.pool, moves, (id) => this.load(presets.find((p) => p.id === id)!), resized);
     find("notes").querySelector("button")!.addEventListener("click", () => this.note([]));
     addEventListener("popstate", () => this.goBack());
+    addEventListener("resize", () => this.keepHeights(false));
     new ThemeSwitch(state, () => this.drawAll());
     this.listenFiles();
     this.frame(performance.now());
@@ -134,6 +137,7 @@ class Page {
 
   private load(preset: Preset): void {
     const { state } = this;
+    this.keepHeights(false);
     state.enterHistory();
     state.scenario = copyOf(preset.scenario);
     state.view.map.zoom = null;
@@ -193,6 +197,7 @@ class Page {
     const { state } = this;
     const built = state.lecture.step === null && this.controls.set(state.scenario, this.about);
     this.progress.begin();
+    root.dataset.busy = "";
     this.forgetEarly();
     const ask = { scenario: copyOf(state.scenario), tolerance: state.view.tolerance };
     this.desk.put(
@@ -219,7 +224,9 @@ class Page {
     if ("reason" in result) {
       state.drop = null;
       state.report = null;
+      state.dirty.said = false;
       this.say(result.reason, "", "");
+      this.rested();
       return;
     }
     state.drop = dropOf(result);
@@ -237,7 +244,7 @@ class Page {
     this.lecture.solved();
     state.redraw();
     state.writeLink();
-    document.documentElement.dataset.ready ??= String(Math.round(performance.now()));
+    root.dataset.ready ??= String(Math.round(performance.now()));
   }
 
   private forgetEarly(): void {
@@ -251,6 +258,7 @@ class Page {
     const { state } = this;
     this.desk.giveUp();
     this.progress.end();
+    delete root.dataset.busy;
     if (!state.drop) return this.say("Given up. Change a parameter to compute again.", "", "");
     state.scenario = copyOf(state.drop.scenario);
     state.dirty.solve = false;
@@ -269,13 +277,27 @@ class Page {
   private tellReport(): void {
     const { report, dirty, lecture } = this.state;
     if (!report) return;
+    if (Sheet.moving) this.keepHeights(true);
     this.told = performance.now();
     dirty.said = false;
     this.say(joined(report.newton), report.icm.length > 0 ? joined(report.icm) : "Independent collisions are still being computed.", report.verdict?.text ?? "");
     this.lecture.told(report);
-    document.documentElement.dataset.answer = report.verdict?.answer ?? "";
+    root.dataset.answer = report.verdict?.answer ?? "";
     if (lecture.step === null) this.fillLaboratory(report);
-    if (report.icm.length > 0) document.documentElement.dataset.numbers = JSON.stringify(report.numbers);
+    if (report.icm.length > 0) root.dataset.numbers = JSON.stringify(report.numbers);
+    this.rested();
+  }
+
+  // The page shows the answer to the last setting.
+  private rested(): void {
+    if (!this.desk.waits && !this.state.dirty.solve) delete root.dataset.busy;
+  }
+
+  // While a slider moves, what lies below texts of changing length stays in its place.
+  private keepHeights(on: boolean): void {
+    const { step, panel } = this.state.lecture;
+    if (step || panel) return;
+    for (const part of document.querySelectorAll<HTMLElement>(".told, .numbers")) part.style.minHeight = on ? `${part.offsetHeight}px` : "";
   }
 
   // What the story does not show: it waits until the laboratory is opened.
@@ -355,8 +377,10 @@ class Page {
   // What is out of the window is computed and drawn once the setting rests.
   private rest(now: number): void {
     const moving = now - this.changedAt < stillness;
-    if (Sheet.moving && !moving) this.pool.wake();
+    const idle = now - Math.max(this.changedAt, 0) > leisure;
+    if ((Sheet.moving && !moving) || (idle && !Sheet.idle)) this.pool.wake();
     Sheet.moving = moving;
+    Sheet.idle = idle;
   }
 
   // Draws one of the large plots per frame; returns whether the drop was redrawn.

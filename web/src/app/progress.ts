@@ -12,7 +12,6 @@ export class Progress {
   }
 
   begin(): void {
-    document.documentElement.dataset.busy = "";
     this.began = performance.now();
     if (this.timer === 0) this.timer = window.setInterval(() => this.show(), 200);
   }
@@ -24,7 +23,6 @@ export class Progress {
     clearInterval(this.timer);
     this.timer = 0;
     find("busy").hidden = true;
-    delete document.documentElement.dataset.busy;
   }
 
   private show(): void {

@@ -48,7 +48,6 @@ function energyPlot({ samples, start }: Facts, theme: GasTheme): Plot {
     y: (to, from) => new Scale(low, 1, from, to, log),
     ticks: (y) => (log ? decades(y) : niceTicks(0, 1, 2)),
     name: (tick) => (log ? power(tick) : String(tick)),
-    named: "low",
     curves: [
       { ...curve(samples, (s) => s.energy[0], theme.icm, 2.5), name: "event-driven" },
       { ...curve(samples, (s) => s.energy[1], theme.newton, 2.5), name: "Newton" },
@@ -171,12 +170,15 @@ export function drawGraph(g: CanvasRenderingContext2D, width: number, height: nu
 
 // Names of the curves with a piece of line, in a corner where the curves are not.
 function named(g: CanvasRenderingContext2D, plot: Plot, frame: Frame, theme: GasTheme, size: number): void {
-  setFont(g, theme, size, 600);
-  g.textAlign = "left";
-  g.textBaseline = "middle";
   const curves = plot.curves.filter(({ name }) => name);
   const dash = 1.9 * size;
-  const widest = Math.max(0, ...curves.map(({ name }) => g.measureText(name!).width)) + dash + 0.5 * size;
+  const room = frame.width - dash - 1.9 * size;
+  const width = (): number => Math.max(0, ...curves.map(({ name }) => g.measureText(name!).width));
+  setFont(g, theme, size, 600);
+  if (width() > room) setFont(g, theme, (size * room) / width(), 600);
+  g.textAlign = "left";
+  g.textBaseline = "middle";
+  const widest = width() + dash + 0.5 * size;
   const left = plot.named === "low" ? frame.left + 0.8 * size : frame.left + frame.width - widest - 0.6 * size;
   const first = plot.named === "low" ? frame.top + frame.height - (1.3 * curves.length - 0.4) * size : frame.top + 0.9 * size;
   curves.forEach(({ name, color, dash: pattern, width }, i) => {

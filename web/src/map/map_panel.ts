@@ -29,7 +29,7 @@ export class MapPanel {
     private readonly sheet: Sheet,
     private readonly pool: Pool,
   ) {
-    this.map = new ContactMap(pool, () => (state.dirty.mapPicture = true), sheet.shown);
+    this.map = new ContactMap(pool, () => (state.dirty.mapPicture = true), sheet.wanted);
     this.agreement = new Agreement(pool, () => (state.dirty.mapPicture = true));
     this.map.setShow(state.view.map.show);
     this.listenPointer();

@@ -45,6 +45,11 @@ export class Sheet {
   // Whether it is displayed, even if scrolled out of view; in the story only what is near the window.
   readonly shown = (): boolean => this.width > 0 && (this.seen || (!Sheet.moving && (this.near || document.documentElement.dataset.mode !== "story")));
 
+  // Whether to compute what it shows: once the setting has rested for a while also what is far from the window, so that it
+  // is there when it is scrolled to or printed.
+  static idle = false;
+  readonly wanted = (): boolean => this.shown() || (this.width > 0 && Sheet.idle);
+
   private measure(): boolean {
     const { clientWidth: w, clientHeight: h } = this.canvas.parentElement!;
     const ratio = Math.min(window.devicePixelRatio || 1, 2);

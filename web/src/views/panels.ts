@@ -85,7 +85,7 @@ export class TimelinePanel {
     private readonly sheet: Sheet,
     pool: Pool,
   ) {
-    this.timeline = new Timeline(pool, () => (state.dirty.timeline = true), sheet.shown);
+    this.timeline = new Timeline(pool, () => (state.dirty.timeline = true), sheet.wanted);
     dragged(sheet.canvas, (_, y) => this.layout && this.choose(this.layout.y.value(y)));
     sheet.canvas.addEventListener("keydown", (e) => {
       const by: Record<string, number> = { ArrowUp: 0.005, ArrowRight: 0.005, ArrowDown: -0.005, ArrowLeft: -0.005, PageUp: 0.05, PageDown: -0.05, Home: -1, End: 1 };

@@ -33,8 +33,8 @@ export class ReboundPanel {
     pool: Pool,
   ) {
     const changed = (): void => void (this.dirty = true);
-    this.curve = new Curve(pool, changed, sheet.shown);
-    this.pinned = new Curve(pool, changed, sheet.shown);
+    this.curve = new Curve(pool, changed, sheet.wanted);
+    this.pinned = new Curve(pool, changed, sheet.wanted);
     this.listen();
   }
 
