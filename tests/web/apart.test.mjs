@@ -64,7 +64,16 @@ const grounds = (page) => page.evaluate(() => Object.fromEntries([...document.qu
   return [canvas.id, { drawn: drawn / (data.length / 4), dark: dark / Math.max(drawn, 1) }];
 })));
 
+// The plots far from the window are computed once the page is at rest; the map says when it is drawn.
+const atRest = (page) => page.waitForFunction(() => {
+  dispatchEvent(new Event("beforeprint"));
+  const done = ["timeline", "rebound", "map"].every((id) => ["computed", "done", "ms"].some((key) => !["false", undefined].includes(document.getElementById(id).dataset[key])));
+  dispatchEvent(new Event("afterprint"));
+  return done;
+}, null, { polling: 1000, timeout: 60_000 });
+
 for (const [name, query, ready] of [
+  ["story", "?page=story", atRest],
   ["laboratory", "", mapDone],
   ["gas", "gas.html?n=150&t=0.01", (page) => page.waitForFunction(() => document.documentElement.dataset.run && document.documentElement.dataset.settled === document.documentElement.dataset.run)],
 ])
@@ -82,6 +91,8 @@ for (const [name, query, ready] of [
     assert.deepEqual(await theme(), ["dark", "rgb(238, 240, 243)"]);
     await page.emulateMedia({ media: "print" });
     await page.waitForFunction(() => document.documentElement.dataset.theme === "light");
+    const flat = await page.evaluate(() => [...document.querySelectorAll("canvas")].filter((c) => c.getBoundingClientRect().width > 200 && c.getBoundingClientRect().height < 100).map((c) => c.id));
+    assert.deepEqual(flat, [], "pictures without height");
     await shoot(page, `print-${name}`, { fullPage: true });
     await page.emulateMedia({ media: "screen" });
     await page.waitForFunction(() => document.documentElement.dataset.theme === "dark");

@@ -102,7 +102,7 @@ function distancePlot({ samples }: Facts, theme: GasTheme): Plot {
     named: "low",
     curves: [
       { ...curve(samples, (s) => (s.distance > 0 ? s.distance : NaN), theme.muted, 2.5), name: "this run" },
-      ...(grows ? [{ ...curve(samples, (s) => (s.collisions >= grows.from && s.collisions <= grows.to ? grows.low * Math.exp(grows.rate * (s.collisions - grows.from)) : NaN), theme.ink, 2, [6, 4]), name: `${digits(grows.rate, 2)} e-folds per collision` }] : []),
+      ...(grows ? [{ ...curve(samples, (s) => (s.collisions >= grows.from && s.collisions <= grows.to ? grows.low * Math.exp(grows.rate * (s.collisions - grows.from)) : NaN), theme.ink, 2, [6, 4]), name: `${digits(grows.rate, 2)} per collision` }] : []),
     ],
   };
 }
