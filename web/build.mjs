@@ -13,6 +13,6 @@ await build({ ...common, entryPoints: ["src/core/worker.ts"], outfile: `${out}/w
 await build({ ...common, entryPoints: ["src/gas/main.ts"], outfile: `${out}/gas.js` });
 await build({ ...common, entryPoints: ["src/gas/worker.ts"], outfile: `${out}/gas_worker.js` });
 await build({ entryPoints: ["src/gas/gas.css"], bundle: true, outfile: `${out}/gas.css`, minify: true, charset: "utf8" });
-await build({ entryPoints: ["src/style/style.css"], bundle: true, outfile: `${out}/style.css`, minify: true, charset: "utf8" });
+await build({ entryPoints: ["src/style/page.css"], bundle: true, outfile: `${out}/style.css`, minify: true, charset: "utf8" });
 for (const file of ["index.html", "icon.svg"]) copyFileSync(`src/${file}`, `${out}/${file}`);
 copyFileSync("src/gas/gas.html", `${out}/gas.html`);
