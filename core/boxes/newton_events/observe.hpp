@@ -9,7 +9,10 @@ template <class Law>
 const GroupsAtPresent& NewtonEvents<Law>::groups_at_present() const {
     if (groups_at_present_) return *groups_at_present_;
     GroupsAtPresent& present = groups_at_present_.emplace();
-    present.sums.largest_compression = largest_compression_;
+    Observation& o = present.sums;
+    o.dissipated_energy = dissipated_, o.virial = virial_, o.largest_compression = largest_compression_;
+    o.wall_work = wall_work_, o.shear_work = shear_work_, o.walls = walls_;
+    o.begun = begun_, o.pairs = begun_pairs_, o.ended = ended_, o.overlapped = overlapped_;
     Cluster<Law> c;
     for (const Group& g : groups_)
         if (g.alive) add_group(present, g, c);
@@ -60,9 +63,6 @@ void NewtonEvents<Law>::for_bodies(const F& f) const {
 template <class Law>
 Observation NewtonEvents<Law>::observe() const {
     Observation o = groups_at_present().sums;
-    o.dissipated_energy += dissipated_, o.virial += virial_;
-    o.wall_work += wall_work_, o.shear_work += shear_work_, o.walls += walls_;
-    o.begun += begun_, o.pairs += begun_pairs_, o.ended += ended_, o.overlapped += overlapped_;
     for_bodies([&](int i, const Vector3& x, Vector3 v) {
         const double m = mass(i);
         const ImageMotion image = box_.image(pending_[i].image_flags, now_);

@@ -107,7 +107,7 @@ struct GroupsAtPresent {
         int index;
         Vector3 position, velocity;  // in the frame of its cell
     };
-    Observation sums;  // what the groups add to those of the engine, without the bodies' motion
+    Observation sums;  // over the whole run, without the motion of the bodies
     std::vector<Body> bodies;
     std::vector<ContactRecord> open;  // open contacts, and ended contacts of unfinished groups
 };
