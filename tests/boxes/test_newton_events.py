@@ -245,6 +245,22 @@ def test_no_path_leaves_its_safety_radius(law: hl.Law, boundary: str) -> None:
     assert 0.9 < max(used) <= 1.0
 
 
+@pytest.mark.parametrize("law", LAWS, ids=repr)
+@pytest.mark.parametrize("speed", [1e-20, 1e-60, 1e-90])
+def test_safety_radii_of_impacts_below_rounding(law: hl.Law, speed: float) -> None:
+    """Two spheres overlap by the rounding of their positions. Under Hertz' law so slow an impact lasts so long that the
+    speed from this overlap moves them by metres meanwhile."""
+    left = 1.0 / 3.0 - 0.09
+    system = hl.ParticleSystem(
+        [[left, 0.3, 0.3], [left + 0.02, 0.3, 0.3]], [[speed, 0.0, 0.0], [-speed, 0.0, 0.0]],
+        radius=0.01, density=2500.0, box=1.0,
+    )  # fmt: skip
+    run = core_engine("newton_events", system, law)
+    run.advance(1e-3)
+    assert run.n_contacts == 1
+    assert run.largest_safety_use(5) <= 1.0
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("phi", [0.1, 0.3, 0.5])
 def test_energy_over_many_contacts(phi: float) -> None:

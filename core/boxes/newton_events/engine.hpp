@@ -311,6 +311,7 @@ private:
     void follow_outgoing_path(int index, std::size_t m, const Member& after);
     void set_radius(int i, double safety_radius);
     double safety_radius_used(const Group& g, std::size_t m, const Vector3& at, double time) const;
+    double speed_from_rounding(const Group& g) const;
 
     // isolated_contact.hpp
     static TabulatedContacts<Law, true> soft_contacts(const PairLaws<Law>& laws, std::size_t count,
