@@ -97,3 +97,32 @@ for (const [name, query, ready] of [
     await page.emulateMedia({ media: "screen" });
     await page.waitForFunction(() => document.documentElement.dataset.theme === "dark");
   });
+
+test("story: what the reader has not come to is printed too, each drawing in its place", async (t) => {
+  const page = await site.open(t, "?page=story", { colorScheme: "dark" });
+  const printed = (page) => page.evaluate(() => {
+    dispatchEvent(new Event("beforeprint"));
+    const { ms } = document.getElementById("map").dataset;
+    const done = [ms !== undefined, document.getElementById("timeline").dataset.computed, document.getElementById("rebound").dataset.done].join();
+    dispatchEvent(new Event("afterprint"));
+    return done;
+  });
+  await page.waitForFunction(() => !/The line will show/.test(document.querySelector('[data-step="map"] .say').textContent), null, { timeout: 120_000 });
+  assert.match(await page.textContent('[data-step="gap"] .say'), /^Let go touching, the tennis ball reaches/);
+  for (let k = 0; k < 60 && (await printed(page)) !== "true,true,true"; k++) await page.waitForTimeout(500);
+  assert.equal(await printed(page), "true,true,true");
+  assert.ok(!/show=|zoom=/.test(page.url()), page.url());
+  await page.emulateMedia({ media: "print" });
+  await page.waitForFunction(() => document.documentElement.dataset.theme === "light");
+  const places = await page.evaluate(() => [...document.querySelectorAll(".chapter h2, .chapter .say, .chapter canvas")].map((element) => {
+    const { top, bottom, height } = element.getBoundingClientRect();
+    return { what: element.id || element.textContent, top, bottom, height };
+  }).filter(({ height }) => height > 0).sort((a, b) => a.top - b.top));
+  assert.equal(places.length, 6 * 2 + 7);
+  places.forEach(({ what, top }, i) => assert.ok(i === 0 || top > places[i - 1].bottom - 1, `${what} over ${places[i - 1]?.what}`));
+  await page.emulateMedia({ media: "screen" });
+  // The laboratory's map is what it was.
+  await page.click("#leave");
+  await page.waitForFunction(() => document.documentElement.dataset.mode === undefined);
+  assert.equal(await page.inputValue("#map-show"), "count");
+});

@@ -377,10 +377,13 @@ class Page {
   // What is out of the window is computed and drawn once the setting rests.
   private rest(now: number): void {
     const moving = now - this.changedAt < stillness;
-    const idle = now - Math.max(this.changedAt, 0) > leisure;
-    if ((Sheet.moving && !moving) || (idle && !Sheet.idle)) this.pool.wake();
+    const idle = this.state.drop !== null && now - Math.max(this.changedAt, 0) > leisure;
+    const rests = idle && !Sheet.idle;
+    const wake = rests || (Sheet.moving && !moving);
     Sheet.moving = moving;
     Sheet.idle = idle;
+    if (rests) this.lecture.prepare();
+    if (wake) this.pool.wake();
   }
 
   // Draws one of the large plots per frame; returns whether the drop was redrawn.

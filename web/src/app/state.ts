@@ -38,7 +38,8 @@ export class State {
   link(): string {
     const q = new URLSearchParams();
     scenarioToQuery(this.scenario, q);
-    viewToQuery({ ...this.view, time: this.playing || this.screen === 0 ? null : this.time() }, q);
+    const map = this.lecture.step ? firstView().map : this.view.map; // the story has its own
+    viewToQuery({ ...this.view, map, time: this.playing || this.screen === 0 ? null : this.time() }, q);
     lectureToQuery(this.lecture, q);
     const text = q.toString().replaceAll("%2C", ",");
     return `${location.origin}${location.pathname}${text ? `?${text}` : ""}`;

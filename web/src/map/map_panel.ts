@@ -63,8 +63,12 @@ export class MapPanel {
     const pair = scenario.balls.length === 2 && !scenario.cradle;
     Object.assign(view.map, { axis: "gap", zoom: null, show: pair ? "effective" : "count" });
     const { x, y } = this.box();
-    view.map.zoom = { x, y: [y[0], Number((3 * y[1]).toPrecision(6))] }; // extended towards the region of agreement
-    this.map.setShow(view.map.show);
+    this.showAs({ ...view.map, zoom: { x, y: [y[0], Number((3 * y[1]).toPrecision(6))] } }); // extended towards the region of agreement
+  }
+
+  showAs(map: View["map"]): void {
+    Object.assign(this.state.view.map, map);
+    this.map.setShow(map.show);
     this.refreshChoices();
     this.refresh();
     this.state.dirty.mapPicture = true;
@@ -104,7 +108,8 @@ export class MapPanel {
   drawIfDue(now: number): void {
     const { dirty, drop } = this.state;
     const due = this.map.elapsed !== null || this.map.fresh || now - this.drawn > 80;
-    if (!dirty.mapPicture || !drop || !due || !this.sheet.shown()) return;
+    if (!dirty.mapPicture || !drop || !due) return;
+    if (!this.sheet.shown()) return this.findAgreement();
     dirty.mapPicture = this.map.fresh = false;
     this.drawn = now;
     this.draw();
@@ -123,11 +128,17 @@ export class MapPanel {
     return view.map.zoom ?? wholeMap(scenario, view.map.axis, floor, speed);
   }
 
+  // Where the models agree, once the map is complete.
+  private findAgreement(): void {
+    const { scenario, view } = this.state;
+    if (this.map.elapsed !== null && view.map.axis === "gap" && view.map.show !== "count") this.agreement.refresh(scenario, this.box(), view.tolerance);
+  }
+
   private draw(): void {
     const { sheet, state, map } = this;
     const { axis, show } = state.view.map;
     const agreement = axis === "gap" && show !== "count" ? this.agreement : null;
-    if (agreement && map.elapsed !== null) agreement.refresh(state.scenario, this.box(), state.view.tolerance);
+    this.findAgreement();
     this.layout = map.draw(sheet.g, sheet.width, sheet.height, axis, this.marked(), state.theme, agreement, this.box());
     this.tell();
     const { dataset } = sheet.canvas;

@@ -10,6 +10,7 @@ import { Mini } from "../views/mini";
 import type { Pool } from "../core/pool";
 import { ReboundPanel } from "../views/rebound_panel";
 import type { State } from "../app/state";
+import type { View } from "../app/view";
 import { Guess } from "./guess";
 import { Story } from "./story";
 import { Watch } from "./watch";
@@ -43,6 +44,7 @@ export class Lecture {
     const hand = {
       told: () => ({ gaps: this.rebound.extremes(), trusted: this.map.trusted() }),
       arrived: (step: Step) => this.arrive(step),
+      showMap: (view: View["map"] | null) => (view ? this.map.showAs(view) : this.map.showTrusted()),
       left: () => this.show(),
       load,
     };
@@ -110,6 +112,11 @@ export class Lecture {
   }
 
   // ---- the story ----------------------------------------------------------------------------------------
+
+  // Computes the chapters that the reader has not come to, so that the story can be printed.
+  prepare(): void {
+    if (this.state.lecture.step && this.state.drop) this.story.prepare();
+  }
 
   // Sets what a chapter shows as it comes into view.
   private arrive(step: Step): void {

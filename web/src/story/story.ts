@@ -6,6 +6,7 @@ import type { Guess } from "./guess";
 import { sameScenario, steps, type LectureView, type Step } from "./lecture_view";
 import { presets } from "../scenario/presets";
 import type { State } from "../app/state";
+import type { View } from "../app/view";
 import { joined, type Sentence } from "../report/sentence";
 import { story, titleOf, type Told } from "./story_text";
 import type { Watch } from "./watch";
@@ -14,6 +15,7 @@ import type { Watch } from "./watch";
 export interface Stagehand {
   told(): Pick<Told, "gaps" | "trusted">;
   arrived(step: Step): void; // a chapter comes into view
+  showMap(view: View["map"] | null): void; // null: that of the last chapter
   left(): void;
   load(example: string): void;
 }
@@ -27,6 +29,7 @@ export class Story {
   });
   private readonly order = [...find("story").parentElement!.children]; // of the laboratory
   private readonly arrived = new Set<Step>();
+  private kept: View["map"] | null = null; // the laboratory's map, while the last chapter's is prepared
   private scrolled = true;
   private aim: Step | null = null; // the chapter to be shown, until the reader scrolls
 
@@ -62,6 +65,8 @@ export class Story {
       this.show();
     } else {
       state.view.slow = true;
+      if (this.kept) this.hand.showMap(this.kept);
+      this.kept = null;
       this.hand.left();
     }
     history.replaceState(null, "", state.link());
@@ -80,9 +85,16 @@ export class Story {
     for (const { section, text } of this.chapters) text.after(...(section.dataset.panels?.split(" ") ?? []).map((name) => document.querySelector(`.panel.${name}`)!), ...section.querySelectorAll(".watch, .tale"));
     this.frames.show("story", []);
     this.arrived.clear();
+    this.kept = null;
     this.aim = step;
     this.scrolled = this.dirty = true;
     this.scrollTo(step);
+  }
+
+  prepare(): void {
+    if (this.arrived.has("map")) return;
+    this.kept ??= { ...this.state.view.map };
+    this.hand.showMap(null);
   }
 
   private scrollTo(step: Step): void {
@@ -127,6 +139,7 @@ export class Story {
       if (top < 0.5 * innerHeight) read = step;
       if (top < 0.9 * innerHeight && bottom > 0 && !this.arrived.has(step)) {
         this.arrived.add(step);
+        if (step === "map") this.kept = null;
         this.hand.arrived(step);
       }
     }
