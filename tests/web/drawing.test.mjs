@@ -6,7 +6,7 @@ import { Canvas, crossings, theme } from "./canvas.mjs";
 import { load, random } from "./modules.mjs";
 import { randomScenario } from "./scenarios.mjs";
 
-const lib = await load("forces", "map", "plot", "presets", "rebound_plot", "stage", "tale", "timeline");
+const lib = await load("forces", "map_drawing", "plot", "presets", "rebound_plot", "stage", "tale", "timeline");
 const { core } = lib;
 
 // The examples, and random settings that can be computed.

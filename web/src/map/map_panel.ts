@@ -1,7 +1,9 @@
 // The panel of the map: drawing, reading values, pointer, zoom.
 import { find, type Sheet } from "../support/dom";
 import { digits, withUnit } from "../support/format";
-import { ContactMap, type MapLayout } from "./map";
+import { ContactMap } from "./map";
+import type { MapLayout } from "./map_drawing";
+import { linked, panned, tooSmall, zoomed } from "./map_box";
 import { Agreement } from "./trust";
 import { subscripted } from "../views/numbers";
 import type { Pool } from "../core/pool";
@@ -214,36 +216,19 @@ export class MapPanel {
     this.state.edited();
   }
 
-  private zoom(factor: number, [e, y] = this.marked()): void {
-    const { x, y: v } = this.box();
-    const limits = mapLimits(this.state.view.map.axis);
-    const part = (low: number, high: number, at: number, least: number, most: number): [number, number] => {
-      const inside = Math.min(Math.max(at, low), high);
-      return [Math.max(inside - (inside - low) / factor, least), Math.min(inside + (high - inside) / factor, most)];
-    };
-    const [y0, y1] = part(Math.log(v[0]), Math.log(v[1]), Math.log(Math.max(y, v[0])), Math.log(limits.y[0]), Math.log(limits.y[1]));
-    this.setZoom({ x: part(x[0], x[1], e, ...limits.x), y: [Math.exp(y0), Math.exp(y1)] });
+  private zoom(factor: number, at = this.marked()): void {
+    this.setZoom(zoomed(this.box(), mapLimits(this.state.view.map.axis), factor, at));
   }
 
-  // By fractions of the frame, within the limits of the map.
+  // By fractions of the frame.
   private pan(right: number, up: number): void {
-    const { x, y } = this.box();
-    const limits = mapLimits(this.state.view.map.axis);
-    const shift = ([low, high]: [number, number], share: number, [least, most]: [number, number]): [number, number] => {
-      const by = Math.min(Math.max(-share * (high - low), least - low), most - high);
-      return [low + by, high + by];
-    };
-    const log = ([a, b]: [number, number]): [number, number] => [Math.log(a), Math.log(b)];
-    const [y0, y1] = shift(log(y), up, log(limits.y));
-    this.setZoom({ x: shift(x, right, limits.x), y: [Math.exp(y0), Math.exp(y1)] });
+    this.setZoom(panned(this.box(), mapLimits(this.state.view.map.axis), right, up));
   }
 
   // The picture moves at once; new points are computed when the pointer rests.
   private setZoom(box: Box | null): void {
-    if (box && (box.x[1] - box.x[0] < 1e-6 || box.y[1] / box.y[0] < 1 + 1e-6)) return;
-    // Rounded to the digits of the link, so that the link reproduces the view.
-    const keep = ([a, b]: [number, number]): [number, number] => [Number(a.toPrecision(6)), Number(b.toPrecision(6))];
-    this.state.view.map.zoom = box && { x: keep(box.x), y: keep(box.y) };
+    if (box && tooSmall(box)) return;
+    this.state.view.map.zoom = box && linked(box);
     this.state.dirty.mapPicture = this.map.fresh = true;
     this.moving = true;
     clearTimeout(this.later);

@@ -6,7 +6,8 @@ import type { Frame, Scale } from "../support/plot";
 import type { Pool } from "../core/pool";
 import { clampTo, copyOf, ranges } from "../scenario/scenario";
 import type { State } from "../app/state";
-import { Timeline, type TimelineLayout } from "./timeline";
+import { Timeline } from "./timeline";
+import type { TimelineLayout } from "./timeline_drawing";
 import { dragged } from "../support/touch";
 
 // Moves the marker lines of the film's time in a plot.

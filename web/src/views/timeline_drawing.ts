@@ -1,0 +1,195 @@
+// The timeline as a picture: bands in which bodies touch, the end of the floor contact, the present ε.
+import type { Contact, TimelineRow } from "../core/core";
+import type { Drop } from "../core/drop";
+import { drawAxes, fontSize, grown, Scale, setFont, stroke, timeTicks, timeUnit, type Frame } from "../support/plot";
+import type { Theme } from "../style/theme";
+
+export interface TimelinePicture {
+  rows: TimelineRow[]; // by ε
+  adiabatic: TimelineRow[];
+  span: number; // last time shown [s]
+}
+
+export interface TimelineLayout {
+  x: Scale;
+  y: Scale;
+  frame: Frame;
+}
+
+export function drawTimeline(g: CanvasRenderingContext2D, w: number, h: number, p: TimelinePicture, d: Drop, theme: Theme): TimelineLayout {
+  g.clearRect(0, 0, w, h);
+  const size = fontSize(w);
+  const f: Frame = { left: 3.2 * size, top: 2.2 * size, width: w - 3.2 * size - 1.4 * size, height: h - 5.4 * size };
+  const begin = d.scenario.cradle ? d.from - 0.02 * (d.to - d.from) : Math.min(0, d.from);
+  const { span } = p;
+  const x = new Scale(begin, d.scenario.cradle ? Math.max(d.from + 1.15 * (span / 1.15 - d.from), begin + 1.1 * (d.to - begin)) : span, f.left, f.left + f.width);
+  const y = new Scale(0, 1, f.top + f.height, f.top);
+  g.save();
+  g.beginPath();
+  g.rect(f.left, f.top, f.width, f.height);
+  g.clip();
+  drawBands(g, x, y, p.rows, d.scenario.balls.length > 2, theme);
+  drawAdiabatic(g, x, y, p.adiabatic, theme);
+  drawFloorEnd(g, x, y, p.rows, theme, grown(size));
+  g.restore();
+  const [factor, unit] = timeUnit(x.high - x.low);
+  drawAxes(
+    g, f, x, y,
+    {
+      ...timeTicks(x, d.origin, factor, f.width / (5.5 * size)),
+      title: `time (${unit})`,
+    },
+    { ticks: [0, 0.2, 0.4, 0.6, 0.8, 1], name: (v) => v.toFixed(1), title: "ε" },
+    theme, size, false,
+  );
+  drawChosen(g, x, y, f, d, theme, size);
+  return { x, y, frame: f };
+}
+
+// The regions in which two bodies touch. A region continues between rows with the same contacts; where they change,
+// it ends.
+function drawBands(g: CanvasRenderingContext2D, x: Scale, y: Scale, rows: TimelineRow[], several: boolean, theme: Theme): void {
+  // A contact that never ends extends to the edge of the plot.
+  const end = (c: Contact): number => x.at(Number.isFinite(c.end) ? c.end : Math.max(c.begin, x.high));
+  for (const group of runsOf(rows)) {
+    const last = group.length - 1;
+    const heights = group.map((row) => y.at(row.restitution));
+    const [bottom, top] = [y.at(border(rows, group[0], -1)), y.at(border(rows, group[last], 1))];
+    group[0].contacts.forEach(({ pair }, k) => {
+      const left = group.map((row, i): [number, number] => [x.at(row.contacts[k].begin), heights[i]]);
+      const right = group.map((row, i): [number, number] => [end(row.contacts[k]), heights[i]]);
+      const over = several && pair > 0 ? 0 : 0.5; // pixels into the next region, or a hairline shows between them
+      for (const edge of [left, right]) edge.unshift([edge[0][0], bottom + over]), edge.push([edge[last + 1][0], top - over]);
+      g.fillStyle = g.strokeStyle = pair === 0 ? theme.faint : theme.pairs[pair];
+      g.globalAlpha = several && pair > 0 ? 0.16 : 1;
+      trace(g, [...left, ...right.reverse()]);
+      g.fill();
+      g.globalAlpha = 1;
+      g.lineWidth = pair === 0 ? 0.5 : several ? 2.5 : 1; // bands of several pairs overlap: their edges tell them apart
+      for (const edge of [left, right]) trace(g, edge), g.stroke();
+    });
+  }
+}
+
+// Half way to the next row above (1) or below (−1): there the region of a row ends.
+function border(rows: TimelineRow[], row: TimelineRow, side: 1 | -1): number {
+  const next = rows[rows.indexOf(row) + side];
+  return next ? 0.5 * (row.restitution + next.restitution) : row.restitution;
+}
+
+// Edges of the adiabatic contacts over the bands: where they coincide the reaction on the lower ball does not matter.
+function drawAdiabatic(g: CanvasRenderingContext2D, x: Scale, y: Scale, rows: TimelineRow[], theme: Theme): void {
+  g.fillStyle = theme.ink;
+  for (const group of runsOf(rows))
+    group[0].contacts.forEach(({ pair }, k) => {
+      if (pair === 0) return;
+      for (const edge of ["begin", "end"] as const)
+        dots(g, group.filter((row) => Number.isFinite(row.contacts[k][edge])).map((row) => [x.at(row.contacts[k][edge]), y.at(row.restitution)]));
+    });
+}
+
+function drawFloorEnd(g: CanvasRenderingContext2D, x: Scale, y: Scale, rows: TimelineRow[], theme: Theme, thick: number): void {
+  g.strokeStyle = theme.ink;
+  g.lineWidth = 2 * thick;
+  g.setLineDash([7 * thick, 5 * thick]);
+  g.beginPath();
+  let open = false;
+  for (const { restitution, tFloorEnd } of rows) {
+    if (Number.isFinite(tFloorEnd)) g[open ? "lineTo" : "moveTo"](x.at(tFloorEnd), y.at(restitution));
+    open = Number.isFinite(tFloorEnd);
+  }
+  g.stroke();
+  g.setLineDash([]);
+}
+
+function drawChosen(g: CanvasRenderingContext2D, x: Scale, y: Scale, f: Frame, d: Drop, theme: Theme, size: number): void {
+  const at = y.at(d.scenario.restitution);
+  g.strokeStyle = theme.ink;
+  g.lineWidth = 3 * grown(size);
+  stroke(g, f.left, at, f.left + f.width, at);
+  setFont(g, theme, size, 700);
+  const text = `ε = ${Number(d.scenario.restitution.toPrecision(4))}`;
+  const width = g.measureText(text).width;
+  g.fillStyle = theme.ink;
+  g.textAlign = "right";
+  g.textBaseline = "middle";
+  const above = at - f.top > 2 * size;
+  const middle = above ? at - 0.9 * size : at + 0.95 * size;
+  g.fillStyle = theme.ground;
+  g.globalAlpha = 0.85;
+  g.fillRect(f.left + f.width - width - 14, middle - 0.7 * size, width + 10, 1.4 * size);
+  g.globalAlpha = 1;
+  g.fillStyle = theme.ink;
+  g.fillText(text, f.left + f.width - 9, middle);
+  if (d.scenario.balls.length !== 2) {
+    drawNames(g, f, d.scenario.balls.length, theme, size);
+    return;
+  }
+  g.textAlign = "center";
+  let right = -Infinity;
+  d.newton.run.contacts
+    .filter((c) => c.pair === 1 && c.begin <= d.newton.run.last)
+    .forEach((c, i) => {
+      const end = Number.isFinite(c.end) ? c.end : Math.max(c.begin, x.high);
+      const center = Math.min(x.at((c.begin + end) / 2), x.at(c.begin) + 1.2 * size); // beside the line of the film, which rests in the middle
+      const name = String(i + 1);
+      const half = g.measureText(name).width / 2 + 3;
+      if (center - half < right || center > f.left + f.width - width - 20) return;
+      right = center + half;
+      g.globalAlpha = 0.85;
+      g.fillStyle = theme.ground;
+      g.fillRect(center - half, middle - 0.65 * size, 2 * half, 1.3 * size);
+      g.globalAlpha = 1;
+      g.fillStyle = theme.ink;
+      g.fillText(name, center, middle);
+    });
+}
+
+function drawNames(g: CanvasRenderingContext2D, f: Frame, balls: number, theme: Theme, size: number): void {
+  setFont(g, theme, size, 700);
+  g.textAlign = "right";
+  g.textBaseline = "bottom";
+  let at = f.left + f.width;
+  for (let j = balls - 1; j >= 1; j--) {
+    const name = `${j}–${j + 1}`;
+    g.fillStyle = theme.pairs[j];
+    g.fillText(name, at, f.top - 4);
+    at -= g.measureText(name).width + 0.9 * size;
+  }
+  g.fillStyle = theme.muted;
+  g.fillText("balls", at, f.top - 4);
+}
+
+// Whether two rows have the same contacts, in the same order.
+export const alike = (a: TimelineRow, b: TimelineRow): boolean =>
+  a.contacts.length === b.contacts.length && a.contacts.every((c, k) => c.pair === b.contacts[k].pair && Number.isFinite(c.end) === Number.isFinite(b.contacts[k].end));
+
+function trace(g: CanvasRenderingContext2D, places: [number, number][]): void {
+  g.beginPath();
+  for (const place of places) g.lineTo(...place);
+}
+
+// A dotted line; a dashed stroke of so many short pieces takes a hundred times as long.
+function dots(g: CanvasRenderingContext2D, places: [number, number][]): void {
+  const apart = 4;
+  let next = 0; // pixels to the next dot
+  for (let i = 1; i < places.length; i++) {
+    const [[x0, y0], [x1, y1]] = [places[i - 1], places[i]];
+    const length = Math.min(Math.hypot(x1 - x0, y1 - y0), 2000);
+    for (; next <= length; next += apart) {
+      const u = length > 0 ? next / length : 0;
+      g.fillRect(x0 + u * (x1 - x0) - 0.7, y0 + u * (y1 - y0) - 0.7, 1.4, 1.4);
+    }
+    next -= length;
+  }
+}
+
+// Stretches of rows with the same contacts.
+function runsOf(rows: TimelineRow[]): TimelineRow[][] {
+  const runs: TimelineRow[][] = [];
+  rows.forEach((row, i) => {
+    if (i > 0 && alike(rows[i - 1], row)) runs[runs.length - 1].push(row);
+    else runs.push([row]);
+  });
+  return runs;
+}
