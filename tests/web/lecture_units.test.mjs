@@ -5,7 +5,7 @@ import { test } from "node:test";
 import { load, random as randomness } from "./modules.mjs";
 import { randomScenario } from "./scenarios.mjs";
 
-const lib = await load("why", "measurements", "measured", "report", "sentence", "story_text", "lecture_view", "presets", "toml", "view");
+const lib = await load("why", "measurements", "measured", "report", "sentence", "story_text", "lecture_view", "map_box", "presets", "toml", "view");
 const whyText = (facts) => lib.joined(lib.why(facts));
 const { core } = lib;
 
@@ -249,4 +249,24 @@ test("each contact has its own law in the core, the link and the file", () => {
   lib.fromQuery(again, q, []);
   assert.deepEqual(again.own, s.own);
   assert.equal(lib.toToml(s).match(/\[\[laws\]\]/g).length, 2);
+});
+
+test("the map: zooming keeps a point in its place, moving keeps the size, and neither leaves the limits", () => {
+  const random = randomness(12);
+  const share = ([low, high], x) => (x - low) / (high - low);
+  const logs = (y) => y.map(Math.log);
+  for (let i = 0; i < 300; i++) {
+    const limits = lib.mapLimits(i % 2 ? "gap" : "ratio");
+    const part = ([low, high]) => [random(), random()].sort((a, b) => a - b).map((u) => low + u * (high - low));
+    const box = { x: part(limits.x), y: part(logs(limits.y)).map(Math.exp) };
+    const at = [box.x[0] + random() * (box.x[1] - box.x[0]), box.y[0] * (box.y[1] / box.y[0]) ** random()];
+    const near = lib.zoomed(box, limits, 1 + random(), at);
+    assert.ok(Math.abs(share(near.x, at[0]) - share(box.x, at[0])) < 1e-6);
+    assert.ok(Math.abs(share(logs(near.y), Math.log(at[1])) - share(logs(box.y), Math.log(at[1]))) < 1e-6);
+    const moved = lib.panned(box, limits, 4 * random() - 2, 4 * random() - 2);
+    assert.ok(Math.abs(moved.x[1] - moved.x[0] - (box.x[1] - box.x[0])) < 1e-9);
+    assert.ok(Math.abs(moved.y[1] / moved.y[0] / (box.y[1] / box.y[0]) - 1) < 1e-9);
+    for (const { x, y } of [near, moved, lib.zoomed(box, limits, 0.01, at)])
+      assert.ok(x[0] >= limits.x[0] - 1e-12 && x[1] <= limits.x[1] + 1e-12 && y[0] >= limits.y[0] * (1 - 1e-12) && y[1] <= limits.y[1] * (1 + 1e-12));
+  }
 });
