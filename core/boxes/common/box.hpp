@@ -38,7 +38,7 @@ struct Box {
     bool is_periodic(int axis) const { return boundary[axis] == Boundary::periodic; }
     // Whether a particle that leaves through one side comes back through the other.
     bool wraps(int axis) const { return is_periodic(axis) || boundary[axis] == Boundary::lees_edwards; }
-    bool is_sheared() const { return gradient != 0; }
+    bool is_sheared() const { return boxes_move && gradient != 0; }
     bool has_walls(int axis) const { return boundary[axis] == Boundary::wall; }
     bool any_wall() const { return has_walls(0) || has_walls(1) || has_walls(2); }
     bool falls() const { return gravity[0] != 0.0 || gravity[1] != 0.0 || gravity[2] != 0.0; }
@@ -48,7 +48,7 @@ struct Box {
         return product;
     }
 
-    bool has_moving_walls(int axis) const { return walls_move[axis]; }
+    bool has_moving_walls(int axis) const { return boxes_move && walls_move[axis]; }
     void move_wall(WallId id, const WallMotion& motion) {
         wall_motion[id.axis()][id.high()] = motion;
         walls_move[id.axis()] = walls_move[id.axis()] || motion.moves() || motion.offset != 0.0;

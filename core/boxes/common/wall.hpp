@@ -7,6 +7,13 @@
 
 namespace hardlimit::boxes {
 
+// Whether walls may oscillate and boxes be sheared. A module without these leaves out their code (bindings/wasm_gas.cpp).
+#ifdef HARDLIMIT_BOXES_AT_REST
+inline constexpr bool boxes_move = false;
+#else
+inline constexpr bool boxes_move = true;
+#endif
+
 // Number of a wall in logs and results: −1 − 2·axis at 0, −2 − 2·axis at L; 0: no wall. The second partner of a contact
 // is a particle (≥ 0) or a wall (< 0).
 struct WallId {
@@ -58,8 +65,8 @@ struct WallMotion {
     Waveform waveform = Waveform::none;
     int unused = 0;
 
-    constexpr bool oscillates() const { return waveform != Waveform::none; }
-    constexpr bool moves() const { return velocity != 0.0 || oscillates(); }
+    constexpr bool oscillates() const { return boxes_move && waveform != Waveform::none; }
+    constexpr bool moves() const { return boxes_move && (velocity != 0.0 || oscillates()); }
     // Greatest velocity, acceleration and jerk of the oscillation. A triangle wave jumps in velocity, a parabola in
     // acceleration: these jumps are not included.
     double fastest() const {

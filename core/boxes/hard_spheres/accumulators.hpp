@@ -157,6 +157,7 @@ struct Accumulators {
     Sum wall_impulse[most_walls], wall_energy[most_walls];  // as in WallSums [N s], [J]
 
     u64 collisions() const { return pairs + walls; }
+    bool is_sheared() const { return boxes_move && gradient != 0; }
 
     // Adds factor · (a⊗b + b⊗a)/2 to the virial.
     void add_virial(double factor, const double (&a)[d], const double (&b)[d]) {
@@ -180,18 +181,18 @@ struct Accumulators {
         return kinetic_integral.value() + thermal_integral(until - time);
     }
     double thermal_integral(double step) const {
-        return gradient == 0 ? thermal() * step
+        return !is_sheared() ? thermal() * step
                              : from_flow.sheared_integral(mass, shear_rate, gradient, step);
     }
     // Whether no sum has lost digits.
-    bool are_exact() const { return sums.are_exact() && (gradient == 0 || from_flow.are_exact()); }
+    bool are_exact() const { return sums.are_exact() && (!is_sheared() || from_flow.are_exact()); }
     void advance(double until) {
         const double step = until - time;
         if (step == 0.0) return;
         kinetic_integral.add(thermal_integral(step));
         const bool falls = std::any_of(gravity, gravity + d, [](double g) { return g != 0.0; });
         if (falls) sums.fall(mass, gravity, step);
-        if (gradient != 0) {
+        if (is_sheared()) {
             if (falls) from_flow.fall(mass, gravity, step);
             from_flow.shear(shear_rate, gradient, step);
         }

@@ -178,6 +178,7 @@ private:
     int time_index() const { return 6 * count(); }
     int loss_index() const { return 6 * count() + 1; }
     int wall_work_index() const { return 6 * count() + 2; }
+    bool integrates() const { return (boxes_move || !LinearLaw<Law>) && integrates_; }
     int shear_work_index() const { return 6 * count() + 2 + (walls_move_ ? 1 : 0); }
     int first_root_index() const { return shear_work_index() + (images_move_ ? 1 : 0); }
     // The virial stands behind the others, and what each wall of the pairs gets (impulse, energy) last: nothing depends
@@ -359,7 +360,7 @@ void Cluster<Law>::run(double until, Stop& stop, long most_steps, bool through) 
             rest_until(end);
         } else if (!any(ContactState::closed) && !sine_) {
             fly(end);
-        } else if (integrates_) {
+        } else if (integrates()) {
             integration_step(end);
         } else {
             if constexpr (LinearLaw<Law>) series_step(end);

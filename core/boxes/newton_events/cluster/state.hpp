@@ -62,7 +62,7 @@ void Cluster<Law>::load_state() {
     if (walls_move_) y_[wall_work_index()] = wall_work;
     if (images_move_) y_[shear_work_index()] = shear_work;
     for (const int q : rooted_) y_[slot_[q]] = pairs[q].s;
-    if (integrates_) resize();
+    if (integrates()) resize();
     lightest_ = lightest();
     speed_unit_ = unit_of_speed();
     known_ = false;
@@ -99,7 +99,7 @@ void Cluster<Law>::record_state() {
     if (!record) return;
     trajectory.time.push_back(y_[time_index()]);
     trajectory.state.insert(trajectory.state.end(), y_.begin(), y_.begin() + 6 * count());
-    if (!integrates_) trajectory.chord_deviation.resize(trajectory.time.size() * members.size());
+    if (!integrates()) trajectory.chord_deviation.resize(trajectory.time.size() * members.size());
 }
 
 template <class Law>
