@@ -59,6 +59,7 @@ def test_near_pairs_are_those_of_all_pairs(seed: int) -> None:
     system = hl.ParticleSystem._of(
         positions=rng.uniform(0.0, 1.0, (n, d)) * box, velocities=np.zeros((n, d)), radius=radius, mass=radius,
         box=box, boundary=tuple(sides), gravity=np.zeros(d), walls={}, thermostat=None,
+        shear_rate=0.0, shear_displacement=0.0,
     )  # fmt: skip
     periodic = np.array([side == "periodic" for side in sides])
     apart = system.positions[:, None] - system.positions[None]

@@ -7,7 +7,7 @@
 
 namespace hardlimit::boxes {
 
-// Whether walls may oscillate and boxes be sheared. A module without these leaves out their code (bindings/wasm_gas.cpp).
+// Whether walls may move and boxes be sheared. A module without these leaves out their code (bindings/wasm_gas.cpp).
 #ifdef HARDLIMIT_BOXES_AT_REST
 inline constexpr bool boxes_move = false;
 #else

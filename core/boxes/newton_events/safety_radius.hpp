@@ -122,8 +122,8 @@ double NewtonEvents<Law>::largest_safety_use(int instants) const {
     return most;
 }
 
-// Speed that two bodies gain from the compression by rounding at touch, which the solution of an isolated contact leaves
-// out. Under a law that is not linear an impact at a far lower speed lasts so long that this moves them visibly.
+// Speed that two bodies gain from the compression by rounding at touch, which the solution of an isolated contact
+// leaves out. Under a law that is not linear an impact at a far lower speed lasts so long that this moves them visibly.
 template <class Law>
 double NewtonEvents<Law>::speed_from_rounding(const Group& g) const {
     const ContactPair<Law>& q = g.isolated_contact.pair;

@@ -203,8 +203,8 @@ private:
             virial += s.virial;
         }
     }
-    // Moves bodies that have left through a sheared side to their images in the box. By one thread, so that the work has
-    // the same bits with any number of threads.
+    // Moves bodies that have left through a sheared side to their images in the box. By one thread, so that the work
+    // has the same bits with any number of threads.
     void cross_sheared_side(double time) {
         const int axis = box_.gradient;
         for (std::size_t i = 0; i < bodies.count(); ++i) {

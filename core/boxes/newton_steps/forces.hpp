@@ -312,8 +312,8 @@ private:
         if (bodies_.acceleration[body].add(now_.step, acceleration))
             (slab.holds(body) ? slab.accelerated : slab.accelerated_next).push_back(body);
     }
-    // Virial r⊗Δp of an impulse along the line of centres r, and its work on what moves the bodies. With friction r⊗F is
-    // not symmetric; its symmetric part is added.
+    // Virial r⊗Δp of an impulse along the line of centres r, and its work on what moves the bodies. With friction r⊗F
+    // is not symmetric; its symmetric part is added.
     static void add_sums(Slab<Law>& slab, const Contact<Law>& c, double impulse) {
         slab.wall_work += impulse * c.wall_velocity;
         slab.shear_work -= impulse * c.normal[0] * c.image_velocity;

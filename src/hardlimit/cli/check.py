@@ -12,6 +12,7 @@ import click
 from ..column import files
 from ..contact.balls import Ball
 from ..convert.codes import code as code_of
+from ..support import validation
 from ..support.formatting import digits, length, listed, percent, percent_with_error, quantity
 from ..verdict import check as checked
 from ..verdict.answer import NAMES, given_by
@@ -129,7 +130,7 @@ def check(
     given: dict[str, Any] = {"dump": dump, "speed": speed, "packing_fraction": packing_fraction}
     if sum(one is not None for one in (speed, power, shear)) > 1:
         raise ValueError("--speed | --power | --shear: must be at most one of them")
-    given |= {"power": power, "shear_rate": shear}
+    given |= {"power": power, "shear_rate": None if shear is None else validation.number("shear", shear, 0.0)}
     if file is None:
         found = from_numbers(numbers, variables, code, given)
     else:

@@ -233,6 +233,7 @@ def shear(rate: float | None, given: Any, sides: Any) -> dict[str, Any]:
     """
     if rate is None:
         return {}
+    validation.number("shear", rate, -LARGEST, highest=LARGEST, lowest_allowed=True)
     if "lees-edwards" in (sides if given is None else given):
         return {"shear_rate": rate}
     if given is not None:

@@ -238,7 +238,7 @@ class ErrorLaw:
         Returns
         -------
         ShearedErrors
-            Of temperature and stress.
+            Of temperature and stress; NaN where t_c ν is so large that the expansion leaves no kinetic energy.
 
         Raises
         ------
@@ -264,7 +264,10 @@ class ErrorLaw:
         viscosity = 1.0 + x * viscosity_error(self.packing_fraction)
         kept = 0.5 * (1.0 - self.restitution**2)
         moving = (1.0 - (1.0 - kept) * self.stored * x) / (1.0 - kept * self.delay * x)
-        temperature = viscosity / ((1.0 + self.coefficient * x) * moving**1.5)
+        slowed = 1.0 + self.coefficient * x
+        if not (viscosity > 0.0 and moving > 0.0 and slowed > 0.0):
+            return ShearedErrors(math.nan, math.nan)
+        temperature = viscosity / (slowed * moving**1.5)
         return ShearedErrors(temperature - 1.0, viscosity * math.sqrt(temperature) - 1.0)
 
     def no_shear(self) -> str:

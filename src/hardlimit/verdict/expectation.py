@@ -49,8 +49,8 @@ def expected(
     error, bar = law.error(tc_nu), law.error_bar(tc_nu)
     if nearest != given:
         bar = math.hypot(bar, OTHER_POWERS * error)
-    sheared = None if law.no_shear() else law.sheared_errors(tc_nu).stress
-    return Expected(error, bar, limit, law.heated_error(tc_nu), sheared)
+    sheared = math.nan if law.no_shear() else law.sheared_errors(tc_nu).stress
+    return Expected(error, bar, limit, law.heated_error(tc_nu), None if math.isnan(sheared) else sheared)
 
 
 @cache
