@@ -168,9 +168,9 @@ def _wave(waveform: str, cycles: float) -> float:
 
 
 def _integral(waveform: str, cycles: Floats) -> Floats:
-    """Integral of the wave over the cycles in [0, 1) from 0. The second half of a period is the first with the other
+    """Integral of the wave over the cycles in [0, 1] from 0. The second half of a period is the first with the other
     sign."""
-    half: Floats = cycles % 0.5
+    half: Floats = np.where(cycles < 0.5, cycles, cycles - 0.5)
     if waveform == "sine":
         first, whole = (1.0 - np.cos(2.0 * math.pi * half)) / (2.0 * math.pi), 1.0 / math.pi
     elif waveform == "triangle":
