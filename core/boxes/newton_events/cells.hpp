@@ -39,7 +39,7 @@ double NewtonEvents<Law>::initial_safety_radius(const System& s) const {
     std::size_t at = 0;
     const std::size_t n = setting_.count();
     for (std::size_t i = 0; i < n; ++i) {
-        double x[3], v[3];
+        double x[3]{}, v[3]{};
         setting_.in_three(s.position, i, x);
         setting_.in_three(s.velocity, i, v);
         if (box_.is_sheared()) v[0] -= box_.mean_flow(x[box_.gradient]);
