@@ -54,6 +54,12 @@ HL_FN R round_small(R x) {
     return (x + shift) - shift;
 }
 
+// Largest integer that is not above x, for |x| < 2^51.
+HL_FN double floor_small(double x) {
+    const double whole = round_small(x);
+    return whole > x ? whole - 1.0 : whole;
+}
+
 // 2^k for an integral k in [-1022, 1023].
 template <class R>
 HL_FN R exp2_integer(R k) {

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 import hardlimit as hl
 from box_engines import (
+    LAWS,
     REFERENCE,
     compiled,
     core_engine,
@@ -28,13 +29,6 @@ from hardlimit.boxes.contacts import law_arguments
 from hardlimit.boxes.falling_frame import engine_arguments
 
 CASES = [(kind, k) for kind in ("newton", "dilute") for k in range(len(REFERENCE[kind]))]
-LAWS = [
-    hl.LinearDashpot(stiffness=2000.0, restitution=0.8),
-    hl.LinearDashpot(stiffness=2000.0, restitution=1.0),
-    hl.LinearDashpot(stiffness=2000.0, damping=0.05),
-    hl.Viscoelastic(youngs_modulus=1e7, poisson_ratio=0.3, dissipative_time=1e-5),
-    hl.Tsuji(elastic_prefactor=1e5, restitution=0.7),
-]
 
 
 def by_events(*system: hl.ParticleSystem, **options: Any) -> hl.ContactResult:

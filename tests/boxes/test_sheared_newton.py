@@ -11,20 +11,13 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 import hardlimit as hl
-from box_engines import core_engine
+from box_engines import LAWS, core_engine
 from conftest import draws
 from hardlimit import _core
 from hardlimit.boxes import time_step
 from hardlimit.boxes.theory import Gas
 from sheared_boxes import displaced, lun
 
-LAWS = [
-    hl.LinearDashpot(stiffness=2000.0, restitution=0.8),
-    hl.LinearDashpot(stiffness=2000.0, restitution=1.0),
-    hl.LinearDashpot(stiffness=2000.0, damping=0.05),
-    hl.Viscoelastic(youngs_modulus=1e7, poisson_ratio=0.3, dissipative_time=1e-5),
-    hl.Tsuji(elastic_prefactor=1e5, restitution=0.7),
-]
 RADIUS = 1e-3
 STIFF = hl.LinearDashpot(stiffness=2e4, restitution=0.8)
 

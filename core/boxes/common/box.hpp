@@ -101,7 +101,7 @@ struct Box {
     // The same displacement in [0, L] of the first axis.
     double image_offset(double time) const {
         const double displaced = image_displacement(time);
-        return math::clamp(displaced - edge[0] * floor_of(displaced / edge[0]), 0.0, edge[0]);
+        return math::clamp(displaced - edge[0] * math::floor_small(displaced / edge[0]), 0.0, edge[0]);
     }
     // Velocity of the mean flow at a coordinate along the gradient axis [m/s].
     double mean_flow(double y) const { return shear_rate * (y - 0.5 * edge[gradient]); }
@@ -132,7 +132,7 @@ struct Box {
         flags[axis] += step;
     }
     // Number of edges by which a coordinate lies beyond the box: 0 in the box, −1 below it.
-    int turns(double x, int axis) const { return static_cast<int>(floor_of(x / edge[axis])); }
+    int turns(double x, int axis) const { return static_cast<int>(math::floor_small(x / edge[axis])); }
     // Minimum image of a coordinate difference along a periodic axis [m].
     double minimum_image(double distance, int axis) const {
         return distance - edge[axis] * math::round_small(distance / edge[axis]);
@@ -161,12 +161,6 @@ struct Box {
         if (!is_periodic(axis)) return x;
         x = minimum_image(x, axis);
         return x < 0.0 ? math::min(x + edge[axis], edge[axis]) : x;
-    }
-
-private:
-    static double floor_of(double x) {
-        const double whole = math::round_small(x);
-        return whole > x ? whole - 1.0 : whole;
     }
 };
 

@@ -106,7 +106,7 @@ struct WallPiece {
         p.motion = m, p.quarter = quarter, p.shift_of_time = base, p.place = place;
         const auto time = [&](double count) { return (0.25 * count - m.cycles) / m.frequency; };
         const double begin = time(quarter);
-        const int k = static_cast<int>(quarter - 4.0 * floor_of(0.25 * quarter));
+        const int k = static_cast<int>(quarter - 4.0 * math::floor_small(0.25 * quarter));
         const double sign = k < 2 ? 1.0 : -1.0;  // of the displacement
         const bool rising = k == 0 || k == 3, odd = k % 2 != 0;
         p.begin = begin - base, p.end = time(quarter + 1.0) - base;
@@ -123,7 +123,7 @@ struct WallPiece {
         return p;
     }
     static double quarter_at(const WallMotion& m, double time) {
-        return floor_of(4.0 * (m.frequency * time + m.cycles));
+        return math::floor_small(4.0 * (m.frequency * time + m.cycles));
     }
     // The same for a wall that does not oscillate.
     static WallPiece uniform(double position, double velocity) {
@@ -155,12 +155,6 @@ struct WallPiece {
         return moved + 2.0 * amplitude * math::sin(half) * math::cos(phase0 + omega * begun + half);
     }
     double position(double time) const { return position0 + displacement(begin, time - begin); }
-
-private:
-    static double floor_of(double x) {
-        const double whole = math::round_small(x);
-        return whole > x ? whole - 1.0 : whole;
-    }
 };
 
 // wall_contact_time() (queue/prediction.hpp) locates collisions with it.

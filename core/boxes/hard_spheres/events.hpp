@@ -92,7 +92,7 @@ void HardSpheres<d, motion, mixed>::cross_sheared_side(u32 i, int step) {
     if (const int turns = box_.turns(position_after<motion>(p, 0, after, box_), 0))
         box_.wrap(p.position, p.velocity, image_flags_[i], 0, turns, p.time);
     accumulators_.sums.change(mass(i), before, crossed);
-    accumulators_.shear_work.add(0.5 * mass(i) * (crossed[0] - before[0]) * (crossed[0] + before[0]));
+    accumulators_.shear_work.add(gained_energy(mass(i), before[0], crossed[0] - before[0]));
     if (mixed && cells_.levels() > 1) fastest_ = math::max(fastest_, frame_speed(crossed));
 }
 

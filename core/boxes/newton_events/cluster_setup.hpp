@@ -135,7 +135,7 @@ void NewtonEvents<Law>::set_wall_pieces(Group& g) const {
     c.wall_pieces.resize(most_walls);
     for (const ContactPair<Law>& q : c.pairs)
         if (q.second < 0)
-            c.wall_pieces[static_cast<std::size_t>(-1 - q.wall_id.number)] =
+            c.wall_pieces[q.wall_id.index()] =
                 box_.wall(q.wall_id).piece_from(now_, now_, g.origin[static_cast<std::size_t>(q.axis)]);
 }
 

@@ -210,10 +210,6 @@ private:
     void leave_cell(int i);
 
     // sheared_side.hpp
-    static double floor_of(double x) {
-        const double whole = math::round_small(x);
-        return whole > x ? whole - 1.0 : whole;
-    }
     double displaced_cells() const;
     double next_slide() const;
     template <class F>

@@ -16,7 +16,7 @@ namespace hardlimit::boxes {
 template <class Law>
 double NewtonEvents<Law>::displaced_cells() const {
     const double early = box_.image_velocity() < 0.0 ? -rounding_of_slides : rounding_of_slides;
-    return floor_of(box_.image_displacement(now_) / grid().edge[0] + early);
+    return math::floor_small(box_.image_displacement(now_) / grid().edge[0] + early);
 }
 
 // Time at which this number changes next.
@@ -50,7 +50,7 @@ void NewtonEvents<Law>::for_sides(const Block& in, const F& f) const {
 template <class Law>
 ImageMotion NewtonEvents<Law>::slide_columns(Block& block, bool high) const {
     const int n = grid().cells[0];
-    const double displaced = displaced_cells(), periods = floor_of(displaced / n);
+    const double displaced = displaced_cells(), periods = math::floor_small(displaced / n);
     const auto columns = static_cast<int>(displaced - periods * n);
     block.from[0] += high ? -columns - 1 : columns;
     block.to[0] += high ? -columns : columns + 1;
@@ -93,7 +93,7 @@ void NewtonEvents<Law>::cross_sheared_side(int i, int step, Place<3>& at) {
     int flags[3] = {};
     flags[box_.gradient] = step;
     const double x = position(i, now_)[0] - box_.image(flags, now_).shift[0];
-    flags[0] = static_cast<int>(floor_of(x / box_.edge[0]));
+    flags[0] = static_cast<int>(math::floor_small(x / box_.edge[0]));
     const ImageMotion image = box_.image(flags, p.time);
     for (std::size_t a = 0; a < 3; ++a) {
         p.position[a] -= image.shift[a];

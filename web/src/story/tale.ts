@@ -3,6 +3,7 @@
 import type { State as Balls } from "../core/core";
 import type { Drop } from "../core/drop";
 import { metres, niceTicks, withUnit } from "../support/format";
+import { halo } from "../support/labels";
 import { setFont, stroke } from "../support/plot";
 import { massOf } from "../scenario/scenario";
 import { nameOfBall, releaseHeight } from "./story_text";
@@ -167,13 +168,4 @@ function drawColumn(g: CanvasRenderingContext2D, t: Tale, balls: Balls, x: numbe
     g.strokeStyle = model === "icm" ? theme.icm : theme.ink;
     g.stroke();
   });
-}
-
-function halo(g: CanvasRenderingContext2D, text: string, x: number, y: number, color: string, theme: Theme): void {
-  g.lineWidth = 6;
-  g.lineJoin = "round";
-  g.strokeStyle = theme.ground;
-  g.strokeText(text, x, y);
-  g.fillStyle = color;
-  g.fillText(text, x, y);
 }

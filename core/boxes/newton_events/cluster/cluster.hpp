@@ -208,9 +208,7 @@ private:
     void run(double until, Stop& stop, long most_steps, bool through);
 
     // state.hpp
-    const WallPiece& piece(const ContactPair<Law>& q) const {
-        return wall_pieces[static_cast<std::size_t>(-1 - q.wall_id.number)];
-    }
+    const WallPiece& piece(const ContactPair<Law>& q) const { return wall_pieces[q.wall_id.index()]; }
     double wall_position(const ContactPair<Law>& q, double t) const {
         return wall_pieces.empty() ? q.wall_position(t) : piece(q).position(t);
     }

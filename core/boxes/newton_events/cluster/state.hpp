@@ -11,7 +11,7 @@ double Cluster<Law>::end_of_pieces(double until) {
     double end = until;
     for (const ContactPair<Law>& q : pairs) {
         if (q.second >= 0) continue;
-        WallPiece& p = wall_pieces[static_cast<std::size_t>(-1 - q.wall_id.number)];
+        WallPiece& p = wall_pieces[q.wall_id.index()];
         while (p.ends_at(time, base + time)) {
             p = p.next();
             known_ = false;
