@@ -15,8 +15,6 @@ Hard spheres are sheared from a random start. Newton's runs start from their las
 
 from __future__ import annotations
 
-import argparse
-import json
 import math
 import warnings
 from pathlib import Path
@@ -24,6 +22,7 @@ from typing import Any, Final
 
 import numpy as np
 import xarray as xr
+from driven_gas import append, command_line, lines_of
 from matplotlib.figure import Figure
 
 import hardlimit as hl
@@ -138,7 +137,7 @@ def averages(series: xr.Dataset) -> dict[str, float]:
 
 
 def measure(store: Path, replicas: int) -> None:
-    known = {(one["phi"], one["stiffness"], one["replica"]) for one in _lines(store)}
+    known = {(one["phi"], one["stiffness"], one["replica"]) for one in lines_of(store)}
     for replica in range(replicas):
         for phi in PACKING:
             wanted = [k for k in (math.inf, *STIFFNESS) if (phi, k, replica) not in known]
@@ -148,17 +147,12 @@ def measure(store: Path, replicas: int) -> None:
             for k in sorted(wanted, reverse=True):
                 line = {"phi": phi, "stiffness": k, "replica": replica}
                 line["values"] = values if math.isinf(k) else soft(start, phi, k)
-                with store.open("a") as file:
-                    file.write(json.dumps(line) + "\n")
-
-
-def _lines(store: Path) -> list[dict[str, Any]]:
-    return [json.loads(line) for line in store.read_text().splitlines()] if store.exists() else []
+                append(store, line)
 
 
 def collect(store: Path) -> None:
     """All replicas as NetCDF; an infinite stiffness is that of hard spheres. NaN where a run ended early."""
-    lines, levels = _lines(store), [*STIFFNESS, math.inf]
+    lines, levels = lines_of(store), [*STIFFNESS, math.inf]
     data = {
         name: np.full((len(PACKING), len(levels), 1 + max(one["replica"] for one in lines)), math.nan)
         for name in VALUES
@@ -254,16 +248,4 @@ def stiffness_of(phi: float, tc_nu: float) -> float:
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("task", choices=("measure", "collect", "draw"))
-    parser.add_argument("store", nargs="?", type=Path, default=Path("flow_map.jsonl"))
-    parser.add_argument("--replicas", type=int, default=2)
-    given = parser.parse_args()
-    if given.task == "measure":
-        measure(given.store, given.replicas)
-    elif given.task == "collect":
-        collect(given.store)
-    else:
-        draw()
+    command_line(__doc__, "flow_map.jsonl", 2, measure, collect, draw)

@@ -15,16 +15,26 @@ little. At equal power, the ratio of temperatures is that of the dissipations ov
 
 from __future__ import annotations
 
-import argparse
-import json
 import math
 import warnings
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import driven_gas
 import numpy as np
 import xarray as xr
+from driven_gas import (
+    BERZI_JENKINS,
+    DENSITY,
+    RADIUS,
+    RESTITUTION,
+    TEMPERATURE,
+    Point,
+    linear_law,
+    ratio,
+    real_tc_nu,
+)
 from matplotlib.figure import Figure
 
 import hardlimit as hl
@@ -32,7 +42,6 @@ from hardlimit import plots
 from hardlimit.boxes import theory
 from hardlimit.fidelity_study.starts import equilibrated
 from hardlimit.plots.style import PAGE_WIDTH, PALETTE, style
-from hardlimit.support import saving
 from hardlimit.verdict.error_law import fluid
 
 HERE = Path(__file__).parent
@@ -40,9 +49,6 @@ DATA = HERE / "heated_gas.nc"
 IMAGES = HERE.parent / "images"
 
 N = 1000
-RADIUS, DENSITY = 1e-3, 2500.0  #: [m], [kg/m³]
-TEMPERATURE = 1.0  #: predicted by kinetic theory for hard spheres [m²/s²]
-RESTITUTION = (0.9, 0.7)
 #: t_c ν by Enskog's theory at this temperature. Softer particles would be compressed too much.
 TC_NU = {0.1: (0.01, 0.03, 0.1), 0.3: (0.01, 0.03, 0.1, 0.3), 0.5: (0.01, 0.03, 0.1, 0.3)}
 HEATED, MEASURED = 25, 120  #: collisions per particle before and in the window
@@ -57,7 +63,6 @@ VALUES = {
     "power": "dissipation over the power of the kicks",
     "largest_compression": "largest compression of a contact over the radius",
 }
-Point = tuple[float, float, str, float]  # φ, ε, model, t_c ν
 
 
 def points() -> Iterator[Point]:
@@ -81,7 +86,7 @@ def run(point: Point, replica: int) -> dict[str, float]:
     start = equilibrated(start, 1000 + replica, collisions=200 if phi > 0.4 else 30)
     seed = 10_000 * replica + round(1e3 * tc_nu) + 17 * len(model)
     start = start.replace(thermostat=hl.RandomKicks(power, KICKS / rate, seed=seed))
-    law = _law(epsilon, start, tc_nu / rate) if tc_nu else None
+    law = linear_law(epsilon, start, tc_nu / rate) if tc_nu else None
     total = HEATED + MEASURED
     options: dict[str, Any] = {"until": total / rate, "samples": total * SAMPLES_PER_COLLISION}
     with warnings.catch_warnings():
@@ -118,80 +123,31 @@ def _dense(system: hl.ParticleSystem) -> theory.Gas:
     return theory.Gas(system.n, RADIUS, float(system.mass[0]), system.domain.volume, 3)
 
 
-def _law(epsilon: float, system: hl.ParticleSystem, duration: float) -> hl.LinearDashpot:
-    """The linear law with this restitution and duration of a contact [s]."""
-    ball = hl.Ball(RADIUS, mass=float(system.mass[0]))
-    unit = hl.LinearDashpot(stiffness=1.0, restitution=epsilon).between(ball, ball).duration(1.0)
-    return hl.LinearDashpot(stiffness=float(unit / duration) ** 2, restitution=epsilon)
-
-
 # --- store ----------------------------------------------------------------------------------------------------
 
 
 def measure(store: Path, replicas: int) -> None:
-    known = {(tuple(one["point"]), one["replica"]) for one in _lines(store)}
-    for replica in range(replicas):
-        for point in points():
-            if (tuple(point), replica) in known or (point[2] in ("tc", "soft") and replica >= replicas // 2):
-                continue
-            line = {"point": point, "replica": replica, "values": run(point, replica)}
-            with store.open("a") as file:
-                file.write(json.dumps(line) + "\n")
-
-
-def _lines(store: Path) -> list[dict[str, Any]]:
-    return [json.loads(line) for line in store.read_text().splitlines()] if store.exists() else []
+    """Measure what is not in the store; the rules tc and soft in half of the replicas."""
+    wanted = [
+        (point, replica)
+        for replica in range(replicas)
+        for point in points()
+        if point[2] in ("newton", "constant") or replica < replicas // 2
+    ]
+    driven_gas.measure(store, wanted, run)
 
 
 def collect(store: Path) -> None:
-    """All replicas as NetCDF; NaN where a run is missing or ended early."""
-    phis, rates = sorted(TC_NU), sorted({x for values in TC_NU.values() for x in values})
-    models = ("newton", "constant", "tc", "soft")
-    lines = _lines(store)
-    shape = (len(phis), len(RESTITUTION), len(models), len(rates), 1 + max(one["replica"] for one in lines))
-    data = {name: np.full(shape, math.nan) for name in VALUES}
-    for line in lines:
-        phi, epsilon, model, tc_nu = line["point"]
-        at = slice(None) if model == "constant" else rates.index(tc_nu)
-        where = phis.index(phi), RESTITUTION.index(epsilon), models.index(model), at, line["replica"]
-        for name, value in line["values"].items():
-            data[name][where] = value
-    dims = ("packing_fraction", "restitution", "model", "tc_nu", "replica")
-    found = xr.Dataset(
-        {name: (dims, data[name], {"units": "1", "long_name": VALUES[name]}) for name in VALUES},
-        {"packing_fraction": phis, "restitution": list(RESTITUTION), "model": list(models), "tc_nu": rates},
-        {
-            "title": "Steady states of a heated gas of hard spheres and of soft ones",
-            "source": f"hardlimit {hl.__version__}, docs/findings/heated_gas.py",
-            "n": N,
-            "tc_nu": "by Enskog's theory at the temperature that kinetic theory predicts for hard spheres",
-        },
-    )
-    saving.groups({"/": found}, DATA)
+    title = "Steady states of a heated gas of hard spheres and of soft ones"
+    driven_gas.collect(store, DATA, VALUES, TC_NU, ("newton", "constant", "tc", "soft"), title=title, n=N)
 
 
 # --- results --------------------------------------------------------------------------------------------------
 
 
-def ratio(one: xr.DataArray, other: xr.DataArray, power: float = 1.0) -> tuple[float, float]:
-    """(⟨one⟩/⟨other⟩)^power − 1 with its standard error, over replicas."""
-    means, errors = [], []
-    for values in (one.dropna("replica"), other.dropna("replica")):
-        n = values.sizes["replica"]
-        means.append(float(values.mean()) if n > 1 else math.nan)
-        errors.append(float(values.std(ddof=1)) / math.sqrt(n) / means[-1] if n > 1 else math.nan)
-    found = (means[0] / means[1]) ** power
-    return found - 1.0, abs(power) * found * math.hypot(*errors)
-
-
 def temperature_error(ds: xr.Dataset, model: str) -> tuple[float, float]:
     """Error of the temperature of a rule at equal power; ``ds`` at one φ, ε and t_c ν."""
     return ratio(ds.dissipation.sel(model=model), ds.dissipation.sel(model="newton"), -2.0 / 3.0)
-
-
-def real_tc_nu(ds: xr.Dataset, tc_nu: float) -> float:
-    """Enskog's t_c ν at the temperature under Newton's equations."""
-    return tc_nu * math.sqrt(float(ds.temperature.sel(model="newton").mean()))
 
 
 def at_equal_temperature(phi: float, epsilon: float) -> dict[str, float]:
@@ -204,9 +160,6 @@ def at_equal_temperature(phi: float, epsilon: float) -> dict[str, float]:
         "pressure": collisional * (one.contact_value + phi * chi_slope) / (8.0 * one.contact_value * z),
         "collision_rate": (one.slope + one.growth) / one.density,
     }
-
-
-BERZI_JENKINS = 0.110  #: t over t_c of the linear law: (d/5)√(πρd/4k)
 
 
 def draw() -> None:
@@ -226,7 +179,7 @@ def draw() -> None:
                 for rule in ("constant", "tc", "soft"):
                     value, error = temperature_error(here, rule)
                     law = hl.error_law(packing_fraction=phi, restitution=epsilon, rule=rule).heated_error(x)
-                    cells.append(_signed(value, error, law))
+                    cells.append(driven_gas.percent(value, error, law, 2))
                 other = (1.0 + BERZI_JENKINS * x) ** (-2.0 / 3.0) - 1.0
                 cells.insert(1, f"{100.0 * other:.2f}".replace("-", "−"))
                 print(f"| {phi} | {epsilon} | {tc_nu} | {' | '.join(cells)} |")
@@ -241,12 +194,6 @@ def draw() -> None:
                 value, error = ratio(here[name].sel(model="constant"), here[name].sel(model="newton"))
                 cells.append(f"{value / x:.3f}±{error / x:.3f} / {slope:.3f}")
             print(f"| {phi} | {epsilon} | {' | '.join(cells)} |")
-
-
-def _signed(value: float, error: float, law: float) -> str:
-    if math.isnan(value):
-        return f"– / {100.0 * law:.2f}".replace("-", "−")
-    return f"{100.0 * value:.2f}±{100.0 * error:.2f} / {100.0 * law:.2f}".replace("-", "−")
 
 
 def _figure(ds: xr.Dataset) -> None:
@@ -282,16 +229,4 @@ def _figure(ds: xr.Dataset) -> None:
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("task", choices=("measure", "collect", "draw"))
-    parser.add_argument("store", nargs="?", type=Path, default=Path("heated_gas.jsonl"))
-    parser.add_argument("--replicas", type=int, default=6)
-    given = parser.parse_args()
-    if given.task == "measure":
-        measure(given.store, given.replicas)
-    elif given.task == "collect":
-        collect(given.store)
-    else:
-        draw()
+    driven_gas.command_line(__doc__, "heated_gas.jsonl", 6, measure, collect, draw)

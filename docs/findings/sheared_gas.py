@@ -15,16 +15,16 @@ shear rate.
 
 from __future__ import annotations
 
-import argparse
-import json
 import math
 import warnings
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import driven_gas
 import numpy as np
 import xarray as xr
+from driven_gas import BERZI_JENKINS, DENSITY, RADIUS, RESTITUTION, TEMPERATURE, Point, linear_law, real_tc_nu
 from matplotlib.figure import Figure
 
 import hardlimit as hl
@@ -32,7 +32,6 @@ from hardlimit import plots
 from hardlimit.boxes import theory
 from hardlimit.fidelity_study.starts import equilibrated
 from hardlimit.plots.style import PAGE_WIDTH, PALETTE, style
-from hardlimit.support import saving
 from hardlimit.verdict.error_law import viscosity_error
 
 HERE = Path(__file__).parent
@@ -40,9 +39,6 @@ DATA = HERE / "sheared_gas.nc"
 IMAGES = HERE.parent / "images"
 
 N = 500
-RADIUS, DENSITY = 1e-3, 2500.0  #: [m], [kg/m³]
-TEMPERATURE = 1.0  #: predicted by kinetic theory for hard spheres [m²/s²]
-RESTITUTION = (0.9, 0.7)
 #: t_c ν by Enskog's theory at this temperature. Softer particles would be compressed too much.
 TC_NU = {0.1: (0.03, 0.1), 0.3: (0.03, 0.1, 0.3), 0.45: (0.03, 0.1, 0.3)}
 SHEARED, MEASURED = 60, 1000  #: collisions per particle before and in the window
@@ -61,7 +57,6 @@ VALUES = {
     "profile": "variance of the mean velocity in layers about the linear profile, over that of thermal noise",
     "largest_compression": "largest compression of a contact over the radius",
 }
-Point = tuple[float, float, str, float]  # φ, ε, model, t_c ν
 SIDES = ("periodic", "lees-edwards", "periodic")
 
 
@@ -132,54 +127,16 @@ def profile(system: hl.ParticleSystem) -> float:
     return float(np.sum(count * mean**2)) / ((LAYERS - 1) * float(flow.var()))
 
 
-def linear_law(epsilon: float, system: hl.ParticleSystem, duration: float) -> hl.LinearDashpot:
-    """The linear law with this restitution and duration of a contact [s]."""
-    ball = hl.Ball(RADIUS, mass=float(system.mass[0]))
-    unit = hl.LinearDashpot(stiffness=1.0, restitution=epsilon).between(ball, ball).duration(1.0)
-    return hl.LinearDashpot(stiffness=float(unit / duration) ** 2, restitution=epsilon)
-
-
 # --- store ----------------------------------------------------------------------------------------------------
 
 
 def measure(store: Path, replicas: int) -> None:
-    known = {(tuple(one["point"]), one["replica"]) for one in _lines(store)}
-    for replica in range(replicas):
-        for point in points():
-            if (tuple(point), replica) not in known:
-                line = {"point": point, "replica": replica, "values": run(point, replica)}
-                with store.open("a") as file:
-                    file.write(json.dumps(line) + "\n")
-
-
-def _lines(store: Path) -> list[dict[str, Any]]:
-    return [json.loads(line) for line in store.read_text().splitlines()] if store.exists() else []
+    driven_gas.measure(store, [(point, k) for k in range(replicas) for point in points()], run)
 
 
 def collect(store: Path) -> None:
-    """All replicas as NetCDF; NaN where a run is missing or ended early."""
-    phis, rates = sorted(TC_NU), sorted({x for values in TC_NU.values() for x in values})
-    models, lines = ("newton", "constant"), _lines(store)
-    shape = (len(phis), len(RESTITUTION), len(models), len(rates), 1 + max(one["replica"] for one in lines))
-    data = {name: np.full(shape, math.nan) for name in VALUES}
-    for line in lines:
-        phi, epsilon, model, tc_nu = line["point"]
-        at = slice(None) if model == "constant" else rates.index(tc_nu)
-        where = phis.index(phi), RESTITUTION.index(epsilon), models.index(model), at, line["replica"]
-        for name, value in line["values"].items():
-            data[name][where] = value
-    dims = ("packing_fraction", "restitution", "model", "tc_nu", "replica")
-    found = xr.Dataset(
-        {name: (dims, data[name], {"units": "1", "long_name": VALUES[name]}) for name in VALUES},
-        {"packing_fraction": phis, "restitution": list(RESTITUTION), "model": list(models), "tc_nu": rates},
-        {
-            "title": "Steady states of a sheared gas of hard spheres and of soft ones",
-            "source": f"hardlimit {hl.__version__}, docs/findings/sheared_gas.py",
-            "n": N,
-            "tc_nu": "by Enskog's theory at the temperature that kinetic theory predicts for hard spheres",
-        },
-    )
-    saving.groups({"/": found}, DATA)
+    title = "Steady states of a sheared gas of hard spheres and of soft ones"
+    driven_gas.collect(store, DATA, VALUES, TC_NU, ("newton", "constant"), title=title, n=N)
 
 
 # --- results --------------------------------------------------------------------------------------------------
@@ -187,28 +144,13 @@ def collect(store: Path) -> None:
 
 def ratio(ds: xr.Dataset, name: str) -> tuple[float, float]:
     """Hard spheres over Newton's equations, less 1, with its standard error over replicas."""
-    means, errors = [], []
-    for model in ("constant", "newton"):
-        values = ds[name].sel(model=model).dropna("replica")
-        n = values.sizes["replica"]
-        means.append(float(values.mean()) if n > 1 else math.nan)
-        errors.append(float(values.std(ddof=1)) / math.sqrt(n) / means[-1] if n > 1 else math.nan)
-    found = means[0] / means[1]
-    return found - 1.0, abs(found) * math.hypot(*errors)
+    return driven_gas.ratio(ds[name].sel(model="constant"), ds[name].sel(model="newton"))
 
 
 def stress_error(ds: xr.Dataset) -> tuple[float, float]:
     """Error of the shear stress, which is that of the dissipation: viscosity times √T."""
     stress = ds.viscosity * np.sqrt(ds.temperature)
     return ratio(ds.assign(stress=stress), "stress")
-
-
-def real_tc_nu(ds: xr.Dataset, tc_nu: float) -> float:
-    """Enskog's t_c ν at the temperature under Newton's equations."""
-    return tc_nu * math.sqrt(float(ds.temperature.sel(model="newton").mean()))
-
-
-BERZI_JENKINS = 0.110  #: t over t_c of the linear law: (d/5)√(πρd/4k)
 
 
 def draw() -> None:
@@ -252,13 +194,12 @@ def _measured(ds: xr.Dataset) -> Iterator[tuple[float, float, float, xr.Dataset]
 
 
 def _value(values: xr.DataArray) -> str:
-    known = values.dropna("replica")
-    error = float(known.std(ddof=1)) / math.sqrt(known.sizes["replica"])
-    return f"{float(known.mean()):.3f}±{error:.3f}".replace("-", "−")
+    value, error = driven_gas.mean(values)
+    return f"{value:.3f}±{error:.3f}".replace("-", "−")
 
 
 def _cell(value: float, error: float, law: float) -> str:
-    return f"{100.0 * value:.1f}±{100.0 * error:.1f} / {100.0 * law:.1f}".replace("-", "−")
+    return driven_gas.percent(value, error, law, 1)
 
 
 def _figure(ds: xr.Dataset) -> None:
@@ -294,16 +235,4 @@ def _figure(ds: xr.Dataset) -> None:
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("task", choices=("measure", "collect", "draw"))
-    parser.add_argument("store", nargs="?", type=Path, default=Path("sheared_gas.jsonl"))
-    parser.add_argument("--replicas", type=int, default=6)
-    given = parser.parse_args()
-    if given.task == "measure":
-        measure(given.store, given.replicas)
-    elif given.task == "collect":
-        collect(given.store)
-    else:
-        draw()
+    driven_gas.command_line(__doc__, "sheared_gas.jsonl", 6, measure, collect, draw)
