@@ -19,6 +19,14 @@ from hardlimit.boxes.theory import Gas
 
 #: Independent solutions of small boxes, by kind.
 REFERENCE = json.loads((DATA / "grains.json").read_text(encoding="utf-8"))
+#: Laws of soft grains of about a millimetre.
+LAWS = [
+    hl.LinearDashpot(stiffness=2000.0, restitution=0.8),
+    hl.LinearDashpot(stiffness=2000.0, restitution=1.0),
+    hl.LinearDashpot(stiffness=2000.0, damping=0.05),
+    hl.Viscoelastic(youngs_modulus=1e7, poisson_ratio=0.3, dissipative_time=1e-5),
+    hl.Tsuji(elastic_prefactor=1e5, restitution=0.7),
+]
 
 
 def reference_system(case: dict[str, Any]) -> hl.ParticleSystem:

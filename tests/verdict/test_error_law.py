@@ -213,15 +213,17 @@ def test_the_rule_tc_balances_at_its_own_temperature(phi, epsilon, tc_nu):
     ) == pytest.approx(1.0)
 
 
+def mean(values):
+    """The mean over replicas and its standard error."""
+    found = values.dropna("replica")
+    return float(found.mean()), float(found.std(ddof=1)) / math.sqrt(found.sizes["replica"])
+
+
 def test_the_heated_gas_agrees_with_its_measurement():
     """docs/findings/heated_gas.nc: 22 points of constant ε within 3 standard errors of measurement and law, and 11 of
     tc at ε = 0.9 within 4. (tc at ε = 0.7 is hotter in dense gases, as docs/heated_gas.md says.)"""
     with xr.open_dataset(FINDINGS / "heated_gas.nc") as file:
         ds = file.load()
-
-    def mean(values):
-        found = values.dropna("replica")
-        return float(found.mean()), float(found.std(ddof=1)) / math.sqrt(found.sizes["replica"])
 
     compared = 0
     for phi, epsilon, tc_nu in itertools.product(ds.packing_fraction, ds.restitution, ds.tc_nu):
@@ -326,10 +328,6 @@ def test_the_sheared_gas_agrees_with_its_measurement():
     standard errors of the measurement plus 0.1 t_c ν for what first order and ε → 1 leave out."""
     with xr.open_dataset(FINDINGS / "sheared_gas.nc") as file:
         ds = file.load()
-
-    def mean(values):
-        found = values.dropna("replica")
-        return float(found.mean()), float(found.std(ddof=1)) / math.sqrt(found.sizes["replica"])
 
     compared = 0
     for phi, epsilon, tc_nu in itertools.product(ds.packing_fraction, ds.restitution, ds.tc_nu):

@@ -1,6 +1,7 @@
 """Kinetic theory of a homogeneous gas of equal hard spheres or disks.
 
-The formulas hold for a fluid without walls, gravity or mean flow: spheres below freezing at φ = 0.49, disks below 0.70.
+The formulas hold for a fluid without walls or gravity, at rest or uniformly sheared (:meth:`Gas.sheared_temperature`):
+spheres below freezing at φ = 0.49, disks below 0.70.
 The temperature T [m²/s²] is the mean square of one velocity component.
 """
 

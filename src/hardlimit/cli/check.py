@@ -12,7 +12,6 @@ import click
 from ..column import files
 from ..contact.balls import Ball
 from ..convert.codes import code as code_of
-from ..support import validation
 from ..support.formatting import digits, length, listed, percent, percent_with_error, quantity
 from ..verdict import check as checked
 from ..verdict.answer import NAMES, given_by
@@ -76,7 +75,7 @@ script_options = options(
         help="Mean impact speed, or lowest and highest [m/s]; as in the script if it is in lj units.",
     ),
     quantity_option("--power", unit="W", help="Heating power of each grain [W] instead of the speed."),
-    quantity_option("--shear", unit="1/s", help="Shear rate [1/s] instead of the speed."),
+    quantity_option("--shear", "shear_rate", unit="1/s", help="Shear rate [1/s] instead of the speed."),
     quantity_option("--packing-fraction", unit="1", help="Packing fraction φ, instead of that of the dump."),
     click.option(
         "--var",
@@ -115,7 +114,7 @@ def check(
     dump: str | None,
     speed: tuple[float, float] | None,
     power: float | None,
-    shear: float | None,
+    shear_rate: float | None,
     packing_fraction: float | None,
     variables: dict[str, str],
     code: str | None,
@@ -128,9 +127,9 @@ def check(
     that they cause, and the error of event-driven cooling. Without a file, it checks numbers.
     """
     given: dict[str, Any] = {"dump": dump, "speed": speed, "packing_fraction": packing_fraction}
-    if sum(one is not None for one in (speed, power, shear)) > 1:
+    if sum(one is not None for one in (speed, power, shear_rate)) > 1:
         raise ValueError("--speed | --power | --shear: must be at most one of them")
-    given |= {"power": power, "shear_rate": None if shear is None else validation.number("shear", shear, 0.0)}
+    given |= {"power": power, "shear_rate": shear_rate}
     if file is None:
         found = from_numbers(numbers, variables, code, given)
     else:

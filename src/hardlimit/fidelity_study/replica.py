@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..boxes import hard_spheres, newton, time_step
-from ..boxes.box import AXES, Floats
+from ..boxes.box import Floats
 from ..boxes.engines import NewtonSettings
-from ..boxes.observables import OBSERVABLES, Observable, Samples, components
+from ..boxes.observables import OBSERVABLES, Observable, Samples
 from ..boxes.result import ContactResult
 from ..boxes.rules import Settings
 from ..boxes.run import Output, Run
@@ -45,12 +45,7 @@ _COMPARED: Final = (
         "√(E(0)/E) − 1, E the energy not yet dissipated: linear in time under Haff’s law",
         ("dissipated_energy",),
     ),
-    Observable(
-        "dissipation_rate",
-        "W",
-        "energy lost in contacts per time, mean since the start",
-        ("dissipated_energy",),
-    ),
+    _mean("dissipation_rate"),
     _mean("collision_rate"),
     _mean("pressure"),
     Observable(
@@ -66,25 +61,7 @@ _COMPARED: Final = (
 #: Observables of every sample and model that are compared, by name.
 QUANTITIES: Final = {one.name: one for one in _COMPARED}
 #: Further ones of a sheared box.
-OF_SHEAR: Final = {
-    one.name: one
-    for one in (
-        Observable(
-            "shear_stress",
-            "Pa",
-            "∓P_xy, viscosity times the size of the shear rate; y is the gradient; mean since the start",
-            ("pressure_tensor",),
-            unit_of_disks="N/m",
-        ),
-        Observable(
-            "normal_stress_difference",
-            "Pa",
-            "P_xx − P_yy, the first normal stress difference; mean since the start",
-            ("pressure_tensor",),
-            unit_of_disks="N/m",
-        ),
-    )
-}
+OF_SHEAR: Final = {name: _mean(name) for name in ("shear_stress", "first_normal_stress_difference")}
 NONLINEAR: Final = Observable(
     "nonlinear_flow",
     "1",
@@ -102,9 +79,7 @@ DIVERGENCE: Final = Observable(
 INTERVALS: Final = {
     one.name: one
     for one in (
-        Observable(
-            "dissipation_rate", "W", "energy lost in contacts per time", ("dissipated_energy",), "rate"
-        ),
+        OBSERVABLES["dissipation_rate"],
         OBSERVABLES["collision_rate"],
         OBSERVABLES["pressure"],
         OBSERVABLES["pressure_tensor"],
@@ -226,32 +201,18 @@ def _series(system: ParticleSystem, ended: Any, reached: int) -> dict[str, Float
     found = {"granular_temperature": samples["granular_temperature"], "cooling": _cooling(system, lost)}
     with np.errstate(invalid="ignore", divide="ignore"):
         found["dissipation_rate"] = lost / passed
-        rates = {name: OBSERVABLES[name].values(samples)[1:] for name in ("collision_rate", "pressure")}
-        for name, values in (rates | _stresses(samples)).items():
-            found[name] = np.append(0.0, np.cumsum(values * lasted)) / passed
+        for name in ("collision_rate", "pressure", *(OF_SHEAR if system.shear_rate else ())):
+            found[name] = np.append(0.0, np.cumsum(OBSERVABLES[name].values(samples)[1:] * lasted)) / passed
     return found
-
-
-def _stresses(samples: Samples) -> dict[str, Floats]:
-    """Shear stress and first normal stress difference of a sheared box, means since the previous sample."""
-    system, axis = samples.system, samples.system.domain.gradient
-    if axis is None or not system.shear_rate:
-        return {}
-    tensor = OBSERVABLES["pressure_tensor"].values(samples)[1:]
-    flux = tensor[:, components(system.dimension).index("x" + AXES[axis])]
-    normal = tensor[:, 0] - tensor[:, axis]
-    return {"shear_stress": -math.copysign(1.0, system.shear_rate) * flux, "normal_stress_difference": normal}
 
 
 def _intervals(system: ParticleSystem, ended: Any, reached: int) -> dict[str, Floats]:
     """The observables of the intervals between the samples that were reached."""
     samples = Samples(system, {name: values[:reached] for name, values in ended.samples.items()})
-    found = {
-        "dissipation_rate": samples.rate("dissipated_energy"),
-        "driving_power": samples.rate("wall_work") + samples.rate("heat") + samples.rate("shear_work"),
-    } | _stresses(samples)
-    shared = INTERVALS.keys() & OBSERVABLES.keys()
-    return found | {name: OBSERVABLES[name].values(samples)[1:] for name in shared}
+    shared = [*(INTERVALS.keys() & OBSERVABLES.keys()), *(OF_SHEAR if system.shear_rate else ())]
+    found = {name: OBSERVABLES[name].values(samples)[1:] for name in shared}
+    found["driving_power"] = np.sum([samples.rate(name) for name in INTERVALS["driving_power"].needs], axis=0)
+    return found
 
 
 def _cooling(system: ParticleSystem, lost: Floats) -> Floats:

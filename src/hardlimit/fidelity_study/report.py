@@ -24,7 +24,7 @@ NAMES: Final = {
     "pair_correlation": "pairs near contact",
     "density_variance": "density variance",
     "shear_stress": "shear stress",
-    "normal_stress_difference": "normal stress difference",
+    "first_normal_stress_difference": "normal stress difference",
 }
 #: Share of the fluctuations of v_x in a flow that is not linear above which shear is not homogeneous.
 BANDED: Final = 0.2
