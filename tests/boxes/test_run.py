@@ -577,6 +577,61 @@ def test_killed_at_any_moment(tmp_path, uninterrupted, trial):
     assert same(hl.resume(path), uninterrupted)
 
 
+#: A resumed run has to know the phases of walls, the displacement of images and the number of kicks.
+DRIVES = {
+    "shear and kicks": {
+        "boundary": ("periodic", "lees-edwards", "periodic"), "shear_rate": 40.0,
+        "thermostat": hl.RandomKicks(power=1e-4, interval=1e-3, seed=2),
+    },
+    "shaken floor": {
+        "boundary": ("periodic", "periodic", "wall"), "gravity": 9.81,
+        "walls": {"z-": hl.MovingWall(amplitude=5e-4, frequency=50.0)},
+    },
+}  # fmt: skip
+DRIVEN_RUN = """
+import pickle, sys
+import hardlimit as hl
+with open({start!r}, "rb") as file:
+    function, system, settings = pickle.load(file)
+function(system, checkpoint={path!r}, checkpoint_every=1e-9, **settings)
+"""
+SOLVERS = {
+    "constant": (hl.event_driven, {"restitution": 0.9}),
+    "soft": (hl.event_driven, {"law": LAW, "rule": "soft"}),
+    "events": (hl.molecular_dynamics, {"law": LAW, "engine": "events"}),
+    "steps": (hl.molecular_dynamics, {"law": LAW, "engine": "steps"}),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform == "win32", reason="signals")
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("drive", DRIVES)
+def test_a_killed_run_of_a_driven_box_goes_on_with_the_same_bits(tmp_path, drive, solver):
+    system = hl.ParticleSystem.random(
+        100, 0.3, radius=(0.8e-3, 1.2e-3), density=2500.0, rms_speed=0.2, seed=5, **DRIVES[drive]
+    )
+    function, settings = SOLVERS[solver]
+    settings = settings | {"until": 0.1, "samples": 50}
+    path, start = tmp_path / "run", tmp_path / "start"
+    start.write_bytes(pickle.dumps((function, system, settings)))
+    source = DRIVEN_RUN.format(start=str(start), path=str(path))
+    process = subprocess.Popen([sys.executable, "-c", source], stderr=subprocess.PIPE, text=True)
+    stamps = set()
+
+    def seen():
+        if path.exists():
+            stamps.add(path.stat().st_mtime_ns)
+        return len(stamps) > 3 or process.poll() is not None
+
+    wait_until(seen)
+    process.kill()
+    _, errors = process.communicate()
+    assert process.returncode == -signal.SIGKILL, errors
+    whole, found = function(system, **settings), hl.resume(path)
+    assert found.system == whole.system and found.series.identical(whole.series)
+
+
 def resumed(path):
     source = f"import hardlimit as hl; hl.resume({str(path)!r})"
     return subprocess.Popen([sys.executable, "-c", source], stderr=subprocess.PIPE, text=True)
