@@ -320,6 +320,16 @@ def test_a_stopped_run_goes_on_with_the_same_bits(tmp_path: Any) -> None:
     assert whole.energy_error < 1e-10
 
 
+@pytest.mark.parametrize("gradient", [1, 2])
+def test_steps_have_the_same_bits_with_any_number_of_threads(gradient: int) -> None:
+    system = random_system(6, n=600, phi=0.4, d=3, rate=300.0, gradient=gradient, mixed=True)
+    options: dict[str, Any] = {"engine": "steps", "law": LAWS[0], "samples": 4, "until": 1e-3}
+    one, *several = (hl.molecular_dynamics(system, threads=k, **options) for k in (1, 2, 3))
+    assert one.series.shear_work.values[-1] != 0.0
+    for other in several:
+        assert one.system == other.system and one.series.identical(other.series)
+
+
 @pytest.mark.parametrize("law", LAWS, ids=repr)
 def test_a_start_in_contact_goes_on_as_if_it_had_not_stopped(law: hl.Law) -> None:
     """The final state of a run, with contacts in progress, starts another run, whose images are displaced."""
