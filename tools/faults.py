@@ -2,11 +2,11 @@
 
     python tools/faults.py [--only NAME ...] [--work DIRECTORY]
 
-Requires what an editable install requires. The faults are in `tools/faults.toml`. The package is built once into the
-working directory. For each fault only the files of bindings/ that include it are recompiled, without optimisation, and
-linked before the others, so that the linker takes the faulty copy of each function. `verdicts.json` there keeps the
-verdicts; a fault whose text, headers and tests are unchanged is not tried again. The exit status is 1 if a fault
-survives or could not be tried.
+Requires what an editable install requires, in an environment without hardlimit. The faults are in
+`tools/faults.toml`. The package is built once into the working directory. For each fault only the files of bindings/
+that include it are recompiled, without optimisation, and linked before the others, so that the linker takes the faulty
+copy of each function. `verdicts.json` there keeps the verdicts; a fault whose text, headers and tests are unchanged is
+not tried again. The exit status is 1 if a fault survives or could not be tried.
 """
 
 import argparse
@@ -84,7 +84,9 @@ class Workplace:
         self.source, self.site, self.log = folder / "source", folder / "site", folder / "pytest.log"
         self.build = self.source / "build" / "sound"
         self.copy_tree()
-        settings = [f"-Cbuild-dir={self.build}", "-Ccmake.args=-G Ninja;-DCMAKE_EXPORT_COMPILE_COMMANDS=ON"]
+        cmake = "-G Ninja;-DCMAKE_EXPORT_COMPILE_COMMANDS=ON;-DHARDLIMIT_GROUPS=OFF"
+        settings = [f"-Cbuild-dir={self.build}", f"-Ccmake.args={cmake}"]
+        shutil.rmtree(self.build.parent / "compiled", ignore_errors=True)  # which would replace the build
         subprocess.run(
             [sys.executable, "-m", "pip", "install", "-q", "--no-deps", "--no-build-isolation", "--upgrade",
              "--target", str(self.site), *settings, str(self.source)],
@@ -117,6 +119,18 @@ class Workplace:
         shown = done.stdout.splitlines()
         (link,) = (line for line in shown if f"-o {self.extension.name}" in line and " -shared " in line)
         return next(shlex.split(part) for part in link.split(" && ") if f"-o {self.extension.name}" in part)
+
+    def is_imported(self) -> bool:
+        """Whether tests import the package of this folder: the hook of an editable install would go before it."""
+        command = [sys.executable, "-c", "import hardlimit; print(hardlimit.__file__)"]
+        found = subprocess.run(
+            command,
+            env=os.environ | {"PYTHONPATH": str(self.site)},
+            check=True,
+            capture_output=True,
+            text=True,
+        ).stdout
+        return Path(found).is_relative_to(self.site)
 
     def make_faulty(self, fault: Fault) -> None:
         """Compile the units of the fault and link them before all others."""
@@ -181,6 +195,9 @@ def main() -> int:
     options = parser.parse_args()
     faults = [f for f in read_faults() if not options.only or f.name in options.only]
     workplace = Workplace(options.work.resolve())
+    if not workplace.is_imported():
+        print("The tests would import an installed hardlimit. Use an environment without it.")
+        return 1
     tests = sorted({test for fault in faults for test in fault.tests})
     kept = options.work / "verdicts.json"
     verdicts = json.loads(kept.read_text(encoding="utf-8")) if kept.exists() else {}

@@ -29,6 +29,16 @@ def wave(waveform: str, cycles: Any) -> Any:
     return 4 * (2 * c) * (1 - 2 * c) if c < 0.5 else -4 * (2 * c - 1) * (2 - 2 * c)
 
 
+def waves(waveform: str, cycles: Any) -> Any:
+    """The same in double precision, for arrays."""
+    c = cycles % 1.0
+    if waveform == "sine":
+        return np.sin(2.0 * np.pi * c)
+    if waveform == "triangle":
+        return 1.0 - 4.0 * np.abs((c + 0.25) % 1.0 - 0.5)
+    return np.where(c < 0.5, 8.0 * c * (1.0 - 2.0 * c), -16.0 * (c - 0.5) * (1.0 - c))
+
+
 def ball(wall: hl.MovingWall, x: float, v: float, gravity: float = G) -> hl.ParticleSystem:
     """One ball above a floor that moves."""
     return hl.ParticleSystem(
@@ -97,14 +107,7 @@ def test_a_grazing_flight(waveform: str, beyond: float) -> None:
     wall = hl.MovingWall(1e-3, 40.0, waveform, phase=0.3)
     quarters = (0.25 * np.arange(1, 8) - wall.phase / (2.0 * math.pi)) / wall.frequency
     times = np.sort([*np.linspace(0.0, 0.05, 2_000_001), *quarters[(quarters > 0.0) & (quarters < 0.05)]])
-    cycles = (wall.frequency * times + wall.phase / (2.0 * math.pi)) % 1.0
-    w = {
-        "sine": np.sin(2.0 * np.pi * cycles),
-        "triangle": 1.0 - 4.0 * np.abs((cycles + 0.25) % 1.0 - 0.5),
-        "parabola": np.where(
-            cycles < 0.5, 8.0 * cycles * (1.0 - 2.0 * cycles), -16.0 * (cycles - 0.5) * (1.0 - cycles)
-        ),
-    }[waveform]
+    w = waves(waveform, wall.frequency * times + wall.phase / (2.0 * math.pi))
     v = 0.02
     least = float((v * times - wall.amplitude * w).min())
     x = R - least + beyond * wall.amplitude
@@ -112,6 +115,29 @@ def test_a_grazing_flight(waveform: str, beyond: float) -> None:
         ball(wall, x, v, gravity=0.0), restitution=0.9, until=0.05, max_collisions=1, log=True
     )
     assert run.n_collisions == (1 if beyond < 0.0 else 0)
+
+
+@pytest.mark.parametrize("cycles", [0.1, 0.2, 0.25, 0.3, 0.35])
+@pytest.mark.parametrize("waveform", ["sine", "parabola"])
+def test_a_ball_that_a_wall_lets_go_flies_until_it_comes_back(waveform: str, cycles: float) -> None:
+    """It starts on the wall with its velocity, while the wall is slowed by more than g."""
+    wall = hl.MovingWall(3e-3, 20.0, waveform, phase=2.0 * math.pi * cycles)
+
+    def place(t: Any) -> Any:
+        return wall.amplitude * waves(waveform, wall.frequency * t + cycles)
+
+    step = 1e-6
+    v = float(place(step) - place(-step)) / (2.0 * step)
+    if waveform == "sine":
+        v = 2.0 * math.pi * wall.frequency * wall.amplitude * math.cos(wall.phase)
+    times = np.arange(1e-4, 0.1, 1e-5)
+    gap = v * times - 0.5 * G * times**2 - (place(times) - place(0.0))
+    run = hl.event_driven(
+        ball(wall, R + place(0.0), v), restitution=0.5, until=0.1, max_collisions=3, log=True
+    )
+    hits = run.collisions.time.values[run.collisions.impact_speed.values > 1e-9]
+    assert len(hits) >= run.n_collisions - 1  # one may be due to rounding at the start
+    assert hits[0] == pytest.approx(times[np.argmax(gap < 0.0)], abs=1e-5)
 
 
 def stationary(gamma: float, e: float, f: float = 30.0) -> tuple[hl.MovingWall, float]:
