@@ -28,7 +28,7 @@ settings.load_profile("hardlimit")
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
 #: Examples of a property with the fast tests, where it has more.
-FEW = 20
+FEW = 6
 
 _few = True
 

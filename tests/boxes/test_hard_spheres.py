@@ -369,11 +369,11 @@ def test_size_ratio_of_a_hundred() -> None:
     velocity[:2] *= 4.0
     mass = (radius / 0.3) ** 3
     run = engine(position, velocity, radius=radius, mass=mass, box=box)
-    run.advance(math.inf, 150)
+    run.advance(math.inf, 80)
     slow = SlowHardSpheres(
         position, velocity, radius, mass, np.array(box), ("periodic",) * 3, np.zeros(3), Rule("constant", 1.0)
     )
-    slow.advance(math.inf, 150)
+    slow.advance(math.inf, 80)
     _, first, second, *_ = logged(run)
     assert list(zip(first, second, strict=True)) == [row[1:3] for row in slow.log]
 
@@ -391,10 +391,10 @@ def test_no_overlap_among_two_very_unequal_sizes(dimension: int, periodic: bool)
     run = engine(position, velocity, radius=radius, mass=np.ones(len(radius)), box=box, periodic=kinds)
     for _ in range(50):
         run.advance(math.inf, 300)
-        apart = (x := run.state()[0])[:, None] - x
+        apart = (x := run.state()[0])[:60, None] - x
         apart -= np.where(kinds, np.round(apart / box) * box, 0.0)
-        distance = np.linalg.norm(apart, axis=-1) + np.eye(len(radius))
-        assert np.min(distance / (radius[:, None] + radius)) > 1.0 - 1e-9
+        distance = np.linalg.norm(apart, axis=-1) + np.eye(60, len(radius))
+        assert np.min(distance / (radius[:60, None] + radius)) > 1.0 - 1e-9
 
 
 @pytest.mark.parametrize(

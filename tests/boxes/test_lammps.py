@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 import hardlimit as hl
 from box_engines import core_contact
-from conftest import lattice, law_of, laws, log_floats
+from conftest import draws, lattice, law_of, laws, log_floats
 from hardlimit import _core
 from hardlimit.boxes import contacts, time_step
 from hardlimit.boxes.lammps import contact_log, forces, integration_error, output, overlaps, process, program
@@ -80,8 +80,8 @@ def two_balls():
     return hl.ParticleSystem(at, np.zeros((2, 3)), 1e-3, density=2500.0, box=0.02)
 
 
+@draws(15)
 @given(law=laws(st.floats(0.1, 1.0)), phase=st.floats(0.0, 1.0), cuts=st.integers(1, 9))
-@settings(max_examples=15)
 def test_a_contact_is_found_in_its_overlaps(law, phase, cuts):
     """Its speeds to rounding, its times to a fraction of a step, however the output is divided into chunks."""
     system, speed = two_balls(), 0.7
@@ -122,8 +122,8 @@ def overlapped_slowly(begin, end, first, second):
     return found
 
 
+@draws(30)
 @given(seed=st.integers(0, 2**31))
-@settings(max_examples=30)
 def test_who_overlapped_in_time(seed):
     rng = np.random.default_rng(seed)
     n = 30

@@ -6,12 +6,12 @@ import math
 import mpmath
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 import hardlimit as hl
-from conftest import DATA, law_of, laws, log_floats
+from conftest import DATA, draws, law_of, laws, log_floats
 from hardlimit import _core
 
 PATH = DATA / "oblique_rotation.csv"
@@ -55,6 +55,7 @@ def test_normal_turns_as_known(row: dict[str, str]) -> None:
     assert end["duration"] / duration == pytest.approx(float(length), rel=1e-9)
 
 
+@draws(100)
 @given(laws(), log_floats(1e-3, 1e2), log_floats(1e-9, 1e3))
 def test_head_on_it_is_the_collision_of_the_law(law: hl.Law, speed: float, distance: float) -> None:
     contact = core_contact(law)
@@ -88,7 +89,7 @@ def cartesian(contact: _core.Contact, distance: float, normal: float, tangential
     return run.y[:, -1]
 
 
-@settings(max_examples=40)
+@draws(40)
 @given(st.sampled_from(sorted(hl.LAWS)), st.floats(0.1, 1.0), log_floats(1e-4, 0.3), st.floats(0.0, 1.5))
 def test_end_of_an_oblique_contact(name: str, restitution: float, depth: float, angle: float) -> None:
     """The final state is that of an independent integration in Cartesian coordinates, and the force is zero there."""
@@ -161,6 +162,7 @@ def test_linear_law_in_high_precision(
         assert abs(end["tangential_shift"] - aside) < 1e-13 * scale
 
 
+@draws(100)
 @given(st.sampled_from(sorted(hl.LAWS)), log_floats(1e-9, 0.4), st.floats(0.0, 1.57))
 def test_undamped_contact_loses_nothing(name: str, depth: float, angle: float) -> None:
     """Energy is conserved along the path, and approach and separation are symmetric."""
@@ -183,6 +185,7 @@ def test_undamped_contact_loses_nothing(name: str, depth: float, angle: float) -
     assert path[:, 2] + path[::-1, 2] == pytest.approx(end["turn"], rel=1e-13)
 
 
+@draws(100)
 @given(laws(), log_floats(1e-6, 0.3), st.floats(0.0, 1.5707))
 def test_energy_lost_is_the_work_of_the_damping(law: hl.Law, depth: float, angle: float) -> None:
     """Work of the force by quadrature along the path; energy still stored when the force ends is lost."""

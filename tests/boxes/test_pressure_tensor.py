@@ -82,7 +82,7 @@ def integrated(system, law, until):
         return np.concatenate([y[3 * n : 6 * n], (force / mass).ravel(), pressing.ravel()])
 
     start = np.concatenate([system.positions.ravel(), system.velocities.ravel(), np.zeros(9)])
-    step = contact.duration(1.0) / 40
+    step = contact.duration(1.0) / 10
     found = solve_ivp(rates, (0.0, until), start, "DOP853", rtol=1e-11, atol=1e-16, max_step=step)
     return found.y[6 * n :, -1].reshape(3, 3)
 

@@ -155,7 +155,7 @@ def test_samples_without_an_end_in_time_find_their_spacing(samples, most):
 
 
 def test_where_nothing_collides_a_run_ends():
-    at, v = [[0.01, 0.01], [0.03, 0.03]], [[1.0, 0.0], [1.0, 0.0]]
+    at, v = [[0.01, 0.01], [0.03, 0.03]], [[1e-3, 0.0], [1e-3, 0.0]]
     for speeds in (v, np.zeros((2, 2))):
         run = hl.event_driven(
             hl.ParticleSystem(at, speeds, 1e-3, mass=1.0, box=0.05), restitution=1.0, max_collisions=5

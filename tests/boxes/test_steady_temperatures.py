@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import hardlimit as hl
-from conftest import refusal
+from conftest import draws, refusal
 from hardlimit.boxes.theory import Gas
 
 PHI = st.floats(0.01, 0.49)
@@ -19,6 +19,7 @@ def gas(phi: float, radius: float = 1e-3, density: float = 2500.0, n: int = 100,
     return Gas(n, radius, density * 4.0 / 3.0 * math.pi * radius**3, n * ball / phi, dimension)
 
 
+@draws(100)
 @given(PHI, st.floats(0.0, 0.99), st.floats(-6.0, 3.0), st.integers(2, 3))
 def test_heat_is_what_collisions_lose(phi: float, e: float, decades: float, dimension: int) -> None:
     """N ν/2 collisions per time lose (1 − ε²) m v²/4 each, with ⟨v²⟩ = 4T of the impact speeds: within 2 %, the effect
@@ -31,6 +32,7 @@ def test_heat_is_what_collisions_lose(phi: float, e: float, decades: float, dime
     assert one.heated_temperature(0.0, e) == 0.0
 
 
+@draws(100)
 @given(PHI, st.floats(-3.0, 3.0))
 def test_shear_of_nearly_elastic_spheres(phi: float, decades: float) -> None:
     """ε → 1: work by Enskog's viscosity (Chapman & Cowling, 16.41: 5/(16 d²) √(mkT/π) [1/χ + 4bρ/5 +
@@ -44,6 +46,7 @@ def test_shear_of_nearly_elastic_spheres(phi: float, decades: float) -> None:
     assert viscosity * rate**2 == pytest.approx(lost, rel=1e-6)
 
 
+@draws(100)
 @given(PHI, st.floats(0.5, 0.98), st.floats(1e-5, 1e-2), st.floats(0.1, 1e3))
 def test_shear_has_no_scale_but_its_rate(phi: float, e: float, radius: float, rate: float) -> None:
     t = gas(phi, radius).sheared_temperature(rate, e)

@@ -106,7 +106,7 @@ def test_momentum_and_energy_of_walls_balance(engine: str, seed: int) -> None:
         system.positions[:1], system.velocities[:1], system.radius[:1], mass=system.mass[:1], box=system.box,
         boundary=system.boundary, gravity=system.gravity, walls=system.walls,
     )  # fmt: skip
-    run = run_of(engine, alone, 0.3, samples=7)
+    run = run_of(engine, alone, 0.1, samples=7)
     if run.outcome_name != "ok":
         return
     given = run.series.wall_energy.sum("wall")
@@ -284,7 +284,7 @@ def test_rates_times_time_are_the_sums(engine: str, seed: int, heated: bool) -> 
     system = box_of(seed)
     if heated:
         system = system.replace(thermostat=hl.RandomKicks(power=1e-5, interval=1e-3))
-    run = run_of(engine, system, 0.02, samples=6)
+    run = run_of(engine, system, 0.01, samples=6)
     lasted = np.diff(run.series.time)
     for rate, total in RATES.items():
         found, expected = run.series[rate].values, run.series[total].values

@@ -702,8 +702,11 @@ def test_example_files_run(path: Path) -> None:
         assert printed("drop", path)["models"]["newton"]["outcome"] == "ok"
 
 
+LONG = {"blast", "map"}  # examples of more than two seconds
+
+
 @pytest.mark.parametrize(
-    "path", [slow(p) if p.stem == "map" else p for p in sorted(EXAMPLES.glob("*.py"))], ids=lambda p: p.stem
+    "path", [slow(p) if p.stem in LONG else p for p in sorted(EXAMPLES.glob("*.py"))], ids=lambda p: p.stem
 )
 def test_example_scripts_run(
     path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

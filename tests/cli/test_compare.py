@@ -1,17 +1,16 @@
 """``hardlimit gas compare``: output, files and error messages."""
 
-import os
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 import xarray as xr
+from click.testing import CliRunner
 
 import hardlimit as hl
 from command_line import printed, refused, run
 from conftest import lattice
+from hardlimit.cli import main
 from legible import assert_legible, coloured
 
 ELASTIC = hl.LinearDashpot(stiffness=1e5, restitution=1.0)
@@ -139,7 +138,6 @@ def test_pictures_can_be_read(given: dict) -> None:
 )
 def test_completion(words: list[str], offered: set[str]) -> None:
     asked = {"COMP_WORDS": " ".join(["hardlimit", *words]), "COMP_CWORD": str(len(words))}
-    env = os.environ | asked | {"_HARDLIMIT_COMPLETE": "bash_complete"}
-    command = [sys.executable, "-m", "hardlimit"]
-    found = subprocess.run(command, env=env, capture_output=True, text=True, check=True).stdout
-    assert set(found.split()) == offered
+    env = asked | {"_HARDLIMIT_COMPLETE": "bash_complete"}
+    found = CliRunner().invoke(main, prog_name="hardlimit", env=env)
+    assert set(found.stdout.split()) == offered

@@ -4,10 +4,10 @@ import math
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 
 import hardlimit as hl
-from conftest import columns, free_columns, refusal
+from conftest import columns, draws, free_columns, refusal
 from hardlimit.column import files
 
 GOOD = """
@@ -35,13 +35,13 @@ def written(tmp_path: Path, text: str) -> Path:
     return path
 
 
-@settings(max_examples=25)
+@draws(25)
 @given(columns())
 def test_columns_survive_writing(column: hl.Column) -> None:
     assert files.loads(files.dumps(column)) == column
 
 
-@settings(max_examples=10)
+@draws(10)
 @given(free_columns())
 def test_cradles_survive_writing(column: hl.Column) -> None:
     assert files.loads(files.dumps(column)) == column

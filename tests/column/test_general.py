@@ -99,7 +99,7 @@ def test_energy_is_accounted_for(column):
     assert np.abs(total.values / initial - 1.0).max() < 1e-10
 
 
-@settings(max_examples=60)
+@draws(60)
 @given(columns(law=laws(restitution=st.floats(0.3, 1.0)), most=3))
 def test_a_sharper_tolerance_changes_nothing(column):
     usual = hl.newton(column, until=5e-3, method="general")
@@ -286,7 +286,7 @@ def test_any_tie_is_the_limit_of_vanishing_gaps(column):
         assert np.abs(tie.velocities - nearer.velocities).max() < 1e-7 + 2.0 * change
 
 
-@settings(max_examples=80)
+@draws(80)
 @given(
     laws(restitution=st.one_of(st.floats(0.05, 1.0), st.sampled_from([1.0, 0.3]))),
     st.sampled_from([0.02, 0.007, 0.045]),
@@ -307,7 +307,7 @@ def test_kernels_and_solvers_agree_on_touching_balls(law, radius, velocities, fa
         )
 
 
-@settings(max_examples=100)
+@draws(100)
 @given(ties(), st.sampled_from([0.0, 1e-6]))
 def test_a_mirrored_cradle_moves_as_its_mirror_image(column, gap):
     scene = column(gap)

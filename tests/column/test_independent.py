@@ -6,7 +6,7 @@ import sys
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import hardlimit as hl
@@ -367,7 +367,7 @@ def test_one_ball():
     assert _core.outcome_names[gone.outcome] == "ok" and gone.t_end == 0.0
 
 
-@settings(max_examples=30)
+@draws(30)
 @given(columns(law=st.floats(0.3, 1.0).map(lambda e: law_of("linear", e)), most=4, gravity=0.0))
 def test_collisions_keep_momentum_and_never_gain_energy(column):
     result = hl.independent(column, until=0.5)

@@ -5,12 +5,12 @@ import re
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import hardlimit as hl
 from command_line import run
-from conftest import columns, free_columns, refusal
+from conftest import columns, draws, free_columns, refusal
 from hardlimit import plots
 from hardlimit.column.models import MODELS
 
@@ -48,7 +48,7 @@ def test_a_model_names_itself(model):
 
 
 @every_model
-@settings(max_examples=30)
+@draws(30)
 @given(column=st.one_of(columns(least=1, most=3), free_columns(most=3)))
 def test_a_model_takes_what_it_applies_to(model, column):
     if model.applies(column):
@@ -58,7 +58,7 @@ def test_a_model_takes_what_it_applies_to(model, column):
         assert refused == f"column: the {model.name} model applies only to {model.needs}"
 
 
-@settings(max_examples=30)
+@draws(30)
 @given(column=st.one_of(columns(least=1, most=3), free_columns(most=3)))
 def test_columns_that_are_solvable_exactly(column):
     assert hl.newton(column, until=1e-6).method.endswith("exact") == column.solvable_exactly

@@ -157,7 +157,7 @@ def test_scaling(column, mass, length, time):
         assert getattr(b, name) == pytest.approx(getattr(a, name), abs=1e-8, nan_ok=True)
 
 
-@settings(max_examples=80)
+@draws(80)
 @given(
     st.sampled_from(sorted(hl.LAWS)),
     st.floats(0.3, 1.0),
@@ -181,7 +181,7 @@ def test_independent_collisions_where_they_should_hold(name, restitution, ratio,
     assert hl.independent(column).effective_restitution == pytest.approx(restitution, rel=1e-10)
 
 
-@settings(max_examples=60)
+@draws(60)
 @given(columns(most=2, law=laws(restitution=st.floats(0.3, 1.0))))
 def test_separation_velocity_within_what_the_energy_allows(column):
     """The pair does not approach, and the relative motion has at most the energy of the impact."""

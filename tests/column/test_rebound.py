@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from hypothesis import assume, example, given, settings
+from hypothesis import assume, example, given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
@@ -33,6 +33,7 @@ def soft(restitution: float) -> hl.Viscoelastic:
     return hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, restitution=restitution, impact_speed=3.0)
 
 
+@draws(100)
 @given(
     restitution=st.floats(0.3, 1.0),
     mass=st.floats(1e-9, 0.2),
@@ -109,7 +110,7 @@ def test_up_to_a_time_it_is_the_highest_point_of_the_trajectory(column: hl.Colum
         assert seen.max() - 1e-12 <= found <= seen.max() + 6.0 * (times[1] - times[0])
 
 
-@settings(max_examples=40)
+@draws(40)
 @given(columns(), st.sampled_from(sorted(MODELS)))
 def test_two_balls_fly_to_the_top_from_the_end_of_the_sequence(column: hl.Column, model: str) -> None:
     assume(len(column.balls) == 2)
@@ -175,6 +176,7 @@ def test_no_bounce_no_height() -> None:
     assert np.isnan(early).all()
 
 
+@draws(100)
 @given(
     masses=st.lists(st.floats(1e-3, 1.0), min_size=3, max_size=5),
     gaps=st.lists(st.floats(0.0, 0.1), min_size=4, max_size=4),

@@ -6,7 +6,7 @@ import pickle
 from dataclasses import FrozenInstanceError, fields
 
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import hardlimit as hl
@@ -175,7 +175,7 @@ def test_cradles_are_replaced_by_cradles():
 # ---- masses ------------------------------------------------------------------------------------------------
 
 
-@settings(max_examples=50)
+@draws(50)
 @given(st.floats(1e-3, 1.0), st.floats(1.0, 2e4))
 def test_a_ball_weighs_what_it_weighs_in_a_sweep(radius, density):
     """A map over the density is bit-identical to the map over the masses."""

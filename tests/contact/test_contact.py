@@ -17,6 +17,7 @@ from conftest import (
     damped,
     damping_name,
     dimension,
+    draws,
     law_of,
     output_of,
     refusal,
@@ -118,6 +119,7 @@ def test_linear_round_trip(restitution, partner, stiffness):
     assert (contact.restitution(SPEEDS) == contact.restitution()).all()
 
 
+@draws(100)
 @given(st.floats(-300.0, 0.0).map(lambda e: 10.0**e))
 def test_linear_round_trip_anywhere(restitution):
     contact = hl.LinearDashpot(stiffness=5e7, restitution=restitution).between(BALL)

@@ -70,8 +70,8 @@ def test_powers_agree_with_the_laws_of_the_core(restitution, speed, mass):
         )
 
 
+@draws(25)
 @given(ratio=st.floats(0.0, 0.95))
-@settings(max_examples=25)
 def test_a_force_that_attracts_follows_the_usual_formula(ratio):
     """ε = exp(−πζ/√(1 − ζ²)), linear and of Tsuji, and greatest compression and force of the closed solution."""
     expected = math.exp(-math.pi * ratio / math.sqrt(1.0 - ratio * ratio))
@@ -412,8 +412,8 @@ def test_bad_text_is_refused_in_one_line(text, line):
     assert str(caught.value).startswith(line)
 
 
+@draws(30)
 @given(text=st.text(max_size=200))
-@settings(max_examples=30)
 def test_any_text_is_read_or_refused(text):
     for name in names():
         with pytest.raises(ValueError, match=r"^input: (got no model|line \d+: got)[^\n]*$"):

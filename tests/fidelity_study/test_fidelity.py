@@ -12,13 +12,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 from scipy.signal import lfilter
 
 import hardlimit as hl
-from conftest import law_of, wait_until
+from conftest import draws, law_of, wait_until
 from hardlimit.fidelity_study import contacts, observables, replica, report, statistics, typical_speed
 from hardlimit.fidelity_study.prediction import Prediction
 from hardlimit.fidelity_study.starts import Starts, equilibrated
@@ -101,7 +101,7 @@ def test_divergence_is_in_radii() -> None:
 # --- single contacts ----------------------------------------------------------------------------------------
 
 
-@settings(max_examples=30)
+@draws(30)
 @given(st.integers(0, 40), st.integers(1, 6), st.integers(0, 1000))
 def test_neighbours_are_the_last_and_the_next_collisions(n: int, particles: int, seed: int) -> None:
     rng = np.random.default_rng(seed)

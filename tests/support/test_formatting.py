@@ -6,9 +6,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from conftest import draws
 from hardlimit.support.formatting import digits, listed, percent, percent_with_error, quantity, rate, size
 
 
+@draws(100)
 @given(st.floats(-1e4, 1e4), st.floats(0.0, 1e4))
 def test_percentages_keep_value_and_error(value: float, error: float) -> None:
     text = percent_with_error(0.01 * value, 0.01 * error)
@@ -27,6 +29,7 @@ def test_percentages_keep_value_and_error(value: float, error: float) -> None:
     assert abs(float(shown) - value) <= max(0.51 * error, 0.0051 * abs(value), 0.00051)
 
 
+@draws(100)
 @given(st.floats(0.0, 1e4))
 def test_shares_keep_two_digits_and_have_no_exponent(share: float) -> None:
     text = percent(share)

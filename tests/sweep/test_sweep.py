@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import hardlimit as hl
-from conftest import refusal
+from conftest import draws, refusal
 from hardlimit.contact.contact import Law
 from hardlimit.sweep.chunks import Chunks
 from hardlimit.sweep.plan import Plan, make_plan
@@ -274,6 +274,7 @@ def plan_of_shape(shape: tuple[int, ...]) -> Plan:
     return make_plan(PAPER, "independent", None, swept)
 
 
+@draws(100)
 @given(st.lists(st.integers(1, 6), max_size=4).map(tuple), st.integers(1, 40))
 def test_chunks_cover_a_map_once_and_in_order(shape: tuple[int, ...], most: int) -> None:
     chunks = Chunks.within(shape, most)

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import hardlimit as hl
-from conftest import law_of, refusal
+from conftest import draws, law_of, refusal
 from hardlimit import _core
 from hardlimit.boxes import theory
 from hardlimit.boxes.rules import RULES
@@ -84,6 +84,7 @@ def test_a_thin_gas_depends_on_the_compression_only():
         assert found.error(1e-6) == pytest.approx(4.0 / math.pi * found.delta_over_d(1e-6), rel=0.02)
 
 
+@draws(100)
 @given(
     phi=st.floats(1e-6, 0.64),
     epsilon=st.floats(0.0, 1.0),
@@ -201,6 +202,7 @@ def test_the_stored_energy_cancels_at_equal_temperature(phi):
     assert found.heated_error(1e-6) / 1e-6 == pytest.approx(-2.0 / 3.0 * left, rel=1e-3 + rest)
 
 
+@draws(100)
 @given(st.floats(0.02, 0.5), st.floats(0.4, 1.0), st.floats(0.0, 0.3))
 def test_the_rule_tc_balances_at_its_own_temperature(phi, epsilon, tc_nu):
     """r^(3/2) e^(−2k t_c ν √r) = 1/(1 + a t_c ν) for r, the energy over that under Newton's equations."""
@@ -301,6 +303,7 @@ def test_the_viscosity_of_soft_spheres_follows_from_their_collisions(phi):
     assert module.viscosity_error(phi) == pytest.approx(expected, rel=0.02, abs=bar)
 
 
+@draws(100)
 @given(st.floats(0.02, 0.49), st.floats(0.4, 1.0), st.floats(0.0, 0.3))
 def test_work_and_dissipation_balance_under_shear(phi, epsilon, tc_nu):
     """(1 + stress) = (1 + e_Γ) (1 + temperature)^(3/2), with e_Γ from the heated gas at equal power."""
