@@ -382,7 +382,7 @@ def arguments_of_film() -> list[Argument]:
 
 DISKS = {
     "positions": [[0.01, 0.01], [0.03, 0.03]],
-    "velocities": [[1.0, 0.0], [0.0, 1.0]],
+    "velocities": [[1.0, 1.0], [-1.0, -1.0]],  # they meet
     "radius": 1e-3,
     "mass": 1.0,
     "box": 0.05,
@@ -700,7 +700,7 @@ def plainly(place: int) -> str:
     return repr(argument(argument.good))
 
 
-@pytest.mark.parametrize("spelling", [s if s in ("NumPy scalar", "Decimal") else slow(s) for s in SPELLINGS])
+@pytest.mark.parametrize("spelling", [s if s == "Decimal" else slow(s) for s in SPELLINGS])
 def test_one_number_in_every_spelling(spelling):
     """All numeric types that represent the same number give the same result."""
     for place, argument in enumerate(NUMERIC):

@@ -40,12 +40,10 @@ POINTS_DRAWN = figure4.POINTS
 
 @pytest.fixture(scope="module")
 def data():
-    """The figures at the paper's density, with coarser maps of Fig. 4 than those of the command."""
+    """The figures at the paper's density, with coarser maps of Fig. 4 than those of the command. Figs. 2, 4, 5 and 6
+    take little time; tests of the others and of all statements are slow."""
     before, figure4.POINTS = figure4.POINTS, 120
-    found = Paper()
-    for number in paper.FIGURES:
-        found.figure(number)
-    yield found
+    yield Paper()  # computes a figure at its first use
     figure4.POINTS = before
 
 
@@ -78,6 +76,7 @@ def test_fig2_forces_repel_and_act_only_in_contact(data):
     assert at_touch > 5e3  # the dashpot force jumps
 
 
+@pytest.mark.slow
 def test_fig3_spikes_and_rows(data):
     fig = data.figure(3)
     np.testing.assert_allclose(fig.spike.values[:2], [0.782, 0.667], atol=5e-4)
@@ -90,6 +89,7 @@ def test_fig3_spikes_and_rows(data):
     assert float(fig.outline_t_floor_end[i]) == hl.newton(column).t_floor_end
 
 
+@pytest.mark.slow
 def test_fig3_jumps_are_located(data):
     fig = data.figure(3)
     counts = fig.outline_n_contacts.values
@@ -136,6 +136,7 @@ def test_fig6_anchors(data):
     assert top == pytest.approx(1.0020, abs=5e-5)
 
 
+@pytest.mark.slow
 def test_fig7_and_fig8(data):
     fig = data.figure(7)
     assert int(fig.n_contacts.sel(restitution=1.0)) == 7
@@ -166,6 +167,7 @@ def test_curves_break_where_the_count_changes():
     assert np.isnan(x[1]) and np.isnan(y[1]) and x.size == 4
 
 
+@pytest.mark.slow
 def test_statements_at_the_papers_density(rows):
     assert len(rows) == len(STATEMENTS)
     not_yes = {text: row.agrees for text, row in rows.items() if row.agrees != "yes"}
@@ -174,6 +176,7 @@ def test_statements_at_the_papers_density(rows):
     assert all(text.startswith(PARTLY) for text in not_yes)
 
 
+@pytest.mark.slow
 def test_statements_name_their_numbers(rows):
     numbers = {
         "3 contacts at": "3 contacts",
@@ -205,6 +208,7 @@ def result_of(rows, beginning: str) -> str:
     return row.result
 
 
+@pytest.mark.slow
 def test_ranges_are_stated_where_they_were_taken(data, rows):
     """The table states that the range on the maps of Fig. 4 is much larger than in Figs. 5 and 6."""
     shown = result_of(rows, "ε_eff/ε takes any value")
@@ -314,12 +318,12 @@ def test_figures_can_be_read(data, number):
     ("number", "named", "varied"),
     [
         (2, ("ε = 0.7", "Δh = 0.1 mm", "R1 = 10 cm", "R2 = 1 cm"), ()),
-        (3, ("Δh = 0.1 mm", "R1 = 10 cm", "R2 = 1 cm"), ("ε",)),
+        slow(3, ("Δh = 0.1 mm", "R1 = 10 cm", "R2 = 1 cm"), ("ε",)),
         (4, ("R2 = 1 cm",), ("ε", "Δh", "R1")),
         (5, ("ε = 0.9", "R1 = 10 cm", "R2 = 1 cm"), ("Δh",)),
         (6, ("ε = 0.8", "Δh = 0.1 mm", "R2 = 1 cm"), ("R1",)),
-        (7, ("v_in = 3 m/s", "Δh = 0.1 mm", "R2 = 2.5 mm", "Y = 5×10^7 N/m²", "ν = 0.45"), ("ε",)),
-        (8, ("Δh = 0.1 mm", "R2 = 2.5 mm", "Y = 5×10^7 N/m²", "ν = 0.45"), ("A", "v_in")),
+        slow(7, ("v_in = 3 m/s", "Δh = 0.1 mm", "R2 = 2.5 mm", "Y = 5×10^7 N/m²", "ν = 0.45"), ("ε",)),
+        slow(8, ("Δh = 0.1 mm", "R2 = 2.5 mm", "Y = 5×10^7 N/m²", "ν = 0.45"), ("A", "v_in")),
     ],
 )
 def test_figures_name_their_parameters(data, number, named, varied):
@@ -333,12 +337,14 @@ def test_figures_name_their_parameters(data, number, named, varied):
     assert any(first in text.get_text().replace("\xa0", " ") for text in figure.texts)
 
 
+@pytest.mark.slow
 def test_every_spike_of_fig3_is_named(data):
     figure = paper.draw(3, data.figure(3))
     shown = "".join(text.get_text() for text in figure.axes[0].texts)
     assert all(f"{tip:.3f}" in shown for tip in data.figure(3)["spike"].values)
 
 
+@pytest.mark.slow
 def test_the_report_lists_deviations_first(data, rows, tmp_path):
     report = paper.Report(tmp_path, 840.0, rows=[*rows.values(), *MISPRINTS.rows(Paper())])
     page = report.to_markdown()
