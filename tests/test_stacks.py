@@ -7,7 +7,7 @@ import pytest
 
 import hardlimit as hl
 from command_line import printed, refused, run
-from conftest import refusal
+from conftest import refusal, slow
 from hardlimit import plots
 from legible import assert_legible
 
@@ -84,7 +84,7 @@ def test_three_free_balls_against_a_grid() -> None:
         assert max(speeds) - 1e-9 <= found.speed < max(speeds) + 0.05
 
 
-@pytest.mark.parametrize("n", [4, 6])
+@pytest.mark.parametrize("n", [4, slow(6)])
 @pytest.mark.parametrize("top", [None, 0.01])
 def test_optimality_conditions(n: int, top: float | None) -> None:
     """Slopes of the top speed over x_k = ln(m_{k+1}/m_k) are equal (0 without a given top mass) where x_k is between

@@ -27,7 +27,7 @@ SWEEP = """
 import numpy as np
 import hardlimit as hl
 column = hl.Column.paper(restitution=0.7)
-restitution = np.linspace(0.5, 1.0, 5000)
+restitution = np.linspace(0.5, 1.0, 2000)
 ds = hl.sweep(column, restitution=restitution, threads=1)
 """
 
@@ -110,16 +110,16 @@ def test_the_interpreter_ends_while_daemon_threads_solve() -> None:
         """
 import threading
 import hardlimit as hl
-balls = [hl.Ball(0.01, mass=0.01)] * 40
-column = hl.Column(balls, [1e-4] * 39, 0.5, hl.LinearDashpot(stiffness=1e7, restitution=0.99))
+balls = [hl.Ball(0.01, mass=0.01)] * 20
+column = hl.Column(balls, [1e-4] * 19, 0.5, hl.LinearDashpot(stiffness=1e7, restitution=0.99))
 working = threading.Semaphore(0)
 def solve():
     while True:
         hl.newton(column, until=0.005)
         working.release()
-for _ in range(4):
+for _ in range(2):
     threading.Thread(target=solve, daemon=True).start()
-for _ in range(8):
+for _ in range(2):
     working.acquire()
 print("end")
 """
@@ -141,7 +141,7 @@ def test_threads_may_share_a_fresh_result() -> None:
         return dissipated
 
     with ThreadPoolExecutor(4) as pool:
-        for _ in range(1500):
+        for _ in range(500):
             fresh = hl.newton(column)
             for found in pool.map(ask, [fresh] * 4):
                 np.testing.assert_array_equal(found, expected)

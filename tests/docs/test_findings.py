@@ -172,6 +172,7 @@ def test_the_figures_of_the_validation_are_drawn(capsys: pytest.CaptureFixture[s
     assert len(worst) == 3 and max(worst.values()) < 1e-10
 
 
+@pytest.mark.slow
 def test_fig3_of_the_documentation_has_no_caption_of_its_own() -> None:
     """The pages write one below it."""
     figure = script("validation").fig3()

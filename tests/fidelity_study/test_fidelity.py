@@ -18,7 +18,7 @@ from scipy import stats
 from scipy.signal import lfilter
 
 import hardlimit as hl
-from conftest import draws, law_of, wait_until
+from conftest import draws, law_of, slow, wait_until
 from hardlimit.fidelity_study import contacts, observables, replica, report, statistics, typical_speed
 from hardlimit.fidelity_study.prediction import Prediction
 from hardlimit.fidelity_study.starts import Starts, equilibrated
@@ -213,7 +213,7 @@ def noisy(
 
 
 @pytest.mark.parametrize("noise", NOISES)
-@pytest.mark.parametrize("replicas", [2, 3, 8, 30])
+@pytest.mark.parametrize("replicas", [2, *map(slow, (3, 8, 30))])
 def test_nothing_departs_from_nothing_as_often_as_the_docstring_says(noise: str, replicas: int) -> None:
     """At most 1 % for any number of samples; in 1500 comparisons 1.8 % or less with a probability of 699/700."""
     rng = np.random.default_rng(replicas)

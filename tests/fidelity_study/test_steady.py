@@ -10,7 +10,7 @@ import pytest
 from scipy import stats
 
 import hardlimit as hl
-from conftest import refusal
+from conftest import refusal, slow
 from hardlimit.fidelity_study import report, steady
 from hardlimit.fidelity_study.observables import Observer, near_pairs
 from hardlimit.fidelity_study.starts import Starts
@@ -73,16 +73,17 @@ def test_a_drift_within_the_noise_is_refused(seed: int) -> None:
     assert steady.detected({("T", "of x"): noise}, np.arange(1001.0)).reason == ""
 
 
-def test_stationary_series_are_rarely_refused() -> None:
-    """0.1 % of 100 sets of two correlated series; the inefficiency of short series is a little too small."""
+@pytest.mark.parametrize("sets", [20, slow(100)])
+def test_stationary_series_are_rarely_refused(sets: int) -> None:
+    """0.1 % of the sets of two correlated series; the inefficiency of short series is a little too small."""
     rng = np.random.default_rng(5)
     refused = 0
-    for _ in range(100):
+    for _ in range(sets):
         noise = rng.standard_normal((2, 1, 200))
         noise[..., 1:] += 0.6 * noise[..., :-1]
         series = {(str(k), ""): 1.0 + 0.1 * one for k, one in enumerate(noise)}
         refused += steady.detected(series, np.arange(201.0)).reason != ""
-    assert refused <= 2
+    assert refused <= max(1, sets // 50)
 
 
 def test_a_run_that_is_too_short_says_so() -> None:
@@ -143,7 +144,9 @@ def test_the_raw_series_are_those_of_the_runs(make: object) -> None:
         np.testing.assert_allclose(raw.interval_pressure_tensor, series.pressure_tensor[1:], rtol=1e-12)
 
 
-@pytest.mark.parametrize(("make", "replicas"), [(heated, 1), (heated, 3), (bathed, 2), (shaken, 2)])
+@pytest.mark.parametrize(
+    ("make", "replicas"), [slow(heated, 1), slow(heated, 3), (bathed, 2), slow(shaken, 2)]
+)
 def test_the_report_has_the_numbers_of_the_raw_series(make: object, replicas: int) -> None:
     source = make if make is shaken else make()
     rule = "tc" if make is shaken else "constant"  # others would end at a wall
@@ -183,6 +186,7 @@ def test_the_report_has_the_numbers_of_the_raw_series(make: object, replicas: in
     assert f.tc_nu == pytest.approx(rate * f.contact_duration)
 
 
+@pytest.mark.slow
 def test_energy_is_balanced_in_the_steady_state() -> None:
     """Dissipation equals the power of the kicks, within 4 standard errors; errors below 3 %."""
     f = study(heated(), 4, until=0.08, samples=200)

@@ -69,7 +69,7 @@ def test_probability_of_chi_square(degrees: int) -> None:
     assert math.isnan(chi_square_probability(1.0, 0))
 
 
-@pytest.mark.parametrize("kind", ["restitution", "times", slow("rebound heights"), slow("heights")])
+@pytest.mark.parametrize("kind", ["restitution", *map(slow, ("times", "rebound heights", "heights"))])
 def test_deviations_are_independent_with_unit_variance(kind: str) -> None:
     """Deviations from the true law have unit covariance for every kind of reading."""
     law, rng = viscoelastic(), np.random.default_rng(3)

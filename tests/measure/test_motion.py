@@ -9,7 +9,7 @@ import xarray as xr
 
 import hardlimit as hl
 from box_engines import run
-from conftest import lattice, refusal
+from conftest import lattice, refusal, slow
 from hardlimit.boxes import theory
 from legible import assert_legible
 
@@ -181,8 +181,8 @@ def measured():
 
 @pytest.mark.parametrize(
     "kind",
-    ["rdf", "rdf over time", "a2 over time", "an observable", "msd", "profiles", "mean velocity", "coordination",
-     "steady", "steady numbers", "steady of a transient"],
+    ["rdf", "profiles", "steady", *map(slow, ("rdf over time", "a2 over time", "an observable", "msd", "mean velocity",
+     "coordination", "steady numbers", "steady of a transient"))],
 )  # fmt: skip
 def test_each_has_a_picture(kind, measured):
     figure = hl.measure.plot(measured[kind])

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import hardlimit as hl
-from conftest import draws, lattice, refusal
+from conftest import draws, lattice, refusal, slow
 from hardlimit.boxes import theory
 from hardlimit.measure.pairs import _share
 
@@ -107,7 +107,7 @@ def test_rdf_against_freud():
         assert different.sum() <= 2 and g.values == pytest.approx(rdf.rdf, rel=0.02)
 
 
-@pytest.mark.parametrize("d, packing_fraction", [(3, 0.1), (3, 0.3), (2, 0.4)])
+@pytest.mark.parametrize("d, packing_fraction", [slow(3, 0.1), slow(3, 0.3), (2, 0.4)])
 def test_contact_value_of_a_fluid(d, packing_fraction):
     """g(d+) from bins, χ from the collision rate, and Carnahan–Starling's or Henderson's χ (errors 0.3 and 1 %, and
     O(1/N)) agree within 4 standard errors."""

@@ -4,6 +4,7 @@ import math
 
 import pytest
 
+from conftest import slow
 from hardlimit.scripts import read
 
 LOOP = """O.engines = [
@@ -313,7 +314,7 @@ def test_variables_replace_names_and_parameters():
         ),
         (script() + "def broken(:\n", "be Python"),
         ("O.engines = []\n", "has no granular contacts"),
-        (
+        slow(
             script()
             + "while True:\n    pass\nfor i in range(20000):\n    for j in range(20000):\n        pass\n",
             "shorter loops",
@@ -389,6 +390,7 @@ def test_numbers_of_a_class():
         read(script(bodies=bodies, pair=(functor.replace("Grain.en", "en"), MINDLIN[1])))
 
 
+@pytest.mark.slow
 def test_a_large_lattice():
     bodies = "O.bodies.append([sphere((i, j, k), 2e-3) for i in range(90) for j in range(90) for k in range(90)])\n"
     assert read(script(bodies=bodies)).stages[0].grains["glass"].radii == (2e-3, 2e-3)

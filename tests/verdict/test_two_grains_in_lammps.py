@@ -6,6 +6,7 @@ import subprocess
 import pytest
 
 import hardlimit as hl
+from conftest import slow
 from hardlimit.boxes.lammps import program
 
 try:
@@ -76,6 +77,7 @@ PAIRS = {
     ),
     "gran/hertz/history": ("pair_style gran/hertz/history 1e7 NULL 1e8 NULL 0.5 1\npair_coeff * *", 0.5),
 }
+FEW = ("hooke mixed", "wall hertz/history", "freeze")
 COEFFICIENT = GRANULAR.format("hooke 1e5 0.5 damping coeff_restitution")
 UPPER = "group moving type 2\nfix move moving nve/sphere"
 #: The lower grain does not move. Only ``fix freeze`` makes LAMMPS take it as infinitely heavy in its formulas.
@@ -173,7 +175,7 @@ def compared(name: str, folder) -> tuple[float, float, float]:
 
 
 @needs_lammps
-@pytest.mark.parametrize("name", [*PAIRS, *WALLS, *STANDING])
+@pytest.mark.parametrize("name", [n if n in FEW else slow(n) for n in (*PAIRS, *WALLS, *STANDING)])
 def test_restitution_is_that_of_two_grains_in_lammps(name, tmp_path):
     """The version in the log decides between formulas; a script is checked as for the newest version."""
     of_log, of_script, real = compared(name, tmp_path)
