@@ -26,7 +26,8 @@ def along(axis: Axis, values: Any) -> Any:
 
 def boxes(figure: Figure) -> list[tuple[str, Bbox]]:
     """Every text that is seen, with the rectangle that it takes [pixels]; ticks outside the axes are not."""
-    FigureCanvasAgg(figure).draw()
+    FigureCanvasAgg(figure)
+    figure.draw_without_rendering()
     axes = [*figure.axes, *(child for ax in figure.axes for child in ax.child_axes)]
     ticks = {
         label: axis.get_visible() and low - 1e-9 * (high - low) <= at <= high + 1e-9 * (high - low)

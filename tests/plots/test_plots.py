@@ -170,7 +170,7 @@ def test_forces_of_every_column_share_one_unit_and_can_be_read(seed: int) -> Non
     assert_legible(figure)
 
 
-@pytest.mark.parametrize("seed", [slow(0), 4, slow(7)])
+@pytest.mark.parametrize("seed", [slow(0), slow(4), slow(7)])
 def test_drops_can_be_read(seed: int) -> None:
     """Contacts are elastic, so that hard spheres do not collapse."""
     column = random_column(seed)
@@ -369,7 +369,7 @@ def drawn(figure: Figure) -> np.ndarray:
     return np.asarray(canvas.buffer_rgba())[..., :3].astype(int)
 
 
-@pytest.mark.parametrize("gap", [1e-5, 1e-4, 1e-3, 5e-3])
+@pytest.mark.parametrize("gap", [1e-4, *map(slow, (1e-5, 1e-3, 5e-3))])
 def test_every_model_of_a_drop_is_seen(gap: float) -> None:
     """The picture of heights changes if the lines of any model are removed, even if two models coincide."""
     found = compare(hl.Column.paper(gap=gap))
@@ -431,7 +431,7 @@ def test_all_counts_of_a_map_are_named() -> None:
         assert (inside == int(count)).mean() > 0.7, count
 
 
-@pytest.mark.parametrize("shape", [(1, 1), (1, 40), (40, 1), (2, 2), (3, 700), (700, 3)])
+@pytest.mark.parametrize("shape", [(1, 1), (40, 1), (3, 700), *map(slow, ((1, 40), (2, 2), (700, 3)))])
 def test_counts_of_a_small_map_are_named_where_they_are(shape: tuple[int, int]) -> None:
     values = np.random.default_rng(1).integers(0, 20, shape)
     figure = plots.count_map(sweep_of(np.sort(values, axis=1), "n_contacts"))
@@ -452,8 +452,7 @@ def test_a_prime_stands_above_its_index(name: str) -> None:
     assert ("′" in text or "prime" in text) == (name == "relative_velocity")
 
 
-@pytest.mark.parametrize("slower", [1.0, 1e-3, 1e-9, 0.0])
-@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize(("slower", "dimension"), [(1e-9, 3), (0.0, 2), *map(slow, (1.0, 1e-3), (2, 3))])
 def test_a_cooled_gas_keeps_its_colours(slower: float, dimension: int) -> None:
     system = hl.ParticleSystem.random(200, 0.2, 1e-3, 2500.0, 1.0, dimension=dimension)
     with style.style(**video.STYLE):
@@ -490,7 +489,7 @@ def test_film_of_a_sheared_box(gradient: int) -> None:
     assert_legible(film.figure, **video.STYLE)
 
 
-@pytest.mark.parametrize(("samples", "until"), [(100, 0.02), (400, 0.02), (20, 1e-4)])
+@pytest.mark.parametrize(("samples", "until"), [(100, 0.02), slow(400, 0.02), slow(20, 1e-4)])
 def test_the_transient_of_the_start_is_marked(samples: int, until: float) -> None:
     """After the transient the rate is Enskog's; within it is much higher. A run may be shorter than the transient."""
     system = hl.ParticleSystem.random(1000, 0.3, 1e-3, 2500.0, 1.0)
@@ -524,7 +523,7 @@ def test_storyboard() -> None:
     assert len(storyboard.storyboard(hl.newton(cradle), hl.independent(cradle), 30)) == 1
 
 
-@pytest.mark.parametrize("ending", [slow(".mp4"), ".gif"])
+@pytest.mark.parametrize("ending", [slow(".mp4"), slow(".gif")])
 def test_film(ending: str, tmp_path: Path) -> None:
     calls: list[tuple[int, int]] = []
     options = {"width": 320, "frames_per_second": 3, "progress": lambda *told: calls.append(told)}
@@ -593,7 +592,7 @@ def test_impossible_films_are_refused(options, message, tmp_path: Path) -> None:
         hl.newton(hl.Column.paper()).animate(tmp_path / "film.gif", **options)
 
 
-@pytest.mark.parametrize("width", [slow(160), slow(350), 337])
+@pytest.mark.parametrize("width", [slow(160), slow(350), slow(337)])
 def test_films_of_any_width(width: int, tmp_path: Path) -> None:
     path = hl.newton(hl.Column.paper()).animate(tmp_path / "film.mp4", width=width, frames_per_second=1)
     assert_moves(path, width // 32 * 32)

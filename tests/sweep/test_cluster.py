@@ -20,7 +20,7 @@ from test_store import files, under_way
 from test_sweep import same_bits
 
 import hardlimit as hl
-from conftest import wait_until
+from conftest import slow, wait_until
 from hardlimit.support import cluster as connecting
 from hardlimit.sweep import chunks as chunking
 from hardlimit.sweep.engines import dask as cluster
@@ -148,9 +148,17 @@ def test_an_error_of_the_caller_cancels_the_tasks() -> None:
         wait_until(lambda: not any(client.processing().values()))
 
 
-@pytest.mark.parametrize("closed", ["client", "cluster"])
-@pytest.mark.parametrize("error", [None, KeyError("mine")])
-@pytest.mark.parametrize("job", ["sweep", "fidelity"])
+@pytest.mark.parametrize(
+    ("job", "error", "closed"),
+    [
+        ("sweep", None, "cluster"),
+        ("fidelity", KeyError("mine"), "client"),
+        slow("sweep", None, "client"),
+        slow("sweep", KeyError("mine"), "cluster"),
+        slow("fidelity", None, "client"),
+        slow("fidelity", KeyError("mine"), "cluster"),
+    ],
+)
 def test_closing_a_cluster_of_this_process_during_the_work(
     job: str, error: Exception | None, closed: str
 ) -> None:
