@@ -70,7 +70,8 @@ Overlap deepest_overlap_in(const Box& box, const double* position, const double*
     Cells<d> cells(box, count, 2.0 * *smallest, 2.0 * *largest);
     const auto place = [&](u32 i, int level) {
         double at[d];
-        std::copy_n(position + std::size_t{i} * d, d, at);
+        // NaN gives 0: as an index it would lie outside the cells.
+        for (int axis = 0; axis < d; ++axis) at[axis] = math::max(0.0, position[std::size_t{i} * d + axis]);
         return cells.place_of(level, at);
     };
     const u32 n = static_cast<u32>(count);
