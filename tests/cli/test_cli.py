@@ -190,7 +190,7 @@ def test_options_override_the_file(tmp_path: Path) -> None:
 
 def test_drop_writes_files(tmp_path: Path) -> None:
     names = {"plot": "drop.png", "save": "drop.nc", "toml": "drop.toml"}
-    run("drop", *(x for name, file in names.items() for x in (f"--{name}", tmp_path / file)))
+    run("drop", "--dpi", 60, *(x for name, file in names.items() for x in (f"--{name}", tmp_path / file)))
     assert coloured(tmp_path / "drop.png") > 0.02
     assert files.read(tmp_path / "drop.toml") == hl.Column.paper()
     with xr.open_dataset(tmp_path / "drop.nc", group="newton/contacts", engine="h5netcdf") as contacts:
@@ -277,7 +277,7 @@ def test_speeds_are_shown_where_they_matter(law: str) -> None:
     assert ("At any impact speed" in text) == same and ("\n0.01 " in text) == (not same)
 
 
-@pytest.mark.parametrize("law", [[], [*HERTZ, "--dissipative-time", 1e-5]])
+@pytest.mark.parametrize("law", [[], slow([*HERTZ, "--dissipative-time", 1e-5])])
 def test_contact_plot(law: list[str], tmp_path: Path) -> None:
     run("contact", *law, "--plot", tmp_path / "contact.pdf")
     assert (tmp_path / "contact.pdf").read_bytes().startswith(b"%PDF")

@@ -14,7 +14,7 @@ from test_cli import COMMANDS, command, every_option
 
 import hardlimit as hl
 from command_line import refused, run
-from conftest import lattice, refusal, typical
+from conftest import lattice, refusal, slow, typical
 from hardlimit.cli.options import Quantity
 from hardlimit.contact.contact import law_parameters
 from hardlimit.support import validation
@@ -269,7 +269,14 @@ def test_an_ending_that_is_not_known_is_refused_before_anything_is_computed(
     assert sorted(tmp_path.iterdir()) == before
 
 
-@pytest.mark.parametrize("name", [name for name in [*COMMANDS, "gas compare"] if "--plot" in outputs(name)])
+@pytest.mark.parametrize(
+    "name",
+    [
+        name if name in ("drop", "contact") else slow(name)
+        for name in [*COMMANDS, "gas compare"]
+        if "--plot" in outputs(name)
+    ],
+)
 def test_every_picture_has_its_resolution(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(folder_of_measurements(tmp_path))
     run(*name.split(), *MINIMAL.get(name, []), "--plot", "plot.png", "--dpi", 40)
