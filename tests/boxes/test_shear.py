@@ -82,7 +82,7 @@ def test_first_collisions_are_those_of_the_reference(
     assert_same(log(run), collisions(system, 0.9, 200), 1e-7)
 
 
-@draws(300)
+@draws(150)
 @given(
     seed=st.integers(0, 2**20),
     n=st.integers(2, 30),

@@ -81,7 +81,7 @@ def scale(run: Any) -> float:
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-@draws(40)
+@draws(20)
 @given(seed=st.integers(0, 2**20))
 def test_momentum_and_energy_of_walls_balance(engine: str, seed: int) -> None:
     """The momentum changes by that from the walls and gravity. Summed over walls, the energy is what is lost in wall
@@ -384,7 +384,7 @@ def test_pictures_have_a_line_for_each_label() -> None:
 
 
 @example("sine", 1.0, 1.0, -1e-94, 0.0, 0.0, 1.0)  # the phase as a part of a period is rounded to a whole one
-@draws(200)
+@draws(100)
 @given(
     waveform=st.sampled_from(WAVEFORMS),
     amplitude=st.floats(0.0, 1.0),
