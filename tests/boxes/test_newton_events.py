@@ -517,13 +517,13 @@ def test_contact_energy_is_that_of_all_overlaps(name: str, restitution: float) -
     """Also for slack pairs, whose force has ended: their energy is dissipated gradually until the gap opens, and the
     total energy is conserved at every sample."""
     law, without_force = strongly_damped(name, restitution), 0
-    for seed in (0, 3):
+    for seed in range(4):
         d, walls = 2 + seed % 2, seed < 2
         system = hl.ParticleSystem.random(
             n=12, packing_fraction=0.3, radius=(0.7e-3, 1.1e-3), density=2500.0, rms_speed=0.3, dimension=d, seed=seed,
             boundary="wall" if walls else "periodic", gravity=9.81 if walls else 0.0,
         )  # fmt: skip
-        for until in (1e-3, 5e-3):
+        for until in (1e-3, 2.3e-3):
             run = by_events(system, law=law, until=until, samples=100)
             lost, held = run.series.dissipated_energy.values, run.series.contact_energy.values
             scale = float(run.series.kinetic_energy.values[0])
@@ -622,8 +622,11 @@ def test_a_cluster_loses_separated_bodies() -> None:
     assert run.largest_cluster is not None and run.largest_cluster < 60
 
 
-@pytest.mark.parametrize(("count", "gap"), [(80, 1e-3), slow(320, 1e-3), slow(320, 0.0), slow(320, 1e-2)])
-def test_a_long_row_meets_a_wall(count: int, gap: float) -> None:
+@pytest.mark.parametrize(
+    ("count", "gap", "coarse"),
+    [(80, 1e-3, 0.02), slow(320, 1e-3, 0.04), slow(320, 0.0, 0.04), slow(320, 1e-2, 0.04)],
+)
+def test_a_long_row_meets_a_wall(count: int, gap: float, coarse: float) -> None:
     """All balls are in contact at once and separate; some creep. Momentum and energy agree with small steps,
     extrapolated to zero."""
     law, ball = hl.LinearDashpot(stiffness=2000.0, restitution=0.9), hl.Ball(UNIT, density=2500.0)
@@ -638,13 +641,13 @@ def test_a_long_row_meets_a_wall(count: int, gap: float) -> None:
     assert run.outcome == "ok" and run.largest_cluster == count
     assert run.energy_error < 1e-11
     assert run.series.n_in_contact.values.max() > 0.9 * count
-    coarse, fine = (
+    rough, fine = (
         by_small_steps(system, law=law, until=until, time_step=step * duration, samples=10)
-        for step in (0.04, 0.02)
+        for step in (coarse, 0.5 * coarse)
     )
     # Steps are of second order, with errors up to 1e-4 for the coarse ones.
-    momentum = (4.0 * fine.system.momentum - coarse.system.momentum) / 3.0
-    kinetic = (4.0 * fine.series.kinetic_energy.values - coarse.series.kinetic_energy.values) / 3.0
+    momentum = (4.0 * fine.system.momentum - rough.system.momentum) / 3.0
+    kinetic = (4.0 * fine.series.kinetic_energy.values - rough.series.kinetic_energy.values) / 3.0
     assert run.system.momentum == pytest.approx(momentum, rel=1e-6, abs=1e-12)
     assert run.series.kinetic_energy.values == pytest.approx(kinetic, abs=1e-6 * float(kinetic[0]))
 
