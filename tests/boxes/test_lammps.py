@@ -384,6 +384,7 @@ def test_lammps_agrees_with_our_steps_to_first_order(box, law_name):
 
 
 @needs_lammps
+@pytest.mark.slow
 def test_series_and_counts_are_those_of_our_engines():
     system = mixed(4, 3, ("wall", "periodic", "wall"), [0.0, 5.0, -9.81])
     fine = {"engine": "steps", "time_step": shortest(system, SOFT) / 2000}

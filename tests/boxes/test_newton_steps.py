@@ -219,7 +219,7 @@ def column_in_a_box(column, top):
 
 
 @pytest.mark.parametrize("name", sorted(hl.LAWS))
-@pytest.mark.parametrize("gravity", [0.0, 9.81])
+@pytest.mark.parametrize("gravity", [slow(0.0), 9.81])
 def test_a_column_of_balls_in_a_box_is_that_of_newton(name, gravity):
     law = law_of(name, 0.8)
     balls = [hl.Ball(r, density=2500.0) for r in (0.012, 0.01, 0.007)]
@@ -456,6 +456,7 @@ def test_mirror_images_move_as_mirror_images():
     assert one.n_contacts == other.n_contacts > 30
 
 
+@pytest.mark.slow
 def test_a_heap_comes_to_rest_and_carries_its_weight():
     law = hl.LinearDashpot(stiffness=5e3, restitution=0.3)
     system = lattice(20, 2, seed=1, boundary=("wall", "wall"), gravity=9.81)

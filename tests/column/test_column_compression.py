@@ -351,6 +351,7 @@ def test_one_contact_on_the_command_line() -> None:
     assert "Contacts were compressed by up to 1000 %" in text_of(*one, "--speed", 100)
 
 
+@pytest.mark.slow
 def test_pictures_end_where_the_run_does(tmp_path) -> None:
     result = hl.newton(paper(1e3))
     result.plot().savefig(tmp_path / "forces.png", dpi=40)

@@ -91,7 +91,7 @@ def test_the_text_of_a_bed_is_read_back(name, model, restitution, speed, duratio
         assert again.numerical_damping == 0.0 and not again.notes
 
 
-@pytest.mark.parametrize("name", names())
+@pytest.mark.parametrize("name", [n if n in ("lammps", "yade") else slow(n) for n in names()])
 def test_a_contact_that_is_not_named_is_asked_for(name):
     """Where contacts have different numbers: their names are listed, and each of them is understood."""
     for found in code(name).models:
