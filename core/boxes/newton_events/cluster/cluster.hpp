@@ -83,6 +83,10 @@ public:
         run(until, never, no_limit, true);
     }
 
+    // Moves the members to this time, also backward, while no contact begins or ends. Needs a linear law. Returns false
+    // if that takes more than a few steps.
+    bool move_to(double end);
+
     long steps() const { return steps_; }
 
     // Rate of approach of a pair [m/s].

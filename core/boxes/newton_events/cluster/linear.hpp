@@ -33,6 +33,23 @@ void Cluster<Law>::series_step(double until) {
     if (found.what != Event::none) apply(found.what, found.which);
 }
 
+template <class Law>
+bool Cluster<Law>::move_to(double end) {
+    constexpr int most_steps = 8;
+    load_state();
+    for (ContactPair<Law>& q : pairs) set_scales(q);
+    for (int i = 0; i < most_steps && time != end; ++i) {
+        const double unit = series_unit(), rest = (end - time) / unit;
+        expand_series(unit);
+        const double step = longest_step();
+        advance_series(math::clamp(rest, -step, step), unit);
+        if (math::abs(rest) <= step) y_[time_index()] = end;
+        time = y_[time_index()];
+    }
+    store_state();
+    return time == end;
+}
+
 // Unit of time: of the fastest contact or sine.
 template <class Law>
 double Cluster<Law>::series_unit() const {
