@@ -279,7 +279,8 @@ double Cluster<Law>::work_on_wall(const series::Contact& f, double at) {
     for (int n = series::order; n >= 0; --n) {
         double term = 0.0;
         for (int k = 0; k < n; ++k)
-            term += f.force[static_cast<std::size_t>(n - 1 - k)] * (k + 1) * f.wall[static_cast<std::size_t>(k + 1)];
+            term += f.force[static_cast<std::size_t>(n - 1 - k)] * (k + 1) *
+                    f.wall[static_cast<std::size_t>(k + 1)];
         sum = sum * at + (n > 0 ? term / n : 0.0);
     }
     return sum;
