@@ -261,6 +261,60 @@ def shaken(seed: int, n: int = 60) -> hl.ParticleSystem:
     )
 
 
+@pytest.mark.parametrize("speed_of_floor", [0.05, 0.7, 4.0])
+@pytest.mark.parametrize("e", [1.0, 0.8, 0.2])
+def test_a_contact_with_a_sine_is_that_of_the_forced_oscillator(speed_of_floor: float, e: float) -> None:
+    """m ξ̈ = −k ξ − γ ξ̇ + m (g + Ẅ) at 25 digits. ``speed_of_floor``: angular frequency of the floor over that of the
+    contact. The force is positive until the logged end, and zero there; the ball separates at −ξ̇."""
+    random = np.random.default_rng(7)
+    mpmath.mp.dps = 25
+    law, m = LINEAR.replace(restitution=e), mpmath.mpf(0.01)
+    force = law.between(hl.Ball(R, mass=0.01), hl.FLOOR)
+    k, b = mpmath.mpf(force.stiffness), mpmath.mpf(force.damping) / (2 * m)
+    squared = k / m
+    swing = mpmath.sqrt(mpmath.mpc(squared - b * b))
+    frequency = speed_of_floor * float(mpmath.sqrt(squared)) / (2.0 * math.pi)
+    for _ in range(2):
+        wall = hl.MovingWall(
+            random.uniform(0.05, 0.3) / (2.0 * math.pi * frequency),
+            frequency,
+            phase=random.uniform(-3.0, 3.0),
+        )
+        row = hl.molecular_dynamics(
+            ball(wall, 0.02, random.uniform(-2.0, -0.7)),
+            law=law,
+            until=0.05,
+            engine="events",
+            samples=1,
+            log=True,
+        ).contacts.isel(contact=0)
+        rate = 2 * mpmath.pi * mpmath.mpf(wall.frequency)
+        begin, end, impact = (mpmath.mpf(float(row[name])) for name in ("begin", "end", "impact_speed"))
+        answer = -wall.amplitude * rate**2 / (squared - rate**2 + 2j * b * rate)
+
+        def forced(t: Any, n: int, rate: Any = rate, wall: Any = wall, answer: Any = answer) -> Any:
+            turned = mpmath.expj(rate * t + mpmath.mpf(wall.phase)) * (1j * rate) ** n
+            return mpmath.im(answer * turned) + (m * G / k if n == 0 else 0)
+
+        start, slope = -forced(begin, 0), impact - forced(begin, 1)
+
+        def depth(
+            t: Any, start: Any = start, slope: Any = slope, begin: Any = begin, forced: Any = forced
+        ) -> Any:
+            free = start * mpmath.cos(swing * (t - begin))
+            free += (slope + b * start) / swing * mpmath.sin(swing * (t - begin))
+            return mpmath.re(mpmath.exp(-b * (t - begin)) * free) + forced(t, 0)
+
+        def push(t: Any, depth: Any = depth) -> Any:
+            return k * depth(t) + 2 * b * m * mpmath.diff(depth, t)
+
+        found = mpmath.findroot(push, end)
+        span = end - begin
+        assert all(push(begin + j * span / 20) > 0 for j in range(1, 20))
+        assert abs(found - end) < 1e-10 * span
+        assert abs(mpmath.diff(depth, found) + mpmath.mpf(float(row["separation_speed"]))) < 1e-10 * impact
+
+
 @pytest.mark.parametrize("name", SOLVERS)
 @pytest.mark.parametrize("seed", [1, 2, slow(0), slow(3)])
 def test_energies_account_for_the_work_of_the_walls(name: str, seed: int) -> None:

@@ -155,6 +155,14 @@ struct WallPiece {
         return moved + 2.0 * amplitude * math::sin(half) * math::cos(phase0 + omega * begun + half);
     }
     double position(double time) const { return position0 + displacement(begin, time - begin); }
+    // The position as a power series around `time`, up to order n >= 3. `unit`: of the variable of the series [s].
+    void expand(double time, double unit, int n, double* series) const {
+        series[0] = position(time), series[1] = unit * velocity(time);
+        series[2] = 0.5 * unit * unit * acceleration(time);
+        const double square = omega * unit * omega * unit;
+        series[3] = -square / 6.0 * (series[1] - unit * velocity0);
+        for (int k = 4; k <= n; ++k) series[k] = -square / (k * (k - 1)) * series[k - 2];
+    }
 };
 
 // wall_contact_time() (queue/prediction.hpp) locates collisions with it.
@@ -192,11 +200,17 @@ struct Wall {
     double distance(double x, double time) const {
         return id.high() ? position(time) - x : x - position(time);
     }
-    // A lower bound on the distance between two times.
-    double least_distance(double x, double from, double until) const {
+    // Whether a coordinate surely stays farther away than `reach` between two times. First without the phase of an
+    // oscillation, which is costly.
+    bool stays_beyond(double reach, double x, double from, double until) const {
+        if (motion.oscillates()) {
+            const auto middle = [&](double time) { return start + motion.offset + motion.velocity * time; };
+            const double a = inward() * (x - middle(from)), b = inward() * (x - middle(until));
+            if (math::min(a, b) - motion.amplitude > reach) return true;
+        }
         const double a = distance(x, from), b = distance(x, until);
-        if (!motion.oscillates()) return math::min(a, b);
-        return 0.5 * ((a + b) - (math::abs(motion.velocity) + motion.fastest()) * (until - from));
+        if (!motion.oscillates()) return math::min(a, b) > reach;
+        return 0.5 * ((a + b) - (math::abs(motion.velocity) + motion.fastest()) * (until - from)) > reach;
     }
 };
 

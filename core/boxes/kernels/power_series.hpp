@@ -140,13 +140,12 @@ struct Contact {
     int axis;           // of the wall's normal
     bool closed;        // exerts a force
     double side;        // as in ContactPair
-    double wall[2];     // coordinate of the wall, as a series
     double contact_distance;
     alignas(sizeof(Four)) Four image;
     double spring, damper;  // in the unit of time
     double per_mass[2];
     PairSeries bodies;
-    Terms depth, force;  // at a wall
+    Terms wall, depth, force;  // at a wall; wall: its coordinate
 
     const Terms& force_series() const { return second < 0 ? force : bodies.force; }
 
@@ -158,7 +157,7 @@ template <int n>
 void expand_distance(const Path* paths, Contact& f) {
     const Four& first = paths[f.first][n];
     if (f.second < 0) {
-        const double x = n < 2 ? first[f.axis] - f.wall[n < 2 ? n : 0] : first[f.axis];
+        const double x = first[f.axis] - f.wall[n];
         f.depth[n] = n == 0 ? f.contact_distance - f.side * x : -f.side * x;
         return;
     }

@@ -320,6 +320,7 @@ private:
 
     // observe.hpp
     const GroupsAtPresent& groups_at_present() const;
+    bool set_present_contact(const Group& g, Cluster<Law>& c) const;
     void add_group(GroupsAtPresent& present, const Group& g, Cluster<Law>& c) const;
     template <class F>
     void for_bodies(const F& f) const;

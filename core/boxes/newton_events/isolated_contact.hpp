@@ -183,7 +183,7 @@ bool NewtonEvents<Law>::far_from_walls(const Group& g, const SeparatedMembers& a
             for (const bool high : {false, true}) {
                 const Wall wall = box_.wall(axis, high);
                 if (l.pair.second < 0 && l.pair.wall_id == wall.id) continue;
-                if (!(wall.least_distance(high ? most : least, now_, now_ + l.span) > needed)) return false;
+                if (!wall.stays_beyond(needed, high ? most : least, now_, now_ + l.span)) return false;
             }
         }
     }

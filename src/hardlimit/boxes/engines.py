@@ -213,7 +213,7 @@ class Engine:
         """The quantities at a sample in the falling frame; :meth:`result` converts those of all samples at once."""
         sums = self.compiled.observe()
         sums["time"], sums["n_collisions"], sums["heat"] = self.time, sums["n_contacts"], self.heat
-        return {name: np.asarray(sums[name], float) for name in self.record.records if name in sums}
+        return {name: sums[name] for name in self.record.records if name in sums}
 
     def is_at(self, sample: Mapping[str, Any]) -> bool:
         """Whether this sample was taken in the current state, or no sample can be taken in it."""

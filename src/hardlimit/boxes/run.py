@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
+import numpy as np
 from numpy.typing import NDArray
 
 from ..contact import compression
@@ -79,7 +80,7 @@ class Schedule:
 class Sample(NamedTuple):
     """The values recorded at one sampling time."""
 
-    records: Mapping[str, NDArray[Any]]  #: quantities recorded by the engine
+    records: Mapping[str, Any]  #: quantities recorded by the engine: numbers and arrays
     observed: Observed  #: values of the user's functions
 
 
@@ -235,7 +236,8 @@ class Run:
 
 def _stacked(samples: Sequence[Sample]) -> dict[str, NDArray[Any]]:
     """Stack the recorded quantities of all samples: one array for each."""
-    return observing.collected([dict(sample.records) for sample in samples])
+    names = samples[0].records if samples else ()
+    return {name: np.array([one.records[name] for one in samples], float) for name in names}
 
 
 def _observe_again(time: float, system: ParticleSystem) -> Mapping[str, Any]:

@@ -83,6 +83,10 @@ public:
         run(until, never, no_limit, true);
     }
 
+    // Moves the members to this time, also backward, while no contact begins or ends. Needs a linear law. Returns false
+    // if that takes more than a few steps.
+    bool move_to(double end);
+
     long steps() const { return steps_; }
 
     // Rate of approach of a pair [m/s].
@@ -291,6 +295,7 @@ private:
     bool lies_on_surface(const ContactPair<Law>& q) const;
     void expand_series(double unit);
     void add_contact(int index, double unit);
+    void expand_wall(const ContactPair<Law>& q, double unit, series::Terms& wall) const;
     double longest_step() const;
     void predict_end(const series::Contact& f, StepEvent& found) const;
     void predict_deepest(const series::Contact& f, StepEvent& found) const;
@@ -300,6 +305,7 @@ private:
     void predict_begins(double unit, StepEvent& found);
     void predict_begin(int index, double unit, StepEvent& found);
     void consider(int index, Event kind, const series::Terms& f, double unit, StepEvent& found) const;
+    static double work_on_wall(const series::Contact& f, double at);
     void advance_series(double at, double unit);
     std::array<double, 4> gravity4() const { return {gravity[0], gravity[1], gravity[2], 0.0}; }
 

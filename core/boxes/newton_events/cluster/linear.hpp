@@ -9,8 +9,9 @@ namespace hardlimit::boxes {
 
 template <class Law>
 void Cluster<Law>::series_step(double until) {
+    const bool in_contact = any(ContactState::closed);
     for (ContactPair<Law>& q : pairs)
-        if (q.state == ContactState::closed) set_scales(q);
+        if (q.state == ContactState::closed || !in_contact) set_scales(q);
     if (event_at_start([this](int q, Event kind) { return event_value(pairs[q], kind); })) return;
     const double unit = series_unit();
     expand_series(unit);
@@ -33,10 +34,29 @@ void Cluster<Law>::series_step(double until) {
 }
 
 template <class Law>
+bool Cluster<Law>::move_to(double end) {
+    constexpr int most_steps = 8;
+    load_state();
+    for (ContactPair<Law>& q : pairs) set_scales(q);
+    for (int i = 0; i < most_steps && time != end; ++i) {
+        const double unit = series_unit(), rest = (end - time) / unit;
+        expand_series(unit);
+        const double step = longest_step();
+        advance_series(math::clamp(rest, -step, step), unit);
+        if (math::abs(rest) <= step) y_[time_index()] = end;
+        time = y_[time_index()];
+    }
+    store_state();
+    return time == end;
+}
+
+// Unit of time: of the fastest contact or sine.
+template <class Law>
 double Cluster<Law>::series_unit() const {
     double square = 0.0;
     for (const ContactPair<Law>& q : pairs)
         if (q.state == ContactState::closed) square = math::max(square, q.law.elastic_force(1.0) / q.mass);
+    for (const WallPiece& p : wall_pieces) square = math::max(square, p.omega * p.omega);
     return 1.0 / math::sqrt(square);
 }
 
@@ -104,14 +124,20 @@ void Cluster<Law>::add_contact(int index, double unit) {
     f.axis = q.axis;
     f.closed = q.state == ContactState::closed;
     f.side = q.side;
-    f.wall[0] = q.second < 0 ? wall_position(q, y_[time_index()]) : 0.0;
-    f.wall[1] = q.second < 0 ? wall_velocity(q, y_[time_index()]) * unit : 0.0;
+    if (q.second < 0) expand_wall(q, unit, f.wall);
     f.image = series::Four{q.image[0], q.image[1], q.image[2], 0.0};
     f.contact_distance = f.bodies.contact_distance = q.contact_distance;
     f.spring = f.bodies.spring = q.law.elastic_force(1.0);
     f.damper = f.bodies.damper = q.law.force(0.0, 1.0) / unit;
     f.per_mass[0] = 1.0 / members[q.first].mass;
     f.per_mass[1] = q.second < 0 ? 0.0 : 1.0 / members[q.second].mass;
+}
+
+template <class Law>
+void Cluster<Law>::expand_wall(const ContactPair<Law>& q, double unit, series::Terms& wall) const {
+    const double now = y_[time_index()];
+    if (boxes_move && !wall_pieces.empty()) return piece(q).expand(now, unit, series::order, wall.of);
+    wall = {{q.wall_position(now), q.wall_velocity * unit}};
 }
 
 // Step for which the last two terms of the series are about as small as the tolerance.
@@ -209,15 +235,18 @@ template <class Law>
 void Cluster<Law>::predict_begin(int index, double unit, StepEvent& found) {
     const ContactPair<Law>& q = pairs[static_cast<std::size_t>(index)];
     const Geometry g = geometry(q, y_.data());
-    const double wall = q.second < 0 ? wall_velocity(q, y_[time_index()]) * unit : 0.0;
-    const double both = travel_[q.first] + (q.second < 0 ? math::abs(wall) * found.at : travel_[q.second]);
-    if (-g.depth > both) return;
     series::Terms gap;
     if (q.second < 0) {
-        for (std::size_t n = 0; n < series::length; ++n) gap[n] = q.side * series_[q.first][n][q.axis];
+        expand_wall(q, unit, gap);
+        double covered = 0.0;  // at most by the wall
+        for (int n = series::order; n >= 1; --n)
+            covered = (covered + math::abs(gap[static_cast<std::size_t>(n)])) * found.at;
+        if (-g.depth > travel_[q.first] + covered) return;
+        for (std::size_t n = 0; n < series::length; ++n)
+            gap[n] = q.side * (series_[q.first][n][q.axis] - gap[n]);
         gap[0] = -g.depth;
-        gap[1] -= q.side * wall;
     } else {
+        if (-g.depth > travel_[q.first] + travel_[q.second]) return;
         kernels->square(&series_[q.first], &series_[q.second], q.image.data(), gap.of);
         gap[0] = -g.depth * (g.distance + q.contact_distance);
     }
@@ -243,6 +272,20 @@ void Cluster<Law>::consider(int index, Event kind, const series::Terms& f, doubl
     if (zero <= found.at) found = {zero, kind, index};
 }
 
+// ∫ F dx_wall up to a time within the step, in units of the series.
+template <class Law>
+double Cluster<Law>::work_on_wall(const series::Contact& f, double at) {
+    double sum = 0.0;
+    for (int n = series::order; n >= 0; --n) {
+        double term = 0.0;
+        for (int k = 0; k < n; ++k)
+            term += f.force[static_cast<std::size_t>(n - 1 - k)] * (k + 1) *
+                    f.wall[static_cast<std::size_t>(k + 1)];
+        sum = sum * at + (n > 0 ? term / n : 0.0);
+    }
+    return sum;
+}
+
 // Advances the state to a time within the step.
 template <class Law>
 void Cluster<Law>::advance_series(double at, double unit) {
@@ -260,7 +303,7 @@ void Cluster<Law>::advance_series(double at, double unit) {
         double impulse = 0.0, lost = 0.0;  // of the force on the body, over the unit of time; dissipated
         for (int k = series::order; k >= 0; --k)
             impulse = (impulse + f.force[static_cast<std::size_t>(k)] / (k + 1)) * at;
-        const double work = impulse * f.side * f.wall[1];
+        const double work = f.side * (wall_pieces.empty() ? impulse * f.wall[1] : work_on_wall(f, at));
         if (walls_move_) y_[wall_work_index()] += work;
         series::add_integrals(f, at, unit, &lost, nullptr);
         const int given = wall_sums_index(pairs[f.pair].wall_id);

@@ -34,7 +34,6 @@ void Cluster<Law>::load_state() {
         for (const ContactPair<Law>& q : pairs) {
             if (q.second >= 0) continue;
             sine_ = sine_ || piece(q).amplitude != 0.0;
-            integrates_ = integrates_ || sine_ || piece(q).acceleration0 != 0.0;
         }
     wall_slot_.fill(-1);
     touched_walls_ = 0;
