@@ -273,7 +273,7 @@ void HardSpheres<d, motion, mixed>::advance(double until, u64 most_work, int /*t
             now_ = math::max(now_, until);
             return;
         }
-        if (stop()) {
+        if (over ? stop.now() : stop()) {
             paused_ = true;
             return;
         }

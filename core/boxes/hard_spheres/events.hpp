@@ -87,7 +87,7 @@ u32 HardSpheres<d, motion, mixed>::fold_into_column(u32 i) {
         box_.wrap(p.position, p.velocity, image_flags_[i], 0, turns, p.time);
         now[0] -= turns * box_.edge[0];
     }
-    return cells_.number(level(i), cells_.place_of(level(i), now, now_)) & (most_cells - 1);
+    return cells_.number(level(i), cells_.place_of(level(i), now, now_));
 }
 
 template <int d, Motion motion, bool mixed>

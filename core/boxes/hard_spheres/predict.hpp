@@ -217,7 +217,7 @@ void HardSpheres<d, motion, mixed>::predict_finer(NextCollision& next, int level
         bool narrow = false;  // so that two images of a particle may be within reach
         for (int k = 0; k < d; ++k) {
             const double x = k == 0 ? cells_.along(query_.position, now_) : query_.position[k];
-            const double far = k == 0 ? cells_.along_within(reach, now_) : reach;
+            const double far = k == 0 ? cells_.extent_along(reach, now_) : reach;
             narrow = narrow || (box_.is_periodic(k) && box_.edge[k] < 2.001 * far);
             from[k] = floor_to_int((x - far) / cells_.grids()[q].edge[k]);
             to[k] = floor_to_int((x + far) / cells_.grids()[q].edge[k]);

@@ -46,7 +46,7 @@ void HardSpheres<d, motion, mixed>::update_cell(u32 i) {
     if (cell == pending_[i].cell) return;
     cells_.remove(pending_[i].cell, i);
     cells_.insert(cell, i);
-    pending_[i].cell = cell;
+    pending_[i].cell = cell & (most_cells - 1);
 }
 
 // Contact of two particles at the instant of touch. r: vector from i to j; v: velocity of j relative to i.

@@ -117,7 +117,7 @@ public:
     }
     double tilt(double time) const { return tilt_ + shear_rate_ * time; }
     // Half the extent of a ball of this radius along u [m].
-    double along_within(double radius, double time) const { return stretched(radius, tilt(time)); }
+    double extent_along(double radius, double time) const { return stretched(radius, tilt(time)); }
     // u of a particle in free flight at (x, y): its value [m], its rate [m/s] and its acceleration [m/s²].
     struct Along {
         double at, rate, acceleration;
