@@ -6,16 +6,16 @@
 // three cells along an axis are no special case: neighbours are counted by offset, and a periodic image of a particle
 // is a separate neighbour.
 //
-// In a sheared box the columns of cells along the first axis follow the mean flow, so that only the velocity relative to
-// it takes a particle to another column (D. P. Hansen and D. J. Evans, Mol. Simul. 13, 375 (1994), use such cells). A
-// column is a range of
+// In a sheared box the columns of cells along the first axis follow the mean flow, so that only the velocity relative
+// to it takes a particle to another column (D. P. Hansen and D. J. Evans, Mol. Simul. 13, 375 (1994), use such cells).
+// A column is a range of
 //   u = x − τ (y − L/2),   τ(t) = (D(t) − c w)/L,
 // with the edge L along the gradient axis y, the displacement D of the images beyond its far side, the width w of a
 // column and a whole number c of columns. The tilt τ grows at the shear rate, and beyond that side the images are
-// displaced by exactly c columns. When |τ| reaches its limit, c changes by a fixed number and all particles are put into
-// cells anew. Columns are wide enough that particles which touch are in neighbouring ones at any tilt. Particles are
-// folded into 0 ≤ u < edge, so that x is continuous from one column to the next. Blocks leave out the cells beyond a
-// sheared side, as beyond a wall; for_sheared_parts() has them.
+// displaced by exactly c columns. When |τ| reaches its limit, c changes by a fixed number and all particles are put
+// into cells anew. Columns are wide enough that particles which touch are in neighbouring ones at any tilt. Particles
+// are folded into 0 ≤ u < edge, so that x is continuous from one column to the next. Blocks leave out the cells beyond
+// a sheared side, as beyond a wall; for_sheared_parts() has them.
 #pragma once
 #include <algorithm>
 #include <cstring>

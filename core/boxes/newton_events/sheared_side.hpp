@@ -1,5 +1,5 @@
-// The Lees–Edwards boundary. The images of bodies beyond it move along the first axis. A prediction moves the body to the
-// frame of the images, and then reads their cells like any others.
+// The Lees–Edwards boundary. The images of bodies beyond it move along the first axis. A prediction moves the body to
+// the frame of the images, and then reads their cells like any others.
 //
 // A group lives in the frame of its first body. A member's image is the one nearest to it, and has the velocity of that
 // image. The kinetic energy of a body in the laboratory differs from that in the frame of its group. The boundary does
@@ -9,8 +9,8 @@
 
 namespace hardlimit::boxes {
 
-// Calls f(block, image) for a block, whose cells beyond a sheared side are left out, and for its parts there. The bodies
-// in the cells of `block` are in the frame of `in` after `image` has been added to them.
+// Calls f(block, image) for a block, whose cells beyond a sheared side are left out, and for its parts there. The
+// bodies in the cells of `block` are in the frame of `in` after `image` has been added to them.
 template <class Law>
 template <class F>
 void NewtonEvents<Law>::for_sides(const Block& in, const F& f) const {

@@ -28,9 +28,9 @@ HL_FN double time_below(double x, double v, double g, double high) {
     return v > 0.0 && square >= 0.0 ? 2.0 * room / (v + math::sqrt(square)) : math::infinity;
 }
 
-// Time until u + v τ + g τ²/2 leaves the interval between two faces, and whether through the upper one. `rounding`: error
-// of times [s], within which a particle that turns on a face counts as turned. Has no branches: which face it is would
-// be unpredictable.
+// Time until u + v τ + g τ²/2 leaves the interval between two faces, and whether through the upper one. `rounding`:
+// error of times [s], within which a particle that turns on a face counts as turned. Has no branches: which face it is
+// would be unpredictable.
 struct Exit {
     double time;
     bool high;
