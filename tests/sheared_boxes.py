@@ -61,6 +61,22 @@ def collisions(system: Any, restitution: float, count: int) -> list[tuple[float,
     return found
 
 
+def closest(system: hl.ParticleSystem) -> float:
+    """The smallest gap over the sum of the radii, of all pairs and all images, without cells."""
+    edges, axis = np.array(system.box), system.boundary.index("lees-edwards")
+    first, second = np.triu_indices(system.n, 1)
+    touch = system.radius[first] + system.radius[second]
+    r, least = system.positions[second] - system.positions[first], np.inf
+    for layer in (-1, 0, 1):
+        image = r.copy()
+        image[:, axis] += layer * edges[axis]
+        image[:, 0] += layer * system.shear_displacement
+        across = [k for k in range(len(edges)) if k != axis]
+        image[:, across] -= edges[across] * np.round(image[:, across] / edges[across])
+        least = min(least, float((np.sqrt((image**2).sum(1)) / touch).min()) - 1.0)
+    return least
+
+
 def displaced(system: hl.ParticleSystem, fraction: float) -> hl.ParticleSystem:
     """The same particles at places where they do not overlap if the images are displaced by a fraction of the edge.
 

@@ -40,16 +40,13 @@ enum class SelfEvent : u32 {
     rescan,       // searches again for smaller particles
     ends,         // its cluster ends
     at_wall = 8,  // added to a side: meets the wall there
-    slides = 14,  // searches the cells beyond a sheared side, which have moved on by one
 };
 constexpr SelfEvent self_event(int axis, bool high, bool wall) {
     return static_cast<SelfEvent>(2 * axis + (high ? 1 : 0) + (wall ? 8 : 0));
 }
 constexpr int axis_of(SelfEvent own) { return (static_cast<int>(own) & 7) / 2; }
 constexpr bool is_high(SelfEvent own) { return (static_cast<u32>(own) & 1u) != 0; }
-constexpr bool is_wall(SelfEvent own) {
-    return (static_cast<u32>(own) & 8u) != 0 && own != SelfEvent::slides;
-}
+constexpr bool is_wall(SelfEvent own) { return (static_cast<u32>(own) & 8u) != 0; }
 constexpr WallId wall_at(SelfEvent own) { return WallId::at(axis_of(own), is_high(own)); }
 
 // Earliest predicted collision and earliest single-particle event. The collision is stale if the partner's collision

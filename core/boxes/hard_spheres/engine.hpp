@@ -98,6 +98,7 @@ private:
     Records<u32> original_index_;  // index in the user's arrays
     Records<double> masses_;       // if mixed [kg]
     Cells<d> cells_;
+    double columns_ = 0.0;  // of the tilted cells of a sheared box
     CalendarQueue calendar_;
     Accumulators<d> accumulators_;
     CollapseDetector collapse_;
@@ -179,6 +180,7 @@ private:
     void sort_in(const System& s);
     void make_cells(std::size_t n);
     void fill_cells();
+    void tilt_cells();
     void set_rule(const RuleChoice& choice);
     void predict_all(Stop& stop);
     void rebuild_queue();
@@ -217,8 +219,8 @@ private:
     // events.hpp
     void process_event(u32 i);
     void leave_cell(u32 i, Place<d> at);
-    void slide(u32 i);
     void cross_sheared_side(u32 i, int step);
+    u32 fold_into_column(u32 i);
     void collide_with_wall(u32 i, const Wall& wall);
     bool meets_wall(u32 i, const Wall& wall) const;
     void collide(u32 i, u32 j);
@@ -265,13 +267,20 @@ void HardSpheres<d, motion, mixed>::advance(double until, u64 most_work, int /*t
         }
         if (prefetches_ && accumulators_.collisions() >= next_sort_) sort_along_cells();
         const QueuedEvent* due = next_due();
-        if (!due || due->time > until) {
+        const double end = math::min(until, cells_.next_tilt());
+        const bool over = !due || due->time > end;
+        if (over && end == until) {
             now_ = math::max(now_, until);
             return;
         }
-        if (stop()) {
+        if (over ? stop.now() : stop()) {
             paused_ = true;
             return;
+        }
+        if (over) {
+            now_ = math::max(now_, end);
+            tilt_cells();
+            continue;
         }
         now_ = math::max(now_, due->time);
         const u32 i = due->id;

@@ -16,7 +16,6 @@ void HardSpheres<d, motion, mixed>::process_event(u32 i) {
     }
     const SelfEvent own = static_cast<SelfEvent>(e.own);
     if (own == SelfEvent::rescan) return predict(i, excluded_partner(i));
-    if (own == SelfEvent::slides) return slide(i);
     if (is_wall(own)) return collide_with_wall(i, box_.wall(wall_at(own)));
     leave_cell(i, cells_.place(level(i), e.cell));
 }
@@ -32,19 +31,17 @@ void HardSpheres<d, motion, mixed>::leave_cell(u32 i, Place<d> at) {
     const Grid<d>& g = cells_.grids()[fine];
     cells_.remove(e.cell, i);
     at[axis] += step;
-    const bool leaves = at[axis] < 0 || at[axis] == g.cells[axis];
-    const bool sheared = leaves && box_.is_sheared() && axis == box_.gradient;
-    if (leaves) at[axis] -= step * g.cells[axis];
-    if (sheared) {
-        cross_sheared_side(i, step);
-        const double x = position_after<motion>(p, 0, now_ - p.time, box_);
-        at[0] = static_cast<int>(math::clamp(x / g.edge[0], 0.0, g.cells[0] - 1.0));
-    } else if (leaves) {
-        box_.wrap(p.position, p.velocity, image_flags_[i], axis, step, p.time);
+    if (at[axis] < 0 || at[axis] == g.cells[axis]) {
+        at[axis] -= step * g.cells[axis];
+        int along = axis, turns = step;
+        if (box_.is_sheared() && axis == box_.gradient) {
+            cross_sheared_side(i, step);
+            along = 0, turns = cells_.displace(fine, at[0], -step);
+        }
+        box_.wrap(p.position, p.velocity, image_flags_[i], along, turns, p.time);
     }
     e.cell = cells_.number(fine, at) & (most_cells - 1);
     cells_.insert(e.cell, i);
-    if (sheared) return predict(i, excluded_partner(i));
 
     NextCollision next = begin_prediction(i, excluded_partner(i));
     Place<d> place = at;
@@ -63,21 +60,6 @@ void HardSpheres<d, motion, mixed>::leave_cell(u32 i, Place<d> at) {
     schedule(i);
 }
 
-// Predicts the collisions of a particle beside a sheared side with the particles that may reach it now that the images
-// beyond this side have moved by a cell.
-template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::slide(u32 i) {
-    const int own = level(i);
-    const Place<d> at = cells_.place(own, pending_[i].cell);
-    NextCollision next = begin_prediction(i, excluded_partner(i));
-    cells_.for_stencils(own, at, [&](int level, const Place<d>& from, const Place<d>& to) {
-        if (holds_any(level)) predict_beyond_sides(next, level, from, to);
-    });
-    store(next);
-    predict_self_event(i, at);
-    schedule(i);
-}
-
 // Moves a particle that leaves a sheared box through the far side (step 1) or that at 0 (−1) to its image in the box.
 // The boundary does the work by which its kinetic energy changes.
 template <int d, Motion motion, bool mixed>
@@ -89,11 +71,23 @@ void HardSpheres<d, motion, mixed>::cross_sheared_side(u32 i, int step) {
     for (int k = 0; k < d; ++k) before[k] = crossed[k] = velocity_after<motion>(p, k, after, box_);
     box_.wrap(p.position, p.velocity, image_flags_[i], box_.gradient, step, p.time);
     crossed[0] = p.velocity[0];
-    if (const int turns = box_.turns(position_after<motion>(p, 0, after, box_), 0))
-        box_.wrap(p.position, p.velocity, image_flags_[i], 0, turns, p.time);
     accumulators_.sums.change(mass(i), before, crossed);
     accumulators_.shear_work.add(gained_energy(mass(i), before[0], crossed[0] - before[0]));
     if (mixed && cells_.levels() > 1) fastest_ = math::max(fastest_, frame_speed(crossed));
+}
+
+// Wraps a particle along the first axis of a box, whose columns of cells may be tilted. Returns its cell.
+template <int d, Motion motion, bool mixed>
+u32 HardSpheres<d, motion, mixed>::fold_into_column(u32 i) {
+    Particle<d>& p = particles_[i];
+    double now[d];
+    for (int k = 0; k < d; ++k) now[k] = position_after<motion>(p, k, now_ - p.time, box_);
+    const int turns = box_.is_sheared() ? box_.turns(cells_.along(now, now_), 0) : 0;
+    if (turns != 0) {
+        box_.wrap(p.position, p.velocity, image_flags_[i], 0, turns, p.time);
+        now[0] -= turns * box_.edge[0];
+    }
+    return cells_.number(level(i), cells_.place_of(level(i), now, now_));
 }
 
 template <int d, Motion motion, bool mixed>

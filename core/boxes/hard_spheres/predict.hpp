@@ -90,14 +90,9 @@ void HardSpheres<d, motion, mixed>::predict_near(NextCollision& next, int level,
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::predict_beyond_sides(NextCollision& next, int level, const Place<d>& from,
                                                          const Place<d>& to) {
-    const bool few = cells_.grids()[static_cast<std::size_t>(level)].few;
-    const auto predict_part = [&](Place<d> low, const Place<d>& high) {
-        for (Place<d> end = high; low[0] <= high[0]; low[0] = end[0] + 1) {
-            if (!few) end[0] = std::min(low[0] + 3, high[0]);  // the kernels read at most four cells of a row
-            predict_in_block(next, level, low, end);
-        }
-    };
-    for_images_beyond(level, from, to, predict_part);
+    for_images_beyond(level, from, to, [&](const Place<d>& low, const Place<d>& high) {
+        predict_in_block(next, level, low, high);
+    });
 }
 
 // Calls f(from, to) for the parts of a block beyond the sides of a sheared box. Meanwhile, the particle of the query is
@@ -221,9 +216,11 @@ void HardSpheres<d, motion, mixed>::predict_finer(NextCollision& next, int level
         Place<d> from, to;
         bool narrow = false;  // so that two images of a particle may be within reach
         for (int k = 0; k < d; ++k) {
-            narrow = narrow || (box_.is_periodic(k) && box_.edge[k] < 2.001 * reach);
-            from[k] = floor_to_int((query_.position[k] - reach) / cells_.grids()[q].edge[k]);
-            to[k] = floor_to_int((query_.position[k] + reach) / cells_.grids()[q].edge[k]);
+            const double x = k == 0 ? cells_.along(query_.position, now_) : query_.position[k];
+            const double far = k == 0 ? cells_.extent_along(reach, now_) : reach;
+            narrow = narrow || (box_.is_periodic(k) && box_.edge[k] < 2.001 * far);
+            from[k] = floor_to_int((x - far) / cells_.grids()[q].edge[k]);
+            to[k] = floor_to_int((x + far) / cells_.grids()[q].edge[k]);
         }
         const auto examine = [&](const hardlimit_abi::CellBlock& block, std::size_t room) {
             make_room_for_candidates(room);
@@ -271,6 +268,7 @@ void HardSpheres<d, motion, mixed>::predict_self_event(u32 i, const Place<d>& at
     bool walls_move = false;
     HL_UNROLL
     for (int k = 0; k < d; ++k) {
+        if (k == 0 && box_.is_sheared()) continue;
         const double x = p.position[k], v = p.velocity[k], size = radius(i);
         const double low = at[k] * g.edge[k], high = (at[k] + 1) * g.edge[k];
         const bool walls = box_.has_walls(k);
@@ -315,8 +313,14 @@ void HardSpheres<d, motion, mixed>::predict_self_event(u32 i, const Place<d>& at
             for (const bool upper : {false, true})
                 if (box_.has_moving_walls(k)) consider(wall_time(i, box_.wall(k, upper), in), k, upper, true);
     if (box_.is_sheared()) {
-        const double slides = (now_ - p.time) + cells_.time_to_slide(box_, own, at, now_);
-        if (slides < in) in = slides, which = SelfEvent::slides;
+        const double after = now_ - p.time;
+        const int y = box_.gradient;
+        const auto u =
+            cells_.along(position_after<motion>(p, 0, after, box_), position_after<motion>(p, y, after, box_),
+                         p.velocity[0], p.velocity[y], now_);
+        const Exit leaves = exit_of(u.at, u.rate, u.acceleration, at[0] * g.edge[0], (at[0] + 1) * g.edge[0],
+                                    4.0 * math::epsilon * now_);
+        consider(after + leaves.time, 0, leaves.high, false);
     }
     e.own_time = math::max(now_, p.time + in);
     e.own = static_cast<u32>(which) & 15u;

@@ -34,7 +34,7 @@ void HardSpheres<d, motion, mixed>::displace(u32 i, double share, const double (
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::update_cell(u32 i) {
     Particle<d>& p = particles_[i];
-    for (int k = d - 1; k >= 0; --k)  // crossing a sheared side moves a particle along the first axis
+    for (int k = d - 1; k >= (box_.is_sheared() ? 1 : 0); --k)
         while (box_.wraps(k) && (p.position[k] < 0.0 || p.position[k] > box_.edge[k])) {
             const int step = p.position[k] < 0.0 ? -1 : 1;
             if (box_.is_periodic(k))
@@ -42,7 +42,7 @@ void HardSpheres<d, motion, mixed>::update_cell(u32 i) {
             else
                 cross_sheared_side(i, step);
         }
-    const u32 cell = cells_.number(level(i), cells_.place_of(level(i), p.position));
+    const u32 cell = fold_into_column(i);
     if (cell == pending_[i].cell) return;
     cells_.remove(pending_[i].cell, i);
     cells_.insert(cell, i);

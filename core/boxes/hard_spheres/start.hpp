@@ -14,6 +14,7 @@ HardSpheres<d, motion, mixed>::HardSpheres(const System& s, const RuleChoice& ru
     mass_ = s.mass[0];
     set_rule(rule);
     make_cells(s.n);
+    columns_ = cells_.columns();
     sort_in(s);
     fill_cells();
     next_sort_ = collisions_between_sorts * s.n;
@@ -34,6 +35,7 @@ HardSpheres<d, motion, mixed>::HardSpheres(Reader& saved, const hardlimit_abi::T
     archive(saved);
     if (saved.failed()) return;
     make_cells(particles_.size());
+    if (box_.is_sheared()) cells_.set_columns(columns_);
     fill_cells();
     rebuild_queue();
 }
@@ -53,7 +55,7 @@ void HardSpheres<d, motion, mixed>::archive(Archive& a) {
     a(particles_), a(pending_), a(image_flags_), a(original_index_), a(masses_), a(rescans_), a(fastest_);
     a(accumulators_), a(until_refresh_), a(now_), a(paused_), a(outcome_), a(log_);
     a(early_end_.time), a(early_end_.particles), a(early_end_.wall);
-    a(last_contacts_), a(soft_contacts_), a(soft_third_body_), a(deepest_);
+    a(last_contacts_), a(soft_contacts_), a(soft_third_body_), a(deepest_), a(columns_);
     collapse_.archive(a);
     set_rule(choice_);
 }
@@ -77,8 +79,12 @@ template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::sort_in(const System& s) {
     const u32 n = static_cast<u32>(s.n);
     std::vector<u32> cell(n);
+    // Returns by how many edges the position has been moved back along the first axis.
     const auto position_of = [&](u32 i, double (&x)[d]) {
         for (int k = 0; k < d; ++k) x[k] = s.position[std::size_t{i} * d + static_cast<std::size_t>(k)];
+        const int turns = box_.is_sheared() ? box_.turns(cells_.along(x, 0.0), 0) : 0;
+        if (turns != 0) x[0] -= turns * box_.edge[0];
+        return turns;
     };
     for (u32 i = 0; i < n; ++i) {
         double x[d];
@@ -100,7 +106,7 @@ void HardSpheres<d, motion, mixed>::sort_in(const System& s) {
         prefetch(&s.position[std::size_t{later} * d]);
         prefetch(&s.velocity[std::size_t{later} * d]);
         Particle<d>& p = particles_[i];
-        position_of(from, p.position);
+        image_flags_[i][0] = position_of(from, p.position);
         for (int k = 0; k < d; ++k)
             p.velocity[k] = s.velocity[std::size_t{from} * d + static_cast<std::size_t>(k)];
         p.time = 0.0;
@@ -118,6 +124,19 @@ void HardSpheres<d, motion, mixed>::fill_cells() {
         cells_.insert(pending_[i].cell, i);
         if constexpr (mixed) cells_.note(level(i), 2.0 * radius(i));
     }
+}
+
+// Tilts the columns of cells of a sheared box back, against the flow. All particles get new cells, and all events are
+// predicted again.
+template <int d, Motion motion, bool mixed>
+void HardSpheres<d, motion, mixed>::tilt_cells() {
+    cells_.tilt_back();
+    columns_ = cells_.columns();
+    for (u32 i = 0; i < size32(); ++i) pending_[i].cell = fold_into_column(i) & (most_cells - 1);
+    fill_cells();
+    Stop never;
+    predict_all(never);
+    rebuild_queue();
 }
 
 template <int d, Motion motion, bool mixed>

@@ -6,8 +6,16 @@
 // three cells along an axis are no special case: neighbours are counted by offset, and a periodic image of a particle
 // is a separate neighbour.
 //
-// Beyond a sheared side the cells slide along the first axis: three columns of a block face four columns there. Blocks
-// leave these cells out, as beyond a wall; for_sheared_parts() has them.
+// In a sheared box the columns of cells along the first axis follow the mean flow, so that only the velocity relative
+// to it takes a particle to another column (D. P. Hansen and D. J. Evans, Mol. Simul. 13, 375 (1994), use such cells).
+// A column is a range of
+//   u = x − τ (y − L/2),   τ(t) = (D(t) − c w)/L,
+// with the edge L along the gradient axis y, the displacement D of the images beyond its far side, the width w of a
+// column and a whole number c of columns. The tilt τ grows at the shear rate, and beyond that side the images are
+// displaced by exactly c columns. When |τ| reaches its limit, c changes by a fixed number and all particles are put
+// into cells anew. Columns are wide enough that particles which touch are in neighbouring ones at any tilt. Particles
+// are folded into 0 ≤ u < edge, so that x is continuous from one column to the next. Blocks leave out the cells beyond
+// a sheared side, as beyond a wall; for_sheared_parts() has them.
 #pragma once
 #include <algorithm>
 #include <cstring>
@@ -37,6 +45,7 @@ struct Grid {
     u32 rows[9];      // offsets of the 3 × 3 rows of a block along the first axis from its first row
     u32 planes[3];    // offsets of those rows that differ only in the third coordinate
     u32 steps[d];     // start of each axis in `steps_`
+    double columns;   // c, by which the images beyond a sheared side are displaced
     bool few;         // cells along a periodic axis: several images of a neighbour may be near
 };
 
@@ -55,7 +64,13 @@ public:
 
     // Grids for `n` particles, the finest first.
     Cells() = default;
-    Cells(const Box& box, std::size_t n, double smallest, double largest) { lay(box, n, smallest, largest); }
+    Cells(const Box& box, std::size_t n, double smallest, double largest) {
+        lay(box, n, smallest, largest);
+        if (!box.is_sheared()) return;
+        shear_rate_ = box.shear_rate, displacement_ = box.shear_displacement;
+        gradient_ = box.gradient, length_ = box.edge[gradient_], middle_ = 0.5 * length_;
+        set_columns(math::round_small(displacement_ / grids_.back().edge[0]));
+    }
 
     const std::vector<Grid<d>>& grids() const { return grids_; }
     int levels() const { return static_cast<int>(grids_.size()); }
@@ -85,12 +100,52 @@ public:
         p[d - 1] = static_cast<int>(index);
         return p;
     }
-    Place<d> place_of(int level, const double (&position)[d]) const {
+    // The position must be folded: along() in [0, L) in a sheared box, at this time.
+    Place<d> place_of(int level, const double (&position)[d], double time = 0.0) const {
         const Grid<d>& g = grids_[level];
         Place<d> p;
-        for (int k = 0; k < d; ++k)
-            p[k] = static_cast<int>(math::clamp(position[k] / g.edge[k], 0.0, g.cells[k] - 1.0));
+        for (int k = 0; k < d; ++k) {
+            const double x = k == 0 ? along(position, time) : position[k];
+            p[k] = static_cast<int>(math::clamp(x / g.edge[k], 0.0, g.cells[k] - 1.0));
+        }
         return p;
+    }
+
+    // Coordinate u [m] of a position at this time. Without shear it is x.
+    double along(const double* position, double time) const {
+        return position[0] - tilt(time) * (position[gradient_] - middle_);
+    }
+    double tilt(double time) const { return tilt_ + shear_rate_ * time; }
+    // Half the extent of a ball of this radius along u [m].
+    double extent_along(double radius, double time) const { return stretched(radius, tilt(time)); }
+    // u of a particle in free flight at (x, y): its value [m], its rate [m/s] and its acceleration [m/s²].
+    struct Along {
+        double at, rate, acceleration;
+    };
+    Along along(double x, double y, double v_x, double v_y, double time) const {
+        const double steep = tilt(time), height = y - middle_;
+        return {x - steep * height, (v_x - steep * v_y) - shear_rate_ * height, -2.0 * shear_rate_ * v_y};
+    }
+    // The displacement c of the coarsest grid. Every particle must be put into a cell anew after a change.
+    double columns() const { return grids_.back().columns; }
+    void set_columns(double columns) {
+        const double width = grids_.back().edge[0];
+        tilt_ = (displacement_ - columns * width) / length_;
+        const double limit = 0.5 * step_ * width / length_;
+        next_tilt_ = shear_rate_ == 0.0 ? math::infinity
+                                        : (shear_rate_ > 0.0 ? limit - tilt_ : -limit - tilt_) / shear_rate_;
+        for (int level = levels() - 1; level >= 0; --level, columns *= 2.0) grids_[level].columns = columns;
+    }
+    // Time at which the tilt reaches its limit [s]; infinity without shear. tilt_back() must be called then.
+    double next_tilt() const { return next_tilt_; }
+    void tilt_back() { set_columns(columns() + (shear_rate_ > 0.0 ? step_ : -step_)); }
+    // Changes the column of a particle that is replaced by its image `count` boxes farther along the gradient axis.
+    // Returns the number of edges along the first axis by which the particle has to be moved back.
+    int displace(int level, int& column, int count) const {
+        const Grid<d>& g = grids_[static_cast<std::size_t>(level)];
+        const double moved = column + count * g.columns, turns = math::floor_small(moved / g.cells[0]);
+        column = static_cast<int>(moved - turns * g.cells[0]);
+        return static_cast<int>(turns);
     }
 
     void insert(u32 cell, u32 id) {
@@ -281,50 +336,28 @@ public:
         }
     }
     // Calls f(from, to, image) for each part of a block that lies beyond a side of a sheared box, at a time [s]: the
-    // cells in the box whose particles are there, moved by this image. Along the first axis these are the columns that
-    // overlap those of the block, to within a small part of a cell; they may reach beyond the far side of the box.
+    // cells in the box whose particles are there, moved by this image. They may reach beyond the far side of the first
+    // axis.
     template <class F>
     void for_sheared_parts(const Box& box, int level, const Place<d>& from, const Place<d>& to, double time,
                            const F& f) const {
         const Grid<d>& g = grids_[static_cast<std::size_t>(level)];
         const int axis = box.gradient, rows = g.cells[axis];
         if (from[axis] >= 0 && to[axis] < rows) return;
-        const double offset = box.image_offset(time);
         const int last = floor_to_int(static_cast<double>(to[axis]) / rows);
         for (int count = floor_to_int(static_cast<double>(from[axis]) / rows); count <= last; ++count) {
             if (count == 0) continue;
             Place<d> low = from, high = to;
             low[axis] = std::max(from[axis] - count * rows, 0);
             high[axis] = std::min(to[axis] - count * rows, rows - 1);
-            const double slid = -count * (offset / g.edge[0]);
-            low[0] = floor_to_int(from[0] + slid - slide_margin);
-            high[0] = -floor_to_int(-(to[0] + slid + slide_margin));
-            const int turns = floor_to_int(static_cast<double>(low[0]) / g.cells[0]);
-            low[0] -= turns * g.cells[0], high[0] -= turns * g.cells[0];
+            displace(level, low[0], -count);
+            high[0] = low[0] + (to[0] - from[0]);
             ImageMotion image{};
             image.shift[axis] = count * box.edge[axis];
-            image.shift[0] = count * offset + turns * box.edge[0];
+            image.shift[0] = count * (tilt(time) * length_) + (from[0] - low[0]) * g.edge[0];
             image.velocity[0] = count * box.image_velocity();
             f(low, high, image);
         }
-    }
-    // Time until the columns of for_sheared_parts() change for a particle in this cell [s].
-    double time_to_slide(const Box& box, int level, Place<d> at, double time) const {
-        double soonest = math::infinity;
-        for (int own = level; level < levels(); ++level) {
-            // Of two equal grids that slide along each other, the particles of one have to look.
-            const Grid<d>& g = grids_[static_cast<std::size_t>(level)];
-            const int row = at[box.gradient];
-            if (row == 0 || (level > own && row == g.cells[box.gradient] - 1)) {
-                const double slid = box.image_offset(time) / g.edge[0],
-                             rate = box.image_velocity() / g.edge[0];
-                const double ahead = rate > 0.0 ? slid + slide_margin : -slid + slide_margin;
-                const double cells = (floor_to_int(ahead) + 1) - (ahead - slide_margin);
-                if (rate != 0.0) soonest = math::min(soonest, cells / math::abs(rate));
-            }
-            for (int k = 0; k < d; ++k) at[k] >>= 1;
-        }
-        return soonest;
     }
     // Calls f(level, from, to) for the block around a cell, in its own grid and in each coarser one.
     template <class F>
@@ -344,7 +377,7 @@ public:
 
 private:
     static constexpr u32 inline_ids = 3, linked = 4, cells_of_part = 4;
-    static constexpr double slide_margin = 1e-6;  // of a cell; more than the rounding of a displacement
+    static constexpr double largest_tilt = 0.5;  // less would need more changes of c, more wider columns
     static constexpr u32 beyond = 3;  // empty cells at the end, for a kernel that reads four cells at once
 
     // A block of three cells, of which at least one is in the box, reaches at most this far beyond the box.
@@ -356,6 +389,13 @@ private:
     std::vector<Cell> spilled_;
     std::vector<u32> free_;          // unused cells of `spilled_`
     std::size_t longest_chain_ = 0;  // spilled cells of one cell
+    // Of a sheared box; without shear u is x.
+    double shear_rate_ = 0.0, displacement_ = 0.0;  // [1/s], D at time 0 [m]
+    double length_ = 0.0, middle_ = 0.0;            // L and L/2 [m]
+    int gradient_ = 0;
+    double tilt_ = 0.0;                  // at time 0
+    double step_ = 0.0;                  // by which c changes
+    double next_tilt_ = math::infinity;  // [s]
 
     void lay_by_rows(hardlimit_abi::CellBlock& block, const Grid<d>& g, const Box& box, const Place<d>& from,
                      const Place<d>& to) const {
@@ -445,14 +485,16 @@ private:
         Grid<d> coarse = grid(box, edge);
         while (count(coarse) > most) coarse = grid(box, edge *= 1.05);
         coarse.diameter = largest;
+        step_ = step_of(box, coarse);
+        const double steepest = tilt_limit(box, coarse), stretch = stretched(1.0, steepest);
         grids_ = {coarse};
         for (;;) {
             Grid<d> g = grids_.back();
-            double shortest = g.edge[0];
+            double shortest = math::infinity;
             for (int k = 0; k < d; ++k) {
                 g.cells[k] *= 2;
                 g.edge[k] *= 0.5;
-                shortest = k == 0 ? g.edge[0] : std::min(shortest, g.edge[k]);
+                shortest = std::min(shortest, k == 0 ? g.edge[0] / stretch : g.edge[k]);
             }
             if (shortest < smallest || count(g) > most) break;
             g.diameter = shortest;
@@ -463,8 +505,11 @@ private:
         for (Grid<d>& g : grids_) {
             g.first = first;
             g.few = false;
-            // With four cells, every image but the nearest is more than two cells away.
-            for (int k = 0; k < d; ++k) g.few = g.few || (box.is_periodic(k) && g.cells[k] < 4);
+            // With four cells, every image but the nearest is more than two cells away. Tilted rows are displaced.
+            for (int k = 0; k < d; ++k) {
+                const double rows = k == 0 ? 4.0 * steepest * g.edge[box.gradient] / g.edge[0] : 0.0;
+                g.few = g.few || (box.is_periodic(k) && g.cells[k] < 4.0 + rows);
+            }
             lay_steps(g, box);
             first += static_cast<u32>(count(g));
             const u32 row = static_cast<u32>(g.cells[0]),
@@ -480,12 +525,25 @@ private:
     static Grid<d> grid(const Box& box, double edge) {
         Grid<d> g{};
         for (int k = 0; k < d; ++k) {
-            g.cells[k] = std::max(1, static_cast<int>(math::min(box.edge[k] / edge, 1e9)));
+            const double least = k == 0 && box.is_sheared() ? stretched(edge, largest_tilt) : edge;
+            g.cells[k] = std::max(1, static_cast<int>(math::min(box.edge[k] / least, 1e9)));
             // Rounding must not make a cell shorter than a diameter.
-            if (g.cells[k] > 1 && box.edge[k] / g.cells[k] < edge) --g.cells[k];
+            if (g.cells[k] > 1 && box.edge[k] / g.cells[k] < least) --g.cells[k];
             g.edge[k] = box.edge[k] / g.cells[k];
+            // In a low box a single column may be more than the largest tilt.
+            while (k == 0 && g.cells[k] > 1 && g.edge[k] < stretched(edge, tilt_limit(box, g)))
+                g.edge[k] = box.edge[k] / --g.cells[k];
         }
         return g;
+    }
+    // Width of a tilted column in which particles of this diameter touch those of the next columns only [m].
+    static double stretched(double diameter, double tilt) { return diameter * math::sqrt(1.0 + tilt * tilt); }
+    // Number of columns by which the displacement c changes at a time, and the largest |τ| that this requires.
+    static double step_of(const Box& box, const Grid<d>& g) {
+        return math::max(1.0, math::floor_small(2.0 * largest_tilt * box.edge[box.gradient] / g.edge[0]));
+    }
+    static double tilt_limit(const Box& box, const Grid<d>& g) {
+        return box.is_sheared() ? 0.5 * step_of(box, g) * g.edge[0] / box.edge[box.gradient] : 0.0;
     }
     static double count(const Grid<d>& g) {
         double product = 1.0;

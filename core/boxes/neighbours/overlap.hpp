@@ -72,6 +72,7 @@ Overlap deepest_overlap_in(const Box& box, const double* position, const double*
         double at[d];
         // NaN gives 0: as an index it would lie outside the cells.
         for (int axis = 0; axis < d; ++axis) at[axis] = math::max(0.0, position[std::size_t{i} * d + axis]);
+        if (box.is_sheared()) at[0] -= box.edge[0] * box.turns(cells.along(at, 0.0), 0);
         return cells.place_of(level, at);
     };
     const u32 n = static_cast<u32>(count);

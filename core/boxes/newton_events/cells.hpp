@@ -71,6 +71,7 @@ void NewtonEvents<Law>::make_cells(std::size_t n, const hardlimit_abi::TouchKern
     series_ = &kernels.series;
     touch_ = kernels.enlarged[dot(gravity_, gravity_) > 0.0 ? 1 : 0];
     const double most = 2.001 * (largest_radius_ + 2.0 * largest_safety_radius_);
+    if (box_.is_sheared()) cell_box_.shear(box_.gradient, box_.shear_rate, box_.shear_displacement);
     query_.others = 1.0;
     for (int a = 0; a < 3; ++a) {
         const bool used = a < box_.dimension;
@@ -89,9 +90,9 @@ void NewtonEvents<Law>::make_cells(std::size_t n, const hardlimit_abi::TouchKern
     // D < 0.25 L − R, is lowered by 0.03 L − 0.1 R, positive in every box that this engine accepts (L >= 4.2 R).
     largest_displacement_ =
         math::min(0.25 * smallest_radius_, 0.22 * smallest_edge() - 0.9 * largest_radius_);
-    const Grid<3>& g = cells_.grids()[static_cast<std::size_t>(level_)];
+    several_images_ = grid().few;
     for (int a = 0; a < box_.dimension; ++a) {
-        several_images_ = several_images_ || (box_.wraps(a) && g.cells[a] < 4);
+        several_images_ = several_images_ || (box_.wraps(a) && grid().cells[a] < 4);
         walled_ = walled_ || box_.has_walls(a);
     }
 }
@@ -101,9 +102,11 @@ template <class Law>
 void NewtonEvents<Law>::sort_in(const System& s) {
     const auto n = static_cast<u32>(s.n);
     std::vector<u32> cell(n);
+    std::vector<int> turns(box_.is_sheared() ? n : 0);
     for (u32 i = 0; i < n; ++i) {
         double x[3];
         setting_.in_three(s.position, i, x);
+        if (box_.is_sheared()) x[0] -= (turns[i] = box_.turns(cells_.along(x, 0.0), 0)) * box_.edge[0];
         cell[i] = cells_.number(level_, cells_.place_of(level_, x));
     }
     const std::vector<u32> order = order_by_cell(cell);
@@ -118,6 +121,8 @@ void NewtonEvents<Law>::sort_in(const System& s) {
         p.time = 0.0;
         p.radius = radius(static_cast<int>(i));
         pending_[i].original_index = from;
+        if (box_.is_sheared())
+            box_.wrap(p.position, p.velocity, pending_[i].image_flags, 0, turns[from], 0.0);
         pending_[i].cell = cell[from] & (most_cells - 1);
     }
     put_into_cells();
@@ -156,7 +161,7 @@ void NewtonEvents<Law>::for_neighbours(int i, const F& f) const {
     reserve_candidates();
     const Block near = around(cells_.place(level_, pending_[i].cell));
     const Vector3 x = position(i, now_);
-    for_sides(near, [&](const Block& in, const ImageMotion& image, bool) {
+    for_sides(near, [&](const Block& in, const ImageMotion& image) {
         cells_.for_block(cell_box_, level_, in.from, in.to, [&](u32 cell, const double (&shift)[3]) {
             const std::size_t n = cells_.collect(cell, candidates_, 0);
             for (std::size_t k = 0; k < n; ++k) {
@@ -182,9 +187,13 @@ void NewtonEvents<Law>::leave_cell(int i) {
     at[axis] += step;
     if (at[axis] < 0 || at[axis] == g.cells[axis]) {
         at[axis] -= step * g.cells[axis];
-        if (box_.is_sheared() && axis == box_.gradient) return cross_sheared_side(i, step, at);
+        int along = axis, turns = step;
+        if (box_.is_sheared() && axis == box_.gradient) {
+            cross_sheared_side(i, step);
+            along = 0, turns = cells_.displace(level_, at[0], -step);
+        }
         Particle<3>& p = particles_[i];
-        box_.wrap(p.position, p.velocity, e.image_flags, axis, step, p.time);
+        box_.wrap(p.position, p.velocity, e.image_flags, along, turns, p.time);
     }
     e.cell = cells_.number(level_, at) & (most_cells - 1);
     cells_.insert(e.cell, static_cast<u32>(i));

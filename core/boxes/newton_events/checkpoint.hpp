@@ -54,7 +54,7 @@ std::vector<char> NewtonEvents<Law>::save() const {
         const_cast<NewtonEvents&>(*this);  // exchange() serves reading and writing; a writer only reads
     Writer writer("newton_events");
     self.setting_.exchange(writer);
-    writer(largest_safety_radius_);
+    writer(largest_safety_radius_), writer(cells_.columns());
     self.exchange(writer);
     writer(groups_.size());
     for (Group& g : self.groups_) exchange(writer, g);
@@ -72,6 +72,9 @@ NewtonEvents<Law>::NewtonEvents(const NewtonSetting& setting, Reader& reader,
     find_extreme_radii(count);
     reader(largest_safety_radius_);
     make_cells(count, kernels);
+    double columns = 0.0;
+    reader(columns);
+    if (box_.is_sheared()) cells_.set_columns(columns);
     exchange(reader);
     if (reader.failed()) return;
     std::vector<u32> names;

@@ -63,8 +63,6 @@ public:
     static constexpr double largest_rotation = 1.0;
     // Largest initial overlap that counts as rounding error, relative to the sum of the radii.
     static constexpr double touching_depth = 1e-9;
-    // Part of a cell's length by which images may have slid early. Cells are longer than needed by more than this.
-    static constexpr double rounding_of_slides = 1e-6;
 
     // Bodies that overlap start in contact if their force is repulsive.
     NewtonEvents(const NewtonSetting& setting, const System& s, const hardlimit_abi::TouchKernels& kernels);
@@ -210,14 +208,11 @@ private:
     void leave_cell(int i);
 
     // sheared_side.hpp
-    double displaced_cells() const;
-    double next_slide() const;
     template <class F>
     void for_sides(const Block& in, const F& f) const;
-    ImageMotion slide_columns(Block& block, bool high) const;
-    bool at_sheared_side(const Place<3>& at) const;
-    void slide(int i);
-    void cross_sheared_side(int i, int step, Place<3>& at);
+    void cross_sheared_side(int i, int step);
+    void fold_into_column(int i);
+    void tilt_cells();
     BodyImage nearest_image(const Vector3& r) const;
     void set_sheared_member(Group& g, std::size_t m, Member& member) const;
     void set_sheared_image(const Member& a, const Member& b, ContactPair<Law>& q) const;
@@ -239,7 +234,7 @@ private:
     void predict_events_without(int i, int other);
     void set_query(int i);
     void predict_collisions(int i, const Block& in);
-    void predict_part(int i, Block in, bool beyond);
+    void predict_part(int i, const Block& in);
     void take_candidates(int i, const hardlimit_abi::EarliestContact& touched);
     void take_candidate(int i, u32 id, double enlarged_time);
     double collision_time(int i, int j, double enlarged_time) const;
@@ -351,14 +346,19 @@ void NewtonEvents<Law>::advance(double until, u64 most_work, int /*threads*/, St
                                  });
         const ContactEnd* ending = contact_ends_.next(is_valid(), by_original_index());
         const bool ends = ending && !(due && due->time < ending->time);
-        if (!ends && !due) break;
-        const double time = ends ? ending->time : due->time;
-        if (time > until) break;
-        if (events_ >= last || stop()) {
+        const double event = ends ? ending->time : due ? due->time : math::infinity;
+        const bool tilts = event > cells_.next_tilt();
+        const double time = tilts ? cells_.next_tilt() : event;
+        if (time > until || time == math::infinity) break;
+        if (events_ >= last || (tilts ? stop.now() : stop())) {
             paused_ = true;
             return;
         }
         now_ = math::max(now_, time);
+        if (tilts) {
+            tilt_cells();
+            continue;
+        }
         ++events_;
         if (ends) {
             const int index = ending->group;
@@ -401,7 +401,6 @@ void NewtonEvents<Law>::process_event(int i) {
     }
     const SelfEvent own = static_cast<SelfEvent>(e.own);
     if (own == SelfEvent::ends) return end_cluster(i);
-    if (own == SelfEvent::rescan) return slide(i);
     if (is_wall(own))
         return meets_wall(i, box_.wall(wall_at(own))) ? begin_contact(i, -1, wall_at(own)) : reschedule(i);
     leave_cell(i);

@@ -98,21 +98,20 @@ void NewtonEvents<Law>::set_query(int i) {
 
 template <class Law>
 void NewtonEvents<Law>::predict_collisions(int i, const Block& in) {
-    if (!box_.is_sheared()) return predict_part(i, in, false);
-    for_sides(in, [&](const Block& part, const ImageMotion& image, bool beyond) {
+    if (!box_.is_sheared()) return predict_part(i, in);
+    for_sides(in, [&](const Block& part, const ImageMotion& image) {
         const hardlimit_abi::ContactQuery own = query_;
         for (int a = 0; a < 3; ++a)
             query_.position[a] -= image.shift[a], query_.velocity[a] -= image.velocity[a];
-        predict_part(i, part, beyond);
+        predict_part(i, part);
         for (int a = 0; a < 3; ++a)
             query_.position[a] = own.position[a], query_.velocity[a] = own.velocity[a];
     });
 }
 
-// Predicts collisions with the bodies in a block of cells. `beyond`: the query is in the frame of images beyond the
-// sheared side, and its position may lie outside of the box.
+// Predicts collisions with the bodies in a block of cells, in whose frame the query is.
 template <class Law>
-void NewtonEvents<Law>::predict_part(int i, Block in, bool beyond) {
+void NewtonEvents<Law>::predict_part(int i, const Block& in) {
     reserve_candidates();
     const auto self = static_cast<unsigned>(i);
     if (several_images_) {
@@ -125,12 +124,8 @@ void NewtonEvents<Law>::predict_part(int i, Block in, bool beyond) {
         return;
     }
     hardlimit_abi::CellBlock block;
-    if (beyond) {
-        const int n = grid().cells[0], moved = in.from[0] - (in.from[0] % n + n) % n;
-        in.from[0] -= moved, in.to[0] -= moved;  // the kernel uses the nearest image
-    }
     const bool outside = cells_.lay_block(block, cell_box_, level_, in.from, in.to);
-    const auto touch = outside || beyond ? touch_.across : touch_.near;
+    const auto touch = outside ? touch_.across : touch_.near;
     take_candidates(i, touch(query_, particles_.data(), self, candidates_.data(), times_.data(), block));
 }
 
@@ -261,6 +256,7 @@ void NewtonEvents<Law>::predict_self_event(int i, const Place<3>& at) {
     HL_UNROLL
     for (int a = 0; a < 3; ++a) {
         if (a == box_.dimension) break;
+        if (a == 0 && box_.is_sheared()) continue;
         const double x = query_.position[a], v = query_.velocity[a], pull = box_.gravity[a];
         double low = at[a] * g.edge[a], high = (at[a] + 1) * g.edge[a];
         bool outermost[2] = {};
@@ -289,12 +285,16 @@ void NewtonEvents<Law>::predict_self_event(int i, const Place<3>& at) {
                     consider(wall_contact_time(box_.wall(a, up), now_, query_.position[a], query_.velocity[a],
                                                box_.gravity[a], query_.radius, in),
                              a, up, true);
+    if (box_.is_sheared()) {
+        const int y = box_.gradient;
+        const auto u = cells_.along(query_.position[0], query_.position[y], query_.velocity[0],
+                                    query_.velocity[y], now_);
+        const Exit leaves = exit_of(u.at, u.rate, u.acceleration, at[0] * g.edge[0], (at[0] + 1) * g.edge[0],
+                                    4.0 * math::epsilon * now_);
+        consider(leaves.time, 0, leaves.high, false);
+    }
     e.own_time = now_ + in;
     e.own = static_cast<u32>(which) & 15u;
-    if (at_sheared_side(at)) {
-        const double next = next_slide();
-        if (next < e.own_time) e.own_time = next, e.own = static_cast<u32>(SelfEvent::rescan) & 15u;
-    }
     if (!e.first || !e.clustered || e.end > e.own_time) return;
     e.own_time = e.end;
     e.own = static_cast<u32>(SelfEvent::ends) & 15u;

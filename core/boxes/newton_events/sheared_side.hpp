@@ -1,8 +1,5 @@
-// The Lees–Edwards boundary. The images of bodies beyond it move along the first axis. Their cells slide past those of
-// the box, so that a row of three cells has four neighbours there.
-//
-// A prediction moves the body to the frame of the images, and then reads their cells like any others. Each time the
-// images have slid by the length of a cell, the bodies at both sides look into the next cell.
+// The Lees–Edwards boundary. The images of bodies beyond it move along the first axis. A prediction moves the body to
+// the frame of the images, and then reads their cells like any others.
 //
 // A group lives in the frame of its first body. A member's image is the one nearest to it, and has the velocity of that
 // image. The kinetic energy of a body in the laboratory differs from that in the frame of its group. The boundary does
@@ -12,99 +9,49 @@
 
 namespace hardlimit::boxes {
 
-// Number of whole cells by which the images beyond the far side are displaced.
-template <class Law>
-double NewtonEvents<Law>::displaced_cells() const {
-    const double early = box_.image_velocity() < 0.0 ? -rounding_of_slides : rounding_of_slides;
-    return math::floor_small(box_.image_displacement(now_) / grid().edge[0] + early);
-}
-
-// Time at which this number changes next.
-template <class Law>
-double NewtonEvents<Law>::next_slide() const {
-    const double speed = box_.image_velocity(), cells = displaced_cells() + (speed > 0.0 ? 1.0 : 0.0);
-    return speed == 0.0 ? math::infinity : (cells * grid().edge[0] - box_.shear_displacement) / speed;
-}
-
-// Calls f(block, image, beyond) for the part of a block in the box, and for its parts beyond the sheared side. The
+// Calls f(block, image) for a block, whose cells beyond a sheared side are left out, and for its parts there. The
 // bodies in the cells of `block` are in the frame of `in` after `image` has been added to them.
 template <class Law>
 template <class F>
 void NewtonEvents<Law>::for_sides(const Block& in, const F& f) const {
-    if (!box_.is_sheared()) return f(in, ImageMotion{}, false);
-    const int last = grid().cells[box_.gradient] - 1;
-    for (const bool high : {false, true}) {
-        if (high ? in.to[box_.gradient] <= last : in.from[box_.gradient] >= 0) continue;
-        Block part = in;
-        part.from[box_.gradient] = part.to[box_.gradient] = high ? 0 : last;
-        f(part, slide_columns(part, high), true);
-    }
-    Block part = in;
-    part.from[box_.gradient] = std::max(in.from[box_.gradient], 0);
-    part.to[box_.gradient] = std::min(in.to[box_.gradient], last);
-    if (part.from[box_.gradient] <= part.to[box_.gradient]) f(part, ImageMotion{}, false);
+    f(in, ImageMotion{});
+    if (!box_.is_sheared()) return;
+    cells_.for_sheared_parts(box_, level_, in.from, in.to, now_,
+                             [&](const Place<3>& from, const Place<3>& to, const ImageMotion& image) {
+                                 f(Block{from, to}, image);
+                             });
 }
 
-// Replaces the columns of a block by those of the images next to them, one more. Returns the motion of these images,
-// which are shifted along the first axis by less than a period.
+// Moves body i, which has left through the sheared side, to its image in the box.
 template <class Law>
-ImageMotion NewtonEvents<Law>::slide_columns(Block& block, bool high) const {
-    const int n = grid().cells[0];
-    const double displaced = displaced_cells(), periods = math::floor_small(displaced / n);
-    const auto columns = static_cast<int>(displaced - periods * n);
-    block.from[0] += high ? -columns - 1 : columns;
-    block.to[0] += high ? -columns : columns + 1;
-    double flags[3] = {};
-    flags[0] = high ? -periods : periods;
-    flags[box_.gradient] = high ? 1.0 : -1.0;
-    return box_.image(flags, now_);
-}
-
-// Whether the images slide past this cell.
-template <class Law>
-bool NewtonEvents<Law>::at_sheared_side(const Place<3>& at) const {
-    return box_.is_sheared() &&
-           (at[box_.gradient] == 0 || at[box_.gradient] == grid().cells[box_.gradient] - 1);
-}
-
-// Predicts collisions in the cells that the images have moved next to body i.
-template <class Law>
-void NewtonEvents<Law>::slide(int i) {
-    const Place<3> at = cells_.place(level_, pending_[i].cell);
-    set_query(i);
-    for (const bool high : {false, true}) {
-        if (at[box_.gradient] != (high ? grid().cells[box_.gradient] - 1 : 0)) continue;
-        Block next = around(at);
-        next.from[box_.gradient] = next.to[box_.gradient] = high ? at[box_.gradient] + 1 : -1;
-        next.from[0] = next.to[0] = high == (box_.image_velocity() > 0.0) ? next.from[0] : next.to[0];
-        predict_collisions(i, next);
-    }
-    predict_self_event(i, at);
-    schedule(i);
-}
-
-// Moves body i, which has left through the sheared side, to its image in the box. Its neighbours in the box are those
-// that it had, but it has others beyond the sides.
-template <class Law>
-void NewtonEvents<Law>::cross_sheared_side(int i, int step, Place<3>& at) {
-    BodyEvents& e = pending_[i];
+void NewtonEvents<Law>::cross_sheared_side(int i, int step) {
     Particle<3>& p = particles_[i];
-    const double speed = velocity(i, now_)[0];
-    int flags[3] = {};
-    flags[box_.gradient] = step;
-    const double x = position(i, now_)[0] - box_.image(flags, now_).shift[0];
-    flags[0] = static_cast<int>(math::floor_small(x / box_.edge[0]));
-    const ImageMotion image = box_.image(flags, p.time);
-    for (std::size_t a = 0; a < 3; ++a) {
-        p.position[a] -= image.shift[a];
-        p.velocity[a] -= image.velocity[a];
-        e.image_flags[a] += flags[a];
-    }
-    if (free(i)) shear_work_ += gained_energy(mass(i), speed, -image.velocity[0]);
-    at[0] = static_cast<int>(math::clamp(position(i, now_)[0] / grid().edge[0], 0.0, grid().cells[0] - 1.0));
-    e.cell = cells_.number(level_, at) & (most_cells - 1);
-    cells_.insert(e.cell, static_cast<u32>(i));
-    reschedule(i);
+    const double before = velocity(i, now_)[0], image_velocity = step * box_.image_velocity();
+    if (free(i)) shear_work_ += gained_energy(mass(i), before, -image_velocity);
+    box_.wrap(p.position, p.velocity, pending_[i].image_flags, box_.gradient, step, p.time);
+}
+
+// Puts a body into its column of cells, which are tilted in a sheared box.
+template <class Law>
+void NewtonEvents<Law>::fold_into_column(int i) {
+    Particle<3>& p = particles_[i];
+    Vector3 now = position(i, now_);
+    const int turns = box_.turns(cells_.along(now.data(), now_), 0);
+    if (turns != 0) box_.wrap(p.position, p.velocity, pending_[i].image_flags, 0, turns, p.time);
+    double x[3] = {now[0] - turns * box_.edge[0], now[1], now[2]};
+    pending_[i].cell = cells_.number(level_, cells_.place_of(level_, x, now_)) & (most_cells - 1);
+}
+
+// Tilts the columns of cells of a sheared box back, against the flow. All bodies get new cells, and all events are
+// predicted again.
+template <class Law>
+void NewtonEvents<Law>::tilt_cells() {
+    cells_.tilt_back();
+    const int n = static_cast<int>(size32());
+    for (int i = 0; i < n; ++i) fold_into_column(i);
+    put_into_cells();
+    for (int i = 0; i < n; ++i) predict_events(i);
+    restart_calendar_queue();
 }
 
 // The image that must be subtracted from r to make it the shortest.

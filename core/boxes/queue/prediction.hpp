@@ -28,6 +28,24 @@ HL_FN double time_below(double x, double v, double g, double high) {
     return v > 0.0 && square >= 0.0 ? 2.0 * room / (v + math::sqrt(square)) : math::infinity;
 }
 
+// Time until u + v τ + g τ²/2 leaves the interval between two faces, and whether through the upper one. `rounding`:
+// error of times [s], within which a particle that turns on a face counts as turned. Has no branches: which face it is
+// would be unpredictable.
+struct Exit {
+    double time;
+    bool high;
+};
+HL_FN Exit exit_of(double u, double v, double g, double low, double high, double rounding) {
+    const bool up = v + g * rounding > 0.0;
+    const double sign = up ? 1.0 : -1.0, speed = math::max(0.0, sign * v), pull = sign * g;
+    const double ahead = math::max(0.0, up ? high - u : u - low);
+    const double behind = math::max(0.0, up ? u - low : high - u);
+    const bool reaches = speed * speed + 2.0 * pull * ahead >= 0.0;
+    const double root = math::sqrt(speed * speed + 2.0 * (reaches ? pull * ahead : -pull * behind));
+    const double time = (reaches ? 2.0 * ahead : speed + root) / (reaches ? speed + root : -pull);
+    return {math::max(0.0, time), up == reaches};
+}
+
 // Time after `now` at which a particle in free flight, at x with velocity v and acceleration g along the axis, comes
 // within `reach` of a wall. For a wall that oscillates: oscillating_contact_time().
 double oscillating_contact_time(const Wall& wall, double now, double x, double v, double g, double reach,

@@ -47,8 +47,7 @@ private:
     // Cells that a body will search at its next event.
     static Stencil surroundings(const PendingEvents& e) {
         const SelfEvent own = static_cast<SelfEvent>(e.own);
-        if (collides(e) || own == SelfEvent::rescan || own == SelfEvent::ends || own == SelfEvent::slides)
-            return {};
+        if (collides(e) || own == SelfEvent::rescan || own == SelfEvent::ends) return {};
         return Stencil::beyond(axis_of(own), is_high(own));
     }
     // Prefetches those cells, the body, and its partner.
