@@ -2,6 +2,7 @@
 // and, during the fall, both models side by side.
 import type { State as Balls } from "../core/core";
 import type { Drop } from "../core/drop";
+import { Sheet } from "../support/dom";
 import { metres, niceTicks, withUnit } from "../support/format";
 import { halo } from "../support/labels";
 import { setFont, stroke } from "../support/plot";
@@ -78,7 +79,7 @@ export function drawTale(g: CanvasRenderingContext2D, whole: number, h: number, 
       g.fillText(metres(z), middle, bottom);
     }
   });
-  if (t.guess === null && !t.falling) {
+  if (t.guess === null && !t.falling && !Sheet.printing) {
     setFont(g, theme, 1.1 * size, 650);
     g.textAlign = "center";
     g.textBaseline = "middle";
