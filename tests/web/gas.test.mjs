@@ -157,7 +157,6 @@ test("what cannot run is said in one line", async (t) => {
 test("the disks cover their packing fraction of the picture", async (t) => {
   for (const [n, deviceScaleFactor] of [[150, 1], [500, 1], [500, 2]]) {
     const page = await open(t, `?n=${n}&phi=0.4&t=0`, { deviceScaleFactor });
-    await settled(page);
     const shares = await page.evaluate(() => ["hard", "newton"].map((id) => {
       const canvas = document.getElementById(id);
       const inset = Math.ceil(0.04 * canvas.width); // no line of the edge

@@ -13,7 +13,7 @@ interface Control {
   refresh(): void;
 }
 
-// Sliders and fields are created once and reused when the law or the number of balls changes: creating
+// Sliders and fields are created by the first `set`, once, and reused when the law or the number of balls changes: creating
 // those of six balls takes longer than a frame.
 export class Controls {
   private scenario: Scenario;
@@ -32,7 +32,6 @@ export class Controls {
     this.about.className = "about";
     this.said.className = "said";
     this.said.setAttribute("role", "alert");
-    this.set(scenario, "");
   }
 
   // Returns whether the controls in the panel have changed.

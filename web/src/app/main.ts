@@ -188,7 +188,6 @@ class Page {
   // Returns whether the controls have changed, which takes a whole frame.
   private solve(): boolean {
     const { state } = this;
-    const built = state.lecture.step === null && this.controls.set(state.scenario, this.about);
     this.progress.begin(newton.label);
     root.dataset.busy = "";
     root.toggleAttribute("data-cradle", state.scenario.cradle);
@@ -206,7 +205,7 @@ class Page {
         failed: (error) => this.solved({ scenario: ask.scenario, reason: `This setting could not be computed: ${error}` }),
       }),
     );
-    return built;
+    return state.lecture.step === null && this.controls.set(state.scenario, this.about);
   }
 
   private solved(result: Solved | Unsolved): void {

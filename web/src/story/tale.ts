@@ -37,7 +37,7 @@ export function rulerTop(d: Drop, guess: number | null, falling: boolean): numbe
 
 export function drawTale(g: CanvasRenderingContext2D, whole: number, h: number, t: Tale, size: number, theme: Theme): TaleLayout {
   g.clearRect(0, 0, whole, h);
-  const room = !t.falling && whole > 34 * size; // for the balls themselves
+  const room = !t.falling && whole > 39 * size; // for the balls themselves, with what is written beside them
   const w = room ? 0.52 * whole : whole;
   if (room) drawPortrait(g, t.drop, w + 2 * size, whole - w - 2 * size, h, size, theme);
   const floor = h - 2.4 * size;
