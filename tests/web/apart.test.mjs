@@ -98,6 +98,25 @@ for (const [name, query, ready] of [
     await page.waitForFunction(() => document.documentElement.dataset.theme === "dark");
   });
 
+test("in a low window the laboratory shows first the film and a slider", async (t) => {
+  for (const viewport of [{ width: 844, height: 390 }, { width: 640, height: 360 }]) {
+    const page = await site.open(t, "", { viewport });
+    const bottoms = await page.evaluate(() => ["stage", "play", "restitution"].map((id) => document.getElementById(id).getBoundingClientRect().bottom));
+    for (const bottom of bottoms) assert.ok(bottom > 0 && bottom <= viewport.height, `${viewport.width}: ${bottoms}`);
+  }
+  const story = await site.open(t, "?page=story", { viewport: { width: 640, height: 360 } });
+  const bottom = await story.evaluate(() => document.getElementById("watch-gap").getBoundingClientRect().bottom);
+  assert.ok(bottom <= 360, `the slider of the story ends at ${bottom}`);
+});
+
+test("the table of results fits into its panel", async (t) => {
+  for (const [query, width] of [["?example=cradle", 1280], ["?example=cradle", 1440], ["?example=fig7", 1280], ["?example=astro", 390]]) {
+    const page = await site.open(t, query, { viewport: { width, height: 720 } });
+    const over = await page.evaluate(() => document.getElementById("numbers").getBoundingClientRect().right - document.querySelector(".numbers").getBoundingClientRect().right);
+    assert.ok(over <= 0, `${query} at ${width}: ${over} pixels too wide`);
+  }
+});
+
 test("story: what the reader has not come to is printed too, each drawing in its place", async (t) => {
   const page = await site.open(t, "?page=story", { colorScheme: "dark" });
   const printed = (page) => page.evaluate(() => {
@@ -114,6 +133,7 @@ test("story: what the reader has not come to is printed too, each drawing in its
   assert.ok(!/show=|zoom=/.test(page.url()), page.url());
   await page.emulateMedia({ media: "print" });
   await page.waitForFunction(() => document.documentElement.dataset.theme === "light");
+  assert.deepEqual(await page.evaluate(() => [...document.querySelectorAll(".keys")].filter((e) => e.getBoundingClientRect().height > 0).map((e) => e.textContent)), [], "what a click does is not printed");
   const places = await page.evaluate(() => [...document.querySelectorAll(".chapter h2, .chapter .say, .chapter canvas")].map((element) => {
     const { top, bottom, height } = element.getBoundingClientRect();
     return { what: element.id || element.textContent, top, bottom, height };

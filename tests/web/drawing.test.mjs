@@ -35,7 +35,7 @@ function closeUp(g, d) {
   assert.equal(balls.length, 2 * n);
   const along = d.scenario.cradle ? (p) => p.x : (p) => -p.y;
   const shown = balls.map(({ path: [circle], clip }) => {
-    const edges = clip.map(along);
+    const edges = clip?.map(along) ?? [-Infinity, Infinity]; // a whole ball is not clipped
     const center = along(circle);
     return { center, radius: circle.radius, low: Math.max(center - circle.radius, Math.min(...edges)), high: Math.min(center + circle.radius, Math.max(...edges)) };
   });

@@ -154,6 +154,23 @@ test("what cannot run is said in one line", async (t) => {
   assert.equal((await report(page)).time, 0);
 });
 
+test("the disks cover their packing fraction of the picture", async (t) => {
+  for (const [n, deviceScaleFactor] of [[150, 1], [500, 1], [500, 2]]) {
+    const page = await open(t, `?n=${n}&phi=0.4&t=0`, { deviceScaleFactor });
+    const shares = await page.evaluate(() => ["hard", "newton"].map((id) => {
+      const canvas = document.getElementById(id);
+      const inset = Math.ceil(0.04 * canvas.width); // no line of the edge
+      const { data } = canvas.getContext("2d").getImageData(inset, inset, canvas.width - 2 * inset, canvas.height - 2 * inset);
+      const disk = getComputedStyle(document.documentElement).getPropertyValue("--disk");
+      const dark = parseInt(/#(..)/.exec(disk)[1], 16);
+      let covered = 0;
+      for (let i = 0; i < data.length; i += 4) covered += (255 - data[i]) / (255 - dark);
+      return covered / (data.length / 4);
+    }));
+    for (const share of shares) assert.ok(Math.abs(share - 0.4) < 0.02, `${n} disks: ${share}`);
+  }
+});
+
 test("accessible, in both themes, at every size and in print", async (t) => {
   const sizes = { phone: [390, 844], landscape: [844, 390], laptop: [1280, 720], large: [1920, 1080], zoomed: [640, 360] };
   for (const [name, [width, height]] of Object.entries(sizes))

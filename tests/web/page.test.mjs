@@ -93,7 +93,7 @@ test("numbers of every example are Python's", async (t) => {
   for (const example of examples) {
     await page.goto(`${site.base}?example=${example}`);
     await solved(page);
-    const balls = await page.evaluate(() => Number(document.getElementById("count").textContent));
+    const balls = await page.evaluate(() => window.hardlimit.report().setting.balls.length);
     shown.push({ example, balls, numbers: await numbers(page), file: await download(page, "#toml", `${example}.toml`) });
   }
   const said = fromPython(shown.map(({ file }) => file));

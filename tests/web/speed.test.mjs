@@ -8,6 +8,7 @@ import { long } from "./scenarios.mjs";
 
 const strict = process.env.TIMES !== "off";
 const mostBusy = 50; // ms of processor time: a task of the page that takes longer is felt
+const mostEach = 1000 / 60 / 1.5; // ms of processor time for a frame
 let site;
 before(async () => void (site = await Site.begin()));
 after(() => site?.end());
@@ -38,9 +39,9 @@ test("the first picture", async (t) => {
   if (strict) assert.ok(first < 1000);
 });
 
-test("the film", async (t) => {
-  const page = await open(t, "?example=fig2", { reducedMotion: "no-preference" });
-  await page.waitForFunction(() => /× slower/.test(document.getElementById("speed").textContent), null, { timeout: 10_000 });
+for (const [name, query] of [["the film", "?example=fig2"], ["the first chapter's film", "?page=story&example=fig2"]]) test(name, async (t) => {
+  const page = await open(t, query, { reducedMotion: "no-preference" });
+  await page.waitForFunction(() => ["speed", "watch-speed"].some((id) => /× slower/.test(document.getElementById(id).textContent)), null, { timeout: 10_000 });
   let frames = [];
   const cost = await costOf(page, async () => void (frames = await page.evaluate(() => new Promise((done) => {
     const stamps = [];
@@ -50,7 +51,7 @@ test("the film", async (t) => {
   const rate = (1000 * (frames.length - 1)) / (frames[frames.length - 1] - frames[0]);
   const each = cost.page / (frames.length - 1);
   t.diagnostic(`${rate.toFixed(1)} frames/s while animating; ${each.toFixed(1)} ms of processor time each`);
-  if (strict) assert.ok(each < 1000 / 60);
+  if (strict) assert.ok(each < mostEach);
 });
 
 test("the gas: 500 disks in both worlds", async (t) => {
@@ -63,7 +64,7 @@ test("the gas: 500 disks in both worlds", async (t) => {
     return window.hardlimit.report().samples.length - before;
   })));
   t.diagnostic(`${(frames / 3).toFixed(1)} frames/s; each ${(cost.page / frames).toFixed(1)} ms of processor time on the page, ${(cost.workers / frames).toFixed(1)} ms in the worker; ${longest(cost.tasks)}`);
-  if (strict) assert.ok(cost.page / frames < 1000 / 60 && cost.workers / frames < 1000 / 60 && cost.tasks[0] < mostBusy);
+  if (strict) assert.ok(cost.page / frames < mostEach && cost.workers / frames < 1000 / 60 && cost.tasks[0] < mostBusy);
 });
 
 test("quick enough: slider and map", async (t) => {
@@ -97,6 +98,21 @@ test("quick enough: slider and map", async (t) => {
     assert.ok(whole.workers < 3000);
     assert.ok(each < mostBusy && tasks[0] < mostBusy);
   }
+});
+
+test("the slider of the first chapter", async (t) => {
+  const page = await open(t, "?page=story");
+  const steps = 60;
+  const cost = await costOf(page, () => page.evaluate(async (steps) => {
+    const slider = document.getElementById("watch-gap");
+    for (let i = 0; i < steps; i++) {
+      slider.value = String(300 + 5 * i);
+      slider.dispatchEvent(new Event("input"));
+      await new Promise((done) => requestAnimationFrame(done));
+    }
+  }, steps));
+  t.diagnostic(`a step: ${(cost.page / steps).toFixed(1)} ms of processor time on the page; ${longest(cost.tasks)}`);
+  if (strict) assert.ok(cost.page / steps < 1000 / 60 && cost.tasks[0] < mostBusy);
 });
 
 test("the viscoelastic map is complete, and quick too", async (t) => {

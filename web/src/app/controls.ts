@@ -1,4 +1,5 @@
 // The controls: a slider and a text field for every number.
+import { setText } from "../support/dom";
 import { parse, sub, withUnit } from "../support/format";
 import {
   clampTo, constantAt, constants, constantsOf, densityFor, hasOwn, laws, massOf, MOST_BALLS, ranges, restitutionOf, setBallCount, setOwn, settle, type Range, type Scenario,
@@ -12,7 +13,7 @@ interface Control {
   refresh(): void;
 }
 
-// Sliders and fields are created once and reused when the law or the number of balls changes: creating
+// Sliders and fields are created by the first `set`, once, and reused when the law or the number of balls changes: creating
 // those of six balls takes longer than a frame.
 export class Controls {
   private scenario: Scenario;
@@ -31,14 +32,13 @@ export class Controls {
     this.about.className = "about";
     this.said.className = "said";
     this.said.setAttribute("role", "alert");
-    this.set(scenario, "");
   }
 
   // Returns whether the controls in the panel have changed.
   set(scenario: Scenario, about: string): boolean {
     if (scenario !== this.scenario) this.said.textContent = "";
     this.scenario = scenario;
-    if (this.about.textContent !== about) this.about.textContent = about;
+    setText(this.about, about);
     const shape = `${scenario.law} ${scenario.balls.length} ${scenario.cradle} ${hasOwn(scenario)}`;
     const changed = shape !== this.shape;
     if (changed) this.build();
@@ -132,7 +132,7 @@ export class Controls {
       const element = document.createElement("p");
       element.className = "aside";
       const refresh = (): void =>
-        void (element.textContent = `Density ${withUnit(this.scenario.balls[i].density, "kg/m³")}: stays when R${sub(i + 1)} changes, so m${sub(i + 1)} follows`);
+        setText(element, `Density ${withUnit(this.scenario.balls[i].density, "kg/m³")}: stays when R${sub(i + 1)} changes, so m${sub(i + 1)} follows`);
       return { element, refresh };
     });
   }
@@ -174,7 +174,9 @@ export class Controls {
       this.edit((s) => put(s, kept), element, kept === x ? [] : [`${label}: ${withUnit(x, r.unit, 4)} is outside ${range}: ${say(kept)} used`]);
     });
     field.addEventListener("focus", () => field.select());
-    element.append(name, field, slider);
+    const cell = document.createElement("span");
+    cell.append(field);
+    element.append(name, cell, slider);
     touchable(slider);
     const refresh = (): void => {
       const x = get(this.scenario);
@@ -182,7 +184,7 @@ export class Controls {
       const place = String(toSlider(r, x));
       if (slider.value !== place) slider.value = place;
       if (slider.getAttribute("aria-valuetext") !== text) slider.setAttribute("aria-valuetext", text);
-      if (document.activeElement !== field || field.value === "" || parse(field.value, r.unit) !== x) field.value = text;
+      if (field.value !== text && (document.activeElement !== field || field.value === "" || parse(field.value, r.unit) !== x)) field.value = text;
       field.removeAttribute("aria-invalid");
     };
     return { element, refresh };
@@ -246,7 +248,7 @@ export class Controls {
     element.append(name, group);
     const refresh = (): void => {
       const n = this.scenario.balls.length;
-      value.textContent = String(n);
+      setText(value, String(n));
       less.setAttribute("aria-disabled", String(n <= 2));
       more.setAttribute("aria-disabled", String(n >= MOST_BALLS));
     };

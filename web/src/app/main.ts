@@ -1,11 +1,11 @@
 // The page: creates its parts and updates them after a change of the scenario.
 import { Controls } from "./controls";
-import { find, Sheet, tell } from "../support/dom";
+import { find, Sheet } from "../support/dom";
 import { dropOf, type Answered, type Solved, type Unsolved } from "../core/drop";
 import { reportOf, type Report } from "../report/report";
+import { newton } from "../core/tables";
 import { joined, type Sentence } from "../report/sentence";
-import { inPercent, tolerances } from "../report/tolerance";
-import { save } from "./exporting";
+import { fillTolerances } from "./tolerances";
 import { Film } from "../views/film";
 import { forcesSummary } from "../views/forces";
 import { digits } from "../support/format";
@@ -14,12 +14,13 @@ import { baseOf, firstLectureView, lectureFromQuery } from "../story/lecture_vie
 import { MapPanel } from "../map/map_panel";
 import { fillDefinitions, fillEnergy, fillTable } from "../views/numbers";
 import { ForcesPanel, TimelinePanel } from "../views/panels";
-import { picture } from "../views/picture";
 import { Desk, piece, Pool } from "../core/pool";
 import { presets, type Preset } from "../scenario/presets";
-import { copyOf, fromQuery, toQuery, toToml, type Scenario } from "../scenario/scenario";
-import { fromToml } from "../scenario/toml";
-import { Announcer, Progress } from "./progress";
+import { copyOf, fromQuery, toQuery, type Scenario } from "../scenario/scenario";
+import { listenFiles } from "./files";
+import { Past } from "./past";
+import { Headline } from "./headline";
+import { Progress } from "./progress";
 import { State } from "./state";
 import { ThemeSwitch } from "../style/theme_switch";
 import { firstView, viewFromQuery } from "./view";
@@ -30,7 +31,6 @@ const queryOf = (s: Scenario): string => {
   return q.toString();
 };
 
-const pause = 700; // ms between changes that undo takes back one by one
 const often = 100; // ms between texts while a slider moves, and until a part of an answer is shown
 const stillness = 250; // ms after a change until the setting rests
 const leisure = 1500; // ms after the start or a change until what is far from the window is computed
@@ -50,18 +50,16 @@ class Page {
   private readonly desk: Desk;
   private readonly pool: Pool;
   private readonly progress = new Progress(() => this.giveUp());
-  private readonly announcer = new Announcer();
+  private readonly headline = new Headline();
   private preset = "";
   private about = "";
   private lastFrame = 0;
   private told = -Infinity; // when texts and tables were written
   private early = 0; // timer of an answer of which a part is known
   private maps: Promise<void> | null = null; // loaded once the first answer is there
-  private readonly past: Scenario[] = []; // settings that undo returns to
-  private before: Scenario;
-  private changedAt = -Infinity;
+  private readonly past: Past;
 
-  constructor(module: WebAssembly.Module) {
+  constructor(module: Promise<WebAssembly.Module>) {
     this.desk = new Desk(module);
     this.pool = new Pool();
     const state = (this.state = new State(copyOf(presets[0].scenario), () => this.edited()));
@@ -69,7 +67,7 @@ class Page {
     this.fillPresets();
     this.readLink();
     this.fillTolerances();
-    this.before = copyOf(state.scenario);
+    this.past = new Past(state.scenario);
     this.controls = new Controls(find("controls"), state.scenario, () => this.edited());
     this.film = new Film(state, new Sheet("stage", resized));
     this.forcesSheet = new Sheet("forces", resized);
@@ -79,9 +77,16 @@ class Page {
     this.lecture = new Lecture(state, this.film, this.map, this.pool, moves, (id) => this.load(presets.find((p) => p.id === id)!), resized);
     find("notes").querySelector("button")!.addEventListener("click", () => this.note([]));
     addEventListener("popstate", () => this.goBack());
-    addEventListener("resize", () => this.keepHeights(false));
+    addEventListener("resize", () => this.headline.keepHeights(false));
     new ThemeSwitch(state, () => this.drawAll());
-    this.listenFiles();
+    listenFiles(state, this.pool, this.map, this.timeline.timeline, {
+      undo: () => this.undo(),
+      put: (scenario) => {
+        state.scenario = scenario;
+        this.edited();
+      },
+      note: (notes) => this.note(notes),
+    });
     this.frame(performance.now());
   }
 
@@ -137,7 +142,7 @@ class Page {
 
   private load(preset: Preset): void {
     const { state } = this;
-    this.keepHeights(false);
+    this.headline.keepHeights(false);
     state.enterHistory();
     state.scenario = copyOf(preset.scenario);
     state.view.map.zoom = null;
@@ -146,34 +151,22 @@ class Page {
     state.view.time = null;
     state.screen = 0;
     this.note([]);
-    this.remember();
+    this.past.remember(this.state.scenario);
     this.choosePreset(preset.id);
     state.dirty.solve = true;
     this.film.play(moves());
   }
 
-  // Changes that follow each other closely are one step of undo.
-  private remember(): void {
-    const { scenario } = this.state;
-    if (performance.now() - this.changedAt > pause) this.past.push(this.before);
-    this.changedAt = performance.now();
-    this.before = copyOf(scenario);
-    find<HTMLButtonElement>("undo").disabled = false;
-  }
-
   private undo(): void {
-    const before = this.past.pop();
+    const before = this.past.undo();
     if (!before) return;
-    this.state.scenario = copyOf(before);
-    this.before = copyOf(before);
-    this.changedAt = -Infinity;
-    find<HTMLButtonElement>("undo").disabled = this.past.length === 0;
+    this.state.scenario = before;
     this.choosePreset(presets.find((p) => queryOf(p.scenario) === queryOf(before))?.id ?? "");
     this.state.dirty.solve = true;
   }
 
   private edited(): void {
-    this.remember();
+    this.past.remember(this.state.scenario);
     if (this.preset) this.choosePreset("");
     this.state.dirty.solve = true;
   }
@@ -195,9 +188,9 @@ class Page {
   // Returns whether the controls have changed, which takes a whole frame.
   private solve(): boolean {
     const { state } = this;
-    const built = state.lecture.step === null && this.controls.set(state.scenario, this.about);
-    this.progress.begin();
+    this.progress.begin(newton.label);
     root.dataset.busy = "";
+    root.toggleAttribute("data-cradle", state.scenario.cradle);
     this.forgetEarly();
     const ask = { scenario: copyOf(state.scenario), tolerance: state.view.tolerance };
     this.desk.put(
@@ -212,7 +205,7 @@ class Page {
         failed: (error) => this.solved({ scenario: ask.scenario, reason: `This setting could not be computed: ${error}` }),
       }),
     );
-    return built;
+    return state.lecture.step === null && this.controls.set(state.scenario, this.about);
   }
 
   private solved(result: Solved | Unsolved): void {
@@ -225,7 +218,7 @@ class Page {
       state.drop = null;
       state.report = null;
       state.dirty.said = false;
-      this.say(result.reason, "", "");
+      this.headline.say(result.reason, "", "");
       this.rested();
       return;
     }
@@ -259,7 +252,7 @@ class Page {
     this.desk.giveUp();
     this.progress.end();
     delete root.dataset.busy;
-    if (!state.drop) return this.say("Given up. Change a parameter to compute again.", "", "");
+    if (!state.drop) return this.headline.say("Given up. Change a parameter to compute again.", "", "");
     state.scenario = copyOf(state.drop.scenario);
     state.dirty.solve = false;
     this.choosePreset(presets.find((p) => queryOf(p.scenario) === queryOf(state.scenario))?.id ?? "");
@@ -277,10 +270,9 @@ class Page {
   private tellReport(): void {
     const { report, dirty, lecture } = this.state;
     if (!report) return;
-    if (Sheet.moving) this.keepHeights(true);
     this.told = performance.now();
     dirty.said = false;
-    this.say(joined(report.newton), report.icm.length > 0 ? joined(report.icm) : "Independent collisions are still being computed.", report.verdict?.text ?? "");
+    this.headline.say(joined(report.newton), report.icm.length > 0 ? joined(report.icm) : "Independent collisions are still being computed.", report.verdict?.text ?? "");
     this.lecture.told(report);
     root.dataset.answer = report.verdict?.answer ?? "";
     if (lecture.step === null) this.fillLaboratory(report);
@@ -291,13 +283,6 @@ class Page {
   // The page shows the answer to the last setting.
   private rested(): void {
     if (!this.desk.waits && !this.state.dirty.solve) delete root.dataset.busy;
-  }
-
-  // While a slider moves, what lies below texts of changing length stays in its place.
-  private keepHeights(on: boolean): void {
-    const { step, panel } = this.state.lecture;
-    if (step || panel) return;
-    for (const part of document.querySelectorAll<HTMLElement>(".told, .numbers")) part.style.minHeight = on ? `${part.offsetHeight}px` : "";
   }
 
   // What the story does not show: it waits until the laboratory is opened.
@@ -319,29 +304,8 @@ class Page {
     return { ...report, current: JSON.stringify(report.setting) === JSON.stringify(scenario), step: lecture.step, story: read, sentences, time: this.state.time(), tolerance: view.tolerance };
   };
 
-  private say(newton: string, icm: string, verdict: string): void {
-    const [a, b] = [document.createElement("span"), document.createElement("span")];
-    a.className = "newton";
-    b.className = "icm";
-    tell(a, newton + " ");
-    tell(b, icm);
-    find("verdict").replaceChildren(a, b);
-    tell(find("answer"), verdict);
-    this.announcer.say(`${newton} ${icm} ${verdict}`);
-  }
-
-  // Beside the verdict, and beside the map.
   private fillTolerances(): void {
-    const { view } = this.state;
-    const list = [...new Set([...tolerances, view.tolerance])].sort((a, b) => a - b);
-    for (const select of document.querySelectorAll<HTMLSelectElement>(".tolerances")) {
-      select.replaceChildren(...list.map((x) => new Option(inPercent(x), String(x), false, x === view.tolerance)));
-      select.onchange = () => {
-        view.tolerance = Number(select.value);
-        this.fillTolerances();
-        this.state.dirty.solve = true;
-      };
-    }
+    fillTolerances(this.state.view, () => (this.state.dirty.solve = true));
   }
 
   // A newly shown plot may not be computed yet.
@@ -376,10 +340,12 @@ class Page {
 
   // What is out of the window is computed and drawn once the setting rests.
   private rest(now: number): void {
-    const moving = now - this.changedAt < stillness;
-    const idle = this.state.drop !== null && now - Math.max(this.changedAt, 0) > leisure;
+    const moving = now - this.past.changedAt < stillness;
+    const idle = this.state.drop !== null && now - Math.max(this.past.changedAt, 0) > leisure;
     const rests = idle && !Sheet.idle;
     const wake = rests || (Sheet.moving && !moving);
+    const { step, panel } = this.state.lecture;
+    if (moving && !Sheet.moving && !step && !panel) this.headline.keepHeights(true);
     Sheet.moving = moving;
     Sheet.idle = idle;
     if (rests) this.lecture.prepare();
@@ -415,61 +381,6 @@ class Page {
     this.forces.mark();
     this.timeline.mark();
   }
-
-  // ---- files ------------------------------------------------------------------------------------------
-
-  private listenFiles(): void {
-    const { state } = this;
-    const say = (id: string, text: string): void => {
-      const button = find(id);
-      const before = button.dataset.name ?? button.textContent ?? "";
-      button.dataset.name = before;
-      button.textContent = text;
-      setTimeout(() => (button.textContent = before), 1500);
-    };
-    find("copy").addEventListener("click", () => {
-      history.replaceState(null, "", state.link());
-      const done = navigator.clipboard?.writeText(state.link()) ?? Promise.reject(new Error("no clipboard"));
-      done.then(() => say("copy", "Copied"), () => say("copy", "In address bar"));
-    });
-    find("toml").addEventListener("click", () => save("drop.toml", new Blob([toToml(state.scenario)], { type: "application/toml" })));
-    find("undo").addEventListener("click", () => this.undo());
-    addEventListener("keydown", (e) => {
-      if (e.key !== "z" || !(e.ctrlKey || e.metaKey) || e.shiftKey || (e.target as HTMLElement).closest("input[type=text]")) return;
-      e.preventDefault();
-      this.undo();
-    });
-    const file = find<HTMLInputElement>("open-file");
-    find("open").addEventListener("click", () => file.click());
-    file.addEventListener("change", () => {
-      if (file.files?.[0]) void this.open(file.files[0]);
-      file.value = "";
-    });
-    find("csv").addEventListener("click", async () => {
-      const text = state.drop && (await this.pool.ask("csv", { scenario: state.drop.scenario }));
-      if (text) save("drop.csv", new Blob([text], { type: "text/csv" }));
-    });
-    find("png").addEventListener("click", () => this.savePicture(performance.now()));
-  }
-
-  // A column in a TOML file, as `hardlimit drop` reads it.
-  private async open(file: File): Promise<void> {
-    const notes: string[] = [];
-    try {
-      this.state.scenario = fromToml(await file.text(), notes);
-      this.edited();
-    } catch (error) {
-      notes.push((error as Error).message);
-    }
-    this.note(notes.map((text) => `${file.name}: ${text}`));
-  }
-
-  // Waits briefly for the map.
-  private savePicture(asked: number): void {
-    const { map } = this.map;
-    if (map.elapsed === null && performance.now() - asked < 3000) setTimeout(() => this.savePicture(asked), 50);
-    else if (this.state.drop) picture(this.state, this.timeline.timeline, map, this.map.marked()).toBlob((blob) => blob && save("drop.png", blob), "image/png");
-  }
 }
 
 async function compiled(file: string): Promise<WebAssembly.Module> {
@@ -478,8 +389,10 @@ async function compiled(file: string): Promise<WebAssembly.Module> {
 }
 
 async function begin(): Promise<void> {
-  const page = new Page(await compiled("core.wasm"));
+  const module = compiled("core.wasm");
+  const page = new Page(module);
   Object.assign(window, { hardlimit: { report: page.report } });
+  await module;
 }
 
 begin().catch((error: unknown) => {

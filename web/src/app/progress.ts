@@ -11,7 +11,8 @@ export class Progress {
     find("give-up").addEventListener("click", giveUp);
   }
 
-  begin(): void {
+  begin(what: string): void {
+    this.tell(what, 0);
     this.began = performance.now();
     if (this.timer === 0) this.timer = window.setInterval(() => this.show(), 200);
   }
@@ -28,15 +29,5 @@ export class Progress {
   private show(): void {
     find("busy").hidden = false;
     find("busy-what").textContent = `Computing ${this.what}: ${((performance.now() - this.began) / 1000).toFixed(1)} s`;
-  }
-}
-
-// Announces the result to screen readers once a slider rests.
-export class Announcer {
-  private timer = 0;
-
-  say(text: string): void {
-    clearTimeout(this.timer);
-    this.timer = window.setTimeout(() => (find("announcer").textContent = text), 600);
   }
 }

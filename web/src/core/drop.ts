@@ -29,8 +29,8 @@ export interface Solved {
   from: number; // span of the contacts
   to: number;
   windows: Window[]; // time windows of slow motion
-  times: number[]; // samples of the forces below
-  forces: number[][]; // [pair][time]
+  times: Float64Array; // samples of the forces below
+  forces: Float64Array[]; // [pair][time]
   peakForce: number[]; // [pair]
   compression: number[]; // [pair] largest [m]
   bottom: number; // extent of the true-scale picture along the line [m]
@@ -117,11 +117,14 @@ function laterHeights(t: Track): number[] {
   });
 }
 
+const quick = 30; // ms: of a drop solved that soon the page hears only its answers
+
 // `report` receives the name of each stage, its share of the work and what is known by then.
 type Report = (what: string, share: number, known: Answered | null) => void;
 export function solve(core: Core, scenario: Scenario, tolerance = usualTolerance, report: Report = () => {}): Solved | Unsolved {
+  const begin = performance.now();
+  const later = (what: string, share: number): void => void (performance.now() - begin > quick && report(what, share, null));
   core.set(scenario);
-  report(newtonNames.label, 0, null);
   const newton = sequence(core, Model.newton);
   const known = newton && { scenario, newton, icm: null, comparison: null };
   report(independentNames.label, 0.3, known);
@@ -131,9 +134,9 @@ export function solve(core: Core, scenario: Scenario, tolerance = usualTolerance
   report(`the film by ${newtonNames.label}`, 0.5, { scenario, newton, icm, comparison });
   const stop = Math.max(endOfFilm(scenario, newton), endOfFilm(scenario, icm));
   goOn(core, Model.newton, newton, stop);
-  report(`the film by ${independentNames.label}`, 0.75, null);
+  later(`the film by ${independentNames.label}`, 0.75);
   goOn(core, Model.independent, icm, stop);
-  report("the film’s pictures", 0.9, null);
+  later("the film’s pictures", 0.9);
   const contacts = newton.run.contacts.filter((c) => c.begin <= newton.run.last);
   const endOf = (c: Contact): number => (Number.isFinite(c.end) ? c.end : newton.run.last);
   const first = contacts.reduce((a, c) => Math.min(a, c.begin), contacts.length > 0 ? Infinity : 0);
@@ -147,7 +150,7 @@ export function solve(core: Core, scenario: Scenario, tolerance = usualTolerance
     origin: scenario.cradle ? first : 0,
     to: instants.reduce((a, c) => Math.max(a, c.begin), from + span),
     windows: windowsOf(contacts, newton.run.last).filter((w) => w.begin < stop),
-    times: [], forces: [], peakForce: [], compression: [], bottom: 0, top: 0,
+    times: new Float64Array(), forces: [], peakForce: [], compression: [], bottom: 0, top: 0,
   };
   sampleForces(core, solved, contacts);
   sampleFilm(core, solved);
@@ -173,12 +176,14 @@ function sampleForces(core: Core, d: Solved, contacts: Contact[]): void {
     for (const t of edges(c, 1e-9 * span, d.to)) times.add(t);
     for (let i = 1; i < inside; i++) times.add(c.begin + ((end - c.begin) * i) / inside);
   }
-  d.times = [...times].filter((t) => t >= low && t <= high).sort((a, b) => a - b);
-  const states = core.sample(Model.newton, d.times);
+  d.times = Float64Array.from(times).filter((t) => t >= low && t <= high).sort();
+  const rows = core.rows(Model.newton, d.times);
+  const size = rows.length / d.times.length;
   for (let j = 0; j < n; j++) {
-    d.forces.push(states.map((s) => (Number.isFinite(s.force[j]) ? s.force[j] : 0)));
+    const [gap, force] = [2 * n + j, 3 * n + j].map((at) => d.times.map((_, i) => rows[i * size + at]));
+    d.forces.push(force.map((f) => (Number.isFinite(f) ? f : 0)));
     d.peakForce.push(greatest(d.forces[j], 0));
-    d.compression.push(greatest(states.map((s) => -s.gap[j]), 0));
+    d.compression.push(-gap.reduce((a, b) => Math.min(a, b), 0));
   }
 }
 

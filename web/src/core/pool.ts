@@ -19,21 +19,32 @@ export const piece = <K extends Kind>(p: Piece<K>): Piece => p as unknown as Pie
 
 const script = new Script("worker.js");
 
-// One worker, one task at a time.
+type Module = WebAssembly.Module;
+
+// One worker, one task at a time. It starts while the core is still being compiled.
 class Hand {
   lost = false; // the worker could not be loaded (no network or no server)
   private readonly worker: Worker;
   private at: Piece | null = null;
   private id = 0;
+  private begun = false; // it has the core
+  private waiting: Request | null = null; // for the core
 
   constructor(
-    module: WebAssembly.Module,
+    module: Module | Promise<Module>,
     private readonly free: () => void,
   ) {
     this.worker = new Worker(script.url, { type: "module" });
-    this.worker.postMessage(module);
+    if (module instanceof Promise) void module.then((compiled) => this.begin(compiled), () => undefined); // the page says so
+    else this.begin(module);
     this.worker.onmessage = (event: MessageEvent<Reply>) => this.receive(event.data);
     this.worker.onerror = (event) => this.fail(event.message);
+  }
+
+  private begin(module: Module): void {
+    this.begun = true;
+    this.worker.postMessage(module);
+    if (this.waiting) this.worker.postMessage(this.waiting);
   }
 
   get idle(): boolean {
@@ -42,7 +53,8 @@ class Hand {
   take(work: Piece): void {
     this.at = work;
     const request: Request = { id: ++this.id, kind: work.kind, ask: work.ask };
-    this.worker.postMessage(request);
+    if (this.begun) this.worker.postMessage(request);
+    else this.waiting = request;
   }
   end(): void {
     this.worker.terminate();
@@ -76,9 +88,9 @@ export class Pool {
   private turn = 0;
 
   // Without a module the tasks wait for open().
-  constructor(private module: WebAssembly.Module | null = null) {}
+  constructor(private module: Module | null = null) {}
 
-  open(module: WebAssembly.Module): void {
+  open(module: Module): void {
     this.module = module;
     this.wake();
   }
@@ -131,7 +143,7 @@ export class Desk {
   private since = 0;
   private patience = 150; // ms: four times what the last answer took, so that a moving slider does not cancel each of them
 
-  constructor(private readonly module: WebAssembly.Module) {
+  constructor(private readonly module: Module | Promise<Module>) {
     this.hand = this.hire();
   }
 

@@ -57,8 +57,8 @@ const perform: { [K in Kind]: (ask: Tasks[K]["ask"], id: number) => Tasks[K]["an
 function transferable(answer: unknown): Transferable[] {
   if (answer instanceof Float64Array) return [answer.buffer];
   if (answer && typeof answer === "object" && "newton" in answer && "icm" in answer) {
-    const { newton, icm } = answer as Solved;
-    return [newton, icm].flatMap(({ samples }) => [samples.times.buffer, samples.rows.buffer]);
+    const { newton, icm, times, forces } = answer as Solved;
+    return [times.buffer, ...forces.map((f) => f.buffer), ...[newton, icm].flatMap(({ samples }) => [samples.times.buffer, samples.rows.buffer])];
   }
   return [];
 }

@@ -59,9 +59,15 @@ function energyPlot({ samples, start }: Facts, theme: GasTheme): Plot {
 function smoothed(of: Curve): Curve {
   const { points } = of;
   const half = Math.floor(points.length / 60);
+  const [sums, known] = [new Float64Array(points.length + 1), new Uint32Array(points.length + 1)]; // of all points before
+  points.forEach(([, y], i) => {
+    const counts = Number.isFinite(y);
+    sums[i + 1] = sums[i] + (counts ? y : 0);
+    known[i + 1] = known[i] + (counts ? 1 : 0);
+  });
   const mean = (i: number): number => {
-    const part = points.slice(Math.max(i - half, 0), i + half + 1).filter(([, y]) => Number.isFinite(y));
-    return part.reduce((sum, [, y]) => sum + y, 0) / part.length;
+    const [from, to] = [Math.max(i - half, 0), Math.min(i + half + 1, points.length)];
+    return (sums[to] - sums[from]) / (known[to] - known[from]);
   };
   return { ...of, points: points.map(([t, y], i) => [t, Number.isFinite(y) ? mean(i) : NaN]) };
 }

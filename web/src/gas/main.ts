@@ -10,7 +10,7 @@ import { reportOf, type Report } from "./report";
 import { sentences, milliseconds } from "./sentences";
 import { examples, fromQuery, ranges, rules, toQuery, type Quantity, type Rule, type Setting } from "./setting";
 import type { FrameOf } from "./simulation";
-import { drawWorld, gasTheme, type GasTheme } from "./worlds";
+import { WorldView, gasTheme, type GasTheme } from "./worlds";
 import type { Answer } from "./worker";
 
 declare global {
@@ -42,7 +42,7 @@ class Page {
   private drawn = 0; // frames since the texts were written
   private theme!: GasTheme;
   private readonly client = new Client(WebAssembly.compileStreaming(fetch("gas.wasm")).catch(async () => WebAssembly.compile(await (await fetch("gas.wasm")).arrayBuffer())));
-  private readonly worlds = ["hard", "newton"].map((id) => new Sheet(id, () => this.draw()));
+  private readonly worlds = ([["hard", "icm"], ["newton", "newton"]] as const).map(([id, color]) => new WorldView(new Sheet(id, () => this.draw()), color));
   private readonly plots = graphs.map((id) => new Sheet(id, () => this.draw()));
   private timer = 0;
 
@@ -281,14 +281,14 @@ class Page {
     if (!this.frame || !this.facts || !this.theme) return;
     const begin = performance.now();
     const { start } = this.facts;
-    const colors = [this.theme.icm, this.theme.newton];
-    this.worlds.forEach(({ g, width, height, shown }, i) => shown() && drawWorld(g, width, height, start, this.frame!.worlds[i], colors[i], this.theme));
-    // The plots change slowly.
-    if (all || this.drawn % 3 === 0) this.plots.forEach(({ g, canvas, width, height, shown }, i) => {
-        // Of plots below each other only the last has numbers at the time axis.
-        const timed = !this.plots.slice(i + 1).some((other) => other.canvas.getBoundingClientRect().left === canvas.getBoundingClientRect().left);
-        if (shown()) drawGraph(g, width, height, graphs[i], this.facts!, this.theme, timed);
-      });
+    this.worlds.forEach((world, i) => world.sheet.shown() && world.draw(start, this.frame!.worlds[i], this.theme));
+    // The plots change slowly: one of them a frame.
+    this.plots.forEach(({ g, canvas, width, height, shown }, i) => {
+      if (!shown() || !(all || this.drawn % this.plots.length === i)) return;
+      // Of plots below each other only the last has numbers at the time axis.
+      const timed = !this.plots.slice(i + 1).some((other) => other.canvas.offsetLeft === canvas.offsetLeft);
+      drawGraph(g, width, height, graphs[i], this.facts!, this.theme, timed);
+    });
     root.dataset.drawMs = (performance.now() - begin).toFixed(2);
   }
 

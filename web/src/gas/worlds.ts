@@ -1,5 +1,7 @@
 // Draws the disks of one world.
 import { colorOf, type Theme } from "../style/theme";
+import type { Sheet } from "../support/dom";
+import { Disks } from "./disks";
 import type { Seen, Start } from "./simulation";
 import { RADIUS } from "./setting";
 
@@ -12,50 +14,69 @@ export function gasTheme(theme: Theme, root: HTMLElement): GasTheme {
   return { ...theme, disk: colorOf(root, "disk"), lit: colorOf(root, "lit") };
 }
 
-// `color` marks disks in contact.
-export function drawWorld(g: CanvasRenderingContext2D, width: number, height: number, start: Start, seen: Seen, color: string, theme: GasTheme): void {
-  const margin = 3;
-  const side = Math.min(width, height) - 2 * margin;
-  const [left, top] = [(width - side) / 2, (height - side) / 2];
-  const { walls, number } = start.setting;
+export class WorldView {
+  private readonly disks = new Disks();
+
+  // `color` marks disks in contact.
+  constructor(
+    readonly sheet: Sheet,
+    private readonly color: "newton" | "icm",
+  ) {}
+
+  draw(start: Start, seen: Seen, theme: GasTheme): void {
+    const { g, width, height } = this.sheet;
+    const margin = 3;
+    const ratio = this.sheet.canvas.width / width;
+    const pixels = Math.round((Math.min(width, height) - 2 * margin) * ratio);
+    const side = pixels / ratio;
+    const [left, top] = [(width - side) / 2, (height - side) / 2].map((x) => Math.round(x * ratio) / ratio);
+    g.clearRect(0, 0, width, height);
+    this.drawDisks(start, seen, pixels, theme);
+    this.disks.draw(g, left * ratio, top * ratio);
+    drawLinks(g, start, seen, left, top, side, theme);
+    const { walls } = start.setting;
+    g.lineWidth = walls ? 4 : 1.5;
+    g.strokeStyle = walls ? theme.ink : theme.muted;
+    g.setLineDash(walls ? [] : [6, 5]);
+    g.strokeRect(left, top, side, side);
+    g.setLineDash([]);
+  }
+
+  // Those that touch lie on top of those that do not.
+  private drawDisks(start: Start, { positions, touched }: Seen, pixels: number, theme: GasTheme): void {
+    const { disks } = this;
+    const { walls, number } = start.setting;
+    const scale = pixels / start.input.edge;
+    const r = RADIUS * scale;
+    disks.clear(pixels, theme.ground);
+    [{ fill: theme.disk }, { fill: theme[this.color] }, { fill: theme.lit, rim: theme.ink }].forEach((paint, kind) => {
+      disks.set(kind, paint, r);
+      for (let i = 0; i < number; i++) {
+        if (touched[i] !== kind) continue;
+        const [x, y] = [scale * positions[2 * i], pixels - scale * positions[2 * i + 1]];
+        disks.put(kind, x, y);
+        if (walls) continue;
+        // Images of a disk that crosses an edge.
+        const dx = x < r ? pixels : x > pixels - r ? -pixels : 0;
+        const dy = y < r ? pixels : y > pixels - r ? -pixels : 0;
+        if (dx !== 0) disks.put(kind, x + dx, y);
+        if (dy !== 0) disks.put(kind, x, y + dy);
+        if (dx !== 0 && dy !== 0) disks.put(kind, x + dx, y + dy);
+      }
+    });
+  }
+}
+
+// Lines between the centres of disks whose contacts overlap in time.
+function drawLinks(g: CanvasRenderingContext2D, start: Start, { positions, links }: Seen, left: number, top: number, side: number, theme: GasTheme): void {
+  const { walls } = start.setting;
   const scale = side / start.input.edge;
   const r = RADIUS * scale;
-  g.clearRect(0, 0, width, height);
-  g.fillStyle = theme.ground;
-  g.fillRect(left, top, side, side);
+  const place = (i: number): [number, number] => [left + scale * positions[2 * i], top + side - scale * positions[2 * i + 1]];
   g.save();
   g.beginPath();
   g.rect(left, top, side, side);
   g.clip();
-  const fills = [theme.disk, color, theme.lit];
-  const paths = fills.map(() => new Path2D());
-  const { positions, touched, links } = seen;
-  const place = (i: number): [number, number] => [left + scale * positions[2 * i], top + side - scale * positions[2 * i + 1]];
-  for (let i = 0; i < number; i++) {
-    const [x, y] = place(i);
-    const path = paths[touched[i]];
-    const add = (cx: number, cy: number): void => {
-      path.moveTo(cx + r, cy);
-      path.arc(cx, cy, r, 0, 2 * Math.PI);
-    };
-    add(x, y);
-    if (walls) continue;
-    // Images of a disk that crosses an edge.
-    const dx = x < left + r ? side : x > left + side - r ? -side : 0;
-    const dy = y < top + r ? side : y > top + side - r ? -side : 0;
-    if (dx !== 0) add(x + dx, y);
-    if (dy !== 0) add(x, y + dy);
-    if (dx !== 0 && dy !== 0) add(x + dx, y + dy);
-  }
-  const line = Math.max(1, 0.14 * r);
-  g.lineWidth = line;
-  paths.forEach((path, kind) => {
-    g.fillStyle = fills[kind];
-    g.fill(path);
-    if (kind !== 2) return;
-    g.strokeStyle = theme.ink;
-    g.stroke(path);
-  });
   g.lineWidth = Math.max(1.5, 0.3 * r);
   g.lineCap = "round";
   g.beginPath();
@@ -73,9 +94,4 @@ export function drawWorld(g: CanvasRenderingContext2D, width: number, height: nu
   g.strokeStyle = theme.ink;
   g.stroke();
   g.restore();
-  g.lineWidth = walls ? 4 : 1.5;
-  g.strokeStyle = walls ? theme.ink : theme.muted;
-  g.setLineDash(walls ? [] : [6, 5]);
-  g.strokeRect(left, top, side, side);
-  g.setLineDash([]);
 }

@@ -1,18 +1,16 @@
-// The panel of the map: drawing, reading values, pointer, zoom.
-import { find, type Sheet } from "../support/dom";
-import { digits, withUnit } from "../support/format";
+// The panel of the map: what it shows, its drawing, its choices.
+import { find, setText, type Sheet } from "../support/dom";
+import { digits } from "../support/format";
 import { ContactMap } from "./map";
 import type { MapLayout } from "./map_drawing";
 import { linked, panned, tooSmall, zoomed } from "./map_box";
 import { Agreement } from "./trust";
-import { subscripted } from "../views/numbers";
+import { listen, type Point } from "./map_input";
+import { MapReading } from "./map_reading";
 import type { Pool } from "../core/pool";
-import { clampTo, columnOf, copyOf, firstGap, lowestHeight, ranges } from "../scenario/scenario";
+import { clampTo, copyOf, firstGap, lowestHeight, ranges } from "../scenario/scenario";
 import type { State } from "../app/state";
-import { moved } from "../support/touch";
 import { mapLimits, wholeMap, type Box, type View } from "../app/view";
-
-type Point = [number, number]; // ε, and gap [m] or R1/R2; or a position in pixels
 
 export class MapPanel {
   readonly map: ContactMap;
@@ -20,22 +18,28 @@ export class MapPanel {
   private layout: MapLayout | null = null;
   private key = "";
   private drawn = 0;
-  private hover: Point | null = null; // parameters that a click would choose
-  private read = { place: "", text: "" }; // value of the map there
-  private reading = false;
+  private readonly reading: MapReading;
   private later = 0; // timer of the next refresh
   private moving = false; // the picture moves before new points are computed
 
   constructor(
     private readonly state: State,
     private readonly sheet: Sheet,
-    private readonly pool: Pool,
+    pool: Pool,
   ) {
     this.map = new ContactMap(pool, () => (state.dirty.mapPicture = true), sheet.wanted);
     this.agreement = new Agreement(pool, () => (state.dirty.mapPicture = true));
     this.map.setShow(state.view.map.show);
-    this.listenPointer();
-    this.listenKeys();
+    this.reading = new MapReading(state, pool, this.map, () => this.marked());
+    listen(sheet.canvas, find("map-box").querySelector<HTMLElement>(".rubber")!, {
+      layout: () => this.layout,
+      marked: () => this.marked(),
+      choose: (point) => this.choose(...point),
+      pan: (right, up) => this.pan(right, up),
+      zoom: (factor, at) => this.zoom(factor, at),
+      frame: (box) => this.setZoom(box),
+      hover: (point) => this.reading.hover(point && this.rounded(...point)),
+    });
     this.listenChoices();
   }
 
@@ -56,7 +60,7 @@ export class MapPanel {
     }
     axis.value = view.map.axis;
     show.value = view.map.show;
-    find("map-title").textContent = view.map.axis === "gap" ? "Every ε and every gap" : "Every ε and every size of the lower ball";
+    setText(find("map-title"), view.map.axis === "gap" ? "Every ε and every gap" : "Every ε and every size of the lower ball");
   }
 
   // The map of ε_eff/ε over the gap, if available.
@@ -89,7 +93,7 @@ export class MapPanel {
   refresh(): void {
     const { drop, scenario, view } = this.state;
     if (!drop) return;
-    this.read.place = "";
+    this.reading.forget();
     this.moving = false;
     this.state.dirty.mapPicture = true;
     const box = this.box();
@@ -103,6 +107,7 @@ export class MapPanel {
     const keep = this.key.startsWith(key); // the same map, elsewhere
     this.key = key + JSON.stringify(box);
     this.map.start(scenario, axis, box, keep);
+    delete this.sheet.canvas.dataset.ms;
     this.state.dirty.mapPicture = true;
   }
 
@@ -112,6 +117,7 @@ export class MapPanel {
     const due = this.map.elapsed !== null || this.map.fresh || now - this.drawn > 80;
     if (!dirty.mapPicture || !drop || !due) return;
     if (!this.sheet.shown()) return this.findAgreement();
+    if (!this.sheet.seen && this.map.elapsed === null) return this.tellState();
     dirty.mapPicture = this.map.fresh = false;
     this.drawn = now;
     this.draw();
@@ -142,55 +148,18 @@ export class MapPanel {
     const agreement = axis === "gap" && show !== "count" ? this.agreement : null;
     this.findAgreement();
     this.layout = map.draw(sheet.g, sheet.width, sheet.height, axis, this.marked(), state.theme, agreement, this.box());
-    this.tell();
+    this.reading.tell();
     const { dataset } = sheet.canvas;
     dataset.computing = String(Math.round(map.computing));
     dataset.resolution = String(map.resolution);
     if (map.elapsed !== null && !this.moving) dataset.ms = String(Math.round(map.elapsed));
     else delete dataset.ms;
-    find("map-state").textContent =
-      map.elapsed === null ? `${Math.floor(100 * map.progress)} % computed` : `${map.resolution} × ${map.resolution} points in ${digits(map.elapsed / 1000, 2)} s`;
+    this.tellState();
   }
 
-  // The result at a point, computed with the parameters that a click would set.
-  private reader(): void {
-    const { scenario, view } = this.state;
-    if (this.reading || !this.hover) return;
-    const [e, y] = this.hover;
-    const place = `${e} ${y}`;
-    if (place === this.read.place) return;
-    this.reading = true;
-    const { show, axis } = view.map;
-    const ask = { column: columnOf(scenario), axis: axis === "gap" ? 0 : 1, points: Float64Array.of(e, y) };
-    this.pool.ask("points", ask).then(
-      ([count, effective, separation]) => {
-        this.reading = false;
-        this.read = { place, text: Number.isNaN(count) ? "cannot fall" : counted(count, show === "separation" ? separation : effective) };
-        this.tell();
-      },
-      () => (this.reading = false),
-    );
-  }
-
-  // The value under the pointer, or that of the present scenario.
-  private tell(): void {
-    const { view, drop } = this.state;
-    const [e, y] = this.hover ?? this.marked();
-    const where = `ε = ${digits(e)}, ${view.map.axis === "gap" ? `Δh = ${y > 0 ? withUnit(y, "m") : "0"}` : `R₁/R₂ = ${digits(y)}`}`;
-    let what = "…";
-    if (this.hover) {
-      this.reader();
-      if (this.read.place === `${e} ${y}`) what = this.read.text;
-    } else if (drop) {
-      const { nContacts, effective, effectiveSeparation } = drop.newton.run;
-      what = counted(nContacts, (view.map.show === "separation" ? effectiveSeparation : effective) / drop.scenario.restitution);
-      if (!this.map.shows(e, y)) what += y > 0 ? " (outside the map)" : " (touching: below the map)";
-    }
-    const text = `${where}: ${what}`;
-    const out = find("map-reading");
-    if (out.dataset.text === text) return;
-    out.dataset.text = text;
-    out.replaceChildren(...subscripted(text));
+  private tellState(): void {
+    const { elapsed, progress, resolution } = this.map;
+    setText(find("map-state"), elapsed === null ? `${Math.floor(100 * progress)} % computed` : `${resolution} × ${resolution} points in ${digits(elapsed / 1000, 2)} s`);
   }
 
   // ---- changes ----------------------------------------------------------------------------------------
@@ -236,66 +205,6 @@ export class MapPanel {
     this.state.writeLink();
   }
 
-  // ---- pointer and keys -------------------------------------------------------------------------------
-
-  private listenPointer(): void {
-    const rubber = find("map-box").querySelector<HTMLElement>(".rubber")!;
-    const there = (x: number, y: number): Point => {
-      const { frame } = this.layout!;
-      const clip = (v: number, low: number, size: number): number => Math.min(Math.max(v, low), low + size);
-      return [clip(x, frame.left, frame.width), clip(y, frame.top, frame.height)];
-    };
-    const value = (x: number, y: number): Point => {
-      const [px, py] = there(x, y);
-      return [this.layout!.x.value(px), this.layout!.y.value(py)];
-    };
-    moved(this.sheet.canvas, {
-      choose: (x, y) => this.layout && this.choose(...value(x, y)),
-      pan: (dx, dy) => this.layout && this.pan(dx / this.layout.frame.width, -dy / this.layout.frame.height),
-      zoom: (factor, x, y) => this.layout && this.zoom(factor, value(x, y)),
-      hover: (at) => {
-        this.hover = at && this.layout ? this.rounded(...value(...at)) : null;
-        this.tell();
-      },
-      frame: (from, to, done) => {
-        if (!this.layout) return;
-        const [[x0, y0], [x1, y1]] = [there(...from), there(...to)];
-        const wide = Math.abs(x1 - x0) > 6 && Math.abs(y1 - y0) > 6;
-        rubber.hidden = done || !wide;
-        rubber.style.transform = `translate(${Math.min(x0, x1)}px, ${Math.min(y0, y1)}px)`;
-        rubber.style.width = `${Math.abs(x1 - x0)}px`;
-        rubber.style.height = `${Math.abs(y1 - y0)}px`;
-        if (!done || !wide) return;
-        const [a, b] = [value(...from), value(...to)];
-        this.setZoom({ x: [Math.min(a[0], b[0]), Math.max(a[0], b[0])], y: [Math.min(a[1], b[1]), Math.max(a[1], b[1])] });
-      },
-    });
-  }
-
-  private listenKeys(): void {
-    this.sheet.canvas.addEventListener("keydown", (e) => {
-      if (!this.layout) return;
-      const { x, y } = this.layout;
-      const [e0, y0] = this.marked();
-      const dx = (x.high - x.low) / 100;
-      const dy = (y.high / y.low) ** 0.01;
-      const base = Math.max(y0, y.low);
-      const actions: Record<string, () => void> = {
-        ArrowLeft: () => this.choose(e0 - dx, base),
-        ArrowRight: () => this.choose(e0 + dx, base),
-        ArrowUp: () => this.choose(e0, base * dy),
-        ArrowDown: () => this.choose(e0, base / dy),
-        "+": () => this.zoom(1.6),
-        "=": () => this.zoom(1.6),
-        "-": () => this.zoom(1 / 1.6),
-        "0": () => this.setZoom(null),
-      };
-      if (!actions[e.key]) return;
-      e.preventDefault();
-      actions[e.key]();
-    });
-  }
-
   private listenChoices(): void {
     const { view, dirty } = this.state;
     find("zoom-in").addEventListener("click", () => this.zoom(1.6));
@@ -304,7 +213,7 @@ export class MapPanel {
     find<HTMLSelectElement>("map-show").addEventListener("change", (e) => {
       view.map.show = (e.target as HTMLSelectElement).value as View["map"]["show"];
       this.map.setShow(view.map.show);
-      this.read.place = "";
+      this.reading.forget();
       dirty.mapPicture = true;
       this.state.writeLink();
     });
@@ -317,6 +226,3 @@ export class MapPanel {
     });
   }
 }
-
-const counted = (contacts: number, ratio: number): string =>
-  `${contacts === 1 ? "1 contact" : `${contacts} contacts`}${Number.isNaN(ratio) ? "" : `, ε_eff/ε = ${digits(ratio)}`}`;

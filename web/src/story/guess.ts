@@ -1,5 +1,5 @@
 // The second chapter: the viewer sets a height on the ruler, lets the balls drop, and sees. It has a clock of its own.
-import { find, type Sheet } from "../support/dom";
+import { find, setText, type Sheet } from "../support/dom";
 import { Handle } from "../support/handle";
 import type { LectureView } from "./lecture_view";
 import type { State } from "../app/state";
@@ -53,8 +53,8 @@ export class Guess {
     const { state, sheet, view } = this;
     const drop = state.drop!;
     const button = { before: drop.scenario.cradle ? "Let it go" : "Let them drop", falling: "Stop", over: "Try again" }[this.fall];
-    if (find("let-go").textContent !== button) find("let-go").textContent = button;
-    if (sheet.width < 40 || !sheet.shown()) return;
+    setText(find("let-go"), button);
+    if (sheet.width < 40 || !sheet.seen) return;
     const time = this.fall === "before" ? drop.start : this.fall === "over" ? drop.stop : drop.realTime.toPhysical(this.fallen);
     const balls = { newton: drop.motion.newton.at(time), icm: drop.motion.icm.at(time) };
     this.layout = null;

@@ -105,7 +105,8 @@ export class Lecture {
       this.mini.draw();
     }
     const trusted = this.map.trusted();
-    if (this.rebound.dirty || trusted !== this.trusted) this.story.dirty = true;
+    if (this.rebound.news || trusted !== this.trusted) this.story.dirty = true;
+    this.rebound.news = false;
     this.trusted = trusted;
     this.rebound.drawIfDue(now);
     this.story.frame(now);

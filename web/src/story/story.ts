@@ -1,5 +1,5 @@
 // The story as an article: its chapters, which of them is read, and what each says.
-import { find, tell } from "../support/dom";
+import { find, setText, Sheet, tell } from "../support/dom";
 import type { Film } from "../views/film";
 import type { Frames } from "../app/frames";
 import type { Guess } from "./guess";
@@ -20,8 +20,12 @@ export interface Stagehand {
   load(example: string): void;
 }
 
+const often = 100; // ms between texts while a slider moves
+
 export class Story {
   dirty = true; // what is said and drawn
+  private untold = true; // the texts are older than the setting
+  private toldAt = -Infinity;
   moved = true; // the film only
   private readonly chapters = steps.map((step) => {
     const section = document.querySelector<HTMLElement>(`.chapter[data-step="${step}"]`)!;
@@ -116,6 +120,7 @@ export class Story {
     if (this.dirty) this.draw(size);
     else if (this.moved) this.watch.draw(size);
     this.moved = false;
+    if (this.untold && (!Sheet.moving || now - this.toldAt >= often)) this.tell(now);
     if (this.aim && this.aim !== "watch") this.scrollTo(this.aim); // the texts above are there now
     this.aim = null;
     if (this.scrolled) this.look();
@@ -126,7 +131,7 @@ export class Story {
     this.watch.refresh();
     this.watch.draw(size);
     this.guess.draw(size);
-    this.tell();
+    this.untold = true;
   }
 
   // Which chapter is read: the last one that begins above the middle of the window.
@@ -162,13 +167,15 @@ export class Story {
     return Object.fromEntries(steps.map((step) => [step, story(step, told)])) as Record<Step, Sentence[]>;
   }
 
-  private tell(): void {
+  private tell(now: number): void {
+    this.untold = false;
+    this.toldAt = now;
     const said = this.sentences()!;
     const { scenario } = this.state;
     for (const chapter of this.chapters) {
       const text = joined(said[chapter.step]);
       const title = titleOf(chapter.step, scenario.cradle);
-      if (chapter.title.textContent !== title) chapter.title.textContent = title;
+      setText(chapter.title, title);
       if (text === chapter.said) continue;
       chapter.said = text;
       const aside = chapter.beside ? said[chapter.step].slice(1) : [];
@@ -178,7 +185,7 @@ export class Story {
     // Hard balls touch more often than soft ones; the paper's balls are offered for counting too.
     const other = find("count-other");
     const opening = sameScenario(scenario, presets[0].scenario);
-    other.textContent = opening ? "Count on the paper’s hard balls" : "Count on the basketball";
+    setText(other, opening ? "Count on the paper’s hard balls" : "Count on the basketball");
     other.dataset.example = opening ? "fig2" : presets[0].id;
   }
 }

@@ -2,6 +2,7 @@
 // and, during the fall, both models side by side.
 import type { State as Balls } from "../core/core";
 import type { Drop } from "../core/drop";
+import { Sheet } from "../support/dom";
 import { metres, niceTicks, withUnit } from "../support/format";
 import { halo } from "../support/labels";
 import { setFont, stroke } from "../support/plot";
@@ -36,7 +37,7 @@ export function rulerTop(d: Drop, guess: number | null, falling: boolean): numbe
 
 export function drawTale(g: CanvasRenderingContext2D, whole: number, h: number, t: Tale, size: number, theme: Theme): TaleLayout {
   g.clearRect(0, 0, whole, h);
-  const room = !t.falling && whole > 34 * size; // for the balls themselves
+  const room = !t.falling && whole > 39 * size; // for the balls themselves, with what is written beside them
   const w = room ? 0.52 * whole : whole;
   if (room) drawPortrait(g, t.drop, w + 2 * size, whole - w - 2 * size, h, size, theme);
   const floor = h - 2.4 * size;
@@ -78,7 +79,7 @@ export function drawTale(g: CanvasRenderingContext2D, whole: number, h: number, 
       g.fillText(metres(z), middle, bottom);
     }
   });
-  if (t.guess === null && !t.falling) {
+  if (t.guess === null && !t.falling && !Sheet.printing) {
     setFont(g, theme, 1.1 * size, 650);
     g.textAlign = "center";
     g.textBaseline = "middle";

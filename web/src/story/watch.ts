@@ -1,8 +1,9 @@
 // The first chapter: the drop plays in both worlds, and its balls can be dragged; a slider changes the gap too.
-import { find, type Sheet } from "../support/dom";
+import { find, setText, type Sheet } from "../support/dom";
 import { withUnit } from "../support/format";
 import { Handle, type Pull } from "../support/handle";
 import { fromSlider, toSlider } from "../support/slider";
+import { touchable } from "../support/touch";
 import { clampTo, firstGap, lowestHeight, ranges } from "../scenario/scenario";
 import type { State } from "../app/state";
 import { drawCloseUp } from "../views/close_up";
@@ -10,11 +11,6 @@ import { drawDuel, type DuelLayout } from "../views/duel";
 import type { Film } from "../views/film";
 
 const slowTo = 0.02; // s before the first contact from which the film starts after a change of the gap
-
-// Text that is often set again: only a change is a change of the page.
-const say = (id: string, text: string): void => {
-  if (find(id).textContent !== text) find(id).textContent = text;
-};
 
 type Held = "gap" | "height";
 
@@ -31,6 +27,7 @@ export class Watch {
     private readonly moves: () => boolean,
   ) {
     this.slider.max = "1000";
+    touchable(this.slider);
     this.slider.addEventListener("input", () => this.set("gap", fromSlider(ranges.gap, Number(this.slider.value))));
     find("watch-play").addEventListener("click", () => film.play(!state.playing));
     const pulls: Record<Held, Pull> = { gap: this.pull("gap", "Gap below the top ball"), height: this.pull("height", "Height of the lowest ball") };
@@ -57,8 +54,8 @@ export class Watch {
     else this.layout = drawDuel(sheet.g, sheet.width, sheet.height, d, { ...moment, said }, (t) => clock.toScreen(t), state.theme, letters);
     this.placeHandles();
     const slower = 1 / rate;
-    say("watch-speed", held ? "" : slower < 1.05 ? "real time" : `${slower < 10 ? slower.toFixed(1) : Math.round(Number(slower.toPrecision(2)))} × slower`);
-    say("watch-play", state.playing ? "Pause" : "Play");
+    setText(find("watch-speed"), held ? "" : slower < 1.05 ? "real time" : `${slower < 10 ? slower.toFixed(1) : Math.round(Number(slower.toPrecision(2)))} × slower`);
+    setText(find("watch-play"), state.playing ? "Pause" : "Play");
   }
 
   private placeHandles(): void {
@@ -71,7 +68,7 @@ export class Watch {
     const said = this.say("gap");
     this.slider.value = String(toSlider(ranges.gap, gap));
     this.slider.setAttribute("aria-valuetext", said);
-    find("watch-gap-said").textContent = said;
+    setText(find("watch-gap-said"), said);
     for (const { world, handle } of this.handles) if (world === 0) handle.refresh();
   }
 

@@ -2,6 +2,14 @@
 
 export const find = <T extends HTMLElement>(id: string): T => document.getElementById(id) as T;
 
+// The same text again would be laid out again.
+export function setText(element: Element, text: string): void {
+  if (element.textContent === text) return;
+  const { firstChild } = element;
+  if (firstChild instanceof Text && !firstChild.nextSibling) firstChild.data = text;
+  else element.textContent = text;
+}
+
 // A number and its unit, "1.28 m", with a no-break space.
 const quantity = /(\d[\d.]* (?:[cmµn]?m(?:\/s)?|[mµn]?s|%)(?![\w/]))/;
 

@@ -59,7 +59,8 @@ export class CloseUp extends Painter {
     const { size, theme } = this;
     const begin = r.x + this.g.measureText("Close-up").width + 0.8 * size;
     this.font(0.88);
-    this.text("sizes ∝ R⁰·⁴, gaps magnified", begin, r.y + 0.9 * size, theme.muted);
+    const said = ["sizes ∝ R⁰·⁴, gaps magnified", "sizes ∝ R⁰·⁴"].find((x) => begin + this.g.measureText(x).width < r.x + r.w);
+    if (said) this.text(said, begin, r.y + 0.9 * size, theme.muted);
   }
 
   // Sizes that show all balls: ratios are compressed to their power 0.4.
@@ -85,7 +86,7 @@ export class CloseUp extends Painter {
       g.strokeStyle = theme.muted;
       this.line(x + 1, y, x + 1 + length, y);
       for (const end of [x + 1, x + 1 + length]) this.line(end, y - 4, end, y + 4);
-      const text = `${withUnit(metres, "m", 1)} ${name}`;
+      const text = [`${withUnit(metres, "m", 1)} ${name}`, withUnit(metres, "m", 1)].find((t) => x + length + 8 + g.measureText(t).width < r.x + r.w) ?? "";
       this.text(text, x + length + 8, y, theme.muted);
       x += length + 8 + g.measureText(text).width + 1.2 * size;
     }
@@ -113,6 +114,8 @@ export class CloseUp extends Painter {
       }
       surface = centers[i] + radii[i];
     }
+    const first = floor ? 0 : 1; // contact
+    if (ghost) for (let j = first; j < n; j++) this.flash(line, j, cuts[j], track); // behind the balls
     for (let i = 0; i < n; i++) {
       this.g.strokeStyle = ghost ? theme.icm : theme.ink;
       this.g.lineWidth = 2;
@@ -121,12 +124,11 @@ export class CloseUp extends Painter {
       line.ball(centers[i], radii[i], low, high, this.style(ghost, i, radii[i]));
     }
     const tags: Tag[] = [];
-    for (let j = floor ? 0 : 1; j < n; j++) {
+    for (let j = first; j < n; j++) {
       const middle = j === 0 ? Math.max((centers[0] - radii[0]) / 2, 0) : cuts[j];
       this.contact(line, j, cuts[j], state, radii);
       if (broken[j]) this.dots(line, middle, limit);
       tags.push(this.tag(j, middle, state, Math.max(radii[j], j > 0 ? radii[j - 1] : 0)));
-      if (ghost) this.flash(line, j, cuts[j], track);
     }
     if (line.horizontal) this.tagsAbove(line, tags, Math.max(...radii));
     else this.tagsBeside(line, tags, surface, edge);

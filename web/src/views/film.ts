@@ -1,13 +1,16 @@
 // The film: its time, its controls and its drawing.
-import { find, type Sheet } from "../support/dom";
+import { find, setText, type Sheet } from "../support/dom";
 import type { Drop } from "../core/drop";
 import { drawStage } from "./stage";
 import type { State } from "../app/state";
 import { independent, newton } from "../core/tables";
 import { touchable } from "../support/touch";
 
+const legible = 80; // ms for which a number must stand to be read
+
 export class Film {
   private held = 0; // time for which the last picture has been shown [s]
+  private told = -Infinity; // when the time was written [ms]
 
   constructor(
     private readonly state: State,
@@ -107,30 +110,41 @@ export class Film {
   draw(): void {
     const { state, sheet } = this;
     if (!sheet.shown() || !(sheet.seen || !state.lecture.step)) return;
+    if (sheet.seen) drawMoment(sheet.g, sheet.width, sheet.height, state);
+    const now = performance.now();
+    const runs = state.playing && state.screen < state.clock().length;
+    if (runs && now - this.told < legible) return;
+    this.told = now;
+    this.tell();
+  }
+
+  private tell(): void {
+    const { state, sheet } = this;
     const d = state.drop!;
     const time = state.time();
-    const rate = drawMoment(sheet.g, sheet.width, sheet.height, state);
+    const rate = rateAt(state);
     const scrubber = find<HTMLInputElement>("scrubber");
     scrubber.value = String(Math.round((2000 * state.screen) / state.clock().length));
     const told = clockText(time, d);
-    find("time").textContent = `t = ${told}`;
+    setText(find("time"), `t = ${told}`);
     const slower = 1 / rate;
     const speed = slower < 1.05 ? "real time" : `${slower < 10 ? slower.toFixed(1) : Math.round(Number(slower.toPrecision(2))).toLocaleString("en").replaceAll(",", " ")} × slower than real`;
-    find("speed").textContent = speed;
+    setText(find("speed"), speed);
     scrubber.setAttribute("aria-valuetext", `${told}, ${speed}`);
     if (!state.playing || sheet.canvas.getAttribute("aria-label") === "Animation")
       sheet.canvas.setAttribute("aria-label", `Animation at ${told}: balls of ${newton.label} beside those of ${independent.label}`);
   }
 }
 
-// Both models at the time of the film; returns how fast it runs there.
-export function drawMoment(g: CanvasRenderingContext2D, w: number, h: number, state: State): number {
+// How fast the film runs now: physical seconds per screen second.
+export const rateAt = (state: State): number => (state.view.slow ? state.drop!.clock.rate(state.time()) : 1);
+
+// Both models at the time of the film.
+export function drawMoment(g: CanvasRenderingContext2D, w: number, h: number, state: State): void {
   const d = state.drop!;
   const time = state.time();
   const [newton, icm] = [d.motion.newton.at(time), d.motion.icm.at(time)];
-  const rate = state.view.slow ? d.clock.rate(time) : 1;
-  drawStage(g, w, h, d, { time, rate, newton, icm }, state.theme);
-  return rate;
+  drawStage(g, w, h, d, { time, rate: rateAt(state), newton, icm }, state.theme);
 }
 
 // In the unit of the contacts while they last, in seconds before and after.

@@ -1,6 +1,7 @@
 // Draws the report: the table of results, the energy bars, the definitions.
+import { setText } from "../support/dom";
 import { namesOf } from "../core/tables";
-import type { Report } from "../report/report";
+import type { Report, ShareRow } from "../report/report";
 
 // "ε_eff" with a real subscript.
 export function subscripted(text: string): (string | HTMLElement)[] {
@@ -13,7 +14,7 @@ export function subscripted(text: string): (string | HTMLElement)[] {
 }
 
 export function fillTable(table: HTMLElement, { table: list }: Report): void {
-  for (const [model, names] of Object.entries(namesOf)) table.querySelector(`th.${model}`)!.textContent = names.short;
+  for (const [model, names] of Object.entries(namesOf)) setText(table.querySelector(`th.${model}`)!, names.short);
   const body = table.querySelector("tbody")!;
   while (body.children.length > list.length) body.lastElementChild!.remove();
   list.forEach((r, i) => {
@@ -42,34 +43,47 @@ const element = (tag: string, className: string, text = ""): HTMLElement => Obje
 
 export function fillEnergy(box: HTMLElement, { shares }: Report): void {
   const { rows } = shares;
-  const bars = (["newton", "icm"] as const).flatMap((model, k) => {
-    const part = shares[model];
-    if (!part) return [];
-    const { short } = namesOf[model];
-    const bar = element("div", "bar");
-    bar.setAttribute("role", "img");
-    bar.setAttribute("aria-label", `${short}: ${rows.map((r) => `${r.name} ${r.percent[k]}`).join(", ")}`);
+  const models = (["newton", "icm"] as const).filter((model) => shares[model]);
+  const shape = [models, rows.map((r) => r.name + r.color)].join();
+  if (box.dataset.shape !== shape) buildEnergy(box, models, rows);
+  box.dataset.shape = shape;
+  models.forEach((model, k) => {
+    const part = shares[model]!;
+    const bar = box.children[2 * k + 1];
+    bar.setAttribute("aria-label", `${namesOf[model].short}: ${rows.map((r) => `${r.name} ${r.percent[k]}`).join(", ")}`);
     const widths = [...part.balls].reverse();
     if (rows.length > widths.length + 1) widths.push(part.stored);
-    [...widths, part.lost].forEach((share, i) => {
-      const piece = document.createElement("div");
-      piece.style.width = `${100 * share}%`;
-      piece.style.background = `var(--${rows[i].color})`;
-      bar.append(piece);
-    });
-    return [element("div", `energy-name ${model}`, short), bar];
+    [...widths, part.lost].forEach((share, i) => ((bar.children[i] as HTMLElement).style.width = `${100 * share}%`));
+  });
+  rows.forEach(({ percent }, i) => {
+    const legend = box.lastElementChild!.children;
+    setText(legend[4 * i + 2], percent[0]);
+    setText(legend[4 * i + 3], percent[1] ?? "…");
+  });
+}
+
+function buildEnergy(box: HTMLElement, models: ("newton" | "icm")[], rows: ShareRow[]): void {
+  const colored = (tag: string, { color }: ShareRow): HTMLElement => {
+    const piece = document.createElement(tag);
+    piece.style.background = `var(--${color})`;
+    return piece;
+  };
+  const bars = models.flatMap((model) => {
+    const bar = element("div", "bar");
+    bar.setAttribute("role", "img");
+    bar.append(...rows.map((r) => colored("div", r)));
+    return [element("div", `energy-name ${model}`, namesOf[model].short), bar];
   });
   const legend = element("div", "legend");
-  for (const r of rows) {
-    const swatch = document.createElement("i");
-    swatch.style.background = `var(--${r.color})`;
-    legend.append(swatch, element("span", "", r.name), element("b", "newton", r.percent[0]), element("b", "icm", r.percent[1] ?? "…"));
-  }
+  for (const r of rows) legend.append(colored("i", r), element("span", "", r.name), element("b", "newton"), element("b", "icm"));
   box.replaceChildren(...bars, legend);
 }
 
 // Definitions of the names shown in the table.
 export function fillDefinitions(list: HTMLElement, report: Report): void {
+  const key = report.table.map((r) => r.name + r.title).join();
+  if (list.dataset.of === key) return;
+  list.dataset.of = key;
   const parts = report.table.flatMap((r) => {
     const [dt, dd] = [document.createElement("dt"), document.createElement("dd")];
     dt.replaceChildren(...subscripted(r.name));

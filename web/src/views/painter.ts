@@ -39,6 +39,13 @@ export class Line {
   // A ball, cut off outside [low, high] where it is pressed flat.
   ball(along: number, radius: number, low: number, high: number, paint: (g: CanvasRenderingContext2D) => void): void {
     const { g } = this;
+    const [x, y] = this.at(along);
+    const whole = low <= along - radius && high >= along + radius;
+    if (whole) {
+      g.beginPath();
+      g.arc(x, y, radius, 0, 2 * Math.PI);
+      return paint(g);
+    }
     g.save();
     g.beginPath();
     const wide = radius + 4;
@@ -48,7 +55,6 @@ export class Line {
     g.lineTo(...this.at(high, -wide));
     g.clip();
     g.beginPath();
-    const [x, y] = this.at(along);
     g.arc(x, y, radius, 0, 2 * Math.PI);
     paint(g);
     g.restore();
@@ -78,9 +84,11 @@ export class Painter {
     this.g.fillText(text, x, y);
   }
 
-  protected header(r: Rect, title: string): void {
+  // The first of the titles that fits.
+  protected header(r: Rect, ...titles: string[]): void {
     this.g.textBaseline = "middle";
     this.font(1, 600);
+    const title = titles.find((x) => this.g.measureText(x).width < r.w) ?? titles[titles.length - 1];
     this.text(title, r.x, r.y + this.size * 0.9, this.theme.ink);
   }
 

@@ -1,5 +1,5 @@
 // The two plots over time, forces and timeline: drawing, pointer and keys.
-import { find, type Sheet } from "../support/dom";
+import { find, setText, type Sheet } from "../support/dom";
 import { clockText, type Film } from "./film";
 import { drawForces, type ForcesLayout } from "./forces";
 import type { Frame, Scale } from "../support/plot";
@@ -11,19 +11,24 @@ import type { TimelineLayout } from "./timeline_drawing";
 import { dragged } from "../support/touch";
 
 // Moves the marker lines of the film's time in a plot.
-function placeCursors(box: string, time: number, x: Scale, frames: Frame[]): void {
-  find(box).querySelectorAll<HTMLElement>(".cursor").forEach((cursor, i) => {
+function placeCursors(cursors: HTMLElement[], time: number, x: Scale, frames: Frame[]): void {
+  cursors.forEach((cursor, i) => {
     const frame = frames[i];
-    cursor.hidden = !frame || time < x.low || time > x.high;
-    if (cursor.hidden) return;
+    const hidden = !frame || time < x.low || time > x.high;
+    if (cursor.hidden !== hidden) cursor.hidden = hidden;
+    if (hidden) return;
     cursor.style.transform = `translate(${x.at(time)}px, ${frame.top}px)`;
-    cursor.style.height = `${frame.height}px`;
+    const height = `${frame.height}px`;
+    if (cursor.style.height !== height) cursor.style.height = height;
   });
 }
+
+const cursorsIn = (box: string): HTMLElement[] => [...find(box).querySelectorAll<HTMLElement>(".cursor")];
 
 // Contact forces; a press chooses the time of the film.
 export class ForcesPanel {
   private layout: ForcesLayout | null = null;
+  private readonly cursors = cursorsIn("forces-box");
 
   constructor(
     private readonly state: State,
@@ -42,9 +47,9 @@ export class ForcesPanel {
 
   mark(): void {
     const { layout, state, sheet } = this;
-    if (!layout) return;
+    if (!layout || !sheet.seen) return;
     const time = state.time();
-    placeCursors("forces-box", time, layout.x, layout.frames);
+    placeCursors(this.cursors, time, layout.x, layout.frames);
     const share = Math.round((1000 * (time - layout.x.low)) / (layout.x.high - layout.x.low));
     sheet.canvas.setAttribute("aria-valuenow", String(Math.min(Math.max(share, 0), 1000)));
     if (!state.playing) sheet.canvas.setAttribute("aria-valuetext", clockText(time, state.drop!));
@@ -77,6 +82,7 @@ export class ForcesPanel {
 // Contacts over ε; a press chooses ε.
 export class TimelinePanel {
   readonly timeline: Timeline;
+  private readonly cursors = cursorsIn("timeline-box");
   private drawn = 0;
   private layout: TimelineLayout | null = null;
   private key = "";
@@ -99,13 +105,15 @@ export class TimelinePanel {
   // Restarts unless only ε has changed.
   refresh(): void {
     const key = JSON.stringify({ ...this.state.scenario, restitution: 0 });
-    if (key !== this.key) this.timeline.start(copyOf(this.state.scenario));
+    if (key === this.key) return;
     this.key = key;
+    this.timeline.start(copyOf(this.state.scenario));
+    this.sheet.canvas.dataset.computed = "false";
   }
 
   // Whether to redraw: less often while rows arrive.
   due(now: number): boolean {
-    if (!this.state.dirty.timeline || !this.state.drop || !this.sheet.shown() || (!this.timeline.done && now - this.drawn < 120)) return false;
+    if (!this.state.dirty.timeline || !this.state.drop || !this.sheet.shown() || (!this.timeline.done && (!this.sheet.seen || now - this.drawn < 120))) return false;
     this.drawn = now;
     return true;
   }
@@ -119,14 +127,15 @@ export class TimelinePanel {
     sheet.canvas.dataset.computed = String(this.timeline.done);
     const exact = s.law === "linear" && s.balls.length === 2 && !s.cradle;
     const { done, progress, goesOn } = this.timeline;
-    find("timeline-hint").textContent =
+    const hint =
       (done ? "" : `${Math.floor(100 * progress)} % computed. `) +
       (exact ? "Dotted edges: the same with the lower ball unaffected by the upper one. " : "") + (s.cradle ? "" : "Dashed: the floor contact ends. ") +
-      (done && goesOn && !s.cradle ? "Some contacts come later than shown. " : "") + "Click chooses ε.";
+      (done && goesOn && !s.cradle ? "Some contacts come later than shown. " : "");
+    setText(find("timeline-hint"), hint);
   }
 
   mark(): void {
-    if (this.layout) placeCursors("timeline-box", this.state.time(), this.layout.x, [this.layout.frame]);
+    if (this.layout && this.sheet.seen) placeCursors(this.cursors, this.state.time(), this.layout.x, [this.layout.frame]);
   }
 
   private choose(restitution: number): void {

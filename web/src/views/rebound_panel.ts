@@ -1,5 +1,5 @@
 // The panel of rebound heights: drawing, reading values, pointer, measured heights.
-import { find, type Sheet } from "../support/dom";
+import { find, setText, type Sheet } from "../support/dom";
 import { digits, metres, withUnit } from "../support/format";
 import type { CurveAxis, LectureView } from "../story/lecture_view";
 import { readMeasurements, type Measurements } from "./measurements";
@@ -25,6 +25,7 @@ export class ReboundPanel {
   private measured: Measurements | null = null;
   private drawn = 0;
   dirty = true;
+  news = true; // there are other heights than before
 
   constructor(
     private readonly state: State,
@@ -32,7 +33,7 @@ export class ReboundPanel {
     private readonly sheet: Sheet,
     pool: Pool,
   ) {
-    const changed = (): void => void (this.dirty = true);
+    const changed = (): void => void (this.dirty = this.news = true);
     this.curve = new Curve(pool, changed, sheet.wanted);
     this.pinned = new Curve(pool, changed, sheet.wanted);
     this.listen();
@@ -51,6 +52,7 @@ export class ReboundPanel {
     if (this.key !== keyOf(scenario, view.curve, span)) {
       this.key = keyOf(scenario, view.curve, span);
       this.curve.start(scenario, view.curve, span);
+      this.sheet.canvas.dataset.done = "false";
     }
     const same = view.pin !== null && view.pin.cradle === scenario.cradle;
     const pinnedKey = same ? keyOf(view.pin!, view.curve, span) : "";
@@ -69,13 +71,13 @@ export class ReboundPanel {
     if (scenario.cradle && this.view.curve === "ratio") this.view.curve = "gap";
     select.value = this.view.curve;
     const what = scenario.cradle ? "Speed of the last ball" : "Rebound height";
-    find("rebound-title").textContent = `${what} over ${{ gap: "the gap", e: "ε", ratio: "R₁/R₂" }[this.view.curve]}`;
+    setText(find("rebound-title"), `${what} over ${{ gap: "the gap", e: "ε", ratio: "R₁/R₂" }[this.view.curve]}`);
   }
 
   // Less often while points arrive.
   drawIfDue(now: number): void {
     if (!this.dirty || !this.state.drop || this.sheet.width < 40 || !this.sheet.shown()) return;
-    if (!this.curve.done && now - this.drawn < 80) return;
+    if (!this.curve.done && (!this.sheet.seen || now - this.drawn < 80)) return;
     this.dirty = false;
     this.drawn = now;
     const { sheet, state } = this;
@@ -107,8 +109,7 @@ export class ReboundPanel {
     const picture = this.picture();
     const point = this.hovered === null ? picture.marked : nearest(picture, this.hovered);
     const text = point ? `${nameOf(picture.axis, point.x)}: ${this.told(point)}` : "computing …";
-    const out = find("rebound-reading");
-    if (out.textContent !== text) out.textContent = text;
+    setText(find("rebound-reading"), text);
     const { canvas } = this.sheet;
     canvas.setAttribute("aria-valuenow", String(Number(picture.marked.x.toPrecision(4))));
     canvas.setAttribute("aria-valuetext", `${nameOf(picture.axis, picture.marked.x)}: ${this.told(picture.marked)}`);

@@ -16,6 +16,6 @@ export function drawStage(g: CanvasRenderingContext2D, w: number, h: number, d: 
   const second: Rect = stacked
     ? { x: pad, y: h * trueShare + 6, w: w - 2 * pad, h: h * (1 - trueShare) - 6 }
     : { x: first.x + first.w + 18, y: 0, w: w - first.x - first.w - 24, h };
-  new TrueScale(g, d, m, theme, size).draw(first);
+  new TrueScale(g, d, m, theme, size).draw(first, "True scale, metres", "Metres");
   new CloseUp(g, d, m, theme, size).draw(second);
 }

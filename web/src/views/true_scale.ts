@@ -13,8 +13,8 @@ export function drawTrueScale(g: CanvasRenderingContext2D, r: Rect, d: Drop, m: 
 }
 
 export class TrueScale extends Painter {
-  draw(r: Rect, title = "True scale, metres"): void {
-    this.header(r, title);
+  draw(r: Rect, ...titles: string[]): void {
+    this.header(r, ...titles);
     if (this.d.scenario.cradle) this.trueCradle(r);
     else this.trueDrop(r);
   }
@@ -40,7 +40,7 @@ export class TrueScale extends Painter {
     this.floor(left, r.x + r.w, floor);
     this.models().forEach(([name, color, state, track, ghost], k) => {
       const line = new Line(g, false, floor, left + (k + 0.5) * lane);
-      this.font(1, 600);
+      this.font(Math.min(1, lane / (4.4 * size)), 600);
       this.text(name, line.center, floor + 1.15 * size, color, "center");
       d.scenario.balls.forEach((b, i) => {
         const radius = Math.max(b.radius * scale, 3);

@@ -1,0 +1,76 @@
+// The menu: link, picture, files, undo.
+import type { Pool } from "../core/pool";
+import type { MapPanel } from "../map/map_panel";
+import { toToml, type Scenario } from "../scenario/scenario";
+import { fromToml } from "../scenario/toml";
+import { find } from "../support/dom";
+import { picture } from "../views/picture";
+import type { Timeline } from "../views/timeline";
+import type { State } from "./state";
+
+export interface FileActions {
+  undo(): void;
+  put(scenario: Scenario): void; // a setting from a file
+  note(notes: string[]): void;
+}
+
+// A button says for a moment what has happened.
+function say(id: string, text: string): void {
+  const button = find(id);
+  const before = button.dataset.name ?? button.textContent ?? "";
+  button.dataset.name = before;
+  button.textContent = text;
+  setTimeout(() => (button.textContent = before), 1500);
+}
+
+export function listenFiles(state: State, pool: Pool, map: MapPanel, timeline: Timeline, act: FileActions): void {
+  find("copy").addEventListener("click", () => {
+    history.replaceState(null, "", state.link());
+    const done = navigator.clipboard?.writeText(state.link()) ?? Promise.reject(new Error("no clipboard"));
+    done.then(() => say("copy", "Copied"), () => say("copy", "In address bar"));
+  });
+  find("undo").addEventListener("click", () => act.undo());
+  addEventListener("keydown", (e) => {
+    if (e.key !== "z" || !(e.ctrlKey || e.metaKey) || e.shiftKey || (e.target as HTMLElement).closest("input[type=text]")) return;
+    e.preventDefault();
+    act.undo();
+  });
+  find("toml").addEventListener("click", () => save("drop.toml", new Blob([toToml(state.scenario)], { type: "application/toml" })));
+  const file = find<HTMLInputElement>("open-file");
+  find("open").addEventListener("click", () => file.click());
+  file.addEventListener("change", () => {
+    if (file.files?.[0]) void open(file.files[0], act);
+    file.value = "";
+  });
+  find("csv").addEventListener("click", async () => {
+    const text = state.drop && (await pool.ask("csv", { scenario: state.drop.scenario }));
+    if (text) save("drop.csv", new Blob([text], { type: "text/csv" }));
+  });
+  find("png").addEventListener("click", () => savePicture(state, map, timeline, performance.now()));
+}
+
+// A column in a TOML file, as `hardlimit drop` reads it.
+async function open(file: File, act: FileActions): Promise<void> {
+  const notes: string[] = [];
+  try {
+    act.put(fromToml(await file.text(), notes));
+  } catch (error) {
+    notes.push((error as Error).message);
+  }
+  act.note(notes.map((text) => `${file.name}: ${text}`));
+}
+
+// Waits briefly for the map.
+function savePicture(state: State, panel: MapPanel, timeline: Timeline, asked: number): void {
+  const { map } = panel;
+  if (map.elapsed === null && performance.now() - asked < 3000) setTimeout(() => savePicture(state, panel, timeline, asked), 50);
+  else if (state.drop) picture(state, timeline, map, panel.marked()).toBlob((blob) => blob && save("drop.png", blob), "image/png");
+}
+
+function save(name: string, content: Blob): void {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(content);
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+}

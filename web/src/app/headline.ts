@@ -1,0 +1,44 @@
+// The headline of the laboratory: what both models give, and the verdict.
+import { find, Sheet, tell } from "../support/dom";
+
+export class Headline {
+  private said = "";
+  private readonly announcer = new Announcer();
+  private readonly changing = [...document.querySelectorAll<HTMLElement>(".told, .numbers")];
+  private readonly heights = new ResizeObserver((entries) => {
+    if (Sheet.moving) for (const { target, borderBoxSize: [{ blockSize }] } of entries) (target as HTMLElement).style.minHeight = `${blockSize}px`;
+  });
+
+  say(newton: string, icm: string, verdict: string): void {
+    const all = [newton, icm, verdict].join("\n");
+    if (all === this.said) return;
+    this.said = all;
+    const [a, b] = [document.createElement("span"), document.createElement("span")];
+    a.className = "newton";
+    b.className = "icm";
+    tell(a, newton + " ");
+    tell(b, icm);
+    find("verdict").replaceChildren(a, b);
+    tell(find("answer"), verdict);
+    this.announcer.say(`${newton} ${icm} ${verdict}`);
+  }
+
+  // While a slider moves, what lies below texts of changing length stays in its place.
+  keepHeights(on: boolean): void {
+    if (!on) this.heights.disconnect();
+    for (const part of this.changing) {
+      if (on) this.heights.observe(part); // reports the height now, too
+      else part.style.minHeight = "";
+    }
+  }
+}
+
+// Announces the result to screen readers once a slider rests.
+export class Announcer {
+  private timer = 0;
+
+  say(text: string): void {
+    clearTimeout(this.timer);
+    this.timer = window.setTimeout(() => (find("announcer").textContent = text), 600);
+  }
+}
