@@ -169,7 +169,7 @@ def test_no_contact_is_missed(
         return {"n": float(system.n)}
 
     run = hl.event_driven(
-        start, until=8.0 / abs(rate), max_collisions=60 * n, samples=80, observe=keep, **RULES[rule]
+        start, until=6.0 / abs(rate), max_collisions=40 * n, samples=40, observe=keep, **RULES[rule]
     )
     assert run.outcome == "ok"
     assert min(deepest) > -1e-9
