@@ -320,6 +320,39 @@ def test_a_stopped_run_goes_on_with_the_same_bits(tmp_path: Any) -> None:
     assert whole.energy_error < 1e-10
 
 
+def two_disks(heights: tuple[float, float], **more: Any) -> hl.ParticleSystem:
+    """Two small bodies at these heights, in units of the edge, which move with the flow."""
+    edge, rate = 0.1, 3.0
+    x = edge * np.array([[0.45, heights[0]], [0.55, heights[1]]])
+    v = rate * (x[:, 1:] - 0.5 * edge) * [1.0, 0.0]
+    return hl.ParticleSystem(
+        x, v, RADIUS, density=2500.0, box=(edge, edge), boundary=("periodic", "lees-edwards"), shear_rate=rate, **more
+    )  # fmt: skip
+
+
+def test_the_flow_alone_brings_bodies_together() -> None:
+    """Neighbour lists of bodies that do not move relative to the flow have to be built again as well."""
+    system = two_disks((0.509, 0.491))
+    runs = [
+        hl.molecular_dynamics(system, law=STIFF, until=4.0, engine=engine, log=True)
+        for engine in ("events", "steps")
+    ]
+    first = [float(run.contacts.begin[0]) for run in runs]
+    assert first[1] == pytest.approx(first[0], rel=1e-4)
+
+
+def test_kicks_beyond_the_side_do_work() -> None:
+    """Bodies that do not touch: nothing but a kick changes the energy between two crossings."""
+    kicks = hl.RandomKicks(power=1e-8, interval=1e-3)
+    for engine in ("events", "steps"):
+        run = hl.molecular_dynamics(
+            two_disks((0.998, 0.4), thermostat=kicks), law=STIFF, until=0.5, engine=engine
+        )
+        assert run.n_contacts == 0 and float(run.series.heat[-1]) > 0.0
+        assert float(run.series.shear_work[-1]) != 0.0
+        assert run.energy_error < 1e-10
+
+
 @pytest.mark.parametrize("gradient", [1, 2])
 def test_steps_have_the_same_bits_with_any_number_of_threads(gradient: int) -> None:
     system = random_system(6, n=600, phi=0.4, d=3, rate=300.0, gradient=gradient, mixed=True)
