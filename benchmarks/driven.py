@@ -1,4 +1,4 @@
-"""Cost of a collision in a sheared and in a shaken box, over that in a periodic box: hard spheres and Newton by events.
+"""Cost of a collision in a sheared and in a shaken box, over that in a periodic box, with all three engines.
 
     python benchmarks/driven.py --write
 
@@ -14,9 +14,21 @@ from __future__ import annotations
 import argparse
 import math
 import time
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
-from grains import DENSITY, RADIUS, RESTITUTION, by_events, equilibrium, hard_spheres, law_of, rate_of
+from grains import (
+    DENSITY,
+    RADIUS,
+    RESTITUTION,
+    by_events,
+    by_steps,
+    equilibrium,
+    hard_spheres,
+    law_of,
+    rate_of,
+)
 from harness import publish, table
 
 import hardlimit as hl
@@ -55,14 +67,21 @@ def of_hard_spheres(system: hl.ParticleSystem) -> float:
     return (time.process_time() - begin) / (run.n_contacts - before)
 
 
-def of_events(system: hl.ParticleSystem) -> float:
-    """CPU time of a contact [s]."""
+def of_newton(system: hl.ParticleSystem, make: Callable[..., Any], *step: float) -> float:
+    """CPU time of a contact [s]. step: that of the engine, in units of the duration of a contact."""
     rate = rate_of(system)
-    run = by_events(system, law_of(SOFTNESS / rate))
+    run = make(system, law_of(SOFTNESS / rate), *(one * SOFTNESS / rate for one in step))
     run.advance(WARM / rate)
     begin, before = time.process_time(), run.n_contacts
     run.advance(run.time + MEASURED / rate)
     return (time.process_time() - begin) / (run.n_contacts - before)
+
+
+ENGINES: dict[str, Callable[[hl.ParticleSystem], float]] = {
+    "hard spheres": of_hard_spheres,
+    "Newton by events": lambda system: of_newton(system, by_events),
+    "Newton by steps": lambda system: of_newton(system, by_steps, 0.02),
+}
 
 
 def main() -> None:
@@ -76,7 +95,7 @@ def main() -> None:
     rows = []
     for n in given.n:
         starts = boxes(n)
-        for name, engine in (("hard spheres", of_hard_spheres), ("Newton by events", of_events)):
+        for name, engine in ENGINES.items():
             measured = np.array(
                 [[engine(system) for system in starts.values()] for _ in range(given.repetitions)]
             )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 import xarray as xr
@@ -15,6 +15,9 @@ from ..boxes.theory import Gas
 from ..support import validation
 from ..support.estimate import Estimate
 from .labelled import array, variable
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 #: Number of starts of the steady part that are tried.
 STARTS: Final = 50
@@ -41,6 +44,12 @@ class Steady:
             f"{self.mean}{value}, steady from {along.name} {self.start:.6g}{since} on, statistical inefficiency "
             f"{self.inefficiency:.3g} samples, {self.n_independent:.3g} independent samples"
         )
+
+    def plot(self) -> Figure:
+        """Plot the series and the mean of its steady part: :func:`hardlimit.measure.plot`."""
+        from . import plot
+
+        return plot(self)
 
 
 def steady(series: Any) -> Steady:
