@@ -421,7 +421,7 @@ def test_steady_temperature_of_inelastic_gas(phi: float, restitution: float, tol
 
 
 @pytest.mark.parametrize("d", [2, 3])
-@pytest.mark.parametrize(("restitution", "tolerance"), [(0.9, 0.03), slow(0.95, 0.07), slow(0.8, 0.06)])
+@pytest.mark.parametrize(("restitution", "tolerance"), [(0.9, 0.03), slow(0.95, 0.07), slow(0.8, 0.08)])
 def test_stress_of_dilute_inelastic_gas(d: int, restitution: float, tolerance: float) -> None:
     """Temperature and kinetic stress by Grad's moments, which include the difference of normal stresses.
 
@@ -430,7 +430,7 @@ def test_stress_of_dilute_inelastic_gas(d: int, restitution: float, tolerance: f
     ν_η = (3 − 3ε + 2d)(1 + ε)/(4d), of Garzó & Dufty, Phys. Rev. E 59, 5895 (1999); for shear see Santos, Garzó &
     Dufty, Phys. Rev. E 69, 061303 (2004). The sampling error is 1 %; that of Grad's moments grows with 1 − ε.
     At ε = 0.95 the temperature relaxes slowly: its sampling error is 2 %. Runs three times as long
-    gave 2 to 3.6 % more.
+    gave 2 to 3.6 % more. At ε = 0.8, d = 3 it is 4.4 % below, mean of 16 runs with a scatter of 0.8 %.
     """
     zeta = (d + 2) / (4.0 * d) * (1.0 - restitution**2)
     decay = (3.0 - 3.0 * restitution + 2.0 * d) * (1.0 + restitution) / (4.0 * d)
