@@ -61,16 +61,22 @@ def collisions(system: Any, restitution: float, count: int) -> list[tuple[float,
     return found
 
 
-def closest(system: hl.ParticleSystem) -> float:
-    """The smallest gap over the sum of the radii, of all pairs and all images, without cells."""
+def closest(system: hl.ParticleSystem, unfolded: Any = None, time: float = 0.0) -> float:
+    """The smallest gap over the sum of the radii, of all pairs and all images, without cells; of the system, or of
+    these positions at a time later."""
     edges, axis = np.array(system.box), system.boundary.index("lees-edwards")
+    moved = system.shear_displacement + system.shear_rate * edges[axis] * time
+    x = np.array(system.positions if unfolded is None else unfolded)
+    layers = np.floor(x[:, axis] / edges[axis])
+    x[:, axis] -= layers * edges[axis]
+    x[:, 0] -= layers * moved
     first, second = np.triu_indices(system.n, 1)
     touch = system.radius[first] + system.radius[second]
-    r, least = system.positions[second] - system.positions[first], np.inf
+    r, least = x[second] - x[first], np.inf
     for layer in (-1, 0, 1):
         image = r.copy()
         image[:, axis] += layer * edges[axis]
-        image[:, 0] += layer * system.shear_displacement
+        image[:, 0] += layer * moved
         across = [k for k in range(len(edges)) if k != axis]
         image[:, across] -= edges[across] * np.round(image[:, across] / edges[across])
         least = min(least, float((np.sqrt((image**2).sum(1)) / touch).min()) - 1.0)

@@ -9,7 +9,6 @@ import subprocess
 import sys
 import zipfile
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -532,25 +531,24 @@ def test_a_checkpoint_of_another_version_is_refused(tmp_path):
 
 
 RUN = """
-import sys
-from pathlib import Path
-sys.path.insert(0, {tests!r})
-from conftest import lattice
-import hardlimit as hl
-hl.event_driven(lattice(125), restitution=0.95, until={until}, samples=50, log=True,
-                checkpoint={path!r}, checkpoint_every={every})
+import pickle
+function, system, settings = pickle.loads({start!r})
+function(system, checkpoint={path!r}, checkpoint_every={every}, **settings)
 """
 
 
-def started(path, every, until=2.0):
-    """Starts ``RUN`` in another process."""
-    source = RUN.format(tests=str(Path(__file__).parents[1]), path=str(path), every=every, until=until)
+def started(path, every, function, system, **settings):
+    """Starts a run with a checkpoint in another process."""
+    source = RUN.format(start=pickle.dumps((function, system, settings)), path=str(path), every=every)
     return subprocess.Popen([sys.executable, "-c", source], stderr=subprocess.PIPE, text=True)
+
+
+LONG = {"restitution": 0.95, "until": 2.0, "samples": 50, "log": True}
 
 
 @pytest.fixture(scope="module")
 def uninterrupted():
-    return hl.event_driven(lattice(125), restitution=0.95, until=2.0, samples=50, log=True)
+    return hl.event_driven(lattice(125), **LONG)
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals")
@@ -560,7 +558,9 @@ def test_killed_at_any_moment(tmp_path, uninterrupted, trial):
     path = tmp_path / "run.checkpoint"
     chance = random.Random(trial)
     for _ in range(3):
-        process = started(path, 1e-9) if not path.exists() else resumed(path)
+        process = (
+            resumed(path) if path.exists() else started(path, 1e-9, hl.event_driven, lattice(125), **LONG)
+        )
         stamps = set()
         many = chance.randrange(1, 12)
 
@@ -588,13 +588,6 @@ DRIVES = {
         "walls": {"z-": hl.MovingWall(amplitude=5e-4, frequency=50.0)},
     },
 }  # fmt: skip
-DRIVEN_RUN = """
-import pickle, sys
-import hardlimit as hl
-with open({start!r}, "rb") as file:
-    function, system, settings = pickle.load(file)
-function(system, checkpoint={path!r}, checkpoint_every=1e-9, **settings)
-"""
 SOLVERS = {
     "constant": (hl.event_driven, {"restitution": 0.9}),
     "soft": (hl.event_driven, {"law": LAW, "rule": "soft"}),
@@ -613,10 +606,8 @@ def test_a_killed_run_of_a_driven_box_goes_on_with_the_same_bits(tmp_path, drive
     )
     function, settings = SOLVERS[solver]
     settings = settings | {"until": 0.1, "samples": 50}
-    path, start = tmp_path / "run", tmp_path / "start"
-    start.write_bytes(pickle.dumps((function, system, settings)))
-    source = DRIVEN_RUN.format(start=str(start), path=str(path))
-    process = subprocess.Popen([sys.executable, "-c", source], stderr=subprocess.PIPE, text=True)
+    path = tmp_path / "run.checkpoint"
+    process = started(path, 1e-9, function, system, **settings)
     stamps = set()
 
     def seen():
@@ -639,7 +630,9 @@ def resumed(path):
 
 def test_control_c_leaves_a_last_checkpoint(tmp_path):
     path = tmp_path / "run.checkpoint"
-    with started(path, 1e9, until=1e9) as process:  # only the first and the last checkpoint
+    with started(
+        path, 1e9, hl.event_driven, lattice(125), **LONG | {"until": 1e9}
+    ) as process:  # only the first and the last checkpoint
         try:
             wait_until(path.exists)
             first = path.stat().st_mtime_ns

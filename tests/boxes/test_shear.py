@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 import hardlimit as hl
 from conftest import draws, refusal, slow
 from hardlimit import _core
+from hardlimit.boxes.falling_frame import engine_arguments
 from hardlimit.boxes.theory import Gas
 from sheared_boxes import closest, collisions, contact_value, displaced, lun
 
@@ -174,6 +175,29 @@ def test_no_contact_is_missed(
     assert run.outcome == "ok"
     assert min(deepest) > -1e-9
     assert energy_error(run) < 1e-11
+
+
+@draws(100)
+@given(
+    seed=st.integers(0, 2**20),
+    n=st.integers(20, 60),
+    plane=st.sampled_from([(2, 1), (3, 1), (3, 2)]),
+    rate=st.sampled_from([-1000.0, -300.0, 300.0, 1000.0]),
+    phi=st.floats(0.35, 0.5),
+)
+def test_who_collides_has_not_overlapped(
+    seed: int, n: int, plane: tuple[int, int], rate: float, phi: float
+) -> None:
+    """All pairs after each collision. Edges are whole multiples of the diameter: cells are as narrow as can be."""
+    d, gradient = plane
+    start = gas(n, d, gradient, shear_rate=rate, packing_fraction=phi, seed=seed, rms_speed=1.0)
+    start = start.replace(box=2e-3 * np.ceil(start.box / 2e-3))
+    run = _core.make_engine(
+        "hard_spheres", *engine_arguments(start), law=None, rule="constant", restitution=0.9
+    )
+    while abs(rate) * run.time < 1.5 and run.n_contacts < 20 * n:
+        run.advance(math.inf, 1)
+        assert closest(start, run.state()[0], run.time) > -1e-9
 
 
 @each_rule
