@@ -13,7 +13,7 @@ interface Control {
   refresh(): void;
 }
 
-// Sliders and fields are created by the first `set`, once, and reused when the law or the number of balls changes: creating
+// The first `set` creates sliders and fields. They are reused when the law or the number of balls changes, since creating
 // those of six balls takes longer than a frame.
 export class Controls {
   private scenario: Scenario;

@@ -34,7 +34,7 @@ export class Headline {
 }
 
 // Announces the result to screen readers once a slider rests.
-export class Announcer {
+class Announcer {
   private timer = 0;
 
   say(text: string): void {

@@ -17,7 +17,7 @@ import { ForcesPanel, TimelinePanel } from "../views/panels";
 import { Desk, piece, Pool } from "../core/pool";
 import { presets, type Preset } from "../scenario/presets";
 import { copyOf, fromQuery, toQuery, type Scenario } from "../scenario/scenario";
-import { listenFiles } from "./files";
+import { listenMenu } from "./menu";
 import { Past } from "./past";
 import { Headline } from "./headline";
 import { Progress } from "./progress";
@@ -79,7 +79,7 @@ class Page {
     addEventListener("popstate", () => this.goBack());
     addEventListener("resize", () => this.headline.keepHeights(false));
     new ThemeSwitch(state, () => this.drawAll());
-    listenFiles(state, this.pool, this.map, this.timeline.timeline, {
+    listenMenu(state, this.pool, this.map, this.timeline.timeline, {
       undo: () => this.undo(),
       put: (scenario) => {
         state.scenario = scenario;

@@ -1,4 +1,4 @@
-// The menu: link, picture, files, undo.
+// The menu: link, picture, table, TOML files, undo.
 import type { Pool } from "../core/pool";
 import type { MapPanel } from "../map/map_panel";
 import { toToml, type Scenario } from "../scenario/scenario";
@@ -8,7 +8,7 @@ import { picture } from "../views/picture";
 import type { Timeline } from "../views/timeline";
 import type { State } from "./state";
 
-export interface FileActions {
+export interface MenuActions {
   undo(): void;
   put(scenario: Scenario): void; // a setting from a file
   note(notes: string[]): void;
@@ -23,7 +23,7 @@ function say(id: string, text: string): void {
   setTimeout(() => (button.textContent = before), 1500);
 }
 
-export function listenFiles(state: State, pool: Pool, map: MapPanel, timeline: Timeline, act: FileActions): void {
+export function listenMenu(state: State, pool: Pool, map: MapPanel, timeline: Timeline, act: MenuActions): void {
   find("copy").addEventListener("click", () => {
     history.replaceState(null, "", state.link());
     const done = navigator.clipboard?.writeText(state.link()) ?? Promise.reject(new Error("no clipboard"));
@@ -50,7 +50,7 @@ export function listenFiles(state: State, pool: Pool, map: MapPanel, timeline: T
 }
 
 // A column in a TOML file, as `hardlimit drop` reads it.
-async function open(file: File, act: FileActions): Promise<void> {
+async function open(file: File, act: MenuActions): Promise<void> {
   const notes: string[] = [];
   try {
     act.put(fromToml(await file.text(), notes));
