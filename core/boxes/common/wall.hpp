@@ -200,8 +200,8 @@ struct Wall {
     double distance(double x, double time) const {
         return id.high() ? position(time) - x : x - position(time);
     }
-    // Whether a coordinate surely stays farther away than `reach` between two times. First without the phase of an
-    // oscillation, which is costly.
+    // Whether a coordinate surely stays farther away than `reach` between two times. The amplitude is tried first,
+    // because the phase of an oscillation is costly.
     bool stays_beyond(double reach, double x, double from, double until) const {
         if (motion.oscillates()) {
             const auto middle = [&](double time) { return start + motion.offset + motion.velocity * time; };

@@ -98,7 +98,7 @@ private:
     Records<u32> original_index_;  // index in the user's arrays
     Records<double> masses_;       // if mixed [kg]
     Cells<d> cells_;
-    double columns_ = 0.0;  // of the tilted cells of a sheared box
+    double columns_ = 0.0;  // Cells::columns(), for checkpoints
     CalendarQueue calendar_;
     Accumulators<d> accumulators_;
     CollapseDetector collapse_;

@@ -34,7 +34,8 @@ void HardSpheres<d, motion, mixed>::displace(u32 i, double share, const double (
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::update_cell(u32 i) {
     Particle<d>& p = particles_[i];
-    for (int k = d - 1; k >= (box_.is_sheared() ? 1 : 0); --k)
+    const int first = box_.is_sheared() ? 1 : 0;  // fold_into_column() wraps along the first axis
+    for (int k = d - 1; k >= first; --k)
         while (box_.wraps(k) && (p.position[k] < 0.0 || p.position[k] > box_.edge[k])) {
             const int step = p.position[k] < 0.0 ? -1 : 1;
             if (box_.is_periodic(k))

@@ -100,7 +100,7 @@ public:
         p[d - 1] = static_cast<int>(index);
         return p;
     }
-    // The position must be folded: along() in [0, L) in a sheared box, at this time.
+    // In a sheared box the position must be folded: 0 <= along() < edge at this time.
     Place<d> place_of(int level, const double (&position)[d], double time = 0.0) const {
         const Grid<d>& g = grids_[level];
         Place<d> p;
@@ -377,7 +377,8 @@ public:
 
 private:
     static constexpr u32 inline_ids = 3, linked = 4, cells_of_part = 4;
-    static constexpr double largest_tilt = 0.5;  // less would need more changes of c, more wider columns
+    // A smaller limit needs more changes of c, a larger one wider columns.
+    static constexpr double largest_tilt = 0.5;
     static constexpr u32 beyond = 3;  // empty cells at the end, for a kernel that reads four cells at once
 
     // A block of three cells, of which at least one is in the box, reaches at most this far beyond the box.

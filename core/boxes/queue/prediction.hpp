@@ -29,8 +29,8 @@ HL_FN double time_below(double x, double v, double g, double high) {
 }
 
 // Time until u + v τ + g τ²/2 leaves the interval between two faces, and whether through the upper one. `rounding`:
-// error of times [s], within which a particle that turns on a face counts as turned. Has no branches: which face it is
-// would be unpredictable.
+// error of times [s]. A particle that turns on a face to within it counts as turned. Without branches, since no
+// processor can predict which face it is.
 struct Exit {
     double time;
     bool high;

@@ -193,9 +193,9 @@ def _as_before(at: str, found: Observed, before: Observed) -> Observed:
 # --- the values of all samples ------------------------------------------------------------------------------
 
 
-def collected(values: Sequence[Mapping[str, NDArray[Any]]]) -> dict[str, NDArray[Any]]:
+def collected(values: Sequence[Mapping[str, Any]]) -> dict[str, NDArray[Any]]:
     """Stack the values of all samples: one array for each name."""
-    return {name: np.stack([one[name] for one in values]) for name in (values[0] if values else ())}
+    return {name: np.array([one[name] for one in values]) for name in (values[0] if values else ())}
 
 
 def joined(samples: Sequence[Observed]) -> Observed:

@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
-import numpy as np
 from numpy.typing import NDArray
 
 from ..contact import compression
@@ -236,8 +235,8 @@ class Run:
 
 def _stacked(samples: Sequence[Sample]) -> dict[str, NDArray[Any]]:
     """Stack the recorded quantities of all samples: one array for each."""
-    names = samples[0].records if samples else ()
-    return {name: np.array([one.records[name] for one in samples], float) for name in names}
+    stacked = observing.collected([sample.records for sample in samples])
+    return {name: values.astype(float) for name, values in stacked.items()}
 
 
 def _observe_again(time: float, system: ParticleSystem) -> Mapping[str, Any]:

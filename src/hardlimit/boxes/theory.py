@@ -1,8 +1,8 @@
 """Kinetic theory of a homogeneous gas of equal hard spheres or disks.
 
 The formulas hold for a fluid without walls or gravity, at rest or uniformly sheared (:meth:`Gas.sheared_temperature`):
-spheres below freezing at φ = 0.49, disks below 0.70.
-The temperature T [m²/s²] is the mean square of one velocity component.
+spheres below freezing at φ = 0.49, disks below 0.70. The temperature T [m²/s²] is the mean square of one velocity
+component.
 """
 
 from __future__ import annotations
