@@ -86,9 +86,9 @@ export class CloseUp extends Painter {
       g.strokeStyle = theme.muted;
       this.line(x + 1, y, x + 1 + length, y);
       for (const end of [x + 1, x + 1 + length]) this.line(end, y - 4, end, y + 4);
-      const text = [`${withUnit(metres, "m", 1)} ${name}`, withUnit(metres, "m", 1)].find((t) => x + length + 8 + g.measureText(t).width < r.x + r.w) ?? "";
-      this.text(text, x + length + 8, y, theme.muted);
-      x += length + 8 + g.measureText(text).width + 1.2 * size;
+      const text = [`${withUnit(metres, "m", 1)} ${name}`, withUnit(metres, "m", 1)].find((t) => x + length + 6 + g.measureText(t).width < r.x + r.w) ?? "";
+      this.text(text, x + length + 6, y, theme.muted);
+      x += length + 6 + g.measureText(text).width + 0.8 * size;
     }
   }
 
@@ -174,18 +174,21 @@ export class CloseUp extends Painter {
     };
   }
 
-  // To the right of a column, one below the other, each with a line to its contact; over a ball at the edge.
+  // To the right of a column, one below the other, each with a line to its contact. At the edge a force is written over the
+  // ball, and a gap is left out.
   private tagsBeside(line: Line, tags: Tag[], top: number, edge: number): void {
     const { g, size, theme } = this;
     const places = apart(tags.map((t) => Math.max(t.along, 0.8 * size)), 1.2 * size, 0.8 * size, Math.max(top + size, 0));
     const reach = Math.max(...tags.map((t) => t.radius)) + 0.4 * size;
     tags.forEach((t, i) => {
+      this.font(0.92, t.weight);
+      const [x, y] = line.at(places[i], reach);
+      const over = Math.max(x + g.measureText(t.text).width - edge, 0);
+      if (over > 0.8 * size && t.weight < 700) return;
       g.strokeStyle = theme.line;
       g.lineWidth = 1;
       line.segment(t.along, Math.min(0.72 * t.radius, reach - 6), places[i], reach - 3);
-      this.font(0.92, t.weight);
-      const [x, y] = line.at(places[i], reach);
-      this.label(t.text, Math.min(x, edge - g.measureText(t.text).width), y, t.color, "left");
+      this.label(t.text, x - over, y, t.color, "left");
     });
   }
 

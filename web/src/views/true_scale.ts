@@ -38,10 +38,14 @@ export class TrueScale extends Painter {
       this.text(digitsOf(z, ticks), left - 8, y, theme.muted, "right");
     }
     this.floor(left, r.x + r.w, floor);
+    const nameSize = Math.min(1, lane / (3 * size));
+    this.font(nameSize, 600);
+    const needed = 0.5 * this.models().reduce((sum, [name]) => sum + g.measureText(name).width, size);
+    const aside = 0.5 * Math.max(needed - lane, 0); // keeps the names apart where a lane is narrower than they are
     this.models().forEach(([name, color, state, track, ghost], k) => {
       const line = new Line(g, false, floor, left + (k + 0.5) * lane);
-      this.font(Math.min(1, lane / (4.4 * size)), 600);
-      this.text(name, line.center, floor + 1.15 * size, color, "center");
+      this.font(nameSize, 600);
+      this.text(name, line.center + (k === 0 ? -aside : aside), floor + 1.15 * size, color, "center");
       d.scenario.balls.forEach((b, i) => {
         const radius = Math.max(b.radius * scale, 3);
         line.ball(Math.max(state.position[i] * scale, radius), radius, -1e4, 1e4, this.style(ghost, i, radius));
