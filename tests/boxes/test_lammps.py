@@ -335,9 +335,10 @@ def shortest(system, law):
     return min(c.duration(speed)[0] for c in contacts.of_kinds(system, law))
 
 
-def mixed(seed, dimension, boundary, gravity, n=40):
+def mixed(seed, dimension, boundary, gravity, n=40, **shear):
+    box = {"boundary": boundary, "gravity": gravity, **shear}
     system = hl.ParticleSystem.random(
-        n=n, packing_fraction=0.2, dimension=dimension, seed=seed, boundary=boundary, gravity=gravity, **BEADS
+        n=n, packing_fraction=0.2, dimension=dimension, seed=seed, **box, **BEADS
     )
     sizes = np.array([1.0, 0.9, 0.7])[np.arange(n) % 3]
     return system.replace(radius=system.radius * sizes, density=2500.0)
@@ -368,13 +369,37 @@ LONG = [(box, law) for box in BOXES for law in LAWS if (box, law) not in SHORT]
     ("box", "law_name"), [*SHORT, *(pytest.param(*pair, marks=pytest.mark.slow) for pair in LONG)]
 )
 def test_lammps_agrees_with_our_steps_to_first_order(box, law_name):
-    system, law = mixed(*BOXES[box]), LAWS[law_name]
-    duration, until = shortest(system, law), 6e-4 if "gravity" in box else 1e-3
+    agree_to_first_order(
+        mixed(*BOXES[box]), law_name, 6e-4 if "gravity" in box else 1e-3, (box, law_name) in SHORT
+    )
+
+
+@needs_lammps
+@pytest.mark.parametrize(
+    ("dimension", "boundary", "rate", "law_name"),
+    [
+        (3, ("periodic", "periodic", "lees-edwards"), 700.0, "linear"),
+        pytest.param(3, ("periodic", "lees-edwards", "wall"), -600.0, "tsuji", marks=pytest.mark.slow),
+        pytest.param(2, ("periodic", "lees-edwards"), 500.0, "viscoelastic", marks=pytest.mark.slow),
+    ],
+)
+def test_a_sheared_box_agrees_with_our_steps_to_first_order(dimension, boundary, rate, law_name):
+    """Images begin displaced and move by more than half an edge."""
+    gravity = [0.0] * (dimension - 1) + [-20.0 if boundary[-1] == "wall" else 0.0]
+    start = mixed(11, dimension, boundary, gravity, shear_rate=rate)
+    start = hl.molecular_dynamics(start, law=LAWS[law_name], until=1e-3, engine="steps").system
+    assert start.shear_displacement > 0.0
+    agree_to_first_order(start, law_name, 1e-3 if dimension == 3 else 2e-3, short=law_name == "linear")
+
+
+def agree_to_first_order(system, law_name, until, short):
+    law = LAWS[law_name]
+    duration = shortest(system, law)
     exact = hl.molecular_dynamics(
         system, law=law, until=until, engine="steps", time_step=duration / 4000, log=True, samples=4
     )
     assert exact.n_contacts > 8
-    steps = np.array([60, 120, 240] if (box, law_name) in SHORT else [60, 85, 120, 240, 340, 480])
+    steps = np.array([60, 120, 240] if short else [60, 85, 120, 240, 340, 480])
     runs = (by_lammps(system, law, until, time_step=duration / n, log=True, samples=4) for n in steps)
     errors = [differences(run, exact, duration) for run in runs]
     order = -np.polyfit(np.log(steps), np.log(np.array(errors) + 1e-12).mean(axis=1), 1)[0]
@@ -385,8 +410,11 @@ def test_lammps_agrees_with_our_steps_to_first_order(box, law_name):
 
 @needs_lammps
 @pytest.mark.slow
-def test_series_and_counts_are_those_of_our_engines():
+@pytest.mark.parametrize("sheared", [False, True])
+def test_series_and_counts_are_those_of_our_engines(sheared):
     system = mixed(4, 3, ("wall", "periodic", "wall"), [0.0, 5.0, -9.81])
+    if sheared:
+        system = mixed(4, 3, ("periodic", "lees-edwards", "periodic"), [0.0, 0.0, 5.0], shear_rate=400.0)
     fine = {"engine": "steps", "time_step": shortest(system, SOFT) / 2000}
     ours = hl.molecular_dynamics(system, law=SOFT, until=6e-4, log=True, samples=5, **fine)
     told = []
@@ -396,7 +424,8 @@ def test_series_and_counts_are_those_of_our_engines():
     for name in ("n_contacts", "n_in_contact", "overlapped_share", "collision_rate"):
         assert run.series[name].values == pytest.approx(ours.series[name].values, nan_ok=True)
     energies = ("kinetic_energy", "potential_energy", "dissipated_energy")
-    for name in (*energies, "granular_temperature", "pressure", "pressure_tensor"):
+    shear = ("shear_work", "shear_stress") if sheared else ()
+    for name in (*energies, "granular_temperature", "pressure", "pressure_tensor", *shear):
         wanted = ours.series[name].values
         scale = np.nanmax(np.abs(wanted))
         assert run.series[name].values == pytest.approx(wanted, abs=5e-3 * scale, nan_ok=True)

@@ -38,8 +38,9 @@ COMMON: Final = (
 #: Those of hard spheres, those of engines for Newton's equations, and those of LAMMPS.
 _DRIVEN: Final = ("flow_momentum", "wall_work", "shear_work", "heat", "wall_impulse", "wall_energy")
 OF_COLLISIONS: Final = (*COMMON, *_DRIVEN, "kinetic_integral", "n_collisions")
-OF_LAMMPS: Final = (*COMMON, "contact_energy", "n_contacts", "n_ended", "n_overlapped", "n_in_contact")
-OF_CONTACTS: Final = (*OF_LAMMPS, *_DRIVEN)
+_CONTACTS: Final = ("contact_energy", "n_contacts", "n_ended", "n_overlapped", "n_in_contact")
+OF_CONTACTS: Final = (*COMMON, *_DRIVEN, *_CONTACTS)
+OF_LAMMPS: Final = (*COMMON, "flow_momentum", "shear_work", *_CONTACTS)
 #: Arrays of a system in a checkpoint. Positions and velocities are in the saved state of the engine.
 FIXED: Final = ("radius", "mass", "box", "gravity")
 

@@ -47,9 +47,9 @@ class Steady:
 
     def plot(self) -> Figure:
         """Plot the series and the mean of its steady part: :func:`hardlimit.measure.plot`."""
-        from . import plot
+        from ..plots import measured
 
-        return plot(self)
+        return measured.measured(self)
 
 
 def steady(series: Any) -> Steady:

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from ..boxes.box import component_axes
-from ..measure import Steady
+from ..measure.steadiness import Steady
 from ..support import validation
 from .labels import axis_label, axis_scale
 from .style import COLUMN_WIDTH, GREY, PALETTE, style

@@ -1,7 +1,7 @@
 """LAMMPS data files with ``atom_style sphere``, in SI units. No library reads or writes this style.
 
-The format has diameters and densities. It has no walls and no gravity, which belong to the input script of LAMMPS; we
-write them in the first line, which LAMMPS skips.
+The format has diameters and densities. Walls, gravity and shear belong to the input script of LAMMPS; we write them
+in the first line, which LAMMPS skips. A sheared box is tilted by the displacement of its images.
 """
 
 from __future__ import annotations
@@ -21,8 +21,10 @@ from ...support import validation
 from .frame import Append, Floats, Found, Frame, boundary_of, read_table, three, write_rows
 
 _MARK: Final = re.compile(
-    r"LAMMPS data file by hardlimit, SI units, dimension ([23]), boundary ([pf ]+), gravity (.+)"
+    r"LAMMPS data file by hardlimit, SI units, dimension ([23]), boundary ([pfl ]+), gravity ([^,]+)"
+    r"(?:, shear rate (.+), displacement (.+))?"
 )
+_LETTERS: Final = {"periodic": "p", "wall": "f", "lees-edwards": "l"}
 
 
 @contextmanager
@@ -47,8 +49,6 @@ def write(path: Path, frame: Frame, types: NDArray[np.int64]) -> None:
 def _write(file: BinaryIO, frame: Frame, types: NDArray[np.int64]) -> None:
     if frame.walls:
         raise ValueError("walls: got moving walls, must be none in LAMMPS data; .xyz and .gsd hold them")
-    if "lees-edwards" in frame.boundary:
-        raise ValueError("boundary: got 'lees-edwards', must be none in LAMMPS data; .xyz and .gsd hold it")
     if frame.thermostat is not None:
         raise ValueError("thermostat: got one, must be none in LAMMPS data; .xyz and .gsd hold it")
     file.write(_header(frame, int(types.max())).encode())
@@ -62,10 +62,12 @@ def _write(file: BinaryIO, frame: Frame, types: NDArray[np.int64]) -> None:
 
 def _header(frame: Frame, types: int) -> str:
     d = len(frame.box)
-    sides = " ".join("p" if side == "periodic" else "f" for side in frame.boundary)
+    sides = " ".join(_LETTERS[side] for side in frame.boundary)
     gravity = " ".join(map(repr, frame.gravity.tolist()))
+    sheared = "lees-edwards" in frame.boundary
+    shear = f", shear rate {frame.shear_rate!r}, displacement {frame.shear_displacement!r}" if sheared else ""
     lines = [
-        f"LAMMPS data file by hardlimit, SI units, dimension {d}, boundary {sides}, gravity {gravity}",
+        f"LAMMPS data file by hardlimit, SI units, dimension {d}, boundary {sides}, gravity {gravity}{shear}",
         "",
         f"{len(frame.positions)} atoms",
         f"{types} atom types",
@@ -74,6 +76,11 @@ def _header(frame: Frame, types: int) -> str:
     half = float(frame.radius.max())
     limits = [(0.0, float(edge)) for edge in frame.box] + [(-half, half)] * (3 - d)
     lines += [f"{low!r} {high!r} {axis}lo {axis}hi" for axis, (low, high) in zip("xyz", limits, strict=True)]
+    if sheared:
+        shift, edge = frame.shear_displacement, float(frame.box[0])
+        tilt = [0.0] * 3
+        tilt[frame.boundary.index("lees-edwards") - 1] = shift - (edge if shift > 0.5 * edge else 0.0)
+        lines.append(f"{' '.join(map(repr, tilt))} xy xz yz")
     return "\n".join(lines) + "\n"
 
 
@@ -103,7 +110,7 @@ def read(path: Path, frame: int) -> Found:
     mark = _MARK.match(lines[0]) if lines else None
     d = int(mark[1]) if mark else 3
     n = _count(header)
-    limits = _limits(header)
+    limits = _limits(header, sheared=bool(mark and mark[4]))
     atoms = _table("Atoms", sections, n, (7, 10))
     speeds = _table("Velocities", sections, n, (7, 4))
     if np.any(atoms[:, 4 + d : 7]) or np.any(speeds[:, 1 + d : 4]):
@@ -143,11 +150,11 @@ def _count(header: Iterable[str]) -> int:
     return int(counts[0])
 
 
-def _limits(header: Iterable[str]) -> Floats:
+def _limits(header: Iterable[str], sheared: bool) -> Floats:
     """Lower and upper limits (3, 2) of the box."""
     found: dict[str, list[float]] = {}
     for line in header:
-        if re.search(r"\b(xy\s+xz\s+yz|avec|bvec|cvec)\b", line):
+        if not sheared and re.search(r"\b(xy\s+xz\s+yz|avec|bvec|cvec)\b", line):
             raise ValueError("header: got a tilted box, must be a box along the axes")
         match = re.fullmatch(r"\s*(\S+)\s+(\S+)\s+([xyz])lo\s+\3hi\s*", line)
         if match:
@@ -186,13 +193,16 @@ def _table(title: str, sections: dict[str, tuple[str, list[str]]], n: int, width
 
 
 def _from_mark(mark: re.Match[str] | None, d: int) -> dict[str, Any]:
-    """Walls and gravity from the first line, if this package wrote it."""
+    """Walls, gravity and shear from the first line, if this package wrote it."""
     if mark is None:
         return {}
     sides, gravity = mark[2].split(), mark[3].split()
     if len(sides) != d or len(gravity) != d:
         raise ValueError("first line: must contain a boundary and a gravity for each axis")
+    shear = None
+    if "l" in sides:
+        shear = sides.index("l"), _float("shear rate", mark[4] or ""), _float("displacement", mark[5] or "")
     return {
-        **boundary_of(side == "p" for side in sides),
+        **boundary_of((side == "p" for side in sides), shear),
         "gravity": [_float("gravity", word) for word in gravity],
     }

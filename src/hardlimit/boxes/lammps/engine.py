@@ -10,11 +10,12 @@ import numpy as np
 
 from ...support import validation
 from ...support.progress import Report
-from ..box import Floats
+from ..box import AXES, Floats
 from ..engines import ENGINES
 from ..falling_frame import laboratory_sums, system_at
 from ..observables import components
 from ..result import ContactResult
+from ..system import ParticleSystem
 from . import job as jobs
 from . import output, process
 from .contact_log import Contacts, contacts
@@ -66,7 +67,7 @@ def dump_readers(job: Job) -> dict[str, DumpReader]:
 def result(job: Job, folder: Path, readers: list[DumpReader]) -> ContactResult:
     """Build the result from the files that LAMMPS wrote to the folder."""
     plan = job.plan
-    falling = output.state(folder / jobs.END, job.system.dimension)
+    falling = output.state(folder / jobs.END, job.system)
     found = _contacts(readers) if plan.log else None
     kept = _samples(job, output.thermo(folder / jobs.LOG), readers, found)
     counts: dict[str, Any] = {name: None if found is None else int(kept[name][-1]) for name in COUNTS}
@@ -107,12 +108,13 @@ def _samples(job: Job, thermo: Floats, readers: list[DumpReader], log: Contacts 
         for name in ("kinetic", "virial")
     )
     seen["kinetic_tensor"] = kinetic_tensor
+    lasted = np.diff(time, prepend=0.0)
+    shear_work = _shear_work(system, seen, lasted)
     seen = laboratory_sums(system, time, seen)
     kinetic, potential = seen["kinetic_energy"], seen["potential_energy"]
     sums = [[reader.sums[int(step)] for step in seen["step"]] for reader in readers]
     stored = np.array([[s.energy for s in one] for one in sums]).sum(axis=0)
-    total = kinetic + potential + stored
-    lasted = np.diff(time, prepend=0.0)[:, None]
+    total = kinetic + potential + stored - shear_work
     columns = {
         "time": time,
         "kinetic_energy": kinetic,
@@ -123,10 +125,27 @@ def _samples(job: Job, thermo: Floats, readers: list[DumpReader], log: Contacts 
         "momentum": seen["momentum"],
         "n_in_contact": np.array([[s.in_contact for s in one] for one in sums]).sum(axis=0),
         "kinetic_tensor": seen["kinetic_tensor"],
-        "virial_tensor": np.cumsum(virial * system.domain.volume * lasted, axis=0),
+        "virial_tensor": np.cumsum(virial * system.domain.volume * lasted[:, None], axis=0),
+        "flow_momentum": seen["flow_momentum"],
+        "shear_work": shear_work,
         **_counts(time, log),
     }
     return {name: columns[name] for name in ENGINES["lammps"].records}
+
+
+def _shear_work(system: ParticleSystem, seen: dict[str, Floats], lasted: Floats) -> Floats:
+    """Work of a Lees–Edwards boundary up to each sample [J]; 0 without one.
+
+    The energy relative to the mean flow gains −γ̇ V P_xy per time. The rest is the change of what the mean flow adds to
+    the kinetic energy.
+    """
+    axis = system.domain.gradient
+    if axis is None:
+        return np.zeros(len(lasted))
+    of_flow = seen["kinetic_energy"] - 0.5 * seen["kinetic_tensor"][:, : system.dimension].sum(axis=1)
+    across = seen["kinetic_across"] + seen[f"virial_x{AXES[axis]}"] * system.domain.volume
+    work: Floats = of_flow - of_flow[0] - system.shear_rate * np.cumsum(across * lasted)
+    return work
 
 
 def _counts(time: Floats, log: Contacts | None) -> dict[str, Floats]:

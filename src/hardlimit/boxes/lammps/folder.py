@@ -110,10 +110,6 @@ def make_job(
     log: Any,
 ) -> Job:
     """Check the arguments and make the job for LAMMPS."""
-    if "lees-edwards" in system.boundary:
-        raise ValueError(
-            "boundary: got 'lees-edwards', must be 'periodic' or 'wall' for engine 'lammps'; use 'events' or 'steps'"
-        )
     if system.walls:
         raise ValueError(f"walls: got {', '.join(system.walls)}, must be none that move for engine 'lammps'")
     if system.thermostat is not None:

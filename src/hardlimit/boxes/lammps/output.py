@@ -11,11 +11,14 @@ import numpy as np
 
 from ..box import Floats
 from ..observables import components
+from ..system import ParticleSystem
 
 #: Columns of the log of LAMMPS, which has one row for each sample.
 THERMO: Final = (
-    *("step", "kinetic_energy", "potential_energy", "px", "py", "pz"),
-    *(f"{name}_{component}" for name in ("kinetic", "virial") for component in components(3)),
+    *("step", "kinetic_energy", "px", "py", "pz"),
+    *(f"kinetic_{component}" for component in components(3)),
+    *("flow_momentum", "kinetic_across", "potential_energy"),
+    *(f"virial_{component}" for component in components(3)),
 )
 
 
@@ -67,10 +70,12 @@ def row_of(line: str) -> list[float] | None:
     return [float(word) for word in line.split()] if _ROW.fullmatch(line) else None
 
 
-def state(path: Path, dimension: int) -> tuple[Floats, Floats]:
-    """Unfolded positions and velocities, (N, d) each."""
+def state(path: Path, system: ParticleSystem) -> tuple[Floats, Floats]:
+    """Positions and velocities of the unfolded paths, (N, d) each."""
     with open(path, encoding="utf-8") as file:
         (last,) = snapshots(file)
-    found = table(last.rows, 7)
-    positions, velocities = found[:, 1 : 1 + dimension], found[:, 4 : 4 + dimension]
+    found, d = table(last.rows, 8), system.dimension
+    positions, velocities = found[:, 1 : 1 + d], found[:, 4 : 4 + d]
+    if system.domain.gradient is not None:
+        velocities[:, 0] += found[:, 7] * (system.shear_rate * float(system.box[system.domain.gradient]))
     return np.ascontiguousarray(positions), np.ascontiguousarray(velocities)

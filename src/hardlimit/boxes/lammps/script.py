@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from ..box import AXES
+from ..box import AXES, component_axes
 from ..system import ParticleSystem
 from .forces import Types
 
@@ -53,7 +53,7 @@ def script(
 
 
 def _box(system: ParticleSystem) -> list[str]:
-    sides = " ".join("p" if side == "periodic" else "f" for side in system.boundary)
+    sides = " ".join("f" if side == "wall" else "p" for side in system.boundary)
     return [
         "# the box and its particles",
         "units si",
@@ -106,6 +106,10 @@ def _motion(system: ParticleSystem, plan: Plan) -> Iterator[str]:
         size = float(np.sqrt(pull @ pull))
         along = " ".join(map(repr, [*pull.tolist(), 0.0][:3]))
         yield f"fix pull all gravity {size!r} vector {along}"
+    if (gradient := system.domain.gradient) is not None:
+        yield "# Lees–Edwards boundary: images move as the box tilts"
+        # With flips, LAMMPS would leave the velocities of particles that have just crossed a side as they were.
+        yield f"fix shear all deform 1 x{AXES[gradient]} erate {system.shear_rate!r} remap v flip no"
     yield "fix move all nve"
     if system.dimension == 2:
         yield "fix plane all enforce2d"
@@ -115,8 +119,8 @@ def _motion(system: ParticleSystem, plan: Plan) -> Iterator[str]:
 def _output(system: ParticleSystem, plan: Plan) -> Iterator[str]:
     every = 1 if plan.log else plan.per_sample
     yield "# at each sample: energies, momentum, Σ m v⊗v, virial of pairs as a mean over the steps since the last one"
-    yield "compute kinetic all ke"
-    yield "compute moving all temp"
+    commands, columns = _kinetic(system, plan)
+    yield from commands
     yield "compute virial all pressure NULL pair"
     yield f"fix virial all ave/time 1 {plan.per_sample} {plan.per_sample} {_six('c_virial')}"
     if system.gravity.any():  # the energy of fix gravity uses positions that jump at periodic boundaries
@@ -125,9 +129,7 @@ def _output(system: ParticleSystem, plan: Plan) -> Iterator[str]:
         yield f'variable lifted atom "mass*({lifted})"'
         yield "compute potential all reduce sum v_lifted"
     yield f"variable potential equal {'c_potential' if system.gravity.any() else '0.0'}"
-    for axis in AXES:
-        yield f"variable p{axis} equal vcm(all,{axis})*mass(all)"
-    yield f"thermo_style custom step c_kinetic v_potential v_px v_py v_pz {_six('c_moving')} {_six('f_virial')}"
+    yield f"thermo_style custom step {columns} v_potential {_six('f_virial')}"
     yield f"thermo_modify line one lost error flush yes {NUMBERS}"
     yield f"thermo {plan.per_sample}"
     yield f"# contacts, {'at every step' if plan.log else 'at each sample'}"
@@ -141,7 +143,43 @@ def _output(system: ParticleSystem, plan: Plan) -> Iterator[str]:
         yield f"dump_modify walls thresh v_touches > 0 {NUMBERS}"
     yield ""
     yield f"run {plan.n_steps}"
-    yield f"write_dump all custom end.dump id xu yu zu vx vy vz modify sort id {NUMBERS}"
+    crossings = f"i{AXES[system.domain.gradient or 1]}"  # through the sides of a sheared box
+    yield f"write_dump all custom end.dump id xu yu zu vx vy vz {crossings} modify sort id {NUMBERS}"
+
+
+def _kinetic(system: ParticleSystem, plan: Plan) -> tuple[list[str], str]:
+    """Commands and columns of the log: kinetic energy, momentum and Σ m v⊗v.
+
+    In a sheared box Σ m v⊗v has velocities relative to the mean flow. Its other columns are the momentum of the mean
+    flow, and the component along flow and gradient as a mean over the steps since the last sample.
+    """
+    commands = [f"variable p{axis} equal vcm(all,{axis})*mass(all)" for axis in AXES]
+    axis = system.domain.gradient
+    if axis is None:
+        return [*commands, "compute kinetic all ke", "compute moving all temp", "variable none equal 0.0"], (
+            f"c_kinetic v_px v_py v_pz {_six('c_moving')} v_none v_none"
+        )
+    y, edge, rate = AXES[axis], float(system.box[axis]), system.shear_rate
+    # LAMMPS maps particles back into the box only when it renews its neighbour lists.
+    velocities = {
+        "inside": f"vx-floor({y}/{edge!r})*({rate * edge!r})",
+        "relative": f"vx-({rate!r})*({y}-{0.5 * edge!r})",
+    }
+    c = ["v_relative", "vy", "vz"]
+    sums = [
+        *(f"mass*{c[i]}*{c[j]}" for i, j in zip(*component_axes(3), strict=True)),
+        "0.5*mass*(v_inside*v_inside+vy*vy+vz*vz)",
+        "mass*v_inside",
+        "mass*(v_inside-v_relative)",
+    ]
+    atoms = velocities | {f"sum{k}": text for k, text in enumerate(sums, 1)}
+    names = " ".join(f"v_sum{k}" for k in range(1, len(sums) + 1))
+    commands += [f'variable {name} atom "{text}"' for name, text in atoms.items()]
+    commands += [
+        f"compute sums all reduce sum {names}",
+        f"fix across all ave/time 1 {plan.per_sample} {plan.per_sample} c_sums[{3 + axis}]",
+    ]
+    return commands, f"c_sums[7] c_sums[8] v_py v_pz {_six('c_sums')} c_sums[9] f_across"
 
 
 def _six(name: str) -> str:
