@@ -144,6 +144,33 @@ test("every control moves the result and is in the link", async (t) => {
   await page.waitForFunction(() => location.search.includes("e=0.82") && location.search.includes("gap=0.00025") && location.search.includes("law=viscoelastic"));
 });
 
+test("an answer leaves what is being typed, and a refused entry", async (t) => {
+  const page = await open(t);
+  const answer = async (id) => {
+    const before = await page.evaluate(() => document.documentElement.dataset.numbers);
+    await page.evaluate((id) => {
+      const slider = document.getElementById(id);
+      slider.value = String(Number(slider.value) - 50);
+      slider.dispatchEvent(new Event("input"));
+    }, id);
+    await page.waitForFunction((before) => document.documentElement.dataset.numbers !== before, before);
+    await settled(page);
+  };
+  await page.fill("#restitution-value", "0.8");
+  await answer("gap1");
+  assert.equal(await page.inputValue("#restitution-value"), "0.8");
+  await page.keyboard.press("Tab");
+  await page.waitForFunction(() => location.search.includes("e=0.8"));
+  await page.fill("#restitution-value", "nonsense");
+  await page.keyboard.press("Tab");
+  await page.selectOption("#tolerance", { index: 0 });
+  await settled(page);
+  assert.equal(await page.getAttribute("#restitution-value", "aria-invalid"), "true");
+  await answer("restitution");
+  assert.equal(await page.getAttribute("#restitution-value", "aria-invalid"), null);
+  assert.notEqual(await page.inputValue("#restitution-value"), "nonsense");
+});
+
 test("a slider follows the mouse to where it is let go, on an example too", async (t) => {
   const page = await open(t);
   await page.locator("#restitution").scrollIntoViewIfNeeded();

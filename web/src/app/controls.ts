@@ -20,6 +20,7 @@ export class Controls {
   private list: Control[] = []; // those in the panel
   private readonly made = new Map<string, Control>(); // by id and label
   private shape = "";
+  private edits = 0; // number of changes
   private readonly about = document.createElement("p"); // text about the example
   private readonly said = document.createElement("p"); // how an entry was corrected
 
@@ -36,7 +37,10 @@ export class Controls {
 
   // Returns whether the controls in the panel have changed.
   set(scenario: Scenario, about: string): boolean {
-    if (scenario !== this.scenario) this.said.textContent = "";
+    if (scenario !== this.scenario) {
+      this.said.textContent = "";
+      this.edits++;
+    }
     this.scenario = scenario;
     setText(this.about, about);
     const shape = `${scenario.law} ${scenario.balls.length} ${scenario.cradle} ${hasOwn(scenario)}`;
@@ -49,6 +53,7 @@ export class Controls {
 
   // Side effects of an entry are reported below it.
   private edit(change: (s: Scenario) => void, at: HTMLElement | null = null, notes: string[] = []): void {
+    this.edits++;
     change(this.scenario);
     settle(this.scenario, notes);
     this.say(notes, at);
@@ -161,11 +166,14 @@ export class Controls {
     slider.min = "0";
     slider.max = String(steps(r));
     const say = (x: number): string => (r.zero && x === 0 ? "touching" : withUnit(x, r.unit, 4));
+    let shown = NaN; // the value in the field
+    let refused = -1; // number of changes when an entry was refused
     slider.addEventListener("input", () => this.edit((s) => put(s, fromSlider(r, Number(slider.value))), element));
     field.addEventListener("change", () => {
       const x = /^\s*touching\s*$/i.test(field.value) && r.zero ? 0 : parse(field.value, r.unit);
       field.setAttribute("aria-invalid", String(!Number.isFinite(x)));
       if (!Number.isFinite(x)) {
+        refused = this.edits;
         this.say([`${label}: “${field.value.slice(0, 20)}” is not a ${r.unit ? `value in ${r.unit}` : "number"}; ${say(get(this.scenario))} stays`], element);
         return;
       }
@@ -184,7 +192,11 @@ export class Controls {
       const place = String(toSlider(r, x));
       if (slider.value !== place) slider.value = place;
       if (slider.getAttribute("aria-valuetext") !== text) slider.setAttribute("aria-valuetext", text);
-      if (field.value !== text && (document.activeElement !== field || field.value === "" || parse(field.value, r.unit) !== x)) field.value = text;
+      // An answer that comes late leaves what is being typed, and a refused entry.
+      const left = x === shown && (document.activeElement === field || refused === this.edits);
+      shown = x;
+      if (left) return;
+      if (field.value !== text) field.value = text;
       field.removeAttribute("aria-invalid");
     };
     return { element, refresh };
