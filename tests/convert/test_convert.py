@@ -367,6 +367,11 @@ def test_the_time_step_makes_the_error_that_is_said(name):
             "must be exactly one of them",
         ),
         ({"stiffness": -1.0}, "stiffness: got -1, must be > 0 and finite"),
+        ({"stiffness": 1e-308}, "stiffness: got 1e-308, must give contacts with compressions [m]"),
+        ({"stiffness": 1.7e308}, "stiffness: got 1.7e+308, must give contacts with"),
+        ({"stiffness": None, "duration": 1e-300}, "duration: got 1e-300, must give contacts with"),
+        ({"stiffness": None, "duration": 1e154}, "duration: got 1e+154, must give contacts with"),
+        ({"stiffness": None, "youngs_modulus": 1e-308, "poisson_ratio": 0.3}, "youngs_modulus: got 1e-308"),
         ({"law": "hooke"}, "law: got 'hooke', must be one of linear, tsuji, viscoelastic"),
         (
             {"law": "tsuji"},

@@ -238,6 +238,8 @@ def test_what_is_outside_the_range_is_refused():
     system = lattice(boundary=["wall", "periodic", "periodic"])
     limit = 0.5 * system.box[1]
     assert "r_max: got" in refusal(lambda: hl.measure.rdf(system, r_max=1.001 * limit))
+    for bounds in ({"r_max": 1e-200}, {"r_min": 2e-3, "r_max": math.nextafter(2e-3, 1.0)}):
+        assert "every bin has a volume" in refusal(lambda at=bounds: hl.measure.rdf(system, **at))
     hl.measure.rdf(system, r_max=limit)
     walls = lattice(boundary="wall")
     assert "r_max: got" in refusal(lambda: hl.measure.rdf(walls, r_max=float(walls.box[0])))

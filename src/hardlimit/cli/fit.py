@@ -39,7 +39,9 @@ EXAMPLE_ERROR = 0.005
 @click.option("--free", multiple=True, metavar="NAME", help="Parameter to fit; repeat it for more.")
 @click.option("--scatter", is_flag=True, help="Fit the scatter of ε beyond the errors of the measurement.")
 @quantity_option(
-    "--confidence", unit="1", help="Confidence level of the intervals, between 0 and 1.  [default: 0.68]"
+    "--confidence",
+    unit="1",
+    help="Confidence level of the intervals, from 0.001 to 0.999999.  [default: 0.68]",
 )
 @click.option("--compare/--no-compare", default=True, help="Fit the other laws as well.")
 @body_options("; needed if more than ε is fitted.", ".")

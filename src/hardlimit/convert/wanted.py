@@ -13,6 +13,7 @@ from .formulas import DEFAULT_POISSON_RATIO, Where, impact_stiffness, modulus
 #: Powers of our own laws, which are never attractive.
 LAWS: Final = {"linear": Powers(4, 0), "tsuji": Powers(6, 1), "viscoelastic": Powers(6, 2)}
 LOWEST: Final = 1e-3  #: smallest restitution
+LARGEST: Final = 1e30  #: largest compression [m] and duration [s], and one over the smallest
 
 
 @dataclass(frozen=True)
@@ -32,9 +33,18 @@ class Wanted:
         :meta private:
         """
         powers = LAWS[self.law]
-        return Force.with_restitution(
-            powers, self._stiffness(powers, mass, radius), mass, self.restitution, self.speed
-        )
+        try:
+            stiffness = self._stiffness(powers, mass, radius)
+            found = Force.with_restitution(powers, stiffness, mass, self.restitution, self.speed)
+            scales = found.scales(self.speed)
+        except (OverflowError, ZeroDivisionError):
+            scales = math.inf, math.inf
+        if not all(1.0 / LARGEST < scale < LARGEST for scale in scales):
+            raise ValueError(
+                f"{self.given}: got {self.value:.6g}, must give contacts with compressions [m] and durations [s] "
+                f"between {1.0 / LARGEST:g} and {LARGEST:g}"
+            )
+        return found
 
     def _stiffness(self, powers: Powers, mass: float, radius: float) -> float:
         if self.given == "stiffness":

@@ -54,7 +54,7 @@ def fit(
         Fit the scatter of ε (or of the rebound) between impacts, beyond the errors of the measurement, as a normal
         distribution of one width. The law then describes the mean, and χ² is no test.
     confidence : float
-        Confidence level of the intervals, in (0, 1); they come from the profile likelihood.
+        Confidence level of the intervals, in [0.001, 0.999999]; they come from the profile likelihood.
     compare : bool
         Fit the other laws too, and for rebounds independent collisions with one ε.
     progress : bool or callable(done, total), optional
@@ -88,7 +88,9 @@ def fit(
     validation.flag("compare", compare)
     if not validation.flag("scatter", scatter) and not data.has_errors:
         raise ValueError("error: missing or 0 for some values, must be > 0 unless scatter=True")
-    level = validation.number("confidence", confidence, 0.0, 1.0)
+    level = validation.number(
+        "confidence", confidence, 0.001, 0.999999, lowest_allowed=True, highest_allowed=True
+    )
     if ball is not None and not isinstance(ball, Ball):
         raise ValueError(f"ball: got {validation.shown(ball)}, must be a Ball")
     if not isinstance(other, Ball | Floor):

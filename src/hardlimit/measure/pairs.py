@@ -82,6 +82,10 @@ def rdf(
     tree = cKDTree(_inside(system), boxsize=np.where(between_walls, 0.0, system.box))
     pairs = 0.5 * np.diff(_cumulative(tree, edges))
     expected = 0.5 * system.n * (system.n - 1) * np.diff(_share(edges, lengths, between_walls))
+    if not (expected > 0.0).all():
+        raise ValueError(
+            f"r_max: got {most!r} with r_min {least!r}, must be so much larger that every bin has a volume"
+        )
     return array(
         "rdf",
         "bin_centers",
