@@ -270,6 +270,10 @@ def test_what_cannot_be_fitted_is_refused(arguments: dict, message: str) -> None
         (lambda: hl.fit(GOOD, fixed={"dissipative_time": 1e-6}), "ball: missing"),
         (lambda: hl.Impacts.of_restitution([1.0, 0.0], [0.8, 0.8]), "speed[1]: got 0, must be > 0"),
         (lambda: hl.Impacts.of_restitution([1.0, 2.0], [0.8]), "restitution: got 1 values, must be 2"),
+        (
+            lambda: hl.Impacts.of_restitution([1.0], [0.8], 1e307),
+            "restitution_error: got 1e+307, must be in [0, 1]",
+        ),
         (lambda: hl.Impacts.of_restitution([1.0], [0.8], 0.01, 0.5), "speed_error[0]: got 0.5 for a value"),
         (lambda: hl.Impacts.of_heights([1.0, 0.5]), "heights[0]: got 1 values, must be 2 or more"),
         (lambda: hl.Impacts.of_heights(3.0), "heights: got 3.0, must be a list of drops"),

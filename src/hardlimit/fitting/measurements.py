@@ -130,7 +130,8 @@ class Impacts(Measured):
         restitution : N numbers
             In (0, 1], or above by at most five errors.
         restitution_error, speed_error : number or N numbers
-            Standard errors. Without errors of ε its scatter must be fitted (``fit(…, scatter=True)``).
+            Standard errors, that of ε at most 1. Without errors of ε its scatter must be fitted
+            (``fit(…, scatter=True)``).
 
         Raises
         ------
@@ -140,7 +141,8 @@ class Impacts(Measured):
         count = _count("speed", speed)
         v = validation.each("speed", speed, count, lowest=0.0)
         e = validation.each("restitution", restitution, count, lowest=0.0)
-        of_restitution = validation.each("restitution_error", restitution_error, count, **ERRORS)
+        limits = ERRORS | {"highest": 1.0, "highest_allowed": True}
+        of_restitution = validation.each("restitution_error", restitution_error, count, **limits)
         of_speed = validation.each("speed_error", speed_error, count, **ERRORS)
         _refuse_coarse("speed_error", of_speed, v)
         for i in np.flatnonzero(e > 1.0 + MAX_DEVIATION * of_restitution):
