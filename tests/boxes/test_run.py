@@ -688,6 +688,11 @@ def test_theory_is_that_of_the_literature():
     )
 
 
+def test_a_temperature_beyond_all_scales_is_refused():
+    with pytest.raises(ValueError, match=r"\Atemperature: got 1e\+306, must be in \[0, 1e\+100\]"):
+        gas(0.3).pressure(1e306)
+
+
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_cooling_obeys_its_equation(dimension):
     one = gas(0.2, dimension)

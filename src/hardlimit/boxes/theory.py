@@ -14,7 +14,7 @@ from typing import Any, Final
 import numpy as np
 
 from ..support import validation
-from .box import UNIT_BALL, Floats
+from .box import LARGEST, UNIT_BALL, Floats
 from .system import ParticleSystem
 
 #: Largest packing fraction of the fluid, by dimension: spheres freeze (Hoover & Ree 1968), disks become hexatic
@@ -226,8 +226,13 @@ class Gas:
 
 
 def _not_negative(name: str, given: Floats | float) -> Floats:
-    limits: dict[str, Any] = {"lowest": 0.0, "lowest_allowed": True, "ndim": None, "empty_allowed": True}
-    return validation.array(name, given, **limits)
+    limits: dict[str, Any] = {
+        "lowest": 0.0,
+        "lowest_allowed": True,
+        "highest": LARGEST,
+        "highest_allowed": True,
+    }
+    return validation.array(name, given, **limits, ndim=None, empty_allowed=True)
 
 
 def _restitution(given: float) -> float:
