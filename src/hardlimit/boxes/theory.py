@@ -226,12 +226,8 @@ class Gas:
 
 
 def _not_negative(name: str, given: Floats | float) -> Floats:
-    limits: dict[str, Any] = {
-        "lowest": 0.0,
-        "lowest_allowed": True,
-        "highest": LARGEST,
-        "highest_allowed": True,
-    }
+    most = 10.0 * LARGEST**2  # more than the temperature of any speeds that are allowed
+    limits: dict[str, Any] = {"lowest": 0.0, "lowest_allowed": True, "highest": most, "highest_allowed": True}
     return validation.array(name, given, **limits, ndim=None, empty_allowed=True)
 
 
