@@ -244,6 +244,8 @@ BAD = {".xyz": {
     "no velocities": ("Velocities", "Speeds", "Velocities: missing"),
     "the same number": ("\n3 1 ", "\n2 1 ", "Atoms: got an atom twice"),
     "first line": ("boundary p p p", "boundary p p", "first line: must contain a boundary"),
+    "no rate": ("boundary p p p", "boundary p l p", "first line: must contain a shear rate and a displacement"),
+    "no gradient": ("0.0 0.0 0.0\n", "0.0 0.0 0.0, shear rate 3.0, displacement 0.0\n", "must contain a shear rate"),
 }}  # fmt: skip
 
 

@@ -14,7 +14,7 @@ from typing import Any, Final
 import numpy as np
 
 from ..support import validation
-from .box import LARGEST, UNIT_BALL, Floats
+from .box import UNIT_BALL, Floats
 from .system import ParticleSystem
 
 #: Largest packing fraction of the fluid, by dimension: spheres freeze (Hoover & Ree 1968), disks become hexatic
@@ -226,7 +226,7 @@ class Gas:
 
 
 def _not_negative(name: str, given: Floats | float) -> Floats:
-    most = 10.0 * LARGEST**2  # more than the temperature of any speeds that are allowed
+    most = 1e201  # more than the temperature of any speeds up to box.LARGEST
     limits: dict[str, Any] = {"lowest": 0.0, "lowest_allowed": True, "highest": most, "highest_allowed": True}
     return validation.array(name, given, **limits, ndim=None, empty_allowed=True)
 

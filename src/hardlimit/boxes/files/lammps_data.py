@@ -199,9 +199,15 @@ def _from_mark(mark: re.Match[str] | None, d: int) -> dict[str, Any]:
     sides, gravity = mark[2].split(), mark[3].split()
     if len(sides) != d or len(gravity) != d:
         raise ValueError("first line: must contain a boundary and a gravity for each axis")
-    shear = None
-    if "l" in sides:
-        shear = sides.index("l"), _float("shear rate", mark[4] or ""), _float("displacement", mark[5] or "")
+    if sides.count("l") != (mark[4] is not None):
+        raise ValueError(
+            "first line: must contain a shear rate and a displacement for one boundary l, or no l"
+        )
+    shear = (
+        (sides.index("l"), _float("shear rate", mark[4]), _float("displacement", mark[5]))
+        if mark[4]
+        else None
+    )
     return {
         **boundary_of((side == "p" for side in sides), shear),
         "gravity": [_float("gravity", word) for word in gravity],

@@ -148,10 +148,10 @@ def _output(system: ParticleSystem, plan: Plan) -> Iterator[str]:
 
 
 def _kinetic(system: ParticleSystem, plan: Plan) -> tuple[list[str], str]:
-    """Commands and columns of the log: kinetic energy, momentum and Σ m v⊗v.
+    """Commands and columns of the log: kinetic energy, momentum, Σ m v⊗v, and two columns for a sheared box.
 
-    In a sheared box Σ m v⊗v has velocities relative to the mean flow. Its other columns are the momentum of the mean
-    flow, and the component along flow and gradient as a mean over the steps since the last sample.
+    These are the momentum of the mean flow, and the component of Σ m v⊗v along flow and gradient as a mean over the
+    steps since the last sample; 0 without shear. In a sheared box Σ m v⊗v is that relative to the mean flow.
     """
     commands = [f"variable p{axis} equal vcm(all,{axis})*mass(all)" for axis in AXES]
     axis = system.domain.gradient
