@@ -392,6 +392,23 @@ def test_a_sheared_box_agrees_with_our_steps_to_first_order(dimension, boundary,
     agree_to_first_order(start, law_name, 1e-3 if dimension == 3 else 2e-3, short=law_name == "linear")
 
 
+@needs_lammps
+def test_who_crosses_the_sheared_side_changes_its_velocity():
+    """Also around a displacement of half an edge, where LAMMPS could flip its box. The balls never meet."""
+    n, edge, radius, until = 20, 0.02, 4e-4, 1e-3
+    speed, rate = edge / until, 0.7 / until
+    before = edge - speed * 0.5 / rate  # crosses at a displacement of half an edge
+    at = np.stack(
+        [np.full(n, 0.3 * edge), before + np.linspace(-radius, radius, n), edge * (np.arange(n) + 0.5) / n], 1
+    )
+    box = {"boundary": ("periodic", "lees-edwards", "periodic"), "box": edge, "shear_rate": rate}
+    start = hl.ParticleSystem(at, np.tile([0.0, speed, 0.0], (n, 1)), radius, density=2500.0, **box)
+    run = by_lammps(start, SOFT, until, time_step=5e-7, samples=1)
+    assert np.allclose(run.system.velocities, [-rate * edge, speed, 0.0], rtol=1e-12)
+    gained = 0.5 * float(start.mass.sum()) * (rate * edge) ** 2
+    assert run.series.shear_work.values[-1] == pytest.approx(gained, rel=1e-3)  # of first order in the step
+
+
 def agree_to_first_order(system, law_name, until, short):
     law = LAWS[law_name]
     duration = shortest(system, law)
