@@ -15,9 +15,13 @@ NewtonEvents<Law>::NewtonEvents(const NewtonSetting& setting, const System& s,
     largest_safety_radius_ = initial_safety_radius(s);
     make_cells(s.n, kernels);
     sort_in(s);
-    begin_contacts();
-    for (int i = 0; i < static_cast<int>(s.n); ++i)
-        if (free(i)) predict_events(i);
+    const std::vector<int> touching = predict_first_events();
+    if (begin_contacts(touching)) {
+        for (int i = 0; i < static_cast<int>(s.n); ++i)
+            if (free(i)) predict_events(i);
+    } else {
+        for (const int i : touching) predict_events(i);
+    }
     restart_calendar_queue();
 }
 

@@ -231,6 +231,8 @@ private:
     void schedule(int i);
     void reschedule(int i);
     void predict_events(int i);
+    void predict_events_of_query(int i);
+    std::vector<int> predict_first_events();
     void predict_events_without(int i, int other);
     void set_query(int i);
     void predict_collisions(int i, const Block& in);
@@ -245,7 +247,7 @@ private:
     void predict_self_event(int i, const Place<3>& at);
 
     // groups.hpp
-    void begin_contacts();
+    bool begin_contacts(const std::vector<int>& touching);
     void begin_contact(int i, int j, WallId wall);
     ActivePair active_pair(int i, int j, WallId wall) const;
     void resolve_conflict(int i, int j);

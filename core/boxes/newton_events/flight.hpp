@@ -59,13 +59,34 @@ void NewtonEvents<Law>::reschedule(int i) {
 // Predicts all events of body i.
 template <class Law>
 void NewtonEvents<Law>::predict_events(int i) {
+    set_query(i);
+    predict_events_of_query(i);
+}
+
+template <class Law>
+void NewtonEvents<Law>::predict_events_of_query(int i) {
     PendingEvents& e = pending_[i];
     e.pair_time = math::infinity;
     e.partner = no_particle;
-    set_query(i);
     const Place<3> at = cells_.place(level_, e.cell);
     predict_collisions(i, around(at));
     predict_self_event(i, at);
+}
+
+// Predicts the events of all bodies at the start. Returns the bodies that may overlap with another: the kernel tells for
+// a radius that is larger by more than the rounding it allows, so that their prediction must be repeated.
+template <class Law>
+std::vector<int> NewtonEvents<Law>::predict_first_events() {
+    constexpr double wider = 1e-8;
+    static_assert(wider > rounding_of_touch);
+    std::vector<int> touching;
+    for (int i = 0; i < static_cast<int>(particles_.size()); ++i) {
+        set_query(i);
+        query_.enlarged_radius += wider * largest_radius_;
+        predict_events_of_query(i);
+        if (pending_[i].pair_time <= now_) touching.push_back(i);
+    }
+    return touching;
 }
 
 // The same without collisions with body `other`: the kernel finds no contact with a body whose time is NaN.

@@ -4,9 +4,10 @@
 
 namespace hardlimit::boxes {
 
-// Particles that overlap initially by more than rounding error start in contact if their force is repulsive.
+// Particles that overlap initially by more than rounding error start in contact if their force is repulsive. `touching`:
+// all bodies that overlap with another, in ascending order. Returns whether a body overlaps with another or with a wall.
 template <class Law>
-void NewtonEvents<Law>::begin_contacts() {
+bool NewtonEvents<Law>::begin_contacts(const std::vector<int>& touching) {
     std::vector<int> bodies;
     std::vector<char> known(particles_.size(), 0);
     std::vector<ActivePair> active;
@@ -26,16 +27,20 @@ void NewtonEvents<Law>::begin_contacts() {
         for (const int k : {i, j})
             if (k >= 0 && !std::exchange(known[static_cast<std::size_t>(k)], 1)) bodies.push_back(k);
     };
+    auto next = touching.begin();
     for (int i = 0; i < static_cast<int>(particles_.size()); ++i) {
         const Particle<3>& p = particles_[i];
-        for_neighbours(i, [&](int j, const Vector3& r, const double (&image_velocity)[3]) {
-            if (j <= i) return;
-            Vector3 v;
-            for (std::size_t a = 0; a < 3; ++a)
-                v[a] = (particles_[j].velocity[a] + image_velocity[a]) - p.velocity[a];
-            const double distance = math::sqrt(dot(r, r));
-            overlap(i, j, {}, (radius(i) + radius(j)) - distance, -dot(r, v) / distance);
-        });
+        if (next != touching.end() && *next == i) {
+            ++next;
+            for_neighbours(i, [&](int j, const Vector3& r, const double (&image_velocity)[3]) {
+                if (j <= i) return;
+                Vector3 v;
+                for (std::size_t a = 0; a < 3; ++a)
+                    v[a] = (particles_[j].velocity[a] + image_velocity[a]) - p.velocity[a];
+                const double distance = math::sqrt(dot(r, r));
+                overlap(i, j, {}, (radius(i) + radius(j)) - distance, -dot(r, v) / distance);
+            });
+        }
         for (int axis = 0; axis < box_.dimension; ++axis) {
             if (!box_.has_walls(axis)) continue;
             for (const bool high : {false, true}) {
@@ -45,8 +50,10 @@ void NewtonEvents<Law>::begin_contacts() {
             }
         }
     }
+    if (active.empty()) return false;
     split_cluster(bodies, active);
     form_parts();
+    return true;
 }
 
 // Begins a contact between bodies i and j, or between body i and a wall if j < 0.
