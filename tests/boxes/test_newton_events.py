@@ -534,6 +534,38 @@ def test_contact_energy_is_that_of_all_overlaps(name: str, restitution: float) -
     assert without_force > 0
 
 
+@pytest.mark.parametrize("d", [2, 3])
+def test_pairs_in_contact_at_the_start(d: int) -> None:
+    """A pair that overlaps by more than 1e-9 of its distance, whatever its sizes, place and velocity. One that nearly
+    touches is in contact once its gap is closed."""
+    random = np.random.default_rng(d)
+    law = hl.LinearDashpot(stiffness=1e6, restitution=1.0)
+    for digits in np.append(random.uniform(-11.0, -2.0, 400), random.uniform(-9.1, -8.6, 400)):
+        radius = 1e-3 * np.array([1.0, 10.0 ** random.uniform(-1.7, 0.0)])
+        sign, edge, speed = (
+            random.choice([-1.0, 1.0]),
+            1e-3 * random.uniform(4.3, 40.0),
+            random.uniform(-1.0, 1.0),
+        )
+        towards = random.normal(size=d)
+        towards /= np.linalg.norm(towards)
+        distance = radius.sum() * (1.0 + sign * 10.0**digits)
+        first = random.uniform(0.0, edge, d)
+        system = hl.ParticleSystem(
+            [first, (first + distance * towards) % edge], [[0.0] * d, -speed * towards], radius, density=2500.0,
+            box=[edge] * d, allowed_overlap=0.1,
+        )  # fmt: skip
+        run = core_engine("newton_events", system, law)
+        if abs(10.0**digits - 1e-9) > 1e-11:
+            assert run.n_contacts == (sign < 0.0 and 10.0**digits > 1e-9)
+        if sign > 0.0 and speed > 1e-3 and distance + radius.sum() < 2.0 * edge:
+            touch = radius.sum() * 10.0**digits / speed
+            run.advance(0.999 * touch - 1e-15)
+            assert run.n_contacts == 0
+            run.advance(1.001 * touch + 1e-15)
+            assert run.n_contacts == 1
+
+
 @pytest.mark.parametrize("name", sorted(hl.LAWS))
 def test_overlap_without_force_at_the_start_holds_energy(name: str) -> None:
     """Both engines report it, and dissipate it as the gap opens."""
