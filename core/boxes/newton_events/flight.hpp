@@ -73,11 +73,11 @@ void NewtonEvents<Law>::predict_events_of_query(int i) {
     predict_self_event(i, at);
 }
 
-// Predicts the events of all bodies at the start. Returns the bodies that may overlap with another: the kernel tells for
-// a radius that is larger by more than the rounding it allows, so that their prediction must be repeated.
+// Predicts the events of all bodies at the start. Returns the bodies that may overlap with another, in ascending order:
+// those that the kernel reports with a slightly larger radius. Their events must be predicted again.
 template <class Law>
 std::vector<int> NewtonEvents<Law>::predict_first_events() {
-    constexpr double wider = 1e-8;
+    constexpr double wider = 1e-8;  // of the largest radius: more than the rounding that the kernel allows
     static_assert(wider > rounding_of_touch);
     std::vector<int> touching;
     for (int i = 0; i < static_cast<int>(particles_.size()); ++i) {
