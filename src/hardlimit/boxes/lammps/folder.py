@@ -20,6 +20,8 @@ from .forces import types_of
 from .job import Job
 from .script import Plan
 
+MOST_STEPS = 2**31 - 1  # between outputs: LAMMPS reads the number into an int
+
 
 def lammps_input(
     system: ParticleSystem,
@@ -118,7 +120,13 @@ def make_job(
     refuse_too_soft(system, law)
     types_of(system, law)
     longest = steps.chosen(system, law, restitution_error, time_step, integration_error.longest_step)
-    per_sample = max(1, math.ceil(until / (count * longest)))
+    fewest = until / count / longest
+    if fewest > MOST_STEPS:
+        raise ValueError(
+            f"time_step: got {longest:g} s, must be >= {until / count / MOST_STEPS:.3g} s: LAMMPS takes at most "
+            f"{MOST_STEPS} steps between samples"
+        )
+    per_sample = max(1, math.ceil(fewest))
     step = until / (count * per_sample) if until > 0.0 else min(longest, 1.0)
     return Job(system, law, Plan(until, count, per_sample, step, keep))
 
