@@ -638,7 +638,8 @@ def contact():
 
 
 BAD = {
-    "negative x": (lambda: hl.restitution_series(-1.0), ("x", "-1", ">= 0")),
+    "negative x": (lambda: hl.restitution_series(-1.0), ("x", "-1", "[0, 1e+60]")),
+    "a power of x that overflows": (lambda: hl.restitution_series(1e68), ("x", "e+6", "[0, 1e+60]")),
     "text for x": (lambda: hl.restitution_pade("0.1"), ("x", "'0.1'", "number")),
     "no terms": (lambda: hl.restitution_series(0.1, 0), ("terms", "0", "[1, 10]")),
     "too many terms": (lambda: hl.restitution_series(0.1, 11), ("terms", "11", "[1, 10]")),

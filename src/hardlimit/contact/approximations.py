@@ -64,7 +64,7 @@ def restitution_series(x: float | Values, terms: int = 10) -> float | Floats:
     Parameters
     ----------
     x : float or array
-        (3/2) A (ρ/m_eff)^{2/5} v^{1/5}, at least 0, with A = ``Contact.dissipative_time``,
+        (3/2) A (ρ/m_eff)^{2/5} v^{1/5}, from 0 to 1e60, with A = ``Contact.dissipative_time``,
         ρ = ``Contact.elastic_prefactor``, m_eff = ``Contact.effective_mass`` and the impact speed v.
     terms : int
         Number of terms, 1 … 10, including h_1 = h_3 = 0.
@@ -138,4 +138,14 @@ def restitution_pade(x: float | Values, numerator: int = 3, denominator: int = 6
 
 
 def _argument(x: float | Values) -> Floats:
-    return validation.array("x", x, lowest=0.0, lowest_allowed=True, ndim=None, empty_allowed=True)
+    # Beyond this limit a power of x overflows.
+    return validation.array(
+        "x",
+        x,
+        lowest=0.0,
+        lowest_allowed=True,
+        highest=1e60,
+        highest_allowed=True,
+        ndim=None,
+        empty_allowed=True,
+    )
