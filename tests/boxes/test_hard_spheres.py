@@ -360,6 +360,7 @@ def test_boxes_of_a_few_diameters(edge: float) -> None:
     np.testing.assert_allclose(logged(run)[0], [row[0] for row in slow.log], rtol=1e-7)
 
 
+@pytest.mark.slow
 def test_size_ratio_of_a_hundred() -> None:
     rng = np.random.default_rng(2)
     radius = np.concatenate([[1.0, 0.3], np.full(30, 0.03), np.full(60, 0.01)])

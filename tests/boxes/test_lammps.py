@@ -515,6 +515,7 @@ def test_lost_particles_are_said_in_the_words_of_lammps(monkeypatch):
         by_lammps(system, SOFT, 1.0, time_step=0.01, samples=2)
 
 
+@pytest.mark.slow
 @needs_lammps
 def test_nothing_moves_in_no_time():
     system = mixed(8, 2, "periodic", 0.0)

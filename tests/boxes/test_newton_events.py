@@ -348,7 +348,7 @@ def test_no_wall_is_missed(seed: int) -> None:
     ],
     ids=repr,
 )
-@pytest.mark.parametrize(("axis", "high"), [(0, True), (1, False)])
+@pytest.mark.parametrize(("axis", "high"), [(0, True), slow(1, False)])
 def test_a_wall_beside_a_contact(law: hl.Law, axis: int, high: bool) -> None:
     """A ball pushed towards a wall touches it during or after the contact; small steps find the same. Only in the first
     case both contacts form a cluster."""
@@ -620,6 +620,7 @@ def test_contacts_with_walls_add_no_virial() -> None:
     assert virial[0] == pytest.approx(virial[1], rel=1e-3)
 
 
+@pytest.mark.slow
 def test_the_virial_of_two_bodies_is_that_of_their_motion() -> None:
     """Σ m x·v changes by ∫ (Σ m v² + r·F) dt during an oblique contact."""
     for law in LAWS:

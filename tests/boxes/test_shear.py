@@ -297,6 +297,7 @@ def test_without_shear_it_is_the_periodic_box() -> None:
     assert_same(log(runs["slow"]), log(runs["periodic"]), 1e-8)
 
 
+@pytest.mark.slow
 def test_displaced_images_at_rest() -> None:
     """A box whose images are displaced by an edge is the periodic one."""
     start = gas(100, packing_fraction=0.3, shear_rate=0.0)

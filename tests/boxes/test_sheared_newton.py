@@ -305,6 +305,7 @@ def test_balances_of_random_boxes(
     assert np.abs(total[kept]).max() < 1e-11 * float(system.mass @ np.linalg.norm(system.velocities, axis=1))
 
 
+@pytest.mark.slow
 def test_a_stopped_run_goes_on_with_the_same_bits(tmp_path: Any) -> None:
     system = random_system(5, n=100, phi=0.35, d=3, rate=100.0, mixed=True)
     options: dict[str, Any] = {"engine": "events", "law": LAWS[3], "log": True, "samples": 8}
@@ -330,6 +331,7 @@ def two_disks(heights: tuple[float, float], **more: Any) -> hl.ParticleSystem:
     )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_the_flow_alone_brings_bodies_together() -> None:
     """Neighbour lists of bodies that do not move relative to the flow have to be built again as well."""
     system = two_disks((0.509, 0.491))

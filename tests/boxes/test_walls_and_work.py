@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 import hardlimit as hl
-from conftest import draws, refusal
+from conftest import draws, refusal, slow
 from hardlimit.boxes.box import component_axes
 from hardlimit.boxes.observables import OBSERVABLES, Samples
 
@@ -30,7 +30,7 @@ NEWTON = {
     "steps, linear": ("steps", LINEAR),
     "steps, viscoelastic": ("steps", VISCOELASTIC),
 }
-ENGINES = (*RULES, *NEWTON)
+ENGINES = [*RULES, *(slow(name) if name.endswith("viscoelastic") else name for name in NEWTON)]
 #: Relative error of the momentum and the energy that walls get. Energies of equal steps: of second order in the step.
 MOMENTUM, ENERGY = 1e-10, {"events": 1e-9, "steps": 3e-3}
 
@@ -190,6 +190,7 @@ def test_sums_of_walls_in_clusters_agree_between_the_engines(law: str) -> None:
         np.testing.assert_allclose(one, other, atol=1e-3 * abs(one).max())
 
 
+@pytest.mark.slow
 def test_a_loaded_run_and_several_threads_keep_the_sums_of_walls(tmp_path: Any) -> None:
     system = box_of(5, n=600)
     runs = [run_of("steps, linear", system, 0.01, threads=k) for k in (1, 2)]

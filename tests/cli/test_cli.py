@@ -678,6 +678,7 @@ main(sys.argv[1:], "hardlimit")
 """
 
 
+@pytest.mark.slow
 def test_ctrl_c_ends_with_130() -> None:
     axes = ["--restitution", "0.4:1:30000", "--gap", "1e-6:1e-2:30000:log", "--variable", "n_contacts"]
     command = [sys.executable, "-c", ANNOUNCED, "sweep", *axes]

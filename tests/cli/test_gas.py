@@ -238,6 +238,7 @@ def test_a_run_goes_on(start: Path, tmp_path: Path) -> None:
     assert "until: got 0.001, must be >= 0.02" in refused("gas", "--resume", path, "--until", "1ms")
 
 
+@pytest.mark.slow
 def test_control_c_ends_with_130_and_leaves_a_checkpoint(start: Path, tmp_path: Path) -> None:
     path = tmp_path / "run.checkpoint"
     command = [sys.executable, "-m", "hardlimit", "gas", str(start), "--until", "1e6", "--restitution", "1"]

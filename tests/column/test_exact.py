@@ -306,6 +306,7 @@ def test_no_contact_before_the_floor_is_met_again():
     assert hl.newton(result.column, method="general").outcome == result.outcome
 
 
+@pytest.mark.slow
 def test_reengagement_is_a_contact_of_its_own():
     """The clipped force sets in again while the balls still overlap."""
     found = 0

@@ -267,6 +267,7 @@ def test_elastic_balls_do_not_collapse():
     assert result.positions[0] == pytest.approx(0.1, abs=1e-14)
 
 
+@pytest.mark.slow
 def test_beyond_the_limit_of_collisions_nothing_is_known():
     """An elastic ball bounces forever: times beyond the computed ones are refused."""
     column = two_balls(0.1, 1.0, gap=1e-3, fall=1e-3)
@@ -281,6 +282,7 @@ def test_beyond_the_limit_of_collisions_nothing_is_known():
     assert known.position.values[:, 0].min() >= 0.1 - 1e-9
 
 
+@pytest.mark.slow
 def test_three_hundred_collapsing_balls_need_little_memory():
     """Only some states are stored; the others are recomputed."""
     code = """if True:

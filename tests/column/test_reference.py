@@ -124,6 +124,7 @@ def test_two_balls(name, method, tolerances, choose):
     assert not complete or undecided == (5 if name == "two_ball_ratio" else 0)
 
 
+@pytest.mark.slow
 def test_the_wide_table_has_the_same_situation_twice(choose):
     """The wide table contains the same situation twice, with the velocity at t_f as the separation velocity."""
     same = 0

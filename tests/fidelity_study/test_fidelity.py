@@ -674,6 +674,7 @@ def test_files_that_are_no_stores(tmp_path: Path) -> None:
 # --- files --------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_everything_is_saved_with_units(tmp_path: Path) -> None:
     import xarray as xr
 

@@ -92,6 +92,7 @@ def covered(kind: str, seeds: range, confidence: float = 0.68) -> tuple[float, n
     return hits / len(seeds), np.array(chances)
 
 
+@pytest.mark.slow
 def test_intervals_cover() -> None:
     share, _ = covered("restitution", range(20))
     assert 0.36 < share < 0.99  # three standard errors of a binomial number
@@ -200,6 +201,7 @@ def test_restitution_at_its_limit() -> None:
     assert 0.9 < e.lower < 1.0
 
 
+@pytest.mark.slow
 def test_rebounds_tell_stiffness_and_restitution() -> None:
     column = hl.Column.paper(restitution=0.7)
     gaps = np.array([2e-4, 5e-4, 7e-4, 1e-3, 2e-3])

@@ -56,6 +56,7 @@ def test_error_bars_cover_the_mean(phi, transient):
     assert 0.55 <= sum(abs(one.value - 3.0) <= one.error for one in found) / n <= 0.78
 
 
+@pytest.mark.slow
 def test_the_error_is_that_of_blocking():
     """Mean ratio of both errors over 20 series, within 10 %."""
     ratios = []

@@ -192,6 +192,7 @@ def test_statements_name_their_numbers(rows):
         assert number in row.result
 
 
+@pytest.mark.slow
 def test_verdicts_follow_the_numbers():
     """With another density the stated facts do not hold, and the verdicts are ``no``."""
     other = Paper(1140.0)

@@ -311,6 +311,7 @@ def test_large_map_is_thinned_out() -> None:
     assert mesh.get_array().size <= 3 * maps.MAX_CELLS
 
 
+@pytest.mark.slow
 def test_missing_values_and_constant_maps_are_drawn() -> None:
     nothing = plots.count_map(sweep_of(np.full((4, 5), np.nan), "restitution_ratio"), "restitution_ratio")
     same = plots.count_map(sweep_of(np.zeros((4, 5)), "t_end"), "t_end")
@@ -329,6 +330,7 @@ def test_bad_maps_are_refused() -> None:
         plots.difference_map(ds, ds.assign_coords(gap=ds.gap * 2.0), "t_end")
 
 
+@pytest.mark.slow
 def test_resolution_and_pdf(tmp_path: Path) -> None:
     figure = plots.forces(hl.newton(hl.Column.paper()))
     for dpi in (40, 80):
@@ -543,6 +545,7 @@ def test_frames_move(name: str) -> None:
     assert any(np.any(a != b) for a, b in pairwise(pictures))
 
 
+@pytest.mark.slow
 def test_interrupted_film_leaves_nothing(tmp_path: Path) -> None:
     def interrupt(done: int, total: int) -> None:
         if any(tmp_path.iterdir()):  # writing has started
@@ -553,6 +556,7 @@ def test_interrupted_film_leaves_nothing(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_mp4_without_ffmpeg_names_the_extra_and_gif_needs_none(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -564,6 +568,7 @@ def test_mp4_without_ffmpeg_names_the_extra_and_gif_needs_none(
     assert_moves(result.animate(tmp_path / "film.gif", width=160, frames_per_second=1), 160)
 
 
+@pytest.mark.slow
 # imageio-ffmpeg leaves its pipe to the garbage collector.
 @pytest.mark.filterwarnings("ignore::ResourceWarning")
 def test_ffmpeg_that_fails_is_reported_in_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -106,6 +106,7 @@ def test_include_files_are_relative_to_the_script(tmp_path):
     assert "must be in a file" in refused(f"include a.in\n{PAIR}")
 
 
+@pytest.mark.slow
 def test_loops_and_conditions():
     text = f"""{BOX}{POUR}pair_style granular
 variable k index 1e5 2e5 3e5

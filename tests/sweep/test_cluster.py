@@ -119,6 +119,7 @@ def test_the_same_store_as_without_a_cluster(tmp_path: Path) -> None:
     assert files(tmp_path / "here") == files(tmp_path / "there")
 
 
+@pytest.mark.slow
 def test_counts_above_a_byte_in_some_chunks() -> None:
     column = hl.Column.paper(restitution=1.0, radius_2=1e-4, radius_1=0.1, height=4.0)
     swept = {"gap": np.geomspace(1e-3, 1e-11, 241)}

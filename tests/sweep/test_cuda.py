@@ -148,7 +148,7 @@ def emulated(library: Path, plan: Plan, room: int = 1 << 40) -> dict[str, Any]:
         return cuda.compute_on(Emulated(library, room), plan, 1, pool, lambda _: None)
 
 
-LONG = {"adiabatic", "list", "by damping"}
+LONG = {"adiabatic", "list", "by damping", "too deep"}
 
 
 @pytest.mark.parametrize(

@@ -247,6 +247,7 @@ def test_a_range_of_points_is_part_of_the_map(first: int, count: int) -> None:
         assert whole[name][first : first + count].tobytes() == part[name].tobytes()
 
 
+@pytest.mark.slow
 def test_progress_ends_with_all_points() -> None:
     told: list[tuple[int, int]] = []
     hl.sweep(SLOW, progress=lambda *args: told.append(args), gap=np.geomspace(1e-6, 1e-2, 1500))

@@ -574,6 +574,7 @@ def test_a_wide_table_leaves_columns_out_and_breaks_no_number(tmp_path, monkeypa
     assert "(give --dump, or --speed and --packing-fraction)" in " ".join(text.split())
 
 
+@pytest.mark.slow
 def test_several_walls_have_names_and_each_remark_is_made_once(tmp_path):
     path = tmp_path / "in.walls"
     side = WALL.replace("floor", "side").replace("0.5", "0.8").replace("zplane 0 1", "xplane 0 1")
@@ -671,6 +672,7 @@ def test_fixed_grains_among_moving_ones():
     assert fixed.duration == pytest.approx(free.duration * math.sqrt(2.0), rel=0.01)
 
 
+@pytest.mark.slow
 def test_equal_walls_share_a_row(tmp_path):
     """Six walls with two sets of numbers take two rows; ``--verbose`` and ``--json`` have all."""
     wall = "fix w{0} all wall/gran hooke 1e5 NULL {1} NULL 0 0 {2}plane 0 NULL\n"
