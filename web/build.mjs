@@ -9,6 +9,7 @@ mkdirSync(out, { recursive: true });
 const define = { TABLES: tables(`${out}/core.wasm`) };
 const common = { define, bundle: true, format: "esm", target: "es2022", minify: true, charset: "utf8", legalComments: "none" };
 await build({ ...common, entryPoints: ["src/app/main.ts"], outfile: `${out}/main.js` });
+await build({ ...common, entryPoints: ["src/core/first.ts"], format: "iife", outfile: `${out}/first.js` });
 await build({ ...common, entryPoints: ["src/core/worker.ts"], outfile: `${out}/worker.js` });
 await build({ ...common, entryPoints: ["src/gas/main.ts"], outfile: `${out}/gas.js` });
 await build({ ...common, entryPoints: ["src/gas/worker.ts"], outfile: `${out}/gas_worker.js` });

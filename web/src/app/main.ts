@@ -1,26 +1,29 @@
 // The page: creates its parts and updates them after a change of the scenario.
 import { Controls } from "./controls";
 import { find, Sheet } from "../support/dom";
-import { dropOf, type Answered, type Solved, type Unsolved } from "../core/drop";
+import { dropOf, type Answered, type Drop, type Solved, type Unsolved } from "../core/drop";
 import { reportOf, type Report } from "../report/report";
 import { newton } from "../core/tables";
+import { goOn, hold, later } from "../support/later";
 import { joined, type Sentence } from "../report/sentence";
 import { fillTolerances } from "./tolerances";
 import { Film } from "../views/film";
 import { forcesSummary } from "../views/forces";
 import { digits } from "../support/format";
 import { Lecture } from "../story/lecture";
-import { baseOf, firstLectureView, lectureFromQuery } from "../story/lecture_view";
+import { firstLectureView, lectureFromQuery } from "../story/lecture_view";
 import { MapPanel } from "../map/map_panel";
 import { fillDefinitions, fillEnergy, fillTable } from "../views/numbers";
 import { ForcesPanel, TimelinePanel } from "../views/panels";
 import { Desk, piece, Pool } from "../core/pool";
 import { presets, type Preset } from "../scenario/presets";
-import { copyOf, fromQuery, toQuery, type Scenario } from "../scenario/scenario";
+import { copyOf, toQuery, type Scenario } from "../scenario/scenario";
+import { settingOf } from "./link";
 import { listenMenu } from "./menu";
 import { Past } from "./past";
 import { Headline } from "./headline";
 import { Progress } from "./progress";
+import { compiled } from "../support/script";
 import { State } from "./state";
 import { ThemeSwitch } from "../style/theme_switch";
 import { firstView, viewFromQuery } from "./view";
@@ -33,6 +36,7 @@ const queryOf = (s: Scenario): string => {
 
 const often = 100; // ms between texts while a slider moves, and until a part of an answer is shown
 const stillness = 250; // ms after a change until the setting rests
+const patience = 500; // ms for which the page waits for the first picture
 const leisure = 1500; // ms after the start or a change until what is far from the window is computed
 
 const root = document.documentElement;
@@ -55,14 +59,17 @@ class Page {
   private about = "";
   private lastFrame = 0;
   private told = -Infinity; // when texts and tables were written
+  private frames = 0; // since the first picture
   private early = 0; // timer of an answer of which a part is known
-  private maps: Promise<void> | null = null; // loaded once the first answer is there
+  private maps: Promise<WebAssembly.Module> | null = null; // the core with what plots and maps need
   private readonly past: Past;
 
-  constructor(module: Promise<WebAssembly.Module>) {
-    this.desk = new Desk(module);
+  constructor() {
+    hold();
+    this.desk = new Desk(this.module, window.first);
     this.pool = new Pool();
     const state = (this.state = new State(copyOf(presets[0].scenario), () => this.edited()));
+    new ThemeSwitch(state, () => this.drawAll());
     const resized = (): void => this.resized();
     this.fillPresets();
     this.readLink();
@@ -78,7 +85,6 @@ class Page {
     find("notes").querySelector("button")!.addEventListener("click", () => this.note([]));
     addEventListener("popstate", () => this.goBack());
     addEventListener("resize", () => this.headline.keepHeights(false));
-    new ThemeSwitch(state, () => this.drawAll());
     listenMenu(state, this.pool, this.map, this.timeline.timeline, {
       undo: () => this.undo(),
       put: (scenario) => {
@@ -95,14 +101,11 @@ class Page {
     const { state } = this;
     const notes: string[] = [];
     const query = new URLSearchParams(location.search);
-    const named = presets.find((p) => p.id === query.get("example"));
-    if (query.get("example") !== null && !named) notes.push(`example = “${query.get("example")?.slice(0, 20)}” is unknown: ${presets.find((p) => p.id === baseOf(query))!.name} is shown`);
-    const preset = named ?? presets.find((p) => p.id === baseOf(query))!;
-    state.scenario = copyOf(preset.scenario);
+    const { preset, scenario } = settingOf(query, notes);
+    state.scenario = scenario;
     Object.assign(state.view, firstView());
     Object.assign(state.lecture, firstLectureView());
     Object.assign(state.view.map, preset.map);
-    fromQuery(state.scenario, query, notes);
     viewFromQuery(state.view, query, notes);
     lectureFromQuery(state.lecture, query, notes);
     this.note(notes);
@@ -183,6 +186,13 @@ class Page {
     );
   }
 
+  // Loaded once the first answer is there.
+  private readonly module = (): Promise<WebAssembly.Module> =>
+    (this.maps ??= compiled("maps.wasm").then((module) => {
+      this.pool.open(module);
+      return module;
+    }));
+
   // ---- updates ----------------------------------------------------------------------------------------
 
   // Returns whether the controls have changed, which takes a whole frame.
@@ -213,7 +223,7 @@ class Page {
     const { state } = this;
     const share = state.drop ? state.screen / state.clock().length : 0;
     if (!this.desk.waits) this.progress.end();
-    this.maps ??= compiled("maps.wasm").then((module) => this.pool.open(module));
+    later(() => void this.module());
     if ("reason" in result) {
       state.drop = null;
       state.report = null;
@@ -229,15 +239,24 @@ class Page {
       this.film.seek(kept);
       state.view.time = null;
     } else state.screen = Math.min(share, 1) * state.clock().length;
-    this.tellNumbers(result);
-    this.forcesSheet.canvas.setAttribute("aria-description", forcesSummary(state.drop));
+    if (this.frames > 1) return this.show(state.drop);
+    // The first picture waits for nothing else.
+    if (state.lecture.step) this.lecture.open();
+    else this.film.open();
+    root.dataset.ready = String(Math.round(performance.now()));
+  }
+
+  // What the page says and draws of a drop.
+  private show(drop: Drop): void {
+    const { state } = this;
+    this.tellNumbers(drop);
+    this.forcesSheet.canvas.setAttribute("aria-description", forcesSummary(drop));
     this.map.refreshChoices();
     this.timeline.refresh();
     this.map.refresh();
     this.lecture.solved();
     state.redraw();
     state.writeLink();
-    root.dataset.ready ??= String(Math.round(performance.now()));
   }
 
   private forgetEarly(): void {
@@ -319,6 +338,10 @@ class Page {
   private readonly frame = (now: number): void => {
     requestAnimationFrame(this.frame);
     const { state } = this;
+    if (root.dataset.ready) this.frames++;
+    if (this.frames === 1) return; // the first picture is painted
+    if (this.frames === 2 && state.drop) this.show(state.drop);
+    else if (this.frames > 2 || now > patience) goOn(8);
     this.rest(now);
     const passed = Math.min((now - this.lastFrame) / 1000, 0.1);
     this.lastFrame = now;
@@ -383,19 +406,10 @@ class Page {
   }
 }
 
-async function compiled(file: string): Promise<WebAssembly.Module> {
-  const url = new URL(file, import.meta.url);
-  return WebAssembly.compileStreaming(fetch(url)).catch(async () => WebAssembly.compile(await (await fetch(url)).arrayBuffer()));
-}
-
-async function begin(): Promise<void> {
-  const module = compiled("core.wasm");
-  const page = new Page(module);
+try {
+  const page = new Page();
   Object.assign(window, { hardlimit: { report: page.report } });
-  await module;
-}
-
-begin().catch((error: unknown) => {
+} catch (error) {
   find("verdict").textContent = `The page could not start: ${String(error)}`;
   throw error;
-});
+}

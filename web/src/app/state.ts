@@ -5,7 +5,7 @@ import type { Drop } from "../core/drop";
 import type { Report } from "../report/report";
 import { firstLectureView, lectureToQuery, scenarioToQuery, type LectureView } from "../story/lecture_view";
 import type { Scenario } from "../scenario/scenario";
-import { themeOf, type Theme } from "../style/theme";
+import type { Theme } from "../style/theme";
 import { firstView, viewToQuery, type View } from "./view";
 
 export class State {
@@ -13,7 +13,7 @@ export class State {
   readonly lecture: LectureView = firstLectureView();
   drop: Drop | null = null;
   report: Report | null = null; // what the page says; Newton's answer may be there before the drop is
-  theme: Theme = themeOf(document.documentElement);
+  theme!: Theme; // given by the ThemeSwitch
   screen = 0; // time in the film [s on the screen]
   playing = false;
   readonly dirty = { solve: true, plots: true, timeline: true, mapPicture: true, stage: true, said: true, laboratory: true };

@@ -52,15 +52,18 @@ export interface Unsolved {
 
 export interface Drop extends Solved {
   clock: Clock; // slow through the contacts
-  realTime: Clock;
+  readonly realTime: Clock;
   motion: { newton: Motion; icm: Motion };
 }
 
 export function dropOf(s: Solved): Drop {
+  let real: Clock | null = null; // most films are slow in the contacts
   return {
     ...s,
     clock: new Clock(s.start, s.stop, s.windows),
-    realTime: new Clock(s.start, s.stop, []),
+    get realTime() {
+      return (real ??= new Clock(s.start, s.stop, []));
+    },
     motion: { newton: new Motion(s.newton.samples), icm: new Motion(s.icm.samples) },
   };
 }

@@ -1,5 +1,7 @@
 // Web workers: a few for maps and curves, one for the drop itself.
 import type { Answered } from "./drop";
+import type { First, Heard } from "./first";
+import { later } from "../support/later";
 import { Script } from "../support/script";
 import type { Kind, Reply, Request, Tasks } from "./worker";
 
@@ -21,7 +23,8 @@ const script = new Script("worker.js");
 
 type Module = WebAssembly.Module;
 
-// One worker, one task at a time. It starts while the core is still being compiled.
+// One worker, one task at a time. It starts while the core is still being compiled, and the first of the page already has
+// its first task.
 class Hand {
   lost = false; // the worker could not be loaded (no network or no server)
   private readonly worker: Worker;
@@ -29,16 +32,24 @@ class Hand {
   private id = 0;
   private begun = false; // it has the core
   private waiting: Request | null = null; // for the core
+  private early: Heard[] | null = null; // what the first worker has answered before the page asked
 
   constructor(
-    module: Module | Promise<Module>,
+    core: Module | Promise<Module> | First,
     private readonly free: () => void,
   ) {
+    if ("worker" in core) {
+      this.worker = core.worker;
+      this.begun = true;
+      this.early = core.early;
+      core.hear = (event) => this.hear(event);
+      return;
+    }
     this.worker = new Worker(script.url, { type: "module" });
-    if (module instanceof Promise) void module.then((compiled) => this.begin(compiled), () => undefined); // the page says so
-    else this.begin(module);
-    this.worker.onmessage = (event: MessageEvent<Reply>) => this.receive(event.data);
-    this.worker.onerror = (event) => this.fail(event.message);
+    this.worker.onmessage = (event) => this.hear(event);
+    this.worker.onerror = (event) => this.hear(event);
+    if (core instanceof Promise) void core.then((module) => this.begin(module), () => undefined); // the page says so
+    else this.begin(core);
   }
 
   private begin(module: Module): void {
@@ -53,11 +64,19 @@ class Hand {
   take(work: Piece): void {
     this.at = work;
     const request: Request = { id: ++this.id, kind: work.kind, ask: work.ask };
-    if (this.begun) this.worker.postMessage(request);
+    const { early } = this;
+    this.early = null;
+    if (early) early.forEach((event) => this.hear(event)); // the setting of the link is its first request
+    else if (this.begun) this.worker.postMessage(request);
     else this.waiting = request;
   }
   end(): void {
     this.worker.terminate();
+  }
+
+  private hear(event: Heard): void {
+    if ("data" in event) this.receive(event.data);
+    else this.fail(event.message);
   }
 
   // Without a message: the worker could not be loaded.
@@ -143,8 +162,13 @@ export class Desk {
   private since = 0;
   private patience = 150; // ms: four times what the last answer took, so that a moving slider does not cancel each of them
 
-  constructor(private readonly module: Module | Promise<Module>) {
-    this.hand = this.hire();
+  // `first`: the worker that opens the page; the module is asked for once it is to be replaced.
+  constructor(
+    private readonly module: () => Module | Promise<Module>,
+    first?: First,
+  ) {
+    this.hand = this.hire(first);
+    later(() => script.keep());
   }
 
   // Replaces the waiting request; a request that has run for long is cancelled.
@@ -165,13 +189,14 @@ export class Desk {
   }
 
   private go(): void {
-    if (!this.hand.idle || !this.waiting) return;
-    this.since = performance.now();
-    this.hand.take(this.waiting);
+    const { waiting } = this;
+    if (!this.hand.idle || !waiting) return;
     this.waiting = null;
+    this.since = performance.now();
+    this.hand.take(waiting);
   }
-  private hire(): Hand {
-    return new Hand(this.module, () => {
+  private hire(first?: First): Hand {
+    return new Hand(first ?? this.module(), () => {
       this.patience = Math.min(Math.max(150, 4 * (performance.now() - this.since)), 1000);
       this.go();
     });

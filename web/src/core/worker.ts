@@ -2,7 +2,9 @@
 import { Core, Model, type TimelineRow } from "./core";
 import { solve, type Answered, type Solved, type Unsolved } from "./drop";
 import { risesOf } from "./rises";
+import { questionOf } from "../app/link";
 import type { Scenario } from "../scenario/scenario";
+import { compiled } from "../support/script";
 import { trajectoryCsv } from "./trajectory_csv";
 
 export interface Tasks {
@@ -34,6 +36,7 @@ export interface Reply {
 
 let module: WebAssembly.Module;
 let core: Core;
+let loading: Promise<void> | null = null; // of the core, by the first worker
 const post = (reply: Reply, transfer: Transferable[] = []): void => (self as unknown as Worker).postMessage(reply, transfer);
 
 const perform: { [K in Kind]: (ask: Tasks[K]["ask"], id: number) => Tasks[K]["answer"] } = {
@@ -63,19 +66,31 @@ function transferable(answer: unknown): Transferable[] {
   return [];
 }
 
-self.onmessage = (event: MessageEvent<WebAssembly.Module | Request>): void => {
-  if (event.data instanceof WebAssembly.Module) {
-    module = event.data;
-    core = new Core(module);
-    return;
-  }
-  const { id, kind, ask } = event.data;
-  const begin = performance.now();
+function start(compiled: WebAssembly.Module): void {
+  module = compiled;
+  core = new Core(module);
+}
+
+async function answer({ id, kind, ask }: Request): Promise<void> {
+  let begin = NaN;
   try {
+    await loading;
+    begin = performance.now();
     const answer = (perform[kind] as (ask: unknown, id: number) => unknown)(ask, id);
     post({ id, ms: performance.now() - begin, answer }, transferable(answer));
   } catch (error) {
-    core = new Core(module); // the state after a trap is undefined
+    if (module) core = new Core(module); // the state after a trap is undefined
     post({ id, ms: performance.now() - begin, error: String(error) });
   }
+}
+
+self.onmessage = ({ data }: MessageEvent<WebAssembly.Module | Request>): void => {
+  if (data instanceof WebAssembly.Module) start(data);
+  else void answer(data);
 };
+
+// The worker that opens the page is named after its link: it loads the core, and the setting of the link is its first request.
+if (self.name) {
+  loading = compiled("core.wasm").then(start);
+  void answer({ id: 1, kind: "solve", ask: questionOf(new URL(self.name).searchParams) });
+}

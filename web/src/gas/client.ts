@@ -3,6 +3,7 @@ import { Script } from "../support/script";
 import type { Answer, Ask } from "./worker";
 
 const script = new Script("gas_worker.js");
+script.keep();
 const patience = 1500; // ms that a new start waits for the worker before it is replaced
 
 export class Client {

@@ -1,6 +1,7 @@
 // Lecture mode: the explaining sentence, the story, single panels, setting A, the curves.
 import { Compare } from "../views/compare";
 import { find, Sheet, tell } from "../support/dom";
+import { later } from "../support/later";
 import type { Film } from "../views/film";
 import { Frames, SinglePanel } from "../app/frames";
 import type { Step } from "./lecture_view";
@@ -50,7 +51,7 @@ export class Lecture {
     };
     const changed = (): void => void (this.story.dirty = true);
     this.story = new Story(state, view, film, this.frames, hand, new Watch(state, film, new Sheet("duel", resized), moves), new Guess(state, view, new Sheet("tale", resized), moves, changed));
-    fillMeasured();
+    later(fillMeasured);
     this.placed = state.view.time !== null;
     this.show();
   }
@@ -74,6 +75,11 @@ export class Lecture {
   sentences(): { read: Sentence[]; all: Sentence[] } {
     const said = this.story.sentences();
     return said ? { read: said[this.state.lecture.step!], all: Object.values(said).flat() } : { read: [], all: [] };
+  }
+
+  // The first picture of the story, if the first chapter is read.
+  open(): void {
+    if (this.state.lecture.step === "watch") this.story.open();
   }
 
   get plays(): boolean {

@@ -39,8 +39,8 @@ export function scenarioToQuery(s: Scenario, q: URLSearchParams): void {
   for (const [key, value] of own) q.set(key, value);
 }
 
-const scenarioKeys = new Set(presets.flatMap((p) => [...queryOf(p.scenario).keys()]).concat("u", "setup", "law"));
-const describes = (q: URLSearchParams): boolean => [...q.keys()].some((key) => scenarioKeys.has(key));
+const scenarioKeys = (): Set<string> => new Set(presets.flatMap((p) => [...queryOf(p.scenario).keys()]).concat("u", "setup", "law"));
+const describes = (q: URLSearchParams): boolean => [...q.keys()].some((key) => scenarioKeys().has(key));
 
 // The example that a link without a name starts from.
 export const baseOf = (q: URLSearchParams): string => (describes(q) ? "fig2" : presets[0].id);

@@ -1,5 +1,6 @@
 // The story as an article: its chapters, which of them is read, and what each says.
 import { find, setText, Sheet, tell } from "../support/dom";
+import { later } from "../support/later";
 import type { Film } from "../views/film";
 import type { Frames } from "../app/frames";
 import type { Guess } from "./guess";
@@ -86,13 +87,27 @@ export class Story {
       if (!find("story").parentElement!.querySelector(":scope > .film")) find("story").parentElement!.append(...this.order);
       return;
     }
-    for (const { section, text } of this.chapters) text.after(...(section.dataset.panels?.split(" ") ?? []).map((name) => document.querySelector(`.panel.${name}`)!), ...section.querySelectorAll(".watch, .tale"));
+    if (step === "watch") later(() => this.gather());
+    else this.gather();
     this.frames.show("story", []);
     this.arrived.clear();
     this.kept = null;
     this.aim = step;
     this.scrolled = this.dirty = true;
     this.scrollTo(step);
+  }
+
+  // The film begins before anything is said.
+  open(): void {
+    this.arrived.add("watch");
+    this.hand.arrived("watch");
+    this.watch.open(this.frames.textSize());
+  }
+
+  // Each panel into its chapter.
+  private gather(): void {
+    if (!this.view.step) return;
+    for (const { section, text } of this.chapters) text.after(...(section.dataset.panels?.split(" ") ?? []).map((name) => document.querySelector(`.panel.${name}`)!), ...section.querySelectorAll(".watch, .tale"));
   }
 
   prepare(): void {
@@ -120,7 +135,7 @@ export class Story {
     if (this.dirty) this.draw(size);
     else if (this.moved) this.watch.draw(size);
     this.moved = false;
-    if (this.untold && (!Sheet.moving || now - this.toldAt >= often)) this.tell(now);
+    if (this.untold && state.report && (!Sheet.moving || now - this.toldAt >= often)) this.tell(now);
     if (this.aim && this.aim !== "watch") this.scrollTo(this.aim); // the texts above are there now
     this.aim = null;
     if (this.scrolled) this.look();

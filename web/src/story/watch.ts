@@ -38,6 +38,11 @@ export class Watch {
     return this.sheet.seen;
   }
 
+  open(size: number): void {
+    this.sheet.open();
+    this.draw(size);
+  }
+
   draw(size: number): void {
     const { state, sheet, held } = this;
     const d = state.drop!;

@@ -1,4 +1,5 @@
 // Elements of the page: finding them, canvases at the screen's resolution.
+import { later } from "./later";
 
 export const find = <T extends HTMLElement>(id: string): T => document.getElementById(id) as T;
 
@@ -27,12 +28,21 @@ export class Sheet {
   width = 0;
   height = 0;
   static printing = false;
-  private inWindow = true;
+  private inWindow = false;
   private near = false; // within one window of it
   constructor(id: string, resized: () => void) {
     this.canvas = find<HTMLCanvasElement>(id);
     this.g = this.canvas.getContext("2d")!;
+    later(() => this.observe(resized));
+  }
+
+  // For the first picture: at once.
+  open(): void {
+    this.inWindow = true;
     this.measure();
+  }
+
+  private observe(resized: () => void): void {
     new ResizeObserver(() => {
       if (this.measure()) resized();
     }).observe(this.canvas.parentElement!);

@@ -28,6 +28,11 @@ export class Film {
     document.addEventListener("keydown", (e) => this.key(e));
   }
 
+  open(): void {
+    this.sheet.open();
+    this.draw();
+  }
+
   get seen(): boolean {
     return this.sheet.seen;
   }

@@ -1,0 +1,24 @@
+// What a link says of the setting: the example it names, or the one it starts from, with what it changes.
+import type { Tasks } from "../core/worker";
+import { presets, type Preset } from "../scenario/presets";
+import { copyOf, fromQuery, type Scenario } from "../scenario/scenario";
+import { baseOf } from "../story/lecture_view";
+import { firstView, viewFromQuery } from "./view";
+
+export function settingOf(query: URLSearchParams, notes: string[]): { preset: Preset; scenario: Scenario } {
+  const base = presets.find((p) => p.id === baseOf(query))!;
+  const asked = query.get("example");
+  const named = presets.find((p) => p.id === asked);
+  if (asked !== null && !named) notes.push(`example = “${asked.slice(0, 20)}” is unknown: ${base.name} is shown`);
+  const preset = named ?? base;
+  const scenario = copyOf(preset.scenario);
+  fromQuery(scenario, query, notes);
+  return { preset, scenario };
+}
+
+// What the page asks of its worker when it opens.
+export function questionOf(query: URLSearchParams): Tasks["solve"]["ask"] {
+  const view = firstView();
+  viewFromQuery(view, query, []);
+  return { scenario: settingOf(query, []).scenario, tolerance: view.tolerance };
+}
