@@ -2,7 +2,7 @@
 import { Controls } from "./controls";
 import { find, Sheet } from "../support/dom";
 import { dropOf, type Answered, type Drop, type Solved, type Unsolved } from "../core/drop";
-import { reportOf, type Report } from "../report/report";
+import type { Report } from "../report/report";
 import { newton } from "../core/tables";
 import { goOn, hold, later } from "../support/later";
 import { joined, type Sentence } from "../report/sentence";
@@ -35,6 +35,7 @@ const queryOf = (s: Scenario): string => {
 };
 
 const often = 100; // ms between texts while a slider moves, and until a part of an answer is shown
+const late = 0.022; // s between two frames
 const stillness = 250; // ms after a change until the setting rests
 const patience = 500; // ms for which the page waits for the first picture
 const leisure = 1500; // ms after the start or a change until what is far from the window is computed
@@ -58,6 +59,7 @@ class Page {
   private preset = "";
   private about = "";
   private lastFrame = 0;
+  private skips = false; // the present frame leaves a new setting to the next
   private told = -Infinity; // when texts and tables were written
   private frames = 0; // since the first picture
   private early = 0; // timer of an answer of which a part is known
@@ -226,7 +228,7 @@ class Page {
     later(() => void this.module());
     if ("reason" in result) {
       state.drop = null;
-      state.report = null;
+      state.answered(null);
       state.dirty.said = false;
       this.headline.say(result.reason, "", "");
       this.rested();
@@ -249,11 +251,8 @@ class Page {
   // What the page says and draws of a drop.
   private show(drop: Drop): void {
     const { state } = this;
+    state.dirty.computed = true;
     this.tellNumbers(drop);
-    this.forcesSheet.canvas.setAttribute("aria-description", forcesSummary(drop));
-    this.map.refreshChoices();
-    this.timeline.refresh();
-    this.map.refresh();
     this.lecture.solved();
     state.redraw();
     state.writeLink();
@@ -281,13 +280,13 @@ class Page {
   // Shows what is known so far; while a slider moves, texts and tables are renewed less often.
   private tellNumbers(d: Answered): void {
     const { state } = this;
-    state.report = reportOf(d, state.view.tolerance);
+    state.answered(d);
     state.dirty.said = state.dirty.laboratory = true;
     if (!Sheet.moving || performance.now() - this.told >= often) this.tellReport();
   }
 
   private tellReport(): void {
-    const { report, dirty, lecture } = this.state;
+    const { report, dirty, lecture, drop } = this.state;
     if (!report) return;
     this.told = performance.now();
     dirty.said = false;
@@ -296,7 +295,18 @@ class Page {
     root.dataset.answer = report.verdict?.answer ?? "";
     if (lecture.step === null) this.fillLaboratory(report);
     if (report.icm.length > 0) root.dataset.numbers = JSON.stringify(report.numbers);
+    if (dirty.computed && drop) this.refreshPlots(drop);
     this.rested();
+  }
+
+  // Starts what the plots over many settings show, if it is not that of this drop.
+  private refreshPlots(drop: Drop): void {
+    this.state.dirty.computed = false;
+    this.forcesSheet.canvas.setAttribute("aria-description", forcesSummary(drop));
+    this.map.refreshChoices();
+    this.timeline.refresh();
+    this.map.refresh();
+    this.lecture.refreshPlots();
   }
 
   // The page shows the answer to the last setting.
@@ -345,7 +355,9 @@ class Page {
     this.rest(now);
     const passed = Math.min((now - this.lastFrame) / 1000, 0.1);
     this.lastFrame = now;
-    if (state.dirty.solve) {
+    // Where frames come late, every second one answers a moving slider.
+    this.skips = Sheet.moving && passed > late && !this.skips;
+    if (state.dirty.solve && !this.skips) {
       state.dirty.solve = false;
       if (this.solve()) return;
     }
@@ -369,6 +381,7 @@ class Page {
     const wake = rests || (Sheet.moving && !moving);
     const { step, panel } = this.state.lecture;
     if (moving && !Sheet.moving && !step && !panel) this.headline.keepHeights(true);
+    if (moving !== Sheet.moving) root.toggleAttribute("data-moving", moving);
     Sheet.moving = moving;
     Sheet.idle = idle;
     if (rests) this.lecture.prepare();

@@ -6,6 +6,7 @@ export class Progress {
   private timer = 0;
   private began = 0;
   private what = "";
+  private share = 0;
 
   constructor(giveUp: () => void) {
     find("give-up").addEventListener("click", giveUp);
@@ -18,7 +19,7 @@ export class Progress {
   }
   tell(what: string, share: number): void {
     this.what = what;
-    find<HTMLProgressElement>("progress").value = share;
+    this.share = share;
   }
   end(): void {
     clearInterval(this.timer);
@@ -28,6 +29,7 @@ export class Progress {
 
   private show(): void {
     find("busy").hidden = false;
+    find<HTMLProgressElement>("progress").value = this.share;
     find("busy-what").textContent = `Computing ${this.what}: ${((performance.now() - this.began) / 1000).toFixed(1)} s`;
   }
 }

@@ -1,8 +1,8 @@
 // Shared state of the page: the scenario, its solution, the time of the film, and
 // what must be drawn again.
 import type { Clock } from "../core/clock";
-import type { Drop } from "../core/drop";
-import type { Report } from "../report/report";
+import type { Answered, Drop } from "../core/drop";
+import { reportOf, type Report } from "../report/report";
 import { firstLectureView, lectureToQuery, scenarioToQuery, type LectureView } from "../story/lecture_view";
 import type { Scenario } from "../scenario/scenario";
 import type { Theme } from "../style/theme";
@@ -12,11 +12,12 @@ export class State {
   readonly view: View = firstView();
   readonly lecture: LectureView = firstLectureView();
   drop: Drop | null = null;
-  report: Report | null = null; // what the page says; Newton's answer may be there before the drop is
+  private known: { answer: Answered; tolerance: number } | null = null; // Newton's answer may be there before the drop is
+  private made: Report | null = null;
   theme!: Theme; // given by the ThemeSwitch
   screen = 0; // time in the film [s on the screen]
   playing = false;
-  readonly dirty = { solve: true, plots: true, timeline: true, mapPicture: true, stage: true, said: true, laboratory: true };
+  readonly dirty = { solve: true, plots: true, timeline: true, mapPicture: true, stage: true, said: true, laboratory: true, computed: false };
   private linkTimer = 0;
 
   // `edited` is called when a part of the page has changed the scenario.
@@ -24,6 +25,15 @@ export class State {
     public scenario: Scenario,
     readonly edited: () => void,
   ) {}
+
+  answered(answer: Answered | null): void {
+    this.known = answer && { answer, tolerance: this.view.tolerance };
+    this.made = null;
+  }
+  // What the page says; made when it is read, which is less often than a moving slider is answered.
+  get report(): Report | null {
+    return this.known && (this.made ??= reportOf(this.known.answer, this.known.tolerance));
+  }
 
   clock(): Clock {
     return this.view.slow ? this.drop!.clock : this.drop!.realTime;

@@ -120,13 +120,13 @@ function laterHeights(t: Track): number[] {
   });
 }
 
-const quick = 30; // ms: of a drop solved that soon the page hears only its answers
+const quick = 30; // ms: of a drop solved that soon the page hears Newton's answer, as the other may take long, and the whole
 
 // `report` receives the name of each stage, its share of the work and what is known by then.
 type Report = (what: string, share: number, known: Answered | null) => void;
 export function solve(core: Core, scenario: Scenario, tolerance = usualTolerance, report: Report = () => {}): Solved | Unsolved {
   const begin = performance.now();
-  const later = (what: string, share: number): void => void (performance.now() - begin > quick && report(what, share, null));
+  const later = (what: string, share: number, known: Answered | null): void => void (performance.now() - begin > quick && report(what, share, known));
   core.set(scenario);
   const newton = sequence(core, Model.newton);
   const known = newton && { scenario, newton, icm: null, comparison: null };
@@ -134,12 +134,13 @@ export function solve(core: Core, scenario: Scenario, tolerance = usualTolerance
   const icm = newton && sequence(core, Model.independent);
   if (!newton || !icm) return { scenario, reason: "These balls never meet the floor." };
   const comparison = core.compare(tolerance);
-  report(`the film by ${newtonNames.label}`, 0.5, { scenario, newton, icm, comparison });
+  const both = { scenario, newton, icm, comparison };
+  later(`the film by ${newtonNames.label}`, 0.5, both);
   const stop = Math.max(endOfFilm(scenario, newton), endOfFilm(scenario, icm));
   goOn(core, Model.newton, newton, stop);
-  later(`the film by ${independentNames.label}`, 0.75);
+  later(`the film by ${independentNames.label}`, 0.75, both);
   goOn(core, Model.independent, icm, stop);
-  later("the film’s pictures", 0.9);
+  later("the film’s pictures", 0.9, both);
   const contacts = newton.run.contacts.filter((c) => c.begin <= newton.run.last);
   const endOf = (c: Contact): number => (Number.isFinite(c.end) ? c.end : newton.run.last);
   const first = contacts.reduce((a, c) => Math.min(a, c.begin), contacts.length > 0 ? Infinity : 0);

@@ -96,9 +96,12 @@ export class Lecture {
   // ---- what follows from a change -----------------------------------------------------------------------
 
   solved(): void {
+    this.story.dirty = true;
+  }
+
+  refreshPlots(): void {
     this.settingsChanged();
     this.single.refreshLink();
-    this.story.dirty = true;
   }
 
   // Called once per frame; says whether the plots of the drop and the film were redrawn.

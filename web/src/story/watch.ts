@@ -1,5 +1,5 @@
 // The first chapter: the drop plays in both worlds, and its balls can be dragged; a slider changes the gap too.
-import { find, setText, type Sheet } from "../support/dom";
+import { find, setAttribute, setText, type Sheet } from "../support/dom";
 import { withUnit } from "../support/format";
 import { Handle, type Pull } from "../support/handle";
 import { fromSlider, toSlider } from "../support/slider";
@@ -72,7 +72,7 @@ export class Watch {
     const gap = this.value("gap");
     const said = this.say("gap");
     this.slider.value = String(toSlider(ranges.gap, gap));
-    this.slider.setAttribute("aria-valuetext", said);
+    setAttribute(this.slider, "aria-valuetext", said);
     setText(find("watch-gap-said"), said);
     for (const { world, handle } of this.handles) if (world === 0) handle.refresh();
   }

@@ -11,6 +11,10 @@ export function setText(element: Element, text: string): void {
   else element.textContent = text;
 }
 
+export function setAttribute(element: Element, name: string, value: string): void {
+  if (element.getAttribute(name) !== value) element.setAttribute(name, value);
+}
+
 // A number and its unit, "1.28 m", with a no-break space.
 const quantity = /(\d[\d.]* (?:[cmµn]?m(?:\/s)?|[mµn]?s|%)(?![\w/]))/;
 
@@ -52,7 +56,10 @@ export class Sheet {
         resized();
       }, { rootMargin }).observe(this.canvas.parentElement!);
     };
-    watch("0px", (inside) => (this.inWindow = inside));
+    watch("0px", (inside) => {
+      this.inWindow = inside;
+      this.canvas.toggleAttribute("data-away", !inside);
+    });
     watch("100%", (inside) => (this.near = inside));
   }
   get seen(): boolean {

@@ -1,4 +1,5 @@
 // A part of a drawing that is pulled up and down, with a mouse, a finger or the arrow keys: a slider for screen readers.
+import { setAttribute } from "./dom";
 import { niceBelow } from "./format";
 
 export interface Pull {
@@ -70,8 +71,8 @@ export class Handle {
   }
 
   refresh(): void {
-    this.element.setAttribute("aria-valuenow", String(this.pull.value()));
-    this.element.setAttribute("aria-valuetext", this.pull.say());
+    setAttribute(this.element, "aria-valuenow", String(this.pull.value()));
+    setAttribute(this.element, "aria-valuetext", this.pull.say());
   }
 
   private key(e: KeyboardEvent): void {

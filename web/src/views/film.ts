@@ -1,5 +1,5 @@
 // The film: its time, its controls and its drawing.
-import { find, setText, type Sheet } from "../support/dom";
+import { find, setAttribute, setText, type Sheet } from "../support/dom";
 import type { Drop } from "../core/drop";
 import { drawStage } from "./stage";
 import type { State } from "../app/state";
@@ -39,8 +39,8 @@ export class Film {
 
   // Updates the buttons.
   refresh(): void {
-    find("play").textContent = this.state.playing ? "Pause" : "Play";
-    find("slow").setAttribute("aria-pressed", String(this.state.view.slow));
+    setText(find("play"), this.state.playing ? "Pause" : "Play");
+    setAttribute(find("slow"), "aria-pressed", String(this.state.view.slow));
   }
 
   seek(time: number): void {

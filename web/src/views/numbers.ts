@@ -1,5 +1,5 @@
 // Draws the report: the table of results, the energy bars, the definitions.
-import { setText } from "../support/dom";
+import { setAttribute, setText } from "../support/dom";
 import { namesOf } from "../core/tables";
 import type { Report, ShareRow } from "../report/report";
 
@@ -23,19 +23,18 @@ export function fillTable(table: HTMLElement, { table: list }: Report): void {
       tr = document.createElement("tr");
       const th = document.createElement("th");
       th.scope = "row";
-      tr.append(th, document.createElement("td"), document.createElement("td"));
+      const [newton, icm] = ["newton", "icm"].map((className) => Object.assign(document.createElement("td"), { className }));
+      tr.append(th, newton, icm);
       body.append(tr);
     }
-    tr.className = r.lead ? "lead" : "";
-    tr.dataset.id = r.id;
+    setAttribute(tr, "class", r.lead ? "lead" : "");
+    setAttribute(tr, "data-id", r.id);
     [r.name, ...r.values].forEach((text, k) => {
       const cell = tr!.children[k] as HTMLElement;
       if (cell.dataset.text === text) return;
       cell.dataset.text = text;
       cell.replaceChildren(...subscripted(text));
     });
-    tr.children[1].classList.add("newton");
-    tr.children[2].classList.add("icm");
   });
 }
 
