@@ -96,6 +96,32 @@ test("starts with the paper's Fig. 2", async (t) => {
   assert.equal(await page.textContent("tr[data-id=contacts] td:nth-child(2)"), "4");
 });
 
+test("the balls are drawn before anything is said, from the answer of a worker that has the link from the start", async (t) => {
+  const page = await open(t);
+  await page.addInitScript(() => {
+    Object.assign(window, { drawn: null, asked: [] });
+    const { clearRect } = CanvasRenderingContext2D.prototype;
+    CanvasRenderingContext2D.prototype.clearRect = function (...place) {
+      window.drawn ??= [this.canvas.id, document.documentElement.dataset.numbers === undefined, this.canvas.width > 300];
+      return clearRect.apply(this, place);
+    };
+    const { postMessage } = Worker.prototype;
+    Worker.prototype.postMessage = function (message, ...more) {
+      if (message.kind === "solve") window.asked.push(message.ask.scenario.restitution);
+      return postMessage.call(this, message, ...more);
+    };
+  });
+  for (const [query, canvas, restitution, tolerance] of [["", "duel", 0.76, 0.01], ["?page=lab&e=0.5&tol=0.02", "stage", 0.5, 0.02], ["?story=map&example=fig2&e=0.6", "duel", 0.6, 0.01]]) {
+    await page.goto(site.base + query);
+    await page.waitForFunction(() => document.documentElement.dataset.numbers);
+    const { drawn, asked, setting, said } = await page.evaluate(() => ({ drawn: window.drawn, asked: window.asked, setting: window.hardlimit.report().setting, said: window.hardlimit.report().tolerance }));
+    assert.deepEqual([asked, setting.restitution, said], [[], restitution, tolerance], query);
+    if (!query.includes("map")) assert.deepEqual(drawn, [canvas, true, true], query);
+  }
+  await page.evaluate(() => Object.assign(document.getElementById("watch-gap"), { value: "500" }).dispatchEvent(new Event("input")));
+  await page.waitForFunction(() => window.asked.length > 0); // a change is asked for, so the list above would not be empty
+});
+
 test("numbers of every example are Python's", async (t) => {
   const page = await open(t);
   const examples = await page.$$eval("#preset option", (list) => list.map((x) => x.value).filter(Boolean));

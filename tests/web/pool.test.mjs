@@ -53,7 +53,7 @@ test("what somebody waits for comes first", async () => {
 
 test("a worker that cannot be loaded is told of, and hired anew for the next question", () => {
   workers.length = 0;
-  const desk = new Desk(null);
+  const desk = new Desk(() => ({}));
   const told = [];
   const work = (ask) => ({ kind: "solve", ask, done: (answer) => told.push(answer), failed: (error) => told.push(error) });
   desk.put(work("first"));
@@ -68,3 +68,23 @@ test("a worker that cannot be loaded is told of, and hired anew for the next que
   workers[3].answer("solved");
   assert.equal(told[1], "solved");
 });
+
+for (const early of [true, false])
+  test(`the worker that opens the page is not asked what its link says, and its answer is heard ${early ? "though it came before the page" : "when it comes"}`, () => {
+    workers.length = 0;
+    const first = { worker: new Worker(), early: [], hear: (event) => void first.early.push(event) };
+    const reply = { data: { id: 1, ms: 1, answer: "of the link" } };
+    if (early) first.hear(reply);
+    const told = [];
+    const desk = new Desk(() => assert.fail("no other worker is needed"), first);
+    for (const ask of ["link", "next"]) desk.put({ kind: "solve", ask, done: (answer) => told.push(answer) });
+    if (!early) {
+      assert.deepEqual([told, workers[0].asked], [[], []]);
+      first.hear(reply);
+    }
+    assert.deepEqual(told, ["of the link"]);
+    assert.deepEqual(workers[0].asked.map((m) => m.ask), ["next"]);
+    first.hear({ data: { id: 2, ms: 1, answer: "of the next" } });
+    assert.deepEqual(told, ["of the link", "of the next"]);
+    assert.equal(workers.length, 1);
+  });
