@@ -4,7 +4,7 @@ import { find, Sheet } from "../support/dom";
 import { dropOf, type Answered, type Drop, type Solved, type Unsolved } from "../core/drop";
 import type { Report } from "../report/report";
 import { newton } from "../core/tables";
-import { goOn, hold, later } from "../support/later";
+import { catchUp, hold, later } from "../support/later";
 import { joined, type Sentence } from "../report/sentence";
 import { fillTolerances } from "./tolerances";
 import { Film } from "../views/film";
@@ -351,7 +351,7 @@ class Page {
     if (root.dataset.ready) this.frames++;
     if (this.frames === 1) return; // the first picture is painted
     if (this.frames === 2 && state.drop) this.show(state.drop);
-    else if (this.frames > 2 || now > patience) goOn(8);
+    else if (this.frames > 2 || now > patience) catchUp(8);
     this.rest(now);
     const passed = Math.min((now - this.lastFrame) / 1000, 0.1);
     this.lastFrame = now;

@@ -5,7 +5,7 @@ export const hold = (): void => void (waiting = []);
 export const later = (act: () => void): void => void (waiting ? waiting.push(act) : act());
 
 // For at most so many milliseconds, but one thing at least.
-export function goOn(most: number): void {
+export function catchUp(most: number): void {
   const end = performance.now() + most;
   do waiting?.shift()?.();
   while (waiting?.length && performance.now() < end);
