@@ -34,7 +34,7 @@ const queryOf = (s: Scenario): string => {
   return q.toString();
 };
 
-const often = 100; // ms between texts while a slider moves, and until a part of an answer is shown
+const shortly = 100; // ms until a part of an answer is shown
 const late = 0.022; // s between two frames
 const stillness = 250; // ms after a change until the setting rests
 const patience = 500; // ms for which the page waits for the first picture
@@ -211,7 +211,7 @@ class Page {
         ask,
         begun: (what, share, known) => {
           this.progress.tell(what, share);
-          if (known) this.early ||= window.setTimeout(() => this.tellNumbers(known), often);
+          if (known) this.early ||= window.setTimeout(() => this.tellNumbers(known), shortly);
         },
         done: (result) => this.solved(result),
         failed: (error) => this.solved({ scenario: ask.scenario, reason: `This setting could not be computed: ${error}` }),
@@ -282,7 +282,7 @@ class Page {
     const { state } = this;
     state.answered(d);
     state.dirty.said = state.dirty.laboratory = true;
-    if (!Sheet.moving || performance.now() - this.told >= often) this.tellReport();
+    if (!Sheet.moving || performance.now() - this.told >= Sheet.often) this.tellReport();
   }
 
   private tellReport(): void {
@@ -356,12 +356,13 @@ class Page {
     const passed = Math.min((now - this.lastFrame) / 1000, 0.1);
     this.lastFrame = now;
     // Where frames come late, every second one answers a moving slider.
-    this.skips = Sheet.moving && passed > late && !this.skips;
+    Sheet.late = Sheet.moving && passed > late;
+    this.skips = Sheet.late && !this.skips;
     if (state.dirty.solve && !this.skips) {
       state.dirty.solve = false;
       if (this.solve()) return;
     }
-    if ((state.dirty.said || (state.dirty.laboratory && state.lecture.step === null)) && now - this.told >= often) this.tellReport();
+    if ((state.dirty.said || (state.dirty.laboratory && state.lecture.step === null)) && now - this.told >= Sheet.often) this.tellReport();
     if (state.drop && state.playing && this.lecture.plays) this.film.advance(passed);
     const plots = this.drawPlots(now);
     const film = state.dirty.stage && state.drop !== null;

@@ -21,8 +21,6 @@ export interface Stagehand {
   load(example: string): void;
 }
 
-const often = 100; // ms between texts while a slider moves
-
 export class Story {
   dirty = true; // what is said and drawn
   private untold = true; // the texts are older than the setting
@@ -135,7 +133,7 @@ export class Story {
     if (this.dirty) this.draw(size);
     else if (this.moved) this.watch.draw(size);
     this.moved = false;
-    if (this.untold && state.report && (!Sheet.moving || now - this.toldAt >= often)) this.tell(now);
+    if (this.untold && state.report && (!Sheet.moving || now - this.toldAt >= Sheet.often)) this.tell(now);
     if (this.aim && this.aim !== "watch") this.scrollTo(this.aim); // the texts above are there now
     this.aim = null;
     if (this.scrolled) this.look();
