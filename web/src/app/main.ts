@@ -35,7 +35,6 @@ const queryOf = (s: Scenario): string => {
 };
 
 const shortly = 100; // ms until a part of an answer is shown
-const late = 0.022; // s between two frames
 const stillness = 250; // ms after a change until the setting rests
 const patience = 500; // ms for which the page waits for the first picture
 const leisure = 1500; // ms after the start or a change until what is far from the window is computed
@@ -59,7 +58,6 @@ class Page {
   private preset = "";
   private about = "";
   private lastFrame = 0;
-  private skips = false; // the present frame leaves a new setting to the next
   private told = -Infinity; // when texts and tables were written
   private frames = 0; // since the first picture
   private early = 0; // timer of an answer of which a part is known
@@ -355,10 +353,7 @@ class Page {
     this.rest(now);
     const passed = Math.min((now - this.lastFrame) / 1000, 0.1);
     this.lastFrame = now;
-    // Where frames come late, every second one answers a moving slider.
-    Sheet.late = Sheet.moving && passed > late;
-    this.skips = Sheet.late && !this.skips;
-    if (state.dirty.solve && !this.skips) {
+    if (state.dirty.solve) {
       state.dirty.solve = false;
       if (this.solve()) return;
     }

@@ -67,11 +67,7 @@ export class Sheet {
   }
   // While a slider moves, what is scrolled out of the window waits.
   static moving = false;
-  static late = false; // frames come late while it moves
-  // ms between texts while it moves
-  static get often(): number {
-    return Sheet.late ? 300 : 100;
-  }
+  static readonly often = 100; // ms between texts while it moves
   // Whether it is displayed, even if scrolled out of view; in the story only what is near the window.
   readonly shown = (): boolean => this.width > 0 && (this.seen || (!Sheet.moving && (this.near || document.documentElement.dataset.mode !== "story")));
 
