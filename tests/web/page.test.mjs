@@ -319,6 +319,7 @@ test("film: plays, slows, steps, is tied to the cursor", async (t) => {
 test("timeline chooses ε, map chooses and zooms", async (t) => {
   const page = await open(t);
   await page.locator("#timeline").scrollIntoViewIfNeeded();
+  await page.waitForSelector("#timeline[data-computed=true]");
   const line = await page.locator("#timeline").boundingBox();
   await page.mouse.click(line.x + line.width / 2, line.y + line.height * 0.4);
   await settled(page);
@@ -423,6 +424,7 @@ for (const [name, options] of Object.entries({
 test("touch: a tap chooses in the map", async (t) => {
   const page = await open(t, "?example=fig2", { viewport: { width: 390, height: 844 }, isMobile: true, hasTouch: true });
   await page.locator("#map").scrollIntoViewIfNeeded();
+  await page.waitForSelector("#map[data-resolution]");
   const box = await page.locator("#map").boundingBox();
   await page.touchscreen.tap(box.x + 0.6 * box.width, box.y + 0.4 * box.height);
   await page.waitForFunction(() => document.getElementById("restitution-value").value !== "0.7");
