@@ -89,7 +89,8 @@ std::vector<int> NewtonEvents<Law>::predict_first_events() {
     return touching;
 }
 
-// The same without collisions with body `other`: the kernel finds no contact with a body whose time is NaN.
+// Predicts all events of body i except collisions with body `other`: the kernel finds no contact with a body whose time
+// is NaN.
 template <class Law>
 void NewtonEvents<Law>::predict_events_without(int i, int other) {
     if (i == other) return predict_events(i);

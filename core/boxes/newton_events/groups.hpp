@@ -5,8 +5,8 @@
 namespace hardlimit::boxes {
 
 // Particles that overlap initially by more than rounding error start in contact if their force is repulsive.
-// `touching`: all bodies that overlap with another, in ascending order. Returns whether a body overlaps with another
-// or with a wall.
+// `touching`, in ascending order, contains all bodies that overlap with another. Returns whether a body overlaps with
+// another or with a wall.
 template <class Law>
 bool NewtonEvents<Law>::begin_contacts(const std::vector<int>& touching) {
     std::vector<int> bodies;

@@ -120,7 +120,7 @@ def make_job(
     refuse_too_soft(system, law)
     types_of(system, law)
     longest = steps.chosen(system, law, restitution_error, time_step, integration_error.longest_step)
-    fewest = until / count / longest
+    fewest = until / (count * longest)  # may be infinite
     if fewest > MOST_STEPS:
         raise ValueError(
             f"time_step: got {longest:g} s, must be >= {until / count / MOST_STEPS:.3g} s: LAMMPS takes at most "
