@@ -1,14 +1,14 @@
-// Operations per point of a map on a GPU: core/sweep/kernel.cu in the emulated warp of warp.hpp, with doubles that
+// Operations per point of a map on a GPU: core/sweep/kernel.cu in the emulated block of emulated_gpu.hpp, with doubles that
 // count all operations except those of the set-up. Used by gpu.py.
 #include <memory>
 #include <type_traits>
 
-#include "warp.hpp"
+#include "emulated_gpu.hpp"
 
 namespace counting {
 
 enum Kind { simple, division, root, kinds };  // simple: + − × and comparisons
-inline long done[emulated::Warp::size][kinds];
+inline long done[emulated::Block::size][kinds];
 
 struct Counted {
     double x;
@@ -20,7 +20,7 @@ struct Counted {
 };
 
 constexpr void count(Kind kind) {
-    if (!std::is_constant_evaluated()) ++done[emulated::w.lane][kind];
+    if (!std::is_constant_evaluated()) ++done[emulated::block.at][kind];
 }
 
 // Mixed operands have their own operators; otherwise a conversion to double would be ambiguous.
@@ -57,16 +57,17 @@ inline Counted square_root(Counted a) {
     return __builtin_sqrt(a.x);
 }
 
-// Per round: operations of all threads, and 32 times those of the busiest thread.
+// Per round: operations of all threads, and for each warp 32 times those of its busiest thread.
 inline long useful[kinds], issued[kinds];
 inline void end_of_round() {
-    int most = 0;
-    for (int i = 1; i < emulated::Warp::size; ++i)
-        if (done[i][simple] > done[most][simple]) most = i;
-    for (int k = 0; k < kinds; ++k) {
-        issued[k] += emulated::Warp::size * done[most][k];
-        for (auto& lane : done) useful[k] += lane[k];
+    for (int first = 0; first < emulated::Block::size; first += emulated::warp) {
+        int most = first;
+        for (int i = first; i < first + emulated::warp; ++i)
+            if (done[i][simple] > done[most][simple]) most = i;
+        for (int k = 0; k < kinds; ++k) issued[k] += emulated::warp * done[most][k];
     }
+    for (auto& lane : done)
+        for (int k = 0; k < kinds; ++k) useful[k] += lane[k];
     for (auto& lane : done)
         for (long& n : lane) n = 0;
 }
@@ -81,8 +82,7 @@ using counting::square_root;
 #include "kernel.cu"
 #undef double
 
-unsigned long long
-    room[sizeof(hardlimit::sweep::Pool) * (hardlimit::sweep::block / hardlimit::sweep::warp) / 8 + 1];
+unsigned long long room[sizeof(hardlimit::sweep::Pool) / 8 + 1];
 
 namespace {
 struct Call {

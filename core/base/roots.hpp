@@ -71,10 +71,11 @@ HL_FN_APART Search<R> search_closer(const R* g, Search<R> at) {
 // function that vanishes at θ = 0 because the last event put it there is divided by θ first (`at_zero`). Each step goes
 // to the zero of a parabola above f (|f''| <= bound), so no zero can be passed, and the steps converge quadratically.
 template <int D, class R>
-HL_FN R first_crossing(const R* f, R sign, Mask<R> at_zero) {
+HL_FN_APART_ON_GPU R first_crossing(const R* f, R sign, Mask<R> at_zero) {
     R g[D + 1];
     for (int n = 0; n < D; ++n) g[n] = sign * select<R>(at_zero, f[n + 1], f[n]);
     g[D] = sign * select<R>(at_zero, R{}, f[D]);
+    HL_ROLL
     for (int i = 0; i < D; ++i) {  // touching without approach: zero of higher order
         const Mask<R> again = at_zero & (g[0] == 0.0);
         if (!any(again)) break;

@@ -1,7 +1,8 @@
-// A map on a GPU, compiled at run time by src/hardlimit/sweep/engines/cuda_device.py. A warp keeps a pool of drops in
-// shared memory. In each round its threads take drops that wait for the same step of linear_kernel.hpp, the one that
-// most of the pool wait for, so that they do the same work. A finished drop is replaced by the next one of a queue that
-// all warps share. A result depends on its point alone, so it has the same bits as on a CPU.
+// A map on a GPU, compiled at run time by src/hardlimit/sweep/engines/cuda_device.py. A block keeps a pool of drops
+// in shared memory. In each round its threads take drops that wait for the same step of linear_kernel.hpp, the one that
+// most of the pool wait for, so that they do the same work, and its warps share the instructions: the steps together
+// exceed the instruction caches. A finished drop is replaced by the next one of a queue that all blocks share. A result
+// depends on its point alone, so it has the same bits as on a CPU.
 #include "linear_kernel.hpp"
 #include "parameters.hpp"
 
@@ -26,8 +27,9 @@ inline constexpr unsigned char left_to_host = 255;
 inline constexpr int largest_count = 255;  // of n_contacts in a byte
 
 inline constexpr int warp = 32;
-inline constexpr int block = 64;      // threads, as in cuda_device.py
-inline constexpr int pool_size = 96;  // drops of a warp, a multiple of its threads
+inline constexpr int block = 128;      // threads, as in cuda_device.py
+inline constexpr int blocks = 4;       // of a multiprocessor, which limits the registers of a thread to 128
+inline constexpr int pool_size = 240;  // drops of a block: as many as fit into 48 KiB
 inline constexpr unsigned everyone = 0xffffffffu;
 
 HL_FN unsigned place(const Task& task, int i, unsigned point) {
@@ -41,13 +43,10 @@ HL_FN Setting setting_of(const Task& task) {
 }
 
 HL_FN Parameters parameters_of(const Task& task, unsigned point) {
-    const auto value = [&](int i) { return task.values[i][place(task, i, point)]; };
-    Parameters p = {value(0), value(1), value(2), value(3), value(4), value(5),
-                    value(6), value(7), value(8), value(9), {},       {}};
-    for (int i = 0; i < max_parameters; ++i) {
-        p.floor_law[i] = value(geometry_count + i);
-        p.pair_law[i] = value(geometry_count + max_parameters + i);
-    }
+    Parameters p;
+    double* const to = reinterpret_cast<double*>(&p);
+    HL_ROLL
+    for (int i = 0; i < parameter_count; ++i) to[i] = task.values[i][place(task, i, point)];
     return p;
 }
 
@@ -129,44 +128,45 @@ struct Drop {
     }
 };
 
-// The drops of a warp.
+// The drops of a block.
 struct Pool {
     Drop drop[pool_size];
     Step waits_for[pool_size];
-    unsigned char chosen[warp];
+    unsigned char chosen[block];
+    int waiting[none + 1], taken;
 };
 
 // The step that most of the pool wait for; `none` when all is done.
-__device__ inline Step most_wanted(const Pool& pool, unsigned lane) {
-    int waiting[none] = {};
-    for (unsigned i = lane; i < pool_size; i += warp)
-        for (int k = 0; k < none; ++k) waiting[k] += __popc(__ballot_sync(everyone, pool.waits_for[i] == k));
+__device__ inline Step most_wanted(Pool& pool) {
+    if (threadIdx.x <= none) pool.waiting[threadIdx.x] = 0;
+    if (threadIdx.x == 0) pool.taken = 0;
+    __syncthreads();
+    for (unsigned i = threadIdx.x; i < pool_size; i += block) atomicAdd(&pool.waiting[pool.waits_for[i]], 1);
+    __syncthreads();
     Step wanted = none;
     int most = 0;
     for (int k = 0; k < none; ++k) {
-        if (waiting[k] <= most) continue;
-        most = waiting[k];
+        if (pool.waiting[k] <= most) continue;
+        most = pool.waiting[k];
         wanted = static_cast<Step>(k);
     }
     return wanted;
 }
 
 // For each thread a drop that waits for this step; −1: none left.
-__device__ inline int choose(Pool& pool, Step step, unsigned lane) {
-    int before = 0;
-    for (unsigned i = lane; i < pool_size; i += warp) {
-        const bool waits = pool.waits_for[i] == step;
-        const unsigned who = __ballot_sync(everyone, waits);
-        const int at = before + __popc(who & ((1u << lane) - 1u));
-        if (waits && at < warp) pool.chosen[at] = static_cast<unsigned char>(i);
-        before += __popc(who);
+__device__ inline int choose(Pool& pool, Step step) {
+    for (unsigned i = threadIdx.x; i < pool_size; i += block) {
+        if (pool.waits_for[i] != step) continue;
+        const int at = atomicAdd(&pool.taken, 1);
+        if (at < block) pool.chosen[at] = static_cast<unsigned char>(i);
     }
-    __syncwarp();
-    return static_cast<int>(lane) < before ? pool.chosen[lane] : -1;
+    __syncthreads();
+    return static_cast<int>(threadIdx.x) < pool.taken ? pool.chosen[threadIdx.x] : -1;
 }
 
 // The next point of the queue for each thread that needs one.
-__device__ inline u64 draw(Task& task, bool draws, unsigned lane) {
+__device__ inline u64 draw(Task& task, bool draws) {
+    const unsigned lane = threadIdx.x % warp;
     const unsigned who = __ballot_sync(everyone, draws);
     u64 first = 0;
     if (lane == 0) first = atomicAdd(&task.next, static_cast<u64>(__popc(who)));
@@ -177,31 +177,32 @@ __device__ inline u64 draw(Task& task, bool draws, unsigned lane) {
 
 using hardlimit::sweep::Task;
 
-extern "C" __global__ void __launch_bounds__(hardlimit::sweep::block) solve(Task* task) {
+extern "C" __global__ void __launch_bounds__(hardlimit::sweep::block, hardlimit::sweep::blocks)
+    solve(Task* task) {
     using namespace hardlimit::sweep;
-    __shared__ unsigned long long room[sizeof(Pool) * (block / warp) / 8 + 1];  // without constructors
-    const unsigned lane = threadIdx.x % warp;
-    Pool& pool = reinterpret_cast<Pool*>(room)[threadIdx.x / warp];
-    for (unsigned i = lane; i < pool_size; i += warp) pool.waits_for[i] = vacant;
+    __shared__ unsigned long long room[sizeof(Pool) / 8 + 1];  // without constructors
+    Pool& pool = *reinterpret_cast<Pool*>(room);
+    for (unsigned i = threadIdx.x; i < pool_size; i += block) pool.waits_for[i] = vacant;
     for (;;) {
-        __syncwarp();
-        const Step now = most_wanted(pool, lane);
+        __syncthreads();
+        const Step now = most_wanted(pool);
         if (now == none) break;
-        const int mine = choose(pool, now, lane);
-        const hardlimit::u64 point = now == vacant ? draw(*task, mine >= 0, lane) : 0;
+        const int mine = choose(pool, now);
+        const hardlimit::u64 point = now == vacant ? draw(*task, mine >= 0) : 0;
         if (mine < 0) continue;
         // A vacant place holds no valid drop, and its flags must not be copied.
         Drop drop{};
         Step next = none;  // the queue is empty
-        if (now != vacant) {
+        bool solves = now != vacant;
+        if (solves) {
             drop = pool.drop[mine];
-            next = drop.advance(*task, false);
         } else if (point < task->count) {
             drop.point = static_cast<unsigned>(point);
-            const bool one = drop.take(*task);
-            if (!one) task->outcome[point] = left_to_host;
-            next = one ? drop.advance(*task, true) : vacant;
+            solves = drop.take(*task);
+            if (!solves) task->outcome[point] = left_to_host;
+            next = vacant;
         }
+        if (solves) next = drop.advance(*task, now == vacant);
         if (next < vacant) pool.drop[mine] = drop;
         pool.waits_for[mine] = next;
     }

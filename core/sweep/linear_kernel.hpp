@@ -387,10 +387,12 @@ HL_FN Mask<R> large_step(State<R>& q, const Modes<R>& k, Mask<R> m) {
     const R inverse = 1.0 / slow_rate.im;
     R until = constant<R>(1e300);
     const Envelope<R>* const envelopes[2] = {&one, &two};
+    HL_ROLL
     for (const Envelope<R>* e : envelopes) {
         const R turn = rough_angle(e->slow);
         m = m & (turn > 0.25 * math::pi) & (turn < 1.5 * math::pi);
         R t = (1.5 * math::pi - turn) * inverse;
+        HL_ROLL
         for (int i = 0; i < 3; ++i) {
             const R value =
                 e->at(rough_evolution(slow_rate, t), rough_exp(math::min<R>(rate.re * t, R{})), slope);

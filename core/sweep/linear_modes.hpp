@@ -93,14 +93,14 @@ HL_FN R rough_arcsine(R x) {
 
 // e^(λt).
 template <class R>
-HL_FN Complex<R> evolution(Complex<R> rate, R t) {
+HL_FN_APART_ON_GPU Complex<R> evolution(Complex<R> rate, R t) {
     const R size = math::exp_inside<R>(rate.re * t);
     const math::SinCos<R> a = math::sincos<R>(rate.im * t);
     return {size * a.cos, size * a.sin};
 }
 // The same to 3e-6.
 template <class R>
-HL_FN Complex<R> rough_evolution(Complex<R> rate, R t) {
+HL_FN_APART_ON_GPU Complex<R> rough_evolution(Complex<R> rate, R t) {
     const R size = rough_exp<R>(rate.re * t);
     const R x = rate.im * t, k = math::round_small<R>(x * 0.636619772367581343076);
     const R r = x - k * (0.5 * math::pi), z = r * r;
@@ -154,47 +154,51 @@ HL_FN void find_floor_mode(const Groups<R>& s, Modes<R>& k) {
     k.floor_rest = -s.gravity / s.a1;
 }
 
+// A pair of conjugate modes from the squares of its undamped frequency and of the other pair's. `good`: both modes
+// oscillate and were found.
+template <class R>
+HL_FN_APART_ON_GPU Mode<R> pair_mode(const Groups<R>& s, R square, R other, bool fast, Mask<R>& good) {
+    const R d1 = s.a1 * s.c1, kappa = s.a1 * (1.0 - s.a2);
+    // The damping rate without coupling to the other pair.
+    const R half = 0.5 * (s.c2 * (square - kappa) + d1 * (square - (1.0 - s.a2))) / (square - other);
+    const R swing2 = square - half * half;
+    Mode<R> mode;
+    R last;
+    mode.rate = eigenvalue<R>(s, {-half, math::sqrt<R>(math::max<R>(swing2, 0.01 * square))}, last);
+    const Complex<R> l = mode.rate, l2 = l * l;
+    const Complex<R> p1 = pull<R>(s.c1, l), p2 = pull<R>(s.c2, l);
+    const Complex<R> one = {broadcast<R>(1.0), R{}}, two = {broadcast<R>(2.0), R{}};
+    const Complex<R> first = l2 + scaled<R>(s.a1, p1), second = l2 + p2;
+    // Each eigenvector satisfies two equivalent equations; the one used here is far from 0/0.
+    Complex<R> left1 = one, left2 = one;
+    if (fast) {
+        mode.shape = scaled<R>(s.a2, p2) / first;
+        left1 = scaled<R>(s.a1, p1) / first;
+    } else {
+        mode.shape = second / scaled<R>(s.a1, p1);
+        left2 = scaled<R>(s.a2, p2) / second;
+    }
+    const Complex<R> damp1 = scaled<R>(d1, left1 - left2),
+                     damp2 = scaled<R>(s.c2, left2 - scaled<R>(s.a2, left1));
+    const Complex<R> norm = scaled<R>(two.re, l) * (left1 * mode.shape + left2) + damp1 * mode.shape + damp2;
+    const Complex<R> inverse = two / norm;  // factor 2 for the conjugate pair
+    mode.of_du = left1 * inverse;
+    mode.of_dw = left2 * inverse;
+    mode.of_u = (l * left1 + damp1) * inverse;
+    mode.of_w = (l * left2 + damp2) * inverse;
+    good = (last < 1e-18) & (l.im > 0.05 * magnitude(l)) & (l.re <= 0.0);
+    return mode;
+}
+
 template <class R>
 HL_FN void find_pair_modes(const Groups<R>& s, Modes<R>& k) {
-    const R d1 = s.a1 * s.c1, kappa = s.a1 * (1.0 - s.a2), trace = 1.0 + s.a1;
-    // Squares of the undamped frequencies; `half`: damping rate of each mode without coupling to the other.
+    const R kappa = s.a1 * (1.0 - s.a2), trace = 1.0 + s.a1;
+    // Squares of the undamped frequencies.
     const R fast2 = 0.5 * (trace + math::sqrt<R>(trace * trace - 4.0 * kappa)), slow2 = kappa / fast2;
-    Mask<R> good = s.a2 < 1.0;
-    HL_UNROLL
-    for (int i = 0; i < 2; ++i) {
-        Mode<R>& mode = i == 0 ? k.fast : k.slow;
-        const R square = i == 0 ? fast2 : slow2, other = i == 0 ? slow2 : fast2;
-        const R half = 0.5 * (s.c2 * (square - kappa) + d1 * (square - (1.0 - s.a2))) / (square - other);
-        const R swing2 = square - half * half;
-        R last;
-        mode.rate = eigenvalue<R>(s, {-half, math::sqrt<R>(math::max<R>(swing2, 0.01 * square))}, last);
-        const Complex<R> l = mode.rate, l2 = l * l;
-        const Complex<R> p1 = pull<R>(s.c1, l), p2 = pull<R>(s.c2, l);
-        const Complex<R> one = {broadcast<R>(1.0), R{}};
-        const Complex<R> first = l2 + scaled<R>(s.a1, p1), second = l2 + p2;
-        // Each eigenvector satisfies two equivalent equations; the one used here is far from 0/0.
-        Complex<R> left1, left2;
-        if (i == 0) {
-            mode.shape = scaled<R>(s.a2, p2) / first;
-            left1 = scaled<R>(s.a1, p1) / first;
-            left2 = one;
-        } else {
-            mode.shape = second / scaled<R>(s.a1, p1);
-            left1 = one;
-            left2 = scaled<R>(s.a2, p2) / second;
-        }
-        const Complex<R> damp1 = scaled<R>(d1, left1 - left2),
-                         damp2 = scaled<R>(s.c2, left2 - scaled<R>(s.a2, left1));
-        const Complex<R> norm =
-            scaled<R>(broadcast<R>(2.0), l) * (left1 * mode.shape + left2) + damp1 * mode.shape + damp2;
-        const Complex<R> inverse =
-            Complex<R>{broadcast<R>(2.0), R{}} / norm;  // factor 2 for the conjugate pair
-        mode.of_du = left1 * inverse;
-        mode.of_dw = left2 * inverse;
-        mode.of_u = (l * left1 + damp1) * inverse;
-        mode.of_w = (l * left2 + damp2) * inverse;
-        good = good & (last < 1e-18) & (l.im > 0.05 * magnitude(l)) & (l.re <= 0.0);
-    }
+    Mask<R> found_fast{}, found_slow{};
+    k.fast = pair_mode<R>(s, fast2, slow2, true, found_fast);
+    k.slow = pair_mode<R>(s, slow2, fast2, false, found_slow);
+    Mask<R> good = (s.a2 < 1.0) & found_fast & found_slow;
     good = good & (k.fast.rate.im > 1.2 * k.slow.rate.im);
     // Where the modes are not used they are multiplied by zero and must be finite.
     const Complex<R> zero = {R{}, R{}};

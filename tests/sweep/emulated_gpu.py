@@ -1,4 +1,4 @@
-"""A GPU of one warp, emulated on a processor (warp.hpp): runs core/sweep/kernel.cu where there is no GPU."""
+"""A GPU of one block, emulated on a processor (emulated_gpu.hpp): runs core/sweep/kernel.cu where there is no GPU."""
 
 import ctypes
 import subprocess
@@ -17,13 +17,13 @@ def build(source: Path, library: Path, *flags: str) -> Path:
     headers = Path(str(resources.files("hardlimit") / "core"))
     flags = ("-std=c++20", "-O2", "-ffp-contract=off", "-fPIC", "-shared", *flags)
     folders = [f"-I{headers}", f"-I{headers}/sweep", f"-I{HERE}"]
-    before = ["-include", str(HERE / "warp.hpp")]
+    before = ["-include", str(HERE / "emulated_gpu.hpp")]
     subprocess.run(["g++", *flags, *folders, *before, str(source), "-o", str(library)], check=True)
     return library
 
 
 class Emulated:
-    """One warp on a processor, and memory that the device and the host share."""
+    """One block on a processor, and memory that the device and the host share."""
 
     name = "emulated"
 

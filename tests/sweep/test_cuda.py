@@ -1,4 +1,4 @@
-"""engine="cuda" without a GPU: the machine code, the kernel in an emulated warp, and what is said when
+"""engine="cuda" without a GPU: the machine code, the kernel in an emulated block, and what is said when
 something is missing.
 
 Where a GPU is, its results are compared with the processor's bit by bit.
@@ -95,8 +95,8 @@ def test_the_kernel_compiles_within_its_registers(arch: str) -> None:
     print(f"{arch}: (registers, bytes spilled, bytes read back) {used}")
     assert used.keys() == {"solve", "damping_ratios"}
     assert used["damping_ratios"][0] <= 128 and used["damping_ratios"][1:] == (0, 0)
-    assert used["solve"][0] <= 255
-    assert used["solve"][1] <= 1600 and used["solve"][2] <= 2000
+    assert used["solve"][0] <= 128
+    assert used["solve"][1] <= 1600 and used["solve"][2] <= 2800
 
 
 def ptx_of_the_kernel() -> str:
@@ -131,7 +131,7 @@ def test_the_package_has_the_headers() -> None:
         assert (folder / path.relative_to(here)).is_file()
 
 
-# --- the kernel in an emulated warp -------------------------------------------------------------------------
+# --- the kernel in an emulated block ------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")
@@ -139,7 +139,7 @@ def library(tmp_path_factory: pytest.TempPathFactory) -> Path:
     if shutil.which("g++") is None:
         pytest.skip("g++ is not installed")
     return build(
-        HERE / "warp.cpp", tmp_path_factory.mktemp("warp") / "kernel.so", "-Wall", "-Wextra", "-Werror"
+        HERE / "emulated_gpu.cpp", tmp_path_factory.mktemp("warp") / "kernel.so", "-Wall", "-Wextra", "-Werror"
     )
 
 
@@ -154,7 +154,7 @@ LONG = {"adiabatic", "list", "by damping", "too deep"}
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=pytest.mark.slow if name in LONG else ()) for name in MAPS]
 )
-def test_a_warp_returns_the_bits_of_the_processor(library: Path, name: str) -> None:
+def test_a_block_returns_the_bits_of_the_processor(library: Path, name: str) -> None:
     plan = plan_of(**MAPS[name])
     assert same_chunks(emulated(library, plan), plan.compute(0, plan.size, 1))
 
@@ -175,7 +175,7 @@ def test_the_kernel_copies_no_flag_before_it_is_set(tmp_path: Path) -> None:
     """Shared memory is not initialized: bytes that are neither true nor false trap when copied."""
     sanitize = ("-fsanitize=bool,enum", "-fsanitize-undefined-trap-on-error")
     flags = ("-O1", *sanitize, "-ftrivial-auto-var-init=pattern")
-    checked = build(HERE / "warp.cpp", tmp_path / "checked.so", *flags)
+    checked = build(HERE / "emulated_gpu.cpp", tmp_path / "checked.so", *flags)
     plan = plan_of(restitution=np.linspace(0.3, 1.0, 10), gap=[1e-6, 1e-4, 1e-2])
     out = tmp_path / "chunk.npz"
     script = (

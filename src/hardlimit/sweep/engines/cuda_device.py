@@ -17,7 +17,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-THREADS_PER_BLOCK: Final = 64  # as in the kernel
+THREADS_PER_BLOCK: Final = 128  # as in the kernel
 
 #: The same bits as on a processor: no fused multiply-add, correctly rounded divisions and square roots.
 SAME_BITS: Final = {"fma": False, "prec_div": True, "prec_sqrt": True, "ftz": False}

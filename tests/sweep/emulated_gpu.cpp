@@ -1,10 +1,10 @@
-// Library for tests/sweep/test_cuda.py: runs core/sweep/kernel.cu in the emulated warp of warp.hpp.
+// Library for tests/sweep/test_cuda.py: runs core/sweep/kernel.cu in the emulated block of emulated_gpu.hpp.
 #include <cstring>
 
 #include "kernel.cu"
 
-unsigned long long
-    room[sizeof(hardlimit::sweep::Pool) * (hardlimit::sweep::block / hardlimit::sweep::warp) / 8 + 1];
+static_assert(hardlimit::sweep::block == emulated::Block::size);
+unsigned long long room[sizeof(hardlimit::sweep::Pool) / 8 + 1];
 
 namespace {
 struct Call {
