@@ -28,7 +28,7 @@
 #define HL_ROLL _Pragma("unroll 1")
 #endif
 
-// Not inlined: a loop that exceeds the instruction cache runs at half the speed. On a GPU that holds for more functions.
+// Not inlined: a loop that exceeds the instruction cache runs at half the speed. A GPU has small caches.
 #if defined(__CUDACC__) || defined(__CUDACC_RTC__)
 #define HL_FN_APART HL_FN __noinline__
 #define HL_FN_APART_ON_GPU HL_FN __noinline__

@@ -139,7 +139,11 @@ def library(tmp_path_factory: pytest.TempPathFactory) -> Path:
     if shutil.which("g++") is None:
         pytest.skip("g++ is not installed")
     return build(
-        HERE / "emulated_gpu.cpp", tmp_path_factory.mktemp("warp") / "kernel.so", "-Wall", "-Wextra", "-Werror"
+        HERE / "emulated_gpu.cpp",
+        tmp_path_factory.mktemp("warp") / "kernel.so",
+        "-Wall",
+        "-Wextra",
+        "-Werror",
     )
 
 
