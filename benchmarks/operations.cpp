@@ -1,5 +1,5 @@
-// Operations per point of a map on a GPU: core/sweep/kernel.cu in the emulated block of emulated_gpu.hpp, with doubles that
-// count all operations except those of the set-up. Used by gpu.py.
+// Operations per point of a map on a GPU: core/sweep/kernel.cu in the emulated block of emulated_gpu.hpp, with doubles
+// that count all operations except those of the set-up. Used by gpu.py.
 #include <memory>
 #include <type_traits>
 
