@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+import scipy
 
 import hardlimit as hl
 from conftest import DATA, refusal
@@ -44,7 +44,7 @@ def test_normal_turns(row: dict[str, str]) -> None:
     apart.terminal, apart.direction = True, 1.0
     start = [1.0, 0.0, -np.cos(angle), np.sin(angle)]
     within = {"rtol": 1e-12, "atol": 1e-15, "max_step": duration / 50}
-    run = solve_ivp(motion, (0, 5 * duration), start, "DOP853", events=apart, **within)
+    run = scipy.integrate.solve_ivp(motion, (0, 5 * duration), start, "DOP853", events=apart, **within)
     end = run.y_events[0][-1]
     np.testing.assert_allclose(np.degrees(np.arctan2(end[1], end[0])), float(rotation), rtol=1e-8)
     np.testing.assert_allclose(run.t_events[0][-1] / duration, float(length), rtol=1e-8)

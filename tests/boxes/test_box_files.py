@@ -5,7 +5,6 @@ import os
 import sys
 from pathlib import Path
 
-import ase.io
 import gsd.fl
 import gsd.hoomd
 import numpy as np
@@ -75,6 +74,8 @@ def test_frames_of_a_trajectory(tmp_path, suffix):
 
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_ase_reads_extended_xyz(tmp_path, dimension):
+    import ase.io
+
     system = lattice(9, dimension, gravity=9.81, boundary=["wall", *["periodic"] * (dimension - 1)])
     path = tmp_path / "box.xyz"
     files.write(path, [system.as_frame(0.25), system.as_frame(0.5)])
@@ -90,6 +91,8 @@ def test_ase_reads_extended_xyz(tmp_path, dimension):
 
 
 def test_what_another_program_writes_as_extended_xyz(tmp_path):
+    import ase.io
+
     system = lattice(8)
     atoms = ase.Atoms("X8", positions=system.positions, cell=system.box, pbc=[True, True, False])
     atoms.arrays |= {"velo": np.array(system.velocities), "radius": np.array(system.radius)}

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.stats import kstest
+import scipy
 
 from box_engines import grow_packing, hard_spheres
 from hardlimit import _core
@@ -178,11 +178,11 @@ def test_maxwell_distribution_comes_about_and_stays() -> None:
     velocity -= velocity.mean(axis=0)
     velocity *= math.sqrt(3 * (n - 1) / np.sum(velocity * velocity))
     run = engine(position, velocity, edge)
-    assert kstest(np.ravel(velocity), "norm").pvalue < 1e-6
+    assert scipy.stats.kstest(np.ravel(velocity), "norm").pvalue < 1e-6
     found = []
     for _ in range(10):
         run_rows(run, 20 * n)
-        found.append(kstest(np.ravel(run.state()[1]), "norm").pvalue)
+        found.append(scipy.stats.kstest(np.ravel(run.state()[1]), "norm").pvalue)
     assert min(found) > 1e-3 and max(found) > 0.2
 
 
@@ -275,6 +275,6 @@ def test_barometric_profile() -> None:
     assert total[1] == pytest.approx(total[0], rel=1e-11)
     scale = float(np.mean(temperatures)) / gravity
     cut = -math.expm1(-room / scale)
-    found = kstest(np.concatenate(heights), lambda z: -np.expm1(-z / scale) / cut)
+    found = scipy.stats.kstest(np.concatenate(heights), lambda z: -np.expm1(-z / scale) / cut)
     # 18,000 heights would resolve 0.01; the excluded volume has an effect of up to 4φ = 0.01 at the floor.
     assert found.statistic < 0.02

@@ -1,5 +1,6 @@
 """The registry of observables: every record is valid for every engine, in two and three dimensions."""
 
+import functools
 import itertools
 import math
 import re
@@ -8,7 +9,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from pint import UnitRegistry
 
 import hardlimit as hl
 from conftest import draws
@@ -23,6 +23,7 @@ ROUNDING = 1e-12  #: tolerance for sums that must not decrease
 EXACT = 1e-12  #: largest relative error of sums over all particles
 
 
+@functools.cache
 def result_of(engine, dimension):
     system = hl.ParticleSystem.random(
         24, 0.2, (0.008, 0.01), 2500.0, 0.5, dimension=dimension, boundary="wall", gravity=2.0
@@ -32,26 +33,32 @@ def result_of(engine, dimension):
     return hl.molecular_dynamics(system, law=LAW, until=0.1, samples=10, engine=engine)
 
 
-UNITS = UnitRegistry()
 IN_PROCESS = [name for name, record in ENGINES.items() if record.kind]
-RESULTS = {at: result_of(*at) for at in itertools.product(IN_PROCESS, (2, 3))}
-every_result = pytest.mark.parametrize("at", RESULTS, ids=lambda at: f"{at[0]} {at[1]}-D")
+EVERY_RESULT = list(itertools.product(IN_PROCESS, (2, 3)))
+every_result = pytest.mark.parametrize("at", EVERY_RESULT, ids=lambda at: f"{at[0]} {at[1]}-D")
 every_observable = pytest.mark.parametrize("name", OBSERVABLES)
 
 
+@pytest.fixture(scope="module")
+def units():
+    from pint import UnitRegistry
+
+    return UnitRegistry()
+
+
 @every_observable
-def test_a_record_is_whole(name):
+def test_a_record_is_whole(name, units):
     one = OBSERVABLES[name]
     assert one.name == name and name not in RESERVED and one.meaning and one.needs
     for dimension in (2, 3):
         unit = re.sub(r"(?<=[a-z])(\d)", r"**\1", one.unit_in(dimension)).replace(" ", " * ")
-        UNITS.parse_units(unit)
+        units.parse_units(unit)
     assert (one.kind in ("value", "sum", "rate") and one.kind == "sum") or not one.never_falls
 
 
 @every_result
 def test_a_series_has_what_its_engine_provides(at):
-    series = RESULTS[at].series
+    series = result_of(*at).series
     assert list(series) == [one.name for one in provided(ENGINES[at[0]].records)]
     assert "momentum" in series and series.axis.values.tolist() == ["x", "y", "z"][: at[1]]
 
@@ -60,7 +67,7 @@ def test_a_series_has_what_its_engine_provides(at):
 @every_result
 def test_values_are_as_the_record_says(at, name):
     engine, dimension = at
-    one, run = OBSERVABLES[name], RESULTS[at]
+    one, run = OBSERVABLES[name], result_of(*at)
     if not set(one.needs) <= set(ENGINES[engine].records):
         assert name not in run.series
         return
@@ -80,7 +87,7 @@ def test_values_are_as_the_record_says(at, name):
 @every_result
 def test_values_of_the_last_sample_are_those_of_the_system(at):
     """With the time-stepping engine to the error of a step; positions and velocities refer to the same instant."""
-    run = RESULTS[at]
+    run = result_of(*at)
     for name in ("kinetic_energy", "momentum", "granular_temperature"):
         found, scale = run.series[name].values[-1], abs(run.series[name].values).max()
         assert found == pytest.approx(getattr(run.system, name), rel=1e-9, abs=1e-12 * scale)
@@ -94,7 +101,7 @@ def test_components_are_in_the_order_of_lammps():
 def test_the_trace_of_the_pressure_tensor_is_the_pressure(dimension):
     """With synthetic records, with and without the exact integral of the thermal energy."""
     rng, n = np.random.default_rng(dimension), len(components(dimension))
-    run = RESULTS["hard_spheres", dimension]
+    run = result_of("hard_spheres", dimension)
     system, time = run.system, run.samples["time"]
     virial, kinetic = rng.random((2, len(time), n)).cumsum(axis=1)
     total = system.dimension * system.mass.sum()
@@ -113,7 +120,7 @@ def test_the_trace_of_the_pressure_tensor_is_the_pressure(dimension):
 
 
 def test_a_rate_is_the_growth_of_its_sum():
-    run = RESULTS["hard_spheres", 3]
+    run = result_of("hard_spheres", 3)
     samples = Samples(run.system, run.samples)
     lasted = np.diff(run.series.time)
     assert (samples.rate("n_pairs") * lasted).sum() == pytest.approx(run.n_pairs)

@@ -6,9 +6,9 @@ import math
 import mpmath
 import numpy as np
 import pytest
+import scipy
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from scipy.integrate import solve_ivp
 
 import hardlimit as hl
 from conftest import DATA, draws, law_of, laws, log_floats
@@ -83,7 +83,7 @@ def cartesian(contact: _core.Contact, distance: float, normal: float, tangential
     duration = contact.duration(np.array([normal]))[0]
     end = _core.planar_contact(contact, distance, normal, tangential)["duration"]
     start = [distance, 0.0, -normal, tangential]
-    run = solve_ivp(
+    run = scipy.integrate.solve_ivp(
         motion, (0, end), start, "DOP853", rtol=1e-12, atol=1e-15, max_step=min(duration, end) / 30
     )
     return run.y[:, -1]

@@ -5,8 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
-from scipy.spatial.transform import Rotation
+import scipy
 
 import hardlimit as hl
 from conftest import slow
@@ -36,7 +35,7 @@ STARTS = {
 
 
 def system_of(start, turn=None, edge=0.1):
-    turn = Rotation.identity() if turn is None else turn
+    turn = scipy.spatial.transform.Rotation.identity() if turn is None else turn
     places, velocities = (np.array(part, float) for part in STARTS[start])
     places = edge / 2 + RADIUS * turn.apply(places)
     return hl.ParticleSystem(places, turn.apply(velocities), RADIUS, density=2500.0, box=edge)
@@ -84,7 +83,9 @@ def integrated(system, law, until):
 
     start = np.concatenate([system.positions.ravel(), system.velocities.ravel(), np.zeros(9)])
     step = contact.duration(1.0) / 10
-    found = solve_ivp(rates, (0.0, until), start, "DOP853", rtol=1e-11, atol=1e-16, max_step=step)
+    found = scipy.integrate.solve_ivp(
+        rates, (0.0, until), start, "DOP853", rtol=1e-11, atol=1e-16, max_step=step
+    )
     return found.y[6 * n :, -1].reshape(3, 3)
 
 
@@ -143,10 +144,10 @@ def test_a_head_on_collision_along_an_axis_has_this_component_only(engine):
 @pytest.mark.parametrize("engine", [*RULES, "events", "steps"])
 @pytest.mark.parametrize("start", STARTS)
 def test_the_virial_turns_with_the_system(engine, start):
-    turn = Rotation.from_euler("xyz", [0.4, -1.1, 2.3])
+    turn = scipy.spatial.transform.Rotation.from_euler("xyz", [0.4, -1.1, 2.3])
     plain, turned = (
         virial(run_of(engine, system_of(start, by), LAWS["linear"], 1.5e-3, samples=1))
-        for by in (Rotation.identity(), turn)
+        for by in (scipy.spatial.transform.Rotation.identity(), turn)
     )
     r = turn.as_matrix()
     assert turned == pytest.approx(r @ plain @ r.T, abs=1e-8 * abs(plain).max())

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+import scipy
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.integrate import solve_ivp
 
 import hardlimit as hl
 from box_engines import LAWS, core_engine
@@ -223,7 +223,9 @@ def integrated(system: hl.ParticleSystem, stiffness: float, damping: float, unti
         return np.concatenate([v, accelerations(system, stiffness, damping, time, x, v)]).ravel()
 
     start = np.concatenate([system.positions, system.velocities]).ravel()
-    found = solve_ivp(slope, (0.0, until), start, "DOP853", rtol=1e-12, atol=1e-15, max_step=step)
+    found = scipy.integrate.solve_ivp(
+        slope, (0.0, until), start, "DOP853", rtol=1e-12, atol=1e-15, max_step=step
+    )
     return found.y[:, -1].reshape(shape)
 
 

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+import scipy
 from hypothesis import example, given
 from hypothesis import strategies as st
-from scipy.integrate import quad
 
 import hardlimit as hl
 from conftest import draws, refusal, slow
@@ -411,7 +411,9 @@ def test_mean_displacement_of_a_wall(
     kinks = np.arange(math.floor(4 * frequency * begin), 4 * frequency * (begin + lasted) + 8)
     kinks = (kinks / 4 - (phase / (2 * math.pi)) % 0.25) / frequency
     grid = [begin, *(t for t in kinks if begin < t < begin + lasted), begin + lasted]
-    exact = sum(quad(wall.displacement, a, b, epsabs=1e-12)[0] for a, b in itertools.pairwise(grid))
+    exact = sum(
+        scipy.integrate.quad(wall.displacement, a, b, epsabs=1e-12)[0] for a, b in itertools.pairwise(grid)
+    )
     assert wall.mean_displacement(*ends)[0] == pytest.approx(exact / lasted, abs=1e-9)
     assert wall.mean_displacement(ends[0], ends[0])[0] == pytest.approx(wall.displacement(begin), abs=1e-12)
 

@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+import scipy
 
 import hardlimit as hl
 
@@ -103,7 +103,7 @@ def test_four_motions_by_an_independent_integration(restitution):
             a1 = f01 / m1 - G
             return [du, a1, dw, f12 / m2 - G - a1]
 
-        y = solve_ivp(right, (start, stop), y, "DOP853", rtol=1e-12, atol=1e-15).y[:, -1]
+        y = scipy.integrate.solve_ivp(right, (start, stop), y, "DOP853", rtol=1e-12, atol=1e-15).y[:, -1]
         # At the end of a contact the force is zero; at the beginning of one after flight the gap is zero.
         for j, gap, rate, contact in ((0, y[0], y[1], floor), (1, y[2], y[3], pair)):
             if (contacts.end.values[contacts.pair.values == j] == stop).any():

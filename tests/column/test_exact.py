@@ -6,10 +6,10 @@ import math
 import mpmath
 import numpy as np
 import pytest
+import scipy
 import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.linalg import solve_continuous_lyapunov
 
 import hardlimit as hl
 from conftest import columns, draws, falling, law_of, slow
@@ -577,7 +577,7 @@ def test_dissipated_energy_of_a_relaxation_is_the_work_of_the_dashpots(model):
     # Lengths in units of 1e-5 s times a velocity make the equation well scaled.
     omega = np.diag([1e5, 1.0, 1e5, 1.0])
     scaled = omega @ rates @ np.linalg.inv(omega)
-    work = solve_continuous_lyapunov(scaled.T, -np.diag([0.0, floor.damping, 0.0, pair.damping]))
+    work = scipy.linalg.solve_continuous_lyapunov(scaled.T, -np.diag([0.0, floor.damping, 0.0, pair.damping]))
     w0 = -column.balls[1].mass * G / pair.stiffness
     above = 0.0 if model == "adiabatic" else column.balls[1].mass
     u0 = -(column.balls[0].mass + above) * G / floor.stiffness

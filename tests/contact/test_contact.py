@@ -7,9 +7,9 @@ from functools import partial
 import mpmath
 import numpy as np
 import pytest
+import scipy
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.integrate import solve_ivp
 
 import hardlimit as hl
 from conftest import (
@@ -164,7 +164,7 @@ def universal(x: float) -> tuple[float, float]:
         return y[0] ** 2 + x * y[1] if y[1] < 0.0 or y[0] > 0.0 else 1.0
 
     end.terminal, end.direction = True, -1
-    found = solve_ivp(
+    found = scipy.integrate.solve_ivp(
         right, (0.0, 1e3), [0.0, 1.0, 0.0], "DOP853", events=end, rtol=3e-14, atol=1e-18, max_step=0.2
     )
     s, v, t = found.y_events[0][0]
@@ -531,7 +531,7 @@ def test_isolated_collision_by_an_independent_integration(name):
 
         # The force is smooth until just before the end; the integration stops a millionth of t_c earlier.
         within = {"rtol": 1e-12, "atol": 1e-16, "max_step": t_c / 200}
-        found = solve_ivp(right, (0.0, t_c * (1.0 - 1e-6)), [1e-300, 1.0], "DOP853", **within)
+        found = scipy.integrate.solve_ivp(right, (0.0, t_c * (1.0 - 1e-6)), [1e-300, 1.0], "DOP853", **within)
         xi, rate = found.y[:, -1]
         assert -rate == pytest.approx(restitution, rel=2e-6)
         largest = np.max(contact.force(found.y[0], found.y[1]))

@@ -12,10 +12,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import scipy
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy import stats
-from scipy.signal import lfilter
 
 import hardlimit as hl
 from conftest import draws, law_of, slow, wait_until
@@ -154,7 +153,7 @@ def test_without_contacts_there_are_no_shares() -> None:
 @pytest.mark.parametrize("freedom", [1, 2, 3, 4, 5, 8, 9, 30, 31, 200, 999])
 def test_the_bars_are_students(freedom: int) -> None:
     assert statistics.student(freedom) == pytest.approx(
-        stats.t.ppf(1.0 - 0.5 * statistics.LEVEL, freedom), rel=1e-9
+        scipy.stats.t.ppf(1.0 - 0.5 * statistics.LEVEL, freedom), rel=1e-9
     )
 
 
@@ -194,7 +193,7 @@ def test_a_departure_is_large_or_lasts() -> None:
 #: Noise of one replica over the samples; its correlation time sets the number of independent tests.
 NOISES = {
     "of one sample": lambda e: e,
-    "of ten samples": lambda e: lfilter([math.sqrt(1.0 - 0.9**2)], [1.0, -0.9], e),
+    "of ten samples": lambda e: scipy.signal.lfilter([math.sqrt(1.0 - 0.9**2)], [1.0, -0.9], e),
     "that adds up": lambda e: e.cumsum(axis=-1) / math.sqrt(e.shape[-1]),
     "of means since the start": lambda e: e.cumsum(axis=-1) / np.arange(1, e.shape[-1] + 1) ** 0.5,
 }
@@ -244,7 +243,7 @@ def test_so_many_replicas_resolve(replicas: int, error: float, resolution: float
     needed = statistics.replicas_needed(error, replicas, resolution)
 
     def bar(n: float) -> float:
-        return stats.t.ppf(0.995, n - 1) * error * math.sqrt(replicas / n)
+        return scipy.stats.t.ppf(0.995, n - 1) * error * math.sqrt(replicas / n)
 
     assert bar(needed) <= resolution * 1.003 or math.isinf(needed)
     assert needed == 2 or bar(needed - 1 if math.isfinite(needed) else 1e6) > resolution * 0.997
@@ -350,7 +349,7 @@ def test_the_sentence_says_what_the_dataset_holds(seed: int) -> None:
         raw = f.replicas[measure].isel(time=-1)
         true = raw.sel(model="newton").values
         assert value == pytest.approx(raw.sel(model=rule).values.mean() / true.mean() - 1.0, abs=1e-12)
-        apart = abs(value) > max(stats.t.ppf(0.995, f.n_replicas - 1) * error, statistics.SMALLEST)
+        apart = abs(value) > max(scipy.stats.t.ppf(0.995, f.n_replicas - 1) * error, statistics.SMALLEST)
         if apart:
             ends = {"cooling": ("too fast", "too slowly"), "collision_rate": ("too often", "too rarely")}[
                 measure
@@ -359,7 +358,7 @@ def test_the_sentence_says_what_the_dataset_holds(seed: int) -> None:
             verb = "cools" if measure == "cooling" else "collides"
             clause = f"{size} {ends[0] if value > 0 else ends[1]}"
             assert f" {rule} {clause}" in said or f" the rule {rule} {verb} {clause}" in said
-        elif stats.t.ppf(0.995, f.n_replicas - 1) * error <= f.resolution:
+        elif scipy.stats.t.ppf(0.995, f.n_replicas - 1) * error <= f.resolution:
             assert f"{rule} ({percent_with_error(value, error)})" in said
             assert "not significantly different from Newton’s equations in" in said
         else:
@@ -373,7 +372,7 @@ def test_what_is_not_resolved_is_no_agreement(resolution: float) -> None:
     soft = hl.LinearDashpot(stiffness=1e3, restitution=0.9)
     f = compare(partial(gas, n=30), soft, models=("newton", "law"), replicas=3, resolution=resolution)
     error = f.final_difference("cooling", "law").error
-    bar = stats.t.ppf(0.995, 2) * error
+    bar = scipy.stats.t.ppf(0.995, 2) * error
     needed = f.dataset.replicas_needed.sel(quantity="cooling", model="law").item()
     assert report.half_width(f.final_difference("cooling", "law")) == pytest.approx(bar)
     assert (needed <= 3) is bool(bar <= resolution) and f.dataset.attrs["resolution"] == resolution

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy import stats
+import scipy
 
 import hardlimit as hl
 from conftest import refusal, slow
@@ -175,7 +175,7 @@ def test_the_report_has_the_numbers_of_the_raw_series(make: object, replicas: in
         assert found.value == pytest.approx(value, abs=1e-12) and found.error == pytest.approx(
             error, rel=1e-9
         )
-        assert found.upper - found.value == pytest.approx(stats.t.ppf(0.995, freedom) * error, rel=1e-9)
+        assert found.upper - found.value == pytest.approx(scipy.stats.t.ppf(0.995, freedom) * error, rel=1e-9)
         assert f.dataset.steady_difference.sel(quantity=name, model=rule).values.tolist() == list(found[:2])
         mean = f.steady_mean(name, "newton")
         assert mean.value == pytest.approx(means[0].mean(), rel=1e-12)

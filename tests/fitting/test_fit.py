@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy import stats
+import scipy
 
 import command_line
 import hardlimit as hl
@@ -64,7 +64,7 @@ KINDS = ["restitution", "rebound heights", "heights", "times"]
 @pytest.mark.parametrize("degrees", [1, 2, 3, 7, 10, 101, 1000])
 def test_probability_of_chi_square(degrees: int) -> None:
     for x in (0.0, 1e-8, 0.3 * degrees, 1.0 * degrees, 2.0 * degrees + 3.0):
-        expected = stats.chi2.sf(x, degrees)
+        expected = scipy.stats.chi2.sf(x, degrees)
         assert chi_square_probability(x, degrees) == pytest.approx(expected, rel=1e-11, abs=1e-300)
     assert math.isnan(chi_square_probability(1.0, 0))
 
@@ -104,7 +104,7 @@ def test_intervals_cover() -> None:
 def test_intervals_cover_and_chi_square_is_one(kind: str, confidence: float) -> None:
     share, chances = covered(kind, range(80), confidence)
     assert abs(share - confidence) < 3.5 * math.sqrt(confidence * (1.0 - confidence) / 80)
-    assert stats.kstest(chances, "uniform").pvalue > 1e-3
+    assert scipy.stats.kstest(chances, "uniform").pvalue > 1e-3
 
 
 @pytest.mark.slow

@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 import pytest
+import scipy
 import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.signal import lfilter
 
 import hardlimit as hl
 from conftest import draws, refusal, slow
@@ -18,7 +18,7 @@ def ar1(rng, n, phi, mean=0.0):
     """x_k = φ x_(k−1) + noise, stationary from the start, with variance 1: its g is (1 + φ)/(1 − φ)."""
     noise = rng.normal(size=n) * math.sqrt(1.0 - phi * phi)
     noise[0] = rng.normal()
-    return mean + lfilter([1.0], [1.0, -phi], noise)
+    return mean + scipy.signal.lfilter([1.0], [1.0, -phi], noise)
 
 
 def blocked(x):

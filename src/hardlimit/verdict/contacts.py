@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Final, NamedTuple
 
-from scipy.integrate import solve_ivp
+import scipy
 
 from ..boxes.theory import Gas
 from ..boxes.time_step import DEFAULT_ERROR
@@ -300,5 +300,5 @@ def _duration(force: Force, damping: float, speed: float) -> float:
         return float(y[0] if force.powers.attracts or y[1] > 0.0 else min(push(*y), y[0]))
 
     end.terminal, end.direction = True, -1.0  # type: ignore[attr-defined]
-    done = solve_ivp(rates, (0.0, 1e4), [0.0, 1.0], events=end, rtol=1e-9, atol=1e-12)
+    done = scipy.integrate.solve_ivp(rates, (0.0, 1e4), [0.0, 1.0], events=end, rtol=1e-9, atol=1e-12)
     return float(done.t[-1] * time) if done.status == 1 else math.inf
