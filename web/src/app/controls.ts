@@ -4,8 +4,8 @@ import { parse, sub, withUnit } from "../support/format";
 import {
   clampTo, constantAt, constants, constantsOf, densityFor, hasOwn, laws, massOf, MOST_BALLS, ranges, restitutionOf, setBallCount, setOwn, settle, type Range, type Scenario,
 } from "../scenario/scenario";
-import { capital, labelOf, parameterOfColumn } from "../core/tables";
-import { fromSlider, steps, toSlider } from "../support/slider";
+import { capital, labelOf, parameterOfColumn } from "../scenario/tables";
+import { fromSlider, steps, toSlider } from "../scenario/slider";
 import { touchable } from "../support/touch";
 
 interface Control {

@@ -9,8 +9,8 @@ import { listen, type Point } from "./map_input";
 import { MapReading } from "./map_reading";
 import type { Pool } from "../core/pool";
 import { clampTo, copyOf, firstGap, lowestHeight, ranges } from "../scenario/scenario";
-import type { State } from "../app/state";
-import { mapLimits, wholeMap, type Box, type View } from "../app/view";
+import type { State } from "../state/state";
+import { mapLimits, wholeMap, type Box, type View } from "../scenario/view";
 
 export class MapPanel {
   readonly map: ContactMap;

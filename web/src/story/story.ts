@@ -2,12 +2,12 @@
 import { find, setText, Sheet, tell } from "../support/dom";
 import { later } from "../support/later";
 import type { Film } from "../views/film";
-import type { Frames } from "../app/frames";
+import type { Frames } from "../state/frames";
 import type { Guess } from "./guess";
-import { sameScenario, steps, type LectureView, type Step } from "./lecture_view";
+import { sameScenario, steps, type LectureView, type Step } from "../scenario/lecture_view";
 import { presets } from "../scenario/presets";
-import type { State } from "../app/state";
-import type { View } from "../app/view";
+import type { State } from "../state/state";
+import type { View } from "../scenario/view";
 import { joined, type Sentence } from "../report/sentence";
 import { story, titleOf, type Told } from "./story_text";
 import type { Watch } from "./watch";

@@ -2,10 +2,10 @@
 import { find, setAttribute, setText, type Sheet } from "../support/dom";
 import { withUnit } from "../support/format";
 import { Handle, type Pull } from "../support/handle";
-import { fromSlider, toSlider } from "../support/slider";
+import { fromSlider, toSlider } from "../scenario/slider";
 import { touchable } from "../support/touch";
 import { clampTo, firstGap, lowestHeight, ranges } from "../scenario/scenario";
-import type { State } from "../app/state";
+import type { State } from "../state/state";
 import { drawCloseUp } from "../views/close_up";
 import { drawDuel, type DuelLayout } from "../views/duel";
 import type { Film } from "../views/film";

@@ -2,12 +2,12 @@
 import { type Sheet, find } from "../support/dom";
 import { dropOf, type Drop } from "../core/drop";
 import { digits, lengths, withUnit } from "../support/format";
-import type { LectureView } from "../story/lecture_view";
+import type { LectureView } from "../scenario/lecture_view";
 import type { Pool } from "../core/pool";
 import { constantAt, constants, constantsOf, copyOf, massOf, type Scenario } from "../scenario/scenario";
 import { drawTrueScale } from "./true_scale";
-import type { State } from "../app/state";
-import { labelOf, namesOf, parameterOfColumn } from "../core/tables";
+import type { State } from "../state/state";
+import { labelOf, namesOf, parameterOfColumn } from "../scenario/tables";
 
 type Row = [string, string, string];
 

@@ -2,8 +2,8 @@
 import { find, setAttribute, setText, type Sheet } from "../support/dom";
 import type { Drop } from "../core/drop";
 import { drawStage } from "./stage";
-import type { State } from "../app/state";
-import { independent, newton } from "../core/tables";
+import type { State } from "../state/state";
+import { independent, newton } from "../scenario/tables";
 import { touchable } from "../support/touch";
 
 const legible = 80; // ms for which a number must stand to be read

@@ -1,6 +1,6 @@
 // Draws the report: the table of results, the energy bars, the definitions.
 import { setAttribute, setText } from "../support/dom";
-import { namesOf } from "../core/tables";
+import { namesOf } from "../scenario/tables";
 import type { Report, ShareRow } from "../report/report";
 
 // "ε_eff" with a real subscript.

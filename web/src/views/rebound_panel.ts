@@ -1,7 +1,7 @@
 // The panel of rebound heights: drawing, reading values, pointer, measured heights.
 import { find, setText, type Sheet } from "../support/dom";
 import { digits, metres, withUnit } from "../support/format";
-import type { CurveAxis, LectureView } from "../story/lecture_view";
+import type { CurveAxis, LectureView } from "../scenario/lecture_view";
 import { readMeasurements, type Measurements } from "./measurements";
 import type { Pool } from "../core/pool";
 import { aloneRise } from "../scenario/measured";
@@ -9,8 +9,8 @@ import { Curve, spanOf, valueOn, type CurvePoint } from "./rebound";
 import { nameOf, nearest, valueAt, type CurveLayout, type CurvePicture } from "./rebound_layout";
 import { drawCurves } from "./rebound_plot";
 import { clampTo, firstGap, lowestHeight, ranges, type Scenario } from "../scenario/scenario";
-import type { State } from "../app/state";
-import { independent, newton } from "../core/tables";
+import type { State } from "../state/state";
+import { independent, newton } from "../scenario/tables";
 import { dragged } from "../support/touch";
 
 const largestFile = 1e6; // bytes
