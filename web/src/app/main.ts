@@ -215,7 +215,7 @@ class Page {
         failed: (error) => this.solved({ scenario: ask.scenario, reason: `This setting could not be computed: ${error}` }),
       }),
     );
-    return state.lecture.step === null && this.controls.set(state.scenario, this.about);
+    return state.lecture.step === null && this.controls.set(state.scenario, this.about, !Sheet.moving);
   }
 
   private solved(result: Solved | Unsolved): void {
@@ -229,6 +229,7 @@ class Page {
       state.answered(null);
       state.dirty.said = false;
       this.headline.say(result.reason, "", "");
+      if (state.lecture.step === null) this.controls.set(state.scenario, this.about, true);
       this.rested();
       return;
     }
@@ -272,7 +273,7 @@ class Page {
     state.scenario = copyOf(state.drop.scenario);
     state.dirty.solve = false;
     this.choosePreset(presets.find((p) => queryOf(p.scenario) === queryOf(state.scenario))?.id ?? "");
-    this.controls.set(state.scenario, this.about);
+    this.controls.set(state.scenario, this.about, true);
   }
 
   // Shows what is known so far; while a slider moves, texts and tables are renewed less often.
@@ -284,9 +285,9 @@ class Page {
   }
 
   private tellReport(): void {
+    const began = performance.now();
     const { report, dirty, lecture, drop } = this.state;
     if (!report) return;
-    this.told = performance.now();
     dirty.said = false;
     this.headline.say(joined(report.newton), report.icm.length > 0 ? joined(report.icm) : "Independent collisions are still being computed.", report.verdict?.text ?? "");
     this.lecture.told(report);
@@ -295,6 +296,8 @@ class Page {
     if (report.icm.length > 0) root.dataset.numbers = JSON.stringify(report.numbers);
     if (dirty.computed && drop) this.refreshPlots(drop);
     this.rested();
+    this.told = performance.now();
+    Sheet.wrote(this.told - began);
   }
 
   // Starts what the plots over many settings show, if it is not that of this drop.
@@ -315,7 +318,7 @@ class Page {
   // What the story does not show: it waits until the laboratory is opened.
   private fillLaboratory(report: Report): void {
     this.state.dirty.laboratory = false;
-    this.controls.set(this.state.scenario, this.about);
+    this.controls.set(this.state.scenario, this.about, true);
     fillTable(find("numbers"), report);
     find("rebound-said").hidden = report.setting.cradle;
     fillDefinitions(find("definitions").querySelector("dl")!, report);

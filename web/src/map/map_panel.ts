@@ -58,8 +58,8 @@ export class MapPanel {
       view.map.show = "count";
       this.map.setShow("count");
     }
-    axis.value = view.map.axis;
-    show.value = view.map.show;
+    if (axis.value !== view.map.axis) axis.value = view.map.axis;
+    if (show.value !== view.map.show) show.value = view.map.show;
     setText(find("map-title"), view.map.axis === "gap" ? "Every ε and every gap" : "Every ε and every size of the lower ball");
   }
 

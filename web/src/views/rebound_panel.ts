@@ -69,7 +69,7 @@ export class ReboundPanel {
     const select = find<HTMLSelectElement>("rebound-axis");
     select.options[2].disabled = scenario.cradle;
     if (scenario.cradle && this.view.curve === "ratio") this.view.curve = "gap";
-    select.value = this.view.curve;
+    if (select.value !== this.view.curve) select.value = this.view.curve;
     const what = scenario.cradle ? "Speed of the last ball" : "Rebound height";
     setText(find("rebound-title"), `${what} over ${{ gap: "the gap", e: "ε", ratio: "R₁/R₂" }[this.view.curve]}`);
   }
