@@ -21,7 +21,7 @@ function pathOf(name) {
 // Besides the modules named here those asked for.
 export async function load(...more) {
   const folder = mkdtempSync(join(tmpdir(), "modules-"));
-  const names = ["clock", "core", "drop", "format", "motion", "scenario", "table", "trajectory_csv", ...more];
+  const names = ["clock", "core", "drop", "exact_numbers", "format", "motion", "scenario", "table", "trajectory_csv", ...more];
   const outfile = join(folder, "modules.mjs");
   const contents = names.map((name) => `export * from "${pathOf(name)}";`).join("\n");
   await build({ stdin: { contents, resolveDir: src, loader: "ts" }, outfile, bundle: true, format: "esm", platform: "node", define: { TABLES: tables(wasm) } });

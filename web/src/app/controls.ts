@@ -1,11 +1,11 @@
 // The controls: a slider and a text field for every number.
-import { setText } from "../support/dom";
+import { setText, Sheet } from "../support/dom";
 import { parse, sub, withUnit } from "../support/format";
 import {
   clampTo, constantAt, constants, constantsOf, densityFor, hasOwn, laws, massOf, MOST_BALLS, ranges, restitutionOf, setBallCount, setOwn, settle, type Range, type Scenario,
 } from "../scenario/scenario";
-import { capital, labelOf, parameterOfColumn } from "../core/tables";
-import { fromSlider, steps, toSlider } from "../support/slider";
+import { capital, labelOf, parameterOfColumn } from "../scenario/tables";
+import { fromSlider, steps, toSlider } from "../scenario/slider";
 import { touchable } from "../support/touch";
 
 interface Control {
@@ -21,6 +21,7 @@ export class Controls {
   private readonly made = new Map<string, Control>(); // by id and label
   private shape = "";
   private edits = 0; // number of changes
+  private written = -Infinity; // when the values were [ms]
   private readonly about = document.createElement("p"); // text about the example
   private readonly said = document.createElement("p"); // how an entry was corrected
 
@@ -35,8 +36,8 @@ export class Controls {
     this.said.setAttribute("role", "alert");
   }
 
-  // Returns whether the controls in the panel have changed.
-  set(scenario: Scenario, about: string): boolean {
+  // Returns whether the controls in the panel have changed. `fully`: the values are written even if they were a moment ago.
+  set(scenario: Scenario, about: string, fully: boolean): boolean {
     if (scenario !== this.scenario) {
       this.said.textContent = "";
       this.edits++;
@@ -47,7 +48,11 @@ export class Controls {
     const changed = shape !== this.shape;
     if (changed) this.build();
     this.shape = shape;
-    for (const control of this.list) control.refresh();
+    const now = performance.now();
+    if (fully || changed || now - this.written >= Sheet.legible) {
+      this.written = now;
+      for (const control of this.list) control.refresh();
+    }
     return changed;
   }
 

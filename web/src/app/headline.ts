@@ -3,6 +3,8 @@ import { find, Sheet, tell } from "../support/dom";
 
 export class Headline {
   private said = "";
+  private readonly newton = find("verdict").querySelector<HTMLElement>(".newton")!;
+  private readonly icm = find("verdict").querySelector<HTMLElement>(".icm")!;
   private readonly announcer = new Announcer();
   private readonly changing = [...document.querySelectorAll<HTMLElement>(".told, .numbers")];
   private readonly heights = new ResizeObserver((entries) => {
@@ -13,12 +15,8 @@ export class Headline {
     const all = [newton, icm, verdict].join("\n");
     if (all === this.said) return;
     this.said = all;
-    const [a, b] = [document.createElement("span"), document.createElement("span")];
-    a.className = "newton";
-    b.className = "icm";
-    tell(a, newton + " ");
-    tell(b, icm);
-    find("verdict").replaceChildren(a, b);
+    tell(this.newton, newton + " ");
+    tell(this.icm, icm);
     tell(find("answer"), verdict);
     this.announcer.say(`${newton} ${icm} ${verdict}`);
   }

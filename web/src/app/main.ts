@@ -3,7 +3,7 @@ import { Controls } from "./controls";
 import { find, Sheet } from "../support/dom";
 import { dropOf, type Answered, type Drop, type Solved, type Unsolved } from "../core/drop";
 import type { Report } from "../report/report";
-import { newton } from "../core/tables";
+import { newton } from "../scenario/tables";
 import { catchUp, hold, later } from "../support/later";
 import { joined, type Sentence } from "../report/sentence";
 import { fillTolerances } from "./tolerances";
@@ -11,22 +11,22 @@ import { Film } from "../views/film";
 import { forcesSummary } from "../views/forces";
 import { digits } from "../support/format";
 import { Lecture } from "../story/lecture";
-import { firstLectureView, lectureFromQuery } from "../story/lecture_view";
+import { firstLectureView, lectureFromQuery } from "../scenario/lecture_view";
 import { MapPanel } from "../map/map_panel";
 import { fillDefinitions, fillEnergy, fillTable } from "../views/numbers";
 import { ForcesPanel, TimelinePanel } from "../views/panels";
 import { Desk, piece, Pool } from "../core/pool";
 import { presets, type Preset } from "../scenario/presets";
 import { copyOf, toQuery, type Scenario } from "../scenario/scenario";
-import { settingOf } from "./link";
+import { settingOf } from "../scenario/link";
 import { listenMenu } from "./menu";
-import { Past } from "./past";
+import { Past } from "../state/past";
 import { Headline } from "./headline";
 import { Progress } from "./progress";
 import { compiled } from "../support/script";
-import { State } from "./state";
-import { ThemeSwitch } from "../style/theme_switch";
-import { firstView, viewFromQuery } from "./view";
+import { State } from "../state/state";
+import { ThemeSwitch } from "../support/theme_switch";
+import { firstView, viewFromQuery } from "../scenario/view";
 
 const queryOf = (s: Scenario): string => {
   const q = new URLSearchParams();
@@ -215,7 +215,7 @@ class Page {
         failed: (error) => this.solved({ scenario: ask.scenario, reason: `This setting could not be computed: ${error}` }),
       }),
     );
-    return state.lecture.step === null && this.controls.set(state.scenario, this.about);
+    return state.lecture.step === null && this.controls.set(state.scenario, this.about, !Sheet.moving);
   }
 
   private solved(result: Solved | Unsolved): void {
@@ -229,6 +229,7 @@ class Page {
       state.answered(null);
       state.dirty.said = false;
       this.headline.say(result.reason, "", "");
+      if (state.lecture.step === null) this.controls.set(state.scenario, this.about, true);
       this.rested();
       return;
     }
@@ -272,7 +273,7 @@ class Page {
     state.scenario = copyOf(state.drop.scenario);
     state.dirty.solve = false;
     this.choosePreset(presets.find((p) => queryOf(p.scenario) === queryOf(state.scenario))?.id ?? "");
-    this.controls.set(state.scenario, this.about);
+    this.controls.set(state.scenario, this.about, true);
   }
 
   // Shows what is known so far; while a slider moves, texts and tables are renewed less often.
@@ -284,9 +285,9 @@ class Page {
   }
 
   private tellReport(): void {
+    const began = performance.now();
     const { report, dirty, lecture, drop } = this.state;
     if (!report) return;
-    this.told = performance.now();
     dirty.said = false;
     this.headline.say(joined(report.newton), report.icm.length > 0 ? joined(report.icm) : "Independent collisions are still being computed.", report.verdict?.text ?? "");
     this.lecture.told(report);
@@ -295,6 +296,8 @@ class Page {
     if (report.icm.length > 0) root.dataset.numbers = JSON.stringify(report.numbers);
     if (dirty.computed && drop) this.refreshPlots(drop);
     this.rested();
+    this.told = performance.now();
+    Sheet.wrote(this.told - began);
   }
 
   // Starts what the plots over many settings show, if it is not that of this drop.
@@ -315,7 +318,7 @@ class Page {
   // What the story does not show: it waits until the laboratory is opened.
   private fillLaboratory(report: Report): void {
     this.state.dirty.laboratory = false;
-    this.controls.set(this.state.scenario, this.about);
+    this.controls.set(this.state.scenario, this.about, true);
     fillTable(find("numbers"), report);
     find("rebound-said").hidden = report.setting.cradle;
     fillDefinitions(find("definitions").querySelector("dl")!, report);

@@ -4,9 +4,9 @@ import type { MapPanel } from "../map/map_panel";
 import { toToml, type Scenario } from "../scenario/scenario";
 import { fromToml } from "../scenario/toml";
 import { find } from "../support/dom";
-import { picture } from "../views/picture";
+import { picture } from "./picture";
 import type { Timeline } from "../views/timeline";
-import type { State } from "./state";
+import type { State } from "../state/state";
 
 export interface MenuActions {
   undo(): void;

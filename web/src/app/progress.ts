@@ -1,5 +1,5 @@
 // Progress of long computations.
-import { find } from "../support/dom";
+import { find, setHidden } from "../support/dom";
 
 // A progress bar with a cancel button, shown after a short delay.
 export class Progress {
@@ -24,11 +24,11 @@ export class Progress {
   end(): void {
     clearInterval(this.timer);
     this.timer = 0;
-    find("busy").hidden = true;
+    setHidden(find("busy"), true);
   }
 
   private show(): void {
-    find("busy").hidden = false;
+    setHidden(find("busy"), false);
     find<HTMLProgressElement>("progress").value = this.share;
     find("busy-what").textContent = `Computing ${this.what}: ${((performance.now() - this.began) / 1000).toFixed(1)} s`;
   }

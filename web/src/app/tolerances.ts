@@ -1,6 +1,6 @@
 // The choices of the tolerance, beside the verdict and beside the map.
-import { inPercent, tolerances } from "../report/tolerance";
-import type { View } from "./view";
+import { inPercent, tolerances } from "../scenario/tolerance";
+import type { View } from "../scenario/view";
 
 export function fillTolerances(view: View, changed: () => void): void {
   const list = [...new Set([...tolerances, view.tolerance])].sort((a, b) => a - b);

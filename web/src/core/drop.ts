@@ -4,8 +4,8 @@ import { Clock, windowsOf, type Window } from "./clock";
 import { Model, type Comparison, type Contact, type Core, type Run, type State } from "./core";
 import { Motion, type Samples } from "./motion";
 import { GRAVITY, type Scenario } from "../scenario/scenario";
-import { usualTolerance } from "../report/tolerance";
-import { independent as independentNames, newton as newtonNames } from "./tables";
+import { usualTolerance } from "../scenario/tolerance";
+import { independent as independentNames, newton as newtonNames } from "../scenario/tables";
 
 export interface Track {
   run: Run; // the sequence of contacts

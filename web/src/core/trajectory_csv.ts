@@ -2,7 +2,7 @@
 import { Clock } from "./clock";
 import { Model, type Core } from "./core";
 import { solve, type Solved } from "./drop";
-import { exactNumbers } from "../report/table";
+import { exactNumbers } from "./exact_numbers";
 import { toToml, type Scenario } from "../scenario/scenario";
 
 // Rows are equidistant on the film's time scale, dense in contacts. Unknown values are nan. Null: no data.

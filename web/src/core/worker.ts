@@ -2,7 +2,7 @@
 import { Core, Model, type TimelineRow } from "./core";
 import { solve, type Answered, type Solved, type Unsolved } from "./drop";
 import { risesOf } from "./rises";
-import { questionOf } from "../app/link";
+import { questionOf } from "../scenario/link";
 import type { Scenario } from "../scenario/scenario";
 import { compiled } from "../support/script";
 import { trajectoryCsv } from "./trajectory_csv";

@@ -2,7 +2,7 @@
 import { find, Sheet, tell } from "../support/dom";
 import { touchable } from "../support/touch";
 import { themeOf } from "../style/theme";
-import { ThemeSwitch } from "../style/theme_switch";
+import { ThemeSwitch } from "../support/theme_switch";
 import { Client } from "./client";
 import { thinned, type Facts } from "./facts";
 import { drawGraph, graphs } from "./graphs";

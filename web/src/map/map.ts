@@ -4,7 +4,7 @@ import { piece, type Piece, type Pool } from "../core/pool";
 import { Scale } from "../support/plot";
 import { columnOf, type Scenario } from "../scenario/scenario";
 import type { Theme } from "../style/theme";
-import type { Box, MapAxis, MapShow } from "../app/view";
+import type { Box, MapAxis, MapShow } from "../scenario/view";
 import { drawMap, type Layer, type MapLayout } from "./map_drawing";
 import { Raster, SIDE, type CountLabel } from "./map_raster";
 import type { Agreement } from "./trust";

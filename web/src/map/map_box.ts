@@ -1,5 +1,5 @@
 // The part of the map that is shown: ε along x, gap [m] or R₁/R₂ along y, whose axis is logarithmic.
-import type { Box } from "../app/view";
+import type { Box } from "../scenario/view";
 
 type Range = [number, number];
 

@@ -3,7 +3,7 @@ import { logTicks, niceTicks, withUnit } from "../support/format";
 import { drawAxes, fontSize, grown, Scale, setFont, stroke, type Frame } from "../support/plot";
 import { countColor, css, inkOn, MOST_COUNTED, ratioColor, type Theme } from "../style/theme";
 import { drawTrust, type Agreement } from "./trust";
-import type { Box, MapAxis, MapShow } from "../app/view";
+import type { Box, MapAxis, MapShow } from "../scenario/view";
 import type { CountLabel } from "./map_raster";
 
 export interface Layer {

@@ -1,5 +1,5 @@
 // Pointer and keys of the map.
-import type { Box } from "../app/view";
+import type { Box } from "../scenario/view";
 import { moved } from "../support/touch";
 import type { MapLayout } from "./map_drawing";
 

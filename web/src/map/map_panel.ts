@@ -9,8 +9,8 @@ import { listen, type Point } from "./map_input";
 import { MapReading } from "./map_reading";
 import type { Pool } from "../core/pool";
 import { clampTo, copyOf, firstGap, lowestHeight, ranges } from "../scenario/scenario";
-import type { State } from "../app/state";
-import { mapLimits, wholeMap, type Box, type View } from "../app/view";
+import type { State } from "../state/state";
+import { mapLimits, wholeMap, type Box, type View } from "../scenario/view";
 
 export class MapPanel {
   readonly map: ContactMap;
@@ -58,8 +58,8 @@ export class MapPanel {
       view.map.show = "count";
       this.map.setShow("count");
     }
-    axis.value = view.map.axis;
-    show.value = view.map.show;
+    if (axis.value !== view.map.axis) axis.value = view.map.axis;
+    if (show.value !== view.map.show) show.value = view.map.show;
     setText(find("map-title"), view.map.axis === "gap" ? "Every ε and every gap" : "Every ε and every size of the lower ball");
   }
 

@@ -1,7 +1,7 @@
 // The points of a map as pixels, in blocks that become finer, and the places of the names of its regions.
 import { MAP_VALUES } from "../core/core";
 import { countColor, invalidColor, ratioColor, type Rgb } from "../style/theme";
-import type { MapShow } from "../app/view";
+import type { MapShow } from "../scenario/view";
 
 export const SIDE = 400; // points each way
 

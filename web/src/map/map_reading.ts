@@ -3,7 +3,7 @@ import type { Pool } from "../core/pool";
 import { columnOf } from "../scenario/scenario";
 import { find } from "../support/dom";
 import { digits, withUnit } from "../support/format";
-import type { State } from "../app/state";
+import type { State } from "../state/state";
 import { subscripted } from "../views/numbers";
 import type { ContactMap } from "./map";
 import type { Point } from "./map_input";

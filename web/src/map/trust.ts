@@ -1,7 +1,7 @@
 // Where event-driven simulation may be trusted: for every ε the gap from which on both models agree.
-import type { Box } from "../app/view";
+import type { Box } from "../scenario/view";
 import type { Pool } from "../core/pool";
-import { inPercent } from "../report/tolerance";
+import { inPercent } from "../scenario/tolerance";
 import { columnOf, copyOf, type Scenario } from "../scenario/scenario";
 import type { Theme } from "../style/theme";
 import { grown, setFont, type Frame, type Scale } from "../support/plot";

@@ -1,9 +1,9 @@
 // The two sentences on top of the page: what happens by Newton's equations, and by independent collisions.
 import type { Answered, Track } from "../core/drop";
-import { capital, independent } from "../core/tables";
+import { capital, independent } from "../scenario/tables";
 import { digits, lengths, withUnit } from "../support/format";
 import type { Case, Numbers } from "./sentence";
-import { inPercent } from "./tolerance";
+import { inPercent } from "../scenario/tolerance";
 import { bodiesOf, counted, duration, spell } from "./words";
 
 // Compression over the smaller radius above which a contact law is questionable.

@@ -1,11 +1,12 @@
 // All that the page says of a setting, as data: the page is drawn from it, and tests compare it with Python.
 import type { Comparison } from "../core/core";
 import type { Answered } from "../core/drop";
+import { exactNumbers } from "../core/exact_numbers";
 import { toToml, type Scenario } from "../scenario/scenario";
 import { factsOf, icmCases, newtonCases, warnings } from "./headline";
 import { allOf, chosen, type Sentence } from "./sentence";
 import { sharesOf, tenths, type Shares } from "./shares";
-import { exactNumbers, rowsOf, type Row } from "./table";
+import { rowsOf, type Row } from "./table";
 import { verdictCases } from "./verdict";
 import { why } from "./why";
 

@@ -1,6 +1,6 @@
 // The table of results: the numbers of both models.
 import type { Answered, Track } from "../core/drop";
-import { independent } from "../core/tables";
+import { independent } from "../scenario/tables";
 import { digits, lengths, withUnit } from "../support/format";
 
 export interface Row {
@@ -51,22 +51,4 @@ export function rowsOf(d: Answered): Row[] {
   add("sep", "ε_eff/ε at separation", "the same from the separation velocity", (t) => t.run.effectiveSeparation / e, each((x) => digits(x)));
   add("floor", "Floor contact lasts", "first contact of the lowest ball with the floor", (t) => (t === icm ? 0 : t.run.tFloorEnd), each((x) => withUnit(x, "s")));
   return list;
-}
-
-// The numbers in full precision, for tests and the CSV file.
-export function exactNumbers(d: Answered): Record<string, number | null> {
-  const out: Record<string, number | null> = {};
-  const put = (name: string, x: number): void => void (out[name] = Number.isFinite(x) ? x : null);
-  for (const [model, t] of [["newton", d.newton], ["icm", d.icm]] as const) {
-    if (!t) continue;
-    put(`${model}_contacts`, t.run.nContacts);
-    put(`${model}_t_end`, t.run.tEnd);
-    put(`${model}_t_floor_end`, t.run.tFloorEnd);
-    put(`${model}_relative_velocity`, t.run.relativeVelocity);
-    put(`${model}_separation_velocity`, t.run.separationVelocity);
-    put(`${model}_effective_restitution`, t.run.effective);
-    t.peaks.forEach((z, i) => put(`${model}_rise_${i + 1}`, z));
-    t.leaves.forEach((v, i) => put(`${model}_velocity_${i + 1}`, v));
-  }
-  return out;
 }

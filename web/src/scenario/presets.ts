@@ -1,7 +1,7 @@
 // Scenarios to start from.
 import { ballBallStiffness, basketballStiffness, typical } from "./measured";
 import { densityFor, paper, type Ball, type Scenario } from "./scenario";
-import type { MapView } from "../app/view";
+import type { MapView } from "./view";
 
 export interface Preset {
   id: string;

@@ -1,5 +1,5 @@
 // The scenario: parameters, ranges, their encoding in a link and in a TOML file. SI units.
-import { labelOf, laws, parameterOfColumn, symbolOf, unitOf, type Law, type Quantity } from "../core/tables";
+import { labelOf, laws, parameterOfColumn, symbolOf, unitOf, type Law, type Quantity } from "./tables";
 
 export interface Ball {
   radius: number;

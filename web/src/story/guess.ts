@@ -1,9 +1,9 @@
 // The second chapter: the viewer sets a height on the ruler, lets the balls drop, and sees. It has a clock of its own.
 import { find, setText, type Sheet } from "../support/dom";
 import { Handle } from "../support/handle";
-import type { LectureView } from "./lecture_view";
-import type { State } from "../app/state";
-import { highestGuess } from "./lecture_view";
+import type { LectureView } from "../scenario/lecture_view";
+import type { State } from "../state/state";
+import { highestGuess } from "../scenario/lecture_view";
 import { releaseHeight, type Fall } from "./story_text";
 import { drawTrueScale } from "../views/true_scale";
 import { drawTale, rulerTop, type TaleLayout } from "./tale";

@@ -2,12 +2,12 @@
 import { find, setText, Sheet, tell } from "../support/dom";
 import { later } from "../support/later";
 import type { Film } from "../views/film";
-import type { Frames } from "../app/frames";
+import type { Frames } from "../state/frames";
 import type { Guess } from "./guess";
-import { sameScenario, steps, type LectureView, type Step } from "./lecture_view";
+import { sameScenario, steps, type LectureView, type Step } from "../scenario/lecture_view";
 import { presets } from "../scenario/presets";
-import type { State } from "../app/state";
-import type { View } from "../app/view";
+import type { State } from "../state/state";
+import type { View } from "../scenario/view";
 import { joined, type Sentence } from "../report/sentence";
 import { story, titleOf, type Told } from "./story_text";
 import type { Watch } from "./watch";
@@ -28,7 +28,7 @@ export class Story {
   moved = true; // the film only
   private readonly chapters = steps.map((step) => {
     const section = document.querySelector<HTMLElement>(`.chapter[data-step="${step}"]`)!;
-    return { step, section, title: section.querySelector("h2")!, text: section.querySelector<HTMLElement>(".say")!, beside: section.querySelector<HTMLElement>(".beside"), said: "" };
+    return { step, section, title: section.querySelector("h2")!, text: section.querySelector<HTMLElement>(".say")!, beside: section.querySelector<HTMLElement>(".beside"), said: "", seen: true };
   });
   private readonly order = [...find("story").parentElement!.children]; // of the laboratory
   private readonly arrived = new Set<Step>();
@@ -152,8 +152,10 @@ export class Story {
     this.scrolled = false;
     const { view, state } = this;
     let read: Step = "watch";
-    for (const { step, section } of this.chapters) {
+    for (const chapter of this.chapters) {
+      const { step, section } = chapter;
       const { top, bottom } = section.getBoundingClientRect();
+      chapter.seen = top < innerHeight && bottom > 0;
       if (top < 0.5 * innerHeight) read = step;
       if (top < 0.9 * innerHeight && bottom > 0 && !this.arrived.has(step)) {
         this.arrived.add(step);
@@ -174,25 +176,32 @@ export class Story {
 
   // What the chapters say; nothing outside the story.
   sentences(): Record<Step, Sentence[]> | null {
-    const { state, view } = this;
-    if (!view.step || !state.drop || !state.report) return null;
-    const told: Told = { drop: state.drop, report: state.report, guess: view.guess, fall: this.guess.fall, ...this.hand.told() };
-    return Object.fromEntries(steps.map((step) => [step, story(step, told)])) as Record<Step, Sentence[]>;
+    const told = this.told();
+    return told && (Object.fromEntries(steps.map((step) => [step, story(step, told)])) as Record<Step, Sentence[]>);
   }
 
+  private told(): Told | null {
+    const { state, view } = this;
+    if (!view.step || !state.drop || !state.report) return null;
+    return { drop: state.drop, report: state.report, guess: view.guess, fall: this.guess.fall, ...this.hand.told() };
+  }
+
+  // While a slider moves, what is scrolled out of the window waits.
   private tell(now: number): void {
-    this.untold = false;
+    this.untold = Sheet.moving;
     this.toldAt = now;
-    const said = this.sentences()!;
+    const told = this.told()!;
     const { scenario } = this.state;
     for (const chapter of this.chapters) {
-      const text = joined(said[chapter.step]);
+      if (Sheet.moving && !chapter.seen) continue;
+      const said = story(chapter.step, told);
+      const text = joined(said);
       const title = titleOf(chapter.step, scenario.cradle);
       setText(chapter.title, title);
       if (text === chapter.said) continue;
       chapter.said = text;
-      const aside = chapter.beside ? said[chapter.step].slice(1) : [];
-      tell(chapter.text, joined(said[chapter.step].slice(0, said[chapter.step].length - aside.length)));
+      const aside = chapter.beside ? said.slice(1) : [];
+      tell(chapter.text, joined(said.slice(0, said.length - aside.length)));
       if (chapter.beside) tell(chapter.beside, joined(aside));
     }
     // Hard balls touch more often than soft ones; the paper's balls are offered for counting too.

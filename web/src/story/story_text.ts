@@ -1,14 +1,14 @@
 // The sentences of the story, from the report of the present setting. One table for each chapter.
 import type { Drop } from "../core/drop";
-import { capital } from "../core/tables";
+import { capital } from "../scenario/tables";
 import type { Report } from "../report/report";
 import { chosen, type Case, type Numbers, type Sentence } from "../report/sentence";
-import { inPercent } from "../report/tolerance";
+import { inPercent } from "../scenario/tolerance";
 import { counted, spell, times } from "../report/words";
 import { aloneRise, measuredLike } from "../scenario/measured";
 import type { Ball } from "../scenario/scenario";
 import { digits, metres, withUnit } from "../support/format";
-import type { Step } from "./lecture_view";
+import type { Step } from "../scenario/lecture_view";
 
 export type Fall = "before" | "falling" | "over";
 

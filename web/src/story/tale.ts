@@ -8,7 +8,7 @@ import { halo } from "../support/labels";
 import { setFont, stroke } from "../support/plot";
 import { massOf } from "../scenario/scenario";
 import { nameOfBall, releaseHeight } from "./story_text";
-import { capital, independent, newton } from "../core/tables";
+import { capital, independent, newton } from "../scenario/tables";
 import type { Theme } from "../style/theme";
 
 export interface Tale {

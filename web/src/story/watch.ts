@@ -2,14 +2,15 @@
 import { find, setAttribute, setText, type Sheet } from "../support/dom";
 import { withUnit } from "../support/format";
 import { Handle, type Pull } from "../support/handle";
-import { fromSlider, toSlider } from "../support/slider";
+import { fromSlider, toSlider } from "../scenario/slider";
 import { touchable } from "../support/touch";
 import { clampTo, firstGap, lowestHeight, ranges } from "../scenario/scenario";
-import type { State } from "../app/state";
+import type { State } from "../state/state";
 import { drawCloseUp } from "../views/close_up";
 import { drawDuel, type DuelLayout } from "../views/duel";
 import type { Film } from "../views/film";
 
+const nearly = 50; // ms: so far the handles may lag behind the balls while the film runs
 const slowTo = 0.02; // s before the first contact from which the film starts after a change of the gap
 
 type Held = "gap" | "height";
@@ -17,6 +18,7 @@ type Held = "gap" | "height";
 export class Watch {
   private layout: DuelLayout | null = null;
   private held: Held | null = null; // what is being dragged
+  private placed = -Infinity; // when the handles were put on the balls [ms]
   private readonly slider = find<HTMLInputElement>("watch-gap");
   private readonly handles: { what: Held; world: number; handle: Handle }[];
 
@@ -57,13 +59,16 @@ export class Watch {
     this.layout = null;
     if (d.scenario.cradle) drawCloseUp(sheet.g, sheet.width, sheet.height, d, moment, state.theme, letters);
     else this.layout = drawDuel(sheet.g, sheet.width, sheet.height, d, { ...moment, said }, (t) => clock.toScreen(t), state.theme, letters);
-    this.placeHandles();
+    const now = performance.now();
+    const runs = state.playing && !held && state.screen < clock.length;
+    if (!runs || now - this.placed > nearly) this.placeHandles(now);
     const slower = 1 / rate;
     setText(find("watch-speed"), held ? "" : slower < 1.05 ? "real time" : `${slower < 10 ? slower.toFixed(1) : Math.round(Number(slower.toPrecision(2)))} × slower`);
     setText(find("watch-play"), state.playing ? "Pause" : "Play");
   }
 
-  private placeHandles(): void {
+  private placeHandles(now: number): void {
+    this.placed = now;
     for (const { what, world, handle } of this.handles) handle.place(this.layout && (what === "gap" ? this.layout.worlds[world].top : this.layout.worlds[world].lowest));
   }
 

@@ -4,11 +4,15 @@ import { later } from "./later";
 export const find = <T extends HTMLElement>(id: string): T => document.getElementById(id) as T;
 
 // The same text again would be laid out again.
-export function setText(element: Element, text: string): void {
-  if (element.textContent === text) return;
-  const { firstChild } = element;
+export function setText(node: Node, text: string): void {
+  if (node.textContent === text) return;
+  const { firstChild } = node;
   if (firstChild instanceof Text && !firstChild.nextSibling) firstChild.data = text;
-  else element.textContent = text;
+  else node.textContent = text;
+}
+
+export function setHidden(element: HTMLElement, hidden: boolean): void {
+  if (element.hidden !== hidden) element.hidden = hidden;
 }
 
 export function setAttribute(element: Element, name: string, value: string): void {
@@ -18,11 +22,13 @@ export function setAttribute(element: Element, name: string, value: string): voi
 // A number and its unit, "1.28 m", with a no-break space.
 const quantity = /(\d[\d.]* (?:[cmµn]?m(?:\/s)?|[mµn]?s|%)(?![\w/]))/;
 
-// Sets the text of an element; line breaks do not separate numbers from units.
+// Sets the text of an element; line breaks do not separate numbers from units. Where only words and numbers have changed,
+// its parts stay, which costs less.
 export function tell(element: HTMLElement, text: string): void {
-  element.replaceChildren(
-    ...text.split(quantity).map((part, i) => (i % 2 === 0 ? part : Object.assign(document.createElement("span"), { className: "whole", textContent: part }))),
-  );
+  const parts = text.split(quantity);
+  const old = element.childNodes;
+  if (old.length === parts.length && parts.every((_, i) => old[i] instanceof Text === (i % 2 === 0))) parts.forEach((part, i) => setText(old[i], part));
+  else element.replaceChildren(...parts.map((part, i) => (i % 2 === 0 ? part : Object.assign(document.createElement("span"), { className: "whole", textContent: part }))));
 }
 
 // A canvas that fills its box at the screen's resolution.
@@ -67,7 +73,12 @@ export class Sheet {
   }
   // While a slider moves, what is scrolled out of the window waits.
   static moving = false;
-  static readonly often = 100; // ms between texts while it moves
+  static readonly legible = 80; // ms for which a number must stand to be read
+  static often = 100; // ms between texts while it moves
+  // Writing texts took so long [ms]: a slow machine writes them less often, and draws in between.
+  static wrote(took: number): void {
+    Sheet.often = Math.min(Math.max(20 * took, 100), 300);
+  }
   // Whether it is displayed, even if scrolled out of view; in the story only what is near the window.
   readonly shown = (): boolean => this.width > 0 && (this.seen || (!Sheet.moving && (this.near || document.documentElement.dataset.mode !== "story")));
 

@@ -1,13 +1,13 @@
 // Compares setting A with the present setting B: both films at the same instant, the differences, the results.
-import { type Sheet, find } from "../support/dom";
+import { find, setHidden, type Sheet } from "../support/dom";
 import { dropOf, type Drop } from "../core/drop";
 import { digits, lengths, withUnit } from "../support/format";
-import type { LectureView } from "../story/lecture_view";
+import type { LectureView } from "../scenario/lecture_view";
 import type { Pool } from "../core/pool";
 import { constantAt, constants, constantsOf, copyOf, massOf, type Scenario } from "../scenario/scenario";
 import { drawTrueScale } from "./true_scale";
-import type { State } from "../app/state";
-import { labelOf, namesOf, parameterOfColumn } from "../core/tables";
+import type { State } from "../state/state";
+import { labelOf, namesOf, parameterOfColumn } from "../scenario/tables";
 
 type Row = [string, string, string];
 
@@ -85,7 +85,7 @@ export class Compare {
   refresh(): void {
     const { pin } = this.view;
     find("pin").setAttribute("aria-pressed", String(pin !== null));
-    find("compare").hidden = pin === null;
+    setHidden(find("compare"), pin === null);
     document.documentElement.toggleAttribute("data-pinned", pin !== null);
     const key = pin ? JSON.stringify(pin) : "";
     if (key !== this.key) {

@@ -2,7 +2,7 @@
 // slow, and goes back to show how high the balls rise.
 import type { State as Balls } from "../core/core";
 import type { Drop, Track } from "../core/drop";
-import { capital, independent, newton } from "../core/tables";
+import { capital, independent, newton } from "../scenario/tables";
 import type { Theme } from "../style/theme";
 import { metres, niceTicks, withUnit } from "../support/format";
 import { setFont, stroke } from "../support/plot";

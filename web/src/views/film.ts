@@ -1,12 +1,10 @@
 // The film: its time, its controls and its drawing.
-import { find, setAttribute, setText, type Sheet } from "../support/dom";
+import { find, setAttribute, setText, Sheet } from "../support/dom";
 import type { Drop } from "../core/drop";
 import { drawStage } from "./stage";
-import type { State } from "../app/state";
-import { independent, newton } from "../core/tables";
+import type { State } from "../state/state";
+import { independent, newton } from "../scenario/tables";
 import { touchable } from "../support/touch";
-
-const legible = 80; // ms for which a number must stand to be read
 
 export class Film {
   private held = 0; // time for which the last picture has been shown [s]
@@ -118,7 +116,7 @@ export class Film {
     if (sheet.seen) drawMoment(sheet.g, sheet.width, sheet.height, state);
     const now = performance.now();
     const runs = state.playing && state.screen < state.clock().length;
-    if (runs && now - this.told < legible) return;
+    if (runs && now - this.told < (Sheet.moving ? Sheet.often : Sheet.legible)) return;
     this.told = now;
     this.tell();
   }

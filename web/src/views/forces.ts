@@ -2,7 +2,7 @@
 import type { Drop } from "../core/drop";
 import { digits, forceName, niceTicks, withUnit } from "../support/format";
 import { drawAxes, fontSize, grown, Scale, setFont, stroke, timeTicks, timeUnit, type Frame } from "../support/plot";
-import { independent } from "../core/tables";
+import { independent } from "../scenario/tables";
 import type { Theme } from "../style/theme";
 
 export interface ForcesLayout {

@@ -1,7 +1,7 @@
 // A strip with the result and a small film, visible on a phone while the film is scrolled away.
 import { find, Sheet } from "../support/dom";
 import { drawTrueScale } from "./true_scale";
-import type { State } from "../app/state";
+import type { State } from "../state/state";
 
 export class Mini {
   private readonly sheet: Sheet;

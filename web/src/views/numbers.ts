@@ -1,6 +1,6 @@
 // Draws the report: the table of results, the energy bars, the definitions.
 import { setAttribute, setText } from "../support/dom";
-import { namesOf } from "../core/tables";
+import { namesOf } from "../scenario/tables";
 import type { Report, ShareRow } from "../report/report";
 
 // "ε_eff" with a real subscript.
@@ -31,9 +31,8 @@ export function fillTable(table: HTMLElement, { table: list }: Report): void {
     setAttribute(tr, "data-id", r.id);
     [r.name, ...r.values].forEach((text, k) => {
       const cell = tr!.children[k] as HTMLElement;
-      if (cell.dataset.text === text) return;
-      cell.dataset.text = text;
-      cell.replaceChildren(...subscripted(text));
+      if (!text.includes("_")) setText(cell, text);
+      else if (cell.textContent !== text.replaceAll("_", "")) cell.replaceChildren(...subscripted(text));
     });
   });
 }

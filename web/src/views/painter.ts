@@ -2,7 +2,7 @@
 import type { State } from "../core/core";
 import type { Drop, Track } from "../core/drop";
 import { grown } from "../support/plot";
-import { independent, newton } from "../core/tables";
+import { independent, newton } from "../scenario/tables";
 import type { Theme } from "../style/theme";
 
 export interface Rect {

@@ -5,7 +5,7 @@ import { drawForces, type ForcesLayout } from "./forces";
 import type { Frame, Scale } from "../support/plot";
 import type { Pool } from "../core/pool";
 import { clampTo, copyOf, ranges } from "../scenario/scenario";
-import type { State } from "../app/state";
+import type { State } from "../state/state";
 import { Timeline } from "./timeline";
 import type { TimelineLayout } from "./timeline_drawing";
 import { dragged } from "../support/touch";

@@ -1,9 +1,9 @@
 // How high the top ball rises under both models, over the gap, ε or R1/R2: coarse first, then finer where the curve
 // bends or jumps. On a cradle, which has no heights: the velocity of the last ball.
-import type { CurveAxis } from "../story/lecture_view";
+import type { CurveAxis } from "../scenario/lecture_view";
 import { piece, type Piece, type Pool } from "../core/pool";
 import { columnOf, copyOf, firstGap, lowestHeight, ranges, type Scenario } from "../scenario/scenario";
-import { wholeMap } from "../app/view";
+import { wholeMap } from "../scenario/view";
 
 export interface CurvePoint {
   x: number;

@@ -1,7 +1,7 @@
 // The panel of rebound heights: drawing, reading values, pointer, measured heights.
 import { find, setText, type Sheet } from "../support/dom";
 import { digits, metres, withUnit } from "../support/format";
-import type { CurveAxis, LectureView } from "../story/lecture_view";
+import type { CurveAxis, LectureView } from "../scenario/lecture_view";
 import { readMeasurements, type Measurements } from "./measurements";
 import type { Pool } from "../core/pool";
 import { aloneRise } from "../scenario/measured";
@@ -9,8 +9,8 @@ import { Curve, spanOf, valueOn, type CurvePoint } from "./rebound";
 import { nameOf, nearest, valueAt, type CurveLayout, type CurvePicture } from "./rebound_layout";
 import { drawCurves } from "./rebound_plot";
 import { clampTo, firstGap, lowestHeight, ranges, type Scenario } from "../scenario/scenario";
-import type { State } from "../app/state";
-import { independent, newton } from "../core/tables";
+import type { State } from "../state/state";
+import { independent, newton } from "../scenario/tables";
 import { dragged } from "../support/touch";
 
 const largestFile = 1e6; // bytes
@@ -69,7 +69,7 @@ export class ReboundPanel {
     const select = find<HTMLSelectElement>("rebound-axis");
     select.options[2].disabled = scenario.cradle;
     if (scenario.cradle && this.view.curve === "ratio") this.view.curve = "gap";
-    select.value = this.view.curve;
+    if (select.value !== this.view.curve) select.value = this.view.curve;
     const what = scenario.cradle ? "Speed of the last ball" : "Rebound height";
     setText(find("rebound-title"), `${what} over ${{ gap: "the gap", e: "ε", ratio: "R₁/R₂" }[this.view.curve]}`);
   }

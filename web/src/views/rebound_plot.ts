@@ -3,7 +3,7 @@ import { logTicks, niceTicks, withUnit } from "../support/format";
 import { drawAxes, fontSize, grown, Scale, setFont, stroke, type Frame } from "../support/plot";
 import { axisTitle, models, type CurveLayout, type CurvePicture } from "./rebound_layout";
 import { dot, drawAlone, drawMeasured, drawPinned, drawPlace, drawRelease, nameAlone, nameMeasured, nameRelease, roomBeside } from "./rebound_marks";
-import { independent, newton } from "../core/tables";
+import { independent, newton } from "../scenario/tables";
 import type { Theme } from "../style/theme";
 
 export function drawCurves(g: CanvasRenderingContext2D, w: number, h: number, p: CurvePicture, theme: Theme): CurveLayout {

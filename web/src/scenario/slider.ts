@@ -1,5 +1,5 @@
 // Positions of sliders: even steps on a linear scale, a thousand on a logarithmic one.
-import { clampTo, type Range } from "../scenario/scenario";
+import { clampTo, type Range } from "./scenario";
 
 export const steps = (r: Range): number => (r.log ? 1000 : Math.round((r.high - r.low) / (r.step ?? 0.001)));
 

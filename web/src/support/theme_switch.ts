@@ -1,15 +1,14 @@
 // The choice of the theme, which is kept after a reload. Print is light.
-import { find, Sheet } from "../support/dom";
-import type { State } from "../app/state";
-import { chosenTheme, systemTheme, themeKey, themeNow } from "./chosen_theme";
-import { themeOf } from "./theme";
+import { find, Sheet } from "./dom";
+import { chosenTheme, systemTheme, themeKey, themeNow } from "../style/chosen_theme";
+import { themeOf, type Theme } from "../style/theme";
 
 export class ThemeSwitch {
   private chosen = chosenTheme();
 
   // `draw` draws everything at once: no frame follows before the page is printed.
   constructor(
-    private readonly state: Pick<State, "theme" | "redraw">,
+    private readonly state: { theme: Theme; redraw(): void },
     draw: () => void,
   ) {
     find("theme").addEventListener("click", () => this.choose(document.documentElement.dataset.theme === "dark" ? "light" : "dark"));

@@ -1,12 +1,12 @@
 // All plots of the page in one image at twice the screen's resolution, with the parameters below.
-import { clockText, drawMoment } from "./film";
-import { drawForces } from "./forces";
+import { clockText, drawMoment } from "../views/film";
+import { drawForces } from "../views/forces";
 import { withUnit } from "../support/format";
 import type { ContactMap } from "../map/map";
 import { joined } from "../report/sentence";
 import { constantAt, constants, constantsOf, type Scenario } from "../scenario/scenario";
-import type { State } from "../app/state";
-import type { Timeline } from "./timeline";
+import type { State } from "../state/state";
+import type { Timeline } from "../views/timeline";
 
 export function picture(state: State, timeline: Timeline, map: ContactMap, marked: [number, number]): HTMLCanvasElement {
   const [width, height] = [1600, 1200];

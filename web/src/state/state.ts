@@ -3,10 +3,10 @@
 import type { Clock } from "../core/clock";
 import type { Answered, Drop } from "../core/drop";
 import { reportOf, type Report } from "../report/report";
-import { firstLectureView, lectureToQuery, scenarioToQuery, type LectureView } from "../story/lecture_view";
+import { firstLectureView, lectureToQuery, scenarioToQuery, type LectureView } from "../scenario/lecture_view";
 import type { Scenario } from "../scenario/scenario";
 import type { Theme } from "../style/theme";
-import { firstView, viewToQuery, type View } from "./view";
+import { firstView, viewToQuery, type View } from "../scenario/view";
 
 export class State {
   readonly view: View = firstView();

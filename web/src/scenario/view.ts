@@ -1,6 +1,6 @@
 // View settings: map, zoom, film. Stored in the link with the scenario.
-import { inPercent, usualTolerance } from "../report/tolerance";
-import { ranges, type Scenario } from "../scenario/scenario";
+import { inPercent, usualTolerance } from "./tolerance";
+import { ranges, type Scenario } from "./scenario";
 
 export type MapAxis = "gap" | "ratio";
 export type MapShow = "count" | "effective" | "separation";

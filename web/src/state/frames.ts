@@ -1,6 +1,6 @@
 // Layout: the whole page, the story, or a single panel for a lecture or an embedding page.
 import { find } from "../support/dom";
-import type { PanelName } from "../story/lecture_view";
+import type { PanelName } from "../scenario/lecture_view";
 import { lettering } from "../support/plot";
 import type { State } from "./state";
 

@@ -1,6 +1,6 @@
 // State of the lecture in the link: story step, guess, single panel, curve axis, setting A.
-import { presets } from "../scenario/presets";
-import { copyOf, fromQuery, toQuery, type Scenario } from "../scenario/scenario";
+import { presets } from "./presets";
+import { copyOf, fromQuery, toQuery, type Scenario } from "./scenario";
 
 export const steps = ["watch", "predict", "slow", "count", "gap", "map"] as const; // chapters of the story
 export type Step = (typeof steps)[number];

@@ -1,8 +1,7 @@
 // What a link says of the setting: the example it names, or the one it starts from, with what it changes.
-import type { Tasks } from "../core/worker";
-import { presets, type Preset } from "../scenario/presets";
-import { copyOf, fromQuery, type Scenario } from "../scenario/scenario";
-import { baseOf } from "../story/lecture_view";
+import { presets, type Preset } from "./presets";
+import { copyOf, fromQuery, type Scenario } from "./scenario";
+import { baseOf } from "./lecture_view";
 import { firstView, viewFromQuery } from "./view";
 
 export function settingOf(query: URLSearchParams, notes: string[]): { preset: Preset; scenario: Scenario } {
@@ -16,8 +15,8 @@ export function settingOf(query: URLSearchParams, notes: string[]): { preset: Pr
   return { preset, scenario };
 }
 
-// What the page asks of its worker when it opens.
-export function questionOf(query: URLSearchParams): Tasks["solve"]["ask"] {
+// The first question to the core when the page opens.
+export function questionOf(query: URLSearchParams): { scenario: Scenario; tolerance: number } {
   const view = firstView();
   viewFromQuery(view, query, []);
   return { scenario: settingOf(query, []).scenario, tolerance: view.tolerance };
