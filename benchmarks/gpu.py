@@ -2,8 +2,8 @@
 
     python benchmarks/gpu.py [points along each axis]
 
-The operations of a point are counted on the processor (operations.cpp), so the limit needs no GPU. Goal: 1e9 points/s
-on an H200.
+The operations of a point are counted on the processor (operations.cpp), so the limit needs no GPU. What was measured on an
+H200, and what bounds it, is in README.md.
 """
 
 import ctypes
