@@ -98,12 +98,12 @@ def output_of(program: str, folder: Path, *flags: str) -> str:
     return subprocess.run([built], capture_output=True, text=True, check=True).stdout
 
 
-def draws(most: int, **others: Any) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    """Settings of a property: a few examples with the fast tests, ``most`` of them with the slow ones."""
+def draws(most: int, few: int = FEW, **others: Any) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Settings of a property: ``few`` examples with the fast tests, ``most`` of them with the slow ones."""
 
     def decorate(test: Callable[..., None]) -> Callable[..., None]:
         if _few:
-            return settings(max_examples=min(most, FEW), **others)(test)
+            return settings(max_examples=min(most, few), **others)(test)
         return pytest.mark.slow(settings(max_examples=most, **others)(test))
 
     return decorate

@@ -160,7 +160,7 @@ def test_wide_gaps_make_both_models_one() -> None:
     assert float(over.newton[0]) < 0.3 * float(over.independent[0])
 
 
-@pytest.mark.parametrize("n", [8, 12, 20])
+@pytest.mark.parametrize("n", [slow(8), 12, 20])
 def test_a_push_that_is_slower_than_the_lowest_ball_arrives(n: int) -> None:
     """With wide gaps the lowest ball returns to the floor long before the top one is hit."""
     found = hl.stack(n, ELASTIC, bottom_mass=1.0, top_mass=0.01, model="independent")
@@ -205,6 +205,7 @@ def test_bad_input_is_refused(arguments: dict, message: str) -> None:
     assert refusal(lambda: hl.stack(given.pop("n"), given.pop("law"), **given)).startswith(message)
 
 
+@pytest.mark.slow
 def test_the_command_and_its_picture() -> None:
     words = ["stack", "--balls", 3, "--top-mass", "10g", "--stiffness", 1e7, "--restitution", 1]
     found = printed(*words)

@@ -180,7 +180,7 @@ def test_weight_alone_presses_too_deep(engine: str) -> None:
         assert not ends or (run.early_end.particles, run.early_end.wall) == ((0,), -3)
 
 
-@draws(10)
+@draws(10, few=2)
 @given(seed=st.integers(0, 10_000), law=st.sampled_from(LAWS), walls=st.booleans())
 def test_both_engines_find_the_same_largest_compression(seed: int, law: hl.Law, walls: bool) -> None:
     """Dense boxes, in which most contacts overlap another one."""

@@ -251,7 +251,7 @@ def test_an_engine_is_chosen_for_any_box(system: hl.ParticleSystem, law: hl.Law,
     assert engine_choice.estimated(system.replace(), law, until) == (engine, reason)
 
 
-@draws(100)
+@draws(100, few=2)
 @given(boxes(1e3, 1e-6), LAWS)
 def test_auto_runs_as_the_engine_that_it_says(system: hl.ParticleSystem, law: hl.Law) -> None:
     """auto runs whenever one of the two engines does, with results bit-identical to those of the engine it names."""

@@ -111,7 +111,7 @@ def test_a_column_in_a_box_is_that_of_the_column_solver(law: hl.Law, count: int)
         assert row[1:] == pytest.approx(one[1:], abs=1e-8 * 0.03, nan_ok=True)
 
 
-@draws(40)
+@draws(40, few=3)
 @given(
     seed=st.integers(0, 10_000), law=st.sampled_from(LAWS), d=st.sampled_from([2, 3]), mixed=st.booleans(),
     boundary=st.sampled_from(["periodic", "wall"]), phi=st.floats(0.1, 0.45),
@@ -344,7 +344,7 @@ def test_no_wall_is_missed(seed: int) -> None:
     "law",
     [
         hl.LinearDashpot(stiffness=5e5, restitution=0.8),
-        hl.Viscoelastic(youngs_modulus=1e10, poisson_ratio=0.3, dissipative_time=1e-7),
+        slow(hl.Viscoelastic(youngs_modulus=1e10, poisson_ratio=0.3, dissipative_time=1e-7)),
     ],
     ids=repr,
 )

@@ -367,6 +367,7 @@ def test_axis(text: str, values: object) -> None:
 # --- paper and explore --------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_paper(tmp_path: Path) -> None:
     result = run("paper", "--figures", 2, "--out", tmp_path)
     assert "statements agree" in result.stdout and (tmp_path / "fig2.png").exists()

@@ -380,6 +380,7 @@ def test_values_above_their_limit_by_an_error_are_data() -> None:
         assert refusal(make).startswith(message)
 
 
+@pytest.mark.slow
 def test_the_command_fits_its_example(tmp_path: Path) -> None:
     file, picture = tmp_path / "impacts.csv", tmp_path / "fit.png"
     file.write_text(run("--example").stdout, encoding="utf-8")

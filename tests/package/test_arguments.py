@@ -700,10 +700,10 @@ def plainly(place: int) -> str:
     return repr(argument(argument.good))
 
 
-@pytest.mark.parametrize("spelling", [s if s == "Decimal" else slow(s) for s in SPELLINGS])
-def test_one_number_in_every_spelling(spelling):
-    """All numeric types that represent the same number give the same result."""
-    for place, argument in enumerate(NUMERIC):
+@pytest.mark.parametrize(("spelling", "step"), [("Decimal", 6), *(slow(s, 1) for s in SPELLINGS)])
+def test_one_number_in_every_spelling(spelling, step):
+    """Every numeric type that holds the same number gives the same result. The fast test takes every sixth argument."""
+    for place, argument in [*enumerate(NUMERIC)][::step]:
         spelled = argument(SPELLINGS[spelling](argument.good))
         assert repr(spelled) == plainly(place), (argument, spelling)
 

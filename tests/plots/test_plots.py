@@ -76,7 +76,7 @@ def texts(figure) -> str:
     return "\n".join(t.get_text() for t in figure.findobj(mpl.text.Text))
 
 
-@pytest.mark.parametrize("name", [name if name in ("cradle", "at rest") else slow(name) for name in drops()])
+@pytest.mark.parametrize("name", [name if name == "cradle" else slow(name) for name in drops()])
 def test_every_result_can_be_drawn(name: str, tmp_path: Path) -> None:
     found = compare(drops()[name])
     both = plots.drop(found.newton, found.independent, found.adiabatic) if name != "at rest" else None
@@ -280,10 +280,12 @@ def sweep_of(values: np.ndarray, name: str) -> xr.Dataset:
     return xr.Dataset({name: (("restitution", "gap"), values)}, coords)
 
 
+AXES = {"restitution": np.linspace(0.4, 1.0, 12), "gap": np.geomspace(1e-6, 1e-2, 10)}
+
+
 def test_maps() -> None:
-    axes = {"restitution": np.linspace(0.4, 1.0, 12), "gap": np.geomspace(1e-6, 1e-2, 10)}
-    newton = hl.sweep(hl.Column.paper(), **axes)
-    collisions = hl.sweep(hl.Column.paper(), model="independent", **axes)
+    newton = hl.sweep(hl.Column.paper(), **AXES)
+    collisions = hl.sweep(hl.Column.paper(), model="independent", **AXES)
     counts = plots.count_map(newton)
     assert counts.axes[0].get_yscale() == "log" and counts.axes[0].get_xscale() == "linear"
     assert r"initial gap $\Delta h$ [mm]" in texts(counts) and "ball–ball contacts" in texts(counts)
@@ -292,10 +294,21 @@ def test_maps() -> None:
     assert "$t_f$ [ms]" in texts(plots.count_map(newton, "t_end"))
     shown = counts.axes[1].get_yticks()
     assert shown.min() == newton.n_contacts.min() == 1 and shown.max() == newton.n_contacts.max()
-    for figure in (counts, plots.count_map(newton, "t_end"), plots.difference_map(newton, collisions)):
-        assert_legible(figure)
     line = plots.sweep_map(newton.isel(restitution=0))
     assert line.axes[0].get_xscale() == "log"
+
+
+@pytest.mark.slow
+def test_maps_are_legible() -> None:
+    newton, collisions = (
+        hl.sweep(hl.Column.paper(), model=model, **AXES) for model in ("newton", "independent")
+    )
+    for figure in (
+        plots.count_map(newton),
+        plots.count_map(newton, "t_end"),
+        plots.difference_map(newton, collisions),
+    ):
+        assert_legible(figure)
 
 
 def test_counts_are_written_into_their_regions() -> None:
@@ -371,7 +384,8 @@ def drawn(figure: Figure) -> np.ndarray:
     return np.asarray(canvas.buffer_rgba())[..., :3].astype(int)
 
 
-@pytest.mark.parametrize("gap", [1e-4, *map(slow, (1e-5, 1e-3, 5e-3))])
+@pytest.mark.slow
+@pytest.mark.parametrize("gap", [1e-5, 1e-4, 1e-3, 5e-3])
 def test_every_model_of_a_drop_is_seen(gap: float) -> None:
     """The picture of heights changes if the lines of any model are removed, even if two models coincide."""
     found = compare(hl.Column.paper(gap=gap))

@@ -368,8 +368,8 @@ def every_file(folder: Path) -> list[Path]:
     return found
 
 
-#: Every fifth file of a store; the slow tests take all.
-some_or_all = pytest.mark.parametrize("step", [5, slow(1)])
+#: Every tenth file of a store; the slow tests take all.
+some_or_all = pytest.mark.parametrize("step", [10, slow(1)])
 
 
 @some_or_all
