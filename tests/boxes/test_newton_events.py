@@ -511,7 +511,7 @@ def strongly_damped(name: str, restitution: float) -> hl.Law:
     return hl.Viscoelastic(youngs_modulus=1e7, poisson_ratio=0.3, restitution=restitution, impact_speed=0.3)
 
 
-@pytest.mark.parametrize("restitution", [0.01, 0.2, 0.9])
+@pytest.mark.parametrize("restitution", [0.01, slow(0.2), slow(0.9)])
 @pytest.mark.parametrize("name", sorted(hl.LAWS))
 def test_contact_energy_is_that_of_all_overlaps(name: str, restitution: float) -> None:
     """Also for slack pairs, whose force has ended: their energy is dissipated gradually until the gap opens, and the

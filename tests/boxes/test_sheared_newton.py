@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 import hardlimit as hl
 from box_engines import LAWS, core_engine
-from conftest import draws
+from conftest import draws, slow
 from hardlimit import _core
 from hardlimit.boxes import time_step
 from hardlimit.boxes.theory import Gas
@@ -118,12 +118,13 @@ def few_bodies(seed: int, count: int, d: int, gradient: int, rate: float) -> hl.
 @pytest.mark.parametrize("law", LAWS, ids=repr)
 @pytest.mark.parametrize("count", [2, 3])
 @pytest.mark.parametrize(("d", "gradient"), [(2, 1), (3, 1), (3, 2)])
+@pytest.mark.parametrize("seeds", [1, slow(3)])
 def test_a_contact_across_the_side_is_that_in_the_middle(
-    kind: str, law: hl.Law, count: int, d: int, gradient: int
+    kind: str, law: hl.Law, count: int, d: int, gradient: int, seeds: int
 ) -> None:
     """An isolated contact, and a cluster of three bodies: the relative paths agree to the rounding of positions, also
     during the contact and where a body crosses the side meanwhile."""
-    for seed, rate in itertools.product(range(3), (-300.0, 40.0)):
+    for seed, rate in itertools.product(range(seeds), (-300.0, 40.0)):
         system = few_bodies(seed, count, d, gradient, rate)
         rise = 0.5 * system.box[gradient]
         moved, crossed = from_another_origin(system, rise)

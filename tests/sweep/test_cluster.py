@@ -113,6 +113,7 @@ def test_the_same_bits_as_without_a_cluster(model: str) -> None:
     assert told[0] == 0 and told[-1] == 2000 and told == sorted(set(told))
 
 
+@pytest.mark.slow
 def test_the_same_store_as_without_a_cluster(tmp_path: Path) -> None:
     hl.sweep(PAPER, store=tmp_path / "here", **GRID)
     hl.sweep(PAPER, store=tmp_path / "there", engine="dask", **GRID)
