@@ -1,10 +1,10 @@
 // The web worker: computes one task after another.
+import { opening } from "./opening"; // first
 import { Core, Model, type TimelineRow } from "./core";
 import { solve, type Answered, type Solved, type Unsolved } from "./drop";
 import { risesOf } from "./rises";
 import { questionOf } from "../scenario/link";
 import type { Scenario } from "../scenario/scenario";
-import { compiled } from "../support/script";
 import { trajectoryCsv } from "./trajectory_csv";
 
 export interface Tasks {
@@ -89,8 +89,8 @@ self.onmessage = ({ data }: MessageEvent<WebAssembly.Module | Request>): void =>
   else void answer(data);
 };
 
-// The worker that opens the page is named after its link: it loads the core, and the setting of the link is its first request.
-if (self.name) {
-  loading = compiled("core.wasm").then(start);
+// The setting of the link is the first request to the worker that opens the page.
+if (opening) {
+  loading = opening.then(start);
   void answer({ id: 1, kind: "solve", ask: questionOf(new URL(self.name).searchParams) });
 }
