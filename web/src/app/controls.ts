@@ -74,7 +74,7 @@ export class Controls {
     const focused = document.activeElement?.id;
     const s = this.scenario;
     this.list = [];
-    const parts: HTMLElement[] = [this.about];
+    const parts: HTMLElement[] = [];
     const add = (c: Control): void => {
       this.list.push(c);
       parts.push(c.element);
@@ -127,7 +127,7 @@ export class Controls {
       if (s.cradle) inside(this.number(`velocity${i + 1}`, labelOf(parameterOfColumn("velocity")), ranges.velocity, (q) => q.velocities[i], (q, x) => (q.velocities[i] = x)));
       parts.push(group);
     }
-    this.box.replaceChildren(...parts);
+    this.box.replaceChildren(...parts, this.about);
     if (focused) document.getElementById(focused)?.focus();
   }
 

@@ -320,7 +320,6 @@ class Page {
     this.state.dirty.laboratory = false;
     this.controls.set(this.state.scenario, this.about, true);
     fillTable(find("numbers"), report);
-    find("rebound-said").hidden = report.setting.cradle;
     fillDefinitions(find("definitions").querySelector("dl")!, report);
     fillEnergy(find("energy"), report);
   }

@@ -95,7 +95,9 @@ export function drawAxes(g: CanvasRenderingContext2D, f: Frame, x: Scale, y: Sca
   const crowded = yText.ticks.some((tick) => Math.abs(y.at(tick) - f.top) < 0.9 * size);
   g.fillText(yText.title, Math.max(f.left - 2.6 * size, 2), f.top - (crowded ? 0.75 * size : 6));
   g.strokeStyle = theme.muted;
-  g.strokeRect(Math.round(f.left) + 0.5, Math.round(f.top) + 0.5, Math.round(f.width), Math.round(f.height));
+  const [left, foot] = [Math.round(f.left) + 0.5, Math.round(f.top + f.height) + 0.5];
+  stroke(g, left, f.top, left, foot);
+  stroke(g, left, foot, f.left + f.width, foot);
 }
 
 export function stroke(g: CanvasRenderingContext2D, x0: number, y0: number, x1: number, y1: number): void {
