@@ -224,6 +224,33 @@ test("a slider follows the mouse to where it is let go, on an example too", asyn
   assert.ok(Math.abs(value - 0.3) < 0.02, `ε = ${value}`);
 });
 
+test("after a slider has moved, every text is that of the last answer", async (t) => {
+  const page = await open(t, "?example=basketball");
+  await page.evaluate(async () => {
+    for (const [id, range] of [["restitution", [0.3, 0.9]], ["gap1", [0, 0.95]]]) {
+      const slider = document.getElementById(id);
+      for (let i = 0; i <= 30; i++) {
+        slider.value = String(Number(slider.max) * (range[0] + ((range[1] - range[0]) * i) / 30));
+        slider.dispatchEvent(new Event("input", { bubbles: true }));
+        await new Promise((done) => requestAnimationFrame(done));
+      }
+    }
+  });
+  await page.waitForFunction(() => document.documentElement.dataset.moving === undefined && document.documentElement.dataset.busy === undefined && window.hardlimit.report().current);
+  await settled(page, 30);
+  const [written, report] = await page.evaluate(() => {
+    const text = (selector) => document.querySelector(selector).textContent.replaceAll("\u00a0", " ");
+    const cells = [...document.querySelectorAll("#numbers tbody tr")].map((tr) => [...tr.children].map((cell) => cell.textContent));
+    return [{ verdict: text("#verdict"), why: text("#why"), answer: text("#answer"), cells, restitution: document.getElementById("restitution-value").value }, window.hardlimit.report()];
+  });
+  const said = (list) => list.map((sentence) => sentence.text).join(" ");
+  assert.equal(written.verdict, `${said(report.newton)} ${said(report.icm)}`);
+  assert.equal(written.why, said(report.why));
+  assert.equal(written.answer, report.verdict.text);
+  assert.equal(Number(written.restitution), report.setting.restitution);
+  assert.deepEqual(written.cells, report.table.map((row) => [row.name, ...row.values].map((text) => text.replaceAll("_", ""))));
+});
+
 test("a link reproduces the view", async (t) => {
   const page = await open(t, "?example=basketball");
   await page.selectOption("#map-axis", "ratio");

@@ -174,6 +174,7 @@ export class Controls {
     let shown = NaN; // the value in the field
     let refused = -1; // number of changes when an entry was refused
     slider.addEventListener("input", () => this.edit((s) => put(s, fromSlider(r, Number(slider.value))), element));
+    slider.addEventListener("change", () => refresh()); // as it is let go
     field.addEventListener("change", () => {
       const x = /^\s*touching\s*$/i.test(field.value) && r.zero ? 0 : parse(field.value, r.unit);
       field.setAttribute("aria-invalid", String(!Number.isFinite(x)));
