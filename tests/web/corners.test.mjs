@@ -51,7 +51,7 @@ test("heights: collisions still to come count, later ones are told apart", async
   await visit(page, "?example=fig2");
   assert.match(await page.textContent("#verdict"), /rises to 0\.484 m/);
   assert.match(await page.textContent("tr[data-id=later]"), /later.*68\.0 cm/);
-  assert.match(await page.textContent("#definitions"), /greatest height of its centre after its first bounce/);
+  assert.match(await page.textContent("#definitions"), /greatest height of its centre above the floor after its first bounce/);
   await page.click("#definitions summary");
   assert.match(await page.textContent("#definitions dl"), /restitution that would give/);
 });

@@ -78,6 +78,7 @@ test("controls, keys and map; the link gives the same page again", async (t) => 
   await page.focus("#forces");
   await page.keyboard.press("ArrowRight");
   await page.focus("#map");
+  await page.waitForFunction(() => document.getElementById("map").dataset.resolution); // drawn
   await page.keyboard.press("+");
   await page.waitForFunction(() => ["gap", "e", "map", "show", "zoom", "t"].every((key) => new URLSearchParams(location.search).has(key)));
   await rest(page);
