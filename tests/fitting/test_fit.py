@@ -93,12 +93,6 @@ def covered(kind: str, seeds: range, confidence: float = 0.68) -> tuple[float, n
 
 
 @pytest.mark.slow
-def test_intervals_cover() -> None:
-    share, _ = covered("restitution", range(20))
-    assert 0.36 < share < 0.99  # three standard errors of a binomial number
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("confidence", [0.68, 0.95])
 def test_intervals_cover_and_chi_square_is_one(kind: str, confidence: float) -> None:
