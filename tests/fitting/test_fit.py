@@ -80,7 +80,7 @@ def test_deviations_are_independent_with_unit_variance(kind: str) -> None:
     assert np.abs(samples.T @ samples / 300 - np.eye(n)).max() < 5.0 * math.sqrt(2.0 / 300)
 
 
-def covered(kind: str, seeds: range, confidence: float = 0.68) -> tuple[float, np.ndarray]:
+def covered(kind: str, seeds: range, confidence: float) -> tuple[float, np.ndarray]:
     """Coverage of the intervals, and the probabilities of χ²."""
     truth, hits, chances = viscoelastic(0.8, 1.0), 0, []
     for seed in seeds:
