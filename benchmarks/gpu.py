@@ -2,8 +2,8 @@
 
     python benchmarks/gpu.py [points along each axis]
 
-The operations of a point are counted on the processor (operations.cpp), so the limit needs no GPU. What was measured on an
-H200, and what bounds it, is in README.md.
+The operations of a point are counted on the processor (operations.cpp), so the limit needs no GPU. README.md has what
+was measured on an H200, and what bounds it.
 """
 
 import ctypes
