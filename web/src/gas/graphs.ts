@@ -22,7 +22,6 @@ interface Plot {
   ticks: (y: Scale) => number[];
   name: (tick: number) => string;
   curves: Curve[];
-  named?: "low"; // names of the curves at the lower left, else at the upper right
   band?: [number, number][];
 }
 
@@ -105,7 +104,6 @@ function distancePlot({ samples }: Facts, theme: GasTheme): Plot {
     y: (to, from) => new Scale(low, high, from, to, true),
     ticks: decades,
     name: power,
-    named: "low",
     curves: [
       { ...curve(samples, (s) => (s.distance > 0 ? s.distance : NaN), theme.muted, 2.5), name: "this run" },
       ...(grows ? [{ ...curve(samples, (s) => (s.collisions >= grows.from && s.collisions <= grows.to ? grows.low * Math.exp(grows.rate * (s.collisions - grows.from)) : NaN), theme.ink, 2, [6, 4]), name: `${digits(grows.rate, 2)} per collision` }] : []),
@@ -171,11 +169,12 @@ export function drawGraph(g: CanvasRenderingContext2D, width: number, height: nu
   }
   g.setLineDash([]);
   g.restore();
-  named(g, plot, frame, theme, size);
+  const drawn = plot.curves.flatMap(({ points }) => points.map(([t, value]) => [x.at(t), across(value)]));
+  named(g, plot, frame, theme, size, drawn);
 }
 
-// Names of the curves with a piece of line, in a corner where the curves are not.
-function named(g: CanvasRenderingContext2D, plot: Plot, frame: Frame, theme: GasTheme, size: number): void {
+// Names of the curves with a piece of line, in the corner with the fewest of the drawn points.
+function named(g: CanvasRenderingContext2D, plot: Plot, frame: Frame, theme: GasTheme, size: number, drawn: number[][]): void {
   const curves = plot.curves.filter(({ name }) => name);
   const dash = 1.9 * size;
   const room = frame.width - dash - 1.9 * size;
@@ -185,10 +184,12 @@ function named(g: CanvasRenderingContext2D, plot: Plot, frame: Frame, theme: Gas
   g.textAlign = "left";
   g.textBaseline = "middle";
   const widest = width() + dash + 0.5 * size;
-  const left = plot.named === "low" ? frame.left + 0.8 * size : frame.left + frame.width - widest - 0.6 * size;
-  const first = plot.named === "low" ? frame.top + frame.height - (1.3 * curves.length - 0.4) * size : frame.top + 0.9 * size;
+  const height = (1.3 * curves.length + 0.3) * size;
+  const corners = [frame.left + frame.width - widest - 0.6 * size, frame.left + 0.8 * size].flatMap((left) => [frame.top, frame.top + frame.height - height].map((top) => ({ left, top })));
+  const crossed = corners.map(({ left, top }) => drawn.filter(([u, v]) => u > left && u < left + widest && v > top && v < top + height).length);
+  const { left, top } = corners[crossed.indexOf(Math.min(...crossed))];
   curves.forEach(({ name, color, dash: pattern, width }, i) => {
-    const at = first + 1.3 * i * size;
+    const at = top + (0.8 + 1.3 * i) * size;
     g.fillStyle = color;
     g.fillText(name!, left + dash + 0.5 * size, at);
     g.strokeStyle = color;
