@@ -84,27 +84,15 @@ using counting::square_root;
 
 unsigned long long room[sizeof(hardlimit::sweep::Pool) / 8 + 1];
 
-namespace {
-struct Call {
-    void (*kernel)(Task*);
-    Task* task;
-};
-void emulate(void (*kernel)(Task*), Task* task) {
-    Call call{kernel, task};
-    emulated::run([](void* c) { static_cast<Call*>(c)->kernel(static_cast<Call*>(c)->task); }, &call);
-}
-}  // namespace
-
 extern "C" int emulate_solve(Task* task) {
     emulated::at_exchange = counting::end_of_round;
-    emulate(solve, task);
-    return 0;
+    return !emulated::run(solve, task);
 }
 extern "C" int emulate_damping_ratios(Task* task) {
-    emulate(damping_ratios, task);
+    const bool synchronous = emulated::run(damping_ratios, task);
     for (auto& lane : counting::done)
         for (long& n : lane) n = 0;
-    return 0;
+    return !synchronous;
 }
 // Useful and issued operations since the last call: + − × and comparisons, divisions, roots.
 extern "C" void operations(long* out) {

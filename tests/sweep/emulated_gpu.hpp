@@ -3,6 +3,7 @@
 #pragma once
 #include <ucontext.h>
 
+#include <functional>
 #include <memory>
 
 #define __global__
@@ -16,7 +17,8 @@ struct Place {
     unsigned x;
 };
 
-inline constexpr int warp = 32;  // threads
+inline constexpr int warp = 32;                 // threads
+inline constexpr int most_exchanges = 500'000;  // five times as many as the tests take
 
 struct Block {
     static constexpr int size = 4 * warp;
@@ -26,15 +28,13 @@ struct Block {
     bool done[size];
     unsigned long long said[size], heard[size];
     int at = 0;  // the thread that runs
-    long exchanges = 0;
-    void (*body)(void*);
-    void* argument;
+    std::function<void()> body;
 };
 inline Block block;
 inline void (*at_exchange)() = nullptr;  // hook for tests
 
 inline void enter() {
-    block.body(block.argument);
+    block.body();
     block.done[block.at] = true;
 }
 
@@ -45,11 +45,10 @@ inline const unsigned long long* exchange(unsigned long long mine) {
     return block.heard + block.at / warp * warp;
 }
 
-// Runs the threads of one block to their end. Returns the number of exchanges, or −1 if they did not stay synchronous.
-inline long run(void (*body)(void*), void* argument) {
-    block.body = body;
-    block.argument = argument;
-    block.exchanges = 0;
+// Runs a kernel in one block of threads. Returns whether they stayed synchronous to their end, which must come.
+template <class Task>
+bool run(void (*kernel)(Task*), Task* task) {
+    block.body = [=] { kernel(task); };
     for (int i = 0; i < Block::size; ++i) {
         block.stacks[i] = std::make_unique<char[]>(Block::stack);
         block.done[i] = false;
@@ -58,18 +57,17 @@ inline long run(void (*body)(void*), void* argument) {
         block.thread[i].uc_link = &block.scheduler;
         makecontext(&block.thread[i], enter, 0);
     }
-    for (;;) {
+    for (int exchanges = 0; exchanges < most_exchanges; ++exchanges) {
         int finished = 0;
         for (block.at = 0; block.at < Block::size; ++block.at) {
             swapcontext(&block.scheduler, &block.thread[block.at]);
             finished += block.done[block.at];
         }
-        if (finished == Block::size) return block.exchanges;
-        if (finished > 0) return -1;
-        ++block.exchanges;
+        if (finished > 0) return finished == Block::size;
         if (at_exchange) at_exchange();
         for (int i = 0; i < Block::size; ++i) block.heard[i] = block.said[i];
     }
+    return false;
 }
 
 }  // namespace emulated

@@ -140,7 +140,7 @@ def library(tmp_path_factory: pytest.TempPathFactory) -> Path:
         pytest.skip("g++ is not installed")
     return build(
         HERE / "emulated_gpu.cpp",
-        tmp_path_factory.mktemp("warp") / "kernel.so",
+        tmp_path_factory.mktemp("kernel") / "kernel.so",
         "-Wall",
         "-Wextra",
         "-Werror",

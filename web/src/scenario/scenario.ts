@@ -187,6 +187,15 @@ export function toQuery(s: Scenario, q: URLSearchParams): void {
   for (const [key, now, before] of lists) if (now.join() !== before.join()) q.set(key, now.join());
 }
 
+// One of the options, as the link says; an invalid one is reported in `notes`.
+export function choiceOf<T extends string>(q: URLSearchParams, notes: string[], key: string, options: readonly T[], fallback: T): T {
+  const text = q.get(key);
+  if (text === null) return fallback;
+  if ((options as readonly string[]).includes(text)) return text as T;
+  notes.push(`${key} = “${text.slice(0, 20)}” is none of ${options.join(", ")}: ${fallback} used`);
+  return fallback;
+}
+
 // Overrides `s` with the valid parts of the link; invalid parts are reported in `notes`.
 export function fromQuery(s: Scenario, q: URLSearchParams, notes: string[]): void {
   const number = (key: string, text: string, r: Range, fallback: number): number => {
@@ -199,15 +208,8 @@ export function fromQuery(s: Scenario, q: URLSearchParams, notes: string[]): voi
     if (kept !== x) notes.push(`${key} = ${x} is outside ${r.zero ? 0 : r.low} … ${r.high}: ${kept} used`);
     return kept;
   };
-  const choice = <T extends string>(key: string, options: readonly T[], fallback: T): T => {
-    const text = q.get(key);
-    if (text === null) return fallback;
-    if ((options as readonly string[]).includes(text)) return text as T;
-    notes.push(`${key} = “${text.slice(0, 20)}” is none of ${options.join(", ")}: ${fallback} used`);
-    return fallback;
-  };
-  s.law = choice("law", laws.map((law) => law.name), s.law);
-  s.cradle = choice("setup", ["drop", "cradle"], s.cradle ? "cradle" : "drop") === "cradle";
+  s.law = choiceOf(q, notes, "law", laws.map((law) => law.name), s.law);
+  s.cradle = choiceOf(q, notes, "setup", ["drop", "cradle"], s.cradle ? "cradle" : "drop") === "cradle";
   for (const [key, name] of scalars) {
     const text = q.get(key);
     if (text !== null) s[name] = number(key, text, ranges[name], s[name]);

@@ -1,6 +1,6 @@
 // View settings: map, zoom, film. Stored in the link with the scenario.
 import { inPercent, usualTolerance } from "./tolerance";
-import { ranges, type Scenario } from "./scenario";
+import { choiceOf, ranges, type Scenario } from "./scenario";
 
 export type MapAxis = "gap" | "ratio";
 export type MapShow = "count" | "effective" | "separation";
@@ -52,16 +52,9 @@ export function viewToQuery(v: View, q: URLSearchParams): void {
 }
 
 export function viewFromQuery(v: View, q: URLSearchParams, notes: string[]): void {
-  const choice = <T extends string>(key: string, options: readonly T[], fallback: T): T => {
-    const text = q.get(key);
-    if (text === null) return fallback;
-    if ((options as readonly string[]).includes(text)) return text as T;
-    notes.push(`${key} = “${text.slice(0, 20)}” is none of ${options.join(", ")}: ${fallback} used`);
-    return fallback;
-  };
-  v.map.axis = choice("map", ["gap", "ratio"], v.map.axis);
-  v.map.show = choice("show", ["count", "effective", "separation"], v.map.show);
-  v.slow = choice("film", ["slow", "real"], v.slow ? "slow" : "real") === "slow";
+  v.map.axis = choiceOf(q, notes, "map", ["gap", "ratio"], v.map.axis);
+  v.map.show = choiceOf(q, notes, "show", ["count", "effective", "separation"], v.map.show);
+  v.slow = choiceOf(q, notes, "film", ["slow", "real"], v.slow ? "slow" : "real") === "slow";
   const tolerance = q.get("tol");
   if (tolerance !== null) {
     const x = tolerance.trim() === "" ? NaN : Number(tolerance);
