@@ -228,6 +228,10 @@ def test_files_hold_thermostats(ending: str, thermostat: Any, tmp_path: Path) ->
         (lambda: hl.Andersen(temperature=1.0, rate=0.0), "rate: got 0"),
         (lambda: hl.RandomKicks(1.0, 1.0, seed=-1), "seed: got -1"),
         (lambda: gas(10, 3.0, packing_fraction=0.01), "thermostat: got 3.0, must be hl.RandomKicks"),
+        (
+            lambda: hl.ParticleSystem([[1, 1]], [[1, 0]], 0.1, mass=1, box=9, thermostat=KICKS),
+            "thermostat: got RandomKicks",
+        ),
     ],
 )
 def test_bad_thermostats_are_refused(make: Callable[[], Any], message: str) -> None:

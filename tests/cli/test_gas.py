@@ -238,19 +238,40 @@ def test_a_run_goes_on(start: Path, tmp_path: Path) -> None:
     assert "until: got 0.001, must be >= 0.02" in refused("gas", "--resume", path, "--until", "1ms")
 
 
+def test_outputs_of_a_resumed_run_are_refused_before_it_goes_on(start: Path, tmp_path: Path) -> None:
+    path, newton, endless = (tmp_path / name for name in ("run.checkpoint", "newton", "endless"))
+    run("gas", start, *FAST, "--checkpoint", path)
+    kept = path.read_bytes()
+    for option, name in (("--out", "rest.xyz"), ("--animate", "rest.gif")):
+        refusal = refused("gas", "--resume", path, option, tmp_path / name)
+        assert "is at the end of its run, no frame follows" in refusal and option in refusal
+        assert not (tmp_path / name).exists()
+    soft = ["--law", "linear", "--stiffness", "1e5", "--restitution", "0.9", "--engine", "events"]
+    run("gas", start, *soft, "--until", "1ms", "--checkpoint", newton)
+    plot = ["--plot", tmp_path / "x.png", "--until", "1h"]
+    assert "--plot: must be left out" in refused("gas", "--resume", newton, *plot)
+    run("gas", start, "--max-collisions", 50, "--samples", 5, "--checkpoint", endless)
+    more = ["--max-collisions", 90, "--out", tmp_path / "rest.xyz"]
+    assert "--out: requires --until" in refused("gas", "--resume", endless, *more)
+    assert path.read_bytes() == kept
+
+
 @pytest.mark.slow
-def test_control_c_ends_with_130_and_leaves_a_checkpoint(start: Path, tmp_path: Path) -> None:
-    path = tmp_path / "run.checkpoint"
+def test_control_c_ends_with_130_and_leaves_checkpoint_and_frames(start: Path, tmp_path: Path) -> None:
+    path, frames = tmp_path / "run.checkpoint", tmp_path / "run.xyz"
     command = [sys.executable, "-m", "hardlimit", "gas", str(start), "--until", "1e6", "--restitution", "1"]
     with subprocess.Popen(
-        [*command, "--checkpoint", str(path)], stderr=subprocess.PIPE, text=True
+        [*command, "--checkpoint", str(path), "--out", str(frames)], stderr=subprocess.PIPE, text=True
     ) as process:
         wait_until(path.exists)
         first = path.stat().st_mtime_ns
         process.send_signal(signal.SIGINT)
         _, errors = process.communicate(timeout=60)
     assert process.returncode == 130 and errors.strip() == "interrupted"
-    assert path.stat().st_mtime_ns > first
+    assert (
+        path.stat().st_mtime_ns > first
+        and hl.ParticleSystem.read(frames).n == hl.ParticleSystem.read(start).n
+    )
     with np.load(path) as content:
         assert content["sample_time"].ndim == 1
 

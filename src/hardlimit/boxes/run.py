@@ -106,6 +106,11 @@ class Run:
         """The end of the run and the sampling times."""
         return self._sampled[1]
 
+    def takes_samples(self, until: float) -> bool:
+        """Whether samples follow up to ``until`` [s]."""
+        samples, schedule = self._sampled
+        return self.engine.outcome == "ok" and schedule.time(len(samples)) <= until
+
     def set_end(self, until: float | None, max_collisions: int | None = None) -> None:
         """Set another end; the sampling interval is unchanged."""
         samples, schedule = self._sampled

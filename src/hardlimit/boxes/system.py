@@ -152,7 +152,7 @@ class ParticleSystem:
             boundary=sides,
             gravity=pull,
             walls=checked_walls(walls, sides),
-            thermostat=checked_thermostat(thermostat, sheared="lees-edwards" in sides),
+            thermostat=checked_thermostat(thermostat, n, sheared="lees-edwards" in sides),
             shear_rate=rate,
             shear_displacement=displacement,
         )
@@ -193,7 +193,11 @@ class ParticleSystem:
     @property
     def driven(self) -> bool:
         """Whether walls move, a thermostat heats or the box is sheared, so that it may reach a steady state."""
-        return bool(self.walls) or self.thermostat is not None or self.shear_rate != 0.0
+        return self._walls_move or self.thermostat is not None or self.shear_rate != 0.0
+
+    @property
+    def _walls_move(self) -> bool:
+        return any(wall.fastest > 0.0 for wall in self.walls.values())
 
     @cached_property
     def domain(self) -> Box:
@@ -294,7 +298,7 @@ class ParticleSystem:
             boundary=sides,
             gravity=pull,
             walls=moving,
-            thermostat=checked_thermostat(thermostat, sheared="lees-edwards" in sides),
+            thermostat=checked_thermostat(thermostat, n, sheared="lees-edwards" in sides),
             shear_rate=rate,
             shear_displacement=0.0,
         )

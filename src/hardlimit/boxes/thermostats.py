@@ -171,10 +171,14 @@ def _set(thermostat: Any, **values: Any) -> None:
 KINDS: Final = {kind.__name__: kind for kind in (RandomKicks, Andersen)}
 
 
-def checked_thermostat(thermostat: Any, sheared: bool = False) -> Any:
+def checked_thermostat(thermostat: Any, n: int, sheared: bool = False) -> Any:
     if thermostat is not None and not isinstance(thermostat, RandomKicks | Andersen):
         shown = validation.shown(thermostat)
         raise ValueError(f"thermostat: got {shown}, must be hl.RandomKicks, hl.Andersen or None")
+    if n == 1 and isinstance(thermostat, RandomKicks):
+        raise ValueError(
+            "thermostat: got RandomKicks, must be hl.Andersen or None for one particle: kicks keep the mean"
+        )
     if sheared and isinstance(thermostat, Andersen):
         raise ValueError("thermostat: got Andersen, must be hl.RandomKicks or None in a sheared box")
     return thermostat

@@ -17,9 +17,11 @@ import hardlimit as hl
 
 from ..boxes import files as box_files
 from ..boxes import theory
+from ..boxes.hard_spheres import NAME as HARD_SPHERES
 from ..boxes.hard_spheres import checked_end
 from ..boxes.newton import NAMES as ENGINES
 from ..boxes.rules import checked_settings
+from ..boxes.run import load
 from ..boxes.system import described
 from ..boxes.thermostats import as_entry
 from ..support import saving
@@ -61,7 +63,8 @@ newton_options = options(
 )
 #: Options that have no meaning for Newton's equations.
 HARD_SPHERES_ONLY = ("rule", "contact_duration", "max_collisions")
-PICTURES = ("out", "plot", "animate")
+FRAMES = ("out", "animate")
+PICTURES = ("plot", *FRAMES)
 #: Numbers in the JSON output, with the attributes of the result.
 _NAMES = ("n_collisions", "n_elastic_by_tc", "n_soft", "n_soft_third_body")
 HARD_SPHERES_NUMBERS = {name: name for name in _NAMES}
@@ -157,10 +160,8 @@ def gas(file: str | None, resume: str | None, dpi: float | None, as_json: bool, 
 def run_hard_spheres(job: GasJob) -> tuple[hl.ParticleSystem, Any]:
     """Start and result of :func:`hardlimit.event_driven`."""
     rule = job.rule()
-    if job.run.get("until") is None and job.run.get("max_collisions") is not None:
-        for name in ("out", "animate"):
-            if job.outputs[name] is not None:
-                raise ValueError(f"--{name}: requires --until, because frames are at equal times")
+    if "max_collisions" in job.run:
+        refuse_frames_without_end(job.outputs, job.run.get("until"))
     # Arguments are checked before the start is made, which takes minutes for a million particles.
     given = rule | job.run
     checked_settings(*(given.get(name) for name in ("law", "restitution", "rule", "contact_duration")))
@@ -177,14 +178,30 @@ def resumed(file: str | None, checkpoint: str, given: dict[str, Any]) -> tuple[A
     outputs = checked_outputs({entry.name: given.pop(entry.name) for entry in OUTPUT})
     end = {name: given.pop(name) for name in ("until", "max_collisions")}
     refuse({"FILE": file, **given}, "with --resume: the checkpoint holds it")
-    result = with_frames(lambda **observe: hl.resume(checkpoint, **end, **observe, progress=True), outputs)
-    if outputs["plot"] is not None and isinstance(result, hl.ContactResult):
+    run = load(checkpoint)
+    if outputs["plot"] is not None and run.engine.record.name != HARD_SPHERES:
         raise ValueError("--plot: must be left out for a run under Newton's equations")
-    return result, outputs
+    until = end["until"] if any(value is not None for value in end.values()) else run.schedule.until
+    refuse_frames_without_end(outputs, until)
+    for name in FRAMES:
+        if outputs[name] is not None and not run.takes_samples(until):
+            raise ValueError(
+                f"--{name}: must be left out: {checkpoint} is at the end of its run, no frame follows"
+            )
+    return with_frames(lambda **more: hl.resume(checkpoint, **end, **more, progress=True), outputs), outputs
+
+
+def refuse_frames_without_end(outputs: dict[str, Path | None], until: float | None) -> None:
+    for name in FRAMES:
+        if outputs[name] is not None and until is None:
+            raise ValueError(f"--{name}: requires --until, because frames are at equal times")
 
 
 def with_frames(solve: Callable[..., Any], outputs: dict[str, Path | None]) -> Any:
-    """The result of ``solve``, with a frame of the trajectory and of the film at each sample."""
+    """The result of ``solve``, with a frame of the trajectory and of the film at each sample.
+
+    Ctrl-C keeps the trajectory so far.
+    """
     snapshots: list[Any] = []  # of the film, which is written at the end
     if outputs["animate"] is not None:
         from ..plots import grain_film
@@ -200,7 +217,11 @@ def with_frames(solve: Callable[..., Any], outputs: dict[str, Path | None]) -> A
             return {}
 
         wanted = append is not None or outputs["animate"] is not None
-        result = solve(**({"observe": observe} if wanted else {}))
+        try:
+            result = solve(**({"observe": observe} if wanted else {}))
+        except KeyboardInterrupt:
+            open_files.close()
+            raise
     if outputs["animate"] is not None:
         series = result.series
         at = np.searchsorted(series["time"].values, [one.time for one in snapshots])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from decimal import ROUND_CEILING, Context
 
 from ..support.formatting import digits, listed, percent, percent_with_error
 from .contacts import CheckedContact
@@ -142,17 +143,22 @@ def _far(row: CheckedContact) -> str:
 
 
 def _needs(row: CheckedContact) -> str:
-    """The stiffness with which the error is 1 %."""
+    """The stiffness with which the error is 1 %, error bar included."""
     if row.spring is None:
-        return f"{percent(ACCEPTED)} takes {digits(row.softening or 0.0, 2)} times the stiffness"
+        return f"{percent(ACCEPTED)} takes {_at_least(row.softening or 0.0)} times the stiffness"
     name, value, needed = row.spring
-    return f"{percent(ACCEPTED)} takes {NAMES[name]} of {digits(needed, 2)} instead of {digits(value, 3)}"
+    return f"{percent(ACCEPTED)} takes {NAMES[name]} of {_at_least(needed)} instead of {digits(value, 3)}"
 
 
 def _may(row: CheckedContact) -> str:
     """How soft the grains may be."""
     softer = row.softening or 1.0
     if row.spring is None or softer >= 1.0:
-        return f"{percent(ACCEPTED)} allows {digits(softer, 2)} times the stiffness"
+        return f"{percent(ACCEPTED)} allows {_at_least(softer)} times the stiffness"
     name, value, needed = row.spring
-    return f"you may soften to {NAMES[name]} of {digits(needed, 2)} from {digits(value, 3)}"
+    return f"you may soften to {NAMES[name]} of {_at_least(needed)} from {digits(value, 3)}"
+
+
+def _at_least(value: float) -> str:
+    """Two digits, rounded up."""
+    return digits(float(Context(2, ROUND_CEILING).create_decimal_from_float(value)), 2)

@@ -333,6 +333,8 @@ def _no_speed(driven: drive.Drive | None, rows: Sequence[CheckedContact], gas: S
     if driven is None or all(row.speed is not None for row in rows):
         return
     reason = driven.why_not(gas.dimension, gas.packing_fraction)
+    if any((row.restitution or 0.0) > 1.0 - drive.ELASTIC for row in rows if row.speed is None):
+        reason = reason or "elastic grains have no steady state, they heat for ever"
     reason = (
         reason or "sizes or masses are not known, or the restitution is outside the range of kinetic theory"
     )
@@ -432,11 +434,12 @@ def _of_system(system: ParticleSystem, law: Law, given: Given, step: float | Non
     state = dumps.State(
         0, system.n, system.packing_fraction, temperature, 2.0 * float(system.radius.mean()), None, None, None
     )
-    rests = walls and bool(system.gravity.any()) and not system.driven
+    supported = system.gravity - system.domain.common_fall  # by walls
+    rests = bool(supported.any()) and not system.driven
     resting = [Finding("grains rest on each other under gravity")] * rests
-    if given.drive is None and not given.speeds and not system.walls:
+    if given.drive is None and not given.speeds and not system._walls_move:
         given = replace(given, drive=drive.of_system(system))
-    shaken = bool(system.walls) and given.drive is None
+    shaken = system._walls_move and given.drive is None
     return _of_law(cases.sizes(system), law, given, step, system.dimension, walls, (state,), resting, shaken)
 
 

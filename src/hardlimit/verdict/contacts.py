@@ -15,7 +15,8 @@ import scipy
 from ..boxes.theory import Gas
 from ..boxes.time_step import DEFAULT_ERROR
 from ..convert.force import Collision, Force, Powers
-from .expectation import RULES, expected
+from .error_law import MEASURED_TC_NU
+from .expectation import ACCEPTED, RULES, Expected, expected
 
 #: Values tried for an unknown radius, mass and speed, far apart: a contact may be overdamped at two of them only.
 TRIALS: Final = {
@@ -126,8 +127,12 @@ class CheckedContact:
     rule: str = "constant"  #: of the event-driven simulation that the answer is about: "law" if ε depends on the speed
     heated_error: float | None = None  #: of the temperature of an event-driven gas at equal heating power
     sheared_error: float | None = None  #: of the shear stress of event-driven spheres at equal shear rate
-    softening: float | None = None  #: factor of the stiffness with which the error of cooling is 1 %
-    spring: tuple[str, float, float] | None = None  #: name of the stiffness, value, value for an error of 1 %
+    softening: float | None = (
+        None  #: factor of the stiffness with which the error of cooling, with its bar, is 1 %
+    )
+    spring: tuple[str, float, float] | None = (
+        None  #: name of the stiffness, value, and value after this change
+    )
 
 
 def examine(case: Case, speeds: Sequence[float | None], gas: Surroundings) -> list[CheckedContact]:
@@ -243,22 +248,29 @@ def _in_gas(
     exponent = 0.25 * force.powers.elastic + 1.0
     clipped = replace(force, powers=replace(force.powers, attracts=False))
     prolonged = 1.0 - clipped.collision(gas.mean_speed or speed).duration / mean.duration
+    # It is the law of equal grains: others have another collision rate, by about the ratio of their radii.
+    radii = first.radius, second.radius
+    unequal = min(max(radii) / min(radii) - 1.0, 1.0)
+
+    def with_bar(rule: str, tc_nu: float) -> tuple[Expected, float] | None:
+        assert gas.packing_fraction is not None
+        one = expected(rule, gas.dimension, gas.packing_fraction, mean.restitution, force.powers, tc_nu)
+        # Measured for forces that never attract; attraction prolongs the contact.
+        return one and (one, math.hypot(one.bar, one.error * prolonged, one.error * unequal))
+
     usual = usual_rule(force.powers)
     for rule in RULES:
         if rule == "constant" != usual:
             continue  # its error has another cause as well, the ε that depends on the speed
-        one = expected(rule, gas.dimension, gas.packing_fraction, mean.restitution, force.powers, tc_nu)
-        if one is None:
+        if (known := with_bar(rule, tc_nu)) is None:
             continue
-        # Measured for forces that never attract; attraction prolongs the contact.
-        # It is the law of equal grains: others have another collision rate, by about the ratio of their radii.
-        radii = first.radius, second.radius
-        unequal = min(max(radii) / min(radii) - 1.0, 1.0)
-        found[rule] = one.error
-        found[f"{rule}±"] = math.hypot(one.bar, one.error * prolonged, one.error * unequal)
+        found[rule], found[f"{rule}±"] = known[0].error, known[1]
         if rule == usual:
-            found |= {"heated_error": one.heated, "sheared_error": one.sheared}
-            found["softening"] = (tc_nu / one.largest_tc_nu) ** exponent
+            found |= {"heated_error": known[0].heated, "sheared_error": known[0].sheared}
+    within = min(tc_nu, MEASURED_TC_NU)  # up to which error and bar are in proportion to t_c ν
+    if (known := with_bar(usual, within)) is not None:
+        largest = within * ACCEPTED / (abs(known[0].error) + known[1])
+        found["softening"] = (tc_nu / min(largest, MEASURED_TC_NU)) ** exponent
     return found
 
 

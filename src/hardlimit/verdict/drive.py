@@ -19,11 +19,13 @@ from .contacts import Case, restitution_of
 STEPS: Final = 40
 #: Restitution below which kinetic theory of shear is not used.
 LEAST_IN_SHEAR: Final = 0.5
+#: 1 − ε below which grains count as elastic: more than the rounding error of a computed ε.
+ELASTIC: Final = 1e-10
 
 
 @dataclass(frozen=True)
 class Drive:
-    """What keeps a gas in motion: a heating power of each grain, a shear rate, or Andersen's bath."""
+    """What keeps a gas in motion: a heating power of each grain, a shear rate, Andersen's bath, or shear and power."""
 
     power: float | None = None
     shear_rate: float | None = None
@@ -36,6 +38,8 @@ class Drive:
 
     def words(self, plain: bool) -> str:
         """What supplies the energy."""
+        if self.power is not None and self.shear_rate is not None:
+            return "shear and a thermostat"
         if self.power is not None:
             return f"a power of {digits(self.power, 3) if plain else quantity(self.power, 'W', 3)} for each grain"
         if self.shear_rate is not None:
@@ -79,7 +83,7 @@ class Drive:
                 return None
             restitution = restitution_of(case, speed)
             least = LEAST_IN_SHEAR if self.shear_rate is not None else 0.0
-            if not (restitution < 1.0 or self.bath) or restitution < least:
+            if (restitution > 1.0 - ELASTIC and self.bath is None) or restitution < least:
                 return None
             if abs(speed - before) <= 1e-12 * speed:
                 break
@@ -93,6 +97,8 @@ class Drive:
             return f"kinetic theory is that of a fluid, up to a packing fraction of {FLUID[dimension]:g}"
         if self.shear_rate is not None and dimension == 2:
             return "kinetic theory of shear is that of spheres"
+        if self.shear_rate is not None and self.power is not None:
+            return "kinetic theory of shear has no thermostat"
         return ""
 
 
@@ -110,12 +116,10 @@ def checked_drive(power: float | None, shear_rate: float | None, speeds: tuple[f
 
 
 def of_system(system: ParticleSystem) -> Drive | None:
-    """The drive of a system; None without shear and thermostat, and with both."""
+    """The drive of a system; None without shear and thermostat."""
     thermostat = system.thermostat
-    if system.shear_rate != 0.0:
-        return Drive(shear_rate=abs(system.shear_rate)) if thermostat is None else None
-    if isinstance(thermostat, RandomKicks):
-        return Drive(power=thermostat.power / system.n)
     if isinstance(thermostat, Andersen):
         return Drive(bath=(thermostat.temperature, thermostat.rate))
-    return None
+    power = thermostat.power / system.n if isinstance(thermostat, RandomKicks) else None
+    shear_rate = abs(system.shear_rate) if system.shear_rate != 0.0 else None
+    return None if power is None and shear_rate is None else Drive(power, shear_rate)

@@ -27,12 +27,11 @@ OTHER_POWERS: Final = 0.1
 
 
 class Expected(NamedTuple):
-    """Relative error of the rate of cooling, its error bar, the largest t_c ν with an error of 1 %, the error of the
-    temperature of a heated gas, and that of the stress of a sheared one, None if unknown."""
+    """Relative error of the rate of cooling, its error bar, the error of the temperature of a heated gas, and that of
+    the stress of a sheared one, None if unknown."""
 
     error: float
     bar: float
-    largest_tc_nu: float
     heated: float
     sheared: float | None
 
@@ -45,27 +44,25 @@ def expected(
         return None
     given = (powers.elastic, powers.damping)
     nearest = given if given in SAME_POWERS else {4: (4, 0), 6: (6, 1)}[powers.elastic]
-    law, limit = _law(rule, dimension, packing_fraction, restitution, nearest)
+    law = _law(rule, dimension, packing_fraction, restitution, nearest)
     error, bar = law.error(tc_nu), law.error_bar(tc_nu)
     if nearest != given:
         bar = math.hypot(bar, OTHER_POWERS * error)
     sheared = math.nan if law.no_shear() else law.sheared_errors(tc_nu).stress
-    return Expected(error, bar, limit, law.heated_error(tc_nu), None if math.isnan(sheared) else sheared)
+    return Expected(error, bar, law.heated_error(tc_nu), None if math.isnan(sheared) else sheared)
 
 
 @cache
 def _law(
     rule: str, dimension: int, packing_fraction: float, restitution: float, powers: tuple[int, int]
-) -> tuple[ErrorLaw, float]:
-    """The law of the error, and the largest t_c ν that it accepts."""
-    found = error_law(
+) -> ErrorLaw:
+    return error_law(
         packing_fraction=packing_fraction,
         restitution=restitution,
         dimension=dimension,
         rule=rule,
         law=SAME_POWERS[powers],
     )
-    return found, found.largest_tc_nu(ACCEPTED)
 
 
 def checked_packing_fraction(value: float, dimension: int) -> float:
