@@ -451,6 +451,15 @@ def test_explore_serves(options: tuple[str, ...], page: str) -> None:
         (["sweep", *MAP, "--out", "map.csv"], "--out: got 'map.csv', must end in .nc or .zarr"),
         (["sweep", *MAP, "--resume"], "--resume: must be given with --out"),
         (["sweep", *MAP, "--height", "0.5,0.6", "--plot", "a.png"], "must be one or two"),
+        (
+            ["sweep", *MAP, "--height", "0.5,0.6", "--difference", "a.png"],
+            "--difference: got 3 swept parameters",
+        ),
+        (
+            ["sweep", "--gap", "0,1", "--difference", "a.png"],
+            "--difference: got 1 swept parameter, must be two",
+        ),
+        (["sweep", *MAP, "--variable", "rebound_height", "--plot", "a.png"], "--plot: got rebound_height"),
         (["explore", "--port", "lots"], "--port"),
         (["jump"], "jump"),
     ],

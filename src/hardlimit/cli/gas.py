@@ -184,7 +184,7 @@ def resumed(file: str | None, checkpoint: str, given: dict[str, Any]) -> tuple[A
     until = end["until"] if any(value is not None for value in end.values()) else run.schedule.until
     refuse_frames_without_end(outputs, until)
     for name in FRAMES:
-        if outputs[name] is not None and not run.takes_samples(until):
+        if outputs[name] is not None and until is not None and not run.takes_samples(until):
             raise ValueError(
                 f"--{name}: must be left out: {checkpoint} is at the end of its run, no frame follows"
             )

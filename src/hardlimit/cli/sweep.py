@@ -22,7 +22,7 @@ from ..support.progress import bar
 from ..sweep import ENGINES, VARIABLES
 from ..sweep import sweep as compute
 from ..sweep.parameters import contact_name, geometry
-from ..sweep.variables import BALL
+from ..sweep.variables import BALL, OF_BALL
 from .job import Entry, changed, entry_options, table_of
 from .options import (
     LAW_PARAMETERS,
@@ -211,14 +211,34 @@ def make_job(file: str | None, resume: bool, given: dict[str, Any]) -> Job:
         raise ValueError("axes: got none, must be at least one, such as --restitution 0.4:1:100")
     pictures = {name: picture(name, settings.pop(name, None)) for name in ("plot", "difference")}
     dimensions = sum(1 for value in swept.values() if np.ndim(value))
-    if any(pictures.values()) and dimensions > 2:
-        raise ValueError(f"--plot: got {dimensions} swept parameters, must be one or two to be drawn")
+    check_pictures(
+        pictures, dimensions, len(column.balls), np.ravel(settings.get("variables", "n_contacts"))[0]
+    )
     out = checked_output(settings.pop("out", None), resume)
     if "variables" in settings:
         wanted = settings["variables"]
         wanted = (wanted,) if isinstance(wanted, str) else tuple(wanted)
         settings["variables"] = (*wanted, "relative_velocity") if pictures["difference"] else wanted
     return Job(column, swept, settings, out, pictures)
+
+
+def check_pictures(pictures: dict[str, Path | None], dimensions: int, balls: int, variable: str) -> None:
+    """Refuse pictures that cannot be drawn, before the map is computed."""
+    got = f"got {dimensions} swept parameter{'s' * (dimensions != 1)}"
+    if pictures["plot"]:
+        if dimensions > 2:
+            raise ValueError(f"--plot: {got}, must be one or two to be drawn")
+        if variable in OF_BALL:
+            raise ValueError(
+                f"--plot: got {variable}, must be left out for a variable with one value per ball"
+            )
+    if pictures["difference"]:
+        if dimensions != 2:
+            raise ValueError(f"--difference: {got}, must be two for a map")
+        if balls != 2:
+            raise ValueError(
+                f"--difference: got {balls} balls, must be 2: it is that of their relative velocity"
+            )
 
 
 def _axes(name: str, content: Any, balls: int) -> dict[str, Any]:
