@@ -179,12 +179,7 @@ int gas_start() {
     const box::System s = system_given();
     if (box::validate(s).kind != box::Fault::none) return no_such_start;
     hl::Stop never;
-    if (s.box.falls())
-        gas().world[0] = std::make_unique<box::HardSpheres<2, box::Motion::falling, false>>(s, choice, true,
-                                                                                            kernels, never);
-    else
-        gas().world[0] = std::make_unique<box::HardSpheres<2, box::Motion::straight, false>>(s, choice, true,
-                                                                                             kernels, never);
+    gas().world[0] = std::make_unique<box::HardSpheres<2, false>>(s, choice, true, kernels, never);
     gas().world[1] =
         std::make_unique<box::NewtonEvents<Law>>(box::NewtonSetting(s, law_given(), true), s, kernels);
     return none;

@@ -169,8 +169,8 @@ HL_FN_APART_ON_GPU Mode<R> pair_mode(const Groups<R>& s, R square, R other, bool
     const Complex<R> p1 = pull<R>(s.c1, l), p2 = pull<R>(s.c2, l);
     const Complex<R> one = {broadcast<R>(1.0), R{}}, two = {broadcast<R>(2.0), R{}};
     const Complex<R> first = l2 + scaled<R>(s.a1, p1), second = l2 + p2;
-    // Each eigenvector satisfies two equivalent equations. One tends to 0/0 as the coupling a2 vanishes, since the faster
-    // mode becomes that of the stiffer contact: of the pair if a1 < 1, else of the floor.
+    // Each eigenvector satisfies two equivalent equations. One tends to 0/0 as the coupling a2 vanishes, since the
+    // faster mode becomes that of the stiffer contact: of the pair if a1 < 1, else of the floor.
     const Mask<R> of_pair = fast ? s.a1 <= 1.0 : s.a1 > 1.0;
     const Complex<R> by1 = scaled<R>(s.a1, p1), by2 = scaled<R>(s.a2, p2);
     mode.shape = choose<R>(of_pair, by2, second) / choose<R>(of_pair, first, by1);

@@ -73,27 +73,21 @@ enum class Motion {
 };
 
 // Position [m] and velocity [m/s] along axis k, a time `after` [s] after the last collision.
-template <Motion motion, int d>
+template <int d>
 double position_after(const Particle<d>& p, int k, double after, const Box& box) {
-    if constexpr (motion == Motion::falling)
-        return p.position[k] + after * (p.velocity[k] + (0.5 * box.gravity[k]) * after);
-    else
-        return p.position[k] + after * p.velocity[k];
+    return p.position[k] + after * (p.velocity[k] + (0.5 * box.gravity[k]) * after);
 }
-template <Motion motion, int d>
+template <int d>
 double velocity_after(const Particle<d>& p, int k, double after, const Box& box) {
-    if constexpr (motion == Motion::falling)
-        return p.velocity[k] + box.gravity[k] * after;
-    else
-        return p.velocity[k];
+    return p.velocity[k] + box.gravity[k] * after;
 }
 
-template <Motion motion, int d>
+template <int d>
 void advance(Particle<d>& p, double time, const Box& box) {
     const double after = time - p.time;
     for (int k = 0; k < d; ++k) {
-        p.position[k] = position_after<motion>(p, k, after, box);
-        p.velocity[k] = velocity_after<motion>(p, k, after, box);
+        p.position[k] = position_after(p, k, after, box);
+        p.velocity[k] = velocity_after(p, k, after, box);
     }
     p.time = time;
 }

@@ -35,7 +35,7 @@ struct Growth {
     double at(double time) const { return start + rate * time; }
 };
 
-template <int d, Motion motion, bool mixed>
+template <int d, bool mixed>
 class HardSpheres final : public Engine {
 public:
     // The engine must not be used if `stop` interrupted the prediction of the first events.
@@ -88,6 +88,7 @@ private:
     RuleChoice choice_;
     std::unique_ptr<Rule> rule_;
     Growth growth_{};
+    Motion motion_ = Motion::straight;
     bool keep_log_ = false;
     double mass_ = 0.0;  // of each particle, unless mixed [kg]
     double smallest_radius_ = 0.0, largest_radius_ = 0.0;
@@ -123,9 +124,8 @@ private:
     DeepestImpact deepest_;    // if there is a law
     bool prefetches_ = false;  // whether the system is larger than the caches
 
-    static const hardlimit_abi::TouchKernels::Of& kernels_of(const hardlimit_abi::TouchKernels& kernels) {
-        return kernels.of[d - 2][static_cast<int>(motion)];
-    }
+    bool falls() const { return motion_ == Motion::falling; }
+    bool grows() const { return motion_ == Motion::growing; }
     u32 size32() const { return static_cast<u32>(particles_.size()); }
     double mass(u32 i) const {
         if constexpr (mixed) return masses_[i];
@@ -182,6 +182,7 @@ private:
     void fill_cells();
     void tilt_cells();
     void set_rule(const RuleChoice& choice);
+    void set_motion(const hardlimit_abi::TouchKernels& kernels);
     void predict_all(Stop& stop);
     void rebuild_queue();
     void sort_along_cells();
@@ -224,7 +225,7 @@ private:
     void collide_with_wall(u32 i, const Wall& wall);
     bool meets_wall(u32 i, const Wall& wall) const;
     void collide(u32 i, u32 j);
-    void advance_to_now(u32 i) { boxes::advance<motion>(particles_[i], now_, box_); }
+    void advance_to_now(u32 i) { boxes::advance(particles_[i], now_, box_); }
     double to_nearest_image(u32 i, u32 j, double (&r)[d]) const;
     void rebound(u32 i, u32 j, const double (&r)[d], const double (&v)[d], double distance, double speed,
                  double image_velocity, std::array<double, 2> waited);
@@ -252,12 +253,11 @@ private:
 // Type of the engine, stored at the start of a checkpoint.
 struct Kind {
     int dimension;
-    Motion motion;
     bool mixed;
 };
 
-template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::advance(double until, u64 most_work, int /*threads*/, Stop& stop) {
+template <int d, bool mixed>
+void HardSpheres<d, mixed>::advance(double until, u64 most_work, int /*threads*/, Stop& stop) {
     const u64 done = accumulators_.collisions(), last = most_work > ~done ? ~u64{0} : done + most_work;
     paused_ = false;
     while (outcome_ == Outcome::ok) {
@@ -293,8 +293,8 @@ void HardSpheres<d, motion, mixed>::advance(double until, u64 most_work, int /*t
 
 // The time of a particle's last collision, which rules need, is kept: its path is extrapolated back from now to that
 // time with the new velocity. Under the rule soft, a pair whose contact is over may collide again.
-template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::set_velocities(const double* velocity) {
+template <int d, bool mixed>
+void HardSpheres<d, mixed>::set_velocities(const double* velocity) {
     for (u32 i = 0; i < size32(); ++i) {
         Particle<d>& p = particles_[i];
         const double time = p.time;
@@ -304,7 +304,7 @@ void HardSpheres<d, motion, mixed>::set_velocities(const double* velocity) {
             p.velocity[k] = velocity[std::size_t{original_index_[i]} * d + static_cast<std::size_t>(k)] -
                             image.velocity[k];
         fastest_ = math::max(fastest_, frame_speed(p.velocity));
-        boxes::advance<motion>(p, time, box_);
+        boxes::advance(p, time, box_);
         if (takes_time_ && last_contacts_[i].until <= now_) last_contacts_[i].partner = no_particle;
     }
     refresh_accumulators();
@@ -313,16 +313,16 @@ void HardSpheres<d, motion, mixed>::set_velocities(const double* velocity) {
     rebuild_queue();
 }
 
-template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::state(double* position, double* velocity) const {
+template <int d, bool mixed>
+void HardSpheres<d, mixed>::state(double* position, double* velocity) const {
     for (u32 i = 0; i < size32(); ++i) {
         const Particle<d>& p = particles_[i];
         const ImageMotion image = box_.image(image_flags_[i], now_);
         for (int k = 0; k < d; ++k) {
             const std::size_t at = std::size_t{original_index_[i]} * d + static_cast<std::size_t>(k);
             const double after = now_ - p.time;
-            position[at] = position_after<motion>(p, k, after, box_) + image.shift[k];
-            velocity[at] = velocity_after<motion>(p, k, after, box_) + image.velocity[k];
+            position[at] = position_after(p, k, after, box_) + image.shift[k];
+            velocity[at] = velocity_after(p, k, after, box_) + image.velocity[k];
         }
     }
 }

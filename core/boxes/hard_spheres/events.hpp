@@ -4,8 +4,8 @@
 
 namespace hardlimit::boxes {
 
-template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::process_event(u32 i) {
+template <int d, bool mixed>
+void HardSpheres<d, mixed>::process_event(u32 i) {
     const PendingEvents& e = pending_[i];
     if (e.pair_time <= e.own_time) {
         if (collisions(e.partner) == e.partner_count)
@@ -22,8 +22,8 @@ void HardSpheres<d, motion, mixed>::process_event(u32 i) {
 
 // Moves a particle from cell `at` to the next one, and predicts its collisions in the cells that have become
 // neighbours: those of its own grid, and of coarser grids in which it has changed its cell as well.
-template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::leave_cell(u32 i, Place<d> at) {
+template <int d, bool mixed>
+void HardSpheres<d, mixed>::leave_cell(u32 i, Place<d> at) {
     PendingEvents& e = pending_[i];
     Particle<d>& p = particles_[i];
     const SelfEvent own = static_cast<SelfEvent>(e.own);
@@ -62,13 +62,13 @@ void HardSpheres<d, motion, mixed>::leave_cell(u32 i, Place<d> at) {
 
 // Moves a particle that leaves a sheared box through the far side (step 1) or that at 0 (−1) to its image in the box.
 // The boundary does the work by which its kinetic energy changes.
-template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::cross_sheared_side(u32 i, int step) {
+template <int d, bool mixed>
+void HardSpheres<d, mixed>::cross_sheared_side(u32 i, int step) {
     Particle<d>& p = particles_[i];
     accumulators_.advance(now_);
     const double after = now_ - p.time;
     double before[d], crossed[d];
-    for (int k = 0; k < d; ++k) before[k] = crossed[k] = velocity_after<motion>(p, k, after, box_);
+    for (int k = 0; k < d; ++k) before[k] = crossed[k] = velocity_after(p, k, after, box_);
     box_.wrap(p.position, p.velocity, image_flags_[i], box_.gradient, step, p.time);
     crossed[0] = p.velocity[0];
     accumulators_.sums.change(mass(i), before, crossed);
@@ -77,11 +77,11 @@ void HardSpheres<d, motion, mixed>::cross_sheared_side(u32 i, int step) {
 }
 
 // Wraps a particle along the first axis of a box, whose columns of cells may be tilted. Returns its cell.
-template <int d, Motion motion, bool mixed>
-u32 HardSpheres<d, motion, mixed>::fold_into_column(u32 i) {
+template <int d, bool mixed>
+u32 HardSpheres<d, mixed>::fold_into_column(u32 i) {
     Particle<d>& p = particles_[i];
     double now[d];
-    for (int k = 0; k < d; ++k) now[k] = position_after<motion>(p, k, now_ - p.time, box_);
+    for (int k = 0; k < d; ++k) now[k] = position_after(p, k, now_ - p.time, box_);
     const int turns = box_.is_sheared() ? box_.turns(cells_.along(now, now_), 0) : 0;
     if (turns != 0) {
         box_.wrap(p.position, p.velocity, image_flags_[i], 0, turns, p.time);
@@ -90,19 +90,19 @@ u32 HardSpheres<d, motion, mixed>::fold_into_column(u32 i) {
     return cells_.number(level(i), cells_.place_of(level(i), now, now_));
 }
 
-template <int d, Motion motion, bool mixed>
-bool HardSpheres<d, motion, mixed>::meets_wall(u32 i, const Wall& wall) const {
+template <int d, bool mixed>
+bool HardSpheres<d, mixed>::meets_wall(u32 i, const Wall& wall) const {
     const Particle<d>& p = particles_[i];
     const int axis = wall.id.axis();
-    const double x = position_after<motion>(p, axis, now_ - p.time, box_);
-    const double v = velocity_after<motion>(p, axis, now_ - p.time, box_);
+    const double x = position_after(p, axis, now_ - p.time, box_);
+    const double v = velocity_after(p, axis, now_ - p.time, box_);
     return meets_oscillating_wall(wall, now_, x, v, box_.gravity[axis], radius(i));
 }
 
 // Collision with a wall, in the frame of the wall. A particle that arrives at zero speed rests there if gravity and the
 // acceleration of the wall press it on the wall.
-template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::collide_with_wall(u32 i, const Wall& wall) {
+template <int d, bool mixed>
+void HardSpheres<d, mixed>::collide_with_wall(u32 i, const Wall& wall) {
     if (wall.motion.oscillates() && !meets_wall(i, wall)) [[unlikely]] {
         predict_self_event(i, cells_.place(level(i), pending_[i].cell));
         return schedule(i);
@@ -111,19 +111,19 @@ void HardSpheres<d, motion, mixed>::collide_with_wall(u32 i, const Wall& wall) {
     const int axis = wall.id.axis();
     const double away = wall.inward(), waited = now_ - p.time;
     advance_to_now(i);
-    if (motion != Motion::growing) accumulators_.advance(now_);
+    if (!grows()) accumulators_.advance(now_);
     double velocity[d];
     std::copy_n(p.velocity, d, velocity);
     const double place = wall.position(now_) + away * (radius(i) * growth_.at(now_));
     const double moved = place - p.position[axis];  // nonzero by rounding, or if a soft contact was cut short
     p.position[axis] = place;
-    if (motion == Motion::falling) accumulators_.sums.add_potential(-mass(i) * box_.gravity[axis] * moved);
+    if (falls()) accumulators_.sums.add_potential(-mass(i) * box_.gravity[axis] * moved);
     const double before = p.velocity[axis], speed = math::abs(before - wall.velocity(now_));
     if (takes_time_) {
         accumulators_.dissipated.add(mass(i) * box_.gravity[axis] * moved);
         accumulators_.wall_energy[wall.id.index()].add(mass(i) * box_.gravity[axis] * moved);
     }
-    if constexpr (motion == Motion::growing) {
+    if (grows()) {
         velocity[axis] = away * math::max(speed, separation_of_growing * radius(i) * growth_.rate);
         set_velocity(i, velocity);
         ++accumulators_.walls;
@@ -153,8 +153,8 @@ void HardSpheres<d, motion, mixed>::collide_with_wall(u32 i, const Wall& wall) {
 }
 
 // Vector from i to the image of j that i touches. Returns the velocity of this image along the first axis [m/s].
-template <int d, Motion motion, bool mixed>
-double HardSpheres<d, motion, mixed>::to_nearest_image(u32 i, u32 j, double (&r)[d]) const {
+template <int d, bool mixed>
+double HardSpheres<d, mixed>::to_nearest_image(u32 i, u32 j, double (&r)[d]) const {
     const Particle<d>&p = particles_[i], &q = particles_[j];
     for (int k = 0; k < d; ++k) r[k] = q.position[k] - p.position[k];
     const double image_velocity = box_.to_nearest_layer(r, now_);
@@ -170,24 +170,24 @@ double HardSpheres<d, motion, mixed>::to_nearest_image(u32 i, u32 j, double (&r)
     return image_velocity;
 }
 
-template <int d, Motion motion, bool mixed>
-Rebound HardSpheres<d, motion, mixed>::rebound_of(const Impact& impact) {
+template <int d, bool mixed>
+Rebound HardSpheres<d, mixed>::rebound_of(const Impact& impact) {
     const Rebound rebound = rule_->rebound(impact, deepest_);
     accumulators_.elastic_by_tc += rebound.elastic_by_tc;
     return rebound;
 }
 
-template <int d, Motion motion, bool mixed>
-PairGeometry HardSpheres<d, motion, mixed>::geometry(u32 i, u32 j) const {
+template <int d, bool mixed>
+PairGeometry HardSpheres<d, mixed>::geometry(u32 i, u32 j) const {
     if constexpr (mixed) return {effective(mass(i), mass(j)), effective(radius(i), radius(j))};
     return {0.5 * mass_, 0.5 * largest_radius_};
 }
 
 // Logs a collision of i, before it is counted, and ends the run if it is part of a collapse. second: the other
 // particle, or the number of a wall.
-template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::record(u32 i, i64 second, double speed, double separation_speed,
-                                           double lost, double waited) {
+template <int d, bool mixed>
+void HardSpheres<d, mixed>::record(u32 i, i64 second, double speed, double separation_speed, double lost,
+                                   double waited) {
     if (lost != 0.0) accumulators_.dissipated.add(lost);
     const auto index = [this](u32 id) { return original_index_[id]; };
     if (keep_log_) {
@@ -203,16 +203,16 @@ void HardSpheres<d, motion, mixed>::record(u32 i, i64 second, double speed, doub
 }
 
 // Original indices of a particle and its partner; a wall keeps its number.
-template <int d, Motion motion, bool mixed>
-std::pair<i64, i64> HardSpheres<d, motion, mixed>::original_pair(u32 i, i64 second) const {
+template <int d, bool mixed>
+std::pair<i64, i64> HardSpheres<d, mixed>::original_pair(u32 i, i64 second) const {
     const i64 a = original_index_[i];
     if (second < 0) return {a, second};
     return std::minmax({a, i64{original_index_[static_cast<u32>(second)]}});
 }
 
 // Ends the run at a collision.
-template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::end_run(Outcome outcome, u32 i, i64 second) {
+template <int d, bool mixed>
+void HardSpheres<d, mixed>::end_run(Outcome outcome, u32 i, i64 second) {
     const auto [first, last] = original_pair(i, second);
     outcome_ = outcome;
     early_end_ = {now_, {first}, WallId::of(last)};
@@ -220,28 +220,28 @@ void HardSpheres<d, motion, mixed>::end_run(Outcome outcome, u32 i, i64 second) 
 }
 
 // The same for a collision without a result: it is logged, and the velocities do not change.
-template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::end_unsolved(Outcome outcome, u32 i, i64 second, double speed) {
+template <int d, bool mixed>
+void HardSpheres<d, mixed>::end_unsolved(Outcome outcome, u32 i, i64 second, double speed) {
     ++(second < 0 ? accumulators_.walls : accumulators_.pairs);
     record(i, second, speed, math::nan, 0.0, math::infinity);
     end_run(outcome, i, second);
 }
 
-template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::collide(u32 i, u32 j) {
+template <int d, bool mixed>
+void HardSpheres<d, mixed>::collide(u32 i, u32 j) {
     Particle<d>&p = particles_[i], &q = particles_[j];
     const double waited_i = now_ - p.time, waited_j = now_ - q.time;
     advance_to_now(i);
     advance_to_now(j);
-    if (motion != Motion::growing) accumulators_.advance(now_);
+    if (!grows()) accumulators_.advance(now_);
     double r[d], v[d];
     const double image_velocity = to_nearest_image(i, j, r);
     for (int k = 0; k < d; ++k) v[k] = q.velocity[k] - p.velocity[k];
     if (image_velocity != 0.0) v[0] += image_velocity;
     const double square = dot(r, r), distance = math::sqrt(square), speed = -dot(r, v) / distance;
-    if (motion != Motion::growing && !(speed > 0.0)) {  // by rounding: they only touch
+    if (!grows() && !(speed > 0.0)) {  // by rounding: they only touch
         if (takes_time_) last_contacts_[i] = {now_, j}, last_contacts_[j] = {now_, i};
-    } else if (motion != Motion::growing && takes_time_) {
+    } else if (!grows() && takes_time_) {
         contact(i, j, r, v, distance, speed, image_velocity);
     } else {
         rebound(i, j, r, v, distance, speed, image_velocity, std::array{waited_i, waited_j});
@@ -257,10 +257,9 @@ void HardSpheres<d, motion, mixed>::collide(u32 i, u32 j) {
 
 // An instantaneous collision. r: vector from i to j. image_velocity: of the image of j that i touches; a sheared
 // boundary does work on it.
-template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::rebound(u32 i, u32 j, const double (&r)[d], const double (&v)[d],
-                                            double distance, double speed, double image_velocity,
-                                            std::array<double, 2> waited) {
+template <int d, bool mixed>
+void HardSpheres<d, mixed>::rebound(u32 i, u32 j, const double (&r)[d], const double (&v)[d], double distance,
+                                    double speed, double image_velocity, std::array<double, 2> waited) {
     Particle<d>&p = particles_[i], &q = particles_[j];
     const PairGeometry pair = geometry(i, j);
     const double mi = mass(i), mj = mass(j), reduced = pair.effective_mass;
@@ -268,7 +267,7 @@ void HardSpheres<d, motion, mixed>::rebound(u32 i, u32 j, const double (&r)[d], 
     // about the same distance, so that the rounding error of the root would be the same each time, and the energy would
     // drift.
     double gain, lost = 0.0, e = 1.0;
-    if constexpr (motion == Motion::growing) {
+    if (grows()) {
         const double rate = (radius(i) + radius(j)) * growth_.rate;
         gain = (speed + math::max(speed, separation_of_growing * rate)) / distance;
     } else {
@@ -290,15 +289,15 @@ void HardSpheres<d, motion, mixed>::rebound(u32 i, u32 j, const double (&r)[d], 
     set_velocity(i, to_i);
     set_velocity(j, to_j);
     if (image_velocity != 0.0) accumulators_.shear_work.add(-(reduced * gain * r[0]) * image_velocity);
-    if (motion != Motion::growing) record(i, j, speed, e * speed, lost, math::max(waited[0], waited[1]));
+    if (!grows()) record(i, j, speed, e * speed, lost, math::max(waited[0], waited[1]));
     ++accumulators_.pairs;
 }
 
 // Gives a particle another velocity at the instant of its position.
-template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::set_velocity(u32 i, const double (&velocity)[d]) {
+template <int d, bool mixed>
+void HardSpheres<d, mixed>::set_velocity(u32 i, const double (&velocity)[d]) {
     double (&own)[d] = particles_[i].velocity;
-    if (motion != Motion::growing) accumulators_.sums.change(mass(i), own, velocity);
+    if (!grows()) accumulators_.sums.change(mass(i), own, velocity);
     if (box_.is_sheared()) {
         const double flow = box_.mean_flow(particles_[i].position[box_.gradient]);
         double before[d], after[d];
@@ -311,8 +310,8 @@ void HardSpheres<d, motion, mixed>::set_velocity(u32 i, const double (&velocity)
 }
 
 // Updates the bound on the speeds, and refreshes the accumulators when due.
-template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::after_collision(u32 i) {
+template <int d, bool mixed>
+void HardSpheres<d, mixed>::after_collision(u32 i) {
     if (mixed && cells_.levels() > 1) fastest_ = math::max(fastest_, frame_speed(particles_[i].velocity));
     const i64 changes = changes_between_refreshes() - --until_refresh_;
     if (until_refresh_ == 0 || (changes >= size32() && !accumulators_.are_exact())) refresh_accumulators();

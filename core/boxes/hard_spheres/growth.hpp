@@ -199,10 +199,8 @@ private:
         const RuleChoice elastic;
         if constexpr (mixed)
             if (*std::min_element(s_.radius, s_.radius + s_.n) * 2.0 != diameter_)
-                return std::make_unique<HardSpheres<d, Motion::growing, true>>(s_, elastic, false, kernels,
-                                                                               stop, growth);
-        return std::make_unique<HardSpheres<d, Motion::growing, false>>(s_, elastic, false, kernels, stop,
-                                                                        growth);
+                return std::make_unique<HardSpheres<d, true>>(s_, elastic, false, kernels, stop, growth);
+        return std::make_unique<HardSpheres<d, false>>(s_, elastic, false, kernels, stop, growth);
     }
 
     // Grows the radii from one share to another, or until collisions accumulate. Returns the share reached.

@@ -1,4 +1,4 @@
-// Creates or loads the hard-sphere engine for the dimension, gravity, and equal or different particles of a system.
+// Creates or loads the hard-sphere engine for the dimension, and equal or different particles of a system.
 #pragma once
 #include <memory>
 
@@ -6,26 +6,18 @@
 
 namespace hardlimit::boxes {
 
-// Returns f<d, motion, mixed>() for the kind, or nullptr if there is none.
+// Returns f<d, mixed>() for the kind, or nullptr if there is none.
 template <class F>
 std::unique_ptr<Engine> with_kind(const Kind& kind, const F& f) {
-#define HL_KIND(d, motion_, mixed_)                                                    \
-    if (kind.dimension == d && kind.motion == Motion::motion_ && kind.mixed == mixed_) \
-        return f.template operator()<d, Motion::motion_, mixed_>();
-    HL_KIND(2, straight, false)
-    HL_KIND(2, straight, true)
-    HL_KIND(2, falling, false)
-    HL_KIND(2, falling, true)
-    HL_KIND(3, straight, false)
-    HL_KIND(3, straight, true)
-    HL_KIND(3, falling, false)
-    HL_KIND(3, falling, true)
-#undef HL_KIND
+    if (kind.dimension == 2)
+        return kind.mixed ? f.template operator()<2, true>() : f.template operator()<2, false>();
+    if (kind.dimension == 3)
+        return kind.mixed ? f.template operator()<3, true>() : f.template operator()<3, false>();
     return nullptr;
 }
 
 inline Kind kind_of(const System& s) {
-    Kind kind{s.box.dimension, s.box.falls() ? Motion::falling : Motion::straight, false};
+    Kind kind{s.box.dimension, false};
     for (std::size_t i = 1; i < s.n; ++i)
         kind.mixed = kind.mixed || s.radius[i] != s.radius[0] || s.mass[i] != s.mass[0];
     return kind;
@@ -34,8 +26,8 @@ inline Kind kind_of(const System& s) {
 // fault_of(s) must find no fault.
 inline std::unique_ptr<Engine> make_hard_spheres(const System& s, const RuleChoice& rule, bool keep_log,
                                                  const hardlimit_abi::TouchKernels& kernels, Stop& stop) {
-    return with_kind(kind_of(s), [&]<int d, Motion motion, bool mixed>() -> std::unique_ptr<Engine> {
-        return std::make_unique<HardSpheres<d, motion, mixed>>(s, rule, keep_log, kernels, stop);
+    return with_kind(kind_of(s), [&]<int d, bool mixed>() -> std::unique_ptr<Engine> {
+        return std::make_unique<HardSpheres<d, mixed>>(s, rule, keep_log, kernels, stop);
     });
 }
 
@@ -46,8 +38,8 @@ inline std::unique_ptr<Engine> load_hard_spheres(const char* data, std::size_t n
     if (!reader.whole("hard_spheres")) return nullptr;
     Kind kind{};
     reader(kind);
-    auto engine = with_kind(kind, [&]<int d, Motion motion, bool mixed>() -> std::unique_ptr<Engine> {
-        return std::make_unique<HardSpheres<d, motion, mixed>>(reader, kernels);
+    auto engine = with_kind(kind, [&]<int d, bool mixed>() -> std::unique_ptr<Engine> {
+        return std::make_unique<HardSpheres<d, mixed>>(reader, kernels);
     });
     return reader.failed() ? nullptr : std::move(engine);
 }

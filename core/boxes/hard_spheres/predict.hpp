@@ -5,8 +5,8 @@
 namespace hardlimit::boxes {
 
 // Sets the fields that are the same in all queries.
-template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::prepare_query() {
+template <int d, bool mixed>
+void HardSpheres<d, mixed>::prepare_query() {
     query_ = {};
     query_.radius = mixed ? 0.0 : 2.0 * largest_radius_;
     query_.others = mixed ? 1.0 : 0.0;
@@ -20,27 +20,27 @@ void HardSpheres<d, motion, mixed>::prepare_query() {
     }
 }
 
-template <int d, Motion motion, bool mixed>
-auto HardSpheres<d, motion, mixed>::begin_prediction(u32 i, u32 except) -> NextCollision {
+template <int d, bool mixed>
+auto HardSpheres<d, mixed>::begin_prediction(u32 i, u32 except) -> NextCollision {
     const Particle<d>& p = particles_[i];
     query_.now = now_;
     if constexpr (mixed) query_.radius = radius(i);
-    if constexpr (motion == Motion::growing) query_.radius_factor = growth_.at(now_);
+    if (grows()) query_.radius_factor = growth_.at(now_);
     for (int k = 0; k < d; ++k) {
-        query_.position[k] = position_after<motion>(p, k, now_ - p.time, box_);
-        query_.velocity[k] = velocity_after<motion>(p, k, now_ - p.time, box_);
+        query_.position[k] = position_after(p, k, now_ - p.time, box_);
+        query_.velocity[k] = velocity_after(p, k, now_ - p.time, box_);
     }
     return NextCollision{i, except};
 }
 
 // Whether the image of a particle that was just examined touches or overlaps the particle of the query. `nearest`:
 // takes the nearest image.
-template <int d, Motion motion, bool mixed>
-bool HardSpheres<d, motion, mixed>::touches(u32 id, bool nearest) const {
+template <int d, bool mixed>
+bool HardSpheres<d, mixed>::touches(u32 id, bool nearest) const {
     const Particle<d>& p = particles_[id];
     double square = 0.0;
     for (int k = 0; k < d; ++k) {
-        double r = position_after<motion>(p, k, now_ - p.time, box_) + query_.shift[k] - query_.position[k];
+        double r = position_after(p, k, now_ - p.time, box_) + query_.shift[k] - query_.position[k];
         if (nearest) r -= query_.edge[k] * math::round_small(r * query_.per_edge[k]);
         square += r * r;
     }
@@ -50,10 +50,9 @@ bool HardSpheres<d, motion, mixed>::touches(u32 id, bool nearest) const {
 
 // Keeps the earliest collision that a kernel has found among the candidates; among simultaneous ones, that with the
 // lowest original index.
-template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::keep_earliest(NextCollision& next,
-                                                  const hardlimit_abi::EarliestContact& touched,
-                                                  bool nearest) {
+template <int d, bool mixed>
+void HardSpheres<d, mixed>::keep_earliest(NextCollision& next, const hardlimit_abi::EarliestContact& touched,
+                                          bool nearest) {
     if (!(touched.time <= next.in) || touched.time == math::infinity) return;
     if (touched.time < next.in && !touched.several && touched.id != next.except) {
         next.in = touched.time;
@@ -71,25 +70,25 @@ void HardSpheres<d, motion, mixed>::keep_earliest(NextCollision& next,
     }
 }
 
-template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::make_room_for_candidates(std::size_t room) {
+template <int d, bool mixed>
+void HardSpheres<d, mixed>::make_room_for_candidates(std::size_t room) {
     if (times_.size() >= room) return;
     times_.resize(room);
     candidates_.resize(room);
 }
 
 // Predicts collisions with the particles of a block that may reach beyond the sides of the box.
-template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::predict_near(NextCollision& next, int level, const Place<d>& from,
-                                                 const Place<d>& to) {
+template <int d, bool mixed>
+void HardSpheres<d, mixed>::predict_near(NextCollision& next, int level, const Place<d>& from,
+                                         const Place<d>& to) {
     predict_in_block(next, level, from, to);
     if (box_.is_sheared()) predict_beyond_sides(next, level, from, to);
 }
 
 // The same for the parts of the block beyond the sides of a sheared box.
-template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::predict_beyond_sides(NextCollision& next, int level, const Place<d>& from,
-                                                         const Place<d>& to) {
+template <int d, bool mixed>
+void HardSpheres<d, mixed>::predict_beyond_sides(NextCollision& next, int level, const Place<d>& from,
+                                                 const Place<d>& to) {
     for_images_beyond(level, from, to, [&](const Place<d>& low, const Place<d>& high) {
         predict_in_block(next, level, low, high);
     });
@@ -97,10 +96,10 @@ void HardSpheres<d, motion, mixed>::predict_beyond_sides(NextCollision& next, in
 
 // Calls f(from, to) for the parts of a block beyond the sides of a sheared box. Meanwhile, the particle of the query is
 // in the frame of the images there: the relative motion is the same, and the neighbours stay as they are.
-template <int d, Motion motion, bool mixed>
+template <int d, bool mixed>
 template <class F>
-void HardSpheres<d, motion, mixed>::for_images_beyond(int level, const Place<d>& from, const Place<d>& to,
-                                                      const F& f) {
+void HardSpheres<d, mixed>::for_images_beyond(int level, const Place<d>& from, const Place<d>& to,
+                                              const F& f) {
     cells_.for_sheared_parts(box_, level, from, to, now_,
                              [&](const Place<d>& low, const Place<d>& high, const ImageMotion& image) {
                                  const auto query = query_;
@@ -113,9 +112,9 @@ void HardSpheres<d, motion, mixed>::for_images_beyond(int level, const Place<d>&
                              });
 }
 
-template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::predict_in_block(NextCollision& next, int level, const Place<d>& from,
-                                                     const Place<d>& to) {
+template <int d, bool mixed>
+void HardSpheres<d, mixed>::predict_in_block(NextCollision& next, int level, const Place<d>& from,
+                                             const Place<d>& to) {
     if (cells_.grids()[static_cast<std::size_t>(level)].few) return predict_in_images(next, level, from, to);
     make_room_for_candidates(cells_.room());
     hardlimit_abi::CellBlock block;
@@ -126,9 +125,9 @@ void HardSpheres<d, motion, mixed>::predict_in_block(NextCollision& next, int le
 }
 
 // The same for a block that may hold several images of a particle, because the box is small.
-template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::predict_in_images(NextCollision& next, int level, const Place<d>& from,
-                                                      const Place<d>& to) {
+template <int d, bool mixed>
+void HardSpheres<d, mixed>::predict_in_images(NextCollision& next, int level, const Place<d>& from,
+                                              const Place<d>& to) {
     make_room_for_candidates(cells_.room());
     cells_.for_block(box_, level, from, to, [&](u32 cell, const double (&shift)[d]) {
         for (int k = 0; k < d; ++k) query_.shift[k] = shift[k];
@@ -141,8 +140,8 @@ void HardSpheres<d, motion, mixed>::predict_in_images(NextCollision& next, int l
 }
 
 // Stores the collision if it is earlier than the one that is pending.
-template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::store(const NextCollision& next) {
+template <int d, bool mixed>
+void HardSpheres<d, mixed>::store(const NextCollision& next) {
     PendingEvents& e = pending_[next.id];
     const double time = now_ + next.in;
     if (next.partner == no_particle || time > e.pair_time) return;
@@ -154,15 +153,15 @@ void HardSpheres<d, motion, mixed>::store(const NextCollision& next) {
     e.partner_count = collisions(next.partner);
 }
 
-template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::predict(u32 i, u32 except) {
+template <int d, bool mixed>
+void HardSpheres<d, mixed>::predict(u32 i, u32 except) {
     predict_unscheduled(i, except);
     schedule(i);
 }
 
 // Predicts all events of a particle.
-template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::predict_unscheduled(u32 i, u32 except) {
+template <int d, bool mixed>
+void HardSpheres<d, mixed>::predict_unscheduled(u32 i, u32 except) {
     PendingEvents& e = pending_[i];
     const int own = level(i);
     const Place<d> at = cells_.place(own, e.cell);
@@ -179,8 +178,8 @@ void HardSpheres<d, motion, mixed>::predict_unscheduled(u32 i, u32 except) {
 }
 
 // Present speed in a frame that falls with gravity along the periodic axes, where speeds grow without bound.
-template <int d, Motion motion, bool mixed>
-double HardSpheres<d, motion, mixed>::frame_speed(const double* velocity) const {
+template <int d, bool mixed>
+double HardSpheres<d, mixed>::frame_speed(const double* velocity) const {
     double square = 0.0;
     for (int k = 0; k < d; ++k) {
         const double v = velocity[k] - (box_.is_periodic(k) ? box_.gravity[k] * now_ : 0.0);
@@ -190,8 +189,8 @@ double HardSpheres<d, motion, mixed>::frame_speed(const double* velocity) const 
 }
 // Bound on that speed for all particles: between walls a fall is limited by the height of the box. The factor leaves
 // time for moving walls.
-template <int d, Motion motion, bool mixed>
-double HardSpheres<d, motion, mixed>::speed_bound() const {
+template <int d, bool mixed>
+double HardSpheres<d, mixed>::speed_bound() const {
     double square = fastest_ * fastest_;
     for (int k = 0; k < d; ++k)
         if (box_.has_walls(k)) {
@@ -204,8 +203,8 @@ double HardSpheres<d, motion, mixed>::speed_bound() const {
 
 // Predicts collisions with particles of finer grids, which may be many: examines only those that can arrive before the
 // next such search, and sets the time of that search.
-template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::predict_finer(NextCollision& next, int level) {
+template <int d, bool mixed>
+void HardSpheres<d, mixed>::predict_finer(NextCollision& next, int level) {
     double horizon = math::infinity;
     const double speed = frame_speed(query_.velocity) + speed_bound() + math::abs(box_.image_velocity());
     for (int q = 0; q < level; ++q) {
@@ -241,19 +240,19 @@ void HardSpheres<d, motion, mixed>::predict_finer(NextCollision& next, int level
 
 // Time from the last collision of a particle until it touches a wall, found from the present state; `horizon`: the time
 // from which on it does not matter.
-template <int d, Motion motion, bool mixed>
-double HardSpheres<d, motion, mixed>::wall_time(u32 i, const Wall& wall, double horizon) const {
+template <int d, bool mixed>
+double HardSpheres<d, mixed>::wall_time(u32 i, const Wall& wall, double horizon) const {
     const Particle<d>& p = particles_[i];
     const int k = wall.id.axis();
     const double from = wall_blocked_until(i, wall.id), since = from - p.time;
-    const double x = position_after<motion>(p, k, since, box_), v = velocity_after<motion>(p, k, since, box_);
+    const double x = position_after(p, k, since, box_), v = velocity_after(p, k, since, box_);
     return since + wall_contact_time(wall, from, x, v, box_.gravity[k], radius(i), horizon - since);
 }
 
 // Predicts when the particle leaves its cell `at` or meets a wall, whichever comes first. A wall at rest is the face of
 // the outermost cells. A moving wall may be in any cell.
-template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::predict_self_event(u32 i, const Place<d>& at) {
+template <int d, bool mixed>
+void HardSpheres<d, mixed>::predict_self_event(u32 i, const Place<d>& at) {
     PendingEvents& e = pending_[i];
     const Particle<d>& p = particles_[i];
     const int own = level(i);
@@ -273,24 +272,24 @@ void HardSpheres<d, motion, mixed>::predict_self_event(u32 i, const Place<d>& at
         const double low = at[k] * g.edge[k], high = (at[k] + 1) * g.edge[k];
         const bool walls = box_.has_walls(k);
         const bool outermost[2] = {walls && at[k] == 0, walls && at[k] == g.cells[k] - 1};
-        const bool moving = motion != Motion::growing && box_.has_moving_walls(k);
+        const bool moving = !grows() && box_.has_moving_walls(k);
         double lowest = low, highest = high;
         if (moving) [[unlikely]] {
             if (outermost[0]) lowest = -math::infinity;
             if (outermost[1]) highest = math::infinity;
             walls_move = true;
-        } else if (motion != Motion::growing) {
+        } else if (!grows()) {
             if (outermost[0]) lowest = box_.wall(k, false).position(now_) + size;
             if (outermost[1]) highest = box_.wall(k, true).position(now_) - size;
         }
-        if constexpr (motion == Motion::falling) {
+        if (falls()) {
             // Starts now: a face crossed on the way up must not be found again in the past.
             for (const bool upper : {true, false}) {
                 if (moving && outermost[upper]) continue;
                 const bool wall = outermost[upper];
                 const double since = (wall ? wall_blocked_until(i, WallId::at(k, upper)) : now_) - p.time;
-                const double x_then = position_after<motion>(p, k, since, box_);
-                const double v_then = velocity_after<motion>(p, k, since, box_);
+                const double x_then = position_after(p, k, since, box_);
+                const double v_then = velocity_after(p, k, since, box_);
                 const double g_k = box_.gravity[k];
                 consider(since + (upper ? time_below(x_then, v_then, g_k, highest)
                                         : time_below(-x_then, -v_then, -g_k, -lowest)),
@@ -301,7 +300,7 @@ void HardSpheres<d, motion, mixed>::predict_self_event(u32 i, const Place<d>& at
             const bool up = v > 0.0;
             consider(time_to(borders[up] - x, v), k, up, outermost[up]);
         }
-        if (motion == Motion::growing && box_.has_walls(k)) {
+        if (grows() && box_.has_walls(k)) {
             const double touch = size * growth_.at(p.time), rate = size * growth_.rate;
             if (at[k] == 0) consider(time_below(touch - x, rate - v, 0.0), k, false, true);
             if (at[k] == g.cells[k] - 1)
@@ -315,9 +314,8 @@ void HardSpheres<d, motion, mixed>::predict_self_event(u32 i, const Place<d>& at
     if (box_.is_sheared()) {
         const double after = now_ - p.time;
         const int y = box_.gradient;
-        const auto u =
-            cells_.along(position_after<motion>(p, 0, after, box_), position_after<motion>(p, y, after, box_),
-                         p.velocity[0], p.velocity[y], now_);
+        const auto u = cells_.along(position_after(p, 0, after, box_), position_after(p, y, after, box_),
+                                    p.velocity[0], p.velocity[y], now_);
         const Exit leaves = exit_of(u.at, u.rate, u.acceleration, at[0] * g.edge[0], (at[0] + 1) * g.edge[0],
                                     4.0 * math::epsilon * now_);
         consider(after + leaves.time, 0, leaves.high, false);

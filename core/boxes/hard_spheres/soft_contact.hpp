@@ -6,9 +6,9 @@
 namespace hardlimit::boxes {
 
 // Adds one particle's share of a change of the relative velocity and position.
-template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::displace(u32 i, double share, const double (&velocity)[d],
-                                             const double (&shift)[d]) {
+template <int d, bool mixed>
+void HardSpheres<d, mixed>::displace(u32 i, double share, const double (&velocity)[d],
+                                     const double (&shift)[d]) {
     Particle<d>& p = particles_[i];
     double changed[d];
     for (int k = 0; k < d; ++k) {
@@ -25,14 +25,13 @@ void HardSpheres<d, motion, mixed>::displace(u32 i, double share, const double (
         before[0] += moved;
         accumulators_.from_flow.change(mass(i), before, changed);
     }
-    if (motion == Motion::falling)
-        accumulators_.sums.add_potential(-share * mass(i) * dot(accumulators_.gravity, shift));
+    if (falls()) accumulators_.sums.add_potential(-share * mass(i) * dot(accumulators_.gravity, shift));
     update_cell(i);
 }
 
 // Moves a displaced particle to its new cell.
-template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::update_cell(u32 i) {
+template <int d, bool mixed>
+void HardSpheres<d, mixed>::update_cell(u32 i) {
     Particle<d>& p = particles_[i];
     const int first = box_.is_sheared() ? 1 : 0;  // fold_into_column() wraps along the first axis
     for (int k = d - 1; k >= first; --k)
@@ -51,9 +50,9 @@ void HardSpheres<d, motion, mixed>::update_cell(u32 i) {
 }
 
 // Contact of two particles at the instant of touch. r: vector from i to j; v: velocity of j relative to i.
-template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::contact(u32 i, u32 j, const double (&r)[d], const double (&v)[d],
-                                            double distance, double speed, double image_velocity) {
+template <int d, bool mixed>
+void HardSpheres<d, mixed>::contact(u32 i, u32 j, const double (&r)[d], const double (&v)[d], double distance,
+                                    double speed, double image_velocity) {
     double across[d], square = 0.0;
     for (int k = 0; k < d; ++k) {
         across[k] = v[k] + speed / distance * r[k];
@@ -101,8 +100,8 @@ void HardSpheres<d, motion, mixed>::contact(u32 i, u32 j, const double (&r)[d], 
 // contact. speed: of approach. The parabola of the equivalent collision is in the frame of the wall; the flight after
 // the contact is one in the laboratory. An oscillating wall therefore needs the state at the end, extrapolated back
 // there.
-template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::contact_with_wall(u32 i, const Wall& wall, double speed) {
+template <int d, bool mixed>
+void HardSpheres<d, mixed>::contact_with_wall(u32 i, const Wall& wall, double speed) {
     const int axis = wall.id.axis();
     const double away = wall.inward(), m = mass(i), g = box_.gravity[axis];
     const double pressing = -away * (g - wall.acceleration(now_));
@@ -136,8 +135,8 @@ void HardSpheres<d, motion, mixed>::contact_with_wall(u32 i, const Wall& wall, d
 // Stores the contact as the last one of both particles. The pair must not collide again before one of them has another
 // collision, although its equivalent collision may leave it overlapping and approaching. If a particle is hit before
 // its last contact is over, a third body takes part, which the rule does not describe; such contacts are counted.
-template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::remember_contact(u32 i, u32 j, double duration, WallId wall) {
+template <int d, bool mixed>
+void HardSpheres<d, mixed>::remember_contact(u32 i, u32 j, double duration, WallId wall) {
     bool third = now_ < last_contacts_[i].until;
     if (j != no_particle) third = third || now_ < last_contacts_[j].until;
     ++soft_contacts_;
@@ -149,15 +148,15 @@ void HardSpheres<d, motion, mixed>::remember_contact(u32 i, u32 j, double durati
 // Earliest time at which a particle may meet this wall: not before its contact with this wall is over. Until then, the
 // parabola of the equivalent collision may lie behind the wall and lead further into it, if gravity pulls the particle
 // off the wall (a ceiling that it just reaches).
-template <int d, Motion motion, bool mixed>
-double HardSpheres<d, motion, mixed>::wall_blocked_until(u32 i, WallId wall) const {
+template <int d, bool mixed>
+double HardSpheres<d, mixed>::wall_blocked_until(u32 i, WallId wall) const {
     const bool met = !last_contacts_.empty() && last_contacts_[i].wall == wall;
     return met ? math::max(now_, last_contacts_[i].until) : now_;
 }
 
 // The particle with which this one must not collide, or no_particle.
-template <int d, Motion motion, bool mixed>
-u32 HardSpheres<d, motion, mixed>::excluded_partner(u32 i) const {
+template <int d, bool mixed>
+u32 HardSpheres<d, mixed>::excluded_partner(u32 i) const {
     if (last_contacts_.empty()) return no_particle;
     const u32 j = last_contacts_[i].partner;
     return j != no_particle && last_contacts_[j].partner == i ? j : no_particle;

@@ -4,15 +4,15 @@
 
 namespace hardlimit::boxes {
 
-template <int d, Motion motion, bool mixed>
-HardSpheres<d, motion, mixed>::HardSpheres(const System& s, const RuleChoice& rule, bool keep_log,
-                                           const hardlimit_abi::TouchKernels& kernels, Stop& stop,
-                                           Growth growth)
-    : box_(s.box), growth_(growth), keep_log_(keep_log), touch_(kernels_of(kernels)) {
+template <int d, bool mixed>
+HardSpheres<d, mixed>::HardSpheres(const System& s, const RuleChoice& rule, bool keep_log,
+                                   const hardlimit_abi::TouchKernels& kernels, Stop& stop, Growth growth)
+    : box_(s.box), growth_(growth), keep_log_(keep_log) {
     smallest_radius_ = *std::min_element(s.radius, s.radius + s.n);
     largest_radius_ = *std::max_element(s.radius, s.radius + s.n);
     mass_ = s.mass[0];
     set_rule(rule);
+    set_motion(kernels);
     make_cells(s.n);
     columns_ = cells_.columns();
     sort_in(s);
@@ -29,28 +29,28 @@ HardSpheres<d, motion, mixed>::HardSpheres(const System& s, const RuleChoice& ru
     rebuild_queue();
 }
 
-template <int d, Motion motion, bool mixed>
-HardSpheres<d, motion, mixed>::HardSpheres(Reader& saved, const hardlimit_abi::TouchKernels& kernels)
-    : touch_(kernels_of(kernels)) {
+template <int d, bool mixed>
+HardSpheres<d, mixed>::HardSpheres(Reader& saved, const hardlimit_abi::TouchKernels& kernels) {
     archive(saved);
     if (saved.failed()) return;
+    set_motion(kernels);
     make_cells(particles_.size());
     if (box_.is_sheared()) cells_.set_columns(columns_);
     fill_cells();
     rebuild_queue();
 }
 
-template <int d, Motion motion, bool mixed>
-std::vector<char> HardSpheres<d, motion, mixed>::save() const {
+template <int d, bool mixed>
+std::vector<char> HardSpheres<d, mixed>::save() const {
     Writer w("hard_spheres");
-    w(Kind{d, motion, mixed});
+    w(Kind{d, mixed});
     const_cast<HardSpheres*>(this)->archive(w);  // a Writer changes nothing
     return w.finish();
 }
 
-template <int d, Motion motion, bool mixed>
+template <int d, bool mixed>
 template <class Archive>
-void HardSpheres<d, motion, mixed>::archive(Archive& a) {
+void HardSpheres<d, mixed>::archive(Archive& a) {
     a(box_), a(choice_), a(growth_), a(keep_log_), a(mass_), a(smallest_radius_), a(largest_radius_);
     a(particles_), a(pending_), a(image_flags_), a(original_index_), a(masses_), a(rescans_), a(fastest_);
     a(accumulators_), a(until_refresh_), a(now_), a(paused_), a(outcome_), a(log_);
@@ -60,23 +60,29 @@ void HardSpheres<d, motion, mixed>::archive(Archive& a) {
     set_rule(choice_);
 }
 
-template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::set_rule(const RuleChoice& choice) {
+template <int d, bool mixed>
+void HardSpheres<d, mixed>::set_rule(const RuleChoice& choice) {
     choice_ = choice;
     rule_ = make_rule(choice, {mass_, largest_radius_, !mixed});
     takes_time_ = rule_ && rule_->takes_time();
 }
 
-template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::make_cells(std::size_t n) {
+template <int d, bool mixed>
+void HardSpheres<d, mixed>::set_motion(const hardlimit_abi::TouchKernels& kernels) {
+    motion_ = growth_.rate != 0.0 ? Motion::growing : box_.falls() ? Motion::falling : Motion::straight;
+    touch_ = kernels.of[d - 2][static_cast<int>(motion_)];
+}
+
+template <int d, bool mixed>
+void HardSpheres<d, mixed>::make_cells(std::size_t n) {
     cells_ = Cells<d>(box_, n, 2.0 * smallest_radius_, 2.0 * largest_radius_);
     prepare_query();
     prefetches_ = n > most_in_caches;
 }
 
 // Stores the particles sorted by cell, so that neighbours in space are neighbours in memory.
-template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::sort_in(const System& s) {
+template <int d, bool mixed>
+void HardSpheres<d, mixed>::sort_in(const System& s) {
     const u32 n = static_cast<u32>(s.n);
     std::vector<u32> cell(n);
     // Returns by how many edges the position has been moved back along the first axis.
@@ -117,8 +123,8 @@ void HardSpheres<d, motion, mixed>::sort_in(const System& s) {
     }
 }
 
-template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::fill_cells() {
+template <int d, bool mixed>
+void HardSpheres<d, mixed>::fill_cells() {
     cells_.clear();
     for (u32 i = 0; i < size32(); ++i) {
         cells_.insert(pending_[i].cell, i);
@@ -128,8 +134,8 @@ void HardSpheres<d, motion, mixed>::fill_cells() {
 
 // Tilts the columns of cells of a sheared box back, against the flow. All particles get new cells, and all events are
 // predicted again.
-template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::tilt_cells() {
+template <int d, bool mixed>
+void HardSpheres<d, mixed>::tilt_cells() {
     cells_.tilt_back();
     columns_ = cells_.columns();
     for (u32 i = 0; i < size32(); ++i) pending_[i].cell = fold_into_column(i) & (most_cells - 1);
@@ -139,13 +145,13 @@ void HardSpheres<d, motion, mixed>::tilt_cells() {
     rebuild_queue();
 }
 
-template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::predict_all(Stop& stop) {
+template <int d, bool mixed>
+void HardSpheres<d, mixed>::predict_all(Stop& stop) {
     for (u32 i = 0; i < size32() && !stop(); ++i) predict_unscheduled(i, excluded_partner(i));
 }
 
-template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::rebuild_queue() {
+template <int d, bool mixed>
+void HardSpheres<d, mixed>::rebuild_queue() {
     calendar_.rebuild(
         size32(), [this](u32 id) { return event_time(id); }, [this](u32 id) { return original_index_[id]; });
 }
@@ -168,8 +174,8 @@ void permute(Records<T>& records, const std::vector<u32>& from) {
 }
 
 // Sorts the particles by cell again, since neighbours in memory move apart. This affects only the computing time.
-template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::sort_along_cells() {
+template <int d, bool mixed>
+void HardSpheres<d, mixed>::sort_along_cells() {
     next_sort_ = accumulators_.collisions() + collisions_between_sorts * particles_.size();
     const u32 n = size32();
     std::vector<u32> cell(n);
