@@ -133,6 +133,28 @@ test("controls change the setting, and the link gives the same page again", asyn
   await page.waitForFunction(() => window.hardlimit.report()?.setting.seed === 2);
 });
 
+test("of two changes while the worker is busy the last one counts", async (t) => {
+  const page = await open(t, "?n=100&t=0.001");
+  await settled(page);
+  const shown = await page.evaluate(async () => {
+    const { postMessage } = Worker.prototype;
+    let busy = null; // the worker that hears no more
+    Worker.prototype.postMessage = function (...message) {
+      if (message[0].ask?.kind === "start") busy ??= this;
+      if (this !== busy) postMessage.apply(this, message);
+    };
+    const slider = document.getElementById("phi");
+    for (const phi of [0.1, 0.6]) {
+      slider.value = String(phi);
+      slider.dispatchEvent(new Event("input"));
+      await new Promise((done) => setTimeout(done, 400));
+    }
+    while (!window.hardlimit.report()) await new Promise((done) => setTimeout(done, 20));
+    return window.hardlimit.report().setting.phi;
+  });
+  assert.equal(shown, 0.6);
+});
+
 test("examples start a run", async (t) => {
   const page = await open(t, "?n=150", moving);
   for (const id of ["thin", "dense", "collapse", "settling"]) {
