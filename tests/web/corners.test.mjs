@@ -278,6 +278,15 @@ test("entries: what is made of them is said; a plus sign in a link is one", asyn
   assert.match(await page.textContent("#controls"), /Density 840 kg\/m³: stays when R₁ changes, so m₁ follows/);
 });
 
+test("a screen reader hears the present ε of the timeline while that is out of the window", async (t) => {
+  const page = await open(t, "?example=fig2", phone);
+  for (const [example, restitution] of [["fig5", "0.9"], ["fig6", "0.8"]]) {
+    await page.selectOption("#preset", example);
+    await settled(page);
+    assert.equal(await page.getAttribute("#timeline", "aria-valuenow"), restitution);
+  }
+});
+
 test("Space plays from a slider, the theme stays, nothing announces each frame, 320 pixels are enough", async (t) => {
   const page = await open(t, "?example=fig2");
   await page.focus("#restitution");

@@ -423,6 +423,9 @@ test("A beside B, in one link", async (t) => {
   await other.click("#unpin");
   assert.equal(await other.isVisible("#compare"), false);
   await other.waitForFunction(() => ![...new URL(location.href).searchParams.keys()].some((key) => key.startsWith("a.")));
+  const alone = await open(t, "?panel=compare&a.e=0.8");
+  await alone.click("#unpin");
+  assert.match(await alone.innerText("#compare"), /^A beside B\s+No setting is pinned as A\. [^\n]*$/);
   const bad = await open(t, "?a.e=7&a.law=jelly");
   assert.match(await bad.textContent("#notes"), /A: e = 7 is outside/);
 });
