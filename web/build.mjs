@@ -7,7 +7,7 @@ const out = process.argv[2] ?? "../src/hardlimit/explorer/page";
 mkdirSync(out, { recursive: true });
 
 const define = { TABLES: tables(`${out}/core.wasm`) };
-const common = { define, bundle: true, format: "esm", target: "es2022", minify: true, charset: "utf8", legalComments: "none" };
+const common = { define, bundle: true, format: "esm", target: "es2022", minify: true, charset: "utf8", legalComments: "eof" };
 await build({ ...common, entryPoints: ["src/app/main.ts"], outfile: `${out}/main.js` });
 await build({ ...common, entryPoints: ["src/core/first.ts"], format: "iife", outfile: `${out}/first.js` });
 await build({ ...common, entryPoints: ["src/core/worker.ts"], outfile: `${out}/worker.js` });

@@ -146,6 +146,70 @@ test("a long computation shows its progress and is given up", async (t) => {
   assert.deepEqual(await numbers(page), before);
 });
 
+// The next setting is answered in part only, as if the rest took for ever.
+const answerInPart = (page) => page.evaluate(() => {
+  const { postMessage } = Worker.prototype;
+  Worker.prototype.postMessage = function (...message) {
+    if (message[0].kind === "solve") {
+      const hear = this.onmessage;
+      this.onmessage = (event) => event.data.begun && hear.call(this, event);
+      Worker.prototype.postMessage = postMessage;
+    }
+    postMessage.apply(this, message);
+  };
+});
+const enter = async (page, id, value) => {
+  await page.fill(`#${id}-value`, value);
+  await page.press(`#${id}-value`, "Enter");
+};
+
+test("given up: the page says again what it said, and undo goes back from there", async (t) => {
+  const page = await open(t, "?example=fig2");
+  const said = () => page.evaluate(() => [document.getElementById("verdict").textContent, document.getElementById("numbers").textContent, document.getElementById("answer").textContent]);
+  const before = await said();
+  await answerInPart(page);
+  await page.evaluate(() => {
+    for (const [id, value] of [["tolerance", "0.1"], ["restitution-value", "0.5"]]) {
+      const field = document.getElementById(id);
+      field.value = value;
+      field.dispatchEvent(new Event("change"));
+    }
+  });
+  await page.waitForFunction(() => /still being computed/.test(document.getElementById("verdict").textContent));
+  await page.click("#give-up");
+  await settled(page);
+  assert.deepEqual(await said(), before);
+  const { current, tolerance } = await page.evaluate(() => window.hardlimit.report());
+  assert.deepEqual([current, tolerance, await page.inputValue("#tolerance")], [true, 0.01, "0.01"]);
+  await enter(page, "restitution", "0.6");
+  await settled(page);
+  await page.click("#undo");
+  await settled(page);
+  assert.equal(await page.inputValue("#restitution-value"), "0.7");
+});
+
+test("a part of an answer gives way to a larger one", async (t) => {
+  const page = await open(t, "?example=fig2");
+  await answerInPart(page);
+  await goTo(page, "?law=viscoelastic&e=0.5&r=0.05,0.04,0.03,0.02,0.01,0.008&gap=1e-5,1e-5,1e-5,1e-5,1e-5");
+  await page.waitForFunction(() => window.hardlimit.report().setting.balls.length === 6 && document.getElementById("answer").textContent !== "");
+  assert.equal(await page.isVisible("#busy"), true);
+});
+
+test("undo after the browser's Back goes to the setting that Back has shown", async (t) => {
+  const page = await open(t, "?example=fig2");
+  await page.selectOption("#preset", "fig5");
+  await settled(page);
+  await page.goBack();
+  await page.waitForFunction(() => document.getElementById("preset").value === "fig2");
+  await page.waitForTimeout(800); // changes that follow quickly are undone together
+  await enter(page, "restitution", "0.5");
+  await settled(page);
+  await page.click("#undo");
+  await settled(page);
+  assert.equal(await page.inputValue("#preset"), "fig2");
+});
+
 test("maps of several balls say how far they are, and how long they took", async (t) => {
   const page = await open(t, "?example=astro");
   await page.waitForFunction(() => /\d+ % computed/.test(document.getElementById("map-state").textContent));
@@ -212,6 +276,15 @@ test("entries: what is made of them is said; a plus sign in a link is one", asyn
   assert.match(await page.textContent(".said"), /^Mass m₁: “5 furlongs” is not a value in kg; 3\.519 kg stays$/);
   assert.equal(await page.getAttribute("#mass1-value", "aria-invalid"), "true");
   assert.match(await page.textContent("#controls"), /Density 840 kg\/m³: stays when R₁ changes, so m₁ follows/);
+});
+
+test("a screen reader hears the present ε of the timeline while that is out of the window", async (t) => {
+  const page = await open(t, "?example=fig2", phone);
+  for (const [example, restitution] of [["fig5", "0.9"], ["fig6", "0.8"]]) {
+    await page.selectOption("#preset", example);
+    await settled(page);
+    assert.equal(await page.getAttribute("#timeline", "aria-valuenow"), restitution);
+  }
 });
 
 test("Space plays from a slider, the theme stays, nothing announces each frame, 320 pixels are enough", async (t) => {

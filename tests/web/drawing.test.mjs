@@ -6,7 +6,7 @@ import { Canvas, crossings, theme } from "./canvas.mjs";
 import { load, random } from "./modules.mjs";
 import { randomScenario } from "./scenarios.mjs";
 
-const lib = await load("forces", "map_drawing", "plot", "presets", "rebound_plot", "stage", "tale", "timeline");
+const lib = await load("forces", "map_drawing", "plot", "presets", "rebound_plot", "stage", "tale", "timeline", "true_scale");
 const { core } = lib;
 
 // The examples, and random settings that can be computed.
@@ -117,6 +117,17 @@ test("forces and the story’s ruler: every number told to the canvas is finite"
         assert.ok(tale.drawn.some((x) => x.kind === "rect" && x.color === theme.ground && x.x <= number.left && x.x + x.w >= number.right), "a line runs through a number");
     }
   }
+});
+
+test("a cradle at true scale: the numbers of its ruler stand apart, in half a small window too", () => {
+  for (const d of drops.filter((d) => d.scenario.cradle))
+    for (const w of [150, 240, 380, 700]) {
+      const g = new Canvas();
+      lib.drawTrueScale(g, { x: 0, y: 0, w, h: 200 }, d, momentOf(d, d.start), theme, "A");
+      const numbers = g.drawn.filter((x) => x.kind === "text" && x.color === theme.muted && /^[−\d.]+$/.test(x.text));
+      assert.ok(numbers.length > 0);
+      numbers.forEach((x, i) => i > 0 && assert.ok(x.left >= numbers[i - 1].right + 2, `${w} pixels: ${numbers[i - 1].text} ${x.text}`));
+    }
 });
 
 test("rebound heights: names and numbers stand clear of each other, on a telephone too", () => {

@@ -23,7 +23,7 @@ async function load() {
   rmSync(folder, { recursive: true, force: true });
   return modules;
 }
-const { GasCore, Simulation, World, examples, fromQuery, toQuery, ranges, reportOf, rules, usual } = await load();
+const { GasCore, Simulation, World, examples, filmFromQuery, fromQuery, toQuery, percent, ranges, reportOf, rules, usual } = await load();
 const module = new WebAssembly.Module(readFileSync(wasm));
 const python = new Python();
 after(() => python.end());
@@ -109,4 +109,44 @@ test("a link gives its setting again; what is out of range is said", () => {
   const found = fromQuery(new URLSearchParams("phi=2&e=x&n=120.4&rule=none&g=5&walls=0&example=moon&tcnu="), notes);
   assert.deepEqual(found, { ...usual, phi: ranges.phi.high, number: 120, gravity: 5, walls: true });
   assert.equal(notes.length, 7, notes.join(" | "));
+  for (const [query, said, key, value] of [
+    ["n=149.5", "disks: 149.5 is not whole; it is 150.", "number", 150],
+    ["n=1100.5", "disks: 1100.5 is outside 100 to 1000; it is 1000.", "number", 1000],
+    ["walls=false", "walls: “false” is none of 0, 1; it is 0.", "walls", false],
+    ["example=settling&walls=no", "walls: “no” is none of 0, 1; it is 1.", "walls", true],
+  ]) {
+    const notes = [];
+    assert.equal(fromQuery(new URLSearchParams(query), notes)[key], value);
+    assert.deepEqual(notes, [said]);
+  }
+});
+
+test("the film of a link: its speed and its time, and what is neither", () => {
+  for (const [query, film, noted] of [
+    ["", { speed: "1", time: null }, 0], ["speed=4&t=0.01", { speed: "4", time: 0.01 }, 0], ["t=0", { speed: "1", time: 0 }, 0],
+    ["speed=7&t=-5", { speed: "1", time: null }, 2], ["t=abc", { speed: "1", time: null }, 1], ["t=Infinity", { speed: "1", time: null }, 1],
+  ]) {
+    const notes = [];
+    assert.deepEqual(filmFromQuery(new URLSearchParams(query), notes), film);
+    assert.equal(notes.length, noted, `${query}: ${notes}`);
+  }
+});
+
+test("a film that goes on to a time ends there, in steps of any size", () => {
+  for (const steps of [0.25, 1, 4]) {
+    const simulation = new Simulation(new GasCore(module), { ...usual, number: 100, phi: 0.3 });
+    while (simulation.now < 0.00123) while (!simulation.advance(steps, 100, 0.00123));
+    assert.equal(simulation.now, 0.00123);
+    while (!simulation.advance(steps, 100, 0.00123));
+    assert.ok(simulation.now > 0.00123, "and goes on from there");
+  }
+});
+
+test("a share too small to be shown is not said to be 0; sliders end where their range does", () => {
+  assert.deepEqual([0, 6e-6, 1e-4, -0.012, 0.2].map((x) => percent(x).replaceAll("\u00a0", " ")), ["0 %", "less than 0.01 %", "0.01 %", "−1.2 %", "20 %"]);
+  for (const { low, high, step, log } of Object.values(ranges)) {
+    const [from, to] = log ? [Math.log10(low), Math.log10(high)] : [low, high];
+    const last = from + Math.floor((to - from) / step + 1e-9) * step;
+    assert.equal(Number((log ? 10 ** last : last).toPrecision(3)), high);
+  }
 });

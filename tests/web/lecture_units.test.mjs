@@ -232,8 +232,72 @@ test("the TOML file of a setting is that setting, and what cannot be read is ref
   assert.deepEqual([example.constants.stiffness, example.own.stiffness[0], example.gaps[0]], [2.6e4, 2e4, 0.01]);
   const units = lib.fromToml('height = "60 cm"\ngaps = ["0.1 mm"]\n[[balls]]\nradius = "10 cm"\ndensity = 840\n[[balls]]\nradius = 0.01\nmass = "3.5 g"\n[law]\nname = "linear"\nstiffness = 5e7\nrestitution = 0.7\n', []);
   assert.deepEqual([units.height, units.gaps[0], units.balls[0].radius], [0.6, 1e-4, 0.1]);
-  for (const text of ["", "height = 1", "nonsense", "[[balls]]\nradius = 1\n[[balls]]\nradius = 1", "x = [1, y]"])
-    assert.throws(() => lib.fromToml(text, []), (e) => e.message.length > 0 && !e.message.includes("\n"), text);
+});
+
+const ball = (radius, more = "density = 840") => `[[balls]]\nradius = ${radius}\n${more}\n`;
+const law = '[law]\nname = "linear"\nstiffness = 5e7\nrestitution = 0.7\n';
+const file = (top, { balls = ball("0.1") + ball("0.01"), laws = law } = {}) => `${top}\n${balls}${laws}`;
+const drop = "height = 0.6\ngaps = 1e-4";
+const cradle = "cradle = true\nvelocities = [1, 0, 0]";
+const three = ball("0.1").repeat(3);
+
+test("a TOML file that the page cannot show is refused in one line, with what is wrong", () => {
+  for (const [text, said] of [
+    ["", /^balls: got 0, must be 2 to 6/],
+    ["nonsense", /^not valid TOML: .* \(at line 1, column \d+\)$/],
+    [file("height = 0.6\ngaps = [\n  1e-4, # a comment\n]\nx = y"), /^not valid TOML: .* \(at line 5, column 5\)$/],
+    [file(`${drop}\nheight = 0.7`), /^not valid TOML: .* \(at line 3,/],
+    [file(drop, { balls: ball("0.1").replace("[[balls]]", "[balls]") }), /^balls: got .*, must be a list$/],
+    [file("height = 0.6\ngapps = 1e-4"), /^gapps: unknown to this page, must be one of balls, .*gaps/],
+    [file("height = 0.6"), /^gaps: missing, must be a list of 1$/],
+    [file("gaps = 0"), /^height: missing/],
+    [file("height = true\ngaps = 0"), /^height: got true, must be a number in m, or a text with .*cm$/],
+    [file('height = "20 inch"\ngaps = 0'), /^height: got “20 inch”, must be/],
+    [file("height = inf\ngaps = 0"), /^height: got Infinity/],
+    [file("height = 0.6\ngaps = [1e-4, 1e-4]"), /^gaps: got \[0.0001,0.0001\], must be a list of 1$/],
+    [file(drop, { balls: ball("0.1") + ball("0.01", "density = 840\nmass = 1") }), /^balls\[1\]\.density \| mass: got both/],
+    [file(drop, { balls: ball("0.1") + ball("0.01", "") }), /^balls\[1\]\.density \| mass: missing/],
+    [file(drop, { laws: law + law.replace("[law]", "[[laws]]") }), /^law \| laws: got both/],
+    [file(drop, { laws: "" }), /^law \| laws: missing/],
+    [file(drop, { laws: `${law}damping = 3\n` }), /^law\.damping: unknown to this page/],
+    [file(drop, { laws: law.replace("linear", "Linear") }), /^law\.name: got “Linear”, must be one of linear/],
+    [file(drop, { laws: law.replace("restitution = 0.7", "") }), /^law\.restitution: missing/],
+    [file(drop, { laws: law.replace("5e7", '"50 N/mm"') }), /^law\.stiffness: got “50 N\/mm”, must be a number in N\/m/],
+    [file(`${cradle}\nheight = 0.6`, { balls: three }), /^height: got 0\.6, must be left out for a cradle$/],
+    [file(`${cradle}\ngravity = 9.81`, { balls: three }), /^gravity: got 9\.81, must be 0 or left out/],
+  ])
+    assert.throws(() => lib.fromToml(text, []), ({ message }) => said.test(message) && !message.includes("\n"), text);
+});
+
+test("values of a TOML file outside the ranges of the page are moved with a note, and the page's link gives what it shows", () => {
+  const two = law.replace("[law]", "[[laws]]");
+  for (const [text, said] of [
+    [file("height = 600\ngaps = 1e-4"), /^height = 600 is outside 0\.01 … 10: 10 used$/],
+    [file("height = 0.6\ngaps = -1e-4"), /^gaps = -0\.0001 is outside 0 and 1e-8 … 1: 0 used$/],
+    [file("height = 0.6\ngaps = [1e-12]"), /^gaps\[0\] = 1e-12 is outside 0 and 1e-8 … 1: 0 used$/],
+    [file(drop, { balls: ball("0.1") + ball("-0.01") }), /^balls\[1\]\.radius = -0\.01 is outside/],
+    [file(drop, { laws: law.replace("0.7", "1.5") }), /^law\.restitution = 1\.5 is outside 0\.02 … 1: 1 used$/],
+    [file(drop, { laws: law.replace("5e7", "-5e7") }), /^law\.stiffness = -50000000 is outside/],
+    [file(`${drop}\nvelocities = [0, -1]`), /^a drop starts from rest on this page/],
+    [file(`${drop}\ngravity = 1.62`), /^gravity = 1\.62 m\/s² is not 9\.81/],
+    [file(drop, { laws: two + two.replace("0.7", "0.5") }), /^restitution: the contacts differ/],
+    [file(cradle, { balls: three, laws: two + two.replace("5e7", "1e6") }), /^in a cradle all contacts have the same law/],
+    [file(drop), null],
+    [file(drop, { balls: ball("0.1") + ball("0.25", 'mass = "5 g"') }), null],
+    [file('"height" = 0x1\r\ngaps = [\r\n  "0.1 mm", # one\r\n]\r\nlaw = { name = "linear", stiffness = 5e7, restitution = 0.7 }', { laws: "" }), null],
+    [file(`${drop}\nlaw.name = "linear"\nlaw.stiffness = "50 MN/m"\nlaw.restitution = 0.7`, { balls: ball("0.1", 'density = "840 kg/m^3"').repeat(2), laws: "" }), null],
+  ]) {
+    const notes = [];
+    const s = lib.fromToml(text, notes);
+    if (said) assert.match(notes[0], said);
+    assert.equal(notes.length, said ? 1 : 0, `${text}: ${notes}`);
+    const q = new URLSearchParams();
+    lib.toQuery(s, q);
+    const again = lib.paper();
+    lib.fromQuery(again, q, notes);
+    assert.equal(notes.length, said ? 1 : 0, String(notes));
+    assert.deepEqual(again, s, text);
+  }
 });
 
 test("each contact has its own law in the core, the link and the file", () => {

@@ -67,6 +67,13 @@ test("a drop: between its samples the film is the motion", () => {
   }
 });
 
+test("a film of slow balls has no more pictures than can be kept", () => {
+  const scenario = paper();
+  fromQuery(scenario, new URLSearchParams("setup=cradle&u=1e-6,0&gap=1"), []);
+  const d = solve(core, scenario);
+  for (const { samples, known } of [d.newton, d.icm]) assert.ok(samples.times.length < 25_000 && samples.times.at(-1) >= Math.min(known, d.stop));
+});
+
 test("heights after the second bounce are those of the solver", () => {
   const scenario = paper();
   const solved = solve(core, scenario);

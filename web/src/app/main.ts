@@ -116,6 +116,7 @@ class Page {
   // Back to the setting before the last choice of an example.
   private goBack(): void {
     this.readLink();
+    this.past.settle(this.state.scenario);
     this.map.map.setShow(this.state.view.map.show);
     this.fillTolerances();
     this.state.screen = 0;
@@ -201,7 +202,7 @@ class Page {
     this.progress.begin(newton.label);
     root.dataset.busy = "";
     root.toggleAttribute("data-cradle", state.scenario.cradle);
-    this.forgetEarly();
+    clearTimeout(this.early);
     const ask = { scenario: copyOf(state.scenario), tolerance: state.view.tolerance };
     this.desk.put(
       piece<"solve">({
@@ -209,7 +210,9 @@ class Page {
         ask,
         begun: (what, share, known) => {
           this.progress.tell(what, share);
-          if (known) this.early ||= window.setTimeout(() => this.tellNumbers(known), shortly);
+          if (!known) return;
+          clearTimeout(this.early);
+          this.early = window.setTimeout(() => this.tellNumbers(known), shortly);
         },
         done: (result) => this.solved(result),
         failed: (error) => this.solved({ scenario: ask.scenario, reason: `This setting could not be computed: ${error}` }),
@@ -219,7 +222,7 @@ class Page {
   }
 
   private solved(result: Solved | Unsolved): void {
-    this.forgetEarly();
+    clearTimeout(this.early);
     const { state } = this;
     const share = state.drop ? state.screen / state.clock().length : 0;
     if (!this.desk.waits) this.progress.end();
@@ -257,23 +260,23 @@ class Page {
     state.writeLink();
   }
 
-  private forgetEarly(): void {
-    clearTimeout(this.early);
-    this.early = 0;
-  }
-
   // Back to the setting that was solved last.
   private giveUp(): void {
-    this.forgetEarly();
+    clearTimeout(this.early);
     const { state } = this;
     this.desk.giveUp();
     this.progress.end();
     delete root.dataset.busy;
     if (!state.drop) return this.headline.say("Given up. Change a parameter to compute again.", "", "");
     state.scenario = copyOf(state.drop.scenario);
+    state.view.tolerance = state.drop.comparison.tolerance;
+    this.fillTolerances();
     state.dirty.solve = false;
+    this.past.settle(state.scenario);
+    root.toggleAttribute("data-cradle", state.scenario.cradle);
     this.choosePreset(presets.find((p) => queryOf(p.scenario) === queryOf(state.scenario))?.id ?? "");
     this.controls.set(state.scenario, this.about, true);
+    this.show(state.drop);
   }
 
   // Shows what is known so far; while a slider moves, texts and tables are renewed less often.

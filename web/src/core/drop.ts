@@ -192,12 +192,13 @@ function sampleForces(core: Core, d: Solved, contacts: Contact[]): void {
 }
 
 const mostEdges = 3000; // more contacts are closer together than frames
+const mostPictures = 20_000; // of slow balls; the motion between them is interpolated
 
 // Sixty states for each second on the screen, more in contacts that are short on the screen, and both sides of every
 // begin and end.
 function sampleFilm(core: Core, d: Solved): void {
   const clock = new Clock(d.start, d.stop, d.windows);
-  const count = Math.ceil(60 * clock.length);
+  const count = Math.min(Math.ceil(60 * clock.length), mostPictures);
   const even = Array.from({ length: count + 1 }, (_, i) => clock.toPhysical((i / count) * clock.length));
   const inside = Math.max(Math.floor(1200 / Math.max(d.newton.run.contacts.length, 100)), 2);
   for (const [model, t] of [[Model.newton, d.newton], [Model.independent, d.icm]] as const) {

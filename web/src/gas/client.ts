@@ -9,6 +9,7 @@ const patience = 1500; // ms that a new start waits for the worker before it is 
 export class Client {
   private worker: Worker | null = null;
   private id = 0;
+  private starts = 0;
   private readonly waiting = new Map<number, (answer: Answer) => void>();
 
   constructor(private readonly module: Promise<WebAssembly.Module>) {}
@@ -34,8 +35,10 @@ export class Client {
   }
 
   async start(ask: Extract<Ask, { kind: "start" }>): Promise<Extract<Answer, { kind: "start" | "error" }>> {
+    const mine = ++this.starts;
     const answer = this.ask(ask);
     const timer = setTimeout(() => {
+      if (mine !== this.starts) return; // the newest start replaces the worker
       this.worker?.terminate();
       this.worker = null;
       const [, resolve] = [...this.waiting].at(-1) ?? [];

@@ -8,7 +8,7 @@ import { thinned, type Facts } from "./facts";
 import { drawGraph, graphs } from "./graphs";
 import { reportOf, type Report } from "./report";
 import { sentences, milliseconds } from "./sentences";
-import { examples, fromQuery, ranges, rules, toQuery, type Quantity, type Rule, type Setting } from "./setting";
+import { examples, filmFromQuery, fromQuery, ranges, rules, toQuery, type Quantity, type Rule, type Setting } from "./setting";
 import type { FrameOf } from "./simulation";
 import { WorldView, gasTheme, type GasTheme } from "./worlds";
 import type { Answer } from "./worker";
@@ -66,10 +66,10 @@ class Page {
     const q = new URLSearchParams(location.search);
     const notes: string[] = [];
     this.setting = fromQuery(q, notes);
-    this.playing = !q.has("t") && !matchMedia("(prefers-reduced-motion: reduce)").matches;
-    this.until = q.has("t") ? Math.max(Number(q.get("t")), 0) || 0 : this.playing ? 0 : 0.02;
-    const speed = q.get("speed") ?? "1";
-    if (["0.25", "1", "4"].includes(speed)) find<HTMLSelectElement>("speed").value = speed;
+    const { speed, time } = filmFromQuery(q, notes);
+    this.playing = time === null && !matchMedia("(prefers-reduced-motion: reduce)").matches;
+    this.until = time ?? (this.playing ? 0 : 0.02);
+    find<HTMLSelectElement>("speed").value = speed;
     this.note(notes);
   }
 
@@ -142,8 +142,8 @@ class Page {
     find("copy").addEventListener("click", () => void this.copy());
     document.addEventListener("keydown", (e) => {
       const target = e.target as HTMLElement;
-      if (e.ctrlKey || e.metaKey || e.altKey || /^(INPUT|SELECT|BUTTON|TEXTAREA|A)$/.test(target.tagName)) return;
-      const act = { " ": () => this.play(!this.playing), ".": () => this.step(), r: () => this.again() }[e.key];
+      if (e.ctrlKey || e.metaKey || e.altKey || target.closest(e.key === " " ? "input, select, button, a" : "select")) return;
+      const act = { " ": () => this.play(!this.playing), ".": () => this.step(), r: () => this.again() }[e.key.toLowerCase()];
       if (!act) return;
       e.preventDefault();
       act();
@@ -214,10 +214,10 @@ class Page {
     this.facts = { start, messages, samples: [], sample: frame.sample, hard: frame.worlds[0].observed, newton: frame.worlds[1].observed, done: frame.done, atRest: frame.atRest };
     this.take([frame.sample], frame);
     this.showPlaying();
-    this.writeLink();
     this.draw();
     this.tellAll();
     if (this.until > 0 && start.tooSoft === 0) this.advance(1, this.until);
+    else this.writeLink();
   }
 
   private fail(message: string): void {
@@ -240,7 +240,9 @@ class Page {
     this.take(answer.samples, answer.frame);
     this.next = answer.frame;
     if (answer.late) return this.advance(steps, until);
-    if (!this.playing) root.dataset.settled = String(run);
+    if (this.playing) return;
+    this.writeLink();
+    root.dataset.settled = String(run);
   }
 
   private take(samples: FrameOf["sample"][], frame: FrameOf): void {

@@ -20,6 +20,7 @@ interface Case {
 
 export const percent = (x: number): string => {
   const size = Math.abs(100 * x);
+  if (size > 0 && size < 0.005) return "less than 0.01\u00a0%";
   return `${minus(trim((100 * x).toFixed(size >= 9.95 ? 0 : size >= 0.095 || size === 0 ? 1 : 2)))}\u00a0%`;
 };
 export const milliseconds = (x: number): string => `${trim((1e3 * x).toPrecision(3).includes("e") ? String(Math.round(1e3 * x)) : (1e3 * x).toPrecision(3))}\u00a0ms`;

@@ -27,7 +27,7 @@ export const ranges: { [K in "number" | "phi" | "restitution" | "tcNu" | "gravit
   number: { low: 100, high: 1000, step: 50, log: false },
   phi: { low: 0.02, high: 0.7, step: 0.01, log: false },
   restitution: { low: 0.1, high: 1, step: 0.01, log: false },
-  tcNu: { low: 1e-4, high: 0.3, step: 0.02, log: true },
+  tcNu: { low: 1e-4, high: 0.3, step: 0.01998, log: true }, // 174 steps to 0.300
   gravity: { low: 0, high: 20, step: 0.5, log: false },
   seed: { low: 1, high: 1e6, step: 1, log: false },
 };
@@ -64,6 +64,26 @@ export const toQuery = (setting: Setting): URLSearchParams => {
   return q;
 };
 
+// One of the options, as the link says.
+function choice<T extends string>(q: URLSearchParams, notes: string[], key: string, options: readonly T[], fallback: T): T {
+  const text = q.get(key);
+  if (text === null) return fallback;
+  if ((options as readonly string[]).includes(text)) return text as T;
+  notes.push(`${key}: “${text}” is none of ${options.join(", ")}; it is ${fallback}.`);
+  return fallback;
+}
+
+// The film of a link: its speed, and the time [s] at which it stands still; null: none.
+export function filmFromQuery(q: URLSearchParams, notes: string[]): { speed: string; time: number | null } {
+  const speed = choice(q, notes, "speed", ["0.25", "1", "4"], "1");
+  const text = q.get("t");
+  if (text === null) return { speed, time: null };
+  const time = text.trim() === "" ? NaN : Number(text);
+  if (time >= 0 && time < Infinity) return { speed, time };
+  notes.push(`t: “${text}” is no time in seconds; the film begins at the start.`);
+  return { speed, time: null };
+}
+
 // The setting of a link. Adds a note for each value that was changed because it is out of range.
 export function fromQuery(q: URLSearchParams, notes: string[]): Setting {
   const example = examples.find(({ id }) => id === q.get("example"));
@@ -74,20 +94,16 @@ export function fromQuery(q: URLSearchParams, notes: string[]): Setting {
     if (text === null) continue;
     const given = Number(text);
     const { low, high } = ranges[key];
-    const value = Math.min(Math.max(whole.includes(key) ? Math.round(given) : given, low), high);
+    const near = whole.includes(key) ? Math.round(given) : given;
+    const value = Math.min(Math.max(near, low), high);
     if (text.trim() === "" || Number.isNaN(given)) notes.push(`${labels[key]}: “${text}” is no number; it is ${setting[key]}.`);
     else {
-      if (value !== given) notes.push(`${labels[key]}: ${text} is outside ${low} to ${high}; it is ${value}.`);
+      if (value !== given) notes.push(`${labels[key]}: ${text} is ${value === near ? "not whole" : `outside ${low} to ${high}`}; it is ${value}.`);
       setting[key] = value;
     }
   }
-  const rule = q.get(names.rule);
-  if (rule !== null) {
-    if (rules.includes(rule as Rule)) setting.rule = rule as Rule;
-    else notes.push(`There is no rule “${rule}”; it is ${setting.rule}.`);
-  }
-  const walls = q.get(names.walls);
-  if (walls !== null) setting.walls = walls !== "0";
+  setting.rule = choice(q, notes, names.rule, rules, setting.rule);
+  setting.walls = choice(q, notes, names.walls, ["0", "1"], setting.walls ? "1" : "0") === "1";
   if (setting.gravity > 0 && !setting.walls) {
     setting.walls = true;
     notes.push("Gravity needs a floor: the box has walls.");

@@ -142,11 +142,12 @@ export class Simulation {
     return this.time;
   }
 
-  // Advances both worlds by a number of base times, or for so many milliseconds; false if the time was not reached.
+  // Advances both worlds by a number of base times, at most to `until` if that is still to come, or for so many
+  // milliseconds; false if the time was not reached.
   // The film runs faster as the gas cools: by a factor of two for each factor of four in the energy.
-  advance(steps: number, budget: number): boolean {
+  advance(steps: number, budget: number, until = 0): boolean {
     const begin = performance.now();
-    this.target ||= this.time + steps * this.start.base * this.pace;
+    this.target ||= Math.min(this.time + steps * this.start.base * this.pace, until > this.time ? until : Infinity);
     for (const world of [World.hard, World.newton])
       while (!this.core.advance(world, this.target, 500)) if (performance.now() - begin > budget) return false;
     this.time = this.target;

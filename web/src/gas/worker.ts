@@ -36,7 +36,7 @@ function advance(steps: number, until: number): Answer {
   const samples: Sample[] = [];
   let late = false;
   do {
-    if (!simulation.advance(steps, budget)) {
+    if (!simulation.advance(steps, budget, until)) {
       late = true;
       break;
     }

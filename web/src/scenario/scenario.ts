@@ -40,7 +40,7 @@ export const ranges = {
   mass: rangeOf("mass", { low: 1e-6, high: 1e3, log: true }),
   gap: rangeOf("gap", { low: 1e-8, high: 1, log: true, zero: true }),
   velocity: rangeOf("velocity", { low: -5, high: 5, log: false, step: 0.01 }),
-  density: rangeOf("density", { low: 0.1, high: 1e6, log: true }),
+  density: rangeOf("density", { low: 1e-6, high: 1e12, log: true }), // wide enough for every radius and mass
 } satisfies Record<string, Range>;
 
 // A constant of a law on the page: key in a link, label, symbol, slider and the value to start from.
@@ -85,6 +85,13 @@ export const constantsOf = (s: Scenario): string[] => lawOf(s).parameters.map((p
 
 export const clampTo = (r: Range, x: number): number =>
   r.zero && x < r.low ? (x > 0.5 * r.low ? r.low : 0) : Math.min(Math.max(x, r.low), r.high);
+
+// The nearest value in the range; that another one was given is noted.
+export function within(r: Range, name: string, x: number, notes: string[]): number {
+  const kept = clampTo(r, x);
+  if (kept !== x) notes.push(`${name} = ${x} is outside ${r.zero ? "0 and " : ""}${r.low} … ${r.high}: ${kept} used`);
+  return kept;
+}
 
 // Parameter of the law of a contact; contact 0 is that with the floor.
 export const constantAt = (s: Scenario, name: string, contact: number): number => (contact > 0 && !s.cradle ? s.own[name]?.[contact - 1] : undefined) ?? s.constants[name];
@@ -204,9 +211,7 @@ export function fromQuery(s: Scenario, q: URLSearchParams, notes: string[]): voi
       notes.push(`${key} = “${text.slice(0, 20)}” is not a number: ${fallback} used`);
       return fallback;
     }
-    const kept = clampTo(r, x);
-    if (kept !== x) notes.push(`${key} = ${x} is outside ${r.zero ? 0 : r.low} … ${r.high}: ${kept} used`);
-    return kept;
+    return within(r, key, x, notes);
   };
   s.law = choiceOf(q, notes, "law", laws.map((law) => law.name), s.law);
   s.cradle = choiceOf(q, notes, "setup", ["drop", "cradle"], s.cradle ? "cradle" : "drop") === "cradle";
@@ -252,6 +257,7 @@ export function settle(s: Scenario, notes: string[] = []): void {
     }
   });
   if (s.cradle) {
+    if (Object.keys(s.own).length > 0) notes.push("in a cradle all contacts have the same law: that of the first is used");
     s.own = {};
     const closing = s.velocities.some((v, i) => i > 0 && v < s.velocities[i - 1]);
     if (!closing) {
@@ -259,6 +265,7 @@ export function settle(s: Scenario, notes: string[] = []): void {
       notes.push("in a cradle one ball must approach the next: the first now moves at 1 m/s");
     }
   } else {
+    if (s.velocities.some((v) => v !== 0)) notes.push("a drop starts from rest on this page: the velocities are left out");
     s.velocities = s.velocities.map(() => 0);
     if (!(s.height >= lowestHeight(s))) {
       s.height = Number(lowestHeight(s).toPrecision(4)) + 1e-3;

@@ -43,5 +43,8 @@ export const labelOf = (q: Quantity): string => capital(q.meaning.split(/[;,(]| 
 // The symbol at the end of a label, as in "Mass m"; "": there is none.
 export const symbolOf = (q: Quantity): string => /\s(\S{1,2})$/u.exec(labelOf(q))?.[1] ?? "";
 
-// "kg/m3" → "kg/m³", "1" → "".
-export const unitOf = (q: Quantity): string => (q.unit === "1" ? "" : q.unit.replace(/(?<=[a-z])[23](?![.\d])/g, (n) => (n === "2" ? "²" : "³")));
+// "kg/m3", "kg/m^3" → "kg/m³".
+export const raised = (text: string): string => text.replace(/(?<=[a-z])\^?([23])(?![.\d])/g, (_, n) => (n === "2" ? "²" : "³"));
+
+// The same of a record; "1" → "".
+export const unitOf = (q: Quantity): string => (q.unit === "1" ? "" : raised(q.unit));

@@ -1,92 +1,120 @@
-// Reads the TOML file of a column, as `hardlimit drop` does: tables, arrays of tables, numbers, texts with units, lists.
-import { parse } from "../support/format";
-import { densityFor, laws, MOST_BALLS, constants, paper, settle, type Scenario } from "./scenario";
+// Reads the TOML file of a column, as `hardlimit drop` does. What that command refuses is refused here, in one line; what is
+// outside the ranges of the page, and what the page cannot show, is noted.
+import { parse as parseToml, TomlError } from "smol-toml";
+import { parse, unitsOf } from "../support/format";
+import { constants, densityFor, GRAVITY, laws, MOST_BALLS, paper, ranges, settle, within, type Ball, type Range, type Scenario } from "./scenario";
+import { raised, type Law } from "./tables";
 
-type Value = number | boolean | string | Value[];
-type Table = Record<string, Value>;
+// Takes the name for messages and the value of an entry, and returns the value to use.
+type Check<T> = (name: string, value: unknown) => T;
+type Checks = Record<string, Check<unknown>>;
+type Table = Record<string, unknown>;
 
-interface File {
-  top: Table;
-  balls: Table[];
-  laws: Table[];
+function refuse(name: string, what: string, must: string): never {
+  throw new Error(`${name}: ${what}, must be ${must}`);
 }
+
+function got(value: unknown): string {
+  const shown = typeof value === "string" ? `“${value}”` : typeof value === "object" ? JSON.stringify(value) : String(value);
+  return value === undefined ? "missing" : `got ${shown.slice(0, 60)}`;
+}
+
+const flag: Check<boolean> = (name, value) => (typeof value === "boolean" ? value : refuse(name, got(value), "true or false"));
+const entries: Check<Table> = (name, value) => (typeof value === "object" && !Array.isArray(value) ? (value as Table) : refuse(name, got(value), "a table"));
+const listOf = <T>(check: Check<T>): Check<T[]> => (name, value) => (Array.isArray(value) ? value.map((x, i) => check(`${name}[${i}]`, x)) : refuse(name, got(value), "a list"));
+const oneOrListOf = <T>(check: Check<T>): Check<T | T[]> => (name, value) => (Array.isArray(value) ? listOf(check) : check)(name, value);
+
+const table = <C extends Checks>(checks: C): Check<{ [K in keyof C]?: ReturnType<C[K]> }> => (name, value) => {
+  const checked = Object.entries(entries(name, value)).map(([key, x]) => {
+    const whole = name ? `${name}.${key}` : key;
+    if (!Object.hasOwn(checks, key)) refuse(whole, "unknown to this page", `one of ${Object.keys(checks).join(", ")}`);
+    return [key, checks[key](whole, x)];
+  });
+  return Object.fromEntries(checked);
+};
+
+// A number in SI units, or a text with one of the units of the page's fields.
+const quantity = (r: Range, notes: string[]): Check<number> => (name, value) => {
+  const x = typeof value === "string" ? parse(raised(value), r.unit) : typeof value === "number" ? value : NaN;
+  const units = [...unitsOf(r.unit).keys()];
+  if (!Number.isFinite(x)) refuse(name, got(value), r.unit === "" ? "a number" : `a number in ${r.unit}${units.length > 1 ? `, or a text with ${units.join(", ")}` : ""}`);
+  return within(r, name, x, notes);
+};
+
+const ball = (notes: string[]): Check<Ball> => (name, value) => {
+  const { radius, density, mass } = table({ radius: quantity(ranges.radius, notes), density: quantity(ranges.density, notes), mass: quantity(ranges.mass, notes) })(name, value);
+  if (radius === undefined) return refuse(`${name}.radius`, "missing", "given");
+  if ((density === undefined) === (mass === undefined)) refuse(`${name}.density | mass`, mass === undefined ? "missing" : "got both", "exactly one of them");
+  return { radius, density: density ?? densityFor(mass!, radius) };
+};
+
+const lawTable = (notes: string[]): Check<{ law: Law; values: Record<string, number> }> => (name, value) => {
+  const { name: asked, ...given } = entries(name, value);
+  const law = laws.find((l) => l.name === asked) ?? refuse(`${name}.name`, got(asked), `one of ${laws.map((l) => l.name).join(", ")}`);
+  const checks = law.parameters.map((p) => [p.name, quantity(p.name === "restitution" ? ranges.restitution : constants[p.name].range, notes)]);
+  const values = table<Record<string, Check<number>>>(Object.fromEntries(checks))(name, given) as Record<string, number>;
+  for (const p of law.parameters) if (!(p.name in values)) refuse(`${name}.${p.name}`, "missing", "given");
+  return { law, values };
+};
+
+const column = (notes: string[]) =>
+  table({
+    balls: listOf(ball(notes)),
+    cradle: flag,
+    height: quantity(ranges.height, notes),
+    gravity: quantity({ low: -Infinity, high: Infinity, log: false, unit: "m/s²" }, notes),
+    gaps: oneOrListOf(quantity(ranges.gap, notes)),
+    velocities: oneOrListOf(quantity(ranges.velocity, notes)),
+    law: lawTable(notes),
+    laws: listOf(lawTable(notes)),
+  });
 
 // Throws an Error whose message is one line.
 export function fromToml(text: string, notes: string[]): Scenario {
-  const { top, balls, laws: given } = tablesOf(text);
-  if (balls.length < 2 || balls.length > MOST_BALLS) throw new Error(`balls: got ${balls.length}, must be 2 to ${MOST_BALLS} on this page`);
-  const s = paper();
-  s.cradle = top.cradle === true;
-  const gravity = quantity(top, "gravity", "m/s²", s.cradle ? 0 : 9.81);
-  if (gravity !== (s.cradle ? 0 : 9.81)) notes.push(`gravity = ${gravity} m/s² is not 9.81 m/s², which this page uses`);
-  if (!s.cradle) s.height = quantity(top, "height", "m");
-  s.balls = balls.map((b) => {
-    const radius = quantity(b, "radius", "m");
-    return { radius, density: "mass" in b ? densityFor(quantity(b, "mass", "kg"), radius) : quantity(b, "density", "kg/m³") };
-  });
-  s.gaps = list(top.gaps ?? 0, "m", balls.length - 1, "gaps");
-  s.velocities = list(top.velocities ?? 0, "m/s", balls.length, "velocities");
-  readLaws(s, given, notes);
+  const { balls = [], cradle = false, height, gravity, gaps, velocities = 0, law, laws: each } = column(notes)("", contentOf(text));
+  const n = balls.length;
+  const contacts = cradle ? n - 1 : n;
+  const given = each ?? (law ? [law] : []);
+  const rules: [boolean, string, string, string][] = [
+    [n < 2 || n > MOST_BALLS, "balls", got(n), `2 to ${MOST_BALLS} tables [[balls]] on this page`],
+    [cradle && height !== undefined, "height", got(height), "left out for a cradle"],
+    [cradle && (gravity ?? 0) !== 0, "gravity", got(gravity), "0 or left out for a cradle"],
+    [!cradle && height === undefined, "height", "missing", "the height [m] of the lowest centre at release"],
+    [!cradle && gaps === undefined, "gaps", "missing", `a list of ${n - 1}`],
+    [!law === !each, "law | laws", law ? "got both" : "missing", "one [law], or one [[laws]] for each contact"],
+    [given.length !== 1 && given.length !== contacts, "laws", got(given.length), `1 or ${contacts} tables [[laws]]`],
+    [given.some((g) => g.law !== given[0].law), "laws", got(given.map((g) => g.law.name)), "the same law for all contacts on this page"],
+  ];
+  for (const [wrong, ...said] of rules) if (wrong) refuse(...said);
+  if (!cradle && gravity !== undefined && gravity !== GRAVITY) notes.push(`gravity = ${gravity} m/s² is not ${GRAVITY} m/s², which this page uses`);
+  const s: Scenario = { ...paper(), cradle, balls, gaps: repeated("gaps", gaps ?? 0, n - 1), velocities: repeated("velocities", velocities, n), law: given[0].law.name };
+  if (height !== undefined) s.height = height;
+  for (const { name } of given[0].law.parameters) {
+    const [first, ...others] = given.map((g) => g.values[name]);
+    const alike = others.every((x) => x === first);
+    if (name === "restitution") {
+      s.restitution = first;
+      if (!alike) notes.push(`restitution: the contacts differ, and this page has one value: ${first} used`);
+    } else {
+      s.constants[name] = first;
+      if (!alike) s.own[name] = others;
+    }
+  }
   settle(s, notes);
   return s;
 }
 
-function readLaws(s: Scenario, given: Table[], notes: string[]): void {
-  const contacts = s.balls.length - (s.cradle ? 1 : 0);
-  if (given.length !== 1 && given.length !== contacts) throw new Error(`law | laws: got ${given.length}, must be one [law], or ${contacts} [[laws]]`);
-  const law = laws.find((l) => l.name === given[0].name);
-  if (!law) throw new Error(`law.name: got ${String(given[0].name)}, must be one of ${laws.map((l) => l.name).join(", ")}`);
-  s.law = law.name;
-  s.own = {};
-  for (const p of law.parameters) {
-    const values = given.map((table) => quantity(table, p.name, p.unit === "1" ? "" : p.unit));
-    const alike = values.every((x) => x === values[0]);
-    if (p.name === "restitution") {
-      s.restitution = values[0];
-      if (!alike) notes.push(`restitution: the contacts differ, and this page has one value: ${values[0]} used`);
-    } else if (p.name in constants) {
-      s.constants[p.name] = values[0];
-      if (!alike && !s.cradle) s.own[p.name] = values.slice(1);
-    }
+function repeated(name: string, values: number | number[], count: number): number[] {
+  if (typeof values === "number") return Array.from({ length: count }, () => values);
+  return values.length === count ? values : refuse(name, got(values), `a list of ${count}`);
+}
+
+function contentOf(text: string): Table {
+  try {
+    return parseToml(text);
+  } catch (error) {
+    if (!(error instanceof TomlError)) throw error;
+    const [what] = error.message.replace(/^.*?: /, "").split("\n");
+    throw new Error(`not valid TOML: ${what} (at line ${error.line}, column ${error.column})`);
   }
-}
-
-function quantity(table: Table, name: string, unit: string, fallback = NaN): number {
-  const value = table[name] ?? fallback;
-  const x = typeof value === "string" ? parse(value.replace(/\^?3$/, "³").replace(/\^?2$/, "²"), unit) : Number(value);
-  if (!Number.isFinite(x)) throw new Error(`${name}: ${name in table ? `got ${String(value)}, must be a number${unit && ` in ${unit}`}` : "missing"}`);
-  return x;
-}
-
-function list(value: Value, unit: string, count: number, name: string): number[] {
-  const values = Array.isArray(value) ? value : Array.from({ length: count }, () => value);
-  if (values.length !== count) throw new Error(`${name}: got ${values.length}, must be ${count}`);
-  return values.map((x) => quantity({ [name]: x }, name, unit));
-}
-
-function tablesOf(text: string): File {
-  const file: File = { top: {}, balls: [], laws: [] };
-  let at = file.top;
-  const joined = text.replace(/\[\s*\n[^\]]*\]/g, (lines) => lines.replace(/\n/g, " ")); // a list over several lines
-  joined.split(/\r?\n/).forEach((content, i) => {
-    const line = content.replace(/("[^"]*")|#.*/g, "$1").trim();
-    const head = /^\[\[?\s*(\w+)\s*\]\]?$/.exec(line)?.[1];
-    const [, key, value] = /^(\w+)\s*=\s*(.+)$/.exec(line) ?? [];
-    if (head === "balls") file.balls.push((at = {}));
-    else if (head === "law" || head === "laws") file.laws.push((at = {}));
-    else if (key) at[key] = valueOf(value, i + 1);
-    else if (line !== "") throw new Error(`line ${i + 1}: got “${line.slice(0, 30)}”, must be a table of a column or “name = value”`);
-  });
-  return file;
-}
-
-function valueOf(text: string, line: number): Value {
-  const inner = /^\[(.*)\]$/.exec(text)?.[1];
-  if (inner !== undefined) return inner.split(",").map((x) => x.trim()).filter((x) => x !== "").map((x) => valueOf(x, line));
-  const quoted = /^"([^"]*)"$|^'([^']*)'$/.exec(text);
-  if (quoted) return quoted[1] ?? quoted[2];
-  if (text === "true" || text === "false") return text === "true";
-  const x = Number(text.replaceAll("_", ""));
-  if (!Number.isFinite(x)) throw new Error(`line ${line}: got “${text.slice(0, 30)}”, must be a number, a text, true, false or a list`);
-  return x;
 }

@@ -13,7 +13,7 @@ export class Past {
     this.before = copyOf(scenario);
   }
 
-  // When the setting was changed last [ms]; −∞ after undo.
+  // When the setting was changed last [ms]; −∞ after undo and settle().
   get changedAt(): number {
     return this.last;
   }
@@ -25,11 +25,16 @@ export class Past {
     find<HTMLButtonElement>("undo").disabled = false;
   }
 
+  // The setting was changed by something that is not undone: the browser's history, or Cancel.
+  settle(scenario: Scenario): void {
+    this.before = copyOf(scenario);
+    this.last = -Infinity;
+  }
+
   undo(): Scenario | null {
     const before = this.list.pop();
     if (!before) return null;
-    this.before = copyOf(before);
-    this.last = -Infinity;
+    this.settle(before);
     find<HTMLButtonElement>("undo").disabled = this.list.length === 0;
     return copyOf(before);
   }

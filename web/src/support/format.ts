@@ -8,7 +8,8 @@ const prefixes: [number, string][] = [
   [1e-6, "µ"],
   [1e-9, "n"],
 ];
-const takesPrefix = new Set(["m", "s", "N", "Pa", "J", "kg", "m/s", "N/m"]);
+const takesPrefix = new Set(["m", "s", "N", "Pa", "J", "m/s", "N/m"]);
+const others: Record<string, [string, number][]> = { m: [["cm", 1e-2]], kg: [["g", 1e-3], ["mg", 1e-6]] };
 
 export const trim = (text: string): string => (text.includes(".") && !text.includes("e") ? text.replace(/\.?0+$/, "") : text);
 
@@ -58,18 +59,17 @@ export function lengths(a: number, b: number): [string, string] {
   return [one(a), one(b)];
 }
 
+// The units that may follow a number, with their factors.
+export const unitsOf = (unit: string): Map<string, number> =>
+  new Map([...(takesPrefix.has(unit) ? prefixes : prefixes.slice(3, 4)).map(([f, p]): [string, number] => [p + unit, f]), ...(others[unit] ?? [])]);
+
 // "0.1 mm" → 1e-4; a bare number is in the base unit. NaN if it is neither.
 export function parse(text: string, unit: string): number {
   const match = /^\s*([-+−]?[\d.,]+(?:e[-+]?\d+)?)\s*(\S*)\s*$/i.exec(text.replace("·10^", "e"));
   if (!match) return NaN;
   const x = Number(match[1].replace("−", "-").replace(",", "."));
-  const given = match[2].replace("μ", "µ");
-  if (given === "" || given === unit) return x;
-  if (unit === "m" && given === "cm") return x * 0.01;
-  if (unit === "kg" && given === "g") return x * 1e-3;
-  if (unit === "kg" && given === "mg") return x * 1e-6;
-  const prefix = prefixes.find(([, p]) => p !== "" && (given === p + unit || (p === "µ" && given === "u" + unit)));
-  return prefix && takesPrefix.has(unit) ? x * prefix[0] : NaN;
+  const given = match[2].replace(/^[uμ](?=.)/, "µ") || unit;
+  return x * (unitsOf(unit).get(given) ?? NaN);
 }
 
 const subscripts = "₀₁₂₃₄₅₆₇₈₉";

@@ -1,5 +1,5 @@
 // Compares setting A with the present setting B: both films at the same instant, the differences, the results.
-import { find, setHidden, type Sheet } from "../support/dom";
+import { find, setHidden, setText, type Sheet } from "../support/dom";
 import { dropOf, type Drop } from "../core/drop";
 import { digits, lengths, withUnit } from "../support/format";
 import type { LectureView } from "../scenario/lecture_view";
@@ -87,6 +87,7 @@ export class Compare {
     find("pin").setAttribute("aria-pressed", String(pin !== null));
     setHidden(find("compare"), pin === null);
     document.documentElement.toggleAttribute("data-pinned", pin !== null);
+    setText(find("compare-said"), pin ? "A is pinned, B is the present setting." : "No setting is pinned as A. “Pin as A” is in the menu of the laboratory.");
     const key = pin ? JSON.stringify(pin) : "";
     if (key !== this.key) {
       this.key = key;

@@ -104,6 +104,7 @@ export class TimelinePanel {
 
   // Restarts unless only ε has changed.
   refresh(): void {
+    this.sheet.canvas.setAttribute("aria-valuenow", String(this.state.scenario.restitution)); // out of the window, too
     const key = JSON.stringify({ ...this.state.scenario, restitution: 0 });
     if (key === this.key) return;
     this.key = key;
@@ -123,7 +124,6 @@ export class TimelinePanel {
     state.dirty.timeline = false;
     this.layout = this.timeline.draw(sheet.g, sheet.width, sheet.height, state.drop!, state.theme);
     const s = state.scenario;
-    sheet.canvas.setAttribute("aria-valuenow", String(s.restitution));
     sheet.canvas.dataset.computed = String(this.timeline.done);
     const exact = s.law === "linear" && s.balls.length === 2 && !s.cradle;
     const { done, progress, goesOn } = this.timeline;

@@ -92,7 +92,7 @@ export class TrueScale extends Painter {
     const scale = Math.min((right - left) / (1.02 * (d.top - d.bottom)), (0.8 * row) / (2 * Math.max(...d.scenario.balls.map((b) => b.radius))));
     const origin = left - d.bottom * scale + ((right - left) - (d.top - d.bottom) * scale) / 2;
     this.font(0.88);
-    const ticks = niceTicks(d.bottom, d.top, 6);
+    const ticks = niceTicks(d.bottom, d.top, Math.min(6, ((d.top - d.bottom) * scale) / (4 * size)));
     for (const z of ticks) {
       g.strokeStyle = theme.faint;
       g.lineWidth = 1;
