@@ -1,14 +1,17 @@
 """Oblique soft impact: the contact force, integrated in the plane by SciPy, rotates the contact normal as predicted."""
 
 import csv
+import math
 from itertools import pairwise
 
 import numpy as np
 import pytest
 import scipy
+from hypothesis import example, given
+from hypothesis import strategies as st
 
 import hardlimit as hl
-from conftest import DATA, refusal
+from conftest import DATA, draws, log_floats, refusal
 
 PATH = DATA / "oblique_rotation.csv"
 ROWS = list(csv.DictReader(PATH.read_text(encoding="utf-8").splitlines()))
@@ -75,6 +78,40 @@ def test_without_offset_it_is_the_column(seed: int) -> None:
     scale = 1e-8 * column.impact_speed
     assert found.sideways_velocity == 0.0 and found.estimate == 0.0
     assert found.separation_velocity == pytest.approx(straight.separation_velocity, abs=scale)
+
+
+@example(1.0, 1e-4, 1.0)  # contacts after the separation, in another bounce
+@example(0.8, 1e-3, 0.9)
+@example(1.0, 1e-4, 0.5)  # the floor is met again before the balls separate
+@example(0.3, 1e-5, 1.0)
+@draws(300)
+@given(log_floats(0.3, 10.0), log_floats(1e-6, 1e-2), st.floats(0.3, 1.0))
+def test_without_offset_it_ends_as_the_column(ratio: float, gap: float, restitution: float) -> None:
+    column = hl.Column.paper(radius_ratio=ratio, gap=gap, restitution=restitution)
+    straight = hl.newton(column)
+    if math.isnan(straight.separation_velocity):
+        with pytest.raises(RuntimeError, match="before the lower one meets the floor again"):
+            hl.oblique_drop(column, 0.0)
+        return
+    found = hl.oblique_drop(column, 0.0)
+    assert found.n_contacts == straight.n_contacts
+    assert found.separation_velocity == pytest.approx(straight.separation_velocity, abs=1e-6)
+
+
+def test_balls_of_equal_size_with_a_small_offset() -> None:
+    """One contact turns them, as the estimate says; those of later bounces do not count."""
+    found = hl.oblique_drop(hl.Column.paper(radius_ratio=1.0, gap=1e-4, restitution=1.0), 1e-6)
+    assert found.sideways_velocity == pytest.approx(found.estimate, rel=0.1)
+
+
+def test_a_lower_ball_that_gravity_holds_on_the_floor_does_not_leave() -> None:
+    """The force vanishes at an overlap and the gap grows, but both balls come to rest (``newton`` says so)."""
+    law = hl.Tsuji(elastic_prefactor=2.2e8, restitution=0.08)
+    balls = [hl.Ball(0.077, density=840.0), hl.Ball(0.05, density=350.0)]
+    column = hl.Column(balls, 0.0, 0.0864, law)
+    assert hl.newton(column).outcome.startswith("at rest")
+    with pytest.raises(RuntimeError, match="do not separate"):
+        hl.oblique_drop(column, 0.0)
 
 
 @pytest.mark.parametrize("seed", range(6))

@@ -25,6 +25,8 @@ EDGE: Final = 20.0
 #: Duration of the first run over that of the sequence without offset. It is doubled until the balls have separated.
 FIRST_RUN: Final = 1.5
 MAX_DOUBLINGS: Final = 12
+#: Time from the end of a contact to the state after it, relative to the time of the end.
+INSTANT: Final = 1e-12
 #: Largest offset over the sum of the radii; beyond it the balls miss each other.
 LARGEST_OFFSET: Final = 0.99
 
@@ -44,7 +46,7 @@ class ObliqueDrop:
 
     column: Column  #: the same drop without offset
     offset: float  #: horizontal distance of the centres at the first floor contact [m]
-    run: ContactResult  #: simulation in the plane, from the first floor contact
+    run: ContactResult  #: simulation in the plane, from the first floor contact to the separation
 
     @property
     def tilt(self) -> float:
@@ -158,15 +160,27 @@ def _start(column: Column, offset: float) -> ParticleSystem:
 
 
 def _until_separated(column: Column, system: ParticleSystem) -> ContactResult:
-    """Simulate until no contact is open and the gap grows."""
-    until, law = FIRST_RUN * _sequence(column), column.laws[0]
+    """Simulate to the first instant at which the balls have met, no contact is open and the gap grows."""
+
+    def simulate(until: float) -> ContactResult:
+        return molecular_dynamics(
+            system, law=column.laws[0], until=until, engine="events", samples=1, log=True
+        )
+
+    until = FIRST_RUN * _sequence(column)
     for _ in range(MAX_DOUBLINGS):
-        run = molecular_dynamics(system, law=law, until=until, engine="events", samples=1, log=True)
+        run = simulate(until)
+        again = _second_floor_contact(run)
+        log: Any = run.log
+        ends = np.sort(log[1][log[1] < again])
+        # Balls with an offset may miss each other: then the gap grows without a contact that ends.
+        for t in [*(ends * (1.0 + INSTANT)), min(until, again * (1.0 - INSTANT))]:
+            early = simulate(float(t))
+            if _are_separated(early):
+                return early
         if run.outcome_name != "ok":
             raise RuntimeError(f"oblique drop: {run.outcome}")
-        if _are_separated(run):
-            return run
-        if _second_floor_contact(run):
+        if math.isfinite(again):
             break
         until *= 2.0
     raise RuntimeError("oblique drop: the balls do not separate before the lower one meets the floor again")
@@ -183,15 +197,24 @@ def _sequence(column: Column) -> float:
 
 
 def _are_separated(run: ContactResult) -> bool:
-    """Whether the balls have met, no contact is open, and the gap grows."""
-    (lower, upper), (v_lower, v_upper) = run.system.positions, run.system.velocities
-    growing = float((upper - lower) @ (v_upper - v_lower)) > 0.0
-    return bool(run.n_pairs) and run.n_ended == run.n_contacts and growing
+    """Whether the balls have met, no contact is open or too deep, the gap grows, and the lower ball leaves the floor.
+
+    The force may vanish while the ball still overlaps the floor; then gravity must not hold it there.
+    """
+    if run.outcome_name != "ok" or not run.n_pairs or run.n_ended != run.n_contacts:
+        return False
+    system = run.system
+    (lower, upper), (v_lower, v_upper) = system.positions, system.velocities
+    overlap, rising = system.radius[0] - lower[1], max(v_lower[1], 0.0)
+    leaves = rising**2 >= -2.0 * system.gravity[1] * overlap
+    return bool(leaves and (upper - lower) @ (v_upper - v_lower) > 0.0)
 
 
-def _second_floor_contact(run: ContactResult) -> bool:
-    """Whether the log has a floor contact of a later bounce, which begins long after the previous one."""
+def _second_floor_contact(run: ContactResult) -> float:
+    """Begin [s] of the first floor contact after the gap at the floor had opened; infinite if there is none.
+
+    A force that merely switches on again does so while the surfaces recede.
+    """
     log: Any = run.log
-    begin, end, _, second = log[:4]
-    begin, end = begin[second < 0], end[second < 0]
-    return bool((begin[1:] - end[:-1] > 10.0 * (end[0] - begin[0])).any())
+    begin, _, _, second, approach = log[:5]
+    return float(begin[(second < 0) & (begin > 0.0) & (approach > 0.0)].min(initial=math.inf))

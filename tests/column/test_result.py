@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 import hardlimit as hl
@@ -201,6 +201,66 @@ def test_times_before_release_are_refused(kind):
     for bad in (2.0 * first, math.nan, math.inf):
         with pytest.raises(ValueError, match=r"times: got .*, must be (>= .*, the release|finite)$"):
             result.trajectory([0.0, bad])
+
+
+def meeting_in_flight(velocities=(3.0, -3.0)) -> hl.Column:
+    return PAPER.replace(velocities=velocities, gaps=0.1, height=1.0)
+
+
+@draws(60)
+@example(meeting_in_flight())
+@given(
+    st.lists(st.floats(-3.0, 3.0), min_size=2, max_size=2).map(meeting_in_flight),
+)
+def test_until_is_not_before_the_release(column):
+    """Balls that meet in flight change the time from the release to the first floor touch."""
+    for solve in (hl.newton, hl.independent):
+        first = solve(column)._core.t_first
+        assert "the release" in refusal(lambda solve=solve, first=first: solve(column, until=1.001 * first))
+        begun = solve(column, until=first)
+        assert begun.positions == pytest.approx(column.initial_positions, rel=1e-9)
+        assert begun.velocities == pytest.approx(column.velocities, abs=1e-9)
+
+
+def test_release_of_balls_that_do_not_meet_in_flight():
+    for column in (PAPER, three_balls()):
+        assert hl.newton(column)._core.t_first == pytest.approx(column.release_time, rel=1e-12)
+
+
+def known_for_a_while() -> dict[str, tuple[hl.Result, str]]:
+    """Results that are ok, and what ends the motion soon after their sequence."""
+    linear, soft = hl.LinearDashpot, hl.Viscoelastic
+    three = [hl.Ball(0.0575, density=261.0), hl.Ball(0.0492, density=408.0), hl.Ball(0.00189, density=7080.0)]
+    laws_of_three = [
+        linear(stiffness=k, restitution=e) for k, e in ((3.46e7, 0.093), (5.39e6, 0.9), (1.4e4, 0.413))
+    ]
+    deep = hl.Column(three, [1.57e-5, 0.0], 1.01, laws_of_three, [0.886, -1.607, -0.138], 100.0)
+    heavy = [hl.Ball(0.00103, density=313.0), hl.Ball(0.0595, density=8470.0)]
+    damped = [linear(stiffness=1.3e6, damping=0.0112), linear(stiffness=4.94e7, damping=778.0)]
+    crowded = hl.Column(heavy, 0.0, 0.00279, damped, [-0.0554, -0.104], 0.0)
+    # Its later collisions take a minute.
+    slow_laws = [
+        soft(youngs_modulus=5.05e9, poisson_ratio=0.15, dissipative_time=2.03e-5),
+        soft(youngs_modulus=2.16e8, poisson_ratio=0.1, restitution=0.8, impact_speed=8.6),
+    ]
+    slower = hl.Column(heavy, 0.0, 1.91, slow_laws, [0.392, -0.403], 100.0)
+    return {
+        "too deep": (hl.newton(deep), "too_deep"),
+        "too many collisions": (hl.independent(crowded), "unresolved"),
+        "too many slow collisions": (hl.independent(slower), ""),
+    }
+
+
+@pytest.mark.parametrize("kind", known_for_a_while())
+def test_default_times_end_with_the_known_motion(kind):
+    result, later = known_for_a_while()[kind]
+    assert result.outcome == "ok"
+    times = result.trajectory().time.values
+    assert times[-1] > np.nanmax(np.concatenate(result.contact_times[1:]))
+    if result.model == "independent":  # the margin ends before the next collision
+        assert len(result._continued(times[-1]).contacts()[0]) == len(result.contact_times[0])
+    if later:
+        assert hl.OUTCOMES[result._solve(1.1 * times[-1] - 0.1 * times[0]).outcome] == later
 
 
 def test_positions_and_velocities_are_those_at_the_end():

@@ -646,6 +646,29 @@ def test_a_run_that_was_not_resolved_is_drawn_as_far_as_it_is_known() -> None:
         result.trajectory([1.01 * known])
 
 
+def test_a_drop_is_drawn_as_far_as_both_models_know_it() -> None:
+    """A contact becomes too deep just after the sequence, and the models have different times of release."""
+    balls = [hl.Ball(0.0575, density=261.0), hl.Ball(0.0492, density=408.0), hl.Ball(0.00189, density=7080.0)]
+    law = [
+        hl.LinearDashpot(stiffness=k, restitution=e)
+        for k, e in ((3.46e7, 0.093), (5.39e6, 0.9), (1.4e4, 0.413))
+    ]
+    column = hl.Column(balls, [1.57e-5, 0.0], 1.01, law, [0.886, -1.607, -0.138], 100.0)
+    newton, hard = hl.newton(column), hl.independent(column)
+    assert newton.outcome == "ok" and newton._core.t_first != hard._core.t_first
+    known = newton._known_up_to(1.0)
+    assert 0.0 < known < 1.0
+    assert newton.plot().axes
+    (ax,) = heights.heights(newton, hard).axes
+    assert ax.lines
+    scenes = storyboard.storyboard(newton, hard, 15)
+    assert max(scene.times[-1] for scene in scenes) <= known
+    for model in (newton, hard):
+        for scene in scenes:
+            z, _ = storyboard.gaps_at(model, scene.times)
+            assert np.isfinite(z).all()
+
+
 def test_of_very_many_contacts_some_are_drawn() -> None:
     ball = hl.Column([STEEL], [], 0.1, hl.LinearDashpot(stiffness=1e6, restitution=1.0))
     result = hl.newton(ball, until=500.0)

@@ -68,6 +68,8 @@ class Result:
     ) -> Result:
         """Solve at once, so that errors and interrupts are raised by the caller's call."""
         core = model.solve(column.core, math.nan if until is None else until, *options)
+        if until is not None:
+            _refuse_before_release("until", until, core)
         # The constructor of a frozen dataclass would take a microsecond, as long as a solve.
         result = object.__new__(cls)
         result.__dict__.update(
@@ -180,8 +182,43 @@ class Result:
     @property
     def known_until(self) -> float:
         """Time [s] up to which the motion is known: infinite unless the outcome is not resolved or too deep."""
-        unresolved = _core.outcome_names[self.outcome_code] == "unresolved"
-        return self._core.t_last if unresolved or self._core.too_deep >= 0 else math.inf
+        return _known_until(self._core)
+
+    def _known_up_to(self, end: float) -> float:
+        """``end`` [s], or the end of the known motion if that is earlier; continues the solution if needed."""
+        return min(end, _known_until(self._continued(end) if math.isinf(self.known_until) else self._core))
+
+    def _continued(self, end: float) -> Solution:
+        """The solution, continued to ``end`` [s] if it ends before; the latest continuation is kept."""
+        if end <= self._core.t_last:
+            return self._core
+        kept: tuple[float, Solution] | None = self.__dict__.get("_latest")
+        if kept is None or kept[0] != end:
+            kept = self.__dict__["_latest"] = end, self._solve(end)
+        return kept[1]
+
+    def _padded(self, stop: float, margin: float) -> float:
+        """``stop + margin`` [s], as far as the motion is known.
+
+        The margin of instantaneous collisions ends before the next one, since very many may follow it at once.
+        """
+        end = stop + margin
+        if self.model == "independent":
+            end = max(stop, min(end, self._core.t_last + 0.9 * self._free_flight()))
+        return self._known_up_to(end)
+
+    def _free_flight(self) -> float:
+        """Time [s] from the last collision of the solution to the next one, infinite if none follows."""
+        column = self.column
+        position, velocity, *_ = self._core.sample(np.array([self._core.t_last]))
+        radii = np.array([ball.radius for ball in column.balls])
+        closing = -np.diff(velocity[0])
+        gaps = np.maximum(np.diff(position[0]) - radii[1:] - radii[:-1], 0.0)
+        first = float((gaps / closing)[closing > 0.0].min(initial=math.inf))
+        height, v = float(position[0, 0] - radii[0]), float(velocity[0, 0])
+        if not column.floor or v == 0.0:  # a ball that rests on the floor
+            return first
+        return float(np.fmin(first, _core.fall_time(height, v, column.gravity)))
 
     @cached_property
     def final_velocities(self) -> NDArray[np.float64]:
@@ -284,9 +321,7 @@ class Result:
         return self._final[1]
 
     def _sample(self, times: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
-        last = float(times.max(initial=-math.inf))
-        core = self._core if last <= self._core.t_last else self._solve(last)  # continue the solution
-        return core.sample(times)
+        return self._continued(float(times.max(initial=-math.inf))).sample(times)
 
     def default_times(self) -> NDArray[np.float64]:
         """Times that resolve the contacts: evenly spaced over the sequence, and every begin and end."""
@@ -300,7 +335,7 @@ class Result:
             start, stop = float(marks.min(initial=0.0)), float(marks.max(initial=0.0))
             stop = self._core.t_last if self._core.too_deep >= 0 else stop
             margin = 0.05 * (stop - start)
-            start, stop = max(start - margin, self._core.t_first), min(stop + margin, self.known_until)
+            start, stop = max(start - margin, self._core.t_first), self._padded(stop, margin)
         inside = marks[(marks >= start) & (marks <= stop)]
         return np.unique(np.concatenate([np.linspace(start, stop, 1001), inside]))
 
@@ -355,9 +390,7 @@ class Result:
 
     def _times(self, times: ArrayLike) -> NDArray[np.float64]:
         at = np.atleast_1d(validation.array("times", times, empty_allowed=True))
-        first = self._core.t_first
-        for bad in at[~(at >= first * (1.0 + 1e-12))]:
-            raise ValueError(f"times: got {bad:.16g}, must be >= {validation.at_least(first)}, the release")
+        _refuse_before_release("times", float(at.min(initial=math.inf)), self._core)
         return at
 
     def plot(self) -> Figure:
@@ -390,6 +423,19 @@ class Result:
         from ..plots import animation
 
         return animation.animate(self, path, **options)
+
+
+def _refuse_before_release(name: str, time: float, core: Solution) -> None:
+    """Refuse a time before the release, which only the solution knows if balls meet before the first floor touch."""
+    first = core.t_first
+    if not time >= first * (1.0 + 1e-12):
+        raise ValueError(f"{name}: got {time:.16g}, must be >= {validation.at_least(first)}, the release")
+
+
+def _known_until(core: Solution) -> float:
+    """End of the known motion of a solution [s]: infinite unless it is not resolved or too deep."""
+    unresolved = _core.outcome_names[core.outcome] == "unresolved"
+    return core.t_last if unresolved or core.too_deep >= 0 else math.inf
 
 
 def _fixed(array: NDArray[Any]) -> NDArray[Any]:

@@ -269,14 +269,18 @@ class Column:
 
     @property
     def impact_speed(self) -> float:
-        """V [m/s]: speed of the lowest ball at the floor, √(v1² + 2 g H); for a cradle, the largest speed."""
+        """V [m/s]: speed of the lowest ball at the floor, √(v1² + 2 g H), if no balls meet before; for a cradle, the
+        largest speed."""
         if not self.floor:
             return max(abs(v) for v in self.velocities)
         return _core.impact_speed(self.drop_height, self.velocities[0], self.gravity)
 
     @property
     def release_time(self) -> float:
-        """Time of the release [s], relative to the first floor touch at 0."""
+        """Time of the release [s], relative to the first floor touch at 0, if no balls meet before.
+
+        If they do, it depends on the model; ``until`` and ``times`` are checked against that of the model.
+        """
         if not self.floor:
             return 0.0
         return -_core.fall_time(self.drop_height, self.velocities[0], self.gravity)

@@ -62,9 +62,8 @@ def pairs_of(result: Result) -> list[int]:
 def window(results: Iterable[Result]) -> tuple[float, float]:
     """The time span [s] of the contacts with a margin, limited to the motion that all results know."""
     marks: list[float] = [0.0]
-    known = math.inf
+    results = list(results)
     for result in results:
-        known = min(known, result.known_until)
         if result.until is not None:
             marks.append(result.until)
         for name in ("begin", "end"):
@@ -75,7 +74,12 @@ def window(results: Iterable[Result]) -> tuple[float, float]:
             marks.append(result.t_end)
     start, stop = min(marks), max(marks)
     margin = 0.05 * (stop - start) or 1e-6
-    return start - margin, min(stop + margin, known)
+    # A force is drawn beyond the solution only if its contact is still open there.
+    ends = [
+        result._padded(stop, margin) if result.contacts["end"].isnull().any() else result.known_until
+        for result in results
+    ]
+    return start - margin, min(stop + margin, *ends)
 
 
 def unresolved(results: Iterable[Result]) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Sequence
 from typing import Any
 
@@ -14,8 +13,6 @@ from numpy.typing import NDArray
 
 from ..column.models import MODELS
 from ..column.result import Result
-from ..column.solvers import adiabatic, newton
-from ..contact.compression import CompressionWarning
 from .forces import draw_forces, pairs_of, spread, unresolved, window
 from .labels import LOOKS, scaled
 from .style import PAGE_WIDTH, ball_colour, style
@@ -108,11 +105,11 @@ def time_shown(results: Sequence[Result]) -> float:
 def draw_heights(ax: Axes, results: Sequence[Result], until: float | None) -> None:
     """One line for each ball and model, with dots at the tops of the flights."""
     end = time_shown(results) if until is None else until
-    stops = [min(end, _known_until(r, end)) for r in results]
+    stops = [r._known_up_to(end) for r in results]
     start = min(min(release_time(r) for r in results), 0.0)
     factor, unit = scaled(max(*stops, -start), "s")
     floor = results[0].column.floor
-    shown = [_sample(result, start, stop) for result, stop in zip(results, stops, strict=True)]
+    shown = [_sample(result, stop) for result, stop in zip(results, stops, strict=True)]
     largest = max(float(np.abs(z).max()) for _, z in shown)
     length, metres = (1.0, "m") if floor else scaled(largest, "m")
     for result, (times, z) in zip(results, shown, strict=True):
@@ -132,15 +129,6 @@ def draw_heights(ax: Axes, results: Sequence[Result], until: float | None) -> No
     _name_lines(ax, results)
 
 
-def _known_until(result: Result, end: float) -> float:
-    """End of the known motion [s]; a contact may become too deep after the sequence as well."""
-    if result.model == "independent" or result.until is not None or math.isfinite(result.known_until):
-        return result.known_until
-    solve = newton if result.model == "newton" else adiabatic
-    with warnings.catch_warnings(action="ignore", category=CompressionWarning):
-        return solve(result.column, end).known_until
-
-
 def _mark_tops(ax: Axes, result: Result, stop: float, factor: float) -> None:
     """A dot at the top of each flight, unless the ball is hit again before."""
     for i, (t, z) in enumerate(zip(*tops(result), strict=True)):
@@ -148,8 +136,9 @@ def _mark_tops(ax: Axes, result: Result, stop: float, factor: float) -> None:
             ax.plot(t * factor, z, "o", color=ball_colour(i + 1), ms=3.0)
 
 
-def _sample(result: Result, start: float, stop: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Times [s] and heights of the centres [m]; for a cradle, displacements."""
+def _sample(result: Result, stop: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Times [s] from the release and heights of the centres [m]; for a cradle, displacements."""
+    start = min(release_time(result), 0.0)
     begin = result.contacts["begin"].values
     marks = np.append(begin[spread(np.arange(len(begin)))], tops(result)[0])
     marks = marks[(marks > start) & (marks < stop)]

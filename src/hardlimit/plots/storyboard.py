@@ -40,7 +40,8 @@ def storyboard(result: Result, ghost: Result, rate: int) -> list[Scene]:
     if not result.column.floor:
         return [contacts]
     release = release_time(result)
-    end = min(time_shown([result, ghost]), result.known_until, ghost.known_until)
+    end = time_shown([result, ghost])
+    end = min(model._known_up_to(end) for model in (result, ghost))
     wide = []
     if release < start:
         slowed = round_up(2.0 / (start - release))
@@ -64,9 +65,8 @@ def _sequence(result: Result, ghost: Result) -> tuple[float, float]:
             marks += [float(t) for t in values[np.isfinite(values)]]
     start, stop = min(marks), max(marks)
     margin = 0.06 * (stop - start) or 1e-6
-    return max(start - margin, release_time(result)), min(
-        stop + margin, result.known_until, ghost.known_until
-    )
+    end = min(model._padded(stop, margin) for model in (result, ghost))
+    return max(start - margin, release_time(result)), end
 
 
 def _instants(start: float, stop: float, slowed: float, rate: int) -> NDArray[np.float64]:
@@ -75,8 +75,11 @@ def _instants(start: float, stop: float, slowed: float, rate: int) -> NDArray[np
 
 
 def gaps_at(result: Result, times: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Centres and gaps [m], each (times, balls); gap 0 is the one above the floor."""
-    z = result.trajectory(times)["position"].values
+    """Centres and gaps [m], each (times, balls); gap 0 is the one above the floor.
+
+    The release may differ between models, if balls meet before the first floor touch. Before it, balls do not move.
+    """
+    z = result.trajectory(np.maximum(times, release_time(result)))["position"].values
     radii = np.array([ball.radius for ball in result.column.balls])
     between = np.diff(z, axis=1) - radii[1:] - radii[:-1]
     return z, np.column_stack([z[:, 0] - radii[0], between])
