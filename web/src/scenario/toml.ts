@@ -1,5 +1,5 @@
-// Reads the TOML file of a column, as `hardlimit drop` does. What that command refuses is refused here, in one line; what is
-// outside the ranges of the page, and what the page cannot show, is noted.
+// Reads the TOML file of a column for `hardlimit drop`. Entries that are unknown, missing or of another kind are refused in one
+// line. Values outside the ranges of the page are moved, and what the page cannot show is left out, with a note.
 import { parse as parseToml, TomlError } from "smol-toml";
 import { parse, unitsOf } from "../support/format";
 import { constants, densityFor, GRAVITY, laws, MOST_BALLS, paper, ranges, settle, within, type Ball, type Range, type Scenario } from "./scenario";
@@ -11,7 +11,7 @@ type Checks = Record<string, Check<unknown>>;
 type Table = Record<string, unknown>;
 
 function refuse(name: string, what: string, must: string): never {
-  throw new Error(`${name}: ${what}, must be ${must}`);
+  throw new Error(`${name}: ${what}, must be ${must}`.replace(/\s+/g, " "));
 }
 
 function got(value: unknown): string {
