@@ -254,6 +254,7 @@ test("a TOML file that the page cannot show is refused in one line, with what is
     [file("height = true\ngaps = 0"), /^height: got true, must be a number in m, or a text with .*cm$/],
     [file('height = "20 inch"\ngaps = 0'), /^height: got “20 inch”, must be/],
     [file("height = inf\ngaps = 0"), /^height: got Infinity/],
+    [file('height = "a\\nb"\ngaps = 0'), /^height: got “a b”/],
     [file("height = 0.6\ngaps = [1e-4, 1e-4]"), /^gaps: got \[0.0001,0.0001\], must be a list of 1$/],
     [file(drop, { balls: ball("0.1") + ball("0.01", "density = 840\nmass = 1") }), /^balls\[1\]\.density \| mass: got both/],
     [file(drop, { balls: ball("0.1") + ball("0.01", "") }), /^balls\[1\]\.density \| mass: missing/],
