@@ -1,9 +1,10 @@
 // Reads the TOML file of a column for `hardlimit drop`. Entries that are unknown, missing or of another kind are refused in one
-// line. Values outside the ranges of the page are moved, and what the page cannot show is left out, with a note.
+// line, as are values that no column has. Values outside the ranges of the page are moved, and what the page cannot show is left
+// out, with a note.
 import { parse as parseToml, TomlError } from "smol-toml";
 import { parse, unitsOf } from "../support/format";
 import { constants, densityFor, GRAVITY, laws, MOST_BALLS, paper, ranges, settle, within, type Ball, type Range, type Scenario } from "./scenario";
-import { raised, type Law } from "./tables";
+import { parameterOfColumn, raised, type Law, type Quantity } from "./tables";
 
 // Takes the name for messages and the value of an entry, and returns the value to use.
 type Check<T> = (name: string, value: unknown) => T;
@@ -33,16 +34,20 @@ const table = <C extends Checks>(checks: C): Check<{ [K in keyof C]?: ReturnType
   return Object.fromEntries(checked);
 };
 
-// A number in SI units, or a text with one of the units of the page's fields.
-const quantity = (r: Range, notes: string[]): Check<number> => (name, value) => {
+// A number in SI units, or a text with one of the units of the page's fields. What the core refuses is refused here too.
+const quantity = (r: Range, { lowest, highest }: Quantity, notes: string[]): Check<number> => (name, value) => {
   const x = typeof value === "string" ? parse(raised(value), r.unit) : typeof value === "number" ? value : NaN;
   const units = [...unitsOf(r.unit).keys()];
   if (!Number.isFinite(x)) refuse(name, got(value), r.unit === "" ? "a number" : `a number in ${r.unit}${units.length > 1 ? `, or a text with ${units.join(", ")}` : ""}`);
+  const low = lowest ?? -Infinity;
+  if (x < low || (x === low && !r.zero) || x > (highest ?? Infinity)) refuse(name, got(value), `${r.zero ? "≥" : ">"} ${low}${highest === null ? "" : ` and ≤ ${highest}`}`);
   return within(r, name, x, notes);
 };
 
+const parameter = (name: keyof typeof ranges & string, notes: string[]): Check<number> => quantity(ranges[name], parameterOfColumn(name), notes);
+
 const ball = (notes: string[]): Check<Ball> => (name, value) => {
-  const { radius, density, mass } = table({ radius: quantity(ranges.radius, notes), density: quantity(ranges.density, notes), mass: quantity(ranges.mass, notes) })(name, value);
+  const { radius, density, mass } = table({ radius: parameter("radius", notes), density: parameter("density", notes), mass: parameter("mass", notes) })(name, value);
   if (radius === undefined) return refuse(`${name}.radius`, "missing", "given");
   if ((density === undefined) === (mass === undefined)) refuse(`${name}.density | mass`, mass === undefined ? "missing" : "got both", "exactly one of them");
   return { radius, density: density ?? densityFor(mass!, radius) };
@@ -51,7 +56,7 @@ const ball = (notes: string[]): Check<Ball> => (name, value) => {
 const lawTable = (notes: string[]): Check<{ law: Law; values: Record<string, number> }> => (name, value) => {
   const { name: asked, ...given } = entries(name, value);
   const law = laws.find((l) => l.name === asked) ?? refuse(`${name}.name`, got(asked), `one of ${laws.map((l) => l.name).join(", ")}`);
-  const checks = law.parameters.map((p) => [p.name, quantity(p.name === "restitution" ? ranges.restitution : constants[p.name].range, notes)]);
+  const checks = law.parameters.map((p) => [p.name, quantity(p.name === "restitution" ? ranges.restitution : constants[p.name].range, p, notes)]);
   const values = table<Record<string, Check<number>>>(Object.fromEntries(checks))(name, given) as Record<string, number>;
   for (const p of law.parameters) if (!(p.name in values)) refuse(`${name}.${p.name}`, "missing", "given");
   return { law, values };
@@ -61,10 +66,10 @@ const column = (notes: string[]) =>
   table({
     balls: listOf(ball(notes)),
     cradle: flag,
-    height: quantity(ranges.height, notes),
-    gravity: quantity({ low: -Infinity, high: Infinity, log: false, unit: "m/s²" }, notes),
-    gaps: oneOrListOf(quantity(ranges.gap, notes)),
-    velocities: oneOrListOf(quantity(ranges.velocity, notes)),
+    height: parameter("height", notes),
+    gravity: quantity({ low: 0, high: Infinity, log: false, unit: "m/s²", zero: true }, parameterOfColumn("gravity"), notes),
+    gaps: oneOrListOf(parameter("gap", notes)),
+    velocities: oneOrListOf(parameter("velocity", notes)),
     law: lawTable(notes),
     laws: listOf(lawTable(notes)),
   });
