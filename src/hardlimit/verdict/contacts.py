@@ -127,12 +127,8 @@ class CheckedContact:
     rule: str = "constant"  #: of the event-driven simulation that the answer is about: "law" if ε depends on the speed
     heated_error: float | None = None  #: of the temperature of an event-driven gas at equal heating power
     sheared_error: float | None = None  #: of the shear stress of event-driven spheres at equal shear rate
-    softening: float | None = (
-        None  #: factor of the stiffness with which the error of cooling, with its bar, is 1 %
-    )
-    spring: tuple[str, float, float] | None = (
-        None  #: name of the stiffness, value, and value after this change
-    )
+    softening: float | None = None  #: factor of the stiffness at an error of cooling of 1 %, with its bar
+    spring: tuple[str, float, float] | None = None  #: name of the stiffness, value, value after this change
 
 
 def examine(case: Case, speeds: Sequence[float | None], gas: Surroundings) -> list[CheckedContact]:
