@@ -34,7 +34,7 @@ const queryOf = (s: Scenario): string => {
   return q.toString();
 };
 
-const shortly = 100; // ms until a part of an answer is shown
+const shortly = 100; // ms until a part of an answer is shown; the first picture gets `patience`
 const stillness = 250; // ms after a change until the setting rests
 const patience = 500; // ms for which the page waits for the first picture
 const leisure = 1500; // ms after the start or a change until what is far from the window is computed
@@ -212,7 +212,7 @@ class Page {
           this.progress.tell(what, share);
           if (!known) return;
           clearTimeout(this.early);
-          this.early = window.setTimeout(() => this.tellNumbers(known), shortly);
+          this.early = window.setTimeout(() => this.tellNumbers(known), state.drop ? shortly : patience);
         },
         done: (result) => this.solved(result),
         failed: (error) => this.solved({ scenario: ask.scenario, reason: `This setting could not be computed: ${error}` }),
