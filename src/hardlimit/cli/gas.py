@@ -178,6 +178,12 @@ def resumed(file: str | None, checkpoint: str, given: dict[str, Any]) -> tuple[A
     outputs = checked_outputs({entry.name: given.pop(entry.name) for entry in OUTPUT})
     end = {name: given.pop(name) for name in ("until", "max_collisions")}
     refuse({"FILE": file, **given}, "with --resume: the checkpoint holds it")
+    check_resumed(checkpoint, end, outputs)
+    return with_frames(lambda **more: hl.resume(checkpoint, **end, **more, progress=True), outputs), outputs
+
+
+def check_resumed(checkpoint: str, end: dict[str, Any], outputs: dict[str, Path | None]) -> None:
+    """Refuse outputs that the rest of a run cannot give, before it goes on."""
     run = load(checkpoint)
     if outputs["plot"] is not None and run.engine.record.name != HARD_SPHERES:
         raise ValueError("--plot: must be left out for a run under Newton's equations")
@@ -188,7 +194,6 @@ def resumed(file: str | None, checkpoint: str, given: dict[str, Any]) -> tuple[A
             raise ValueError(
                 f"--{name}: must be left out: {checkpoint} is at the end of its run, no frame follows"
             )
-    return with_frames(lambda **more: hl.resume(checkpoint, **end, **more, progress=True), outputs), outputs
 
 
 def refuse_frames_without_end(outputs: dict[str, Path | None], until: float | None) -> None:

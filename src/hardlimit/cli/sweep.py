@@ -211,14 +211,12 @@ def make_job(file: str | None, resume: bool, given: dict[str, Any]) -> Job:
         raise ValueError("axes: got none, must be at least one, such as --restitution 0.4:1:100")
     pictures = {name: picture(name, settings.pop(name, None)) for name in ("plot", "difference")}
     dimensions = sum(1 for value in swept.values() if np.ndim(value))
-    check_pictures(
-        pictures, dimensions, len(column.balls), np.ravel(settings.get("variables", "n_contacts"))[0]
-    )
     out = checked_output(settings.pop("out", None), resume)
     if "variables" in settings:
         wanted = settings["variables"]
         wanted = (wanted,) if isinstance(wanted, str) else tuple(wanted)
         settings["variables"] = (*wanted, "relative_velocity") if pictures["difference"] else wanted
+    check_pictures(pictures, dimensions, len(column.balls), settings.get("variables", ("n_contacts",))[0])
     return Job(column, swept, settings, out, pictures)
 
 
