@@ -112,8 +112,8 @@ test("a link gives its setting again; what is out of range is said", () => {
   for (const [query, said, key, value] of [
     ["n=149.5", "disks: 149.5 is not whole; it is 150.", "number", 150],
     ["n=1100.5", "disks: 1100.5 is outside 100 to 1000; it is 1000.", "number", 1000],
-    ["walls=false", "walls: “false” is none of 0, 1; it is 0.", "walls", false],
-    ["example=settling&walls=no", "walls: “no” is none of 0, 1; it is 1.", "walls", true],
+    ["walls=false", "walls = “false” is none of 0, 1: 0 used", "walls", false],
+    ["example=settling&walls=no", "walls = “no” is none of 0, 1: 1 used", "walls", true],
   ]) {
     const notes = [];
     assert.equal(fromQuery(new URLSearchParams(query), notes)[key], value);

@@ -1,4 +1,5 @@
 // The setting of a gas: ranges, examples, and how a link holds it.
+import { choiceOf } from "../support/choice";
 export const RADIUS = 1e-3; // of the disks [m]
 export const MASS = 1e-5; // [kg]
 export const RMS_SPEED = 0.5; // at the start [m/s]
@@ -64,18 +65,9 @@ export const toQuery = (setting: Setting): URLSearchParams => {
   return q;
 };
 
-// One of the options, as the link says.
-function choice<T extends string>(q: URLSearchParams, notes: string[], key: string, options: readonly T[], fallback: T): T {
-  const text = q.get(key);
-  if (text === null) return fallback;
-  if ((options as readonly string[]).includes(text)) return text as T;
-  notes.push(`${key}: “${text}” is none of ${options.join(", ")}; it is ${fallback}.`);
-  return fallback;
-}
-
 // The film of a link: its speed, and the time [s] at which it stands still; null: none.
 export function filmFromQuery(q: URLSearchParams, notes: string[]): { speed: string; time: number | null } {
-  const speed = choice(q, notes, "speed", ["0.25", "1", "4"], "1");
+  const speed = choiceOf(q, notes, "speed", ["0.25", "1", "4"], "1");
   const text = q.get("t");
   if (text === null) return { speed, time: null };
   const time = text.trim() === "" ? NaN : Number(text);
@@ -102,8 +94,8 @@ export function fromQuery(q: URLSearchParams, notes: string[]): Setting {
       setting[key] = value;
     }
   }
-  setting.rule = choice(q, notes, names.rule, rules, setting.rule);
-  setting.walls = choice(q, notes, names.walls, ["0", "1"], setting.walls ? "1" : "0") === "1";
+  setting.rule = choiceOf(q, notes, names.rule, rules, setting.rule);
+  setting.walls = choiceOf(q, notes, names.walls, ["0", "1"], setting.walls ? "1" : "0") === "1";
   if (setting.gravity > 0 && !setting.walls) {
     setting.walls = true;
     notes.push("Gravity needs a floor: the box has walls.");

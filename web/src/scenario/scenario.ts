@@ -1,4 +1,5 @@
 // The scenario: parameters, ranges, their encoding in a link and in a TOML file. SI units.
+import { choiceOf } from "../support/choice";
 import { labelOf, laws, parameterOfColumn, symbolOf, unitOf, type Law, type Quantity } from "./tables";
 
 export interface Ball {
@@ -192,15 +193,6 @@ export function toQuery(s: Scenario, q: URLSearchParams): void {
     ["u", s.velocities, s.velocities.map(() => 0)],
   ];
   for (const [key, now, before] of lists) if (now.join() !== before.join()) q.set(key, now.join());
-}
-
-// One of the options, as the link says; an invalid one is reported in `notes`.
-export function choiceOf<T extends string>(q: URLSearchParams, notes: string[], key: string, options: readonly T[], fallback: T): T {
-  const text = q.get(key);
-  if (text === null) return fallback;
-  if ((options as readonly string[]).includes(text)) return text as T;
-  notes.push(`${key} = “${text.slice(0, 20)}” is none of ${options.join(", ")}: ${fallback} used`);
-  return fallback;
 }
 
 // Overrides `s` with the valid parts of the link; invalid parts are reported in `notes`.

@@ -1,6 +1,7 @@
 // View settings: map, zoom, film. Stored in the link with the scenario.
 import { inPercent, usualTolerance } from "./tolerance";
-import { choiceOf, ranges, type Scenario } from "./scenario";
+import { choiceOf } from "../support/choice";
+import { ranges, type Scenario } from "./scenario";
 
 export type MapAxis = "gap" | "ratio";
 export type MapShow = "count" | "effective" | "separation";
