@@ -181,6 +181,7 @@ test("given up: the page says again what it said, and undo goes back from there"
   assert.deepEqual(await said(), before);
   const { current, tolerance } = await page.evaluate(() => window.hardlimit.report());
   assert.deepEqual([current, tolerance, await page.inputValue("#tolerance")], [true, 0.01, "0.01"]);
+  assert.equal(await page.isDisabled("#undo"), true); // what was given up is forgotten
   await enter(page, "restitution", "0.6");
   await settled(page);
   await page.click("#undo");
@@ -202,6 +203,7 @@ test("undo after the browser's Back goes to the setting that Back has shown", as
   await settled(page);
   await page.goBack();
   await page.waitForFunction(() => document.getElementById("preset").value === "fig2");
+  assert.equal(await page.isDisabled("#undo"), true);
   await page.waitForTimeout(800); // changes that follow quickly are undone together
   await enter(page, "restitution", "0.5");
   await settled(page);

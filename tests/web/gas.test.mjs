@@ -74,7 +74,7 @@ test("it opens playing; pause, step, again and keys", async (t) => {
   assert.equal(await page.textContent("#play"), "Pause");
   await page.click("#play");
   const stopped = async () => {
-    await page.waitForTimeout(100);
+    await page.waitForTimeout(100 + Number(process.env.LATE ?? 0));
     return (await report(page)).time;
   };
   const before = await stopped();

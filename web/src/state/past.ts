@@ -25,17 +25,24 @@ export class Past {
     find<HTMLButtonElement>("undo").disabled = false;
   }
 
-  // The setting was changed by something that is not undone: the browser's history, or Cancel.
+  // The setting was changed by something that is not undone: the browser's history, or Cancel. What came after the same
+  // setting before is forgotten.
   settle(scenario: Scenario): void {
-    this.before = copyOf(scenario);
-    this.last = -Infinity;
+    const same = this.list.map((past) => JSON.stringify(past)).lastIndexOf(JSON.stringify(scenario));
+    if (same >= 0) this.list.length = same;
+    this.set(scenario);
   }
 
   undo(): Scenario | null {
     const before = this.list.pop();
     if (!before) return null;
-    this.settle(before);
-    find<HTMLButtonElement>("undo").disabled = this.list.length === 0;
+    this.set(before);
     return copyOf(before);
+  }
+
+  private set(scenario: Scenario): void {
+    this.before = copyOf(scenario);
+    this.last = -Infinity;
+    find<HTMLButtonElement>("undo").disabled = this.list.length === 0;
   }
 }
