@@ -84,6 +84,9 @@ run 1
     assert walls["w1 (type 1)"]["youngsModulus"] == ("5e6",) and walls["w1 (type 1)"]["limitForce"] == ("on",)
     assert walls["w1 (type 2)"]["coefficientRestitution"] == ("0.5",)
     assert walls["w2"]["model"] == ("hooke",) and walls["w2"]["characteristicVelocity"] == ("2.0",)
+    pushes = {one.wall: one.pushes for one in found.stages[0].contacts if one.wall}
+    assert pushes["w1 (type 1)"] is None and pushes["w2"] == ((0, 0, 1), (0, 0, -1))  # grains on both sides
+    assert pushes["w3"] == ((1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0))
     said = [one.what for one in found.ignored]
     assert "a moving wall (move/mesh)" in said and "a moving wall (shear)" in said
     assert any("curvature" in one for one in said)

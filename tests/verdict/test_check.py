@@ -328,6 +328,37 @@ def test_gravity_counts_where_grains_can_come_to_rest():
     assert [one.what for one in found.checked] == ["normal contact", "time step", "walls", "gravity"]
 
 
+@pytest.mark.parametrize(
+    "shape", ["xplane 0 1", "yplane NULL 1", "zplane 0 NULL", "zplane NULL 1", "zcylinder 0.5"]
+)
+@pytest.mark.parametrize(
+    ("gravity", "down"),
+    [
+        ("vector 0 0 -2", (0, 0, -1)),
+        ("vector 3 0 4", (0.6, 0, 0.8)),
+        ("vector 0 v_one 0", (0, 1, 0)),
+        ("chute 30", (0.5, 0, -math.sqrt(0.75))),
+        ("spherical 270 90", (0, -1, 0)),
+        ("spherical 0 180", (0, 0, -1)),
+    ],
+)
+def test_grains_rest_only_on_a_wall_that_stops_the_fall(shape, gravity, down):
+    """A wall along gravity, or above the grains, does not: as in a vertical channel, where friction holds the flow."""
+    x, y, z = down
+    stops = {
+        "xplane 0 1": abs(x) > 1e-9,
+        "yplane NULL 1": y > 1e-9,
+        "zplane 0 NULL": z < -1e-9,
+        "zplane NULL 1": z > 1e-9,
+        "zcylinder 0.5": math.hypot(x, y) > 1e-9,
+    }[shape]
+    wall = WALL.replace("zplane 0 1", shape)
+    text = script(HOOKE, "variable one equal 1", f"fix g all gravity 9.81 {gravity}", wall)
+    found = hl.check(text, speed=0.01, packing_fraction=0.05)
+    assert ("rest on each other" in found.sentence) is stops
+    assert found.admissible is not stops
+
+
 def test_what_invalidates_or_is_not_understood_decides():
     options = checking.Given(None, (0.01,), 0.1, {})
     quote = Quote("in.file", 3, "fix d all drag 1")

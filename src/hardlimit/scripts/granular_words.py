@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
+from .description import Direction
 from .statements import Statement, refusal, refused
 
 # --- LAMMPS ---------------------------------------------------------------------------------------------------
@@ -33,6 +34,23 @@ BESIDE: Final = {
 GRAN: Final = ("hooke", "hooke/history", "hertz/history")
 #: Shapes of walls and their number of parameters.
 WALLS: Final = {"xplane": 2, "yplane": 2, "zplane": 2, "zcylinder": 1, "region": 1}
+
+
+def pushes(shape: str, low: bool = True, high: bool = True) -> tuple[Direction, ...] | None:
+    """The directions in which a plane or cylinder along an axis pushes grains; None for other shapes.
+
+    ``low``, ``high``: whether there is a plane below and above the grains.
+    """
+    axis = "xyz".find(shape[:1])
+    if shape[1:] not in ("plane", "cylinder") or axis < 0:
+        return None
+    signs = [sign for sign, there in ((1.0, low), (-1.0, high)) if there]
+    return tuple(
+        tuple(sign * (k == at) for at in range(3))
+        for k in range(3)
+        if (k == axis) == (shape[1:] == "plane")
+        for sign in signs
+    )
 
 
 @dataclass(frozen=True)

@@ -138,8 +138,10 @@ class Lammps(State):
             if fix.style in GRANULAR_WALLS:
                 parsed = self.wall(fix)
                 if parsed is not None:
+                    shape, *ends = self.words_of(fix).rest
+                    pushes = granular_words.pushes(shape, *(end != "NULL" for end in ends[: WALLS[shape]]))
                     for kind in self.walls_of(fix.group):
-                        yield self.wall_contact(kind, name, parsed, (fix.statement.quote,))
+                        yield self.wall_contact(kind, name, parsed, (fix.statement.quote,), pushes)
 
     def between(self, i: int, j: int) -> ContactSettings | None:
         """Settings of two types: those given, those of a gran/… style, or the mixed ones."""

@@ -214,12 +214,14 @@ class Liggghts(State):
             if fix.style.startswith("wall/gran"):
                 parsed, ends = self.parsed_wall(fix)
                 model = settings(fix.statement, parsed.settings)
+                shapes = [granular_words.pushes(word) for word in parsed.rest]
+                pushes = next((one for one in shapes if one is not None), None)
                 for kind in kinds:
                     for end in ends:
                         found, quotes = self.between(kind, end)
                         wall = name if len(ends) == 1 else f"{name} (type {end})"
                         yield self.wall_contact(
-                            kind, wall, {**model, **found}, (fix.statement.quote, *quotes)
+                            kind, wall, {**model, **found}, (fix.statement.quote, *quotes), pushes
                         )
 
     def between(self, i: int, j: int) -> tuple[Settings, tuple[Quote, ...]]:

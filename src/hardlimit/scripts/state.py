@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
@@ -10,7 +11,7 @@ from typing import Final
 
 from . import population
 from .commands import SILENT, UNRESOLVED, USE_LOG, Variables, text_of
-from .description import WALL, ContactSettings, Description, Note, Quote, Settings, Stage
+from .description import WALL, ContactSettings, Description, Direction, Note, Quote, Settings, Stage
 from .formulas import NUMBER
 from .granular_words import unaccelerated
 from .population import Batch, Population
@@ -416,6 +417,7 @@ class State:
             grains,
             self.gravity(),
             None,
+            self.down(),
         )
         if self.stages and replace(self.stages[-1], quote=quote, steps=steps) == new:
             self.longer(steps)
@@ -673,15 +675,41 @@ class State:
                 return self.number(fix.statement, word)
         return None
 
+    def down(self) -> Direction | None:
+        """The direction of gravity, as in LAMMPS' ``FixGravity``."""
+        counts = {"chute": 1, "spherical": 2, "vector": self.dimension}
+        fix = next((one for one in self.fixes.values() if one.style == "gravity"), None)
+        style, words = ("", ()) if fix is None else ((*fix.words, "", "")[1], fix.words[2:])
+        words = words[: counts.get(style, 0)]
+        if (
+            fix is None
+            or not words
+            or any(is_variable(word) and self.variables.of(word[2:]) is None for word in words)
+        ):
+            return None
+        given = [self.number(fix.statement, word) for word in words]
+        if style == "vector":
+            size = math.hypot(*given)
+            return (*(x / size for x in given), *(0.0,) * (3 - len(given))) if size > 0.0 else None
+        azimuth, polar = map(math.radians, given if style == "spherical" else (0.0, 180.0 - given[0]))
+        if self.dimension == 2:
+            return math.sin(polar), math.cos(polar), 0.0
+        return math.sin(polar) * math.cos(azimuth), math.sin(polar) * math.sin(azimuth), math.cos(polar)
+
     def walls_of(self, group: str) -> list[int]:
         """The types that meet the wall of a group."""
         return list(self.within(self.members(group)))
 
     def wall_contact(
-        self, kind: int, name: str, settings: Settings, quotes: tuple[Quote, ...]
+        self,
+        kind: int,
+        name: str,
+        settings: Settings,
+        quotes: tuple[Quote, ...],
+        pushes: tuple[Direction, ...] | None,
     ) -> ContactSettings:
         """A contact with a wall."""
-        return ContactSettings((str(kind), WALL), name, settings, quotes)
+        return ContactSettings((str(kind), WALL), name, settings, quotes, pushes=pushes)
 
 
 def atoms_of(word: str) -> range | None:

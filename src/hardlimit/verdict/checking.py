@@ -14,7 +14,7 @@ from ..contact.balls import Ball
 from ..contact.contact import Law
 from ..convert.force import MAX_SPEED, MIN_SPEED
 from ..convert.readers import UNITS
-from ..scripts import Description, Grains, Note, Quote, Stage
+from ..scripts import ContactSettings, Description, Grains, Note, Quote, Stage
 from ..scripts import read as read_script
 from ..support import validation
 from ..support.formatting import percent
@@ -279,13 +279,20 @@ def _lasting(
             )
     else:
         for stage in stages:
-            if stage.gravity and any(
-                one.types[1] == cases.WALL or _fixed(stage, one.types) for one in stage.contacts
-            ):
+            if stage.gravity and any(_holds(stage, one) for one in stage.contacts):
                 yield Finding("grains rest on each other under gravity", None, _where(stage.quote))
                 break
     for types in dict.fromkeys(row.types for row in rows if row.restitution == 0.0):
         yield Finding("overdamped contacts", types)
+
+
+def _holds(stage: Stage, contact: ContactSettings) -> bool:
+    """Whether a wall, or grains that do not move, may stop the fall of grains; true if the directions are not known."""
+    if contact.types[1] != cases.WALL:
+        return _fixed(stage, contact.types)
+    if stage.down is None or contact.pushes is None:
+        return True
+    return any(sum(p * g for p, g in zip(push, stage.down, strict=True)) < -1e-12 for push in contact.pushes)
 
 
 def _fixed(stage: Stage, types: Sequence[str]) -> bool:
