@@ -646,6 +646,21 @@ def test_a_run_that_was_not_resolved_is_drawn_as_far_as_it_is_known() -> None:
         result.trajectory([1.01 * known])
 
 
+def test_heights_say_where_the_motion_after_the_sequence_ends() -> None:
+    balls = [hl.Ball(0.0013, density=124.0), hl.Ball(0.0016, density=2310.0), hl.Ball(0.061, density=205.0)]
+    law = hl.LinearDashpot(stiffness=3.42e5, restitution=0.2376)
+    column = hl.Column(balls, gaps=[0.00114, 2.96e-6], height=0.654, law=law)
+    results = hl.newton(column), hl.independent(column)
+    assert {result.outcome for result in results} == {"ok"}
+    for figure in (plots.heights(*results), plots.drop(*results)):
+        [title] = [ax.get_title() for ax in figure.axes if "after" in ax.get_title()]
+        newton, independent = title.split("\n")
+        assert newton.startswith("Newton’s equations: too deep after ")
+        assert independent.startswith("independent collisions: not resolved after ")
+    whole = plots.heights(hl.newton(hl.Column.paper()))
+    assert whole.axes[0].get_title() == ""
+
+
 def test_a_drop_is_drawn_as_far_as_both_models_know_it() -> None:
     """A contact becomes too deep just after the sequence, and the models have different times of release."""
     balls = [hl.Ball(0.0575, density=261.0), hl.Ball(0.0492, density=408.0), hl.Ball(0.00189, density=7080.0)]

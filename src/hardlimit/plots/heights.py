@@ -106,6 +106,11 @@ def draw_heights(ax: Axes, results: Sequence[Result], until: float | None) -> No
     """One line for each ball and model, with dots at the tops of the flights."""
     end = time_shown(results) if until is None else until
     stops = [r._known_up_to(end) for r in results]
+    cut = [
+        (r, stop) for r, stop in zip(results, stops, strict=True) if stop < end and math.isinf(r.known_until)
+    ]
+    if cut:
+        ax.set_title("\n".join(_cut_short(*one, end) for one in cut), fontsize="small")
     start = min(min(release_time(r) for r in results), 0.0)
     factor, unit = scaled(max(*stops, -start), "s")
     floor = results[0].column.floor
@@ -127,6 +132,13 @@ def draw_heights(ax: Axes, results: Sequence[Result], until: float | None) -> No
         ax.set_ylabel(f"displacement [{metres}]")
         ax.set_xlabel(f"time after release [{unit}]")
     _name_lines(ax, results)
+
+
+def _cut_short(result: Result, stop: float, end: float) -> str:
+    """The time up to which the motion after the sequence is known, if not up to ``end``, and why."""
+    factor, unit = scaled(stop, "s")
+    why = "too deep" if result._continued(end).too_deep >= 0 else "not resolved"
+    return f"{MODELS[result.model].label}: {why} after {stop * factor:.3g} {unit}"
 
 
 def _mark_tops(ax: Axes, result: Result, stop: float, factor: float) -> None:
