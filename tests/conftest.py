@@ -152,6 +152,14 @@ def roomy(column: hl.Column, scale: float = 100.0) -> hl.Column:
     return column.replace(balls=balls, height=balls[0].radius + column.drop_height)
 
 
+def too_deep_later() -> hl.Column:
+    """A column whose result is ok, with a contact that becomes too deep soon after the sequence."""
+    balls = [hl.Ball(0.0575, density=261.0), hl.Ball(0.0492, density=408.0), hl.Ball(0.00189, density=7080.0)]
+    constants = (3.46e7, 0.093), (5.39e6, 0.9), (1.4e4, 0.413)
+    laws = [hl.LinearDashpot(stiffness=k, restitution=e) for k, e in constants]
+    return hl.Column(balls, [1.57e-5, 0.0], 1.01, laws, [0.886, -1.607, -0.138], 100.0)
+
+
 def typical(p: dict) -> float:
     """A value for a parameter of a law, also of a law that these tests have never heard of."""
     bounded = math.isfinite(p["lowest"]) and math.isfinite(p["highest"])

@@ -19,7 +19,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 import hardlimit as hl
-from conftest import columns, draws, law_of, laws, refusal
+from conftest import columns, draws, law_of, laws, refusal, too_deep_later
 from hardlimit.support import html, saving
 
 PAPER = hl.Column.paper(0.7)
@@ -230,11 +230,6 @@ def test_release_of_balls_that_do_not_meet_in_flight():
 def known_for_a_while() -> dict[str, tuple[hl.Result, str]]:
     """Results that are ok, and what ends the motion soon after their sequence."""
     linear, soft = hl.LinearDashpot, hl.Viscoelastic
-    three = [hl.Ball(0.0575, density=261.0), hl.Ball(0.0492, density=408.0), hl.Ball(0.00189, density=7080.0)]
-    laws_of_three = [
-        linear(stiffness=k, restitution=e) for k, e in ((3.46e7, 0.093), (5.39e6, 0.9), (1.4e4, 0.413))
-    ]
-    deep = hl.Column(three, [1.57e-5, 0.0], 1.01, laws_of_three, [0.886, -1.607, -0.138], 100.0)
     heavy = [hl.Ball(0.00103, density=313.0), hl.Ball(0.0595, density=8470.0)]
     damped = [linear(stiffness=1.3e6, damping=0.0112), linear(stiffness=4.94e7, damping=778.0)]
     crowded = hl.Column(heavy, 0.0, 0.00279, damped, [-0.0554, -0.104], 0.0)
@@ -245,7 +240,7 @@ def known_for_a_while() -> dict[str, tuple[hl.Result, str]]:
     ]
     slower = hl.Column(heavy, 0.0, 1.91, slow_laws, [0.392, -0.403], 100.0)
     return {
-        "too deep": (hl.newton(deep), "too_deep"),
+        "too deep": (hl.newton(too_deep_later()), "too_deep"),
         "too many collisions": (hl.independent(crowded), "unresolved"),
         "too many slow collisions": (hl.independent(slower), ""),
     }

@@ -18,7 +18,7 @@ from matplotlib.mathtext import MathTextParser
 from PIL import Image
 
 import hardlimit as hl
-from conftest import law_of, roomy, slow
+from conftest import law_of, roomy, slow, too_deep_later
 from hardlimit import plots
 from hardlimit.column.comparison import compare
 from hardlimit.plots import animation, grain_film, labels, maps, stage, storyboard, video
@@ -663,13 +663,7 @@ def test_heights_say_where_the_motion_after_the_sequence_ends() -> None:
 
 def test_a_drop_is_drawn_as_far_as_both_models_know_it() -> None:
     """A contact becomes too deep just after the sequence, and the models have different times of release."""
-    balls = [hl.Ball(0.0575, density=261.0), hl.Ball(0.0492, density=408.0), hl.Ball(0.00189, density=7080.0)]
-    law = [
-        hl.LinearDashpot(stiffness=k, restitution=e)
-        for k, e in ((3.46e7, 0.093), (5.39e6, 0.9), (1.4e4, 0.413))
-    ]
-    column = hl.Column(balls, [1.57e-5, 0.0], 1.01, law, [0.886, -1.607, -0.138], 100.0)
-    newton, hard = hl.newton(column), hl.independent(column)
+    newton, hard = hl.newton(too_deep_later()), hl.independent(too_deep_later())
     assert newton.outcome == "ok" and newton._core.t_first != hard._core.t_first
     known = newton._known_up_to(1.0)
     assert 0.0 < known < 1.0
