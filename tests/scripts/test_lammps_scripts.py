@@ -167,6 +167,22 @@ run 1
         assert normal(text, tuple(pair))[1] == stiffness, pair
 
 
+def test_wildcards_hold_for_types_that_are_not_known_yet(tmp_path):
+    """LAMMPS knows all types from the file; ε of 1–2 is that of the first line, not the mean of 0.5 and 0.9."""
+    pairs = "pair_style granular\npair_coeff * * hooke 1e5 0.5 damping coeff_restitution\n"
+    second = "pair_coeff 2 2 hooke 1e5 0.9 damping coeff_restitution\n"
+    for source in ("read_restart old", "read_data none"):
+        text = f"units si\natom_style sphere\n{source}\n{pairs}{second}run 1\n"
+        assert normal(text, ("1", "2"))[2] == "0.5" and normal(text, ("2", "2"))[2] == "0.9"
+    (tmp_path / "one.data").write_text("\n1 atoms\n1 atom types\n\nAtoms\n\n1 1 0.02 2500 0.5 0.5 0.5\n")
+    reads = "units si\natom_style sphere\nread_data one.data extra/atom/types 1\n"
+    (tmp_path / "in.more").write_text(
+        f"{reads}{pairs}create_atoms 2 single 0.1 0.1 0.1\nset type 2 diameter 0.01\nrun 1\n"
+    )
+    types = [one.types for one in read(tmp_path / "in.more").stages[-1].contacts]
+    assert types == [("1", "1"), ("1", "2"), ("2", "2")]
+
+
 def test_mixing_is_that_of_lammps():
     """Geometric means; moduli in series."""
     both = f"{BOX}create_atoms 1 box\ncreate_atoms 2 box\npair_style granular\n"

@@ -318,6 +318,45 @@ def test_a_verdict_can_be_pickled():
     assert repr(found) == f"<Verdict: {found}>"
 
 
+def test_the_times_of_waves_are_those_of_the_grains_own_materials():
+    """LIGGGHTS' formulas have an effective modulus between two materials, but waves run in each of them."""
+    moduli, ratios, radii = (5e6, 1e8), (0.45, 0.25), (1e-3, 2e-3)
+    text = f"""units si
+atom_style granular
+region reg block 0 1 0 1 0 1 units box
+create_box 2 reg
+pair_style gran model hertz tangential history
+pair_coeff * *
+fix m1 all property/global youngsModulus peratomtype {moduli[0]} {moduli[1]}
+fix m2 all property/global poissonsRatio peratomtype {ratios[0]} {ratios[1]}
+fix m3 all property/global coefficientRestitution peratomtypepair 2 0.9 0.8 0.8 0.7
+fix m4 all property/global coefficientFriction peratomtypepair 2 0 0 0 0
+fix zw all wall/gran model hertz tangential history primitive type 2 zplane 0.0
+create_atoms 1 single 0 0 0
+create_atoms 2 single 0 0 1
+set type 1 diameter {2 * radii[0]} density 2500
+set type 2 diameter {2 * radii[1]} density 2500
+timestep 1e-6
+run 1
+"""
+    wave = [r * math.sqrt(2500 / y) for r, y in zip(radii, moduli, strict=True)]
+    rayleigh = [
+        math.pi * one * math.sqrt(2 + 2 * nu) / (0.1631 * nu + 0.8766)
+        for one, nu in zip(wave, ratios, strict=True)
+    ]
+    found = {row.types: row for row in hl.check(text, speed=0.5).rows}
+    for times, of in (("p_wave_time", wave), ("rayleigh_time", rayleigh)):
+        got = {types: getattr(row, times) for types, row in found.items()}
+        expected = {
+            ("1", "1"): of[0],
+            ("2", "2"): of[1],
+            ("1", "2"): min(of),
+            ("1", "wall"): of[0],
+            ("2", "wall"): of[1],
+        }
+        assert got == pytest.approx(expected, rel=1e-12)
+
+
 def test_gravity_counts_where_grains_can_come_to_rest():
     fall = "fix g all gravity 9.81 vector 0 0 -1"
     options = {"speed": 0.01, "packing_fraction": 0.05}

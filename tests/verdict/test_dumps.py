@@ -14,20 +14,27 @@ BEAD = hl.Ball(1e-3, density=2500.0)
 
 
 def text(
-    system=GAS, columns="id type x y z vx vy vz radius", step=100, sides="pp pp pp", gaps=True, scaled=False
+    system=GAS,
+    columns="id type x y z vx vy vz radius",
+    step=100,
+    sides="pp pp pp",
+    gaps=True,
+    scaled=False,
+    types=1,
 ):
     """A frame of a system; its grains are shuffled, and some numbers are left out."""
     n, edges = system.n, system.box
     at = system.positions / edges if scaled else system.positions
-    values = {"id": 3 * np.arange(n) + 1 if gaps else np.arange(n) + 1, "type": np.ones(n, int)}
-    for k, axis in enumerate("xyz"):
+    values = {"id": 3 * np.arange(n) + 1 if gaps else np.arange(n) + 1, "type": np.broadcast_to(types, n)}
+    for k, axis in enumerate("xyz"[: system.dimension]):
         values |= {axis + end: at[:, k] for end in ("", "s", "u")} | {f"v{axis}": system.velocities[:, k]}
     values |= {"radius": system.radius, "diameter": 2.0 * system.radius, "mass": system.mass}
+    values["density"] = system.mass / (4 / 3 * np.pi * system.radius**3)
     rows = [
         " ".join(f"{values[name][i]:.12g}" for name in columns.split())
         for i in np.random.default_rng(1).permutation(n)
     ]
-    bounds = [f"0 {edge:.12g}" for edge in edges]
+    bounds = [f"0 {edge:.12g}" for edge in (*edges, 1.0)[:3]]
     head = [
         "ITEM: TIMESTEP",
         str(step),
@@ -165,3 +172,55 @@ def test_sizes_and_masses_of_a_dump_replace_missing_ones(columns, tmp_path):
     assert (row.radius, row.density) == (pytest.approx(1e-3), pytest.approx(2500.0))
     assert row.restitution is not None and row.steps_per_contact and row.tc_nu
     assert not found.missing and not found.unknown and found.admissible is not None
+
+
+def test_types_that_only_the_dump_shows_are_examined(tmp_path):
+    """Half of the grains are large, and their contacts last longest."""
+    large = np.arange(400) % 2
+    two = GAS.replace(radius=np.where(large, 1e-3, 2e-4), density=2500.0)
+    dump = written(tmp_path, text(two, types=1 + large))
+    pair = "hooke 2e4 0.9 damping coeff_restitution\n"
+    script = f"units si\natom_style sphere\nread_restart old\npair_style granular\npair_coeff * * {pair}"
+    run = "timestep 1e-7\nfix 1 all nve/sphere\nrun 100\n"
+    found = hl.check(script + run, dump=dump)
+    assert {row.types for row in found.rows} == {("1", "1"), ("1", "2"), ("2", "2")}
+    assert found.sentence == hl.check(f"{script}pair_coeff 2 2 {pair}{run}", dump=dump).sentence
+    grains = "region all block 0 1 0 1 0 1\ncreate_box 1 all\ncreate_atoms 1 single 0 0 0\nset type 1 diameter 2e-3"
+    other = hl.check(script.replace("read_restart old", grains) + run, dump=dump)
+    assert other.admissible is not True
+    assert "grains of type 2 are in the dump, but not in the script" in [one.what for one in other.unknown]
+
+
+def test_temperature_counts_masses(tmp_path):
+    """Light and heavy grains in equipartition. Densities are columns of the dump, or those of the script."""
+    density = np.where(heavy := np.arange(400) % 2, 8000.0, 1000.0)
+    mixed = GAS.replace(density=density, velocities=GAS.velocities / np.sqrt(density)[:, None])
+    columns = "id type x y z vx vy vz"
+    for more, *known in (
+        ["radius mass"],
+        ["radius density"],
+        ["", {"1": 1e-3, "2": 1e-3}, {"1": 1000.0, "2": 8000.0}],
+    ):
+        frame = dumps.read(written(tmp_path, text(mixed, f"{columns} {more}", types=1 + heavy)))[0]
+        radii, densities = known or ({}, {})
+        found = dumps.state(frame, radii, 3, densities).temperature
+        assert found == pytest.approx(mixed.granular_temperature, rel=1e-9)
+    script = (
+        "units si\natom_style sphere\nregion all block 0 1 0 1 0 1\ncreate_box 2 all\n"
+        "create_atoms 1 single 0 0 0\ncreate_atoms 2 single 0 0 1\nset type 1 diameter 2e-3 density 1000\n"
+        "set type 2 diameter 2e-3 density 8000\npair_style granular\n"
+        "pair_coeff * * hooke 2e4 0.9 damping coeff_restitution\ntimestep 1e-7\nfix 1 all nve/sphere\nrun 100\n"
+    )
+    dump = written(tmp_path, text(mixed, columns, types=1 + heavy))
+    assert hl.check(script, dump=dump).states[0].temperature == pytest.approx(
+        mixed.granular_temperature, rel=1e-9
+    )
+
+
+@pytest.mark.parametrize("scaled", [False, True])
+def test_a_dump_of_disks_needs_no_third_column(scaled, tmp_path):
+    disks = hl.ParticleSystem.random(200, 0.3, 1e-3, 2500.0, rms_speed=0.3, dimension=2)
+    columns = "id type xs ys vx vy radius" if scaled else "id type x y vx vy radius"
+    found = dumps.state(dumps.read(written(tmp_path, text(disks, columns, scaled=scaled)))[0], {}, 2)
+    assert found.temperature == pytest.approx(disks.granular_temperature, rel=1e-9)
+    assert found.packing_fraction == pytest.approx(0.3) and found.coordination == 0.0

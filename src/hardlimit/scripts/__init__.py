@@ -46,7 +46,9 @@ SIGNS: Final = {
 }
 
 
-def read(source: str | Path, *, code: str | None = None, variables: Mapping[str, str] = {}) -> Description:
+def read(
+    source: str | Path, *, code: str | None = None, variables: Mapping[str, str] = {}, types_seen: int = 0
+) -> Description:
     """Read a script or a log.
 
     Parameters
@@ -57,6 +59,8 @@ def read(source: str | Path, *, code: str | None = None, variables: Mapping[str,
         "lammps", "liggghts" or "yade"; found in the text by default.
     variables : mapping of str to str
         Values of variables, as given on the code's command line.
+    types_seen : int
+        Largest type of grains in a dump, for scripts that read their grains from files.
 
     Raises
     ------
@@ -78,7 +82,7 @@ def read(source: str | Path, *, code: str | None = None, variables: Mapping[str,
         return yade.read(text, file, variables)
     kind = Liggghts if found == "liggghts" else Lammps
     known = given(variables)
-    state = kind(known, folder, log[1] if log else None, found)
+    state = kind(known, folder, log[1] if log else None, found, types_seen)
     if log:
         return state.read(logs.commands(text, file, known, kind))
     return state.read(iter(Commands(text, file, folder, known)))

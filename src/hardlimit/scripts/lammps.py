@@ -115,16 +115,15 @@ class Lammps(State):
             raise refused(statement, "name types, the smaller first")
         if new.adhesion:
             what = "plastic deformation" if new.adhesion == "mdr" else "adhesion"
-            kinds = sorted({str(k) for pair in pairs for k in pair}, key=int)
-            self.invalidate(f"{what} ({new.adhesion})", statement, tuple(kinds))
+            kinds = sorted({k for pair in pairs for k in pair if k <= self.count()})
+            self.invalidate(f"{what} ({new.adhesion})", statement, tuple(map(str, kinds)))
         for pair in pairs:
             if self.style == "hybrid/overlay":
                 held = [one for one in self.pairs.get(pair, []) if one.style != new.style]
                 self.pairs[pair] = [*held, new]
             else:
                 self.pairs[pair] = [new]
-        if first.isdecimal() or second.isdecimal():
-            self.types = max(self.types, *(max(pair) for pair in pairs))
+        self.types = max(self.types, *(int(word) for word in (first, second) if word.isdecimal()), 0)
 
     def contacts(self) -> Iterator[ContactSettings]:
         """Pairs of types, then walls."""

@@ -119,6 +119,7 @@ class State:
     folder: Path | None = None
     version: str | None = None
     code: str = "lammps"
+    types_seen: int = 0  #: largest type in a dump
 
     def __post_init__(self) -> None:
         self.ignored: dict[Note, None] = {}
@@ -229,18 +230,18 @@ class State:
         return self.labels.get(word, 0)
 
     def types_of(self, word: str) -> range:
-        """Types within ``2``, ``*``, ``2*``, ``*3`` or ``1*3``."""
+        """Types within ``2``, ``*``, ``2*``, ``*3`` or ``1*3``, also those that only a later command makes known."""
         low, star, high = word.partition("*")
         if not star:
             kind = self.type_of(word)
             return range(kind, kind + 1) if kind else range(0)
         first = self.type_of(low) if low else 1
-        last = self.type_of(high) if high else self.count()
+        last = self.type_of(high) if high else MAX_TYPES
         return range(first, min(last, MAX_TYPES) + 1)
 
     def count(self) -> int:
         """Number of types, as far as it is known."""
-        return min(max([self.types, *self.population.batches, 1]), MAX_TYPES)
+        return min(max([self.types, self.types_seen, *self.population.batches, 1]), MAX_TYPES)
 
     def present(self) -> list[int]:
         """Types of which there are grains, or all if these are not known."""
@@ -507,12 +508,15 @@ class State:
         self.unknown[statement.quote] = None
 
     def command_read_data(self, statement: Statement) -> None:
-        name = (*statement.words, "")[1]
+        words = statement.words
+        name = (*words, "")[1]
         text = None if self.folder is None else text_of(self.folder / name)
         if text is None:
             self.elsewhere(statement)
             return
-        self.types = min(max(self.types, population.header(text, "atom types")), MAX_TYPES)
+        more = words[words.index("extra/atom/types") + 1 :][:1] if "extra/atom/types" in words else []
+        types = population.header(text, "atom types") + (self.type_of(more[0]) if more else 0)
+        self.types = min(max(self.types, types), MAX_TYPES)
         if population.header(text, "bonds"):
             self.invalidate("bonds between grains", statement)
         try:

@@ -111,15 +111,24 @@ def of_script(description: Description) -> tuple[list[Case], Remarks]:
         if before is not None and _state(stage) == _state(before):
             continue
         before = stage
+        of_pairs: list[tuple[ContactSettings, ModelForce | None]] = []
         for contact in stage.contacts:
-            force: ModelForce | None = None
             try:
                 force, limit = _force(found, contact, description.version)
                 if limit:
                     versions.setdefault(limit, {})[force.model.name] = None
+                of_pairs.append((contact, force))
             except ValueError as error:
                 failed[contact.types, str(error).removeprefix("input: ")] = None
-            cases += _ends(number, stage, contact, force)
+                of_pairs.append((contact, None))
+        # Between two materials, a code's settings have effective moduli.
+        materials = {
+            one.types[0]: (of_one.numbers["youngs_modulus"], of_one.numbers.get("poisson_ratio", 0.0))
+            for one, of_one in of_pairs
+            if of_one is not None and len(set(one.types)) == 1 and "youngs_modulus" in of_one.numbers
+        }
+        for one, of_one in of_pairs:
+            cases += _ends(number, stage, one, of_one, materials)
     said = [
         f"{listed(list(names))} as in {found.title} since {limit}; before, another ε."
         for limit, names in versions.items()
@@ -176,18 +185,24 @@ def _date(version: str) -> tuple[int, ...] | None:
     return tuple(map(int, numbers[0].split("."))) if numbers else None
 
 
-def _ends(number: int, stage: Stage, contact: ContactSettings, force: ModelForce | None) -> Iterator[Case]:
+def _ends(
+    number: int,
+    stage: Stage,
+    contact: ContactSettings,
+    force: ModelForce | None,
+    materials: Mapping[str, tuple[float, float]],
+) -> Iterator[Case]:
     """The contact at the smallest and at the largest sizes; one if they are equal. Then those with fixed grains."""
     grains = [stage.grains.get(name, Grains(name)) for name in contact.types if name != WALL]
     if all(one.frozen for one in grains):
         return
-    yield from _between(number, stage, contact, force, grains)
+    yield from _between(number, stage, contact, force, materials, grains)
     for first, second in {
         (one.type, other.type): (one, other) for one, other in permutations(grains, 2)
     }.values():
         if second.partly_frozen and not first.frozen:
             pair = [first, replace(second, frozen=True)]
-            yield from _between(number, stage, replace(contact, wall=FIXED), force, pair)
+            yield from _between(number, stage, replace(contact, wall=FIXED), force, materials, pair)
 
 
 def _between(
@@ -195,11 +210,12 @@ def _between(
     stage: Stage,
     contact: ContactSettings,
     force: ModelForce | None,
+    materials: Mapping[str, tuple[float, float]],
     grains: list[Grains],
 ) -> Iterator[Case]:
     """The contact of two grains, or of a grain and a wall, at the ends of their sizes."""
     grains.sort(key=lambda one: one.frozen)  # the first moves
-    ends = [[_body(one, k) for one in grains] for k in (0, 1)]
+    ends = [[body(one, k) for one in grains] for k in (0, 1)]
     for bodies in ends if ends[0] != ends[1] else ends[:1]:
         yield Case(
             contact.types,
@@ -213,13 +229,12 @@ def _between(
             None if force is None else not force.attraction,
             stage.time_step,
             stage.numerical_damping,
-            None if force is None else force.numbers.get("youngs_modulus"),
-            None if force is None else force.numbers.get("poisson_ratio"),
+            (materials.get(grains[0].type), materials.get(grains[-1].type)),
             None if force is None else force.spring,
         )
 
 
-def _body(grains: Grains, end: int) -> Body:
+def body(grains: Grains, end: int) -> Body:
     """The smallest (``end`` 0) or the largest grain."""
     radius, density, mass = (
         None if ends is None or not 0.0 < ends[end] < math.inf else ends[end]
@@ -241,7 +256,8 @@ def _body(grains: Grains, end: int) -> Body:
 def of_law(balls: Sequence[Ball], law: Law, walls: bool, time_step: float | None) -> list[Case]:
     """The contacts of the smallest and the largest ball under one of our laws, and with a wall."""
     bodies = [Body(ball.radius, ball.mass, ball.density) for ball in balls]
-    force = LawForce(law)
+    force, p = LawForce(law), law.parameters
+    material = (p["youngs_modulus"], p["poisson_ratio"]) if "youngs_modulus" in p else None
 
     def case(first: Body, second: Body | None) -> Case:
         types = (str(bodies.index(first) + 1), WALL if second is None else str(bodies.index(second) + 1))
@@ -256,8 +272,7 @@ def of_law(balls: Sequence[Ball], law: Law, walls: bool, time_step: float | None
             law.parameters.get("restitution"),
             True,
             time_step,
-            youngs_modulus=law.parameters.get("youngs_modulus"),
-            poisson_ratio=law.parameters.get("poisson_ratio"),
+            materials=(material, material),
             spring=_spring(law.parameters, 1.0),
         )
 

@@ -86,7 +86,11 @@ def checked(
                 raise ValueError(
                     f"{name}: got {validation.shown(value)}, must be left out with a script, which sets it"
                 )
-        return _of_script(read_script(source, code=code, variables=given.variables), given)
+        frames = _frames(given)
+        seen = dumps.largest_type(frames)
+        return _of_script(
+            read_script(source, code=code, variables=given.variables, types_seen=seen), given, frames
+        )
     for name, value in (("code", code), ("variables", dict(variables) or None)):
         if value is not None:
             raise ValueError(f"{name}: got {validation.shown(value)}, must be left out without a script")
@@ -121,9 +125,12 @@ def _frames(given: Given) -> list[dumps.Frame]:
 
 
 def _states(
-    frames: Sequence[dumps.Frame], radii: Mapping[str, float], dimension: int
+    frames: Sequence[dumps.Frame],
+    radii: Mapping[str, float],
+    dimension: int,
+    densities: Mapping[str, float],
 ) -> tuple[dumps.State, ...]:
-    return tuple(dumps.state(frame, radii, dimension) for frame in frames)
+    return tuple(dumps.state(frame, radii, dimension, densities) for frame in frames)
 
 
 def _busiest(states: Sequence[dumps.State]) -> dumps.State | None:
@@ -170,7 +177,7 @@ def _examined(
 # --- scripts --------------------------------------------------------------------------------------------------
 
 
-def _of_script(script: Description, given: Given) -> Verdict:
+def _of_script(script: Description, given: Given, frames: Sequence[dumps.Frame] = ()) -> Verdict:
     if script.units not in SCALES:
         raise ValueError(f"units: got {validation.shown(script.units)}, must be one of {', '.join(SCALES)}")
     if not script.unknown and not any(stage.contacts for stage in script.stages):
@@ -180,11 +187,10 @@ def _of_script(script: Description, given: Given) -> Verdict:
     asked = given.drive
     driven = None if asked is None else asked.in_units(mass, length, time)
     given = replace(given, speeds=tuple(v * time / length for v in given.speeds), drive=driven)
-    frames = _frames(given)
     script = _with_sizes(script, frames)
     found, remarks = cases.of_script(script)
     last = script.stages[-1] if script.stages else NO_RUN
-    states = _states(frames, _radii(last), script.dimension)
+    states = _states(frames, _radii(last), script.dimension, _densities(last))
     gas, speeds = _surroundings(given, states, script.dimension)
     examined = _examined(found, gas, speeds, driven)
     rows = [row for _, row in examined]
@@ -192,6 +198,11 @@ def _of_script(script: Description, given: Given) -> Verdict:
     invalidates += _lasting(script.stages, rows, states)
     taken = {types for one in invalidates if (types := one.types)}
     unknown = [Finding(quote.text.strip(), None, _where(quote)) for quote in script.unknown]
+    unknown += [
+        Finding(f"grains of type {name} are in the dump, but not in the script")
+        for name in sorted({name for frame in frames for name in frame.types or () if name.isdecimal()})
+        if name not in last.grains
+    ]
     unknown += [
         Finding(why, types, f"{'–'.join(types)}: {why}")
         for types, why in remarks.not_modelled
@@ -262,6 +273,16 @@ def _radii(stage: Stage) -> dict[str, float]:
         name: grains.radii[0]
         for name, grains in stage.grains.items()
         if grains.radii is not None and grains.radii[0] == grains.radii[1]
+    }
+
+
+def _densities(stage: Stage) -> dict[str, float]:
+    """The density of each type whose density is known and the same for all its grains."""
+    bodies = {name: [cases.body(grains, end) for end in (0, 1)] for name, grains in stage.grains.items()}
+    return {
+        name: ends[0].density
+        for name, ends in bodies.items()
+        if ends[0].density is not None and ends[0].density == ends[1].density
     }
 
 
@@ -463,7 +484,8 @@ def _of_law(
 ) -> Verdict:
     found = cases.of_law(balls, law, walls, step)
     radii = {str(k): ball.radius for k, ball in enumerate(balls, 1)}
-    dumped = _states(_frames(given), radii, dimension)
+    densities = {str(k): ball.density for k, ball in enumerate(balls, 1)}
+    dumped = _states(_frames(given), radii, dimension, densities)
     gas, speeds = _surroundings(given, dumped or states, dimension)
     examined = _examined(found, gas, speeds, given.drive)
     rows = [row for _, row in examined]

@@ -89,8 +89,8 @@ class Case:
     clipped: bool | None = None
     time_step: float | None = None
     numerical_damping: float | None = None
-    youngs_modulus: float | None = None
-    poisson_ratio: float | None = None
+    #: Young's modulus and Poisson's ratio of each body.
+    materials: tuple[tuple[float, float] | None, ...] = (None, None)
     #: Number that sets the stiffness, its value in the units of the script, and the power with which it does.
     spring: tuple[str, float, float] | None = None
 
@@ -118,7 +118,8 @@ class CheckedContact:
     steps_per_contact: int | None = None  #: whole time steps in a contact
     restitution_error_of_step: float | None = None  #: error of ε by the time step
     time_step: float | None = None  #: [s], with an error of ε of 0.001
-    rayleigh_time: float | None = None  #: πR√(ρ/G)/(0.1631 ν + 0.8766) [s], G = Y/(2 + 2ν)
+    #: πR√(ρ/G)/(0.1631 ν + 0.8766) [s], G = Y/(2 + 2ν); of two grains the shorter one, as for the P wave
+    rayleigh_time: float | None = None
     p_wave_time: float | None = None  #: R√(ρ/Y) [s]
     largest_overlap: float | None = None  #: over the smaller radius
     tc_nu: float | None = None  #: duration times collision rate of a grain
@@ -204,19 +205,26 @@ def _results(
         "time_step": force.longest_step(speed, DEFAULT_ERROR),
         "largest_overlap": collision.compression / smaller,
     }
-    if case.youngs_modulus is not None and math.isfinite(first.mass):
-        density = first.mass / (4.0 / 3.0 * math.pi * first.radius**3)
-        wave, nu = math.sqrt(density / case.youngs_modulus), case.poisson_ratio or 0.0
-        found["p_wave_time"] = first.radius * wave
-        found["rayleigh_time"] = (
-            math.pi * first.radius * wave * math.sqrt(2.0 + 2.0 * nu) / (0.1631 * nu + 0.8766)
-        )
+    waves = [
+        _wave_times(body, material)
+        for body, material in zip((first, second), case.materials, strict=True)
+        if body is not None and material is not None and math.isfinite(body.mass)
+    ]
+    if waves:
+        found["p_wave_time"], found["rayleigh_time"] = map(min, zip(*waves, strict=True))
     if case.time_step is not None:
         found["steps_per_contact"] = (
             collision.duration / case.time_step if math.isfinite(collision.duration) else None
         )
         found["restitution_error_of_step"] = force.error_of_step(speed, case.time_step)
     return found | _in_gas(case, force, first, second, speed, gas, collision)
+
+
+def _wave_times(body: KnownBody, material: tuple[float, float]) -> tuple[float, float]:
+    """Times of the P wave and of the Rayleigh wave in a grain of this Young's modulus and Poisson's ratio."""
+    modulus, nu = material
+    wave = body.radius * math.sqrt(body.mass / (4.0 / 3.0 * math.pi * body.radius**3) / modulus)
+    return wave, math.pi * wave * math.sqrt(2.0 + 2.0 * nu) / (0.1631 * nu + 0.8766)
 
 
 def _in_gas(

@@ -153,11 +153,16 @@ def _frame(items: Mapping[str, tuple[list[str], list[str]]], rows: list[str]) ->
 # --- the state ------------------------------------------------------------------------------------------------
 
 
-def state(frame: Frame, radii: Mapping[str, float], dimension: int) -> State:
-    """The state of a frame. ``radii`` has the radius of each type with one size, for dumps without radii."""
-    radius, at = _radius(frame, radii), _positions(frame)
+def state(
+    frame: Frame, radii: Mapping[str, float], dimension: int, densities: Mapping[str, float] = {}
+) -> State:
+    """The state of a frame.
+
+    ``radii`` and ``densities`` have those of each type with one size and with one density, for dumps without them.
+    Without masses and densities, temperature and mean velocity are those of grains of equal density.
+    """
+    radius, at = _radius(frame, radii), _positions(frame, dimension)
     edges, periodic = (frame.high - frame.low)[:dimension], np.array(frame.periodic[:dimension])
-    at = None if at is None else at[:, :dimension]
     overlap = coordination = several = packing = temperature = None
     if radius is not None:
         volume = math.pi * radius**2 if dimension == 2 else 4.0 / 3.0 * math.pi * radius**3
@@ -168,9 +173,10 @@ def state(frame: Frame, radii: Mapping[str, float], dimension: int) -> State:
             filled = np.where(periodic, edges, np.minimum(reach, edges))
             overlap, coordination, several = _contacts(at, radius, edges, periodic)
         packing = float(volume.sum() / np.prod(filled))
-    if all(name in frame.columns for name in ("vx", "vy", "vz")) and frame.count > 1:
-        velocity = np.stack([frame.columns[name] for name in ("vx", "vy", "vz")[:dimension]], axis=1)
-        mass = frame.columns.get("mass", np.ones(frame.count) if radius is None else radius**3)
+    names = ("vx", "vy", "vz")[:dimension]
+    if all(name in frame.columns for name in names) and frame.count > 1:
+        velocity = np.stack([frame.columns[name] for name in names], axis=1)
+        mass = _masses(frame, radius, densities)
         about = velocity - np.average(velocity, axis=0, weights=mass)
         temperature = float(np.average((about**2).sum(axis=1), weights=mass) / dimension)
     diameter = None if radius is None else 2.0 * float(radius.mean())
@@ -204,6 +210,11 @@ def sizes(frames: Sequence[Frame]) -> dict[str, tuple[tuple[float, float], tuple
     return found
 
 
+def largest_type(frames: Sequence[Frame]) -> int:
+    """The largest type of a grain; 0 without numbered types."""
+    return max((int(one) for frame in frames for one in set(frame.types or ()) if one.isdecimal()), default=0)
+
+
 def _radius(frame: Frame, radii: Mapping[str, float]) -> Floats | None:
     """Radii of all grains; None if one is not known or not positive."""
     columns = frame.columns
@@ -216,13 +227,26 @@ def _radius(frame: Frame, radii: Mapping[str, float]) -> Floats | None:
     return found if (found > 0.0).all() else None
 
 
-def _positions(frame: Frame) -> Floats | None:
+def _masses(frame: Frame, radius: Floats | None, densities: Mapping[str, float]) -> Floats:
+    """Masses of all grains, up to a common factor."""
+    if "mass" in frame.columns:
+        return frame.columns["mass"]
+    if radius is None:
+        return np.ones(frame.count)
+    density = frame.columns.get(
+        "density", np.array([densities.get(name, 0.0) for name in frame.types or [""]])
+    )
+    return radius**3 * density if (density > 0.0).all() else radius**3
+
+
+def _positions(frame: Frame, dimension: int) -> Floats | None:
     """Positions, from scaled ones if the dump has no others."""
+    low, high = frame.low[:dimension], frame.high[:dimension]
     for end in ("", "u", "s", "su"):
-        names = [axis + end for axis in "xyz"]
+        names = [axis + end for axis in "xyz"[:dimension]]
         if all(name in frame.columns for name in names):
             found = np.stack([frame.columns[name] for name in names], axis=1)
-            return frame.low + found * (frame.high - frame.low) if "s" in end else found
+            return low + found * (high - low) if "s" in end else found
     return None
 
 
