@@ -517,3 +517,22 @@ def test_bad_walls_are_refused(walls: Any, message: str) -> None:
             [[0.5, 0.5]], [[0.0, 0.0]], R, mass=1.0, box=1.0, boundary=["periodic", "wall"], walls=walls
         )
     ).startswith(message)
+
+
+def test_a_wall_that_turns_round_meets_a_ball_that_has_just_let_go() -> None:
+    """Its force has ended before the overlap. If the wall jumps in between, a force acts again while they separate."""
+    law = hl.LinearDashpot(stiffness=1e4, restitution=0.1)
+    wall = hl.MovingWall(5e-6, 1000.0, "triangle", math.pi)
+    again = 0
+    for height in np.linspace(1.1e-3, 1.25e-3, 16):
+        system = hl.ParticleSystem(
+            [[0.01, height]], [[0.0, -1.0]], 1e-3, 2500.0, box=0.02, boundary="wall", walls={"y-": wall}
+        )
+        events, steps = (
+            hl.molecular_dynamics(system, law=law, until=6e-4, engine=engine, log=True, **more)
+            for engine, more in (("events", {}), ("steps", {"restitution_error": 1e-8}))
+        )
+        assert events.system.velocities[0, 1] == pytest.approx(steps.system.velocities[0, 1], abs=3e-6)
+        assert len(events.contacts.contact) == len(steps.contacts.contact)
+        again += bool((events.contacts.impact_speed < 0.0).any())
+    assert again > 2

@@ -189,6 +189,35 @@ def test_events_and_small_steps_agree(law: str) -> None:
     assert error[1] < 0.3 * error[0] < 1e-5
 
 
+@pytest.mark.parametrize(
+    "law",
+    [
+        hl.LinearDashpot(stiffness=1e4, restitution=0.1),
+        hl.Viscoelastic(youngs_modulus=5e7, poisson_ratio=0.3, restitution=0.1, impact_speed=1.0),
+        hl.Tsuji(elastic_prefactor=1e6, restitution=0.1),
+    ],
+)
+def test_a_kick_presses_grains_that_have_just_let_go(law: hl.Law) -> None:
+    """Their force has ended before their overlap. It acts again at once if the kick makes it repulsive."""
+    again = 0
+    for seed in range(24):
+        kicks = hl.RandomKicks(power=2e-3, interval=1e-4, seed=seed)
+        system = hl.ParticleSystem(
+            [[0.005, 0.01], [0.00701, 0.0101]],
+            [[0.5, 0.0], [-0.5, 0.0]],
+            1e-3,
+            2500.0,
+            box=0.02,
+            thermostat=kicks,
+        )
+        options = {"law": law, "until": 1.5e-4, "log": True}
+        events = hl.molecular_dynamics(system, engine="events", **options)
+        steps = hl.molecular_dynamics(system, engine="steps", time_step=2e-8, **options)
+        assert events.system.velocities == pytest.approx(steps.system.velocities, abs=2e-4)
+        again += bool((events.contacts.impact_speed < 0.0).any())
+    assert again > 0
+
+
 def test_results_continue_with_new_kicks() -> None:
     """Two halves, and a shaken and heated box."""
     system = gas(40)

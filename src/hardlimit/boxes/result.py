@@ -97,7 +97,11 @@ CONTACTS: Final = (
     Column("end", "s", "when the force falls to zero; NaN: still open"),
     Column("first", "1", "particle"),
     Column("second", "1", f"particle; {WALL_NUMBERS}"),
-    Column("impact_speed", "m/s", "approach speed at the beginning"),
+    Column(
+        "impact_speed",
+        "m/s",
+        "approach speed at the beginning; negative if a jump of velocity pressed the grains",
+    ),
     Column("separation_speed", "m/s", "speed of separation at the end"),
     Column("overlapped", "1", "shared a particle with another contact while it lasted"),
 )

@@ -318,6 +318,7 @@ private:
         const double wall = wall_acceleration(q, y_[time_index()]);
         return -q.side * (gravity[static_cast<std::size_t>(q.axis)] - wall);
     }
+    bool is_pressed(const ContactPair<Law>& q) const;
     double time_to_touch(const ContactPair<Law>& q) const;
     double time_to_open(const ContactPair<Law>& q) const;
     double time_to_engage(const ContactPair<Law>& q) const;

@@ -45,7 +45,7 @@ void Cluster<Law>::fly(double until) {
     time = y_[time_index()];
     known_ = false;
     if (least > 0.0)
-        for (ContactPair<Law>& q : pairs) q.fresh = false;
+        for (ContactPair<Law>& q : pairs) q.fresh = q.fresh && is_pressed(q);
     record_state();
     if (what != Event::none) apply(what, which);
 }
@@ -89,9 +89,18 @@ double Cluster<Law>::time_to_open(const ContactPair<Law>& q) const {
     return b > 0.0 ? c / (b + math::sqrt(b * b + speed2 * c)) : (math::sqrt(b * b + speed2 * c) - b) / speed2;
 }
 
-// Two bodies that separate on straight lines never engage: ξ decreases and the slack grows.
+// Whether the force of a slack pair would be repulsive: after a jump of a velocity, or by rounding when it has just ended.
+template <class Law>
+bool Cluster<Law>::is_pressed(const ContactPair<Law>& q) const {
+    if (q.state != ContactState::slack) return false;
+    const Geometry g = geometry(q, y_.data());
+    return g.depth > q.law.slack(g.rate).depth;
+}
+
+// Two bodies that separate on straight lines never engage by themselves: ξ decreases and the slack grows.
 template <class Law>
 double Cluster<Law>::time_to_engage(const ContactPair<Law>& q) const {
+    if (!q.fresh && is_pressed(q)) return 0.0;
     const Geometry g = geometry(q, y_.data());
     if (q.second >= 0) return g.rate > 0.0 ? 0.0 : math::infinity;
     return hardlimit::time_to_engage(q.law, g.depth, g.rate, approach_acceleration(q), q.fresh);

@@ -44,6 +44,10 @@ struct ContactPair {
     double s_unit = 0.0, depth_unit = 0.0;                 // at the cluster's energy
     double begin = 0.0, impact_speed = 0.0;                // of the closed contact
 
+    // The relative velocity has jumped: where the bodies overlap without force, one may act at once.
+    void jolt() {
+        if (state == ContactState::slack) fresh = false;
+    }
     // Of a wall that does not oscillate, t [s] after `base`.
     double wall_position(double t) const { return wall_velocity != 0.0 ? wall + wall_velocity * t : wall; }
 };

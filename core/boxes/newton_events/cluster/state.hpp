@@ -9,17 +9,21 @@ namespace hardlimit::boxes {
 template <class Law>
 double Cluster<Law>::end_of_pieces(double until) {
     double end = until;
+    bool jumps = false;
     for (const ContactPair<Law>& q : pairs) {
         if (q.second >= 0) continue;
         WallPiece& p = wall_pieces[q.wall_id.index()];
         while (p.ends_at(time, base + time)) {
             p = p.next();
             known_ = false;
-            if (p.amplitude == 0.0) h_ = 0.0;
+            if (p.amplitude == 0.0) h_ = 0.0, jumps = true;
         }
         end = math::min(end, p.end);
         if (p.amplitude != 0.0) end = math::min(end, time + 0.125 * (p.end - p.begin));
     }
+    if (jumps)
+        for (ContactPair<Law>& q : pairs)
+            if (q.second < 0) q.jolt();
     return end;
 }
 
