@@ -22,6 +22,7 @@ from hardlimit.fidelity_study import contacts, observables, replica, report, sta
 from hardlimit.fidelity_study.prediction import Prediction
 from hardlimit.fidelity_study.starts import Starts, equilibrated
 from hardlimit.fidelity_study.store import Store
+from hardlimit.measure.pairs import near as pairs_near
 from hardlimit.support.estimate import Estimate
 from hardlimit.support.formatting import percent_with_error
 
@@ -65,7 +66,10 @@ def test_near_pairs_are_those_of_all_pairs(seed: int) -> None:
     apart -= np.where(periodic, box * np.round(apart / box), 0.0)
     near = np.linalg.norm(apart, axis=2) < observables.NEAR * (radius[:, None] + radius[None])
     unfolded = system.positions + np.where(periodic, box * rng.integers(-3, 4, (n, d)), 0.0)
-    assert observables.near_pairs(system, unfolded) == np.count_nonzero(np.triu(near, 1))
+    pairs = np.sort(
+        np.transpose(pairs_near(system, np.where(periodic, unfolded % box, unfolded), observables.NEAR))
+    )
+    assert sorted(map(tuple, pairs)) == sorted(zip(*np.nonzero(np.triu(near, 1)), strict=True))
     expected = sum(
         (math.pi if d == 2 else 4.0 / 3.0 * math.pi) * (1.1**d - 1.0) * (radius[i] + radius[j]) ** d / np.prod(box)
         for i in range(n) for j in range(i)

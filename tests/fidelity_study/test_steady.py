@@ -12,8 +12,9 @@ import scipy
 import hardlimit as hl
 from conftest import refusal, slow
 from hardlimit.fidelity_study import report, steady
-from hardlimit.fidelity_study.observables import Observer, near_pairs
+from hardlimit.fidelity_study.observables import NEAR, Observer
 from hardlimit.fidelity_study.starts import Starts
+from hardlimit.measure.pairs import near
 from hardlimit.measure.steadiness import inefficiency
 
 LAW = hl.LinearDashpot(stiffness=3e5, restitution=0.8)
@@ -359,9 +360,8 @@ def test_pairs_across_a_sheared_side_are_found() -> None:
         r[:, 0] -= turn * shift
         r[:, [0, 2]] -= system.box[[0, 2]] * np.round(r[:, [0, 2]] / system.box[[0, 2]])
         count += int(np.count_nonzero(np.linalg.norm(r, axis=1) < 1.1 * 2e-3))
-    assert (
-        near_pairs(system, system.positions, time) == count > near_pairs(system, system.positions, 0.0) - 30
-    )
+    found = [len(near(system, system.positions, NEAR, t)[0]) for t in (time, 0.0)]
+    assert found[0] == count > found[1] - 30
 
 
 def test_shear_bands_and_elastic_grains_are_refused() -> None:

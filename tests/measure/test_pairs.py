@@ -60,6 +60,42 @@ def test_rdf_against_the_direct_sum(system, bins):
     assert g.attrs["units"] == "1" and g.bin_centers.attrs["units"] == "m"
 
 
+@pytest.mark.parametrize("seed", range(12))
+def test_structure_of_a_sheared_box_against_direct_sums(seed):
+    """Images beyond the sides of the gradient are displaced. Some points lie on the sides themselves."""
+    rng = np.random.default_rng(seed)
+    d, n = 2 + seed % 2, 60
+    box = rng.uniform(1.0, 2.0, d)
+    at = rng.uniform(0.0, 1.0, (n, d)) * box
+    at[:3, 1] = 0.0, box[1], box[1]
+    sides = ("periodic", "lees-edwards", rng.choice(["periodic", "wall"]))[:d]
+    at[:, 2:] = np.clip(at[:, 2:], 0.03, box[2:] - 0.03)
+    system = hl.ParticleSystem(at, np.zeros((n, d)), 0.03, 1.0, box=box, boundary=sides, shear_rate=1.0,
+                               shear_displacement=rng.uniform(0.0, box[0]), allowed_overlap=0.999)  # fmt: skip
+    apart = at[:, None] - at[None]
+    turns = np.round(apart[..., 1] / box[1])
+    apart[..., 1] -= turns * box[1]
+    apart[..., 0] -= turns * system.shear_displacement
+    wraps = np.array(sides) == "periodic"
+    apart -= np.where(wraps, box * np.round(apart / box), 0.0)
+    distance = np.linalg.norm(apart, axis=2)
+    g = hl.measure.rdf(system, bins=8)
+    edges = np.linspace(0.0, g.bin_centers.values[0] * 16, 9)
+    walls = np.array(sides) == "wall"
+    expected = 0.5 * n * (n - 1) * np.diff(_share(edges, box - np.where(walls, 0.06, 0.0), walls))
+    assert g.values * expected == pytest.approx(
+        np.histogram(distance[np.triu_indices(n, 1)], edges)[0], abs=1e-6
+    )
+    contacts = hl.measure.coordination(system, tolerance=0.5).contacts.values
+    on_walls = sum((np.abs(at[:, 2] - end) <= 0.045).astype(int) for end in (0.0, box[2])) if walls[-1] else 0
+    assert (contacts == (distance <= 0.09).sum(axis=1) - 1 + on_walls).all()
+    assert float(hl.measure.profiles(system, "y").packing_fraction.mean()) == pytest.approx(
+        system.packing_fraction
+    )
+    moving = system.replace(velocities=rng.normal(size=(n, d)) + system.domain.mean_flow(at))
+    assert float(hl.measure.granular_temperature(moving)) == pytest.approx(moving.granular_temperature)
+
+
 @pytest.mark.parametrize("walled", [(0, 0), (1, 0), (1, 1), (0, 0, 0), (1, 0, 0), (1, 0, 1), (1, 1, 1)])
 def test_share_of_pairs_against_quadrature(walled):
     """d share/dr is the surface of a sphere times the mean of the product over random directions: Monte Carlo, 4 σ."""

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..boxes.box import UNIT_BALL, Floats
 from ..boxes.system import ParticleSystem
+from ..measure.pairs import near
 
 #: Pairs closer than this, in units of R_i + R_j, are near contact.
 NEAR: Final = 1.1
@@ -39,7 +40,8 @@ class Observer:
         for one particle."""
         if self.system.n < 2:
             return math.nan
-        return near_pairs(self.system, self._folded(positions, time), time) / self._expected_pairs
+        close, _ = near(self.system, self._folded(positions, time), NEAR, time)
+        return len(close) / self._expected_pairs
 
     def density_variance(self, positions: Floats, time: float = 0.0) -> float:
         """Variance divided by mean of the number of centres in cells of about 8 particles: 1 for independent positions,
@@ -78,28 +80,6 @@ class Observer:
         """Root mean square distance, in radii, between the same particles on two unfolded trajectories."""
         apart = np.einsum("ij,ij->i", positions - others, positions - others)
         return math.sqrt(float(np.mean(apart / self.system.radius**2)))
-
-
-def near_pairs(system: ParticleSystem, positions: Floats, time: float = 0.0) -> int:
-    """Number of pairs closer than 1.1 (R_i + R_j), counting the nearest image at a time [s]; positions in the box."""
-    from scipy.spatial import cKDTree
-
-    edges = np.where(system.domain.periodic, system.box, np.inf)
-    wrapped = positions % edges  # an edge is its own image
-    reach, index = 2.0 * NEAR * float(system.radius.max()), np.arange(system.n)
-    if (axis := system.domain.gradient) is not None:  # images of the lowest particles beyond the far side
-        low = np.flatnonzero(wrapped[:, axis] <= reach)
-        images = wrapped[low]
-        images[:, axis] += system.box[axis]
-        images[:, 0] = (images[:, 0] + system.domain.displacement_after(time)) % edges[0]
-        wrapped, index = np.concatenate([wrapped, images]), np.concatenate([index, low])
-    tree = cKDTree(wrapped, boxsize=np.where(np.isinf(edges), 0.0, edges))
-    pairs = tree.query_pairs(reach, output_type="ndarray")
-    pairs = pairs[pairs.min(axis=1) < system.n]  # not of two images
-    apart = wrapped[pairs[:, 0]] - wrapped[pairs[:, 1]]
-    apart -= np.where(np.isinf(edges), 0.0, system.box * np.round(apart / system.box))
-    limit = NEAR * system.radius[index[pairs]].sum(axis=1)
-    return int(np.count_nonzero(np.einsum("ij,ij->i", apart, apart) < limit**2))
 
 
 def _expected_pairs(system: ParticleSystem) -> float:

@@ -79,8 +79,9 @@ def rdf(
     default = min(limit, max(RANGE * float(system.radius.mean()), 2.0 * least))
     most = default if r_max is None else validation.number("r_max", r_max, least, limit, highest_allowed=True)
     edges = np.linspace(least, most, checked_bins(bins) + 1)
-    tree = cKDTree(_inside(system), boxsize=np.where(between_walls, 0.0, system.box))
-    pairs = 0.5 * np.diff(_cumulative(tree, edges))
+    points, _, boxsize = _with_images(system, system.positions, most)
+    tree, images = (cKDTree(part, boxsize=boxsize) for part in (points[: system.n], points[system.n :]))
+    pairs = 0.5 * np.diff(_cumulative(tree, tree, edges)) + np.diff(_cumulative(tree, images, edges))
     expected = 0.5 * system.n * (system.n - 1) * np.diff(_share(edges, lengths, between_walls))
     if not (expected > 0.0).all():
         raise ValueError(
@@ -96,14 +97,28 @@ def rdf(
     )
 
 
-def _cumulative(tree: Any, edges: Floats) -> Floats:
-    """Number of ordered pairs up to each distance, with a particle and itself."""
-    return np.asarray(tree.count_neighbors(tree, edges), float)
+def _cumulative(tree: Any, other: Any, edges: Floats) -> Floats:
+    """Number of pairs of a point of each tree up to each distance."""
+    return np.asarray(tree.count_neighbors(other, edges), float)
 
 
-def _inside(system: ParticleSystem) -> Floats:
-    """Positions below the edge of periodic axes, as the tree needs them."""
-    return np.where((system.positions >= system.box) & system.domain.periodic, 0.0, system.positions)
+def _with_images(
+    system: ParticleSystem, positions: Floats, reach: float, time: float = 0.0
+) -> tuple[Floats, NDArray[np.int64], Floats]:
+    """Points, the particle of each, and the periods for a search tree (0: none).
+
+    Behind the particles stand the images of the lowest ones beyond the far side of a sheared box, as far as ``reach``.
+    """
+    periodic, box = np.array(system.domain.periodic), system.box
+    points = np.where(periodic, positions % box, positions)  # an edge is its own image
+    index = np.arange(system.n)
+    if (axis := system.domain.gradient) is not None:
+        low = np.flatnonzero(points[:, axis] <= reach)
+        images = points[low]
+        images[:, axis] += box[axis]
+        images[:, 0] = (images[:, 0] + system.domain.displacement_after(time)) % box[0]
+        points, index = np.concatenate([points, images]), np.concatenate([index, low])
+    return points, index, np.where(periodic, box, 0.0)
 
 
 def _share(r: Floats, lengths: Floats, between_walls: NDArray[np.bool_]) -> Floats:
@@ -184,14 +199,22 @@ def coordination(system: ParticleSystem, *, tolerance: float = ROUNDING) -> xr.D
 
 def touching(system: ParticleSystem, tolerance: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Pairs whose gap is at most ``tolerance`` times the sum of the radii."""
+    return near(system, system.positions, 1.0 + tolerance)
+
+
+def near(
+    system: ParticleSystem, positions: Floats, factor: float, time: float = 0.0
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Pairs with a distance of at most ``factor`` times the sum of the radii, at positions in the box at a time [s]."""
     from scipy.spatial import cKDTree
 
-    reach = 2.0 * float(system.radius.max()) * (1.0 + tolerance)
-    tree = cKDTree(_inside(system), boxsize=np.where(system.domain.periodic, system.box, 0.0))
     # A little more than the reach, because the tree rounds; the exact condition follows.
-    first, second = tree.query_pairs(reach * (1.0 + 1e-9), output_type="ndarray").T
-    apart = system.positions[first] - system.positions[second]
-    apart -= np.where(system.domain.periodic, system.box * np.round(apart / system.box), 0.0)
+    reach = 2.0 * factor * (1.0 + 1e-9) * float(system.radius.max())
+    points, index, period = _with_images(system, positions, reach, time)
+    first, second = cKDTree(points, boxsize=period).query_pairs(reach, output_type="ndarray").T
+    apart = points[first] - points[second]
+    apart -= system.box * np.round(apart / system.box) * (period > 0.0)
     distance = np.sqrt(np.einsum("ij,ij->i", apart, apart))
-    near = distance <= (1.0 + tolerance) * (system.radius[first] + system.radius[second])
-    return first[near], second[near]
+    close = distance <= factor * (system.radius[index[first]] + system.radius[index[second]])
+    close &= np.minimum(first, second) < system.n  # not of two images
+    return index[first[close]], index[second[close]]

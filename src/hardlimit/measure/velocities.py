@@ -29,8 +29,9 @@ def granular_temperature(
     ----------
     system : ParticleSystem
     streaming : axis ("x", "y" or "z") or callable, optional
-        The streaming velocity. By default the velocity of the centre of mass; with an axis, the mean velocity of each
-        bin along it; a function gets the positions (N, d) [m] and returns velocities (N, d) [m/s].
+        The streaming velocity. By default the velocity of the centre of mass, in a sheared box relative to the mean
+        flow, which counts too; with an axis, the mean velocity of each bin along it; a function gets the positions
+        (N, d) [m] and returns velocities (N, d) [m/s].
     bins : int
         Number of equal bins along the axis. Many bins make T too small, by a fraction of about bins/N; few bins make it
         too large in a shear flow, by (shear rate × width of a bin)²/(12 d).
@@ -73,7 +74,8 @@ def _thermal(system: ParticleSystem, streaming: Streaming, bins: Any) -> Floats:
     mass, velocities = system.mass, system.velocities
     count = checked_bins(bins)
     if streaming is None:
-        flow = system.momentum / mass.sum()
+        flow = system.domain.mean_flow(system.positions)
+        flow += mass @ (velocities - flow) / mass.sum()
     elif isinstance(streaming, str):
         bin_of = _bins(system, checked_axis("streaming", streaming, system), count)
         flow = _mean_velocities(system, bin_of, count)[bin_of]
@@ -127,8 +129,9 @@ def profiles(system: ParticleSystem, axis: str, *, bins: int = 20) -> xr.Dataset
     Dataset
         Over the axis [m], at the centres of the bins: ``number_density`` [1/m³; disks 1/m²], ``mass_density``,
         ``packing_fraction``, ``mean_velocity`` (of the mass, also over ``axis``) and ``granular_temperature`` about the
-        mean velocity of the bin. The packing fraction is that of the volume of the particles inside the bin; all others
-        count a particle where its centre is. Velocity and temperature are NaN in an empty bin.
+        mean velocity of the bin: in a sheared box it contains the mean flow, unless the axis is the gradient. The
+        packing fraction is that of the volume of the particles inside the bin; all others count a particle where its
+        centre is. Velocity and temperature are NaN in an empty bin.
 
     Raises
     ------
@@ -172,7 +175,7 @@ def profiles(system: ParticleSystem, axis: str, *, bins: int = 20) -> xr.Dataset
 def _below(system: ParticleSystem, axis: int, edge: float) -> float:
     """Volume [m³; disks: area, m²] of the particles, and of their images inside the box, below a plane."""
     radius, x = system.radius, system.positions[:, axis]
-    shifts = (-system.box[axis], 0.0, system.box[axis]) if system.domain.periodic[axis] else (0.0,)
+    shifts = (-system.box[axis], 0.0, system.box[axis]) if system.domain.wraps[axis] else (0.0,)
     total = 0.0
     for shift in shifts:
         # Heights of both planes above the centre; the plane at 0 excludes what lies outside the box.
