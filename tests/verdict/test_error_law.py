@@ -346,3 +346,14 @@ def test_the_sheared_gas_agrees_with_its_measurement():
             assert abs(hard / soft - 1.0 - error) < 3.0 * bar + 0.1 * x, (phi, epsilon, tc_nu)
             compared += 1
     assert compared == 32
+
+
+@pytest.mark.parametrize("rule", ["constant", "tc", "soft"])
+def test_no_energy_means_no_number(rule):
+    """The expansion in t_c ν ends where it leaves no kinetic energy; until then the temperature is positive."""
+    for restitution in (0.1, 0.5, 0.9, 1.0 - 1e-6):
+        law = hl.error_law(packing_fraction=0.2, restitution=restitution, rule=rule)
+        found = np.array([law.heated_error(x) for x in np.geomspace(1e-3, 1e3, 200)])
+        known = np.isfinite(found)
+        assert known[0] and not known[-1] and (np.diff(known.astype(int)) <= 0).all()
+        assert (found[known] > -1.0).all()

@@ -202,7 +202,8 @@ class ErrorLaw:
     def heated_error(self, tc_nu: float) -> float:
         """Relative error of the granular temperature in the steady state at equal heating power.
 
-        T of the hard spheres over that under Newton's equations, less 1. :doc:`/heated_gas` derives and measures it.
+        T of the hard spheres over that under Newton's equations, less 1; NaN where t_c ν is so large that the expansion
+        leaves no kinetic energy. :doc:`/heated_gas` derives and measures it.
 
         Notes
         -----
@@ -218,11 +219,14 @@ class ErrorLaw:
         x = _tc_nu(tc_nu)
         lossy = 1.0 - self.restitution**2
         slower = 1.0 + (self.coefficient + self.decay) * x
+        if not slower > 0.0:
+            return math.nan
         root = 1.0  # √(E of the rule/E under Newton's equations)
         for _ in range(FIXED_POINT_STEPS):
             root = (math.exp(min(self.decay * x * root, 50.0)) / slower) ** (1.0 / 3.0)
-        kept = 0.5 * lossy * self.delay
-        return root**2 * (1.0 - kept * x) / (1.0 - (1.0 - 0.5 * lossy) * self.stored * x) - 1.0
+        to_be_lost = 1.0 - 0.5 * lossy * self.delay * x
+        moving = 1.0 - (1.0 - 0.5 * lossy) * self.stored * x
+        return root**2 * to_be_lost / moving - 1.0 if to_be_lost > 0.0 and moving > 0.0 else math.nan
 
     def sheared_errors(self, tc_nu: float) -> ShearedErrors:
         """Relative errors of granular temperature and shear stress in steady shear at equal shear rate.
@@ -263,11 +267,11 @@ class ErrorLaw:
             raise ValueError(f"sheared_errors: got {reason}, must be {accepted}")
         viscosity = 1.0 + x * viscosity_error(self.packing_fraction)
         kept = 0.5 * (1.0 - self.restitution**2)
-        moving = (1.0 - (1.0 - kept) * self.stored * x) / (1.0 - kept * self.delay * x)
+        moving, to_be_lost = 1.0 - (1.0 - kept) * self.stored * x, 1.0 - kept * self.delay * x
         slowed = 1.0 + self.coefficient * x
-        if not (viscosity > 0.0 and moving > 0.0 and slowed > 0.0):
+        if not (viscosity > 0.0 and moving > 0.0 and to_be_lost > 0.0 and slowed > 0.0):
             return ShearedErrors(math.nan, math.nan)
-        temperature = viscosity / (slowed * moving**1.5)
+        temperature = viscosity / (slowed * (moving / to_be_lost) ** 1.5)
         return ShearedErrors(temperature - 1.0, viscosity * math.sqrt(temperature) - 1.0)
 
     def no_shear(self) -> str:

@@ -32,7 +32,7 @@ class Expected(NamedTuple):
 
     error: float
     bar: float
-    heated: float
+    heated: float | None
     sheared: float | None
 
 
@@ -48,8 +48,8 @@ def expected(
     error, bar = law.error(tc_nu), law.error_bar(tc_nu)
     if nearest != given:
         bar = math.hypot(bar, OTHER_POWERS * error)
-    sheared = math.nan if law.no_shear() else law.sheared_errors(tc_nu).stress
-    return Expected(error, bar, law.heated_error(tc_nu), None if math.isnan(sheared) else sheared)
+    driven = law.heated_error(tc_nu), math.nan if law.no_shear() else law.sheared_errors(tc_nu).stress
+    return Expected(error, bar, *(None if math.isnan(one) else one for one in driven))
 
 
 @cache
