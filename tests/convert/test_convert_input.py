@@ -549,6 +549,52 @@ def test_names_whose_value_is_not_certain_are_not_taken():
         assert "number for restitution, not " in refused(lines + MINDLIN.replace("en=.7", "en=e"), "yade")
 
 
+@pytest.mark.parametrize(
+    "lines,stiffness",
+    [
+        ("double k = 1e4*log(std::exp(2));", 2e4),
+        ("double k = 1e4*std::log10(100.);", 2e4),
+        ("double k = 1e4*std::floor(-2.5 + 5);", 2e4),
+        ("double n = 10, k = 1e4*n/4;", 2.5e4),
+        ("int n = 2.5; double k = 1e4*n;", 2e4),
+        ("this->k = 1e4; cfg.k = k; if (k == 2) f(k, x && k);", 1e4),
+        ("double k = 1e4; k = 1e4;", 1e4),
+        *(
+            (lines, None)
+            for lines in (
+                "double k = 1e4; k *= 2;",
+                "double k = 1e4; k += 2e4;",
+                "int n = 1; n++; double k = 1e4*n;",
+                "int n = 1; --n; double k = 1e4*n;",
+                "double k = 1e4; k = 2e4;",
+                "double k = 2e4; if (x) k = 1e4;",
+                "double k = 1e4; cfg.k = 9e9;",
+                "cfg->k = 9e9;",
+                "double k = 1e4; read(&k);",
+                "double k = 1e4; std::cin >> k;",
+                "double k = 1e4; void f(double k) {",
+                "double k = 1e4; void f(double& k) {",
+                "double k = 1e4; { double k{2e4};",
+                "for (int k = 1; k < 3; x())",
+                "int n = 3; double k = 1e4*(n/2);",
+                "auto n = 3; double k = 1e4*(n/2);",
+                "double k = 1e4*(3/2);",
+                "double k = 10^4;",
+                "double k = 1e4*ln(10.);",
+                "double k = 1e4*table.round(1.);",
+            )
+        ),
+    ],
+)
+def test_variables_of_cpp_have_one_value(lines, stiffness):
+    text = f"{lines}\nspecies->setStiffness(k); species->setDissipation(0.01);"
+    if stiffness is not None:
+        assert back(text, "mercurydpm").numbers["stiffness"] == pytest.approx(stiffness, rel=1e-12)
+    else:
+        line = refused(text, "mercurydpm")
+        assert line == "input: line 2: got 'setStiffness(k)', must have a number for stiffness, not k"
+
+
 # --- what is printed --------------------------------------------------------------------------------------------
 
 

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from ..scripts.formulas import value
+from ..scripts import formulas
 from ..scripts.statements import Statement
 
 # --- C++, namelists, JSON, XML --------------------------------------------------------------------------------
@@ -43,29 +43,71 @@ def tokens(text: str) -> list[Token]:
     return found
 
 
+INTEGERS: Final = ("int", "unsigned", "long", "short", "size_t", "std::size_t")
+REALS: Final = ("double", "float", "Mdouble", "real")
+#: Operators after a name that change its value.
+CHANGED: Final = re.compile(r"(?:[-+*/%&|^]|<<|>>)=|\+\+|--")
+
+
 def c_calls(text: str) -> Iterator[Statement]:
-    """Calls ``object->name(number, …)``, with variables that were assigned a number replaced by it."""
+    """Calls ``object->name(number, …)``, with variables that have exactly one value replaced by it."""
     pieces, names = tokens(text), dict[str, float]()
+    types, constants = _declared(pieces)
+
+    def value(argument: Sequence[Token]) -> float | None:
+        return formulas.value(_plain(argument), names.get, formulas.C)
+
     for k, piece in enumerate(pieces):
         after = pieces[k + 1].text if k + 1 < len(pieces) else ""
         if piece.kind != "name" or after not in ("(", "="):
             continue
-        ends = (";",) if after == "=" else (")",)
-        arguments, line = _arguments(pieces, k + 2, ends), piece.line
+        arguments, line = _arguments(pieces, k + 2, (";", ")")), piece.line
+        owner = pieces[k - 2].text if k >= 2 and pieces[k - 1].text in ("->", ".") else ""
         if after == "=":
-            number = value(_plain(arguments[0]), names.get) if len(arguments) == 1 else None
-            names.pop(piece.text, None)
+            own = piece.text in constants and owner in ("", "this")
+            number = value(arguments[0]) if arguments and own else None
             if number is not None:
-                names[piece.text] = number
+                kind = types.get(piece.text)
+                names[piece.text] = (
+                    int(number) if kind in INTEGERS else float(number) if kind in REALS else number
+                )
             continue
         words = []
         for argument in arguments:
-            number = value(_plain(argument), names.get)
+            number = value(argument)
             written = "".join(one.text for one in argument)
-            words.append(re.split(r"::|\.", written)[-1] if number is None else repr(number))
-        owner = pieces[k - 2].text if k >= 2 and pieces[k - 1].text in ("->", ".") else ""
+            words.append(re.split(r"::|\.", written)[-1] if number is None else repr(float(number)))
         said = f"{piece.text}({', '.join(''.join(t.text for t in a) for a in arguments)})"
         yield Statement(line, (piece.text, *words), said, owner)
+
+
+def _declared(pieces: Sequence[Token]) -> tuple[dict[str, str], set[str]]:
+    """Types of names, and the names that are assigned one formula and are not changed in another way."""
+    types, given, depth = dict[str, str](), dict[str, set[str]](), 0
+    for k, piece in enumerate(pieces):
+        depth += {"(": 1, ")": -1}.get(piece.text, 0)
+        if piece.kind != "name":
+            continue
+        before = [one.text for one in pieces[max(k - 2, 0) : k]]
+        after = [one.text for one in pieces[k + 1 : k + 4]]
+        declared = k > 0 and pieces[k - 1].kind == "name"
+        if declared:
+            types[piece.text] = before[-1]
+        assigned = after[:1] == ["="] and after[1:2] != ["="]
+        referred = before[-1:] == ["&"] and before != ["&", "&"]
+        if (
+            CHANGED.match("".join(after))
+            or "".join(before) in ("++", "--", ">>")
+            or (declared and after[:1] in (["("], ["{"]))
+            or ((declared or assigned) and depth > 0)  # such as a parameter
+            or referred
+        ):
+            given.setdefault(piece.text, set()).add("")
+        elif assigned:
+            formula = "".join(one.text for one in next(iter(_arguments(pieces, k + 2, (";",))), []))
+            if formula != piece.text:  # a member of an object that takes the value of the name
+                given.setdefault(piece.text, set()).add(formula)
+    return types, {name for name, texts in given.items() if len(texts) == 1 and "" not in texts}
 
 
 def _arguments(pieces: Sequence[Token], k: int, ends: Sequence[str]) -> list[list[Token]]:
@@ -84,8 +126,9 @@ def _arguments(pieces: Sequence[Token], k: int, ends: Sequence[str]) -> list[lis
 
 
 def _plain(pieces: Sequence[Token]) -> str:
-    """A formula in Python: numbers without suffixes such as f."""
-    return "".join(one.text.rstrip("fFlL") if one.kind == "number" else one.text for one in pieces)
+    """A formula without suffixes of numbers such as f, and without ``this->``."""
+    plain = "".join(one.text.rstrip("fFlL") if one.kind == "number" else one.text for one in pieces)
+    return plain.replace("this->", "")
 
 
 def json_members(text: str) -> Iterator[Statement]:

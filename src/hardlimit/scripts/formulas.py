@@ -9,7 +9,8 @@ from __future__ import annotations
 import math
 import operator
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Final
 
 NUMBER: Final = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
@@ -18,8 +19,19 @@ TOKEN: Final = re.compile(
     r"|(?P<sign>==|!=|<=|>=|&&|\|\||\|\^|[-+*/%^<>!(),]))",
     re.ASCII,
 )
-#: Binary operators from the loosest to the tightest.
-LEVELS: Final[tuple[dict[str, Callable[[float, float], float]], ...]] = (
+Operators = Mapping[str, Callable[[float, float], float]]
+
+
+@dataclass(frozen=True)
+class Language:
+    """The operators and functions of a language."""
+
+    levels: Sequence[Operators]  #: binary operators from the loosest to the tightest
+    functions: Mapping[str, Callable[..., float]]
+    integers: bool = False  #: whether a number without point and exponent is an integer
+
+
+LEVELS: Final[tuple[Operators, ...]] = (
     {
         "||": lambda a, b: float(bool(a) or bool(b)),
         "|^": lambda a, b: float(bool(a) != bool(b)),
@@ -37,10 +49,6 @@ FUNCTIONS: Final[dict[str, Callable[..., float]]] = {
     "ln": math.log,
     "log": math.log10,
     "abs": abs,
-    "float": float,
-    "double": float,
-    "fabs": abs,
-    "pow": math.pow,
     "sign": lambda x: math.copysign(1.0, x),
     "sin": math.sin,
     "cos": math.cos,
@@ -54,24 +62,50 @@ FUNCTIONS: Final[dict[str, Callable[..., float]]] = {
     "round": lambda x: math.floor(x + 0.5),
     "ternary": lambda condition, yes, no: yes if condition else no,
 }
+LAMMPS: Final = Language(LEVELS, FUNCTIONS)
+
+
+def _quotient(a: float, b: float) -> float:
+    """a/b; that of two integers, which C++ truncates, is refused."""
+    if isinstance(a, int) and isinstance(b, int):
+        raise ValueError
+    return a / b
+
+
+C_MATH: Final = "sqrt cbrt exp log log10 log2 fabs pow sin cos tan asin acos atan atan2 ceil floor"
+C_FUNCTIONS: Final[dict[str, Callable[..., float]]] = {
+    "abs": abs,
+    **{name: getattr(math, name) for name in C_MATH.split()},
+}
+#: C++, as far as numbers of contacts need it; ``^`` is no power there.
+C: Final = Language(
+    ({"+": operator.add, "-": operator.sub}, {"*": operator.mul, "/": _quotient}),
+    {
+        **C_FUNCTIONS,
+        **{f"std::{name}": function for name, function in C_FUNCTIONS.items()},
+        **dict.fromkeys(("double", "float"), float),
+    },
+    integers=True,
+)
 #: Deepest nesting of parentheses.
 DEEPEST: Final = 100
 
 
-def value(formula: str, names: Callable[[str], float | None]) -> float | None:
+def value(formula: str, names: Callable[[str], float | None], language: Language = LAMMPS) -> float | None:
     """Value of a formula; None if it is not understood, not finite, or has a name without a value."""
     try:
-        found = _Parser(formula, names).parsed()
+        found = _Parser(formula, names, language).parsed()
+        found = found if language.integers else float(found)
+        return found if math.isfinite(found) else None
     except (ValueError, TypeError, ZeroDivisionError, OverflowError):
         return None
-    return found if math.isfinite(found) else None
 
 
 class _Parser:
     """Recursive descent through the levels of operators."""
 
-    def __init__(self, formula: str, names: Callable[[str], float | None]) -> None:
-        self.names, self.depth, self.at = names, 0, 0
+    def __init__(self, formula: str, names: Callable[[str], float | None], language: Language) -> None:
+        self.names, self.language, self.depth, self.at = names, language, 0, 0
         self.tokens: list[tuple[str, str]] = []
         place, text = 0, formula.strip()
         while place < len(text):
@@ -96,12 +130,12 @@ class _Parser:
         self.at += 1
 
     def level(self, k: int) -> float:
-        if k == len(LEVELS):
+        if k == len(self.language.levels):
             return self.unary()
-        found = self.level(k + 1)
-        while (sign := self.next()[1]) in LEVELS[k]:
+        found, operators = self.level(k + 1), self.language.levels[k]
+        while (sign := self.next()[1]) in operators:
             self.at += 1
-            found = float(LEVELS[k][sign](found, self.level(k + 1)))
+            found = operators[sign](found, self.level(k + 1))
         return found
 
     def unary(self) -> float:
@@ -122,7 +156,7 @@ class _Parser:
         kind, text = self.next()
         self.at += 1
         if kind == "number":
-            return float(text)
+            return int(text) if self.language.integers and text.isdigit() else float(text)
         if text == "(":
             found = self.level(0)
             self.expect(")")
@@ -136,9 +170,9 @@ class _Parser:
                 self.at += 1
                 arguments.append(self.level(0))
             self.expect(")")
-            if short not in FUNCTIONS:
+            if text not in self.language.functions:
                 raise ValueError
-            return float(FUNCTIONS[short](*arguments))
+            return self.language.functions[text](*arguments)
         known = math.pi if short in ("PI", "pi") else self.names(text)
         if known is None:
             raise ValueError
