@@ -279,6 +279,7 @@ def test_words_are_those_of_lammps(text, gives):
             "line 2: got 'hooke 1e5 ${e} damping coeff_restitution', must have a number for restitution, not ${e}",
         ),
         ("if '1 > 0' then 'units cgs'", "lammps", "must be commands of the text itself"),
+        ("if '1 > 0' then 'include a.in'", "lammps", "must be commands of the text itself"),
         ("units real", "liggghts", "line 1: got 'units real', must be units si, cgs"),
         (
             "pair_style hybrid granular gran/hooke 1 1 1 1 1 1",
@@ -403,6 +404,31 @@ def test_words_are_those_of_lammps(text, gives):
 def test_what_is_not_understood_is_quoted_with_its_line(text, name, quoted):
     line = refused(text, name, other=hl.FLOOR if name == "mfix" else None)
     assert quoted in line and line.startswith("input: line ")
+
+
+@pytest.mark.parametrize(
+    "lines,known",
+    [
+        ('variable k equal 1e4\nif "${soft} == 1" then "variable k equal 1e2"', False),
+        ("variable k equal 1e4\nif '1 > 0' then 'print x' else &\n 'variable k equal 1e2'", False),
+        ('variable b equal 2\nvariable k equal v_b*5e3\nif "1 > 0" then "variable b equal 3"', False),
+        ('variable k index 1e4 2e4\nif "1 > 0" then "next k"', False),
+        ('variable k index 1e4 2e4\nif "1 > 0" then "next a k"', False),
+        ('variable k equal 1e4\nrun 100 every 10 "variable k equal 1e3"', False),
+        ("variable k equal 1e4\nlabel a\nvariable k equal 2*${k}\njump SELF a", False),
+        ("variable k equal 1e4\nvariable k equal 2*${k}\njump SELF", False),
+        ('variable k equal 5\nif "1>0" then "jump SELF a"\nvariable k equal 1e4\nlabel a', False),
+        ("variable k equal 5\nvariable k equal 1e4\nlabel a\nvariable b equal 2\njump SELF a", True),
+        ("label a\nvariable k equal 1e4\nnext i\njump SELF a", True),
+        ('variable k equal 1e4\nif "1 > 0" then "print k" "variable b equal 2"', True),
+    ],
+)
+def test_variables_that_depend_on_loops_and_conditions_are_not_taken(lines, known):
+    text = f"{lines}\npair_style granular\npair_coeff * * hooke ${{k}} 0.7 damping coeff_restitution"
+    if known:
+        assert back(text).numbers["stiffness"] == 1e4
+    else:
+        assert refused(text).endswith("must have a number for stiffness, not ${k}")
 
 
 @pytest.mark.parametrize(

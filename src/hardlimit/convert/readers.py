@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from typing import Any, Final
 
 from ..scripts import granular_words
-from ..scripts.commands import Commands
+from ..scripts.commands import NESTING, Commands
 from ..scripts.description import Quote, Setting, Settings
 from ..scripts.granular_words import NORMAL, PROPERTIES, ordered, unaccelerated
 from ..scripts.liggghts import Property
@@ -82,14 +82,14 @@ UNITS: Final = {
     "nano": (1e-21, 1e-9, 1e-9),
 }
 #: Commands that may be hidden inside another command.
-HIDDEN: Final = re.compile(r"\b(?:pair_style|pair_coeff|wall/gran|property/global)\b|^\s*units\b")
+HIDDEN: Final = re.compile(r"\b(?:pair_style|pair_coeff|wall/gran|property/global)\b|^\s*(?:units|include)\b")
 
 
 def _commands(text: str) -> Iterator[Statement]:
     """Commands of the text itself; those in include files and conditions are refused."""
     for statement in Commands(text, flow=False):
         command, *words = statement.words
-        inner = command in ("if", "run", "python") and any(map(HIDDEN.search, words))
+        inner = command in NESTING and any(map(HIDDEN.search, words))
         if command == "include" or inner:
             raise refusal(statement.line, statement.text, "be commands of the text itself")
         yield statement

@@ -24,6 +24,11 @@ VARIABLE: Final = re.compile(
 )
 FORMAT: Final = re.compile(r"%[-+ 0#]*\d{0,3}(?:\.\d{1,3})?[aefgAEFG]")
 INTEGER_FORMAT: Final = re.compile(r"%[-+ 0]*\d{0,3}[di]")
+#: Commands that contain other commands.
+NESTING: Final = ("if", "run", "python")
+#: Names that such commands change, and the label to which they jump.
+CHANGED: Final = re.compile(r"\b(?:variable\s+(\w+)|next((?:\s+\w+)+))")
+JUMP: Final = re.compile(r"\bjump\s+\S+\s*([^\s\"']*)")
 UNRESOLVED: Final = re.compile(r"\$(?:\{\w*\}|\(|\w)")
 #: A comparison of two words in a condition, and what is no word there.
 EQUAL: Final = re.compile(r"([^\s()&|!=<>^]+)\s*(==|!=)\s*([^\s()&|!=<>^]+)")
@@ -203,10 +208,7 @@ class Commands:
     def __post_init__(self) -> None:
         self.frames = [Frame(self.file, self.folder, logical_lines(self.text))]
         self.skip_jump, self.count = False, 0
-        stepped = (line.split() for _, line in self.frames[0].lines)
-        self.stepped = (
-            set() if self.flow else {name for words in stepped if words[:1] == ["next"] for name in words}
-        )
+        self.uncertain = set() if self.flow else _uncertain(self.frames[0])
 
     def __iter__(self) -> Iterator[Statement]:
         while self.frames:
@@ -240,7 +242,7 @@ class Commands:
 
     def _define(self, words: Sequence[str]) -> None:
         self.variables.define(words)
-        if words[:1] and words[0] in self.stepped and words[0] in self.variables.known:
+        if words[:1] and words[0] in self.uncertain and words[0] in self.variables.known:
             self.variables.known[words[0]].style = "unknown"
 
     def _follow(self, frame: Frame, statement: Statement, depth: int) -> Iterator[Statement]:
@@ -329,6 +331,24 @@ def _same_words(found: re.Match[str]) -> str:
     if any(NUMBERS.fullmatch(word) for word in words):
         return found[0]
     return f" {int((words[0] == words[1]) == (found[2] == '=='))} "
+
+
+def _uncertain(frame: Frame) -> set[str]:
+    """Variables whose value depends on loops and conditions: those that ``next`` or a command in a command changes,
+    and those that are set several times, once of them where a jump repeats or skips it."""
+    found, jumped, defined = set[str](), set[str](), list[tuple[int, str]]()
+    for k, (_, line) in enumerate(frame.lines):
+        command, *words = line.split() or [""]
+        if command == "variable":
+            defined.append((k, words[0] if words else ""))
+        elif command in ("next", *NESTING):
+            found.update(" ".join(" ".join(names) for names in CHANGED.findall(line)).split())
+    for k, (_, line) in enumerate(frame.lines):
+        for label in JUMP.findall(line):
+            first, last = sorted((k, frame.labels.get(label, 0)))
+            jumped |= {name for at, name in defined if first <= at <= last}
+    names = [name for _, name in defined]
+    return found | {name for name in jumped if names.count(name) > 1}
 
 
 def text_of(path: Path) -> str | None:
