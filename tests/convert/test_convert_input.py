@@ -552,6 +552,31 @@ def test_common_inputs_of_yade(text, model, gives):
         assert found.restitution == pytest.approx(gives, abs=2e-4)
 
 
+@pytest.mark.parametrize(
+    "materials,given,refusal",
+    [
+        (("FrictMat(young=1e7, poisson=.3)", "FrictMat(young=1e9, poisson=.3)"), "", True),
+        (("FrictMat(young=1e7, poisson=.3)", "FrictMat(young=1e7, poisson=.3)"), "", False),
+        (("ViscElMat(tc=1e-4, en=.9)", "ViscElMat(tc=3e-4, en=.7)"), "", True),
+        (("ViscElMat(tc=1e-4, en=.9)", "ViscElMat(tc=1e-4, en=.7)"), "", False),
+        (("ViscElMat(tc=1e-4, en=.9)", "ViscElMat(tc=3e-4, en=.7)"), "tc=2e-4, ", False),
+    ],
+)
+def test_a_contact_of_two_materials_that_differ_is_refused(materials, given, refusal):
+    functor = "FrictMat_FrictMat_MindlinPhys" if "Frict" in materials[0] else "ViscElMat_ViscElMat_ViscElPhys"
+    matches = "(0, 0, .9), (0, 1, .5), (1, 1, .3)"
+    lines = [*materials, f"Ip2_{functor}({given}en=MatchMaker(matches=[{matches}]))"]
+    text = "\n".join(lines)
+    assert back(text, "yade", contact="1-1").numbers["restitution"] == 0.9
+    if not refusal:
+        assert back(text, "yade", contact="1-2").numbers["restitution"] == 0.5
+        return
+    assert refused(text, "yade", contact="1-2") == "contact: got '1-2', must be one of 1-1, 2-2"
+    alone = refused(text.replace(matches, "(0, 1, .5)"), "yade")
+    assert alone.startswith("input: line 3: got 'Ip2_")
+    assert alone.endswith("must match materials with the same numbers")
+
+
 def test_frictphys_has_the_spring_of_yade():
     """kn = 2 E r1 E r2/(E r1 + E r2); undamped: the duration is π√(m/k); and the "
     "default numerical damping alone brakes."""

@@ -261,7 +261,10 @@ def yade(text: str, asked: Asked) -> Reading:
     contacts = []
     paired = sorted({pair for matches in over.values() for pair in matches})
     for i, j in (paired or [(i, i) for i in range(len(materials))]) if materials else []:
-        kind, own = materials[min(i, len(materials) - 1)]
+        (kind, own), (_, other) = (materials[min(k, len(materials) - 1)] for k in (i, j))
+        of_functor = common.keys() | {name for name, matches in over.items() if (i, j) in matches}
+        if not _alike(own, other, of_functor):
+            continue
         found = {**own, **common}
         if kind == "ViscElMat" and physics is None:
             found["physics"] = Setting(("ViscElPhys",), 0, "")
@@ -269,7 +272,16 @@ def yade(text: str, asked: Asked) -> Reading:
             if (i, j) in matches:
                 found[name] = Setting((repr(matches[i, j]),), lines[name].line, lines[name].text)
         contacts.append(Contact((str(i + 1), str(j + 1)), found))
+    if materials and not contacts:
+        call = next(iter(lines.values()))
+        raise refusal(call.line, call.text, "match materials with the same numbers")
     return Reading(contacts, numerical_damping=damping)
+
+
+def _alike(one: Settings, other: Settings, but: set[str]) -> bool:
+    """Whether two materials have the same settings, except those that a functor overrides."""
+    one, other = ({name: x for name, x in each.items() if name not in but} for each in (one, other))
+    return one.keys() == other.keys() and all(same(one[name], other[name]) for name in one)
 
 
 def _matches(given: Any) -> dict[tuple[int, int], float]:
