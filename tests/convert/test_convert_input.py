@@ -646,6 +646,20 @@ def test_variables_of_cpp_have_one_value(lines, stiffness):
         assert line == "input: line 2: got 'setStiffness(k)', must have a number for stiffness, not k"
 
 
+def test_settings_of_one_owner_are_not_those_of_another():
+    """Those of the system, which no other owner has, hold for all."""
+    hertz = "sys.SetContactForceModel(ChSystemSMC::Hertz); a->SetYoungModulus(1e7); a->SetPoissonRatio(.3);"
+    both = f"{hertz} a->SetRestitution(.9); b->SetRestitution(.5);"
+    assert back(both, "chrono", contact="a").numbers["youngs_modulus"] == 1e7
+    lacks = "; hertz lacks SetYoungModulus {youngs_modulus}, SetPoissonRatio {poisson_ratio}"
+    assert refused(both, "chrono", contact="b").endswith(lacks)
+    whole = f"{both} b->SetYoungModulus(1e8); b->SetPoissonRatio(.2);"
+    assert back(whole, "chrono", contact="b").numbers["youngs_modulus"] == 1e8
+    springs = "a->setStiffness(1e5); a->setDissipation(.1); b->setDissipation(.02);"
+    assert back(springs, "mercurydpm", contact="a").numbers["damping"] == 0.1
+    assert "linear lacks setStiffness" in refused(springs, "mercurydpm", contact="b")
+
+
 # --- what is printed --------------------------------------------------------------------------------------------
 
 

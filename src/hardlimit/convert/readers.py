@@ -327,7 +327,7 @@ def _number(call: Instance, name: str, default: float) -> float:
 
 
 def _flat(read: Callable[[str], Iterator[Statement]]) -> Callable[[str, Asked], Reading]:
-    """A reader of settings that hold for all contacts, except those that are set for several owners."""
+    """A reader of settings that hold for all contacts, except those of owners that set the same as another owner."""
 
     def reader(text: str, asked: Asked) -> Reading:
         owned: dict[str, dict[str, Setting]] = {}
@@ -344,8 +344,11 @@ def _flat(read: Callable[[str], Iterator[Statement]]) -> Callable[[str, Asked], 
                 raise refusal(new.line, new.text, f"be as on line {old.line}: {' '.join(old.text.split())}")
             here[statement.owner] = new
         common = {name: Setting((given,), 0, "") for name, given in asked.defaults.items()}
-        common |= {name: next(iter(by.values())) for name, by in owned.items() if len(by) == 1}
         owners = sorted({owner for by in owned.values() if len(by) > 1 for owner in by})
+        for name, by in owned.items():
+            (owner, setting), *others = by.items()
+            if not others and owner not in owners:
+                common[name] = setting
         if not owners:
             return Reading([Contact((), common)] if owned else [])
         return Reading(
