@@ -136,7 +136,6 @@ fix b all wall/gran granular hooke 1e5 0.9 damping coeff_restitution tangential 
         ("4–1", 0.7),
     ):
         assert back(text, contact=contact).restitution == pytest.approx(gives, abs=1e-9)
-    assert back(text, other=hl.FLOOR, contact="1-wall").restitution == pytest.approx(0.9, abs=1e-9)
     assert (
         refused(text)
         == "contact: missing, must be one of *-*, 2*3-4, 1-4, which have different numbers in the input"
@@ -145,7 +144,7 @@ fix b all wall/gran granular hooke 1e5 0.9 damping coeff_restitution tangential 
 
 def test_a_wall_is_not_taken_for_balls():
     line = "fix w all wall/gran hooke 1e5 NULL 2e4 NULL 0.5 0 zplane 0 NULL"
-    assert refused(line) == "input: got no contact of balls, only *-wall"
+    assert refused(line) == "input: got no contact of balls, only *-w"
     assert back(line, other=hl.FLOOR).model.name == "gran-hooke"
     pairs = "pair_style granular\npair_coeff * * hooke 1e5 0.7 damping coeff_restitution tangential none"
     for text in (f"{line}\n{pairs}", f"{pairs}\n{line}"):
@@ -155,6 +154,52 @@ def test_a_wall_is_not_taken_for_balls():
     assert late.startswith("input: line 1: got 'fix w all") and late.endswith(
         "must have limit_damping before zplane"
     )
+
+
+WALLS = {
+    "lammps": """group small type 1
+fix a small wall/gran granular hooke 1e5 0.8 damping coeff_restitution zplane 0 NULL
+fix b all wall/gran granular hooke 1e5 0.9 damping coeff_restitution xplane 0 NULL""",
+    "liggghts": """fix m1 all property/global kn peratomtypepair 2 1e5 1e5 1e5 1e5
+fix m2 all property/global gamman peratomtypepair 2 1e3 2e3 2e3 1e3
+fix a all wall/gran model hooke/stiffness primitive type 1 zplane 0
+fix b all wall/gran model hooke/stiffness limitForce on primitive type 2 xplane 0""",
+}
+
+
+@pytest.mark.parametrize(
+    "name,after,choices",
+    [
+        ("lammps", "", "1-a, *-b"),
+        ("lammps", "unfix b", None),
+        ("lammps", "fix b all wall/gran granular hooke 1e5 0.8 damping coeff_restitution zplane 0 1", None),
+        ("liggghts", "", "1-a, 1-b"),
+        ("liggghts", "unfix b", None),
+        ("liggghts", "fix b all wall/gran model hooke/stiffness primitive type 1 xplane 0", None),
+        (
+            "liggghts",
+            "unfix b\nfix c all mesh/surface file c type 2\nfix d all mesh/surface file d type 1\n"
+            "fix a all wall/gran model hooke/stiffness mesh n_meshes 2 meshes c d",
+            "1-c, 1-d",
+        ),
+    ],
+)
+def test_walls_are_told_apart_by_their_names(name, after, choices):
+    """Another fix of the same name replaces a wall."""
+    text = f"{WALLS[name]}\n{after}"
+    if choices is None:
+        contact = "1-wall" if name == "liggghts" else None
+        numbers = back(text, name, other=hl.FLOOR, contact=contact).numbers
+        assert 0.8 in numbers.values() or 1e3 in numbers.values()
+        return
+    line = f"must be one of {choices}, which have different numbers in the input"
+    assert refused(text, name, other=hl.FLOOR, contact="1-wall") == f"contact: got '1-wall', {line}"
+    assert refused(text, name, other=hl.FLOOR).startswith("contact: missing")
+    first, second = (back(text, name, other=hl.FLOOR, contact=one) for one in choices.split(", "))
+    assert first.numbers != second.numbers
+    if "unfix" not in after:
+        named = text.replace("fix b", "fix wall")
+        assert back(named, name, other=hl.FLOOR, contact="1-wall").numbers == second.numbers
 
 
 # --- the words of LAMMPS and LIGGGHTS ---------------------------------------------------------------------------

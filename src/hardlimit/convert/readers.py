@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 from ..scripts import granular_words
 from ..scripts.commands import NESTING, Commands
-from ..scripts.description import Quote, Setting, Settings
+from ..scripts.description import WALL, Quote, Setting, Settings
 from ..scripts.granular_words import NORMAL, PROPERTIES, ordered, unaccelerated
 from ..scripts.liggghts import Property
 from ..scripts.python import Instance, Unknown
@@ -32,8 +32,13 @@ class Contact:
 
     @property
     def name(self) -> str:
-        """A name such as ``1-2`` or ``1-wall``."""
+        """A name such as ``1-2``, or ``1-floor`` for a wall of that name."""
         return "-".join(self.bodies)
+
+    @property
+    def at_a_wall(self) -> Contact:
+        """The same settings under a name such as ``1-wall``, whatever the name of the wall."""
+        return replace(self, bodies=(*self.bodies[:-1], WALL)) if self.wall else self
 
     def covers(self, name: str) -> bool:
         """Whether these settings hold for a contact of this name, such as ``1-2``."""
@@ -105,12 +110,13 @@ def _unit(statement: Statement) -> str:
 
 def lammps(text: str, asked: Asked) -> Reading:
     """``pair_style``, ``pair_coeff`` and ``fix … wall/gran``; a line may also be a normal model alone."""
-    contacts, units, style, types = list[Contact](), "si", "", dict[str, str]()
+    pairs, walls = list[Contact](), dict[str, Contact]()
+    units, style, types = "si", "", dict[str, str]()
 
-    def add(
+    def made(
         bodies: tuple[str, ...], statement: Statement, found: granular_words.Words, wall: bool | None
-    ) -> None:
-        contacts.append(Contact(bodies, settings(statement, found.settings), wall))
+    ) -> Contact:
+        return Contact(bodies, settings(statement, found.settings), wall)
 
     for statement in _commands(text):
         command, *words = statement.words
@@ -122,29 +128,37 @@ def lammps(text: str, asked: Asked) -> Reading:
             style = unaccelerated(words[0]) if words else ""
             if style.startswith("hybrid"):
                 raise refusal(statement.line, statement.text, "be one style, granular or gran/…")
-            contacts = [one for one in contacts if one.wall]
+            pairs.clear()
             if style.startswith("gran/"):
-                add(("*", "*"), statement, granular_words.gran(statement, [style[5:], *words[1:]]), False)
+                gran = granular_words.gran(statement, [style[5:], *words[1:]])
+                pairs.append(made(("*", "*"), statement, gran, False))
         elif command == "pair_coeff" and style in ("", "granular"):
             if len(words) < 2:
                 raise refusal(statement.line, statement.text, "name two types")
-            add(ordered(words[0], words[1]), statement, granular_words.granular(statement, words[2:]), False)
+            found = granular_words.granular(statement, words[2:])
+            pairs.append(made(ordered(words[0], words[1]), statement, found, False))
         elif command == "fix" and words[2:3] and words[2].startswith("wall/gran"):
             group = types.get(words[1], "*" if words[1] == "all" else words[1])
-            add((group, "wall"), statement, granular_words.wall(statement, words[3:]), True)
+            walls[words[0]] = made(
+                (group, words[0]), statement, granular_words.wall(statement, words[3:]), True
+            )
+        elif command == "unfix" and words:
+            walls.pop(words[0], None)
         elif command in NORMAL:
             found = granular_words.granular(statement, statement.words, wall=True)
-            add((f"line {statement.line}",), statement, found, None)
+            pairs.append(made((f"line {statement.line}",), statement, found, None))
         elif command == "fix" and words[2:3] and words[2].startswith("damping/"):
             raise refusal(
                 statement.line, statement.text, "be without this damping, which cannot be converted"
             )
-    return Reading(contacts, units)
+    return Reading([*pairs, *walls.values()], units)
 
 
 def liggghts(text: str, asked: Asked) -> Reading:
     """``pair_style gran``, ``fix … property/global`` and ``fix … wall/gran``."""
-    units, pair, walls, meshes = "si", None, list[tuple[str, Settings]](), list[str]()
+    units, pair = "si", None
+    walls: dict[str, tuple[Sequence[tuple[str, str]], Settings]] = {}  # names and types of their surfaces
+    meshes: dict[str, str] = {}
     properties: dict[str, Property] = {}
 
     def model(statement: Statement, words: Sequence[str]) -> Settings:
@@ -163,11 +177,17 @@ def liggghts(text: str, asked: Asked) -> Reading:
             if words[4] in PROPERTIES and words[3] in asked.names:
                 properties[words[3]] = Property(statement, words[4], tuple(words[5:]))
         elif style.startswith("mesh/surface") and "type" in words:
-            meshes += words[words.index("type") + 1 : words.index("type") + 2]
+            meshes |= dict(zip(words[:1], words[words.index("type") + 1 :], strict=False))
         elif style == "wall/gran":
             found = model(statement, words[3:])
             ends = words[words.index("type") + 1 : words.index("type") + 2] if "type" in words else []
-            walls += [(end, found) for end in ends or meshes or ["1"]]
+            walls[words[0]] = (
+                [(words[0], end) for end in ends] or [*meshes.items()] or [(words[0], "1")],
+                found,
+            )
+        elif command == "unfix" and words:
+            walls.pop(words[0], None)
+            meshes.pop(words[0], None)
         elif command == "model":
             pair = model(statement, statement.words)
     count = max([1, *(one.types() for one in properties.values())])
@@ -177,10 +197,11 @@ def liggghts(text: str, asked: Asked) -> Reading:
             values = _between(properties, i, j)
             if pair is not None and values is not None:
                 contacts.append(Contact((str(i), str(j)), {**pair, **values}, False))
-        for end, found in walls:
-            values = _between(properties, i, int(end)) if end.isdigit() else None
-            if values is not None:
-                contacts.append(Contact((str(i), "wall"), {**found, **values}, True))
+        for surfaces, found in walls.values():
+            for name, end in surfaces:
+                values = _between(properties, i, int(end)) if end.isdigit() else None
+                if values is not None:
+                    contacts.append(Contact((str(i), name), {**found, **values}, True))
     return Reading(contacts, units)
 
 

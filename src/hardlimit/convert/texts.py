@@ -174,15 +174,16 @@ def _checked(model: Model, name: str, value: float, setting: Setting) -> float:
 def _contact(
     code: Code, models: Sequence[Model], reading: Reading, wall: bool, wanted: str | None, names: set[str]
 ) -> Settings:
-    """The settings of the selected contact (the last of that name), or of the only one."""
+    """The settings of the selected contact, or of the only one. The last pair of types replaces those before it."""
     selected = None if wanted is None else wanted.replace("–", "-").replace(" ", "")
     fitting = [one for one in reading.contacts if one.wall in (None, wall)]
     if selected is not None:
         named = [one for one in fitting if one.covers(selected)]
+        named = named or [one for one in fitting if one.at_a_wall.covers(selected)]
         if not named:
             choices = ", ".join(dict.fromkeys(one.name for one in fitting)) or "none"
             raise ValueError(f"contact: got {validation.shown(wanted)}, must be one of {choices}")
-        return named[-1].settings
+        fitting = named if named[-1].wall else named[-1:]
     if reading.contacts and not fitting:
         kind = "balls" if not wall else "a ball and a wall"
         raise ValueError(f"input: got no contact of {kind}, only {reading.contacts[0].name}")
@@ -190,8 +191,9 @@ def _contact(
     kept = [{name: one.settings[name] for name in words if name in one.settings} for one in fitting]
     if any(set(one) != set(kept[0]) or not all(same(one[n], kept[0][n]) for n in one) for one in kept):
         choices = ", ".join(dict.fromkeys(one.name for one in fitting))
+        got = "missing" if wanted is None else f"got {validation.shown(wanted)}"
         raise ValueError(
-            f"contact: missing, must be one of {choices}, which have different numbers in the input"
+            f"contact: {got}, must be one of {choices}, which have different numbers in the input"
         )
     return kept[0] if kept else {}
 
