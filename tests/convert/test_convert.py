@@ -417,6 +417,37 @@ def test_bad_text_is_refused_in_one_line(text, line):
     assert str(caught.value).startswith(line)
 
 
+@pytest.mark.parametrize(
+    "ball,asked",
+    [
+        (hl.Ball(2e-7, mass=2e39), {"restitution": 0.5, "duration": 3.5e-29, "speed": 5e22}),
+        (
+            hl.Ball(4.9e-11, mass=7.3e-29),
+            {"restitution": 1.0, "duration": 2.2e25, "speed": 1.6e-49, "law": "linear"},
+        ),
+    ],
+)
+def test_numbers_beyond_double_precision_are_not_given_to_a_code(ball, asked):
+    hooke, coefficients = hl.convert(ball, **asked, code="chrono", wall=False).models
+    assert hooke.contacts[0].numbers is None and not hooke.text
+    assert coefficients.contacts[0].restitution == pytest.approx(asked["restitution"], abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    "text,name",
+    [
+        ("ViscElMat(tc=4e170, en=1.)", "yade"),
+        ('solref="7e160 4e298"', "mujoco"),
+        ("s->setCollisionTimeAndRestitutionCoefficient(3e243, 0.5, 1.);", "mercurydpm"),
+    ],
+)
+def test_contacts_beyond_double_precision_are_refused_in_one_line(text, name):
+    with pytest.raises(
+        ValueError, match=r"^input: got [^\n]*, must give a compression and a duration within"
+    ):
+        hl.convert_back(text, BALL, code=name)
+
+
 @draws(30)
 @given(text=st.text(max_size=200))
 def test_any_text_is_read_or_refused(text):

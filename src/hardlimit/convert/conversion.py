@@ -207,10 +207,17 @@ def obtained(
         _refuse_light(found, body)
     read = texts.read(found, text.removeprefix("\ufeff"), pair.wall, contact, model)
     nu = read.numbers.get("poisson_ratio", DEFAULT_POISSON_RATIO)
-    force = Written(read.model, pair, v, read.attracts, nu).force(read.numbers)
-    step, error = stepping.of(force, v)
     damping = read.numerical_damping or 0.0
-    collision = force.numerically_damped(v, damping) if damping else force.collision(v)
+    try:
+        force = Written(read.model, pair, v, read.attracts, nu).force(read.numbers)
+        step, error = stepping.of(force, v)
+        collision = force.numerically_damped(v, damping) if damping else force.collision(v)
+        notes = tuple(_notes(found, read, force, v))
+    except (OverflowError, ZeroDivisionError):
+        given = ", ".join(f"{name} {value:.6g}" for name, value in read.numbers.items())
+        raise ValueError(
+            f"input: got {given}, must give a compression and a duration within the range of double precision"
+        ) from None
     return Obtained(
         found,
         read.model,
@@ -223,7 +230,7 @@ def obtained(
         collision.force,
         step,
         error,
-        tuple(_notes(found, read, force, v)),
+        notes,
     )
 
 
@@ -346,7 +353,13 @@ def _in_model(
     rows, writable = [], []
     for pair, force in zip(pairs, forces, strict=True):
         written = Written(model, pair, asked.speed, attraction, asked.poisson_ratio)
-        row = _row(written, force.stiffness, asked, stepping)
+        try:
+            row = _row(written, force.stiffness, asked, stepping)
+        except (
+            OverflowError,
+            ZeroDivisionError,
+        ):  # numbers beyond double precision cannot be given to a code
+            row = ModelNumbers(pair.name, None, math.nan, None, math.nan, math.nan, math.nan)
         rows.append(row)
         if row.numbers is not None:
             writable.append((pair, row.numbers))
