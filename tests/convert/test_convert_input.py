@@ -705,6 +705,24 @@ def test_settings_of_one_owner_are_not_those_of_another():
     assert "linear lacks setStiffness" in refused(springs, "mercurydpm", contact="b")
 
 
+@pytest.mark.parametrize(
+    "lines,modulus",
+    [
+        ("E = 1e8\ndef f(a, y=E, *, z=2*E): return a*(y + z)\nE = 1e5\nE = f(1)", 3e8),
+        ("import numpy as n, math\nE = 1e8*n.round(2.2)*math.floor(1.5)", 2e8),
+        ("E = 1e8*foo.round(2)", None),
+        ("E = 1e8*foo.e", None),
+        ("E = 1e8*foo().range(3)", None),
+    ],
+)
+def test_arithmetic_of_yade_scripts(lines, modulus):
+    text = f"{lines}\n{MINDLIN.replace('1e9', 'E')}"
+    if modulus is None:
+        assert "must have a number for youngs_modulus, not 1" in refused(text, "yade")
+    else:
+        assert back(text, "yade").numbers["youngs_modulus"] == modulus
+
+
 # --- what is printed --------------------------------------------------------------------------------------------
 
 

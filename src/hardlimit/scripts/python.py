@@ -68,6 +68,8 @@ LISTS: Final[dict[str, Callable[..., Any]]] = {
     "list": lambda values=(): list(values),
     "tuple": lambda values=(): tuple(values),
 }
+#: Modules whose members are those functions and constants.
+MODULES: Final = ("math", "np", "numpy", "utils", "yade.utils")
 CONSTANTS: Final = {"pi": math.pi, "e": math.e, "inf": math.inf}
 
 
@@ -146,6 +148,8 @@ class Evaluator:
         self.instances: list[Instance] = []
         self.assignments: list[Assignment] = []
         self.functions: dict[str, ast.FunctionDef] = {}
+        self.defaults: dict[str, dict[str, Any]] = {}  #: of the arguments of functions
+        self.modules = set(MODULES)
         self.count = self.depth = 0
 
     def run(self) -> None:
@@ -188,7 +192,7 @@ class Evaluator:
         """The value of an attribute."""
         if isinstance(owner, Instance) and name in owner.attributes:
             return owner.attributes[name]
-        if name in CONSTANTS and isinstance(owner, str | Unknown):
+        if name in CONSTANTS and isinstance(owner, str) and owner in self.modules:
             return CONSTANTS[name]
         return Unknown(ast.unparse(node))
 
@@ -232,9 +236,12 @@ class Evaluator:
                     self.uncertain(node, [body, other])
                 else:
                     self.block(body if holds else other)
-            case ast.FunctionDef(name):
+            case ast.FunctionDef(name, given):
                 self.functions[name] = node
+                self.defaults[name] = self.default_values(given)
                 self.names.pop(name, None)
+            case ast.Import(names):
+                self.modules |= {one.asname for one in names if one.asname and one.name in MODULES}
             case ast.ClassDef(name, body=body):
                 self.names[name] = self.namespace(name, body, node)
             case ast.Return(value):
@@ -478,7 +485,7 @@ class Evaluator:
                 keywords["**"] = value
         if name in self.functions and owner is None:
             return self.inside(self.functions[name], arguments, keywords, node)
-        arithmetic = owner is None or isinstance(owner, str)
+        arithmetic = owner is None or (isinstance(owner, str) and owner in self.modules)
         if name in ("Vector3", "Vector2", "Vector6") and len(arguments) > 1:
             return Vector(arguments)
         if name == "range" and arithmetic and all(isinstance(one, int) for one in arguments):
@@ -499,6 +506,15 @@ class Evaluator:
         text = quoted("", node.lineno, ast.unparse(node)).text
         return self.called(name, owner, Instance(name, tuple(arguments), keywords, node.lineno, text))
 
+    def default_values(self, given: ast.arguments) -> dict[str, Any]:
+        """The values of the arguments that a function has by default, when it is defined."""
+        places = [*given.posonlyargs, *given.args]
+        pairs = [
+            *zip(places[len(places) - len(given.defaults) :], given.defaults, strict=True),
+            *zip(given.kwonlyargs, given.kw_defaults, strict=True),
+        ]
+        return {one.arg: self.value(value) for one, value in pairs if value is not None}
+
     def inside(
         self, function: ast.FunctionDef, arguments: list[Any], keywords: Mapping[str, Any], node: ast.Call
     ) -> Any:
@@ -508,13 +524,7 @@ class Evaluator:
         given = function.args
         places = [one.arg for one in [*given.posonlyargs, *given.args]]
         local = {name: Unknown(name) for name in [*places, *(one.arg for one in given.kwonlyargs)]}
-        defaults = [self.value(one) for one in given.defaults]
-        local |= dict(zip(places[len(places) - len(defaults) :], defaults, strict=True))
-        local |= {
-            one.arg: self.value(value)
-            for one, value in zip(given.kwonlyargs, given.kw_defaults, strict=True)
-            if value is not None
-        }
+        local |= self.defaults[function.name]
         local |= dict(zip(places, arguments, strict=False)) | dict(keywords)
         outside, self.depth = self.names, self.depth + 1
         changed = {name for one in ast.walk(function) if isinstance(one, ast.Global) for name in one.names}
