@@ -278,6 +278,23 @@ def test_damaged_files_are_read_right_or_refused(tmp_path, data, suffix):
         assert system.n >= 1 and math.isfinite(system.kinetic_energy)
 
 
+@pytest.mark.parametrize(
+    "driving",
+    ["{", "[]", "3", '{"walls": []}', '{"walls": {}, "thermostat": 3}', '{"thermostat": null}',
+     '{"walls": [], "thermostat": null, "shear": 3}', '{"walls": [], "thermostat": null, "shear": [[], 1, 2]}',
+     "[" * 100_000],
+)  # fmt: skip
+def test_damaged_driving(tmp_path, driving):
+    """JSON that another program has changed."""
+    path = lattice(4).write(tmp_path / "driven.gsd")
+    with gsd.hoomd.open(str(path), "r") as file:
+        frame = file[0]
+    frame.log["hardlimit/driving"] = np.frombuffer(driving.encode(), np.uint8)
+    with gsd.hoomd.open(str(path), "w") as file:
+        file.append(frame)
+    refused(path)
+
+
 @pytest.mark.parametrize("name", ["particles/N", "bonds/N"])
 def test_a_damaged_count_takes_no_memory(tmp_path, name):
     """4e9 particles in a file of 1 kB: gsd would fill 50 GB with default values."""

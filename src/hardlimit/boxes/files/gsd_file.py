@@ -140,12 +140,15 @@ def _in_double(found: Any) -> Found:
         )
     values.pop("time")
     shear = None
-    if DRIVING in found.log:
-        driving = json.loads(bytes(found.log[DRIVING]))
-        values["walls"] = from_entries(driving["walls"])
-        values["thermostat"] = from_entry(driving["thermostat"])
-        shear = driving.get("shear")
-    return values | boundary_of(values.pop("periodic"), shear), 0.0
+    try:
+        if DRIVING in found.log:
+            driving = json.loads(bytes(found.log[DRIVING]))
+            values["walls"] = from_entries(driving["walls"])
+            values["thermostat"] = from_entry(driving["thermostat"])
+            shear = driving.get("shear")
+        return values | boundary_of(values.pop("periodic"), shear), 0.0
+    except (KeyError, TypeError, RecursionError) as error:
+        raise ValueError(f"log: {DRIVING} is damaged: {_line(error)}") from None
 
 
 def _of_another_program(found: Any) -> Found:
