@@ -325,6 +325,11 @@ def test_words_are_those_of_lammps(text, gives):
         ),
         ("if '1 > 0' then 'units cgs'", "lammps", "must be commands of the text itself"),
         ("if '1 > 0' then 'include a.in'", "lammps", "must be commands of the text itself"),
+        (
+            "label a\nif '1 > 0' then 'jump SELF a' else 'jump SELF b'\npair_coeff * * hooke 1e5 .7\nlabel b",
+            "lammps",
+            "line 3: got 'pair_coeff * * hooke 1e5 .7', must be a command that no jump skips",
+        ),
         ("units real", "liggghts", "line 1: got 'units real', must be units si, cgs"),
         (
             "pair_style hybrid granular gran/hooke 1 1 1 1 1 1",
@@ -466,6 +471,7 @@ def test_what_is_not_understood_is_quoted_with_its_line(text, name, quoted):
         ("variable k equal 5\nvariable k equal 1e4\nlabel a\nvariable b equal 2\njump SELF a", True),
         ("label a\nvariable k equal 1e4\nnext i\njump SELF a", True),
         ('variable k equal 1e4\nif "1 > 0" then "print k" "variable b equal 2"', True),
+        ('variable k equal 1e4\nif "1 > 0" then "jump SELF" else "print k"', True),
     ],
 )
 def test_variables_that_depend_on_loops_and_conditions_are_not_taken(lines, known):

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 from ..scripts import granular_words
-from ..scripts.commands import NESTING, Commands
+from ..scripts.commands import JUMP, NESTING, Commands
 from ..scripts.description import WALL, Quote, Setting, Settings
 from ..scripts.granular_words import NORMAL, PROPERTIES, ordered, unaccelerated
 from ..scripts.liggghts import Property
@@ -91,9 +91,17 @@ HIDDEN: Final = re.compile(r"\b(?:pair_style|pair_coeff|wall/gran|property/globa
 
 
 def _commands(text: str) -> Iterator[Statement]:
-    """Commands of the text itself; those in include files and conditions are refused."""
+    """Commands of the text itself; those in include files and conditions, and those that a jump skips, are refused."""
+    passed, ahead = set[str](), set[str]()  # labels, and those to which jumps lead
     for statement in Commands(text, flow=False):
         command, *words = statement.words
+        if command == "label":
+            passed.update(words[:1])
+            ahead.difference_update(words[:1])
+        elif command in ("jump", *NESTING):
+            ahead |= {label for label in JUMP.findall(statement.text) if label} - passed
+        elif ahead and HIDDEN.search(statement.text):
+            raise refusal(statement.line, statement.text, "be a command that no jump skips")
         inner = command in NESTING and any(map(HIDDEN.search, words))
         if command == "include" or inner:
             raise refusal(statement.line, statement.text, "be commands of the text itself")

@@ -28,7 +28,7 @@ INTEGER_FORMAT: Final = re.compile(r"%[-+ 0]*\d{0,3}[di]")
 NESTING: Final = ("if", "run", "python")
 #: Names that such commands change, and the label to which they jump.
 CHANGED: Final = re.compile(r"\b(?:variable\s+(\w+)|next((?:\s+\w+)+))")
-JUMP: Final = re.compile(r"\bjump\s+\S+\s*([^\s\"']*)")
+JUMP: Final = re.compile(r"\bjump\s+[^\s\"']+\s*([^\s\"']*)")
 UNRESOLVED: Final = re.compile(r"\$(?:\{\w*\}|\(|\w)")
 #: A comparison of two words in a condition, and what is no word there.
 EQUAL: Final = re.compile(r"([^\s()&|!=<>^]+)\s*(==|!=)\s*([^\s()&|!=<>^]+)")
