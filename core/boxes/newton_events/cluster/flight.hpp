@@ -89,7 +89,7 @@ double Cluster<Law>::time_to_open(const ContactPair<Law>& q) const {
     return b > 0.0 ? c / (b + math::sqrt(b * b + speed2 * c)) : (math::sqrt(b * b + speed2 * c) - b) / speed2;
 }
 
-// Whether the force of a slack pair would be repulsive: after a jump of a velocity, or by rounding when it has just ended.
+// Whether the force of a slack pair is repulsive: after a jump of a velocity, or by rounding when it has just ended.
 template <class Law>
 bool Cluster<Law>::is_pressed(const ContactPair<Law>& q) const {
     if (q.state != ContactState::slack) return false;
