@@ -301,6 +301,17 @@ test("one panel: chosen from the page and from another panel", async (t) => {
   assert.equal(await page.isVisible("#stage"), true);
 });
 
+test("from the story: one panel, and the laboratory from there", async (t) => {
+  const page = await open(t, "?page=story");
+  await page.waitForFunction(() => document.getElementById("map-show").value === "effective"); // chapter 6 is prepared
+  await page.click("#enlarge");
+  assert.match(page.url(), /\?t=[\d.]+&panel=film$/); // no motion: the film stands
+  assert.ok((await page.locator("#film").boundingBox()).width > 1300);
+  await page.click("#panel-leave");
+  assert.match(page.url(), /\?t=[\d.]+&page=lab$/);
+  assert.equal(await page.inputValue("#map-show"), "count");
+});
+
 // A page on this machine that frames the explorer.
 async function framing(t, source) {
   const outer = createServer((_, reply) => reply.writeHead(200, { "content-type": "text/html" }).end(`<!doctype html><iframe src="${source}" width="900" height="500"></iframe>`));

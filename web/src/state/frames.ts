@@ -65,8 +65,8 @@ export class SinglePanel {
     const { state } = this;
     state.enterHistory();
     state.lecture.panel = panel;
-    history.replaceState(null, "", state.link());
     this.changed();
+    history.replaceState(null, "", state.link());
     find(panel ? "panel-choice" : "enlarge").focus();
   }
 

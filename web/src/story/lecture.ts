@@ -41,7 +41,10 @@ export class Lecture {
     this.rebound = new ReboundPanel(state, view, new Sheet("rebound", resized), pool);
     this.compare = new Compare(state, view, new Sheet("compare-stage", resized), pool, () => this.settingsChanged());
     this.mini = new Mini(state);
-    this.single = new SinglePanel(this.frames, state, () => this.show());
+    this.single = new SinglePanel(this.frames, state, () => {
+      this.story.leave();
+      this.show();
+    });
     const hand = {
       told: () => ({ gaps: this.rebound.extremes(), trusted: this.map.trusted() }),
       arrived: (step: Step) => this.arrive(step),

@@ -62,14 +62,13 @@ export class Story {
   go(step: Step | null): void {
     const { state, view } = this;
     state.enterHistory();
-    view.step = step;
     if (step) {
+      view.step = step;
       view.panel = null;
       this.show();
     } else {
       state.view.slow = true;
-      if (this.kept) this.hand.showMap(this.kept);
-      this.kept = null;
+      this.leave();
       this.hand.left();
     }
     history.replaceState(null, "", state.link());
@@ -77,10 +76,18 @@ export class Story {
     if (!step) find("tell").focus({ preventScroll: true });
   }
 
+  // The laboratory has its map again.
+  leave(): void {
+    this.view.step = null;
+    if (this.kept) this.hand.showMap(this.kept);
+    this.kept = null;
+  }
+
   // Sets the page to the chapter in the link. The panels that the laboratory has too move into their chapters, and back.
   show(): void {
     const { step } = this.view;
     find("story").hidden = step === null;
+    this.kept = null;
     if (step === null) {
       if (!find("story").parentElement!.querySelector(":scope > .film")) find("story").parentElement!.append(...this.order);
       return;
@@ -89,7 +96,6 @@ export class Story {
     else this.gather();
     this.frames.show("story", []);
     this.arrived.clear();
-    this.kept = null;
     this.aim = step;
     this.scrolled = this.dirty = true;
     this.scrollTo(step);
