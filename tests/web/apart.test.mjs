@@ -72,11 +72,30 @@ const atRest = (page) => page.waitForFunction(() => {
   return done;
 }, null, { polling: 1000, timeout: 60_000 });
 
-for (const [name, query, ready] of [
+const pages = [
   ["story", "?page=story", atRest],
   ["laboratory", "", mapDone],
   ["gas", "gas.html?n=150&t=0.01", (page) => page.waitForFunction(() => document.documentElement.dataset.run && document.documentElement.dataset.settled === document.documentElement.dataset.run)],
-])
+];
+for (const [name, query, ready] of pages.slice(1))
+  test(`${name}: forced colours are those of the pictures too`, async (t) => {
+    const page = await site.open(t, query, { ready, colorScheme: "dark", forcedColors: "active" });
+    await page.evaluate(() => localStorage.setItem("hardlimit-theme", "light")); // chosen without them
+    await page.reload();
+    await ready(page);
+    const inked = await page.evaluate(() => { // pixels of dark's --ink, #eef0f3
+      const canvas = document.querySelector("#stage, canvas#energy");
+      const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+      return new Uint32Array(data.buffer).filter((x) => x === 0xfff3f0ee).length;
+    });
+    assert.ok(inked > 20, String(inked));
+    const colours = await page.$$eval(name === "gas" ? ".key .overlap" : ".bar > div, .legend i", (list) => list.map((x) => getComputedStyle(x).backgroundColor));
+    assert.ok(!colours.includes("rgb(0, 0, 0)"), colours.join());
+    await page.evaluate(() => document.querySelector("#slow, #example-dense").setAttribute("aria-pressed", "true"));
+    assert.equal(await page.$eval("#slow, #example-dense", (x) => getComputedStyle(x).borderTopWidth), "3px");
+  });
+
+for (const [name, query, ready] of pages)
   test(`${name}: a dark page is printed light, and is dark again`, async (t) => {
     const page = await site.open(t, query, { ready, colorScheme: "dark" });
     const theme = () => page.evaluate(() => [document.documentElement.dataset.theme, getComputedStyle(document.body).color]);

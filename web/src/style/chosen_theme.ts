@@ -1,4 +1,4 @@
-// Light or dark: the system's until the user chooses one.
+// Light or dark: the system's until the user chooses one, and with forced colours always.
 export const themeKey = "hardlimit-theme";
 export const systemTheme = matchMedia("(prefers-color-scheme: dark)");
 
@@ -11,4 +11,7 @@ export function chosenTheme(): string | null {
   }
 }
 
-export const themeNow = (chosen: string | null): string => chosen ?? (systemTheme.matches ? "dark" : "light");
+export const themeNow = (chosen: string | null): string => {
+  const system = systemTheme.matches ? "dark" : "light";
+  return matchMedia("(forced-colors: active)").matches ? system : (chosen ?? system);
+};

@@ -13,17 +13,18 @@ export interface Theme {
   font: string;
 }
 
+// The computed color-scheme does not tell it: with forced colours it is always "light dark".
+const isDark = (root: HTMLElement): boolean => root.dataset.theme === "dark";
+
 // A colour of the style sheet. As the text of a property light-dark(…, …) is not resolved.
-export function colorOf(root: HTMLElement, name: string): string {
-  const css = getComputedStyle(root);
-  return css.getPropertyValue(`--${name}`).trim().replace(/^light-dark\((.*),\s*(.*)\)$/, css.colorScheme === "dark" ? "$2" : "$1");
-}
+export const colorOf = (root: HTMLElement, name: string): string =>
+  getComputedStyle(root).getPropertyValue(`--${name}`).trim().replace(/^light-dark\((.*),\s*(.*)\)$/, isDark(root) ? "$2" : "$1");
 
 export function themeOf(root: HTMLElement): Theme {
   const css = getComputedStyle(root);
   const get = (name: string): string => colorOf(root, name);
   return {
-    dark: css.colorScheme === "dark",
+    dark: isDark(root),
     ground: get("ground"),
     ink: get("ink"),
     muted: get("muted"),
