@@ -182,6 +182,10 @@ test("the story: counts, curve and map belong to the setting", async (t) => {
   await says(page, "map", /agree to 1 % at no gap of this map/, { timeout: 120_000 });
   await page.selectOption("#map-tolerance", "0.02");
   await says(page, "map", /agree to 2 %; at the present ε that takes a gap above \d[\d.]* cm/, { timeout: 120_000 });
+  await page.evaluate(() => document.getElementById("count-other").click()); // above, with the map in sight
+  await says(page, "map", /agree to 2 %; at the present ε that takes a gap above [\d.]+ mm/, { timeout: 120_000 });
+  await page.keyboard.press("Control+z");
+  await says(page, "map", /agree to 2 %; at the present ε that takes a gap above \d[\d.]* cm/, { timeout: 120_000 });
 });
 
 // Its texts for every example and many settings: lecture_units.test.mjs.

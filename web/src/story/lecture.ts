@@ -99,7 +99,7 @@ export class Lecture {
   // ---- what follows from a change -----------------------------------------------------------------------
 
   solved(): void {
-    this.story.dirty = true;
+    this.story.solved();
   }
 
   refreshPlots(): void {

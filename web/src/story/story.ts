@@ -6,6 +6,7 @@ import type { Frames } from "../state/frames";
 import type { Guess } from "./guess";
 import { sameScenario, steps, type LectureView, type Step } from "../scenario/lecture_view";
 import { presets } from "../scenario/presets";
+import type { Scenario } from "../scenario/scenario";
 import type { State } from "../state/state";
 import type { View } from "../scenario/view";
 import { joined, type Sentence } from "../report/sentence";
@@ -33,6 +34,7 @@ export class Story {
   private readonly order = [...find("story").parentElement!.children]; // of the laboratory
   private readonly arrived = new Set<Step>();
   private kept: View["map"] | null = null; // the laboratory's map, while the last chapter's is prepared
+  private column: Scenario | null = null; // that was solved last; a slider changes it in place
   private scrolled = true;
   private aim: Step | null = null; // the chapter to be shown, until the reader scrolls
 
@@ -106,6 +108,15 @@ export class Story {
     this.arrived.add("watch");
     this.hand.arrived("watch");
     this.watch.open(this.frames.textSize());
+  }
+
+  // The last chapter's map is made for the column: it is set up again for one that was loaded, or by Undo.
+  solved(): void {
+    this.dirty = true;
+    if (this.column === this.state.scenario) return;
+    this.column = this.state.scenario;
+    this.arrived.delete("map");
+    this.scrolled = true;
   }
 
   // Each panel into its chapter.
