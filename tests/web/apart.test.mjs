@@ -117,6 +117,25 @@ for (const [name, query, ready] of pages)
     await page.waitForFunction(() => document.documentElement.dataset.theme === "dark");
   });
 
+for (const query of ["?panel=film&example=fig6&t=0.0001", "?panel=rebound", "?panel=compare&example=fig2&a.example=basketball"])
+  test(`printed whole, without its buttons: ${query}`, async (t) => {
+    const page = await site.open(t, query, { viewport: { width: 1280, height: 720 } });
+    await page.waitForFunction(() => document.getElementById("compare").hidden || document.getElementById("compare").dataset.ready === "true");
+    await page.emulateMedia({ media: "print" });
+    const faults = await page.evaluate(() => {
+      const shown = [...document.querySelectorAll(".panel *, .panel-bar *")].filter((x) => x.checkVisibility() && x.getBoundingClientRect().width > 0);
+      const box = (x) => x.getBoundingClientRect();
+      const over = (a, b) => !a.contains(b) && !b.contains(a) && Math.min(box(a).bottom, box(b).bottom) - Math.max(box(a).top, box(b).top) > 1 && Math.min(box(a).right, box(b).right) - Math.max(box(a).left, box(b).left) > 1;
+      const canvases = shown.filter((x) => x.tagName === "CANVAS");
+      return [
+        ...shown.filter((x) => x.matches(".panel-bar *, .compare button")),
+        ...shown.filter((x) => box(x).right > box(x.closest(".panel") ?? document.body).right + 1 || box(x).bottom > box(x.closest(".panel") ?? document.body).bottom + 1),
+        ...canvases.filter((x) => box(x).height < 90 || shown.some((y) => over(x, y))),
+      ].map((x) => `${x.tagName} ${x.id} ${x.textContent.trim().slice(0, 20)}`);
+    });
+    assert.deepEqual(faults, []);
+  });
+
 test("in a low window the laboratory shows first the film and a slider", async (t) => {
   for (const viewport of [{ width: 844, height: 390 }, { width: 640, height: 360 }]) {
     const page = await site.open(t, "", { viewport });
