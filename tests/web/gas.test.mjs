@@ -114,6 +114,17 @@ test("a link keeps the time at which the film stands still", async (t) => {
   assert.deepEqual(again.samples.at(-1).energy, samples.at(-1).energy);
 });
 
+test("a film that stands at its start does so again", async (t) => {
+  const page = await open(t, "?n=100&t=0.001", moving);
+  await settled(page);
+  await page.focus("#restitution");
+  await page.keyboard.press("ArrowLeft");
+  await page.waitForFunction(() => new URL(location.href).searchParams.get("t") === "0");
+  await page.reload();
+  await ready(page);
+  assert.equal(await page.textContent("#play"), "Play");
+});
+
 test("with reduced motion it stands still, and nothing is empty", async (t) => {
   const page = await open(t);
   await settled(page);

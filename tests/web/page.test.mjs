@@ -314,6 +314,28 @@ test("bad parameters are clamped and said", async (t) => {
   }
 });
 
+test("a film that stands at its start does so again", async (t) => {
+  const page = await open(t, "?example=fig2", { reducedMotion: "no-preference" });
+  await page.evaluate(() => document.activeElement.blur());
+  await page.keyboard.press("Home");
+  await page.waitForFunction(() => new URL(location.href).searchParams.has("t"));
+  const time = () => page.evaluate(() => window.hardlimit.report().time);
+  const before = await time();
+  await page.reload();
+  await solved(page);
+  assert.equal(await page.textContent("#play"), "Play");
+  assert.ok(Math.abs((await time()) - before) < 1e-6);
+  assert.equal(await page.isVisible("#notes"), false);
+});
+
+test("the story leaves the film as it is: its time, in real time", async (t) => {
+  const page = await open(t, "?film=real&t=0.005");
+  await page.click("#tell");
+  await page.click("#leave");
+  assert.equal(await page.getAttribute("#slow", "aria-pressed"), "false");
+  assert.match(page.url(), /film=real&t=0\.005&/);
+});
+
 test("film: plays, slows, steps, is tied to the cursor", async (t) => {
   const page = await open(t, "?example=fig2", { reducedMotion: "no-preference" });
   const time = () => page.textContent("#time");

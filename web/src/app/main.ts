@@ -24,7 +24,7 @@ import { Past } from "../state/past";
 import { Headline } from "./headline";
 import { Progress } from "./progress";
 import { compiled } from "../support/script";
-import { State } from "../state/state";
+import { moves, State } from "../state/state";
 import { ThemeSwitch } from "../support/theme_switch";
 import { firstView, viewFromQuery } from "../scenario/view";
 
@@ -40,7 +40,6 @@ const patience = 500; // ms for which the page waits for the first picture
 const leisure = 1500; // ms after the start or a change until what is far from the window is computed
 
 const root = document.documentElement;
-const moves = (): boolean => !matchMedia("(prefers-reduced-motion: reduce)").matches;
 
 class Page {
   private readonly state: State;

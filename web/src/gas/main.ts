@@ -179,7 +179,7 @@ class Page {
     const q = toQuery(this.setting);
     const { value } = find<HTMLSelectElement>("speed");
     if (value !== "1") q.set("speed", value);
-    if (!this.playing && this.facts && this.facts.sample.time > 0) q.set("t", String(this.facts.sample.time));
+    if (!this.playing && this.facts) q.set("t", String(this.facts.sample.time));
     return `${location.origin}${location.pathname}?${q}`;
   }
   private writeLink(): void {

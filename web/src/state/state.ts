@@ -8,6 +8,8 @@ import type { Scenario } from "../scenario/scenario";
 import type { Theme } from "../style/theme";
 import { firstView, viewToQuery, type View } from "../scenario/view";
 
+export const moves = (): boolean => !matchMedia("(prefers-reduced-motion: reduce)").matches;
+
 export class State {
   readonly view: View = firstView();
   readonly lecture: LectureView = firstLectureView();
@@ -49,7 +51,9 @@ export class State {
     const q = new URLSearchParams();
     scenarioToQuery(this.scenario, q);
     const map = this.lecture.step ? firstView().map : this.view.map; // the story has its own
-    viewToQuery({ ...this.view, map, time: this.playing || this.screen === 0 ? null : this.time() }, q);
+    const stands = !this.playing && (this.screen > 0 || moves()); // without motion a film stands at its start anyway
+    const time = this.drop ? (stands ? this.time() : null) : this.view.time;
+    viewToQuery({ ...this.view, map, time }, q);
     lectureToQuery(this.lecture, q);
     const text = q.toString().replaceAll("%2C", ",");
     return `${location.origin}${location.pathname}${text ? `?${text}` : ""}`;

@@ -69,7 +69,6 @@ export class Story {
       view.panel = null;
       this.show();
     } else {
-      state.view.slow = true;
       this.leave();
       this.hand.left();
     }
