@@ -265,6 +265,15 @@ test("examples enter the history", async (t) => {
   await page.waitForFunction(() => document.getElementById("preset").value === "fig2");
 });
 
+test("an example is known again from its link", async (t) => {
+  const page = await open(t, "?example=fig4");
+  assert.equal(await page.inputValue("#preset"), "fig4");
+  await page.waitForFunction(() => new URL(location.href).searchParams.has("map"));
+  await page.reload();
+  await rest(page);
+  assert.equal(await page.inputValue("#preset"), "fig4");
+});
+
 test("entries: what is made of them is said; a plus sign in a link is one", async (t) => {
   const page = await open(t, "?example=fig2&k=4e+07");
   assert.equal(await page.isVisible("#notes"), false);

@@ -11,13 +11,13 @@ import { Film } from "../views/film";
 import { forcesSummary } from "../views/forces";
 import { digits } from "../support/format";
 import { Lecture } from "../story/lecture";
-import { firstLectureView, lectureFromQuery } from "../scenario/lecture_view";
+import { firstLectureView, lectureFromQuery, sameScenario } from "../scenario/lecture_view";
 import { MapPanel } from "../map/map_panel";
 import { fillDefinitions, fillEnergy, fillTable } from "../views/numbers";
 import { ForcesPanel, TimelinePanel } from "../views/panels";
 import { Desk, piece, Pool } from "../core/pool";
 import { presets, type Preset } from "../scenario/presets";
-import { copyOf, toQuery, type Scenario } from "../scenario/scenario";
+import { copyOf } from "../scenario/scenario";
 import { settingOf } from "../scenario/link";
 import { listenMenu } from "./menu";
 import { Past } from "../state/past";
@@ -27,12 +27,6 @@ import { compiled } from "../support/script";
 import { moves, State } from "../state/state";
 import { ThemeSwitch } from "../support/theme_switch";
 import { firstView, viewFromQuery } from "../scenario/view";
-
-const queryOf = (s: Scenario): string => {
-  const q = new URLSearchParams();
-  toQuery(s, q);
-  return q.toString();
-};
 
 const shortly = 100; // ms until a part of an answer is shown; the first picture gets `patience`
 const stillness = 250; // ms after a change until the setting rests
@@ -109,7 +103,7 @@ class Page {
     lectureFromQuery(state.lecture, query, notes);
     this.note(notes);
     state.playing = state.view.time === null && moves();
-    this.choosePreset([preset, ...presets].find((p) => queryOf(p.scenario) === queryOf(state.scenario))?.id ?? "");
+    this.findPreset();
   }
 
   // Back to the setting before the last choice of an example.
@@ -135,6 +129,13 @@ class Page {
       const preset = presets.find((p) => p.id === select.value);
       if (preset) this.load(preset);
     });
+  }
+
+  // Two figures of the paper are of one column; they differ in their map.
+  private findPreset(): void {
+    const { scenario, view } = this.state;
+    const same = presets.filter((p) => sameScenario(p.scenario, scenario));
+    this.choosePreset((same.find((p) => p.map?.axis === view.map.axis) ?? same[0])?.id ?? "");
   }
 
   private choosePreset(id: string): void {
@@ -164,7 +165,7 @@ class Page {
     const before = this.past.undo();
     if (!before) return;
     this.state.scenario = before;
-    this.choosePreset(presets.find((p) => queryOf(p.scenario) === queryOf(before))?.id ?? "");
+    this.findPreset();
     this.state.dirty.solve = true;
   }
 
@@ -273,7 +274,7 @@ class Page {
     state.dirty.solve = false;
     this.past.settle(state.scenario);
     root.toggleAttribute("data-cradle", state.scenario.cradle);
-    this.choosePreset(presets.find((p) => queryOf(p.scenario) === queryOf(state.scenario))?.id ?? "");
+    this.findPreset();
     this.controls.set(state.scenario, this.about, true);
     this.show(state.drop);
   }
