@@ -6,7 +6,7 @@ import { Canvas, crossings, theme } from "./canvas.mjs";
 import { load, random } from "./modules.mjs";
 import { randomScenario } from "./scenarios.mjs";
 
-const lib = await load("forces", "map_drawing", "plot", "presets", "rebound_plot", "stage", "tale", "timeline", "true_scale");
+const lib = await load("film", "forces", "map_drawing", "plot", "presets", "rebound_plot", "stage", "tale", "timeline", "true_scale");
 const { core } = lib;
 
 // The examples, and random settings that can be computed.
@@ -24,6 +24,13 @@ function instants(d) {
 }
 
 const windows = [[1440, 700], [760, 430], [340, 420], [290, 360], [2500, 1300]]; // of the film, on a telephone too
+
+test("in words: the contacts, and the time of the film", () => {
+  const dropOf = (id) => lib.dropOf(lib.solve(core, lib.copyOf(lib.presets.find((p) => p.id === id).scenario)));
+  assert.match(lib.forcesSummary(dropOf("basketball")), /; one contact between balls\.$/);
+  const steel = dropOf("steel");
+  for (const [time, text] of [[-0.0004, "−0.400 ms"], [-0.02, "−0.020 s"], [5e-6, "5.00 µs"]]) assert.equal(lib.clockText(steel.origin + time, steel), text);
+});
 
 // ---- close-up -----------------------------------------------------------------------------------------------
 

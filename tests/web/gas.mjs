@@ -166,7 +166,7 @@ export async function agrees(python, report, worlds) {
   const stopped = answer.outcomes[0] !== "ok";
   const verdict = answer.gas && stopped ? "stopped" : setting.restitution === 1 ? "elastic" : !answer.gas ? "elsewhere" : answer.verdict;
   assert.equal(said.verdict, verdict, what);
-  assert.equal(said.range, answer.outside[0], what);
+  assert.equal(said.range, setting.restitution < 1 ? answer.outside[0] : undefined, what); // at ε = 1 nothing is said by the law
   assert.equal(said.hard, stopped ? (answer.outcomes[0] === "collapse" ? "collapse" : "stopped") : undefined, what);
   assert.equal(said.newton, answer.outcomes[1] === "ok" ? undefined : "stopped", what);
   assert.equal(said.contacts, newton.ended > 0 ? "overlapping" : "none", what);

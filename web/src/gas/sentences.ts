@@ -107,7 +107,7 @@ const cases: Case[] = [
   {
     topic: "range",
     id: "packing",
-    when: ({ start: { setting, measured } }) => setting.phi < measured.thinnest || setting.phi > measured.densest,
+    when: ({ start: { setting, measured } }) => setting.restitution < 1 && (setting.phi < measured.thinnest || setting.phi > measured.densest),
     numbers: ({ start: { setting, measured } }) => ({ phi: setting.phi, low: measured.thinnest, high: measured.densest }),
     text: ({ phi, low, high }) => `The law was measured at φ from ${low} to ${high}; at ${phi} it is a guess.`,
   },

@@ -150,12 +150,12 @@ export function drawMoment(g: CanvasRenderingContext2D, w: number, h: number, st
   drawStage(g, w, h, d, { time, rate: rateAt(state), newton, icm }, state.theme);
 }
 
-// In the unit of the contacts while they last, in seconds before and after.
+// In the unit of the contacts while they last, in seconds before and after, near them in milliseconds.
 export function clockText(time: number, d: Drop): string {
   const span = d.to - d.from;
   const near = time > d.from - 2 * span && time < d.to + 2 * span;
-  if (!near) return `${(time - d.origin).toFixed(3).replace("-", "−")} s`;
-  const [factor, unit] = span < 2e-6 ? [1e9, "ns"] : span < 2e-3 ? [1e6, "µs"] : [1e3, "ms"];
-  const places = span * factor < 10 ? 3 : span * factor < 100 ? 2 : 1;
+  const short = Math.abs(time - d.origin) < 0.01;
+  const [factor, unit] = !near ? (short ? [1e3, "ms"] : [1, "s"]) : span < 2e-6 ? [1e9, "ns"] : span < 2e-3 ? [1e6, "µs"] : [1e3, "ms"];
+  const places = !near ? 3 : span * factor < 10 ? 3 : span * factor < 100 ? 2 : 1;
   return `${((time - d.origin) * factor).toFixed(places).replace("-", "−")} ${unit}`;
 }

@@ -3,6 +3,7 @@ import type { Drop } from "../core/drop";
 import { digits, forceName, niceTicks, withUnit } from "../support/format";
 import { drawAxes, fontSize, grown, Scale, setFont, stroke, timeTicks, timeUnit, type Frame } from "../support/plot";
 import { independent } from "../scenario/tables";
+import { counted } from "../report/words";
 import type { Theme } from "../style/theme";
 
 export interface ForcesLayout {
@@ -134,4 +135,4 @@ function markIndependent(g: CanvasRenderingContext2D, d: Drop, x: Scale, frames:
 
 export const forcesSummary = (d: Drop): string =>
   `Forces over time. ${d.forces.map((_, j) => (j === 0 && d.scenario.cradle ? "" : `${forceName(j)} up to ${withUnit(d.peakForce[j], "N")}`)).filter(Boolean).join(", ")}; ` +
-  `${d.newton.run.nContacts} contacts between balls.`;
+  `${counted(d.newton.run.nContacts, "contact")} between balls.`;
