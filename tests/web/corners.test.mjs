@@ -222,6 +222,7 @@ test("maps of several balls say how far they are, and how long they took", async
 
 test("the map: its reading is the point's, the wheel zooms and a drag moves without choosing", async (t) => {
   const page = await open(t, "?example=fig2&map=gap&show=effective");
+  assert.doesNotMatch(await page.locator(".hint:has(#map-reading)").innerText(), /^·/);
   await page.locator("#map").scrollIntoViewIfNeeded();
   const box = await page.locator("#map").boundingBox();
   const at = [box.x + 0.62 * box.width, box.y + 0.47 * box.height];
@@ -263,6 +264,30 @@ test("examples enter the history", async (t) => {
   assert.deepEqual(await numbers(page), steel);
   await page.goBack();
   await page.waitForFunction(() => document.getElementById("preset").value === "fig2");
+});
+
+test("the menu closes, and the focus stays in sight", async (t) => {
+  const page = await open(t, "?e=7&a.example=fig2");
+  const focused = () => page.evaluate(() => document.activeElement.closest(".menu summary, #panel-choice")?.textContent ?? document.activeElement.id);
+  const isOpen = () => page.evaluate(() => document.getElementById("menu").open);
+  await page.click("#notes button");
+  assert.equal(await focused(), "Menu");
+  await page.keyboard.press("Enter");
+  assert.equal(await isOpen(), true);
+  await page.keyboard.press("Tab");
+  await page.keyboard.press("Escape");
+  assert.deepEqual([await isOpen(), await focused()], [false, "Menu"]);
+  await page.keyboard.press("Enter");
+  await page.click("#verdict");
+  assert.equal(await isOpen(), false);
+  await page.focus("#unpin");
+  await page.keyboard.press("Enter");
+  assert.equal(await focused(), "Menu");
+  await enter(page, "restitution", "0.5");
+  await settled(page);
+  await page.focus("#undo");
+  await page.keyboard.press("Enter");
+  assert.deepEqual([await page.isDisabled("#undo"), await focused()], [true, "Menu"]);
 });
 
 test("an example is known again from its link", async (t) => {

@@ -1,6 +1,6 @@
 // The page: creates its parts and updates them after a change of the scenario.
 import { Controls } from "./controls";
-import { find, Sheet } from "../support/dom";
+import { find, refocus, Sheet } from "../support/dom";
 import { dropOf, type Answered, type Drop, type Solved, type Unsolved } from "../core/drop";
 import type { Report } from "../report/report";
 import { newton } from "../scenario/tables";
@@ -75,7 +75,10 @@ class Page {
     this.timeline = new TimelinePanel(state, new Sheet("timeline", resized), this.pool);
     this.map = new MapPanel(state, new Sheet("map", resized), this.pool);
     this.lecture = new Lecture(state, this.film, this.map, this.pool, moves, (id) => this.load(presets.find((p) => p.id === id)!), resized);
-    find("notes").querySelector("button")!.addEventListener("click", () => this.note([]));
+    find("notes").querySelector("button")!.addEventListener("click", () => {
+      this.note([]);
+      refocus();
+    });
     addEventListener("popstate", () => this.goBack());
     addEventListener("resize", () => this.headline.keepHeights(false));
     listenMenu(state, this.pool, this.map, this.timeline.timeline, {

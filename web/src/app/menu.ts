@@ -3,7 +3,7 @@ import type { Pool } from "../core/pool";
 import type { MapPanel } from "../map/map_panel";
 import { toToml, type Scenario } from "../scenario/scenario";
 import { fromToml } from "../scenario/toml";
-import { find } from "../support/dom";
+import { find, refocus } from "../support/dom";
 import { picture } from "./picture";
 import type { Timeline } from "../views/timeline";
 import type { State } from "../state/state";
@@ -28,6 +28,15 @@ export function listenMenu(state: State, pool: Pool, map: MapPanel, timeline: Ti
     history.replaceState(null, "", state.link());
     const done = navigator.clipboard?.writeText(state.link()) ?? Promise.reject(new Error("no clipboard"));
     done.then(() => say("copy", "Copied"), () => say("copy", "In address bar"));
+  });
+  const menu = find<HTMLDetailsElement>("menu");
+  addEventListener("pointerdown", (e) => {
+    if (!menu.contains(e.target as Node)) menu.open = false;
+  });
+  addEventListener("keydown", (e) => {
+    if (e.key !== "Escape" || !menu.open) return;
+    menu.open = false;
+    refocus();
   });
   find("undo").addEventListener("click", () => act.undo());
   addEventListener("keydown", (e) => {

@@ -1,5 +1,5 @@
 // Layout: the whole page, the story, or a single panel for a lecture or an embedding page.
-import { find } from "../support/dom";
+import { find, refocus } from "../support/dom";
 import type { PanelName } from "../scenario/lecture_view";
 import { lettering } from "../support/plot";
 import type { State } from "./state";
@@ -67,7 +67,7 @@ export class SinglePanel {
     state.lecture.panel = panel;
     this.changed();
     history.replaceState(null, "", state.link());
-    find(panel ? "panel-choice" : "enlarge").focus();
+    refocus();
   }
 
   show(): void {

@@ -1,6 +1,6 @@
 // The settings that undo returns to.
 import { copyOf, type Scenario } from "../scenario/scenario";
-import { find } from "../support/dom";
+import { find, refocus } from "../support/dom";
 
 const pause = 700; // ms between changes that are taken back one by one
 
@@ -43,6 +43,9 @@ export class Past {
   private set(scenario: Scenario): void {
     this.before = copyOf(scenario);
     this.last = -Infinity;
-    find<HTMLButtonElement>("undo").disabled = this.list.length === 0;
+    const undo = find<HTMLButtonElement>("undo");
+    const focused = document.activeElement === undo;
+    undo.disabled = this.list.length === 0;
+    if (focused && undo.disabled) refocus();
   }
 }

@@ -3,6 +3,12 @@ import { later } from "./later";
 
 export const find = <T extends HTMLElement>(id: string): T => document.getElementById(id) as T;
 
+// Where the focus goes as its control disappears: to the bar above.
+export const refocus = (): void => {
+  const bar = find("panel-bar").hidden ? document.querySelector<HTMLElement>("#menu summary")! : find("panel-choice");
+  bar.focus({ preventScroll: true });
+};
+
 // The same text again would be laid out again.
 export function setText(node: Node, text: string): void {
   if (node.textContent === text) return;

@@ -1,5 +1,5 @@
 // Compares setting A with the present setting B: both films at the same instant, the differences, the results.
-import { find, setHidden, setText, type Sheet } from "../support/dom";
+import { find, refocus, setHidden, setText, type Sheet } from "../support/dom";
 import { dropOf, type Drop } from "../core/drop";
 import { digits, lengths, withUnit } from "../support/format";
 import type { LectureView } from "../scenario/lecture_view";
@@ -62,7 +62,10 @@ export class Compare {
     private readonly changed: () => void,
   ) {
     find("pin").addEventListener("click", () => this.set(view.pin ? null : copyOf(state.scenario)));
-    find("unpin").addEventListener("click", () => this.set(null));
+    find("unpin").addEventListener("click", () => {
+      this.set(null);
+      refocus();
+    });
     find("swap").addEventListener("click", () => this.swap());
   }
 
