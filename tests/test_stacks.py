@@ -215,3 +215,23 @@ def test_the_command_and_its_picture() -> None:
     assert "1.34087" in text and "5.61157" in text
     assert_legible(plots.stack(direct))
     assert "--balls: got 30" in refused("stack", "--balls", 30)
+
+
+@pytest.mark.parametrize(
+    ("n", "top", "gap", "model", "fastest"),  # of a grid, or of a random search with four balls
+    [
+        (3, 1.0, 1e-3, "newton", 1.40076),
+        (3, 0.9, 1e-3, "newton", 1.4108),
+        (3, 1.0, 0.0, "newton", 1.3423),
+        (4, 1.0, 1e-3, "newton", 1.989),
+        (3, 0.5, 1e-3, "independent", 2.5650),
+        (3, 1.0, 1e-4, "independent", 2.648),
+    ],
+)
+def test_balls_that_may_be_heavier_than_those_below(
+    n: int, top: float, gap: float, model: str, fastest: float
+) -> None:
+    """Their masses need not fall, and a ball may be hit several times."""
+    law = hl.LinearDashpot(stiffness=1e6, restitution=1.0)
+    found = hl.stack(n, law, bottom_mass=1.0, top_mass=top, ratio_limits=(0.1, 10.0), gaps=gap, model=model)
+    assert found.speed > fastest * (1.0 - 1e-4)

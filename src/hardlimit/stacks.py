@@ -304,7 +304,8 @@ class _Search:
         if self.total is not None and steps == 1:
             return [self.total]
         geometric = [self.bounds[0] if self.total is None else self.total / steps] * steps
-        if self.model == "independent" and not self._depends_on_speed(geometric):
+        # Where a ball may be heavier than that below it, it may be hit several times.
+        if self.model == "independent" and self.limits[1] <= 1.0 and not self._depends_on_speed(geometric):
             return geometric
         found = []
         starts = self._starts()
@@ -377,7 +378,11 @@ class _Search:
         """Points spread evenly over the domain, from multiples of irrational numbers modulo 1."""
         steps = self.n - 1
         irrational = np.sqrt(np.array(PRIMES[:steps])) % 1.0
-        parts = -np.log(1.0 - np.outer(np.arange(1, SCATTERED + 1), irrational) % 1.0)
+        places = np.outer(np.arange(1, SCATTERED + 1), irrational) % 1.0
+        low, high = self.bounds
+        if high > 0.0:
+            return list(low + (high - low) * places)
+        parts = -np.log(1.0 - places)
         return list(self._mean * steps * parts / parts.sum(axis=1, keepdims=True))
 
     def _parabolas(self) -> Iterator[Floats]:
@@ -389,7 +394,10 @@ class _Search:
         means = [self._mean] if self.total is not None else np.linspace(low + edge, high - edge, MEANS)
         curvatures, slopes = (SHAPES if steps > least else (0.0,) for least in (2, 1))
         for mean, curvature, slope in product(means, curvatures, slopes):
-            yield mean * (1.0 + slope * k + curvature * (k**2 - np.mean(k**2)))
+            scale = (
+                0.5 * (high - low) if high > 0.0 else mean
+            )  # the mean may be 0 where ratios above 1 are allowed
+            yield mean + scale * (slope * k + curvature * (k**2 - np.mean(k**2)))
 
     def _plateaus(self) -> Iterator[Floats]:
         """Rows of equal balls between the ends; under Newton's equations the impulse travels along them as a pulse."""

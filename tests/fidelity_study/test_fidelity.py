@@ -740,3 +740,16 @@ def test_the_ratio_of_compression_to_diameter(name: str) -> None:
     ball = hl.Ball(1e-3, density=2500.0)
     speed = np.sqrt(np.pi * start.granular_temperature)
     assert found.delta_over_d == pytest.approx(law.between(ball, ball).compression(speed) / 2e-3, rel=1e-3)
+
+
+def test_particles_below_the_box_count_in_its_lowest_cells() -> None:
+    """A wall that has moved out lets them leave the box by more than a cell."""
+    system = hl.ParticleSystem.random(300, 0.1, 1e-3, 2500.0, 0.3, boundary=("periodic", "periodic", "wall"))
+    low = system.positions.copy()
+    low[:50, 2] -= system.box[2]
+    lowest = low.copy()
+    lowest[:, 2] = np.maximum(lowest[:, 2], 0.0)
+    variance = observables.Observer(
+        system.replace(walls={"z-": hl.MovingWall(velocity=-1.0)})
+    ).density_variance
+    assert variance(low) == variance(lowest)

@@ -404,3 +404,28 @@ def test_refusals_of_the_command(tmp_path: Path) -> None:
     assert "FILE: must be left out with --example" in refused("x.csv", "--example")
     missing = tmp_path / "none.csv"
     assert refused(missing).endswith(f"fit: {missing}: cannot be read: No such file or directory")
+
+
+@pytest.mark.parametrize("law", ["linear", "viscoelastic"])
+def test_the_error_at_a_limit_is_not_too_small(law: str) -> None:
+    """ε of 0.999, measured three times to 0.01: of the fits, many end at the limit 1."""
+    rng = np.random.default_rng(3)
+    for _ in range(12):
+        values = 0.999 + 0.01 * rng.standard_normal(3)
+        found = hl.fit(hl.Impacts.of_restitution([1.0, 1.0, 1.0], values, 0.01), law).parameters[
+            "restitution"
+        ]
+        assert 0.3 * 0.01 / math.sqrt(3.0) < found.error < 1.5 * 0.01 / math.sqrt(3.0)
+
+
+def test_values_that_agree_exactly_have_no_scatter() -> None:
+    with pytest.raises(ValueError, match="scatter: cannot be determined from values that agree"):
+        hl.fit(hl.Impacts.of_restitution([1.0, 2.0, 3.0, 4.0], [0.9] * 4), "linear", scatter=True)
+
+
+@pytest.mark.parametrize("errors", [[0, 0.01, 0, 0.01], [0, 0.01, 0.01, 0]])
+def test_a_chain_needs_as_many_errors_as_impacts(errors: list[float]) -> None:
+    heights = [[1.0, 0.64, 0.41, 0.26]]
+    with pytest.raises(ValueError, match="error: missing or 0 for some values"):
+        hl.fit(hl.Impacts.of_heights(heights, [errors]), "linear")
+    hl.fit(hl.Impacts.of_heights(heights, [[0, 0.01, 0.01, 0.01]]), "linear")

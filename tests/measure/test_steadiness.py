@@ -90,3 +90,35 @@ def test_what_is_no_series_is_refused():
         [None],
     ):
         assert refusal(lambda bad=bad: hl.measure.steady(bad)).startswith("series: got ")
+
+
+def test_a_short_last_interval_does_not_count() -> None:
+    """A run that max_collisions stops ends at a collision: its last interval may be arbitrarily short."""
+    gas = hl.ParticleSystem.random(200, 0.2, 1e-3, 2500.0, rms_speed=0.5, seed=1)
+    whole = hl.event_driven(gas, restitution=1.0, until=0.1, samples=50, log=True)
+    time, width = whole.collisions.time.values, 0.002
+    late = time - width * np.floor(time / width)
+    last = int(np.argmin(np.where(time > 0.05, late, np.inf)))  # just after a sample
+    run = hl.event_driven(gas, restitution=1.0, max_collisions=last + 1, until=0.1, samples=50)
+    assert np.diff(run.series.time.values)[-1] < 1e-2 * width
+    until = float(run.series.time[-2])
+    before = hl.event_driven(gas, restitution=1.0, until=until, samples=round(until / width))
+    for measure in (lambda r: hl.measure.steady(r.series.pressure), hl.measure.contact_value):
+        assert measure(run).mean.value == pytest.approx(measure(before).mean.value, rel=1e-9)
+    tensors = [hl.measure.pressure_tensor(r).pressure_tensor.values for r in (run, before)]
+    assert tensors[0] == pytest.approx(tensors[1], rel=1e-6, abs=1e-6)
+
+
+def test_numbers_may_begin_with_nan() -> None:
+    assert hl.measure.steady([math.nan, 1.0, 2.0, 1.0, 2.0, 1.0]).series.size == 5
+    with pytest.raises(ValueError, match=r"series: got .* must be numbers over one dimension"):
+        hl.measure.steady("four")
+
+
+def test_a_given_start_leaves_out_what_is_before() -> None:
+    gas = hl.ParticleSystem.random(40, 0.2, 1e-3, 2500.0, rms_speed=0.2, seed=3)
+    run = hl.event_driven(gas, restitution=0.9, until=0.5, samples=5)
+    found = hl.measure.pressure_tensor(run, start=0.1)
+    expected = run.series.pressure_tensor.sel(component="xx").values[2:].mean()
+    assert float(found.pressure_tensor[0, 0]) == pytest.approx(float(expected), rel=1e-12)
+    assert found.attrs["start"] == pytest.approx(0.1)

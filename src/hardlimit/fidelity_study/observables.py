@@ -50,7 +50,7 @@ class Observer:
         if math.prod(cells) < 2:
             return math.nan
         at = (self._folded(positions, time) / self.system.box * cells).astype(np.int64)
-        found = np.ravel_multi_index(tuple(np.minimum(at, np.array(cells) - 1).T), cells)
+        found = np.ravel_multi_index(tuple(np.clip(at, 0, np.array(cells) - 1).T), cells)
         counts = np.bincount(found, minlength=math.prod(cells))
         return float(counts.var() / counts.mean())
 

@@ -62,7 +62,8 @@ def _drift(part: Floats, level: float, least: float) -> str:
         return ""
     whole = steady(part)
     if whole.n_independent < least:
-        return f"has {digits(whole.n_independent, 2)} independent samples, fewer than {digits(least, 2)}"
+        found = math.floor(10.0 * whole.n_independent) / 10.0
+        return f"has {digits(found, 3)} independent samples, fewer than {digits(least, 2)}"
     # A drift makes a series look correlated: its own correlation is that of the rest about a line.
     at = np.linspace(-1.0, 1.0, len(part))
     rest = part - part.mean() - at * float(at @ part) / float(at @ at)

@@ -109,6 +109,10 @@ def minimum(data: Measured, candidate: Candidate, scatter: bool, confidence: flo
     fits = [_prepared(Minuit(likelihood, start), likelihood).migrad() for start in starts]
     best = min(fits, key=lambda fit: fit.fval)
     likelihood.check_identifiable(best.values if np.isfinite(best.values).all() else starts[0])
+    if scatter and not data.has_errors and best.values[-1] < 2.0 * best.limits[len(candidate.free)][0]:
+        raise ValueError(
+            "scatter: cannot be determined from values that agree with the law exactly, must be errors of measurement"
+        )
     best.hesse()
     return _read(best, likelihood, confidence)
 
@@ -139,12 +143,34 @@ def _read(fit: Minuit, likelihood: Likelihood, confidence: float) -> Minimum:
     fit.errordef = NormalDist().inv_cdf(0.5 + 0.5 * confidence) ** 2
     fit.hesse()
     ends = [_ends(fit, i) for i in range(len(names))]
+    # MINUIT's curvature vanishes at a limit of a variable.
+    widths = np.array([max(x - low, high - x) for x, (low, high) in zip(values, ends, strict=True)])
+    widths /= math.sqrt(fit.errordef)
+    above, below = (np.array([fit.limits[i][side] for i in range(len(names))]) - values for side in (1, 0))
+    if (np.minimum(above, -below) < widths).any():
+        steps = 0.1 * widths * np.where(above < -below, -1.0, 1.0)
+        curvature = _curvature(likelihood, np.array(values), steps)
+        if np.linalg.eigvalsh(curvature)[0] > 0.0:
+            covariance = 2.0 * np.linalg.inv(curvature) * np.outer(slopes, slopes)
+    errors = np.sqrt(np.diag(covariance))
     estimates = {}
     for i, name in enumerate(names):
         outer = free[i].outer if i < len(free) else float
         lower, upper = (outer(end) for end in ends[i])
         estimates[name] = Estimate(outer(values[i]), float(errors[i]), lower, upper)
     return Minimum(estimates, covariance, white, float(white @ white), lowest)
+
+
+def _curvature(likelihood: Likelihood, at: Floats, steps: Floats) -> Floats:
+    """Second derivatives of −2 ln L, by differences towards one side of each variable."""
+    shifts = np.diag(steps)
+    base = likelihood(at)
+    found = np.empty((len(at), len(at)))
+    for i, one in enumerate(shifts):
+        for j, other in enumerate(shifts):
+            apart = likelihood(at + one) + likelihood(at + other) - base
+            found[i, j] = (likelihood(at + one + other) - apart) / (steps[i] * steps[j])
+    return found
 
 
 def _ends(fit: Minuit, i: int) -> tuple[float, float]:

@@ -290,7 +290,9 @@ class Impacts(Measured):
 
     @property
     def has_errors(self) -> bool:
-        return bool((self.restitution_error > 0.0).all())
+        # The impacts of a chain share their measured values: as many of these must have errors.
+        enough = all(np.count_nonzero(one.sigma) >= one.speed.size for one in self.blocks if one.chained)
+        return enough and bool((self.restitution_error > 0.0).all())
 
     @property
     def reference_speed(self) -> float:

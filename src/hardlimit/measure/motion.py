@@ -13,7 +13,7 @@ from ..boxes.contacts import checked_system
 from ..boxes.system import ParticleSystem
 from ..support import validation
 from ..support.estimate import Estimate
-from .labelled import array, axes, variable
+from .labelled import array, axes, regular, variable
 
 #: Default of the range of lags of :func:`diffusion`, as fractions of the longest lag.
 FITTED: Final = (0.05, 0.25)
@@ -164,13 +164,8 @@ def _checked(paths: Any) -> tuple[Floats, float]:
         )
     x = np.asarray(paths.transpose(*PATHS).values, float)
     time = np.asarray(paths["time"].values, float)
-    if len(time) > 1:
-        spacing = float(time[1] - time[0])
-        regular = np.abs(time - time[0] - spacing * np.arange(len(time))) <= 1e-6 * spacing
-        regular[-1] |= len(time) > 2 and time[-1] < time[-2] + spacing  # the end of a run that stopped early
-        whole = len(time) - int(abs(time[-1] - time[0] - spacing * (len(time) - 1)) > 1e-6 * spacing)
-        if spacing > 0.0 and regular.all() and whole > 1:
-            return x[:whole], spacing
+    if (whole := regular(time)) > 1 and time[1] > time[0]:
+        return x[:whole], float(time[1] - time[0])
     raise ValueError(
         f"paths: got samples at {validation.shown(time)} s, must be two or more at equal intervals"
     )

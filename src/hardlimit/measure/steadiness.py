@@ -14,7 +14,7 @@ from ..boxes.result import ContactResult, ParticleResult
 from ..boxes.theory import Gas
 from ..support import validation
 from ..support.estimate import Estimate
-from .labelled import array, variable
+from .labelled import array, regular, variable
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -58,7 +58,8 @@ def steady(series: Any) -> Steady:
     Parameters
     ----------
     series : DataArray or numbers
-        Over time, at equal intervals, such as ``run.series.pressure``. NaN at the start is left out.
+        Over time, at equal intervals, such as ``run.series.pressure``. NaN at the start is left out, and so is a last
+        sample after a shorter interval, which a run has that was stopped by ``max_collisions``.
 
     Raises
     ------
@@ -118,11 +119,21 @@ def inefficiency(x: Floats) -> float:
     return max(1.0, 1.0 + 2.0 * float((1.0 - np.arange(1, end + 1) / n) @ c[:end]))
 
 
+def _numbers(series: Any) -> Floats:
+    try:
+        found = np.asarray(series, float)
+    except (TypeError, ValueError):
+        found = np.empty((0, 0))
+    if found.ndim != 1:
+        raise ValueError(f"series: got {validation.shown(series)}, must be numbers over one dimension")
+    return found
+
+
 def _checked(series: Any) -> xr.DataArray:
     given = (
         series
         if isinstance(series, xr.DataArray)
-        else xr.DataArray(validation.array("series", series), dims="sample", name="series")
+        else xr.DataArray(_numbers(series), dims="sample", name="series")
     )
     if given.ndim != 1 or given.dtype.kind not in "buif":
         raise ValueError(f"series: got {given.dtype} over {given.dims}, must be numbers over one dimension")
@@ -130,6 +141,9 @@ def _checked(series: Any) -> xr.DataArray:
     if given.dims[0] not in given.coords:
         given = given.assign_coords({given.dims[0]: np.arange(len(given))})
     kept = given[int(np.argmax(good)) :] if good.any() else given[:0]
+    along = kept[kept.dims[0]].values
+    if along.dtype.kind in "iuf" and regular(along) == len(along) - 1:
+        kept = kept[:-1]
     if len(kept) < FEWEST or not np.isfinite(kept.values.astype(float)).all():
         raise ValueError(
             f"series: got {validation.shown(given.values)}, must be at least {FEWEST} finite numbers"

@@ -11,7 +11,7 @@ import xarray as xr
 from ..boxes.box import Floats, component_axes
 from ..boxes.result import ContactResult, ParticleResult
 from ..support import validation
-from .labelled import axes, variable
+from .labelled import axes, regular, variable
 from .steadiness import FEWEST, inefficiency, steady
 
 #: Variables of the Dataset, and of the series of a run.
@@ -70,8 +70,14 @@ def pressure_tensor(run: ParticleResult | ContactResult, *, start: float | None 
         raise ValueError(f"run: got {validation.shown(run)}, must be a result of a box of grains")
     series, system = run.series, run.system
     time = series["time"].values
-    at = steady(series["pressure"]).start if start is None else validation.number("start", start, -math.inf)
-    used = np.flatnonzero(time[1:] >= at) + 1  # the first value of a rate is NaN
+    # A value belongs to the interval before its time; the first one is NaN.
+    if start is None:
+        at = steady(series["pressure"]).start
+        used = np.flatnonzero(time[1:] >= at) + 1
+    else:
+        at = validation.number("start", start, -math.inf)
+        used = np.flatnonzero(time[:-1] >= at - 1e-9 * abs(at)) + 1
+    used = used[used < (regular(time) or len(time))]
     if len(used) < FEWEST:
         raise ValueError(f"start: got {at:.6g}, must leave at least {FEWEST} intervals between samples")
     units = series["pressure_tensor"].attrs["units"]
@@ -82,7 +88,9 @@ def pressure_tensor(run: ParticleResult | ContactResult, *, start: float | None 
         about = f"standard error of the {_meaning(name)}"
         data[f"{name}_error"] = variable(("row", "column"), _matrix(error, system.dimension), units, about)
     return xr.Dataset(
-        data, {"row": axes(system), "column": axes(system)}, {"units": units, "start": float(time[used[0]])}
+        data,
+        {"row": axes(system), "column": axes(system)},
+        {"units": units, "start": float(time[used[0] - 1])},
     )
 
 
