@@ -36,7 +36,7 @@ def pressure_tensor(run: ParticleResult | ContactResult, *, start: float | None 
     Dataset
         ``pressure_tensor``, ``kinetic`` and ``collisional`` [Pa; disks N/m], over ``row`` and ``column`` ("x", "y",
         "z"), positive in compression, and the standard error of each with the suffix ``_error``. The attribute
-        ``start`` is that of the steady part [s].
+        ``start`` is where the first interval of the steady part begins [s].
 
     Raises
     ------
