@@ -356,7 +356,7 @@ def test_the_pressure_tensor_of_a_run_has_rows_columns_and_errors() -> None:
     assert p.pressure_tensor.dims == ("row", "column") and p.row.values.tolist() == ["x", "y", "z"]
     np.testing.assert_allclose(p.kinetic + p.collisional, p.pressure_tensor, rtol=1e-12)
     np.testing.assert_array_equal(p.pressure_tensor, p.pressure_tensor.values.T)
-    used = run.series.isel(time=run.series.time.values > p.attrs["start"])  # values of the intervals that end then
+    used = run.series.isel(time=run.series.time.values > p.attrs["start"])
     xy = p.sel(row="x", column="y")
     assert float(xy.pressure_tensor) == pytest.approx(-float(used.shear_stress.mean()), rel=1e-12)
     assert 0.0 < float(xy.pressure_tensor_error) < 0.1 * abs(float(xy.pressure_tensor))
