@@ -45,13 +45,15 @@ export class CloseUp extends Painter {
     const magnify = this.d.compression.map((c, j) => (1.1 * size) / Math.max(j === 0 ? c : pairs, 1e-15));
     this.scales(r, magnify);
     if (!cradle) this.floor(r.x, r.x + r.w, r.y + r.h - 2.1 * size);
+    const places = this.models().map((_, k) => begin + (k + (cradle ? 0.62 : 0.31)) * width);
     this.models().forEach(([name, color, state, track, ghost], k) => {
-      const middle = begin + (k + (cradle ? 0.62 : 0.31)) * width;
+      const middle = places[k];
+      const edge = k + 1 < places.length ? places[k + 1] - Math.max(...radii) - 0.3 * size : r.x + r.w;
       const line = new Line(this.g, cradle, cradle ? r.x + 5.2 * size : r.y + r.h - 2.1 * size, middle);
       this.font(1, 600);
       if (cradle) this.text(name, r.x, middle, color);
       else this.text(name, middle, r.y + r.h - 0.95 * size, color, "center");
-      this.stack(line, state, track, radii, magnify, 0.9 * open, ghost, r.x + r.w);
+      this.stack(line, state, track, radii, magnify, 0.9 * open, ghost, edge);
     });
   }
 
@@ -92,7 +94,7 @@ export class CloseUp extends Painter {
     }
   }
 
-  // `limit`: the widest gap that is drawn [pixels]; a wider one is dotted. `edge`: where the picture ends on the right.
+  // `limit`: the widest gap that is drawn [pixels]; a wider one is dotted. `edge`: where the picture ends on the right, or the other model begins.
   private stack(line: Line, state: State, track: Track, radii: number[], magnify: number[], limit: number, ghost: boolean, edge: number): void {
     const { theme, d } = this;
     const n = radii.length;
