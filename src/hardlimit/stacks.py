@@ -393,10 +393,9 @@ class _Search:
         edge = 0.02 * (high - low)
         means = [self._mean] if self.total is not None else np.linspace(low + edge, high - edge, MEANS)
         curvatures, slopes = (SHAPES if steps > least else (0.0,) for least in (2, 1))
+        # Where ratios above 1 are allowed, the mean may be 0.
         for mean, curvature, slope in product(means, curvatures, slopes):
-            scale = (
-                0.5 * (high - low) if high > 0.0 else mean
-            )  # the mean may be 0 where ratios above 1 are allowed
+            scale = 0.5 * (high - low) if high > 0.0 else mean
             yield mean + scale * (slope * k + curvature * (k**2 - np.mean(k**2)))
 
     def _plateaus(self) -> Iterator[Floats]:

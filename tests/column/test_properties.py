@@ -150,7 +150,12 @@ def test_scaling(column, mass, length, time):
     a, b = hl.newton(column, until=until), hl.newton(scaled, until=until * time)
     unit = length / time
     assert a.n_contacts == b.n_contacts
-    assert b.velocities / unit == pytest.approx(a.velocities, abs=1e-8 * column.impact_speed)
+    # Touching balls that meet many times magnify the rounding of positions.
+    near = hl.newton(column.replace(height=column.height * (1.0 + 1e-13)), until=until)
+    magnified = float(np.abs(near.velocities - a.velocities).max(initial=0.0))
+    assert b.velocities / unit == pytest.approx(
+        a.velocities, abs=1e-8 * column.impact_speed + 100.0 * magnified
+    )
     assert b.contacts.pair.values.tolist() == a.contacts.pair.values.tolist()
     assert b.contacts.begin.values / time == pytest.approx(a.contacts.begin.values, abs=1e-7 * until)
     for name in ("effective_restitution", "restitution_ratio"):

@@ -419,7 +419,7 @@ def test_the_error_at_a_limit_is_not_too_small(law: str) -> None:
 
 
 def test_values_that_agree_exactly_have_no_scatter() -> None:
-    with pytest.raises(ValueError, match="scatter: cannot be determined from values that agree"):
+    with pytest.raises(ValueError, match="scatter: got values that agree with the law exactly"):
         hl.fit(hl.Impacts.of_restitution([1.0, 2.0, 3.0, 4.0], [0.9] * 4), "linear", scatter=True)
 
 

@@ -183,6 +183,14 @@ def test_wildcards_hold_for_types_that_are_not_known_yet(tmp_path):
     assert types == [("1", "1"), ("1", "2"), ("2", "2")]
 
 
+def test_adhesion_concerns_the_types_of_its_line():
+    """Also types that only this line makes known."""
+    head = "units si\natom_style sphere\nread_restart old\npair_style granular\n"
+    for pair, types in (("3 3", ("3",)), ("1 2", ("1", "2"))):
+        text = f"{head}pair_coeff {pair} jkr 1e5 0.1 0.3 1 damping viscoelastic\nrun 1\n"
+        assert [note.types for note in read(text).invalidates] == [types]
+
+
 def test_mixing_is_that_of_lammps():
     """Geometric means; moduli in series."""
     both = f"{BOX}create_atoms 1 box\ncreate_atoms 2 box\npair_style granular\n"

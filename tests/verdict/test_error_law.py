@@ -357,3 +357,17 @@ def test_no_energy_means_no_number(rule):
         known = np.isfinite(found)
         assert known[0] and not known[-1] and (np.diff(known.astype(int)) <= 0).all()
         assert (found[known] > -1.0).all()
+
+
+@pytest.mark.parametrize(
+    ("elastic", "damped"),
+    [
+        (hl.Tsuji(elastic_prefactor=1e6, restitution=1.0), hl.Tsuji(elastic_prefactor=1e6, restitution=0.99)),
+        (hl.LinearDashpot(stiffness=1e4, damping=0.0), hl.LinearDashpot(stiffness=1e4, damping=1.0)),
+    ],
+)
+def test_a_law_without_damping_is_the_limit_of_weak_damping(elastic: hl.Law, damped: hl.Law) -> None:
+    one, other = (
+        hl.error_law(packing_fraction=0.3, restitution=1.0, law=law).coefficient for law in (elastic, damped)
+    )
+    assert one == pytest.approx(other, rel=1e-9)

@@ -98,7 +98,7 @@ void NewtonEvents<Law>::set_velocities(const double* velocity) {
         set.bodies.insert(set.bodies.end(), g.body.begin(), g.body.end());
         dissolve_group(static_cast<int>(index), false, set.pairs);
     }
-    for (ActivePair& active : set.pairs) active.pair.jolt();
+    for (ActivePair& active : set.pairs) active.pair.velocity_jumped();
     const std::size_t d = setting_.axes();
     for (int i = 0; i < static_cast<int>(size32()); ++i) {
         restart_path(i);

@@ -23,10 +23,10 @@ LARGEST_ERROR: Final = 0.05
 SPEEDS: Final = (1.0, 0.1, 0.01)
 #: Largest distance that a particle moves in a step, relative to the smallest radius.
 FARTHEST: Final = 0.1
-#: Longest step over the period of a wall that oscillates, at an error of 1: (ωΔt)²/12 of velocity Verlet.
-PERIOD_SHARE: Final = math.sqrt(12.0) / (2.0 * math.pi)
-#: Largest ε with which a heated gas is expected to reach a steady state.
-LEAST_LOSS: Final = 0.999
+#: The error of velocity Verlet in a motion of the angular frequency ω is (ω Δt)² over this.
+VERLET: Final = 12.0
+#: ε of a heated gas that loses less: its temperature would rise without limit.
+LARGEST_RESTITUTION: Final = 0.999
 #: Longest step [s] of an integration scheme, as a function of contact, speed [m/s] and error.
 LongestStep = Callable[[_core.Contact, float, float], float]
 
@@ -58,13 +58,13 @@ def chosen(
 
 def _longest(system: ParticleSystem, law: Law, error: float, longest_step: LongestStep) -> float:
     """The longest step with this error in all expected contacts in which no particle can pass through another."""
-    top = max(largest_speed(system), 2.0 * _heated_speed(system, law))
+    top = max(largest_speed(system), 2.0 * heated_speed(system, law))
     # Without motion and gravity only initial overlaps drive contacts; their speed does not matter here.
     tried = top if top > 0.0 else 1.0
     found = FARTHEST * float(system.radius.min()) / tried if top > 0.0 else math.inf
     shaken = max((wall.frequency for wall in system.walls.values() if wall.oscillates), default=0.0)
     if shaken > 0.0:
-        found = min(found, PERIOD_SHARE * math.sqrt(error) / shaken)
+        found = min(found, math.sqrt(VERLET * error) / (2.0 * math.pi * shaken))
     for contact in contacts.of_kinds(system, law):
         for relative_speed in SPEEDS:
             found = min(found, longest_step(contact, relative_speed * tried, error))
@@ -83,8 +83,8 @@ def largest_speed(system: ParticleSystem) -> float:
     return 2.0 * (fastest + system.domain.fastest_wall) + math.sqrt(2.0 * fall)
 
 
-def _heated_speed(system: ParticleSystem, law: Law) -> float:
-    """The largest expected speed of a particle that a thermostat heats [m/s]; 0 without one."""
+def heated_speed(system: ParticleSystem, law: Law) -> float:
+    """The largest expected speed of a particle in the steady state of a thermostat [m/s]; 0 without one."""
     heat, mean = system.thermostat, float(system.mass.mean())
     if heat is None:
         return 0.0
@@ -98,7 +98,7 @@ def _heated_speed(system: ParticleSystem, law: Law) -> float:
             found = min(
                 float(one.restitution(np.array([speed]))[0]) for one in contacts.of_kinds(system, law)
             )
-            temperature = gas.heated_temperature(heat.power, min(found, LEAST_LOSS))
+            temperature = gas.heated_temperature(heat.power, min(found, LARGEST_RESTITUTION))
     # The fastest of N particles with Maxwell's distribution.
     highest = system.dimension + 2.0 * math.log(system.n)
     return math.sqrt(temperature * mean / float(system.mass.min()) * highest)

@@ -355,10 +355,7 @@ def _in_model(
         written = Written(model, pair, asked.speed, attraction, asked.poisson_ratio)
         try:
             row = _row(written, force.stiffness, asked, stepping)
-        except (
-            OverflowError,
-            ZeroDivisionError,
-        ):  # numbers beyond double precision cannot be given to a code
+        except (OverflowError, ZeroDivisionError):  # beyond double precision
             row = ModelNumbers(pair.name, None, math.nan, None, math.nan, math.nan, math.nan)
         rows.append(row)
         if row.numbers is not None:

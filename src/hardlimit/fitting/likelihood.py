@@ -111,7 +111,7 @@ def minimum(data: Measured, candidate: Candidate, scatter: bool, confidence: flo
     likelihood.check_identifiable(best.values if np.isfinite(best.values).all() else starts[0])
     if scatter and not data.has_errors and best.values[-1] < 2.0 * best.limits[len(candidate.free)][0]:
         raise ValueError(
-            "scatter: cannot be determined from values that agree with the law exactly, must be errors of measurement"
+            "scatter: got values that agree with the law exactly, must have errors of measurement or differ from it"
         )
     best.hesse()
     return _read(best, likelihood, confidence)
@@ -143,13 +143,12 @@ def _read(fit: Minuit, likelihood: Likelihood, confidence: float) -> Minimum:
     fit.errordef = NormalDist().inv_cdf(0.5 + 0.5 * confidence) ** 2
     fit.hesse()
     ends = [_ends(fit, i) for i in range(len(names))]
-    # MINUIT's curvature vanishes at a limit of a variable.
-    widths = np.array([max(x - low, high - x) for x, (low, high) in zip(values, ends, strict=True)])
-    widths /= math.sqrt(fit.errordef)
-    above, below = (np.array([fit.limits[i][side] for i in range(len(names))]) - values for side in (1, 0))
-    if (np.minimum(above, -below) < widths).any():
-        steps = 0.1 * widths * np.where(above < -below, -1.0, 1.0)
-        curvature = _curvature(likelihood, np.array(values), steps)
+    # MINUIT's curvature vanishes at a limit of a variable. The differences below go away from the limit.
+    at, (low, high) = np.array(values), np.array(fit.limits).T
+    widths = np.abs(np.array(ends) - at[:, None]).max(axis=1) / math.sqrt(fit.errordef)
+    if (np.minimum(at - low, high - at) < widths).any():
+        steps = 0.1 * widths * np.where(high - at < at - low, -1.0, 1.0)
+        curvature = _curvature(likelihood, at, steps)
         if np.linalg.eigvalsh(curvature)[0] > 0.0:
             covariance = 2.0 * np.linalg.inv(curvature) * np.outer(slopes, slopes)
     errors = np.sqrt(np.diag(covariance))

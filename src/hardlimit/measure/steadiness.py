@@ -58,8 +58,8 @@ def steady(series: Any) -> Steady:
     Parameters
     ----------
     series : DataArray or numbers
-        Over time, at equal intervals, such as ``run.series.pressure``. NaN at the start is left out, and so is a last
-        sample after a shorter interval, which a run has that was stopped by ``max_collisions``.
+        Over time, at equal intervals, such as ``run.series.pressure``. NaN at the start is left out. So is a last
+        sample after a shorter interval, as of a run that ``max_collisions`` stopped.
 
     Raises
     ------
@@ -119,22 +119,13 @@ def inefficiency(x: Floats) -> float:
     return max(1.0, 1.0 + 2.0 * float((1.0 - np.arange(1, end + 1) / n) @ c[:end]))
 
 
-def _numbers(series: Any) -> Floats:
-    try:
-        found = np.asarray(series, float)
-    except (TypeError, ValueError):
-        found = np.empty((0, 0))
-    if found.ndim != 1:
-        raise ValueError(f"series: got {validation.shown(series)}, must be numbers over one dimension")
-    return found
-
-
 def _checked(series: Any) -> xr.DataArray:
-    given = (
-        series
-        if isinstance(series, xr.DataArray)
-        else xr.DataArray(_numbers(series), dims="sample", name="series")
-    )
+    given = series
+    if not isinstance(given, xr.DataArray):
+        found = validation.as_array(series)
+        if found is None or found.ndim != 1:
+            raise ValueError(f"series: got {validation.shown(series)}, must be numbers over one dimension")
+        given = xr.DataArray(found, dims="sample", name="series")
     if given.ndim != 1 or given.dtype.kind not in "buif":
         raise ValueError(f"series: got {given.dtype} over {given.dims}, must be numbers over one dimension")
     good = ~np.isnan(given.values.astype(float))

@@ -29,9 +29,9 @@ def granular_temperature(
     ----------
     system : ParticleSystem
     streaming : axis ("x", "y" or "z") or callable, optional
-        The streaming velocity. By default the velocity of the centre of mass, in a sheared box relative to the mean
-        flow, which counts too; with an axis, the mean velocity of each bin along it; a function gets the positions
-        (N, d) [m] and returns velocities (N, d) [m/s].
+        The streaming velocity. By default the velocity of the centre of mass; in a sheared box the mean flow, plus the
+        velocity of the centre of mass relative to it. With an axis, the mean velocity of each bin along it. A function
+        gets the positions (N, d) [m] and returns velocities (N, d) [m/s].
     bins : int
         Number of equal bins along the axis. Many bins make T too small, by a fraction of about bins/N; few bins make it
         too large in a shear flow, by (shear rate × width of a bin)²/(12 d).

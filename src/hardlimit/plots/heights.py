@@ -106,11 +106,9 @@ def draw_heights(ax: Axes, results: Sequence[Result], until: float | None) -> No
     """One line for each ball and model, with dots at the tops of the flights."""
     end = time_shown(results) if until is None else until
     stops = [r._known_up_to(end) for r in results]
-    cut = [
-        (r, stop) for r, stop in zip(results, stops, strict=True) if stop < end and math.isinf(r.known_until)
-    ]
-    if cut:
-        ax.set_title("\n".join(_cut_short(*one, end) for one in cut), fontsize="small")
+    limited = [(r, stop) for r, stop in zip(results, stops, strict=True) if stop < end]
+    notes = [_cut_short(r, stop, end) for r, stop in limited if math.isinf(r.known_until)]
+    ax.set_title("\n".join(notes), fontsize="small")
     start = min(min(release_time(r) for r in results), 0.0)
     factor, unit = scaled(max(*stops, -start), "s")
     floor = results[0].column.floor

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 WALL = "wall"
 
 Range = tuple[float, float]  #: smallest and largest value
-Direction = tuple[float, ...]  #: three components
+Direction = tuple[float, ...]  #: a unit vector
 
 
 @dataclass(frozen=True)
@@ -59,9 +59,7 @@ class ContactSettings:
     wall_mass: float | None = None  #: of a fixed wall if the code's formulas use it, as for YADE's boxes
     wall_radius: float = 1.0  #: effective radius in the code's formulas over that at other walls
     asked: float | None = None  #: restitution in the script if the force leaves it out
-    pushes: tuple[Direction, ...] | None = (
-        None  #: directions in which a wall pushes grains; None if not known
-    )
+    pushes: tuple[Direction, ...] | None = None  #: of a wall on grains; None if not known
 
 
 @dataclass(frozen=True)
@@ -85,7 +83,7 @@ class Stage:
     grains: dict[str, Grains]  #: by type
     gravity: float | None  #: magnitude; None without gravity
     numerical_damping: float | None  #: of the integrator; None in codes without it
-    down: Direction | None = None  #: unit vector of gravity; None if not known
+    down: Direction | None = None  #: the direction of gravity; None if not known
 
 
 @dataclass(frozen=True)

@@ -113,6 +113,7 @@ class Lammps(State):
         pairs = [(i, j) for i in self.types_of(first) for j in self.types_of(second) if i <= j]
         if not pairs:
             raise refused(statement, "name types, the smaller first")
+        self.types = max(self.types, *(int(word) for word in (first, second) if word.isdecimal()), 0)
         if new.adhesion:
             what = "plastic deformation" if new.adhesion == "mdr" else "adhesion"
             kinds = sorted({k for pair in pairs for k in pair if k <= self.count()})
@@ -123,7 +124,6 @@ class Lammps(State):
                 self.pairs[pair] = [*held, new]
             else:
                 self.pairs[pair] = [new]
-        self.types = max(self.types, *(int(word) for word in (first, second) if word.isdecimal()), 0)
 
     def contacts(self) -> Iterator[ContactSettings]:
         """Pairs of types, then walls."""

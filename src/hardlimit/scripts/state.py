@@ -681,15 +681,12 @@ class State:
 
     def down(self) -> Direction | None:
         """The direction of gravity, as in LAMMPS' ``FixGravity``."""
-        counts = {"chute": 1, "spherical": 2, "vector": self.dimension}
         fix = next((one for one in self.fixes.values() if one.style == "gravity"), None)
-        style, words = ("", ()) if fix is None else ((*fix.words, "", "")[1], fix.words[2:])
-        words = words[: counts.get(style, 0)]
-        if (
-            fix is None
-            or not words
-            or any(is_variable(word) and self.variables.of(word[2:]) is None for word in words)
-        ):
+        if fix is None or len(fix.words) < 3:
+            return None
+        _, style, *rest = fix.words
+        words = rest[: {"chute": 1, "spherical": 2, "vector": self.dimension}.get(style, 0)]
+        if not words or any(is_variable(one) and self.variables.of(one[2:]) is None for one in words):
             return None
         given = [self.number(fix.statement, word) for word in words]
         if style == "vector":

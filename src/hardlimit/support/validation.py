@@ -139,7 +139,7 @@ def array(
     means any.
     """
     wanted = f"a number or {'a one-dimensional' if ndim == 1 else 'an'} array of numbers"
-    found = _as_array(values)
+    found = as_array(values)
     if found is None:
         raise ValueError(f"{name}: got {shown(values)}, must be {wanted}")
     if ndim is not None and found.ndim > ndim:
@@ -159,7 +159,7 @@ def each(name: str, values: Any, count: int, **limits: Any) -> NDArray[np.float6
     """``count`` numbers within the range as a read-only array; a single number is broadcast, not copied."""
     if _as_float(values) is not None:
         return np.broadcast_to(np.float64(number(name, values, **limits)), count)
-    found = _as_array(values)
+    found = as_array(values)
     if found is None or found.ndim != 1:
         raise ValueError(f"{name}: got {shown(values)}, must be a number or {count} numbers")
     if len(found) != count:
@@ -176,7 +176,7 @@ def each(name: str, values: Any, count: int, **limits: Any) -> NDArray[np.float6
 def rows(name: str, values: Any, widths: Sequence[int]) -> NDArray[np.float64]:
     """Finite numbers in one or more rows of one of these widths, as a read-only array."""
     shapes = " or ".join(f"(N, {width})" for width in widths)
-    found = _as_array(values)
+    found = as_array(values)
     if found is None:
         raise ValueError(f"{name}: got {shown(values)}, must be numbers of shape {shapes}")
     if found.ndim != 2 or found.shape[1] not in widths or len(found) == 0:
@@ -217,7 +217,7 @@ def _as_float(value: Any) -> float | None:
     return None
 
 
-def _as_array(values: Any, deepest: int = 32) -> NDArray[np.float64] | None:
+def as_array(values: Any, deepest: int = 32) -> NDArray[np.float64] | None:
     """Numbers as a C-contiguous array of floats; None if one is not a number or rows differ in length."""
     if hasattr(values, "__array__"):
         return _converted(values)
@@ -231,7 +231,7 @@ def _as_array(values: Any, deepest: int = 32) -> NDArray[np.float64] | None:
             return np.array(values, dtype=np.float64)
     rows: list[NDArray[np.float64]] = []
     for value in values:
-        row = _as_array(value, deepest - 1)
+        row = as_array(value, deepest - 1)
         if row is None or row.shape != (rows[0] if rows else row).shape:
             return None
         rows.append(row)

@@ -111,29 +111,35 @@ def of_script(description: Description) -> tuple[list[Case], Remarks]:
         if before is not None and _state(stage) == _state(before):
             continue
         before = stage
-        of_pairs: list[tuple[ContactSettings, ModelForce | None]] = []
+        forces: list[tuple[ContactSettings, ModelForce | None]] = []
         for contact in stage.contacts:
             try:
                 force, limit = _force(found, contact, description.version)
                 if limit:
                     versions.setdefault(limit, {})[force.model.name] = None
-                of_pairs.append((contact, force))
+                forces.append((contact, force))
             except ValueError as error:
                 failed[contact.types, str(error).removeprefix("input: ")] = None
-                of_pairs.append((contact, None))
-        # Between two materials, a code's settings have effective moduli.
-        materials = {
-            one.types[0]: (of_one.numbers["youngs_modulus"], of_one.numbers.get("poisson_ratio", 0.0))
-            for one, of_one in of_pairs
-            if of_one is not None and len(set(one.types)) == 1 and "youngs_modulus" in of_one.numbers
-        }
-        for one, of_one in of_pairs:
-            cases += _ends(number, stage, one, of_one, materials)
+                forces.append((contact, None))
+        materials = _materials(forces)
+        for contact, known in forces:
+            cases += _ends(number, stage, contact, known, materials)
     said = [
         f"{listed(list(names))} as in {found.title} since {limit}; before, another ε."
         for limit, names in versions.items()
     ]
     return cases, Remarks(tuple(said), tuple(failed))
+
+
+def _materials(
+    forces: Sequence[tuple[ContactSettings, ModelForce | None]],
+) -> dict[str, tuple[float, float]]:
+    """Young's modulus and Poisson's ratio of each type; between two types, settings may have effective ones."""
+    return {
+        contact.types[0]: (force.numbers["youngs_modulus"], force.numbers.get("poisson_ratio", 0.0))
+        for contact, force in forces
+        if force is not None and len(set(contact.types)) == 1 and "youngs_modulus" in force.numbers
+    }
 
 
 def _state(stage: Stage) -> object:

@@ -118,8 +118,8 @@ class CheckedContact:
     steps_per_contact: int | None = None  #: whole time steps in a contact
     restitution_error_of_step: float | None = None  #: error of ε by the time step
     time_step: float | None = None  #: [s], with an error of ε of 0.001
-    rayleigh_time: float | None = None  #: πR√(ρ/G)/(0.1631 ν + 0.8766) [s], G = Y/(2 + 2ν); shortest of both
-    p_wave_time: float | None = None  #: R√(ρ/Y) [s]; shortest of both
+    rayleigh_time: float | None = None  #: πR√(ρ/G)/(0.1631 ν + 0.8766) [s], G = Y/(2 + 2ν); the shorter
+    p_wave_time: float | None = None  #: R√(ρ/Y) [s]; the shorter of both grains
     largest_overlap: float | None = None  #: over the smaller radius
     tc_nu: float | None = None  #: duration times collision rate of a grain
     delta_over_d: float | None = None  #: greatest overlap at the mean impact speed, over the diameter

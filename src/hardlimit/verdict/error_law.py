@@ -75,19 +75,22 @@ class Exponents(NamedTuple):
 
 
 LINEAR: Final = Exponents(2.0, 0.0)
+#: Parameters that damp, and their values without damping.
+UNDAMPED: Final = {"restitution": 1.0, "dissipative_time": 0.0, "damping": 0.0, "damping_coefficient": 0.0}
 
 
 def exponents(law: Law) -> Exponents:
     """The exponents of a law, from its elastic energy and its damping at two small compressions.
 
-    A law without damping gets c = q − 2, that of a damping in proportion to the stiffness.
+    A law without damping gets those of the same law with damping.
     """
+    law = law.replace(**{name: 0.5 for name, value in UNDAMPED.items() if law.parameters.get(name) == value})
     contact = law.between(Ball(1e-2, density=2500.0), Ball(1e-2, density=2500.0))
     depths, rate = (1e-6, 2e-6), 1e3
     low, high = (float(contact.energy(depth)) for depth in depths)
     q = math.log2(high / low)
     low, high = (float(contact.force(depth, rate)) - float(contact.force(depth)) for depth in depths)
-    return Exponents(q, math.log2(high / low) if low > 0.0 else q - 2.0)
+    return Exponents(q, math.log2(high / low))
 
 
 class Softness(NamedTuple):
@@ -217,16 +220,13 @@ class ErrorLaw:
         Argument and errors as for :meth:`ErrorLaw.error`, with t_c ν in the steady state under Newton's equations.
         """
         x = _tc_nu(tc_nu)
-        lossy = 1.0 - self.restitution**2
         slower = 1.0 + (self.coefficient + self.decay) * x
         if not slower > 0.0:
             return math.nan
         root = 1.0  # √(E of the rule/E under Newton's equations)
         for _ in range(FIXED_POINT_STEPS):
             root = (math.exp(min(self.decay * x * root, 50.0)) / slower) ** (1.0 / 3.0)
-        to_be_lost = 1.0 - 0.5 * lossy * self.delay * x
-        moving = 1.0 - (1.0 - 0.5 * lossy) * self.stored * x
-        return root**2 * to_be_lost / moving - 1.0 if to_be_lost > 0.0 and moving > 0.0 else math.nan
+        return root**2 / self._kinetic_share(x) - 1.0
 
     def sheared_errors(self, tc_nu: float) -> ShearedErrors:
         """Relative errors of granular temperature and shear stress in steady shear at equal shear rate.
@@ -266,13 +266,18 @@ class ErrorLaw:
             accepted = f"spheres up to φ = {FLUID[3]:g} with linear springs and a constant ε"
             raise ValueError(f"sheared_errors: got {reason}, must be {accepted}")
         viscosity = 1.0 + x * viscosity_error(self.packing_fraction)
-        kept = 0.5 * (1.0 - self.restitution**2)
-        moving, to_be_lost = 1.0 - (1.0 - kept) * self.stored * x, 1.0 - kept * self.delay * x
+        kinetic = self._kinetic_share(x)
         slowed = 1.0 + self.coefficient * x
-        if not (viscosity > 0.0 and moving > 0.0 and to_be_lost > 0.0 and slowed > 0.0):
+        if not (viscosity > 0.0 and kinetic > 0.0 and slowed > 0.0):
             return ShearedErrors(math.nan, math.nan)
-        temperature = viscosity / (slowed * (moving / to_be_lost) ** 1.5)
+        temperature = viscosity / (slowed * kinetic**1.5)
         return ShearedErrors(temperature - 1.0, viscosity * math.sqrt(temperature) - 1.0)
+
+    def _kinetic_share(self, x: float) -> float:
+        """Kinetic energy under Newton's equations over that which contacts will not dissipate; NaN if one is none."""
+        half_lost = 0.5 * (1.0 - self.restitution**2)
+        kinetic, kept = 1.0 - (1.0 - half_lost) * self.stored * x, 1.0 - half_lost * self.delay * x
+        return kinetic / kept if kinetic > 0.0 and kept > 0.0 else math.nan
 
     def no_shear(self) -> str:
         """Why the errors under shear are not known; empty if they are.

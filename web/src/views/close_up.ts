@@ -94,7 +94,8 @@ export class CloseUp extends Painter {
     }
   }
 
-  // `limit`: the widest gap that is drawn [pixels]; a wider one is dotted. `edge`: where the picture ends on the right, or the other model begins.
+  // `limit`: the widest gap that is drawn [pixels]; a wider one is dotted. `edge`: where the picture ends on the right, or
+  // the other model begins.
   private stack(line: Line, state: State, track: Track, radii: number[], magnify: number[], limit: number, ghost: boolean, edge: number): void {
     const { theme, d } = this;
     const n = radii.length;

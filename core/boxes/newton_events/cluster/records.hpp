@@ -44,8 +44,8 @@ struct ContactPair {
     double s_unit = 0.0, depth_unit = 0.0;                 // at the cluster's energy
     double begin = 0.0, impact_speed = 0.0;                // of the closed contact
 
-    // The relative velocity has jumped: where the bodies overlap without force, one may act at once.
-    void jolt() {
+    // Where the bodies overlap without force, one may act at once.
+    void velocity_jumped() {
         if (state == ContactState::slack) fresh = false;
     }
     // Of a wall that does not oscillate, t [s] after `base`.

@@ -16,14 +16,17 @@ double Cluster<Law>::end_of_pieces(double until) {
         while (p.ends_at(time, base + time)) {
             p = p.next();
             known_ = false;
-            if (p.amplitude == 0.0) h_ = 0.0, jumps = true;
+            if (p.amplitude == 0.0) {
+                h_ = 0.0;
+                jumps = true;
+            }
         }
         end = math::min(end, p.end);
         if (p.amplitude != 0.0) end = math::min(end, time + 0.125 * (p.end - p.begin));
     }
     if (jumps)
         for (ContactPair<Law>& q : pairs)
-            if (q.second < 0) q.jolt();
+            if (q.second < 0) q.velocity_jumped();
     return end;
 }
 
