@@ -622,3 +622,32 @@ def test_a_leap_beyond_the_list_of_neighbours_ends_a_run_that_is_not_stable(thre
     speeds = np.linalg.norm(whole.state()[1], axis=1)
     assert whole.early_end[1] == [np.argmax(speeds)]
     assert speeds.max() * step < 0.25 * 2.0 * system.radius.min()  # no further than in a valid step
+
+
+@pytest.mark.parametrize(
+    "heat", [hl.Andersen(temperature=0.3, rate=2000.0), hl.RandomKicks(power=0.1, interval=1e-5)]
+)
+def test_the_step_suits_the_heat_to_come(heat):
+    """The same step from cold and from warm grains, and energy is balanced."""
+    law = hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, restitution=0.7, impact_speed=1.0)
+    runs = [
+        hl.molecular_dynamics(
+            hl.ParticleSystem.random(60, 0.2, 1e-3, 2500.0, speed, seed=2, thermostat=heat),
+            law=law, until=0.01, engine="steps",
+        )
+        for speed in (1e-4, 0.1)
+    ]  # fmt: skip
+    assert runs[0].time_step == runs[1].time_step
+    assert max(run.energy_error for run in runs) < 3e-3
+
+
+@pytest.mark.parametrize("frequency", [4e4, 3e5])
+def test_the_step_resolves_the_oscillation_of_a_wall(frequency):
+    system = hl.ParticleSystem.random(20, 0.2, 1e-3, 2500.0, 0.3, seed=2, boundary=("periodic", "periodic", "wall"),
+                                      gravity=9.81, walls={"z-": hl.MovingWall(1e-6, frequency)})  # fmt: skip
+    law = hl.LinearDashpot(stiffness=1e4, restitution=0.9)
+    steps, events = (
+        hl.molecular_dynamics(system, law=law, until=0.02, engine=name) for name in ("steps", "events")
+    )
+    assert steps.energy_error < 3e-3
+    assert float(steps.series.wall_work[-1]) == pytest.approx(float(events.series.wall_work[-1]), rel=0.02)
