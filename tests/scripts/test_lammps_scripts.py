@@ -241,10 +241,11 @@ def test_units_and_their_time_steps():
     steps = {"lj": 0.005, "real": 1.0, "metal": 0.001, "si": 1e-8, "cgs": 1e-8, "electron": 0.001}
     for units, step in {**steps, "micro": 2.0, "nano": 4.5e-4}.items():
         found = read(f"units {units}\n{BOX}{PAIR}{POUR}run 1\n")
-        assert (found.units, found.units_given) == (units, True)
+        assert (found.stages[0].units, found.stages[0].units_given) == (units, True)
         assert (found.stages[0].time_step, found.stages[0].time_step_given) == (step, False)
     found = read(f"{BOX}{PAIR}{POUR}timestep 0.1\nrun 1\n")
-    assert (found.units, found.units_given, found.stages[0].time_step) == ("lj", False, 0.1)
+    last = found.stages[0]
+    assert (last.units, last.units_given, last.time_step) == ("lj", False, 0.1)
 
 
 # --- grains -----------------------------------------------------------------------------------------------------
@@ -499,7 +500,7 @@ def test_gravity_dimension_and_steps():
     text = f"dimension 2\n{BOX}{PAIR}{POUR}fix g all gravity 9.81 vector 0 -1 0\nrun 10\n"
     found = read(text)
     assert (
-        found.dimension == 2 and found.stages[0].gravity == 9.81 and found.stages[0].numerical_damping is None
+        found.stages[0].dimension == 2 and found.stages[0].gravity == 9.81 and found.stages[0].numerical_damping is None
     )
     assert read(f"{BASE}run 10\n").stages[0].gravity is None
 

@@ -34,7 +34,7 @@ def words(contact):
 def test_pairs_and_their_properties():
     text = SCRIPT.replace("atom_type 1 density constant 2600", "atom_type 2 density constant 2600")
     found = read(f"{text}timestep 1e-6\nrun 100\n")
-    assert (found.code, found.units) == ("liggghts", "si")
+    assert (found.code, found.stages[0].units) == ("liggghts", "si")
     one, mixed, other = found.stages[0].contacts
     assert words(one)["model"] == ("hertz",) and words(one)["limitForce"] == ("on",)
     assert words(one)["youngsModulus"] == ("5e6",) and words(one)["coefficientRestitution"] == ("0.9",)

@@ -90,7 +90,7 @@ def plain(description):
     notes = [
         [(note.what, note.types) for note in part] for part in (description.ignored, description.invalidates)
     ]
-    return stages, notes, description.units, description.unknown
+    return stages, notes, description.unknown
 
 
 def test_a_log_gives_the_same_as_its_script():

@@ -167,9 +167,6 @@ class State:
         return Description(
             self.code,
             self.version,
-            self.units,
-            self.units_given,
-            self.dimension,
             tuple(self.stages),
             tuple(self.ignored),
             tuple(self.invalidates),
@@ -419,6 +416,9 @@ class State:
             self.gravity(),
             None,
             self.down(),
+            self.units,
+            self.units_given,
+            self.dimension,
         )
         if self.stages and replace(self.stages[-1], quote=quote, steps=steps) == new:
             self.longer(steps)
