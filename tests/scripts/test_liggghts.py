@@ -125,7 +125,10 @@ def test_what_makes_hard_spheres_wrong(line, what):
     "line,must",
     [
         ("pair_style gran/hertz/history 1 0", "must be pair_style gran model NAME"),
-        ("fix m1 all property/global youngsModulus peratomtype ${y}", "have values for y: give them with --var"),
+        (
+            "fix m1 all property/global youngsModulus peratomtype ${y}",
+            "have values for y: give them with --var",
+        ),
     ],
 )
 def test_what_cannot_be_read_is_refused(line, must):
