@@ -69,30 +69,8 @@ HARMLESS_FIXES: Final = tuple(HARMLESS_FIX_NAMES.split())
 ELSEWHERE: Final = (*HARMLESS_FIXES, "pour", "deposit", "insert")
 #: What the settings of contacts do not depend on.
 NO_SETTINGS: Final = frozenset(
-    (
-        *(
-            "variables",
-            "folder",
-            "version",
-            "code",
-            "types_seen",
-            "ignored",
-            "invalidates",
-            "unknown",
-            "stages",
-        ),
-        *(
-            "last",
-            "granular",
-            "changed_since",
-            "undefined",
-            "forks",
-            "unclear",
-            "steps_done",
-            "regions",
-            "fixes",
-        ),
-    )
+    "variables folder version code types_seen ignored invalidates unknown stages last granular changed_since undefined "
+    "forks unclear steps_done regions fixes time_step".split()
 )
 #: Fixes that move grains whatever forces act on them.
 PRESCRIBED: Final = ("nve/noforce", "move")
