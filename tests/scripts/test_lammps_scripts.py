@@ -215,6 +215,34 @@ def test_all_variables_without_a_value_are_named():
     assert read(f"{BASE}{lines}run 1\n", variables=values).stages[0].gravity == 9.8
 
 
+def test_commands_inside_a_run_and_of_some_partitions():
+    found = read(f"{BASE}run 100 every 10 'print x' 'variable y equal ke'\n")
+    assert [(one.time_step, one.steps) for one in found.stages] == [(1e-8, 100)]
+    found = read(f"{BASE}run 100 every 10 'timestep 1e-6'\nrun 5\n")
+    assert [(one.time_step, one.steps) for one in found.stages] == [(1e-8, 10), (1e-6, None)]
+    assert not read(f"{BASE}run 100 every 10 \"if '$(ke) < 1' then quit\"\nrun 5\n").unknown
+    assert len(read(f"{BASE}partition yes 1 timestep 1e-6\npartition no 1 print a\nrun 5\n").unknown) == 1
+
+
+@pytest.mark.parametrize(
+    "region,wall,moves",
+    [
+        ("block 0 1 0 1 0 v_top", "region piston", True),
+        ("block 0 1 0 1 0 1 move NULL NULL v_top", "region piston", True),
+        ("cylinder z 0 0 v_top 0 1", "region piston", True),
+        ("block 0 1 0 1 0 v_fixed", "region piston", False),
+        ("block 0 1 0 1 0 1", "region piston", False),
+        ("block 0 1 0 1 0 1", "zplane 0 v_top", True),
+        ("block 0 1 0 1 0 1", "zplane v_fixed NULL", False),
+    ],
+)
+def test_walls_that_move_by_a_variable(region, wall, moves):
+    lines = f"variable top equal ramp(1,0.5)\nvariable fixed equal 2*3\nregion piston {region}\n"
+    found = read(f"{BASE}{lines}fix w all wall/gran/region granular hooke 1 .5 {wall}\nrun 1\n")
+    assert any("moving wall" in note.what for note in found.ignored) == moves
+    assert [one.wall for one in found.stages[0].contacts] == [None, "w"]
+
+
 @pytest.mark.slow
 def test_long_loops():
     text = f"""{KE}variable i loop 10000

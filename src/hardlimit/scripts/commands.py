@@ -293,10 +293,28 @@ class Commands:
             if depth > DEEPEST:
                 raise refused(statement, "be nested less deeply")
             yield from self._choose(frame, statement, depth)
+        elif command == "run" and "every" in words:
+            yield from self._interrupted(frame, statement, depth)
         elif command == "quit":
             self.frames.clear()
         elif command != "label":
             yield statement
+
+    def _interrupted(self, frame: Frame, statement: Statement, depth: int) -> Iterator[Statement]:
+        """``run N every M`` with commands after each part; the steps of the last parts are not counted."""
+        k = statement.words.index("every")
+        whole, every, inner = statement.words[:k], statement.words[k + 1 : k + 2], statement.words[k + 2 :]
+        found = [
+            one
+            for text in inner
+            if text != "NULL"
+            for one in self._run(frame, statement.line, text, depth + 1)
+        ]
+        changing = [one for one in found if one.words[0] not in SILENT]
+        yield replace(statement, words=("run", *every) if changing else whole)
+        if changing:
+            yield from changing
+            yield replace(statement, words=("run", "", *whole[2:]))
 
     def _jump(self, frame: Frame, statement: Statement) -> None:
         if self.skip_jump:

@@ -68,10 +68,11 @@ HARMLESS_FIXES: Final = tuple(HARMLESS_FIX_NAMES.split())
 #: Fixes whose effect is not in their own words, or has none.
 ELSEWHERE: Final = (*HARMLESS_FIXES, "pour", "deposit", "insert")
 #: What the settings of contacts do not depend on.
-NO_SETTINGS: Final = frozenset(
-    "variables folder version code types_seen ignored invalidates unknown stages last granular changed_since undefined "
-    "forks unclear steps_done regions fixes time_step".split()
-)
+NO_SETTINGS_NAMES: Final = """
+variables folder version code types_seen ignored invalidates unknown stages last granular changed_since undefined
+forks unclear steps_done regions fixes time_step
+"""
+NO_SETTINGS: Final = frozenset(NO_SETTINGS_NAMES.split())
 #: Fixes that move grains whatever forces act on them.
 PRESCRIBED: Final = ("nve/noforce", "move")
 INTEGRATORS: Final = ("nve", "nvt", "npt", "nph", "rigid", "poems", "multisphere", "brownian", "move")
@@ -508,6 +509,11 @@ class State:
     def command_kspace_style(self, statement: Statement) -> None:
         if statement.words[1:2] != ("none",):
             self.invalidate("long-range forces", statement)
+
+    def command_partition(self, statement: Statement) -> None:
+        """A command for some partitions only."""
+        if not set(statement.words[3:4]) <= HARMLESS:
+            self.unknown[statement.quote] = None
 
     def command_clear(self, statement: Statement) -> None:
         self.reset()
