@@ -537,6 +537,52 @@ def test_set_changes_the_grains_with_these_numbers():
         assert (grains["1"].radii, grains["2"].radii) == (first, second), lines
 
 
+@pytest.mark.parametrize(
+    "words,understood",
+    [
+        ("densty 2500", False),
+        ("diameter/fraction 0.1 0.5 7", False),
+        ("diameter 0.1 densty 2500", False),
+        ("diameter", False),
+        ("type/fraction 2 1.5 7", False),
+        ("density 2500 vx 1 vy 2 mol 3 image 0 1 0 quat 1 0 0 90 d_own 3 i2_more[2] 4", True),
+        ("omega 1 2 3 type/fraction 2 0.5 7 diameter 0.1", True),
+    ],
+)
+def test_all_words_of_set_are_understood_or_quoted(words, understood):
+    line = f"set type 1 {words}"
+    found = read(f"{BOX}{PAIR}create_atoms 1 box\n{line}\nrun 1\n")
+    assert [one.text.startswith(line) for one in found.unknown] == [True] * (not understood)
+
+
+def test_fractions_of_types():
+    """All, none or some of the grains become another type."""
+    text = f"{BOX}{PAIR}create_atoms 1 box\nset type 1 {{}}\nrun 1\n"
+    for words, types in (
+        ("type/fraction 2 0.5 7", "12"),
+        ("type/fraction 2 1.0 7", "2"),
+        ("type/fraction 2 0 7", "1"),
+        ("type/ratio 2 1 7", "2"),
+        ("type/subset 2 0 7", "1"),
+        ("type/subset 2 9 7", "12"),
+    ):
+        assert "".join(stage(text.format(words)).grains) == types, words
+
+
+def test_files_that_cannot_be_read_say_why(tmp_path):
+    script = tmp_path / "in.data"
+    (tmp_path / "molecular.data").write_text("\n1 atoms\n\nAtoms # full\n\n1 1 1 0 0 0 0\n")
+    for line, why in (
+        ("read_data none.data", "cannot be opened"),
+        ("read_data molecular.data", "only atom style sphere is read"),
+        ("read_restart old", "such files are not read"),
+    ):
+        script.write_text(f"atom_style sphere\n{line}\n{PAIR}run 1\n")
+        assert [one.text for one in read(script).unknown] == [f"{line} ({why})"]
+    (quote,) = read(f"read_data none.data\n{PAIR}run 1\n").unknown
+    assert "give the script as a file" in quote.text
+
+
 def test_no_damping():
     words = normal(
         f"{BOX}pair_style granular\npair_coeff * * hertz 1e5 0.5 damping none tangential none\nrun 1\n"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
+import re
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
@@ -46,8 +47,24 @@ COMPARISONS: Final[dict[str, Callable[[int, int, int], bool]]] = {
     "!=": lambda k, a, _: k != a,
     "<>": lambda k, a, b: a <= k <= b,
 }
-#: Keywords of ``set`` that change sizes or masses.
+#: Keywords of ``set`` that change sizes or masses, and types.
 SET_KEYWORDS: Final = ("diameter", "density", "density/disc", "mass", "shape")
+TYPE_KEYWORDS: Final = ("type", "type/fraction", "type/ratio", "type/subset")
+#: Keywords of ``set`` in LAMMPS and LIGGGHTS, by the number of their values.
+SET_WORDS: Final = {
+    1: """
+type diameter density density/disc mass mol x y z vx vy vz omegax omegay omegaz inertiax inertiay inertiaz charge
+quat/random length tri theta theta/random volume temperature bond angle dihedral improper rheo/rho rheo/status
+sph/e sph/cv sph/rho meso/e meso/cv meso/rho epsilon dpd/theta edpd/temp edpd/cv
+meso_e meso_cv meso_rho sphkernel add until
+""",
+    2: "dipole/random spin/random spin/atom/random cc blockiness roundness aspect_ratio",
+    3: "type/fraction type/ratio type/subset shape dipole angmom omega image spin",
+    4: "quat quat_direct spin/atom",
+}
+SET_COUNTS: Final = {word: count for count, words in SET_WORDS.items() for word in words.split()}
+#: Properties that ``fix property/atom`` defines.
+CUSTOM: Final = re.compile(r"[id]2?_\w+")
 #: Commands that are read below, or that affect neither contacts nor grains.
 HARMLESS_NAMES: Final = """
 angle_coeff angle_style atom_modify balance boundary box change_box comm_modify comm_style communicate create_bonds
@@ -352,11 +369,11 @@ class State:
             if any(name not in self.variables.known for name in self.variables.missing(condition.text)):
                 self.missing(condition)
 
-    def quote_with(self, statement: Statement, reason: str) -> None:
+    def quote_with(self, statement: Statement, reason: str = "") -> None:
         """Quote a statement that is not understood, with the reason."""
         quote = statement.quote
         if not any((one.file, one.line) == (quote.file, quote.line) for one in self.unknown):
-            self.unknown[replace(quote, text=f"{quote.text} ({reason})")] = None
+            self.unknown[replace(quote, text=f"{quote.text} ({reason})" if reason else quote.text)] = None
 
     # --- types and groups ---------------------------------------------------------------------------------------
 
@@ -650,17 +667,18 @@ class State:
             if len(found) > 1:
                 self.invalidate("molecules of several grains", statement)
 
-    def elsewhere(self, statement: Statement) -> None:
+    def elsewhere(self, statement: Statement, reason: str = "") -> None:
         """Grains whose sizes are not in the script."""
         self.population.elsewhere = True
-        self.unknown[statement.quote] = None
+        self.quote_with(statement, reason)
 
     def command_read_data(self, statement: Statement) -> None:
         words = statement.words
         name = (*words, "")[1]
         text = None if self.folder is None else text_of(self.folder / name)
         if text is None:
-            self.elsewhere(statement)
+            why = "cannot be opened" if self.folder else "give the script as a file, to which it is relative"
+            self.elsewhere(statement, why)
             return
         more = words[words.index("extra/atom/types") + 1 :][:1] if "extra/atom/types" in words else []
         types = population.header(text, "atom types") + (self.type_of(more[0]) if more else 0)
@@ -672,13 +690,13 @@ class State:
         except (ValueError, IndexError):
             found = {}
         if not found:
-            self.elsewhere(statement)
+            self.elsewhere(statement, "only atom style sphere is read")
         for kind, batch in found.items():
             if 1 <= kind <= MAX_TYPES:
                 self.population.add(kind, batch)
 
     def command_read_restart(self, statement: Statement) -> None:
-        self.elsewhere(statement)
+        self.elsewhere(statement, "such files are not read")
 
     command_read_dump = command_read_restart
 
@@ -696,15 +714,23 @@ class State:
             chosen = Group(None, style == "atom" and name == "*")
         atoms = atoms_of(name) if style == "atom" else None
         changes: list[Callable[[Batch], Batch]] = []
-        for k, word in enumerate(words[3:-1], 3):
-            if word in ("type", "type/fraction", "type/ratio", "type/subset"):
-                self.set_type(statement, chosen, word == "type", words[k + 1], atoms)
+        k = 3
+        while k < len(words):
+            word, values = words[k], words[k + 1 :]
+            if word.startswith("property/atom"):  # a property of its own with all its values
+                break
+            if not (count := SET_COUNTS.get(word, 1 if CUSTOM.match(word) else 0)) or len(values) < count:
+                self.quote_with(statement, f"{word} is not understood")
+                break
+            if word in TYPE_KEYWORDS:
+                self.set_type(statement, chosen, word, values[:count], atoms)
             elif word in SET_KEYWORDS:
-                value = None if word == "shape" else self.set_number(statement, words[k + 1])
+                value = None if word == "shape" else self.set_number(statement, values[0])
                 if value is None or value < 0.0:
                     self.unknown[statement.quote] = None
                     value = None
                 changes.append(self.changed(word, value))
+            k += 1 + count
         self.last = statement
         self.population.change(
             self.within(chosen),
@@ -714,16 +740,22 @@ class State:
         )
 
     def set_type(
-        self, statement: Statement, chosen: Group, whole: bool, word: str, atoms: range | None
+        self, statement: Statement, chosen: Group, word: str, values: Sequence[str], atoms: range | None
     ) -> None:
-        """Another type for some grains."""
-        kind = self.type_of(word)
-        if 1 <= kind <= MAX_TYPES:
+        """Another type for grains: ``type T``, ``type/fraction T share seed``, or a number of grains."""
+        kind = self.type_of(values[0])
+        share = 1.0 if word == "type" else None
+        if word == "type/subset":
+            share = 0.0 if values[1] == "0" else None
+        elif word != "type":
+            share = self.number(statement, values[1])
+        if not 1 <= kind <= MAX_TYPES or not 0.0 <= (0.5 if share is None else share) <= 1.0:
+            self.elsewhere(statement)
+        elif share != 0.0:
+            whole = share == 1.0
             self.population.convert(
                 self.within(chosen), chosen.whole and whole, kind, atoms if whole else None
             )
-        else:
-            self.elsewhere(statement)
 
     def set_number(self, statement: Statement, word: str) -> float | None:
         """A number of ``set``; None if it differs from grain to grain."""

@@ -13,18 +13,18 @@ from ..boxes.system import ParticleSystem
 from ..contact.balls import Ball
 from ..contact.contact import Law
 from ..convert.force import MAX_SPEED, MIN_SPEED
-from ..convert.readers import UNITS
 from ..scripts import ContactSettings, Description, Grains, Note, Quote, Stage
 from ..scripts import read as read_script
 from ..support import validation
 from ..support.formatting import percent
+from ..support.units import SYSTEMS
 from . import answer, cases, corrections, drive, dumps
 from .contacts import Case, CheckedContact, Surroundings, examine
 from .expectation import checked_packing_fraction
 from .result import CheckedStage, Finding, Verdict
 
 #: Units of mass, length and time in SI; ``lj`` stays as it is.
-SCALES: Final = {**UNITS, "lj": (1.0, 1.0, 1.0)}
+SCALES: Final = {**SYSTEMS, "lj": (1.0, 1.0, 1.0)}
 NO_RUN: Final = Stage(Quote("", 0, ""), None, False, None, (), {}, None, None)
 #: Largest overlap over the radius that contact laws describe.
 COMPRESSED: Final = 0.05
