@@ -34,7 +34,7 @@ def words(contact):
 def test_pairs_and_their_properties():
     text = SCRIPT.replace("atom_type 1 density constant 2600", "atom_type 2 density constant 2600")
     found = read(f"{text}timestep 1e-6\nrun 100\n")
-    assert (found.code, found.units) == ("liggghts", "si")
+    assert (found.code, found.stages[0].units) == ("liggghts", "si")
     one, mixed, other = found.stages[0].contacts
     assert words(one)["model"] == ("hertz",) and words(one)["limitForce"] == ("on",)
     assert words(one)["youngsModulus"] == ("5e6",) and words(one)["coefficientRestitution"] == ("0.9",)
@@ -125,7 +125,10 @@ def test_what_makes_hard_spheres_wrong(line, what):
     "line,must",
     [
         ("pair_style gran/hertz/history 1 0", "must be pair_style gran model NAME"),
-        ("fix m1 all property/global youngsModulus peratomtype ${y}", "have variables that are known"),
+        (
+            "fix m1 all property/global youngsModulus peratomtype ${y}",
+            "have values for y: give them with --var",
+        ),
     ],
 )
 def test_what_cannot_be_read_is_refused(line, must):

@@ -1,5 +1,7 @@
 """``hl.check`` and ``hardlimit check``: contacts, the answer, corrected lines, JSON, exit codes, bad input."""
 
+import dataclasses
+import itertools
 import json
 import math
 import pickle
@@ -16,6 +18,7 @@ from command_line import printed, refused, run
 from conftest import draws, log_floats
 from hardlimit.boxes import theory
 from hardlimit.scripts import ContactSettings, Description, Grains, Note, Quote, Setting, Stage
+from hardlimit.support.formatting import listed
 from hardlimit.verdict import checking
 from hardlimit.verdict.error_law import error_law
 
@@ -48,7 +51,7 @@ HERTZ = f"pair_style granular\npair_coeff * * {MATERIAL}"
 WALL = f"fix floor all wall/gran granular hooke 1e5 0.5 damping coeff_restitution {TANGENTIAL} zplane 0 1"
 
 
-def described(**changed) -> Description:
+def described(units="lj", **changed) -> Description:
     """A description of gran/hertz/history with one damping for grains of two sizes, in lj units."""
     m = 4 / 3 * math.pi * 0.3**3
     a = (2 * math.log(10) / math.pi) ** 2
@@ -60,9 +63,9 @@ def described(**changed) -> Description:
         ContactSettings(("1", "1"), None, normal, (quote,)),
         ContactSettings(("1", "wall"), "w", normal, (quote,)),
     )
-    stage = Stage(quote, step, True, 1000, pairs, {"1": Grains("1", (0.3, 0.6), (1.0, 1.0))}, 1.0, None)
-    return Description(**{"code": "lammps", "version": None, "units": "lj", "units_given": False, "dimension": 3,
-                          "stages": (stage,)} | changed)  # fmt: skip
+    stage = Stage(quote, step, True, 1000, pairs, {"1": Grains("1", (0.3, 0.6), (1.0, 1.0))}, 1.0, None,
+                  None, units, False)  # fmt: skip
+    return Description(**{"code": "lammps", "version": None, "stages": (stage,)} | changed)
 
 
 # --- contacts -------------------------------------------------------------------------------------------------
@@ -148,6 +151,50 @@ def test_units_of_a_script_are_converted():
         ):
             assert getattr(one, name) == pytest.approx(getattr(other, name), rel=1e-9), name
     assert si.time_step == cgs.time_step == 1e-7
+
+
+#: Boxes of grains in several units: diameter, density, stiffness, time step and gravity of the same box in all but lj.
+BOXES = {
+    "si": (2e-3, 2500.0, 1e2, 1e-5, 9.81),
+    "cgs": (0.2, 2.5, 1e5, 1e-5, 981.0),
+    "micro": (2e3, 2.5e-3, 1e5, 10.0, 9.81e-6),
+    "lj": (1.0, 1.0, 1e5, 1e-4, 1.0),
+}
+
+
+def box(units, dimension=3):
+    d, rho, k, step, g = BOXES[units]
+    return (
+        f"units {units}\ndimension {dimension}\natom_style sphere\ncreate_box 1 box\ncreate_atoms 1 box\n"
+        f"set type 1 diameter {d} density {rho}\npair_style granular\n"
+        f"pair_coeff * * hooke {k} 0.9 damping coeff_restitution\nfix g all gravity {g} vector 0 0 -1\n"
+        f"timestep {step}\nrun 100\n"
+    )
+
+
+@pytest.mark.parametrize("pair", [*itertools.permutations(BOXES, 2), ("si",), ("lj",), ("cgs",)])
+@pytest.mark.parametrize("dimensions", [(3, 3), (2, 3)])
+def test_each_system_of_a_script_has_its_own_units(pair, dimensions, tmp_path):
+    """After ``clear``, another system begins; the numbers of those before stay as they are, also if none follows."""
+    options = {"speed": 0.3, "packing_fraction": 0.1}
+    alone = [hl.check(box(*one), **options) for one in zip(pair, dimensions, strict=False)]
+    text = "clear\n".join([*map(box, pair, dimensions), ""])
+    both = hl.check(text, **options)
+    for number, (one, units) in enumerate(zip(alone, pair, strict=True), 1):
+        rows = [row for row in both.rows if row.stage == number]
+        assert rows == [dataclasses.replace(row, stage=number) for row in one.rows]
+        assert both.stages[number - 1][2:] == one.stages[0][2:]
+        assert both.stages[number - 1].units == units
+    assert both.units == pair[-1] and both.units_given and both.time_step == alone[-1].time_step
+    assert both.admissible == (False if any(one.admissible is False for one in alone) else True)
+    assert any("Overlaps" in note for one in alone for note in one.remarks) == any(
+        "Overlaps" in note for note in both.remarks
+    )
+    shown = [f"timestep {line}" for one in alone for line in one.corrected]
+    assert len(both.corrected) == len(shown) and both.contacts.attrs["units"] == pair[-1]
+    path = tmp_path / "in.boxes"
+    path.write_text(text)
+    assert f"{listed(list(pair))} units" in run("check", path, "--speed", "0.3").stdout
 
 
 def test_numerical_damping_is_part_of_the_restitution():
@@ -478,7 +525,14 @@ CONTACT = {
     "softening": MAYBE, "heated_error": MAYBE, "sheared_error": MAYBE, "rule": str, "error": dict,
 }  # fmt: skip
 FINDING = {"what": str, "types": list | None, "where": str | None}
-STAGE = {"number": int, "command": str, "time_step": MAYBE, "steps": int | None, "gravity": MAYBE}
+STAGE = {
+    "number": int,
+    "command": str,
+    "time_step": MAYBE,
+    "steps": int | None,
+    "gravity": MAYBE,
+    "units": str,
+}
 
 
 def has_form(found: dict, form: dict) -> bool:

@@ -309,6 +309,8 @@ class ParticleSystem:
     ) -> ParticleSystem:
         """Read a system from a file: extended XYZ (.xyz, .extxyz), GSD (.gsd) or LAMMPS data (.data, .lmp).
 
+        Numbers are in SI units, those of LAMMPS data in the units that its first line names.
+
         Parameters
         ----------
         path : path

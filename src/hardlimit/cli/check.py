@@ -166,7 +166,6 @@ def from_numbers(
 
 def report(found: Verdict, verbose: bool) -> None:
     """The table of contacts, what was checked, the answer, and corrected lines."""
-    plain = found.units == "lj"
     last = max((row.stage for row in found.rows), default=1)
     groups = list(grouped(found.rows if verbose else [row for row in found.rows if row.stage == last]))
     say(title(found), style="bold")
@@ -176,7 +175,9 @@ def report(found: Verdict, verbose: bool) -> None:
         stages = verbose and last > 1
         walls = {g[0].types: {one[0].wall for one in groups if one[0].types == g[0].types} for g in groups}
         rows = [
-            [str(g[0].stage), name(g[0], plain, len(walls[g[0].types]) > 1), *cells(g, plain)] for g in shown
+            [str(g[0].stage), name(g[0], plain, len(walls[g[0].types]) > 1), *cells(g, plain)]
+            for g in shown
+            for plain in [found.has_plain(g[0])]
         ]
         table(["run", "contact", *HEAD], rows, stages)
     if len(shown) < len(groups):
@@ -186,7 +187,7 @@ def report(found: Verdict, verbose: bool) -> None:
     if found.remarks:
         say(" ".join(found.remarks))
     if verbose:
-        details(found, plain)
+        details(found)
     say(lists(found, verbose))
     more = " More: --verbose." if found.admissible is False and not verbose else ""
     lines = "Corrected lines:" if found.corrected else ""
@@ -265,8 +266,13 @@ def title(found: Verdict) -> str:
         version = (found.version or "").partition(",")[0].removeprefix(f"{known.title}-")
         parts = [f"{known.title}{f' {version}:' if version else ''} {what}".strip(" :")]
         if found.code != "yade":  # YADE has SI units only
-            parts.append(f"{found.units} units{'' if found.units_given else ' (none given)'}")
-    speeds = [row.speed for row in found.rows if row.speed is not None and row.types[1] != "wall"]
+            every = list(dict.fromkeys([*(stage.units for stage in found.stages), found.units]))
+            parts.append(f"{listed(every)} units{'' if found.units_given else ' (none given)'}")
+    speeds = [
+        row.speed
+        for row in found.rows
+        if row.speed is not None and row.types[1] != "wall" and found.has_plain(row) == (found.units == "lj")
+    ]
     if speeds and min(speeds) < max(speeds):
         ends = "–".join(digits(v, 3) for v in (min(speeds), max(speeds)))
         parts.append(
@@ -387,12 +393,14 @@ def lists(found: Verdict, verbose: bool) -> str:
     return " ".join(filter(None, parts))
 
 
-def details(found: Verdict, plain: bool) -> None:
+def details(found: Verdict) -> None:
     """Each contact at each speed, the runs, the dump, and quoted lines."""
     for row in found.rows:
-        say(detail(row, plain))
+        say(detail(row, found.has_plain(row)))
     for stage in found.stages:
-        say(f"Run {stage.number}: {stage.command}")
+        units = f" ({stage.units} units)" if len({one.units for one in found.stages}) > 1 else ""
+        say(f"Run {stage.number}{units}: {stage.command}")
+    plain = found.units == "lj"
     for state in found.states:
         phi, t, unit = state.packing_fraction, state.temperature, "" if plain else " m/s"
         parts = [

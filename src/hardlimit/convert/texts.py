@@ -11,9 +11,10 @@ from ..scripts.description import Setting, Settings
 from ..scripts.formulas import NUMBER
 from ..scripts.statements import refusal
 from ..support import validation
+from ..support.units import SYSTEMS
 from .codes import Code, Model, Pair, listed
 from .formulas import SPRINGS, Numbers
-from .readers import READERS, UNITS, Asked, Reading, same
+from .readers import READERS, Asked, Reading, same
 
 
 def written(
@@ -137,7 +138,7 @@ def interpreted(
             if place.startswith("{"):
                 kind, _, number = place[1:-1].rpartition(":")
                 value = _number(number, word, setting)
-                powers = zip(UNITS[units], found.unit(number), strict=True)
+                powers = zip(SYSTEMS[units], found.unit(number), strict=True)
                 scale = math.prod(unit**power for unit, power in powers)
                 numbers[number] = _checked(
                     found, number, scale * (abs(value) if kind == "negative" else value), setting

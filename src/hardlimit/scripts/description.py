@@ -84,6 +84,9 @@ class Stage:
     gravity: float | None  #: magnitude; None without gravity
     numerical_damping: float | None  #: of the integrator; None in codes without it
     down: Direction | None = None  #: the direction of gravity; None if not known
+    units: str = "si"  #: those of the system that runs; ``clear`` begins another one
+    units_given: bool = True  #: False for the code's default
+    dimension: int = 3
 
 
 @dataclass(frozen=True)
@@ -92,9 +95,6 @@ class Description:
 
     code: str
     version: str | None  #: only a log states it
-    units: str
-    units_given: bool
-    dimension: int
     stages: tuple[Stage, ...]
     ignored: tuple[Note, ...] = field(default=())  #: leaves head-on collisions as they are
     invalidates: tuple[Note, ...] = field(

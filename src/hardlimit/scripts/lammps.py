@@ -205,9 +205,11 @@ class Lammps(State):
         regions = self.parts_of(rest[1]).values() if rest[0] == "region" else ()
         if rest[0] == "zcylinder" or any(words[:1] and words[0] in CURVED for words in regions):
             self.ignore("curvature of a wall, which is taken as a plane", statement)
-        if any(word in ("move", "rotate") for words in regions for word in words):
+        if any(word in ("move", "rotate") or self.varies(word) for words in regions for word in words):
             self.ignore("a moving wall (region)", statement)
         k = 1 + WALLS[rest[0]]
+        if any(map(self.varies, rest[1:k])):
+            self.ignore(f"a moving wall ({rest[0]})", statement)
         while k < len(rest):
             if rest[k] not in WALL_OPTIONS:
                 raise refused(statement, f"have {', '.join(WALL_OPTIONS)} after the wall, not {rest[k]}")
@@ -221,6 +223,10 @@ class Lammps(State):
             group = self.members(fix.group).types
             types = None if group is None else tuple(str(one) for one in sorted(group))
             self.invalidate(f"{what} ({parsed.adhesion})", statement, types)
+
+    def varies(self, word: str) -> bool:
+        """Whether a word is a variable that only a run knows, such as a position that changes in time."""
+        return word.startswith("v_") and self.variables.of(word[2:]) is None
 
     def insert(self, fix: Fix) -> None:
         """``fix pour`` and ``fix deposit``: smallest and largest diameter and density."""

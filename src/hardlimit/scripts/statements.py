@@ -32,11 +32,34 @@ class Statement:
     text: str
     owner: str = ""  #: object of a call or bodies of an element
     file: str = ""
+    branches: tuple[Branch, ...] = ()  #: of ``if`` whose condition only a run knows
+    place: Place | None = None  #: of a label to which a branch leads
 
     @property
     def quote(self) -> Quote:
         """The statement as messages quote it."""
         return quoted(self.file, self.line, self.text)
+
+
+class Undefined(Refusal):
+    """Contacts depend on variables without a value in a statement."""
+
+    def __init__(self, statement: Statement) -> None:
+        super().__init__(str(refused(statement, "have values for its variables")))
+        self.statement = statement
+
+
+#: A file that is being read, by its number, and one of its lines.
+Place = tuple[int, int]
+
+
+@dataclass(frozen=True)
+class Branch:
+    """What may happen at ``if``: commands, and where the script then goes on."""
+
+    statements: tuple[Statement, ...]
+    place: Place | None = None  #: a later label; None for the next line
+    ends: bool = False  #: whether the script ends
 
 
 def quoted(file: str, line: int, text: str) -> Quote:
@@ -125,6 +148,7 @@ def open_quote(line: str) -> str:
     return scan(line)[1]
 
 
+@lru_cache(4096)
 def split(code: str) -> tuple[str, ...]:
     """Words of a command without its comment."""
     return tuple(next((g for g in found.groups() if g is not None), "") for found in WORD.finditer(code))

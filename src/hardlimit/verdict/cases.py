@@ -154,7 +154,7 @@ def _state(stage: Stage) -> object:
         )
         for one in stage.contacts
     ]
-    return contacts, stage.grains, stage.time_step, stage.numerical_damping
+    return contacts, stage.grains, stage.time_step, stage.numerical_damping, stage.units, stage.dimension
 
 
 def _force(found: Code, contact: ContactSettings, version: str | None) -> tuple[ModelForce, str]:

@@ -13,18 +13,18 @@ from ..boxes.system import ParticleSystem
 from ..contact.balls import Ball
 from ..contact.contact import Law
 from ..convert.force import MAX_SPEED, MIN_SPEED
-from ..convert.readers import UNITS
 from ..scripts import ContactSettings, Description, Grains, Note, Quote, Stage
 from ..scripts import read as read_script
 from ..support import validation
 from ..support.formatting import percent
+from ..support.units import SYSTEMS
 from . import answer, cases, corrections, drive, dumps
 from .contacts import Case, CheckedContact, Surroundings, examine
 from .expectation import checked_packing_fraction
 from .result import CheckedStage, Finding, Verdict
 
 #: Units of mass, length and time in SI; ``lj`` stays as it is.
-SCALES: Final = {**UNITS, "lj": (1.0, 1.0, 1.0)}
+SCALES: Final = {**SYSTEMS, "lj": (1.0, 1.0, 1.0)}
 NO_RUN: Final = Stage(Quote("", 0, ""), None, False, None, (), {}, None, None)
 #: Largest overlap over the radius that contact laws describe.
 COMPRESSED: Final = 0.05
@@ -177,22 +177,68 @@ def _examined(
 # --- scripts --------------------------------------------------------------------------------------------------
 
 
+@dataclass(frozen=True)
+class System:
+    """The contacts of all runs with the same units and dimension, in these units."""
+
+    units: str
+    dimension: int
+    given: Given
+    gas: Surroundings
+    speeds: tuple[float, ...]
+    examined: Sequence[tuple[Case, CheckedContact]]
+
+    @property
+    def rows(self) -> list[CheckedContact]:
+        """The contacts as they are reported."""
+        return [row for _, row in self.examined]
+
+    def missing(self, states: Sequence[dumps.State]) -> tuple[str, ...]:
+        """What is not known, in words."""
+        known = _known_speeds(self.rows, self.speeds, self.given.drive)
+        return _missing(self.rows, self.gas, known, states)
+
+    def corrected(self, code: str, several: bool) -> Iterator[str]:
+        """Corrected lines, which name their units if the script has several."""
+        for line in corrections.lines(code, self.examined, 1.0):
+            yield f"{line}{';' if '#' in line else '  #'} {self.units} units" if several else line
+
+
+def _kind(stage: Stage) -> tuple[str, int]:
+    """What the runs of a system share."""
+    return stage.units, stage.dimension
+
+
+def _systems(
+    script: Description, found: Sequence[Case], given: Given, states: Sequence[dumps.State]
+) -> Iterator[System]:
+    """The systems of a script. A dump is one of the last."""
+    stages = script.stages or (NO_RUN,)
+    for units, dimension in dict.fromkeys(map(_kind, stages)):
+        mass, length, time = SCALES[units]
+        driven = None if given.drive is None else given.drive.in_units(mass, length, time)
+        here = replace(given, speeds=tuple(v * time / length for v in given.speeds), drive=driven)
+        dumped = states if (units, dimension) == _kind(stages[-1]) else ()
+        gas, speeds = _surroundings(here, dumped, dimension)
+        chosen = [case for case in found if _kind(stages[case.stage - 1]) == (units, dimension)]
+        yield System(units, dimension, here, gas, speeds, _examined(chosen, gas, speeds, driven))
+
+
 def _of_script(script: Description, given: Given, frames: Sequence[dumps.Frame] = ()) -> Verdict:
-    if script.units not in SCALES:
-        raise ValueError(f"units: got {validation.shown(script.units)}, must be one of {', '.join(SCALES)}")
+    for stage in script.stages:
+        if stage.units not in SCALES:
+            raise ValueError(
+                f"units: got {validation.shown(stage.units)}, must be one of {', '.join(SCALES)}"
+            )
     if not script.unknown and not any(stage.contacts for stage in script.stages):
         others = "".join(f"; it has {note.what}" for note in script.invalidates[:1])
         raise ValueError(f"script: it has no run with granular contacts{others}")
-    mass, length, time = SCALES[script.units]
-    asked = given.drive
-    driven = None if asked is None else asked.in_units(mass, length, time)
-    given = replace(given, speeds=tuple(v * time / length for v in given.speeds), drive=driven)
     script = _with_sizes(script, frames)
     found, remarks = cases.of_script(script)
     last = script.stages[-1] if script.stages else NO_RUN
-    states = _states(frames, _radii(last), script.dimension, _densities(last))
-    gas, speeds = _surroundings(given, states, script.dimension)
-    examined = _examined(found, gas, speeds, driven)
+    states = _states(frames, _radii(last), last.dimension, _densities(last))
+    systems = list(_systems(script, found, given, states))
+    examined = sorted((one for system in systems for one in system.examined), key=lambda one: one[0].stage)
     rows = [row for _, row in examined]
     invalidates = [_finding(note) for note in script.invalidates]
     invalidates += _lasting(script.stages, rows, states)
@@ -213,31 +259,33 @@ def _of_script(script: Description, given: Given, frames: Sequence[dumps.Frame] 
         *remarks.versions,
         *dict.fromkeys(_notes(examined)),
         *_numerically_damped(last.numerical_damping),
-        *_no_speed(driven, rows, gas),
+        *dict.fromkeys(note for one in systems for note in _no_speed(one.given.drive, one.rows, one.gas)),
     ]
-    missing = _missing(rows, gas, _known_speeds(rows, speeds, driven), states)
+    missing = tuple(dict.fromkeys(what for one in systems for what in one.missing(states)))
     rubs = any(re.search(r"tangential|friction|rolling|twisting", note.what) for note in script.ignored)
     admissible, sentence = answer.answer(rows, invalidates, unknown, missing, rubs, bool(states))
-    rows = [_in_si(row, (mass, length, time)) for row in rows]
+    rows = [_in_si(row, SCALES[script.stages[row.stage - 1].units]) for row in rows]
+    driven = [row for row in rows if _kind(script.stages[row.stage - 1]) == _kind(last)]
+    _, length, time = SCALES[last.units]
     return Verdict(
         admissible,
-        sentence + answer.steady(rows, asked, script.units == "lj"),
+        sentence + answer.steady(driven, given.drive, last.units == "lj"),
         script.code,
         script.version,
-        script.units,
-        script.units_given,
+        last.units,
+        last.units_given,
         None if last.time_step is None else last.time_step * time,
         last.numerical_damping,
         tuple(rows),
-        tuple(_stage(number, stage, (mass, length, time)) for number, stage in enumerate(script.stages, 1)),
+        tuple(_stage(number, stage) for number, stage in enumerate(script.stages, 1)),
         tuple(_state_in_si(one, length, time) for one in states),
-        tuple(_checked(rows, last.gravity, states)),
+        tuple(_checked(rows, any(stage.gravity for stage in script.stages), states)),
         tuple(_finding(note) for note in script.ignored),
         tuple(invalidates),
         tuple(unknown),
         missing,
         tuple(notes),
-        tuple(corrections.lines(script.code, examined, 1.0)),
+        tuple(line for one in systems for line in one.corrected(script.code, len(systems) > 1)),
     )
 
 
@@ -259,6 +307,8 @@ def _with_sizes(script: Description, frames: Sequence[dumps.Frame]) -> Descripti
 
     stages = [
         replace(stage, grains={name: grains(one) for name, one in stage.grains.items()})
+        if _kind(stage) == _kind(script.stages[-1])
+        else stage
         for stage in script.stages
     ]
     unknown = [
@@ -332,7 +382,7 @@ def _where(quote: Quote) -> str:
 
 
 def _checked(
-    rows: Sequence[CheckedContact], gravity: float | None, states: Sequence[dumps.State]
+    rows: Sequence[CheckedContact], gravity: bool, states: Sequence[dumps.State]
 ) -> Iterator[Finding]:
     if any(row.restitution is not None and row.types[1] != cases.WALL for row in rows):
         yield Finding("normal contact")
@@ -441,8 +491,8 @@ def _state_in_si(state: dumps.State, length: float, time: float) -> dumps.State:
     )
 
 
-def _stage(number: int, stage: Stage, scales: tuple[float, float, float]) -> CheckedStage:
-    _, length, time = scales
+def _stage(number: int, stage: Stage) -> CheckedStage:
+    _, length, time = SCALES[stage.units]
     step, gravity = stage.time_step, stage.gravity
     return CheckedStage(
         number,
@@ -450,6 +500,7 @@ def _stage(number: int, stage: Stage, scales: tuple[float, float, float]) -> Che
         None if step is None else step * time,
         stage.steps,
         None if gravity is None else gravity * length / time**2,
+        stage.units,
     )
 
 
@@ -504,7 +555,7 @@ def _of_law(
         tuple(rows),
         (),
         dumped or states,
-        tuple(_checked(rows, None, dumped)),
+        tuple(_checked(rows, False, dumped)),
         (),
         tuple(invalidates),
         (),
