@@ -9,7 +9,7 @@ from typing import Final
 from . import granular_words
 from .description import ContactSettings, Quote, Range, Setting, Settings
 from .formulas import NUMBER
-from .granular_words import PROPERTIES, Words, unaccelerated
+from .granular_words import PROPERTIES, Words, is_zero, unaccelerated
 from .materials import one_material
 from .population import Batch
 from .state import MAX_TYPES, Fix, State
@@ -18,10 +18,18 @@ from .statements import Statement, refused, same_word, settings
 #: Properties that the models read; each depends on two types.
 OF_CONTACT: Final = (
     *("youngsModulus", "poissonsRatio", "coefficientRestitution", "characteristicVelocity", "kn", "gamman"),
+    *("cohesionEnergyDensity", "surfaceTension", "fluidViscosity"),
 )
 #: Normal models whose settings are read. Others are quoted as unknown.
 MODELS: Final = ("hertz", "hooke", "hooke/stiffness", "hertz/stiffness")
 STICKY_MODELS: Final = ("hooke/hysteresis", "edinburgh", "edinburgh/stiffness", "luding", "thornton_ning")
+#: Models of cohesion with the properties to which their force is proportional.
+COHESION: Final[dict[str, tuple[str, ...]]] = {
+    **dict.fromkeys(("sjkr", "sjkr2"), ("cohesionEnergyDensity",)),
+    **dict.fromkeys(
+        ("easo/capillary/viscous", "washino/capillary/viscous"), ("surfaceTension", "fluidViscosity")
+    ),
+}
 
 
 @dataclass(frozen=True)
@@ -67,6 +75,23 @@ def property_types(statement: Statement, kind: str, given: Sequence[str]) -> int
     return 0 if kind == "scalar" else len(given)
 
 
+def sticky(contact: ContactSettings) -> ContactSettings:
+    """A contact without cohesion whose constants are 0, and with words for other adhesion or plasticity."""
+    settings = contact.settings
+    model, cohesion = (
+        settings["model"].words[0],
+        (settings["cohesion"].words if "cohesion" in settings else ("off",))[0],
+    )
+    if model in STICKY_MODELS:
+        return replace(contact, adhesion=f"plastic deformation or adhesion ({model})")
+    constants = [settings.get(name) for name in COHESION.get(cohesion, ())]
+    if cohesion == "off" or (
+        constants and all(one is not None and is_zero(one.words[0]) for one in constants)
+    ):
+        return replace(contact, settings={name: one for name, one in settings.items() if name != "cohesion"})
+    return replace(contact, adhesion=f"cohesion ({cohesion})")
+
+
 class Liggghts(State):
     """A script or log of LIGGGHTS."""
 
@@ -105,11 +130,7 @@ class Liggghts(State):
         name = parsed.settings["model"][0]
         for what in parsed.beside:
             self.ignore(what, statement)
-        if parsed.adhesion:
-            self.invalidate(f"cohesion ({parsed.adhesion})", statement)
-        if name in STICKY_MODELS:
-            self.invalidate(f"plastic deformation or adhesion ({name})", statement)
-        elif name not in MODELS:
+        if name not in (*MODELS, *STICKY_MODELS):
             self.unknown[statement.quote] = None
         return self.resolve(statement, settings(statement, parsed.settings))
 
@@ -202,7 +223,11 @@ class Liggghts(State):
             self.ignore("a moving wall (shear)", fix.statement)
 
     def contacts(self) -> Iterator[ContactSettings]:
-        """Pairs of types, then walls."""
+        """Pairs of types, then walls; cohesion whose constants are 0 is left out."""
+        return map(sticky, self.all_contacts())
+
+    def all_contacts(self) -> Iterator[ContactSettings]:
+        """The contacts with their settings as given."""
         kinds = self.present()
         if self.model is not None:
             model, quote = self.model

@@ -409,12 +409,14 @@ class State:
             grains[str(kind)] = self.population.grains(
                 kind, str(kind), frozen, not freezes and "freeze" not in partly, disks, bool(partly)
             )
+        contacts = tuple(self.contacts())
+        self.note_adhesion(contacts)
         new = Stage(
             quote,
             self.step_now(),
             self.time_step is not None,
             steps,
-            tuple(self.contacts()),
+            contacts,
             grains,
             self.gravity(),
             None,
@@ -424,6 +426,17 @@ class State:
             self.longer(steps)
         else:
             self.stages.append(new)
+
+    def note_adhesion(self, contacts: Sequence[ContactSettings]) -> None:
+        """Note the statements that make contacts adhesive or plastic, each with all types that it concerns."""
+        for one in contacts:
+            if one.adhesion:
+                same = [n for n in self.invalidates if (n.what, n.quote) == (one.adhesion, one.quotes[0])]
+                types = {*one.types, *(name for note in same for name in note.types or ())} - {WALL}
+                for note in same:
+                    del self.invalidates[note]
+                note = Note(one.adhesion, tuple(sorted(types, key=int)), one.quotes[0])
+                self.invalidates[note] = None
 
     def step_now(self) -> float | None:
         """The time step; None if a fix changes it."""
