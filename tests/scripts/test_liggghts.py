@@ -109,6 +109,8 @@ run 1
     "line,what",
     [
         ("pair_style gran model hertz cohesion sjkr2", "cohesion (sjkr2)"),
+        ("pair_style gran model hertz cohesion easo/capillary/viscous", "cohesion (easo/capillary/viscous)"),
+        ("fix w all wall/gran model hertz cohesion sjkr primitive type 1 zplane 0", "cohesion (sjkr)"),
         ("pair_style gran model hooke/hysteresis tangential history", "plastic"),
         ("fix t all particletemplate/multisphere 7 atom_type 1 density constant 1 nspheres 2", "clumps"),
         ("fix m all multisphere", "clumps"),
@@ -119,6 +121,46 @@ run 1
 )
 def test_what_makes_hard_spheres_wrong(line, what):
     assert any(what in one.what for one in read(f"{SCRIPT}{line}\nrun 1\n").invalidates)
+
+
+COHESIVE = """
+pair_style gran model hertz cohesion {0}
+fix w all wall/gran model hertz cohesion {0} primitive type 3 zplane 0
+create_atoms 1 box
+create_atoms 2 box
+"""
+DENSITY = "fix c1 all property/global cohesionEnergyDensity peratomtypepair 3 {}\n"
+CAPILLARY = "fix c1 all property/global surfaceTension scalar {}\nfix c2 all property/global fluidViscosity scalar {}\n"
+
+
+@pytest.mark.parametrize(
+    "model,constants,sticky,types",
+    [
+        ("sjkr", DENSITY.format("0 0 0  0 0 0  0 0 0"), [], ()),
+        ("sjkr2", DENSITY.format("0.0 0 0  0 0e5 0  0 0 7"), [], ()),
+        ("sjkr", DENSITY.format("0 0 0  0 5 0  0 0 0"), [("2", "2")], ("2",)),
+        ("sjkr2", DENSITY.format("0 5 0  5 0 0  0 0 0"), [("1", "2")], ("1", "2")),
+        ("sjkr", DENSITY.format("0 0 5  0 0 0  5 0 0"), [("1", "wall")], ("1",)),
+        ("easo/capillary/viscous", CAPILLARY.format(0, 0.0), [], ()),
+        ("off", "", [], ()),
+    ],
+)
+@pytest.mark.parametrize("before", [True, False])
+def test_cohesion_concerns_contacts_whose_constant_is_not_0(model, constants, sticky, types, before):
+    """Wherever the constants are: they count at the run."""
+    lines = [HEAD.replace("box 2 reg", "box 3 reg"), constants, COHESIVE.format(model)]
+    found = read("".join(lines if before else [lines[0], lines[2], lines[1]]) + "run 1\n")
+    contacts = found.stages[0].contacts
+    assert [one.types for one in contacts if one.adhesion] == sticky and len(contacts) == 5
+    assert {name for note in found.invalidates for name in note.types} == set(types) and not found.unknown
+
+
+def test_cohesion_may_begin_with_a_later_run():
+    text = f"{HEAD}{COHESIVE.format('sjkr').replace('type 3', 'type 2')}"
+    constants = "fix c1 all property/global cohesionEnergyDensity peratomtypepair 2 {0} {0} {0} {0}\nrun 1\n"
+    found = read(text + constants.format(0) + constants.format(9))
+    assert [any(one.adhesion for one in stage.contacts) for stage in found.stages] == [False, True]
+    assert [note.types for note in found.invalidates] == [("1", "2")] * 2
 
 
 @pytest.mark.parametrize(

@@ -460,6 +460,53 @@ def test_corrected_lines_give_the_restitution_that_was_asked_for(contact):
     assert not [line for line in hl.check(script(HOOKE), speed=1.0).corrected if "timestep" not in line]
 
 
+COHESIVE = """\
+atom_style granular
+units si
+region reg block 0 1 0 1 0 1 units box
+create_box 1 reg
+fix m1 all property/global youngsModulus peratomtype 1e7
+fix m2 all property/global poissonsRatio peratomtype 0.3
+fix m3 all property/global coefficientRestitution peratomtypepair 1 0.6
+fix m4 all property/global cohesionEnergyDensity peratomtypepair 1 {}
+pair_style gran model hertz cohesion sjkr
+timestep 1e-5
+create_atoms 1 random 10 1 reg
+set group all diameter 1e-2 density 2500
+fix integr all nve/sphere
+run 1000
+"""
+
+
+def test_cohesion_is_part_of_the_restitution():
+    """LIGGGHTS 3.8.0 gives .600, .508, and grains that stay together."""
+    none, some, much = (hl.check(COHESIVE.format(w), speed=0.5) for w in ("0", "1e5", "3e5"))
+    assert none.admissible is None and not none.invalidates
+    assert none.rows[0].restitution == pytest.approx(0.6, abs=1e-6)
+    assert none.rows[0] == hl.check(COHESIVE.format("0").replace(" cohesion sjkr", ""), speed=0.5).rows[0]
+    assert (
+        some.rows[0].restitution == pytest.approx(0.5077, abs=2e-4) and some.rows[0].restitution_asked == 0.6
+    )
+    assert some.rows[0].rule == "law" and not some.rows[0].error
+    assert much.rows[0].restitution == 0.0 and much.rows[0].duration is None
+    assert "differs from ε asked" in " ".join(some.remarks)
+    for found in (some, much):
+        assert found.admissible is False and [one.what for one in found.invalidates] == ["cohesion (sjkr)"]
+        assert found.sentence.startswith("No: cohesion (sjkr) of type 1") and not found.unknown
+        assert not [line for line in found.corrected if not line.startswith("timestep")]
+    slow = [hl.check(COHESIVE.format("1e5"), speed=v).rows[0].restitution for v in (0.04, 0.05, 0.2, 2.0)]
+    assert slow[0] == 0.0 and slow == sorted(slow)
+    dense = hl.check(COHESIVE.format("1e5"), speed=0.5, packing_fraction=0.1).rows[0]
+    assert dense.tc_nu and not dense.error and dense.softening is None
+
+
+@pytest.mark.parametrize("model", ["easo/capillary/viscous", "magic"])
+def test_cohesion_that_is_not_modelled_leaves_the_restitution_out(model):
+    found = hl.check(COHESIVE.format("1e5").replace("sjkr", model), speed=0.5)
+    assert found.admissible is False and f"cohesion ({model})" in found.sentence
+    assert [row.restitution for row in found.rows] == [None] and not found.unknown
+
+
 # --- command line -----------------------------------------------------------------------------------------------
 
 #: The keys of the output, and the types of their values.

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
 from itertools import permutations
+from typing import Any
 
 import numpy as np
 
@@ -17,7 +18,7 @@ from ..contact.balls import Ball
 from ..contact.contact import Law
 from ..convert import texts
 from ..convert.codes import Code, Model, Pair, Written, code
-from ..convert.force import Force
+from ..convert.force import AdhesiveForce, ContactArea, Force
 from ..convert.formulas import DEFAULT_POISSON_RATIO, Numbers
 from ..convert.wanted import LAWS
 from ..scripts import ContactSettings, Description, Grains, Stage
@@ -48,13 +49,28 @@ class ModelForce:
         return Written(self.model, pair, speed, self.attraction, nu)
 
     def __call__(self, first: KnownBody, second: KnownBody | None, speed: float) -> Force:
-        return self.written(first, second, speed).force(self.numbers)
+        force = self.written(first, second, speed).force(self.numbers)
+        cohesion = energy_density(self.contact)
+        if cohesion is None:
+            return force
+        area = ContactArea(cohesion[0], first.radius, math.inf if second is None else second.radius)
+        return AdhesiveForce(
+            force.powers, force.stiffness, force.damping, force.effective_mass, cohesion[1], area
+        )
 
     @property
     def spring(self) -> tuple[str, float, float] | None:
         """The number that sets the stiffness, its value, and the power with which it does."""
         power = 0.8 if self.model.spring.given == "impact" else 1.0
         return _spring(self.numbers, power)
+
+
+def energy_density(contact: ContactSettings) -> tuple[Any, float] | None:
+    """LIGGGHTS' model of cohesion and its energy density [J/m³]; None without one, or if that is not known."""
+    model, density = (contact.settings.get(name) for name in ("cohesion", "cohesionEnergyDensity"))
+    if model is None or model.words[0] not in ("sjkr", "sjkr2") or density is None:
+        return None
+    return model.words[0], float(density.words[0])
 
 
 def _spring(numbers: Mapping[str, float], power: float) -> tuple[str, float, float] | None:
@@ -113,6 +129,9 @@ def of_script(description: Description) -> tuple[list[Case], Remarks]:
         before = stage
         forces: list[tuple[ContactSettings, ModelForce | None]] = []
         for contact in stage.contacts:
+            if contact.adhesion and energy_density(contact) is None:
+                forces.append((contact, None))
+                continue
             try:
                 force, limit = _force(found, contact, description.version)
                 if limit:

@@ -303,7 +303,7 @@ def _lasting(
             if stage.gravity and any(_holds(stage, one) for one in stage.contacts):
                 yield Finding("grains rest on each other under gravity", None, _where(stage.quote))
                 break
-    for types in dict.fromkeys(row.types for row in rows if row.restitution == 0.0):
+    for types in dict.fromkeys(row.types for row in rows if row.restitution == 0.0 and not row.adhesive):
         yield Finding("overdamped contacts", types)
 
 

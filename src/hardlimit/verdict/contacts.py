@@ -14,7 +14,7 @@ import scipy
 
 from ..boxes.theory import Gas
 from ..boxes.time_step import DEFAULT_ERROR
-from ..convert.force import Collision, Force, Powers
+from ..convert.force import AdhesiveForce, Collision, Force
 from .error_law import MEASURED_TC_NU
 from .expectation import ACCEPTED, RULES, Expected, expected
 
@@ -113,6 +113,7 @@ class CheckedContact:
     restitution_asked: float | None  #: ε in the script
     clipped: bool | None  #: whether the force never attracts
     speed: float | None  #: impact speed [m/s]
+    adhesive: bool = False  #: whether the bodies attract each other beside the damping
     restitution: float | None = None  #: ε that the code really gives
     duration: float | None = None  #: [s]
     steps_per_contact: int | None = None  #: whole time steps in a contact
@@ -198,7 +199,8 @@ def _results(
     collision = _collision(force, speed, case.numerical_damping)
     smaller = first.radius if second is None else min(first.radius, second.radius)
     found: dict[str, Any] = {
-        "rule": usual_rule(force.powers),
+        "rule": usual_rule(force),
+        "adhesive": isinstance(force, AdhesiveForce),
         "restitution": collision.restitution,
         "duration": collision.duration,
         "time_step": force.longest_step(speed, DEFAULT_ERROR),
@@ -246,7 +248,7 @@ def _in_gas(
         return found
     rate = gas.collision_rate(gas.mean_speed or speed, gas.diameter or diameter)
     tc_nu = found["tc_nu"] = mean.duration * rate
-    if second is None:
+    if second is None or isinstance(force, AdhesiveForce):
         return found
     exponent = 0.25 * force.powers.elastic + 1.0
     clipped = replace(force, powers=replace(force.powers, attracts=False))
@@ -261,7 +263,7 @@ def _in_gas(
         # Measured for forces that never attract; attraction prolongs the contact.
         return one and (one, math.hypot(one.bar, one.error * prolonged, one.error * unequal))
 
-    usual = usual_rule(force.powers)
+    usual = usual_rule(force)
     for rule in RULES:
         if rule == "constant" != usual:
             continue  # its error has another cause as well, the ε that depends on the speed
@@ -286,9 +288,10 @@ def restitution_of(case: Case, speed: float) -> float:
     ).restitution
 
 
-def usual_rule(powers: Powers) -> str:
+def usual_rule(force: Force) -> str:
     """The rule for this force in an event-driven simulation: "law" if ε depends on the speed, else "constant"."""
-    return "constant" if 2 * powers.damping == powers.elastic - 4 else "law"
+    constant = 2 * force.powers.damping == force.powers.elastic - 4 and not isinstance(force, AdhesiveForce)
+    return "constant" if constant else "law"
 
 
 def _collision(force: Force, speed: float, damping: float | None) -> Collision:
