@@ -180,8 +180,13 @@ def test_versions_of_a_code_differ():
     epsilon = {version: one.rows[0].restitution for version, one in found.items()}
     assert epsilon["22 Jul 2025 - Update 4"] > epsilon["2 Sep 2026"] + 0.05
     assert epsilon[None] == epsilon["10 Dec 2026"] == epsilon["2 Sep 2026"]
-    assert "since 2 Sep 2026" in " ".join(found[None].remarks)
-    assert "since" not in " ".join(found["2 Sep 2026"].remarks)
+    older = found["22 Jul 2025 - Update 4"].rows[0].restitution
+    assert [one[:2] for one in found[None].rows[0].other_versions] == [("2 Sep 2026", older)]
+    assert (
+        f"LAMMPS before 2 Sep 2026: ε {older:.3g} instead of {epsilon[None]:.3g} (1–1)."
+        in found[None].remarks
+    )
+    assert "before" not in " ".join(found["2 Sep 2026"].remarks)
 
 
 def test_frozen_grains_are_walls_of_infinite_mass_and_meet_no_frozen_grains():
@@ -523,6 +528,7 @@ CONTACT = {
     "duration": MAYBE, "steps_per_contact": int | None, "restitution_error_of_step": MAYBE, "time_step": MAYBE,
     "rayleigh_time": MAYBE, "p_wave_time": MAYBE, "largest_overlap": MAYBE, "tc_nu": MAYBE, "delta_over_d": MAYBE,
     "softening": MAYBE, "heated_error": MAYBE, "sheared_error": MAYBE, "rule": str, "error": dict,
+    "other_versions": list,
 }  # fmt: skip
 FINDING = {"what": str, "types": list | None, "where": str | None}
 STAGE = {"number": int, "command": str, "time_step": MAYBE, "steps": int | None, "gravity": MAYBE}

@@ -19,6 +19,11 @@ from .statements import Statement, refused, settings
 #: Words after the shape of a wall with their number of values.
 WALL_OPTIONS: Final = {"wiggle": 3, "shear": 2, "contacts": 0, "temperature": 1}
 CURVED: Final = ("cylinder", "sphere", "cone", "ellipsoid")
+#: First versions that mix the numbers of two types without their own pair_coeff as they do today.
+MIXED_SINCE: Final = {
+    **dict.fromkeys(("hooke", "hertz"), "28 Mar 2023"),
+    **dict.fromkeys(("hertz/material", *ADHESIVE), "15 Jun 2023"),  # whose moduli were mixed twice
+}
 #: Fixes with their own walls.
 GRANULAR_WALLS: Final = ("wall/gran", "wall/gran/region")
 
@@ -163,7 +168,7 @@ class Lammps(State):
         if found is None:
             self.unknown.update(dict.fromkeys(quotes))
             return None
-        return ContactSettings(types, None, found, quotes)
+        return ContactSettings(types, None, found, quotes, since=mixed_since(alone[0].settings))
 
     # --- walls and insertions -----------------------------------------------------------------------------------
 
@@ -273,6 +278,13 @@ def sticky(settings: Settings) -> tuple[Settings, str]:
         return settings, f"adhesion ({name})"
     material = replace(setting, words=("hertz/material", *numbers[:-1]))
     return {**settings, "normal": material}, ""
+
+
+def mixed_since(settings: Settings) -> str:
+    """The first version that mixes the numbers of two types; older ones take a linear spring with constant damping."""
+    name = settings["normal"].words[0]
+    usual = name == "hooke" and settings["damping"].words == ("velocity",)
+    return "" if usual else MIXED_SINCE[name]
 
 
 def mixed(one: Settings, other: Settings) -> Settings | None:

@@ -22,12 +22,14 @@ from ..convert.force import AdhesiveForce, ContactArea, Force
 from ..convert.formulas import DEFAULT_POISSON_RATIO, Numbers
 from ..convert.wanted import LAWS
 from ..scripts import ContactSettings, Description, Grains, Stage
-from ..support.formatting import listed
-from .contacts import Body, Case, KnownBody
+from ..support.formatting import digits, listed, quantity
+from .contacts import Body, Case, CheckedContact, KnownBody
 
 WALL = "wall"
 #: In place of the name of a wall: the second grain is one of those of its type that do not move.
 FIXED = "fixed"
+#: Most differences in a remark, and the smallest relative one.
+MOST, DIFFERENT = 4, 0.02
 
 
 @dataclass(frozen=True)
@@ -38,6 +40,8 @@ class ModelForce:
     numbers: Numbers
     attraction: bool
     contact: ContactSettings
+    #: The force before versions of the code that changed it, if the version is not known.
+    others: tuple[tuple[str, ModelForce], ...] = ()
 
     def written(self, first: KnownBody, second: KnownBody | None, speed: float) -> Written:
         """The model applied to two bodies."""
@@ -108,7 +112,7 @@ class LawForce:
 class Remarks:
     """What the contacts of a script add to its lists."""
 
-    versions: tuple[str, ...]  #: differences between versions of the code
+    versions: tuple[str, ...]  #: what holds only since a version of the code
     not_modelled: tuple[
         tuple[tuple[str, str], str], ...
     ]  #: types of contacts that no model describes, and why
@@ -121,7 +125,7 @@ def of_script(description: Description) -> tuple[list[Case], Remarks]:
     """
     found = code(description.code)
     cases: list[Case] = []
-    versions, failed = dict[str, dict[str, None]](), dict[tuple[tuple[str, str], str], None]()
+    since, failed = dict[str, dict[str, None]](), dict[tuple[tuple[str, str], str], None]()
     before: Stage | None = None
     for number, stage in enumerate(description.stages, 1):
         if before is not None and _state(stage) == _state(before):
@@ -133,10 +137,9 @@ def of_script(description: Description) -> tuple[list[Case], Remarks]:
                 forces.append((contact, None))
                 continue
             try:
-                force, limit = _force(found, contact, description.version)
-                if limit:
-                    versions.setdefault(limit, {})[force.model.name] = None
-                forces.append((contact, force))
+                forces.append((contact, _force(found, contact, description.version)))
+                if contact.since and description.version is None:
+                    since.setdefault(contact.since, {})["–".join(contact.types)] = None
             except ValueError as error:
                 failed[contact.types, str(error).removeprefix("input: ")] = None
                 forces.append((contact, None))
@@ -144,10 +147,31 @@ def of_script(description: Description) -> tuple[list[Case], Remarks]:
         for contact, known in forces:
             cases += _ends(number, stage, contact, known, materials)
     said = [
-        f"{listed(list(names))} as in {found.title} since {limit}; before, another ε."
-        for limit, names in versions.items()
+        f"{listed(list(names))}: mixed as {found.title} does since {limit}; before, their numbers do not determine ε."
+        for limit, names in since.items()
     ]
     return cases, Remarks(tuple(said), tuple(failed))
+
+
+def of_other_versions(title: str, rows: Sequence[CheckedContact], plain: bool) -> Iterator[str]:
+    """What contacts are in other versions of the code, for rows in SI units or, if ``plain``, those of the script."""
+    found: dict[str, dict[str, dict[str, None]]] = {}
+    for row in rows:
+        for before, *values in row.other_versions:
+            parts = found.setdefault(before, {})
+            for name, old, new in zip(("ε", "t_c"), values, (row.restitution, row.duration), strict=True):
+                if old is not None and new is not None and not math.isclose(old, new, rel_tol=DIFFERENT):
+                    shown = [
+                        digits(x, 3) if plain or name == "ε" else quantity(x, "s", 3) for x in (old, new)
+                    ]
+                    parts.setdefault(f"{name} {shown[0]} instead of {shown[1]}", {})["–".join(row.types)] = (
+                        None
+                    )
+    for before, parts in found.items():
+        texts = [f"{text} ({', '.join(pairs)})" for text, pairs in parts.items()]
+        more = len(texts) - MOST
+        if texts:
+            yield f"{title} before {before}: {'; '.join(texts[:MOST])}{f'; and {more} more' if more > 0 else ''}."
 
 
 def _materials(
@@ -176,26 +200,43 @@ def _state(stage: Stage) -> object:
     return contacts, stage.grains, stage.time_step, stage.numerical_damping
 
 
-def _force(found: Code, contact: ContactSettings, version: str | None) -> tuple[ModelForce, str]:
-    """The force of a contact, and the version before which it may be another one, empty if there is none."""
-    wall = contact.types[1] == WALL
-    read = texts.interpreted(found, found.models, contact.settings, wall)
-    model, limit = _of_version(read.model, version)
-    attracts = {"always": True, "never": False}.get(model.attracts, read.attracts)
-    return ModelForce(model, read.numbers, attracts, contact), limit
-
-
-def _of_version(model: Model, version: str | None) -> tuple[Model, str]:
-    """The model as in this version of the code, by default the newest; then also the version that changed it."""
-    other = model.difference
-    if other is None:
-        return model, ""
-    changed = replace(model, damping=other.damping, attracts=other.attracts or model.attracts)
-    limit = other.since or other.before
+def _force(found: Code, contact: ContactSettings, version: str | None) -> ModelForce:
+    """The force of a contact as in this version of the code, by default the newest."""
+    read = texts.interpreted(found, found.models, contact.settings, contact.types[1] == WALL)
     known = None if version is None else _date(version)
-    newer = known is None or known >= (_date(limit) or known)
-    chosen = changed if newer == bool(other.since) else model
-    return chosen, "" if version is not None else limit or ""
+    if contact.since and known is not None and known < (_date(contact.since) or known):
+        raise ValueError(f"the numbers of two types are not mixed before {contact.since}")
+
+    def force(version: tuple[int, ...] | None) -> ModelForce:
+        model = _as_of(read.model, version, contact.types[1] == WALL)
+        attracts = {"always": True, "never": False}.get(model.attracts, read.attracts)
+        return ModelForce(model, read.numbers, attracts, contact)
+
+    limits = {one.since or one.before for one in read.model.difference} if known is None else set()
+    older: list[tuple[str, ModelForce]] = []
+    newest = later = force(known)
+    for limit in sorted(limits, key=_just_before, reverse=True):
+        before = force(_just_before(limit))
+        if before.model != later.model:
+            older.append((limit, before))
+        later = before
+    return replace(newest, others=tuple(older))
+
+
+def _as_of(model: Model, version: tuple[int, ...] | None, wall: bool) -> Model:
+    """The model in a version of the code, by default the newest."""
+    for one in model.difference:
+        newer = version is None or version >= (_date(one.since or one.before) or version)
+        if newer == bool(one.since) and (wall or not one.walls):
+            damping, spring = one.damping or model.damping, one.spring or model.spring
+            model = replace(model, damping=damping, spring=spring, attracts=one.attracts or model.attracts)
+    return model
+
+
+def _just_before(limit: str) -> tuple[int, ...]:
+    """A version older than this one, and not older than those before."""
+    *first, last = _date(limit) or (0,)
+    return (*first, last - 1)
 
 
 def _date(version: str) -> tuple[int, ...] | None:
@@ -256,6 +297,7 @@ def _between(
             stage.numerical_damping,
             (materials.get(grains[0].type), materials.get(grains[-1].type)),
             None if force is None else force.spring,
+            () if force is None else force.others,
         )
 
 

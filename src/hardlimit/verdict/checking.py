@@ -12,6 +12,7 @@ from typing import Any, Final
 from ..boxes.system import ParticleSystem
 from ..contact.balls import Ball
 from ..contact.contact import Law
+from ..convert.codes import code
 from ..convert.force import MAX_SPEED, MIN_SPEED
 from ..convert.readers import UNITS
 from ..scripts import ContactSettings, Description, Grains, Note, Quote, Stage
@@ -236,7 +237,7 @@ def _of_script(script: Description, given: Given, frames: Sequence[dumps.Frame] 
         tuple(invalidates),
         tuple(unknown),
         missing,
-        tuple(notes),
+        (*cases.of_other_versions(code(script.code).title, rows, script.units == "lj"), *notes),
         tuple(corrections.lines(script.code, examined, 1.0)),
     )
 
@@ -429,7 +430,8 @@ def _in_si(row: CheckedContact, scales: tuple[float, float, float]) -> CheckedCo
     for name, powers in POWERS.items():
         if (value := getattr(row, name)) is not None:
             changed[name] = value * math.prod(s**p for s, p in zip(scales, powers, strict=True))
-    return replace(row, **changed)
+    others = [one._replace(duration=one.duration and one.duration * scales[2]) for one in row.other_versions]
+    return replace(row, **changed, other_versions=tuple(others))
 
 
 def _state_in_si(state: dumps.State, length: float, time: float) -> dumps.State:

@@ -93,6 +93,16 @@ class Case:
     materials: tuple[tuple[float, float] | None, ...] = (None, None)
     #: Number that sets the stiffness, its value in the units of the script, and the power with which it does.
     spring: tuple[str, float, float] | None = None
+    #: The force before versions of the code that changed it.
+    others: tuple[tuple[str, MakeForce], ...] = ()
+
+
+class OtherVersion(NamedTuple):
+    """A contact in older versions of its code. None stands for what is not known."""
+
+    before: str  #: the version that changed the force
+    restitution: float | None
+    duration: float | None  #: [s]
 
 
 #: The error of cooling and its error bar, by rule of collision.
@@ -130,6 +140,7 @@ class CheckedContact:
     sheared_error: float | None = None  #: of the shear stress of event-driven spheres at equal shear rate
     softening: float | None = None  #: factor of the stiffness at an error of cooling of 1 %, with its bar
     spring: tuple[str, float, float] | None = None  #: name of the stiffness, value, value after this change
+    other_versions: tuple[OtherVersion, ...] = ()  #: of the code, if the script does not state its version
 
 
 def examine(case: Case, speeds: Sequence[float | None], gas: Surroundings) -> list[CheckedContact]:
@@ -159,16 +170,15 @@ def _at(case: Case, speed: float | None, gas: Surroundings) -> CheckedContact:
         return row
     bodies = (case.first, case.second or case.first)
     known = speed is not None and all(body.radius is not None and body.mass is not None for body in bodies)
-    found = [
-        _results(
-            case,
+    tried = [
+        (
             case.first.tried(k),
             None if case.second is None else case.second.tried(k),
             TRIALS["speed"][k] if speed is None else speed,
-            gas,
         )
         for k in range(1 if known else len(TRIALS["speed"]))
     ]
+    found = [_results(case, *one, gas) for one in tried]
     kept: dict[str, Any] = {name: _agreed([one.get(name) for one in found]) for name in found[0]}
     errors = {str(rule): (kept.pop(rule), kept.pop(f"{rule}±")) for rule in RULES if rule in kept}
     if (steps := kept.get("steps_per_contact")) is not None:
@@ -176,7 +186,15 @@ def _at(case: Case, speed: float | None, gas: Surroundings) -> CheckedContact:
     if case.spring is not None and kept.get("softening") is not None:
         name, value, power = case.spring
         kept["spring"] = name, value, value * kept["softening"] ** (1.0 / power)
+    kept["other_versions"] = tuple(_other_version(case, *one, tried) for one in case.others)
     return replace(row, **kept, error={rule: pair for rule, pair in errors.items() if None not in pair})
+
+
+def _other_version(
+    case: Case, before: str, make: MakeForce, tried: Sequence[tuple[KnownBody, KnownBody | None, float]]
+) -> OtherVersion:
+    found = [_collision(make(*one), one[2], case.numerical_damping) for one in tried]
+    return OtherVersion(before, _agreed([c.restitution for c in found]), _agreed([c.duration for c in found]))
 
 
 def _agreed(values: Sequence[Any]) -> Any:
