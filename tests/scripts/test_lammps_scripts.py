@@ -544,6 +544,24 @@ def test_what_makes_hard_spheres_wrong(line, what):
     assert any(what in one.what for one in read(f"{BASE}{line}\nrun 1\n").invalidates)
 
 
+def test_words_of_2026_leave_the_normal_contact():
+    """Friction with two coefficients is named; elastic-plastic-adhesive normal models have no ε."""
+    for word in ("linear_history/static", "mindlin/static"):
+        text = (
+            BASE
+            + f"pair_coeff * * hooke 1e5 0.5 tangential {word} 2e4 1.0 0.5 0.4 damping coeff_restitution\nrun 1\n"
+        )
+        found = read(text)
+        assert not found.unknown and f"tangential {word}" in [one.what for one in found.ignored]
+        assert normal(text) == ("hooke", "1e5", "0.5")
+    for words in ("epa_linear 1e5 0.5 2 1e4 0.05 0.1", "epa_nonlinear 1e7 0.5 0.3 0.5 0 1e3 1.5 1"):
+        found = read(BASE + f"pair_coeff * * {words} tangential mindlin/static NULL 1 0.5 0.4\nrun 1\n")
+        assert [one.what for one in found.invalidates] == [f"plastic deformation ({words.split()[0]})"]
+        assert not found.unknown and all(one.adhesion for one in found.stages[0].contacts)
+    strange = read(BASE + "pair_coeff * * hooke 1e5 0.5 tangential mindlin/magic 1 2 3\nrun 1\n").unknown
+    assert [one.part for one in strange] == ["tangential mindlin/magic"]
+
+
 def test_what_is_unknown_is_quoted():
     lines = ["fix new all granular/magic 1", "strange command", "pair_coeff 1 1 hooke 1e5 0.5 damping magic"]
     text = BASE + "\n".join(lines) + "\nrun 1\n"

@@ -30,6 +30,7 @@ class Quote:
     file: str  #: path as the script names it; empty for text that is not a file
     line: int  #: counted from 1
     text: str  #: one line
+    part: str = ""  #: words of it that were not understood; empty for all
 
 
 @dataclass(frozen=True)

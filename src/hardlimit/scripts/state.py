@@ -190,12 +190,14 @@ class State:
         """Whether a statement is understood. If not, it is quoted, or refused if a variable in it is not known."""
         try:
             read()
-        except ValueError:
+        except ValueError as error:
             if UNRESOLVED.search(statement.text):
                 raise refused(
                     statement, f"have variables that are known: give them with --var, or {USE_LOG}"
                 ) from None
-            self.unknown[statement.quote] = None
+            part = getattr(error, "part", "")
+            whole = part == " ".join(statement.text.split())
+            self.unknown[replace(statement.quote, part="" if whole else part)] = None
             return False
         return True
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
 from itertools import permutations
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from ..convert.codes import Code, Model, Pair, Written, code
 from ..convert.force import AdhesiveForce, ContactArea, Force
 from ..convert.formulas import DEFAULT_POISSON_RATIO, Numbers
 from ..convert.wanted import LAWS
-from ..scripts import ContactSettings, Description, Grains, Stage
+from ..scripts import ContactSettings, Description, Grains, Quote, Stage
 from ..support.formatting import digits, listed, quantity
 from .contacts import Body, Case, CheckedContact, KnownBody
 
@@ -108,14 +108,20 @@ class LawForce:
 # --- scripts ------------------------------------------------------------------------------------------------
 
 
+class NotModelled(NamedTuple):
+    """A contact that no model describes."""
+
+    types: tuple[str, str]
+    why: str
+    quote: Quote | None
+
+
 @dataclass(frozen=True)
 class Remarks:
     """What the contacts of a script add to its lists."""
 
     versions: tuple[str, ...]  #: what holds only since a version of the code
-    not_modelled: tuple[
-        tuple[tuple[str, str], str], ...
-    ]  #: types of contacts that no model describes, and why
+    not_modelled: tuple[NotModelled, ...]
 
 
 def of_script(description: Description) -> tuple[list[Case], Remarks]:
@@ -125,7 +131,7 @@ def of_script(description: Description) -> tuple[list[Case], Remarks]:
     """
     found = code(description.code)
     cases: list[Case] = []
-    since, failed = dict[str, dict[str, None]](), dict[tuple[tuple[str, str], str], None]()
+    since, failed = dict[str, dict[str, None]](), dict[NotModelled, None]()
     before: Stage | None = None
     for number, stage in enumerate(description.stages, 1):
         if before is not None and _state(stage) == _state(before):
@@ -141,7 +147,8 @@ def of_script(description: Description) -> tuple[list[Case], Remarks]:
                 if contact.since and description.version is None:
                     since.setdefault(contact.since, {})["–".join(contact.types)] = None
             except ValueError as error:
-                failed[contact.types, str(error).removeprefix("input: ")] = None
+                why = str(error).removeprefix("input: ")
+                failed[NotModelled(contact.types, why, contact.quotes[0] if contact.quotes else None)] = None
                 forces.append((contact, None))
         materials = _materials(forces)
         for contact, known in forces:
@@ -205,7 +212,7 @@ def _force(found: Code, contact: ContactSettings, version: str | None) -> ModelF
     read = texts.interpreted(found, found.models, contact.settings, contact.types[1] == WALL)
     known = None if version is None else _date(version)
     if contact.since and known is not None and known < (_date(contact.since) or known):
-        raise ValueError(f"the numbers of two types are not mixed before {contact.since}")
+        raise ValueError(f"not mixed before {contact.since}")
 
     def force(version: tuple[int, ...] | None) -> ModelForce:
         model = _as_of(read.model, version, contact.types[1] == WALL)

@@ -204,12 +204,10 @@ def _of_script(script: Description, given: Given, frames: Sequence[dumps.Frame] 
         for name in sorted({name for frame in frames for name in frame.types or () if name.isdecimal()})
         if name not in last.grains
     ]
-    unknown += [
-        Finding(why, types, f"{'–'.join(types)}: {why}")
-        for types, why in remarks.not_modelled
-        if not any(set(types) & set(one) for one in taken)
-        and not any(one.types is None for one in invalidates)
-    ]
+    if all(one.types is not None for one in invalidates):
+        unknown += _not_modelled(
+            [one for one in remarks.not_modelled if not any({*one.types} & {*t} for t in taken)]
+        )
     notes = [
         *remarks.versions,
         *dict.fromkeys(_notes(examined)),
@@ -322,6 +320,16 @@ def _fixed(stage: Stage, types: Sequence[str]) -> bool:
     return any(one.frozen or one.partly_frozen for one in grains)
 
 
+def _not_modelled(contacts: Sequence[cases.NotModelled]) -> Iterator[Finding]:
+    """Each statement that no model describes, with the types of its contacts."""
+    for why, quote in dict.fromkeys((one.why, one.quote) for one in contacts):
+        same = [one.types for one in contacts if (one.why, one.quote) == (why, quote)]
+        pairs = ["–".join(types) for types in same]
+        text = f"{', '.join(pairs[:3])}{' …' * (len(pairs) > 3)}: {why}"
+        kinds = tuple(dict.fromkeys(name for types in same for name in types))
+        yield Finding(why, kinds, text if quote is None else f"{_where(quote)} ({text})")
+
+
 def _finding(note: Note) -> Finding:
     return Finding(note.what, note.types, "" if note.quote is None else _where(note.quote))
 
@@ -329,7 +337,8 @@ def _finding(note: Note) -> Finding:
 def _where(quote: Quote) -> str:
     """A statement with its line."""
     file = f"{Path(quote.file).name}, " if quote.file else ""
-    return f"{file}line {quote.line}: {' '.join(quote.text.split())}"
+    part = f" ({quote.part} is not known)" if quote.part else ""
+    return f"{file}line {quote.line}: {' '.join(quote.text.split())}{part}"
 
 
 def _checked(
