@@ -189,6 +189,19 @@ def test_versions_of_a_code_differ():
     assert "before" not in " ".join(found["2 Sep 2026"].remarks)
 
 
+@pytest.mark.parametrize(
+    "version,known", [("10 Mar 2021", True), ("14 May 2021", False), ("29 Sep 2021", True)]
+)
+def test_a_version_with_an_unknown_force_has_no_restitution(version, known):
+    """Walls of fix wall/gran granular hooke, which were wrong in the middle of 2021."""
+    wall = f"fix floor all wall/gran granular hooke 1e5 0.1 damping velocity {TANGENTIAL} zplane 0 1"
+    text = script(f"pair_style granular\npair_coeff * * hooke 1e5 0.1 damping velocity {TANGENTIAL}", wall)
+    found = hl.check(f"LAMMPS ({version})\n{text}", speed=0.1)
+    assert [row.restitution is not None for row in found.rows] == [True, known]
+    assert bool(found.unknown) == (not known) and (known or "to 29 Sep 2021" in found.sentence)
+    assert not hl.check(text, speed=0.1).rows[1].other_versions
+
+
 def test_frozen_grains_are_walls_of_infinite_mass_and_meet_no_frozen_grains():
     quote = Quote("", 1, "run 1")
     words = {"normal": Setting(("gran/hooke", "1e5", "2e4"), 1, "")}

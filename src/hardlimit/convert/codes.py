@@ -96,7 +96,7 @@ class Input:
 
 @dataclass(frozen=True)
 class Difference:
-    """How a model differs in other versions of its code than the one examined: since one version, or before one."""
+    """How a model differs in versions of its code that were not examined: since one version, before one, or both."""
 
     damping: Damping | None = None  #: if it differs
     spring: Spring | None = None  #: if it differs
@@ -104,6 +104,7 @@ class Difference:
     before: str = ""  #: the first version without it
     attracts: Literal["", "always", "never", "unless"] = ""  #: if it differs
     walls: bool = False  #: whether only walls differ
+    unknown: bool = False  #: whether its force was not found out
 
 
 @dataclass(frozen=True)

@@ -219,7 +219,8 @@ def _force(found: Code, contact: ContactSettings, version: str | None) -> ModelF
         attracts = {"always": True, "never": False}.get(model.attracts, read.attracts)
         return ModelForce(model, read.numbers, attracts, contact)
 
-    limits = {one.since or one.before for one in read.model.difference} if known is None else set()
+    examined = [one for one in read.model.difference if not one.unknown and known is None]
+    limits = {one.since or one.before for one in examined}
     older: list[tuple[str, ModelForce]] = []
     newest = later = force(known)
     for limit in sorted(limits, key=_just_before, reverse=True):
@@ -233,8 +234,13 @@ def _force(found: Code, contact: ContactSettings, version: str | None) -> ModelF
 def _as_of(model: Model, version: tuple[int, ...] | None, wall: bool) -> Model:
     """The model in a version of the code, by default the newest."""
     for one in model.difference:
-        newer = version is None or version >= (_date(one.since or one.before) or version)
-        if newer == bool(one.since) and (wall or not one.walls):
+        since = not one.since or version is None or version >= (_date(one.since) or version)
+        before = not one.before or (version is not None and version < (_date(one.before) or version))
+        if since and before and (wall or not one.walls):
+            if one.unknown:
+                raise ValueError(
+                    f"{model.name}: another force from {one.since} to {one.before}, which is not known"
+                )
             damping, spring = one.damping or model.damping, one.spring or model.spring
             model = replace(model, damping=damping, spring=spring, attracts=one.attracts or model.attracts)
     return model
