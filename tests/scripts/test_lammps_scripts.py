@@ -326,6 +326,27 @@ def test_adhesion_concerns_the_types_of_its_line():
         assert [note.types for note in read(text).invalidates] == [types]
 
 
+@pytest.mark.parametrize("model", ["jkr", "dmt"])
+def test_adhesion_whose_constant_is_0_is_none(model):
+    """A force of Hertz then, also between two types, one of which has a constant."""
+    head = f"{BOX}create_atoms 1 box\ncreate_atoms 2 box\npair_style granular\n"
+    numbers = "damping velocity tangential none"
+    text = f"{head}pair_coeff 1 1 {model} 1e6 4 0.3 0.0 {numbers}\npair_coeff 2 2 {model} 3e6 9 0.2 7 {numbers}\n"
+    wall = f"fix w all wall/gran granular {model} 1e6 4 0.3 0 {numbers} zplane 0 NULL\n"
+    found = read(f"{text}{wall}run 1\n")
+    contacts = {(one.types, one.wall): one for one in found.stages[0].contacts}
+    material = ("hertz/material", "1e6", "4", "0.3")
+    for ends in ((("1", "1"), None), (("1", "wall"), "w"), (("2", "wall"), "w")):
+        assert contacts[ends].settings["normal"].words == material and not contacts[ends].adhesion
+    modulus = 1.0 / ((1.0 - 0.09) / 1e6 + (1.0 - 0.04) / 3e6)
+    words = contacts[("1", "2"), None].settings["normal"].words
+    assert words[0] == "hertz" and [float(x) for x in words[1:]] == pytest.approx([4.0 / 3.0 * modulus, 6.0])
+    assert [one.types for one in contacts.values() if one.adhesion] == [("2", "2")]
+    assert [(note.what, note.types) for note in found.invalidates] == [(f"adhesion ({model})", ("2",))]
+    later = read(f"{text}pair_coeff * * hooke 1e5 4 {numbers}\nrun 1\n")
+    assert not later.invalidates  # a later line overrides an earlier one
+
+
 def test_mixing_is_that_of_lammps():
     """Geometric means; moduli in series."""
     both = f"{BOX}create_atoms 1 box\ncreate_atoms 2 box\npair_style granular\n"
@@ -705,6 +726,24 @@ def test_gravity_dimension_and_steps():
 )
 def test_what_makes_hard_spheres_wrong(line, what):
     assert any(what in one.what for one in read(f"{BASE}{line}\nrun 1\n").invalidates)
+
+
+def test_words_of_2026_leave_the_normal_contact():
+    """Friction with two coefficients is named; elastic-plastic-adhesive normal models have no ε."""
+    for word in ("linear_history/static", "mindlin/static"):
+        text = (
+            BASE
+            + f"pair_coeff * * hooke 1e5 0.5 tangential {word} 2e4 1.0 0.5 0.4 damping coeff_restitution\nrun 1\n"
+        )
+        found = read(text)
+        assert not found.unknown and f"tangential {word}" in [one.what for one in found.ignored]
+        assert normal(text) == ("hooke", "1e5", "0.5")
+    for words in ("epa_linear 1e5 0.5 2 1e4 0.05 0.1", "epa_nonlinear 1e7 0.5 0.3 0.5 0 1e3 1.5 1"):
+        found = read(BASE + f"pair_coeff * * {words} tangential mindlin/static NULL 1 0.5 0.4\nrun 1\n")
+        assert [one.what for one in found.invalidates] == [f"plastic deformation ({words.split()[0]})"]
+        assert not found.unknown and all(one.adhesion for one in found.stages[0].contacts)
+    strange = read(BASE + "pair_coeff * * hooke 1e5 0.5 tangential mindlin/magic 1 2 3\nrun 1\n").unknown
+    assert [one.part for one in strange] == ["tangential mindlin/magic"]
 
 
 def test_what_is_unknown_is_quoted():

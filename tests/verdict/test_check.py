@@ -186,7 +186,7 @@ def test_each_system_of_a_script_has_its_own_units(pair, dimensions, tmp_path):
         assert both.stages[number - 1][2:] == one.stages[0][2:]
         assert both.stages[number - 1].units == units
     assert both.units == pair[-1] and both.units_given and both.time_step == alone[-1].time_step
-    assert both.admissible == (False if any(one.admissible is False for one in alone) else True)
+    assert both.admissible == (not any(one.admissible is False for one in alone))
     assert any("Overlaps" in note for one in alone for note in one.remarks) == any(
         "Overlaps" in note for note in both.remarks
     )
@@ -227,8 +227,26 @@ def test_versions_of_a_code_differ():
     epsilon = {version: one.rows[0].restitution for version, one in found.items()}
     assert epsilon["22 Jul 2025 - Update 4"] > epsilon["2 Sep 2026"] + 0.05
     assert epsilon[None] == epsilon["10 Dec 2026"] == epsilon["2 Sep 2026"]
-    assert "since 2 Sep 2026" in " ".join(found[None].remarks)
-    assert "since" not in " ".join(found["2 Sep 2026"].remarks)
+    older = found["22 Jul 2025 - Update 4"].rows[0].restitution
+    assert [one[:2] for one in found[None].rows[0].other_versions] == [("2 Sep 2026", older)]
+    assert (
+        f"LAMMPS before 2 Sep 2026: ε {older:.3g} instead of {epsilon[None]:.3g} (1–1)."
+        in found[None].remarks
+    )
+    assert "before" not in " ".join(found["2 Sep 2026"].remarks)
+
+
+@pytest.mark.parametrize(
+    "version,known", [("10 Mar 2021", True), ("14 May 2021", False), ("29 Sep 2021", True)]
+)
+def test_a_version_with_an_unknown_force_has_no_restitution(version, known):
+    """Walls of fix wall/gran granular hooke, which were wrong in the middle of 2021."""
+    wall = f"fix floor all wall/gran granular hooke 1e5 0.1 damping velocity {TANGENTIAL} zplane 0 1"
+    text = script(f"pair_style granular\npair_coeff * * hooke 1e5 0.1 damping velocity {TANGENTIAL}", wall)
+    found = hl.check(f"LAMMPS ({version})\n{text}", speed=0.1)
+    assert [row.restitution is not None for row in found.rows] == [True, known]
+    assert bool(found.unknown) == (not known) and (known or "to 29 Sep 2021" in found.sentence)
+    assert not hl.check(text, speed=0.1).rows[1].other_versions
 
 
 def test_frozen_grains_are_walls_of_infinite_mass_and_meet_no_frozen_grains():
@@ -507,6 +525,53 @@ def test_corrected_lines_give_the_restitution_that_was_asked_for(contact):
     assert not [line for line in hl.check(script(HOOKE), speed=1.0).corrected if "timestep" not in line]
 
 
+COHESIVE = """\
+atom_style granular
+units si
+region reg block 0 1 0 1 0 1 units box
+create_box 1 reg
+fix m1 all property/global youngsModulus peratomtype 1e7
+fix m2 all property/global poissonsRatio peratomtype 0.3
+fix m3 all property/global coefficientRestitution peratomtypepair 1 0.6
+fix m4 all property/global cohesionEnergyDensity peratomtypepair 1 {}
+pair_style gran model hertz cohesion sjkr
+timestep 1e-5
+create_atoms 1 random 10 1 reg
+set group all diameter 1e-2 density 2500
+fix integr all nve/sphere
+run 1000
+"""
+
+
+def test_cohesion_is_part_of_the_restitution():
+    """LIGGGHTS 3.8.0 gives .600, .508, and grains that stay together."""
+    none, some, much = (hl.check(COHESIVE.format(w), speed=0.5) for w in ("0", "1e5", "3e5"))
+    assert none.admissible is None and not none.invalidates
+    assert none.rows[0].restitution == pytest.approx(0.6, abs=1e-6)
+    assert none.rows[0] == hl.check(COHESIVE.format("0").replace(" cohesion sjkr", ""), speed=0.5).rows[0]
+    assert (
+        some.rows[0].restitution == pytest.approx(0.5077, abs=2e-4) and some.rows[0].restitution_asked == 0.6
+    )
+    assert some.rows[0].rule == "law" and not some.rows[0].error
+    assert much.rows[0].restitution == 0.0 and much.rows[0].duration is None
+    assert "differs from ε asked" in " ".join(some.remarks)
+    for found in (some, much):
+        assert found.admissible is False and [one.what for one in found.invalidates] == ["cohesion (sjkr)"]
+        assert found.sentence.startswith("No: cohesion (sjkr) of type 1") and not found.unknown
+        assert not [line for line in found.corrected if not line.startswith("timestep")]
+    slow = [hl.check(COHESIVE.format("1e5"), speed=v).rows[0].restitution for v in (0.04, 0.05, 0.2, 2.0)]
+    assert slow[0] == 0.0 and slow == sorted(slow)
+    dense = hl.check(COHESIVE.format("1e5"), speed=0.5, packing_fraction=0.1).rows[0]
+    assert dense.tc_nu and not dense.error and dense.softening is None
+
+
+@pytest.mark.parametrize("model", ["easo/capillary/viscous", "magic"])
+def test_cohesion_that_is_not_modelled_leaves_the_restitution_out(model):
+    found = hl.check(COHESIVE.format("1e5").replace("sjkr", model), speed=0.5)
+    assert found.admissible is False and f"cohesion ({model})" in found.sentence
+    assert [row.restitution for row in found.rows] == [None] and not found.unknown
+
+
 # --- command line -----------------------------------------------------------------------------------------------
 
 #: The keys of the output, and the types of their values.
@@ -523,6 +588,7 @@ CONTACT = {
     "duration": MAYBE, "steps_per_contact": int | None, "restitution_error_of_step": MAYBE, "time_step": MAYBE,
     "rayleigh_time": MAYBE, "p_wave_time": MAYBE, "largest_overlap": MAYBE, "tc_nu": MAYBE, "delta_over_d": MAYBE,
     "softening": MAYBE, "heated_error": MAYBE, "sheared_error": MAYBE, "rule": str, "error": dict,
+    "other_versions": list,
 }  # fmt: skip
 FINDING = {"what": str, "types": list | None, "where": str | None}
 STAGE = {

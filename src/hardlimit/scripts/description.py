@@ -30,6 +30,7 @@ class Quote:
     file: str  #: path as the script names it; empty for text that is not a file
     line: int  #: counted from 1
     text: str  #: one line
+    part: str = ""  #: words of it that were not understood; empty for all
 
 
 @dataclass(frozen=True)
@@ -60,6 +61,8 @@ class ContactSettings:
     wall_radius: float = 1.0  #: effective radius in the code's formulas over that at other walls
     asked: float | None = None  #: restitution in the script if the force leaves it out
     pushes: tuple[Direction, ...] | None = None  #: of a wall on grains; None if not known
+    since: str = ""  #: first version of the code in which they mean this, if not all do
+    adhesion: str = ""  #: what makes its force adhesive or plastic, in words
 
 
 @dataclass(frozen=True)

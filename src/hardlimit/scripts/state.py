@@ -242,10 +242,12 @@ class State:
         """Whether a statement is understood. If not, it is quoted, or refused if a variable in it is not known."""
         try:
             read()
-        except ValueError:
+        except ValueError as error:
             if UNRESOLVED.search(statement.text):
                 raise Undefined(statement) from None
-            self.unknown[statement.quote] = None
+            part = getattr(error, "part", "")
+            whole = part == " ".join(statement.text.split())
+            self.unknown[replace(statement.quote, part="" if whole else part)] = None
             return False
         return True
 
@@ -560,6 +562,7 @@ class State:
             return
         self.changed_since = False
         new = conditions.without(self.now(quote, steps), self.unclear)
+        self.note_adhesion(new.contacts)
         if self.stages and replace(self.stages[-1], quote=quote, steps=steps) == new:
             self.longer(steps)
         else:
@@ -589,6 +592,17 @@ class State:
             self.units_given,
             self.dimension,
         )
+
+    def note_adhesion(self, contacts: Sequence[ContactSettings]) -> None:
+        """Note the statements that make contacts adhesive or plastic, each with all types that it concerns."""
+        for one in contacts:
+            if one.adhesion:
+                same = [n for n in self.invalidates if (n.what, n.quote) == (one.adhesion, one.quotes[0])]
+                types = {*one.types, *(name for note in same for name in note.types or ())} - {WALL}
+                for note in same:
+                    del self.invalidates[note]
+                note = Note(one.adhesion, tuple(sorted(types, key=int)), one.quotes[0])
+                self.invalidates[note] = None
 
     def step_now(self) -> float | None:
         """The time step; None if a fix changes it."""

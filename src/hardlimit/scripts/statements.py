@@ -22,6 +22,8 @@ WORD: Final = re.compile(r'"""(.*?)"""(?!\S)|"([^"]*)"(?!\S)|\'([^\']*)\'(?!\S)|
 class Refusal(ValueError):
     """What a script says is not understood, although contacts depend on it."""
 
+    part = ""  #: the words that were not understood
+
 
 @dataclass(frozen=True)
 class Statement:
@@ -70,8 +72,12 @@ def quoted(file: str, line: int, text: str) -> Quote:
 
 def refusal(line: int, text: str, must: str, file: str = "") -> ValueError:
     """The error for a part of an input, with its line and text."""
-    shown = validation.shown(" ".join(text.split()))
-    return Refusal(f"{' '.join(file.split()) or 'input'}: line {line}: got {shown}, must {must}")
+    part = " ".join(text.split())
+    found = Refusal(
+        f"{' '.join(file.split()) or 'input'}: line {line}: got {validation.shown(part)}, must {must}"
+    )
+    found.part = part
+    return found
 
 
 def refused(statement: Statement, must: str) -> ValueError:

@@ -12,6 +12,7 @@ from typing import Any, Final
 from ..boxes.system import ParticleSystem
 from ..contact.balls import Ball
 from ..contact.contact import Law
+from ..convert.codes import code
 from ..convert.force import MAX_SPEED, MIN_SPEED
 from ..scripts import ContactSettings, Description, Grains, Note, Quote, Stage
 from ..scripts import read as read_script
@@ -249,12 +250,10 @@ def _of_script(script: Description, given: Given, frames: Sequence[dumps.Frame] 
         for name in sorted({name for frame in frames for name in frame.types or () if name.isdecimal()})
         if name not in last.grains
     ]
-    unknown += [
-        Finding(why, types, f"{'–'.join(types)}: {why}")
-        for types, why in remarks.not_modelled
-        if not any(set(types) & set(one) for one in taken)
-        and not any(one.types is None for one in invalidates)
-    ]
+    if all(one.types is not None for one in invalidates):
+        unknown += _not_modelled(
+            [one for one in remarks.not_modelled if not any({*one.types} & {*t} for t in taken)]
+        )
     notes = [
         *remarks.versions,
         *dict.fromkeys(_notes(examined)),
@@ -267,6 +266,10 @@ def _of_script(script: Description, given: Given, frames: Sequence[dumps.Frame] 
     rows = [_in_si(row, SCALES[script.stages[row.stage - 1].units]) for row in rows]
     driven = [row for row in rows if _kind(script.stages[row.stage - 1]) == _kind(last)]
     _, length, time = SCALES[last.units]
+
+    def plain(row: CheckedContact) -> bool:
+        return script.stages[row.stage - 1].units == "lj"
+
     return Verdict(
         admissible,
         sentence + answer.steady(driven, given.drive, last.units == "lj"),
@@ -284,7 +287,7 @@ def _of_script(script: Description, given: Given, frames: Sequence[dumps.Frame] 
         tuple(invalidates),
         tuple(unknown),
         missing,
-        tuple(notes),
+        (*cases.of_other_versions(code(script.code).title, rows, plain), *notes),
         tuple(line for one in systems for line in one.corrected(script.code, len(systems) > 1)),
     )
 
@@ -353,7 +356,7 @@ def _lasting(
             if stage.gravity and any(_holds(stage, one) for one in stage.contacts):
                 yield Finding("grains rest on each other under gravity", None, _where(stage.quote))
                 break
-    for types in dict.fromkeys(row.types for row in rows if row.restitution == 0.0):
+    for types in dict.fromkeys(row.types for row in rows if row.restitution == 0.0 and not row.adhesive):
         yield Finding("overdamped contacts", types)
 
 
@@ -371,6 +374,16 @@ def _fixed(stage: Stage, types: Sequence[str]) -> bool:
     return any(one.frozen or one.partly_frozen for one in grains)
 
 
+def _not_modelled(contacts: Sequence[cases.NotModelled]) -> Iterator[Finding]:
+    """Each statement that no model describes, with the types of its contacts."""
+    for why, quote in dict.fromkeys((one.why, one.quote) for one in contacts):
+        same = [one.types for one in contacts if (one.why, one.quote) == (why, quote)]
+        pairs = ["–".join(types) for types in same]
+        text = f"{', '.join(pairs[:3])}{' …' * (len(pairs) > 3)}: {why}"
+        kinds = tuple(dict.fromkeys(name for types in same for name in types))
+        yield Finding(why, kinds, text if quote is None else f"{_where(quote)} ({text})")
+
+
 def _finding(note: Note) -> Finding:
     return Finding(note.what, note.types, "" if note.quote is None else _where(note.quote))
 
@@ -378,7 +391,8 @@ def _finding(note: Note) -> Finding:
 def _where(quote: Quote) -> str:
     """A statement with its line."""
     file = f"{Path(quote.file).name}, " if quote.file else ""
-    return f"{file}line {quote.line}: {' '.join(quote.text.split())}"
+    part = f" ({quote.part} is not known)" if quote.part else ""
+    return f"{file}line {quote.line}: {' '.join(quote.text.split())}{part}"
 
 
 def _checked(
@@ -479,7 +493,8 @@ def _in_si(row: CheckedContact, scales: tuple[float, float, float]) -> CheckedCo
     for name, powers in POWERS.items():
         if (value := getattr(row, name)) is not None:
             changed[name] = value * math.prod(s**p for s, p in zip(scales, powers, strict=True))
-    return replace(row, **changed)
+    others = [one._replace(duration=one.duration and one.duration * scales[2]) for one in row.other_versions]
+    return replace(row, **changed, other_versions=tuple(others))
 
 
 def _state_in_si(state: dumps.State, length: float, time: float) -> dumps.State:

@@ -46,7 +46,7 @@ def _numbers(examined: Sequence[tuple[Case, CheckedContact]]) -> Iterator[str]:
     needed: dict[tuple[str, ...], dict[str, tuple[dict[str, None], str | None]]] = {}
     for case, row in examined:
         asked, force, pair = case.restitution_asked, case.force, "–".join(case.types)
-        if asked is None or not isinstance(force, ModelForce) or row.restitution is None:
+        if asked is None or not isinstance(force, ModelForce) or row.restitution is None or row.adhesive:
             continue
         if force.contact.asked is not None:
             yield f"{DAMPING_LAW}  # in place of {force.contact.settings['betan'].text}"

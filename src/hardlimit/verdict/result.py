@@ -195,6 +195,7 @@ def _contact(row: CheckedContact) -> dict[str, Any]:
         "clipped": row.clipped,
         **plain,
         "rule": row.rule,
+        "other_versions": [one._asdict() for one in row.other_versions],
         "error": {rule: list(pair) for rule, pair in row.error.items()},
     }
 
