@@ -122,13 +122,15 @@ def test_cohesion_takes_no_energy_and_keeps_slow_bodies(powers, restitution, sha
         abs=1e-9 * bare.stiffness,
     )
     found = sticky.collision(speed)
+    if math.isnan(found.restitution):
+        assert found.compression > 0.999 * min(1.0, ratio)
+        return
     assert found.restitution <= bare.collision(speed).restitution + 1e-7
     if share == 0.0:
         assert found.restitution == pytest.approx(bare.collision(speed).restitution, abs=1e-7)
     undamped = AdhesiveForce(bare.powers, bare.stiffness, 0.0, bare.effective_mass, w, area).collision(speed)
-    assert undamped.restitution == pytest.approx(1.0, abs=1e-7) or undamped.compression > 0.999 * min(
-        1.0, ratio
-    )
+    crushed = undamped.compression > 0.999 * min(1.0, ratio)
+    assert crushed or undamped.restitution == pytest.approx(1.0, abs=1e-7)
 
 
 @given(st.floats(0.05, 1.0), st.floats(0.0, 0.9), st.floats(0.2, 5.0), st.floats(0.01, 10.0))

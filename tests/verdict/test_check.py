@@ -561,6 +561,11 @@ def test_cohesion_is_part_of_the_restitution():
         assert not [line for line in found.corrected if not line.startswith("timestep")]
     slow = [hl.check(COHESIVE.format("1e5"), speed=v).rows[0].restitution for v in (0.04, 0.05, 0.2, 2.0)]
     assert slow[0] == 0.0 and slow == sorted(slow)
+    crushed = hl.check(COHESIVE.format("1e8"), speed=0.5)
+    assert crushed.rows[0].restitution is None and crushed.admissible is False and not crushed.unknown
+    sizes = "set group all diameter 1e-2 density 2500"
+    unsized = COHESIVE.format("1e5").replace(sizes, "read_restart old")
+    assert hl.check(unsized, speed=0.5).rows[0].restitution is None
     dense = hl.check(COHESIVE.format("1e5"), speed=0.5, packing_fraction=0.1).rows[0]
     assert dense.tc_nu and not dense.error and dense.softening is None
 

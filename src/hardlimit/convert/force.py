@@ -102,7 +102,7 @@ class Force:
     def error_of_step(self, speed: float, time_step: float) -> float:
         """The error of ε by a time step [s]; infinite if the contact does not end with this step."""
         collision = self.collision(speed)
-        if collision.restitution == 0.0:
+        if not collision.restitution > 0.0:
             return math.nan
         # Beyond the largest number of steps tried, the error is taken as proportional to the step.
         tried = max(time_step, collision.duration / integration_error.MAX_STEPS)
@@ -157,12 +157,12 @@ class AdhesiveForce(Force):
         return super().force(compression, rate) - attraction
 
     def collision(self, speed: float) -> Collision:
-        """The collision at ``speed`` [m/s]. Its restitution is 0 if the bodies stay together."""
+        """The collision at ``speed`` [m/s]. Its restitution is 0 if the bodies stay together, NaN if crushed."""
         return _adhesive_collision(self, speed)
 
     def longest_step(self, speed: float, error: float) -> float:
         """The longest time step [s] with an error of ε of at most ``error``; NaN if the bodies stay together."""
-        if self.collision(speed).restitution == 0.0:
+        if not self.collision(speed).restitution > 0.0:
             return math.nan
         return float(integration_error.longest_step(self, speed, error))
 
@@ -194,7 +194,8 @@ def _collision(powers: Powers, damping: float) -> Collision:
 def _adhesive_collision(force: AdhesiveForce, speed: float) -> Collision:
     """Integrated in the units of the collision without adhesion.
 
-    Bodies whose separation comes to rest within the contact stay together, because damping only dissipates.
+    Bodies whose separation comes to rest within the contact stay together, because damping only dissipates. There is no
+    result where the smaller one is compressed by more than its radius.
     """
     length, time = force.scales(speed)
     unit = force.effective_mass * length / (time * time)
@@ -222,6 +223,8 @@ def _adhesive_collision(force: AdhesiveForce, speed: float) -> Collision:
     largest, compression = max(map(push, *done.y)) * unit, float(done.y[0].max()) * length
     if len(done.y_events[1]):
         compression = float(done.y_events[1][0, 0]) * length
+    if len(done.t_events[3]):
+        return Collision(math.nan, math.nan, compression, largest)
     if not len(done.t_events[0]):
         return Collision(0.0, math.inf, compression, largest)
     return Collision(-float(done.y[1, -1]), float(done.t[-1]) * time, compression, largest)

@@ -98,10 +98,10 @@ class Case:
 
 
 class OtherVersion(NamedTuple):
-    """A contact in older versions of its code. None stands for what is not known."""
+    """A contact in older versions of its code; returned by :func:`hardlimit.check`. None: not known."""
 
     before: str  #: the version that changed the force
-    restitution: float | None
+    restitution: float | None  #: ε before it
     duration: float | None  #: [s]
 
 
