@@ -197,6 +197,10 @@ def test_what_a_condition_leaves_unknown_is_refused_where_it_matters():
         f"{QUIET} 'variable k equal 1e5' else 'variable k equal 2e5'\npair_coeff * * hooke $k 0.5\nrun 1\n"
     )
     assert "values for k: give them with --var" in refused(KE + lines)
+    rounds = "variable k equal 1e5\nlabel a\npair_coeff * * hooke $k 0.5\nrun 5\nvariable k equal 2*$k\n"
+    assert "values for k" in refused(f"{KE}{rounds}{QUIET} 'jump SELF a'\nrun 1\n")
+    counted = f"variable n equal 0\nlabel a\nrun 5\nvariable n equal $n+1\n{QUIET} 'jump SELF a'\nrun 1\n"
+    assert read(KE + counted).stages[0].contacts
     jumps = f"{QUIET} 'jump SELF b'\nrun 5\nquit\nlabel b\ntimestep 3\nrun 6\n"
     assert "give the log" in refused(KE + jumps)
     assert "values for mode" in refused(f"{BASE}if '${{mode}} == x' then 'timestep 1e-6'\nrun 1\n")

@@ -72,7 +72,7 @@ delete_atoms delete_bonds dihedral_coeff dihedral_style displace_atoms improper_
 label lattice log mass min_modify min_style minimize modify_timing neb neigh_modify neighbor newton package partition
 processors replicate rerun reset_atom_ids reset_atoms reset_ids reset_mol_ids reset_timestep shell thermo_log
 special_bonds suffix velocity hard_particles soft_particles next jump fix_modify bond_coeff pair_modify pair_write
-group2ndx ndx2group quit
+group2ndx ndx2group quit partitioner_style extract_surface extrude_surface
 """
 HARMLESS: Final = SILENT | frozenset(HARMLESS_NAMES.split())
 #: Fixes that only observe, or affect how the program runs.
