@@ -197,6 +197,10 @@ def test_what_a_condition_leaves_unknown_is_refused_where_it_matters():
         f"{QUIET} 'variable k equal 1e5' else 'variable k equal 2e5'\npair_coeff * * hooke $k 0.5\nrun 1\n"
     )
     assert "values for k: give them with --var" in refused(KE + lines)
+    rounds = "variable k equal 1e5\nlabel a\npair_coeff * * hooke $k 0.5\nrun 5\nvariable k equal 2*$k\n"
+    assert "values for k" in refused(f"{KE}{rounds}{QUIET} 'jump SELF a'\nrun 1\n")
+    counted = f"variable n equal 0\nlabel a\nrun 5\nvariable n equal $n+1\n{QUIET} 'jump SELF a'\nrun 1\n"
+    assert read(KE + counted).stages[0].contacts
     jumps = f"{QUIET} 'jump SELF b'\nrun 5\nquit\nlabel b\ntimestep 3\nrun 6\n"
     assert "give the log" in refused(KE + jumps)
     assert "values for mode" in refused(f"{BASE}if '${{mode}} == x' then 'timestep 1e-6'\nrun 1\n")
@@ -404,6 +408,17 @@ def test_units_and_their_time_steps():
     assert (last.units, last.units_given, last.time_step) == ("lj", False, 0.1)
 
 
+def test_units_reset_the_time_step():
+    """As LAMMPS warns: "Changing timestep from … due to changing units"."""
+    found = read(f"timestep 1e-5\nunits si\n{BOX}{PAIR}{POUR}run 1\n")
+    assert (found.stages[0].time_step, found.stages[0].time_step_given) == (1e-8, False)
+
+
+def test_styles_of_the_run():
+    assert not read(f"{BASE}run_style verlet\nrun 1\n").unknown
+    assert len(read(f"{BASE}run_style respa 2 2 inner 1 outer 2\nrun 1\n").unknown) == 1
+
+
 # --- grains -----------------------------------------------------------------------------------------------------
 
 
@@ -504,6 +519,36 @@ Velocities
     )
     found = read(script)
     assert found.stages[0].grains["1"].radii is None and len(found.unknown) == 1
+
+
+def test_data_files_that_are_added(tmp_path):
+    (tmp_path / "one.data").write_text("\n1 atoms\n2 atom types\n\nAtoms\n\n1 1 0.02 2500 0.5 0.5 0.5\n")
+    script = tmp_path / "in.more"
+    reads = "read_data one.data extra/atom/types 1\nread_data one.data add append offset 2 0 0 0 0\n"
+    script.write_text(f"units si\natom_style sphere\n{reads}{PAIR}run 1\n")
+    assert list(read(script).stages[0].grains) == ["1", "3"]
+    with (tmp_path / "one.data").open("a") as file:
+        file.write("\nPairIJ Coeffs # granular\n\n1 1 hooke 1e5 0.5\n")
+    assert [one.text.partition(" (")[2] for one in read(script).unknown] == [
+        "its pair coefficients are not read)"
+    ] * 2
+
+
+def test_pairs_that_are_excluded_and_grains_that_are_deleted():
+    text = f"{FOUR_TYPES}group a type 3 4\npair_style gran/hooke 1 NULL 1 NULL 0 0\n{{}}\nrun 1\n"
+
+    def pairs(line):
+        return ["".join(one.types) for one in stage(text.format(line)).contacts]
+
+    every = ["11", "12", "13", "14", "22", "23", "24", "33", "34", "44"]
+    assert pairs("neigh_modify delay 0") == every
+    assert pairs("neigh_modify every 1 exclude type 2 1 exclude type 4 4") == [
+        one for one in every if one not in ("12", "44")
+    ]
+    assert pairs("neigh_modify exclude group a a") == [one for one in every if one not in ("33", "34", "44")]
+    assert pairs("neigh_modify exclude group a a\nneigh_modify exclude none") == every
+    assert pairs("delete_atoms group a") == ["11", "12", "22"]
+    assert pairs("region r block 0 1 0 1 0 1\ndelete_atoms region r") == every
 
 
 def test_molecules(tmp_path):

@@ -234,6 +234,8 @@ class Commands:
         self.skip_jump, self.may_quit, self.trying, self.count = False, False, False, 0
         self.exits: dict[Place, dict[str, Variable]] = {}  #: variables at labels to which conditions may lead
         self.repeated: dict[Place, dict[str, Variable]] = {}  #: variables when a jump led back
+        self.passed: dict[Place, dict[str, Variable]] = {}  #: variables at a label
+        self.again: set[Place] = set()  #: conditions that led back
         self.uncertain = set() if self.flow else _uncertain(self.frames[0])
 
     def __iter__(self) -> Iterator[Statement]:
@@ -297,7 +299,9 @@ class Commands:
             yield from self._interrupted(frame, statement, depth)
         elif command == "quit":
             self.frames.clear()
-        elif command != "label":
+        elif command == "label":
+            self.passed[frame.number, frame.at - 1] = dict(self.variables.known)
+        else:
             yield statement
 
     def _interrupted(self, frame: Frame, statement: Statement, depth: int) -> Iterator[Statement]:
@@ -380,11 +384,12 @@ class Commands:
             for inner in possible[0]:
                 yield from self._run(frame, statement.line, inner, depth + 1)
         elif not all(split(one)[:1] and split(one)[0] in SILENT for inner in possible for one in inner):
-            branches, variables = [], []
+            branches, variables, label = [], [], None
             for inner in possible:
                 before = dict(self.variables.known)
-                branch = self._tried(frame, statement, inner, depth)
+                branch, back = self._tried(frame, statement, inner, depth)
                 branches.append(branch)
+                label = back or label
                 if branch.place:
                     merge(
                         self.exits.setdefault(branch.place, dict(self.variables.known)), self.variables.known
@@ -402,10 +407,23 @@ class Commands:
                 frame.at = min(places)
             else:
                 self.frames.clear()
+            if label:
+                self._repeat(frame, label)
             yield replace(statement, branches=tuple(branches))
 
-    def _tried(self, frame: Frame, statement: Statement, commands: Sequence[str], depth: int) -> Branch:
-        """The commands of a branch, and where it leads."""
+    def _repeat(self, frame: Frame, label: Place) -> None:
+        """Read a loop once more whose number of rounds only a run knows, without the variables that it changes."""
+        before, known = self.passed.get(label, {}), self.variables.known
+        changed = [name for name in {**before, **known} if before.get(name) != known.get(name)]
+        if before and changed and frame.place not in self.again:
+            self.again.add(frame.place)
+            known.update(dict.fromkeys(changed, Variable("unknown", ())))
+            frame.at = label[1]
+
+    def _tried(
+        self, frame: Frame, statement: Statement, commands: Sequence[str], depth: int
+    ) -> tuple[Branch, Place | None]:
+        """The commands of a branch with where it leads, and a label before it to which it leads back."""
         frames, at, found = list(self.frames), frame.at, list[Statement]()
         skip_jump, trying = self.skip_jump, self.trying
         self.trying = True
@@ -415,11 +433,12 @@ class Commands:
                 found += self._step()
             if self.frames != frames or frame.at != at:
                 break
-        ends, place = not self.frames, frame.place if frame.at > at else None
+        ends, place, ahead = not self.frames, frame.place, frame.at - at
         if self.frames and self.frames[-1] is not frame:
             raise refused(statement, f"have a condition that is known without running; {USE_LOG}")
         self.frames, frame.at, self.skip_jump, self.trying = frames, at, skip_jump, trying
-        return Branch(tuple(found), None if ends else place, ends)
+        branch = Branch(tuple(found), place if ahead > 0 and not ends else None, ends)
+        return branch, place if ahead < 0 and not ends else None
 
     def _condition(self, text: str) -> bool | None:
         plain = self.variables.substitute(text)

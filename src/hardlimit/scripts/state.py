@@ -63,16 +63,18 @@ meso_e meso_cv meso_rho sphkernel add until
     4: "quat quat_direct spin/atom",
 }
 SET_COUNTS: Final = {word: count for count, words in SET_WORDS.items() for word in words.split()}
+#: Section of a data file with contacts.
+COEFFICIENTS: Final = re.compile(r"^\s*Pair(?:IJ)? Coeffs\b", re.MULTILINE)
 #: Properties that ``fix property/atom`` defines.
 CUSTOM: Final = re.compile(r"[id]2?_\w+")
 #: Commands that are read below, or that affect neither contacts nor grains.
 HARMLESS_NAMES: Final = """
 angle_coeff angle_style atom_modify balance boundary box change_box comm_modify comm_style communicate create_bonds
-delete_atoms delete_bonds dihedral_coeff dihedral_style displace_atoms improper_coeff improper_style kspace_modify
-label lattice log mass min_modify min_style minimize modify_timing neb neigh_modify neighbor newton package partition
+delete_bonds dihedral_coeff dihedral_style displace_atoms improper_coeff improper_style kspace_modify
+label lattice log mass min_modify min_style minimize modify_timing neb neighbor newton package partition
 processors replicate rerun reset_atom_ids reset_atoms reset_ids reset_mol_ids reset_timestep shell thermo_log
 special_bonds suffix velocity hard_particles soft_particles next jump fix_modify bond_coeff pair_modify pair_write
-group2ndx ndx2group quit
+group2ndx ndx2group quit partitioner_style extract_surface extrude_surface
 """
 HARMLESS: Final = SILENT | frozenset(HARMLESS_NAMES.split())
 #: Fixes that only observe, or affect how the program runs.
@@ -172,6 +174,7 @@ class State:
         self.steps_done, self.atom_style = 0, ""
         self.molecules: dict[str, list[tuple[int, Batch]]] = {}
         self.regions: dict[str, tuple[str, ...]] = {}
+        self.excluded: dict[tuple[str, str], None] = {}  #: pairs of types that do not meet
         self.unclear: dict[conditions.Part, None] = {}  #: what depends on a condition that only a run knows
         self.variables.keywords["dt"] = TIME_STEPS[self.units]
 
@@ -494,7 +497,7 @@ class State:
     def command_units(self, statement: Statement) -> None:
         if len(statement.words) != 2 or statement.words[1] not in TIME_STEPS:
             raise refused(statement, f"be units {', '.join(TIME_STEPS)}")
-        self.units, self.units_given = statement.words[1], True
+        self.units, self.units_given, self.time_step = statement.words[1], True, None  # also in LAMMPS
         self.variables.keywords["dt"] = TIME_STEPS[self.units]
 
     def command_dimension(self, statement: Statement) -> None:
@@ -533,6 +536,34 @@ class State:
         """A command for some partitions only."""
         if not set(statement.words[3:4]) <= HARMLESS:
             self.unknown[statement.quote] = None
+
+    def command_run_style(self, statement: Statement) -> None:
+        if statement.words[1:2] not in (("verlet",), ("verlet/split",)):
+            self.unknown[statement.quote] = None
+
+    def command_neigh_modify(self, statement: Statement) -> None:
+        """Pairs of types that do not meet: ``exclude type I J`` or ``exclude group A B``."""
+        words = statement.words
+        for k, word in enumerate(words[:-1]):
+            if word == "exclude" and words[k + 1] == "none":
+                self.excluded = {}
+            elif word == "exclude" and words[k + 1] in ("type", "group"):
+                typed = words[k + 1] == "type"
+                ends = [
+                    Group(frozenset(self.types_of(one)), True) if typed else self.members(one)
+                    for one in words[k + 2 : k + 4]
+                ]
+                if len(ends) == 2 and all(one.whole for one in ends):
+                    pairs = [(i, j) for i in self.within(ends[0]) for j in self.within(ends[1])]
+                    self.excluded |= dict.fromkeys((str(min(pair)), str(max(pair))) for pair in pairs)
+
+    def command_delete_atoms(self, statement: Statement) -> None:
+        """Grains of whole types may be deleted; of others, some may be left."""
+        words = statement.words
+        group = self.members(words[2]) if words[1:2] == ("group",) and len(words) > 2 else Group(None, False)
+        if group.whole:
+            for kind in self.within(group):
+                self.population.batches.pop(kind, None)
 
     def command_clear(self, statement: Statement) -> None:
         self.reset()
@@ -583,7 +614,7 @@ class State:
             self.step_now(),
             self.time_step is not None,
             steps,
-            tuple(self.contacts()),
+            tuple(one for one in self.contacts() if one.types not in self.excluded),
             grains,
             self.gravity(),
             None,
@@ -695,8 +726,12 @@ class State:
             self.elsewhere(statement, why)
             return
         more = words[words.index("extra/atom/types") + 1 :][:1] if "extra/atom/types" in words else []
-        types = population.header(text, "atom types") + (self.type_of(more[0]) if more else 0)
+        shift = words[words.index("offset") + 1 :][:1] if "offset" in words else []
+        offset = self.type_of(shift[0]) if shift else 0
+        types = population.header(text, "atom types") + (self.type_of(more[0]) if more else 0) + offset
         self.types = min(max(self.types, types), MAX_TYPES)
+        if COEFFICIENTS.search(text):
+            self.quote_with(statement, "its pair coefficients are not read")
         if population.header(text, "bonds"):
             self.invalidate("bonds between grains", statement)
         try:
@@ -706,8 +741,8 @@ class State:
         if not found:
             self.elsewhere(statement, "only atom style sphere is read")
         for kind, batch in found.items():
-            if 1 <= kind <= MAX_TYPES:
-                self.population.add(kind, batch)
+            if 1 <= kind + offset <= MAX_TYPES:
+                self.population.add(kind + offset, batch)
 
     def command_read_restart(self, statement: Statement) -> None:
         self.elsewhere(statement, "such files are not read")
