@@ -9,9 +9,9 @@ from functools import reduce
 from pathlib import Path
 from typing import Final
 
-from . import population
+from . import motion, population
 from .commands import SILENT, UNRESOLVED, USE_LOG, Variables, text_of
-from .description import WALL, ContactSettings, Description, Direction, Note, Quote, Settings, Stage
+from .description import WALL, ContactSettings, Description, Direction, Motion, Note, Quote, Settings, Stage
 from .formulas import NUMBER
 from .granular_words import unaccelerated
 from .population import Batch, Population
@@ -142,6 +142,8 @@ class State:
         self.steps_done, self.atom_style = 0, ""
         self.molecules: dict[str, list[tuple[int, Batch]]] = {}
         self.regions: dict[str, tuple[str, ...]] = {}
+        self.edges: dict[str, float] = {}  #: of the box
+        self.squeezed: list[Note] = []  #: commands that shrank the box
         self.variables.keywords["dt"] = TIME_STEPS[self.units]
 
     # --- what subclasses provide --------------------------------------------------------------------------------
@@ -419,6 +421,7 @@ class State:
             self.gravity(),
             None,
             self.down(),
+            *motion.driven(self),
         )
         if self.stages and replace(self.stages[-1], quote=quote, steps=steps) == new:
             self.longer(steps)
@@ -441,6 +444,17 @@ class State:
 
     def command_create_box(self, statement: Statement) -> None:
         self.types = max(self.types, min(self.type_of((*statement.words, "")[1]), MAX_TYPES))
+        shape, *ends = (*self.regions.get((*statement.words, "", "")[2], ()), "")
+        numbers = [self.coefficient(word) for word in ends[:6]] if shape in ("block", "prism") else []
+        for axis, low, high in zip("xyz", numbers[::2], numbers[1::2], strict=False):
+            if low is not None and high is not None and high > low:
+                self.edges[axis] = high - low
+
+    def command_change_box(self, statement: Statement) -> None:
+        kind, _ = motion.deformation(self, statement.words[2:])
+        self.edges = {}
+        if kind == "pressed":
+            self.squeezed.append(Note("change_box", None, statement.quote))
 
     def command_region(self, statement: Statement) -> None:
         if len(statement.words) > 2:
@@ -623,6 +637,8 @@ class State:
             self.ignore(f"heat ({style})", fix.statement, types)
         elif style.startswith(("move", "deform")):
             self.ignore(f"prescribed motion ({style})", fix.statement, types)
+        elif style.startswith("langevin") and motion.bath(self, fix) is not None:
+            self.ignore(f"a thermostat ({style})", fix.statement, types)
         elif style == "adapt" and ("diameter" in fix.words or "diameter/disc" in fix.words):
             self.elsewhere(fix.statement)
         elif style.startswith("dt/reset"):
@@ -708,9 +724,18 @@ class State:
         settings: Settings,
         quotes: tuple[Quote, ...],
         pushes: tuple[Direction, ...] | None,
+        friction: float | None,
+        motion: Motion | None,
     ) -> ContactSettings:
         """A contact with a wall."""
-        return ContactSettings((str(kind), WALL), name, settings, quotes, pushes=pushes)
+        return ContactSettings(
+            (str(kind), WALL), name, settings, quotes, pushes=pushes, friction=friction, motion=motion
+        )
+
+    def coefficient(self, word: str) -> float | None:
+        """A number that need not be known."""
+        found = float(word) if NUMBER.fullmatch(word) else None
+        return self.variables.of(word[2:]) if word.startswith("v_") else found
 
 
 def atoms_of(word: str) -> range | None:

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
 from itertools import permutations
+from typing import Final
 
 import numpy as np
 
@@ -57,8 +58,16 @@ class ModelForce:
         return _spring(self.numbers, power)
 
 
+#: Powers of mass, length and time in the parameters of our laws.
+SPRING_POWERS: Final = {
+    "stiffness": (1.0, 0.0, -2.0),
+    "youngs_modulus": (1.0, -1.0, -2.0),
+    "elastic_prefactor": (1.0, -0.5, -2.0),
+}
+
+
 def _spring(numbers: Mapping[str, float], power: float) -> tuple[str, float, float] | None:
-    name = next((one for one in ("stiffness", "youngs_modulus", "elastic_prefactor") if one in numbers), None)
+    name = next((one for one in SPRING_POWERS if one in numbers), None)
     return None if name is None else (name, numbers[name], power)
 
 
@@ -150,6 +159,7 @@ def _state(stage: Stage) -> object:
             one.wall,
             one.wall_mass,
             one.wall_radius,
+            one.friction,
             {name: setting.words for name, setting in one.settings.items()},
         )
         for one in stage.contacts
@@ -237,6 +247,8 @@ def _between(
             stage.numerical_damping,
             (materials.get(grains[0].type), materials.get(grains[-1].type)),
             None if force is None else force.spring,
+            contact.friction,
+            None if force is None or force.spring is None else force.model.unit(force.spring[0]),
         )
 
 
@@ -280,6 +292,7 @@ def of_law(balls: Sequence[Ball], law: Law, walls: bool, time_step: float | None
             time_step,
             materials=(material, material),
             spring=_spring(law.parameters, 1.0),
+            spring_powers=next((powers for name, powers in SPRING_POWERS.items() if name in p), None),
         )
 
     pairs = [case(one, other) for i, one in enumerate(bodies) for other in bodies[i:]]

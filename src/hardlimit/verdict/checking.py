@@ -10,14 +10,15 @@ from pathlib import Path
 from typing import Any, Final
 
 from ..boxes.system import ParticleSystem
+from ..boxes.time_step import DEFAULT_ERROR, accepted_error
 from ..contact.balls import Ball
 from ..contact.contact import Law
 from ..convert.force import MAX_SPEED, MIN_SPEED
 from ..convert.readers import UNITS
-from ..scripts import ContactSettings, Description, Grains, Note, Quote, Stage
+from ..scripts import Description, Grains, Note, Quote, Stage
 from ..scripts import read as read_script
 from ..support import validation
-from ..support.formatting import percent
+from ..support.formatting import digits, listed, percent
 from . import answer, cases, corrections, drive, dumps
 from .contacts import Case, CheckedContact, Surroundings, examine
 from .expectation import checked_packing_fraction
@@ -28,6 +29,10 @@ SCALES: Final = {**UNITS, "lj": (1.0, 1.0, 1.0)}
 NO_RUN: Final = Stage(Quote("", 0, ""), None, False, None, (), {}, None, None)
 #: Largest overlap over the radius that contact laws describe.
 COMPRESSED: Final = 0.05
+#: Impact speeds [m/s] at which contacts are shown if no speed is given and they depend on it.
+CHOSEN_SPEEDS: Final = (0.01, 0.1, 1.0)
+#: Units of force and length of each system of units.
+UNIT_NAMES: Final = {"si": ("N", "m"), "cgs": ("dyn", "cm"), "micro": ("nN", "µm"), "nano": ("pN", "nm")}
 #: Powers of mass, length and time in the numbers of a contact.
 POWERS: Final = {
     "radius": (0, 1, 0),
@@ -50,6 +55,7 @@ class Given:
     packing_fraction: float | None
     variables: Mapping[str, str]
     drive: drive.Drive | None = None
+    restitution_error: float = DEFAULT_ERROR
 
 
 def checked(
@@ -64,6 +70,7 @@ def checked(
     dimension: Any,
     power: Any,
     shear_rate: Any,
+    restitution_error: Any,
 ) -> Verdict:
     """As :func:`hardlimit.check`."""
     if not isinstance(source, str | Path | ParticleSystem | Ball):
@@ -79,6 +86,7 @@ def checked(
         packing_fraction,
         {str(name): str(value) for name, value in variables.items()},
         drive.checked_drive(power, shear_rate, speeds),
+        accepted_error(restitution_error),
     )
     if isinstance(source, str | Path):
         for name, value in (("law", law), ("time_step", time_step), ("dimension", dimension)):
@@ -154,23 +162,38 @@ def _surroundings(
         phi,
         state.mean_speed if measured and state else None,
         state.mean_diameter if measured and state else None,
+        restitution_error=given.restitution_error,
     )
     return gas, given.speeds or (state.speeds if state and given.drive is None else ())
 
 
 def _examined(
-    found: Sequence[Case], gas: Surroundings, speeds: Sequence[float], driven: drive.Drive | None
+    found: Sequence[Case],
+    gas: Surroundings,
+    speeds: Sequence[float],
+    driven: drive.Drive | None,
+    chosen: Sequence[float] = (),
 ) -> list[tuple[Case, CheckedContact]]:
-    """Each contact at each speed. Normal impact speeds at a wall are 1/√2 of those of grains in a gas."""
+    """Each contact at each speed. Normal impact speeds at a wall are 1/√2 of those of grains in a gas.
+
+    ``chosen``: speeds for contacts that depend on the speed if there is none.
+    """
     share = math.sqrt(0.5) if gas.mean_speed is not None or driven is not None else 1.0
+    gas = replace(gas, rubs=any(one.friction != 0.0 for one in found if one.second is not None))
     rows = []
     for case in found:
         at, where = speeds, gas
         if driven is not None:
             steady = driven.speed(case, gas.dimension, gas.packing_fraction)
             at, where = () if steady is None else (steady,), replace(gas, mean_speed=steady)
+            one = driven.gas(case, gas.dimension, gas.packing_fraction)
+            if steady is not None and one is not None:
+                where = replace(where, heat_share=driven.heat_share(one, steady))
         values = [v * (share if case.second is None else 1.0) for v in at]
-        rows += [(case, row) for row in examine(case, values or [None], where)]
+        each = examine(case, values or [None], where)
+        if not values and (each[0].duration is None or each[0].restitution is None):
+            each = examine(case, chosen, where) if chosen else each
+        rows += [(case, row) for row in each]
     return rows
 
 
@@ -183,19 +206,73 @@ def _of_script(script: Description, given: Given, frames: Sequence[dumps.Frame] 
     if not script.unknown and not any(stage.contacts for stage in script.stages):
         others = "".join(f"; it has {note.what}" for note in script.invalidates[:1])
         raise ValueError(f"script: it has no run with granular contacts{others}")
-    mass, length, time = SCALES[script.units]
-    asked = given.drive
-    driven = None if asked is None else asked.in_units(mass, length, time)
-    given = replace(given, speeds=tuple(v * time / length for v in given.speeds), drive=driven)
+    scales = mass, length, time = SCALES[script.units]
+    plain = script.units == "lj"
     script = _with_sizes(script, frames)
     found, remarks = cases.of_script(script)
     last = script.stages[-1] if script.stages else NO_RUN
     states = _states(frames, _radii(last), script.dimension, _densities(last))
+    in_script = drive.of_stage(last, *scales)
+    if given.drive is None and not given.speeds and not any(one.temperature for one in states):
+        given = replace(given, drive=in_script)
+    asked, purpose = given.drive, given.drive or in_script
+    driven = None if asked is None else asked.in_units(*scales)
+    given = replace(given, speeds=tuple(v * time / length for v in given.speeds), drive=driven)
     gas, speeds = _surroundings(given, states, script.dimension)
-    examined = _examined(found, gas, speeds, driven)
+    gas = replace(gas, quantity="cooling" if purpose is None else purpose.quantity)
+    chosen = () if plain or speeds or driven else tuple(v * time / length for v in CHOSEN_SPEEDS)
+    examined = _examined(found, gas, speeds, driven, chosen)
     rows = [row for _, row in examined]
+    at = "" if speeds or driven or all(row.speed is None for row in rows) else " at 1 m/s"
+    held = [drive.support(stage) for stage in script.stages]
     invalidates = [_finding(note) for note in script.invalidates]
-    invalidates += _lasting(script.stages, rows, states)
+    invalidates += _lasting(script.stages, held, rows, states, bool(at))
+    unknown = _not_understood(script, last, frames, remarks, invalidates)
+    notes = [
+        *remarks.versions,
+        *dict.fromkeys(_notes(examined, given.restitution_error, at)),
+        *_numerically_damped(last.numerical_damping, examined),
+        *_no_speed(driven, rows, gas, plain),
+        *_speeds_chosen(rows, speeds, driven, plain),
+    ]
+    missing = _missing(rows, gas, _known_speeds(rows, speeds, driven), states)
+    shaken = drive.words_of(last, held[-1], length, time, plain) if held else ""
+    question = answer.Question(gas.quantity, bool(states), shaken)
+    rows = [_in_si(*pair, script.units) for pair in examined]
+    admissible, sentence = answer.answer(rows, invalidates, unknown, missing, question)
+    return Verdict(
+        admissible,
+        sentence + answer.steady(rows, asked, plain),
+        script.code,
+        script.version,
+        script.units,
+        script.units_given,
+        None if last.time_step is None else last.time_step * time,
+        last.numerical_damping,
+        tuple(rows),
+        tuple(_stage(k, *pair, scales) for k, pair in enumerate(zip(script.stages, held, strict=True), 1)),
+        tuple(_state_in_si(one, length, time) for one in states),
+        tuple(_checked(rows, last.gravity, states)),
+        tuple(_finding(note) for note in script.ignored),
+        tuple(invalidates),
+        tuple(unknown),
+        missing,
+        tuple(notes),
+        tuple(corrections.lines(script.code, examined, given.restitution_error, not at)),
+        None if shaken else gas.quantity,
+        given.restitution_error,
+        bool(at),
+    )
+
+
+def _not_understood(
+    script: Description,
+    last: Stage,
+    frames: Sequence[dumps.Frame],
+    remarks: cases.Remarks,
+    invalidates: Sequence[Finding],
+) -> list[Finding]:
+    """Statements, types of a dump and contacts that are not understood."""
     taken = {types for one in invalidates if (types := one.types)}
     unknown = [Finding(quote.text.strip(), None, _where(quote)) for quote in script.unknown]
     unknown += [
@@ -209,36 +286,7 @@ def _of_script(script: Description, given: Given, frames: Sequence[dumps.Frame] 
         if not any(set(types) & set(one) for one in taken)
         and not any(one.types is None for one in invalidates)
     ]
-    notes = [
-        *remarks.versions,
-        *dict.fromkeys(_notes(examined)),
-        *_numerically_damped(last.numerical_damping),
-        *_no_speed(driven, rows, gas),
-    ]
-    missing = _missing(rows, gas, _known_speeds(rows, speeds, driven), states)
-    rubs = any(re.search(r"tangential|friction|rolling|twisting", note.what) for note in script.ignored)
-    admissible, sentence = answer.answer(rows, invalidates, unknown, missing, rubs, bool(states))
-    rows = [_in_si(row, (mass, length, time)) for row in rows]
-    return Verdict(
-        admissible,
-        sentence + answer.steady(rows, asked, script.units == "lj"),
-        script.code,
-        script.version,
-        script.units,
-        script.units_given,
-        None if last.time_step is None else last.time_step * time,
-        last.numerical_damping,
-        tuple(rows),
-        tuple(_stage(number, stage, (mass, length, time)) for number, stage in enumerate(script.stages, 1)),
-        tuple(_state_in_si(one, length, time) for one in states),
-        tuple(_checked(rows, last.gravity, states)),
-        tuple(_finding(note) for note in script.ignored),
-        tuple(invalidates),
-        tuple(unknown),
-        missing,
-        tuple(notes),
-        tuple(corrections.lines(script.code, examined, 1.0)),
-    )
+    return unknown
 
 
 def _with_sizes(script: Description, frames: Sequence[dumps.Frame]) -> Description:
@@ -287,38 +335,43 @@ def _densities(stage: Stage) -> dict[str, float]:
 
 
 def _lasting(
-    stages: Sequence[Stage], rows: Sequence[CheckedContact], states: Sequence[dumps.State]
+    stages: Sequence[Stage],
+    held: Sequence[drive.Support],
+    rows: Sequence[CheckedContact],
+    states: Sequence[dumps.State],
+    chosen: bool = False,
 ) -> Iterator[Finding]:
-    """Contacts that last: grains that rest under gravity or are packed, and grains that do not separate."""
-    last = states[-1] if states else None
-    known = last is not None and last.coordination is not None
-    if known and last is not None and last.coordination is not None:
+    """Contacts that last: grains that rest under gravity or are pressed, and grains that do not separate.
+
+    ``chosen``: speeds are not given; a contact is then overdamped if it is at all speeds.
+    """
+    coordination = states[-1].coordination if states else None
+    if coordination is not None:
         allowed = 0.1 + 2.0 * max((row.tc_nu or 0.0 for row in rows), default=0.0)
-        if last.coordination > allowed:
-            yield Finding(
-                f"grains have {last.coordination:.2g} contacts on average in the dump, so contacts last"
-            )
+        if coordination > allowed:
+            yield Finding(f"grains have {coordination:.2g} contacts on average in the dump, so contacts last")
     else:
-        for stage in stages:
-            if stage.gravity and any(_holds(stage, one) for one in stage.contacts):
-                yield Finding("grains rest on each other under gravity", None, _where(stage.quote))
-                break
-    for types in dict.fromkeys(row.types for row in rows if row.restitution == 0.0):
-        yield Finding("overdamped contacts", types)
+        pressed = [note for stage in stages for note in stage.pressed]
+        if pressed:
+            what = f"grains are pressed together ({pressed[0].what})"
+            yield _finding(pressed[0])._replace(what=what)
+        # What is at rest before it is shaken does not decide.
+        shaken = bool(held) and held[-1].moves and not held[-1].rests
+        resting = [(stage, one) for stage, one in zip(stages, held, strict=True) if one.rests]
+        for stage, one in () if shaken else resting[:1]:
+            yield Finding(_rest(one), None, _where(stage.quote))
+    overdamped: dict[tuple[str, str], list[bool]] = {}
+    for row in rows:
+        overdamped.setdefault(row.types, []).append(row.restitution == 0.0)
+    for types, each in overdamped.items():
+        if all(each) if chosen else any(each):
+            yield Finding("overdamped contacts", types)
 
 
-def _holds(stage: Stage, contact: ContactSettings) -> bool:
-    """Whether a wall, or grains that do not move, may stop the fall of grains; true if the directions are not known."""
-    if contact.types[1] != cases.WALL:
-        return _fixed(stage, contact.types)
-    if stage.down is None or contact.pushes is None:
-        return True
-    return any(sum(p * g for p, g in zip(push, stage.down, strict=True)) < -1e-12 for push in contact.pushes)
-
-
-def _fixed(stage: Stage, types: Sequence[str]) -> bool:
-    grains = [stage.grains[name] for name in types if name in stage.grains]
-    return any(one.frozen or one.partly_frozen for one in grains)
+def _rest(held: drive.Support) -> str:
+    """That grains rest, and how strongly their support is shaken."""
+    shaking = "" if held.shaking is None else f" (Γ = A ω²/g = {digits(held.shaking, 3)})"
+    return f"grains rest on each other under gravity{shaking}"
 
 
 def _finding(note: Note) -> Finding:
@@ -356,7 +409,21 @@ def _known_speeds(
     return found if len(found) == len(rows) else ()
 
 
-def _no_speed(driven: drive.Drive | None, rows: Sequence[CheckedContact], gas: Surroundings) -> Iterator[str]:
+def _speeds_chosen(
+    rows: Sequence[CheckedContact], speeds: Sequence[float], driven: drive.Drive | None, plain: bool
+) -> Iterator[str]:
+    """That speeds are not given but chosen, or why none are."""
+    if speeds or driven:
+        return
+    if any(row.speed is not None for row in rows):
+        yield f"No speed is given: {listed([digits(v) for v in CHOSEN_SPEEDS])} m/s were chosen."
+    elif plain and any(row.radius is not None and row.model and row.duration is None for row in rows):
+        yield "No speed is given, and lj units have no usual one."
+
+
+def _no_speed(
+    driven: drive.Drive | None, rows: Sequence[CheckedContact], gas: Surroundings, plain: bool
+) -> Iterator[str]:
     """Why there is no speed of a steady state."""
     if driven is None or all(row.speed is not None for row in rows):
         return
@@ -366,7 +433,7 @@ def _no_speed(driven: drive.Drive | None, rows: Sequence[CheckedContact], gas: S
     reason = (
         reason or "sizes or masses are not known, or the restitution is outside the range of kinetic theory"
     )
-    yield f"No speed from {driven.words(False)}: {reason}."
+    yield f"No speed from {driven.words(plain)}: {reason}."
 
 
 def _missing(
@@ -386,8 +453,8 @@ def _missing(
     return tuple(found)
 
 
-def _notes(examined: Sequence[tuple[Case, CheckedContact]]) -> Iterator[str]:
-    """Remarks on numbers that do not mean what they seem to."""
+def _notes(examined: Sequence[tuple[Case, CheckedContact]], accepted: float, at: str = "") -> Iterator[str]:
+    """Remarks on numbers that do not mean what they seem to; ``at``: the chosen speed of the largest ones."""
     groups: dict[tuple[Any, ...], list[tuple[Case, CheckedContact]]] = {}
     for case, row in examined:
         groups.setdefault((case.stage, case.model), []).append((case, row))
@@ -412,24 +479,40 @@ def _notes(examined: Sequence[tuple[Case, CheckedContact]]) -> Iterator[str]:
     if any(row.error and row.radius != row.other_radius for row in rows):
         yield "Unequal grains: the error is that of equal ones of their mean size, with a wider bar."
     if overlap > COMPRESSED:
-        yield f"Overlaps reach {percent(overlap)} of the radius; contact laws hold up to {percent(COMPRESSED)}."
+        yield f"Overlaps reach {percent(overlap)} of the radius{at}; contact laws hold up to {percent(COMPRESSED)}."
     if endless or error > 1.0:
         yield "The time step is too long: contacts do not end, or gain energy."
-    elif error > corrections.ENOUGH:
-        yield f"The time step changes ε by up to {error:.2g}."
+    elif error > corrections.ENOUGH * accepted:
+        yield f"The time step changes ε by up to {error:.2g}{at}."
 
 
-def _numerically_damped(damping: float | None) -> Iterator[str]:
+def _numerically_damped(
+    damping: float | None, examined: Sequence[tuple[Case, CheckedContact]]
+) -> Iterator[str]:
     if damping:
-        yield f"ε includes NewtonIntegrator's damping of {damping:g} (centre of mass at rest)."
+        without = corrections.undamped(examined)
+        then = "" if without is None else f"; without it, ε is {without}"
+        yield f"ε includes NewtonIntegrator's damping of {damping:g} (centre of mass at rest{then})."
 
 
-def _in_si(row: CheckedContact, scales: tuple[float, float, float]) -> CheckedContact:
-    changed = {}
+def _in_si(case: Case, row: CheckedContact, units: str) -> CheckedContact:
+    scales = SCALES[units]
+    changed: dict[str, Any] = {"stiffness_unit": _unit(case.spring_powers, units)}
     for name, powers in POWERS.items():
         if (value := getattr(row, name)) is not None:
             changed[name] = value * math.prod(s**p for s, p in zip(scales, powers, strict=True))
     return replace(row, **changed)
+
+
+def _unit(powers: tuple[float, float, float] | None, units: str) -> str:
+    """The unit of a stiffness or a modulus; empty in lj units."""
+    if powers is None or units not in UNIT_NAMES or (powers[0], powers[2]) != (1.0, -2.0):
+        return ""
+    force, length = UNIT_NAMES[units]
+    power = 1.0 - powers[1]
+    if units == "si" and power == 2.0:
+        return "Pa"
+    return f"{force}/{length}{'' if power == 1.0 else f'^{power:g}'}"
 
 
 def _state_in_si(state: dumps.State, length: float, time: float) -> dumps.State:
@@ -441,7 +524,9 @@ def _state_in_si(state: dumps.State, length: float, time: float) -> dumps.State:
     )
 
 
-def _stage(number: int, stage: Stage, scales: tuple[float, float, float]) -> CheckedStage:
+def _stage(
+    number: int, stage: Stage, held: drive.Support, scales: tuple[float, float, float]
+) -> CheckedStage:
     _, length, time = scales
     step, gravity = stage.time_step, stage.gravity
     return CheckedStage(
@@ -450,6 +535,7 @@ def _stage(number: int, stage: Stage, scales: tuple[float, float, float]) -> Che
         None if step is None else step * time,
         stage.steps,
         None if gravity is None else gravity * length / time**2,
+        held.shaking,
     )
 
 
@@ -462,13 +548,15 @@ def _of_system(system: ParticleSystem, law: Law, given: Given, step: float | Non
     state = dumps.State(
         0, system.n, system.packing_fraction, temperature, 2.0 * float(system.radius.mean()), None, None, None
     )
-    supported = system.gravity - system.domain.common_fall  # by walls
-    rests = bool(supported.any()) and not system.driven
-    resting = [Finding("grains rest on each other under gravity")] * rests
+    held = drive.support_of_system(system)
+    resting = [Finding(_rest(held))] * held.rests
+    in_system = drive.of_system(system)
     if given.drive is None and not given.speeds and not system._walls_move:
-        given = replace(given, drive=drive.of_system(system))
-    shaken = system._walls_move and given.drive is None
-    return _of_law(cases.sizes(system), law, given, step, system.dimension, walls, (state,), resting, shaken)
+        given = replace(given, drive=in_system)
+    purpose = given.drive or in_system
+    driven = drive.words_of(None, held, 1.0, 1.0, False) if given.drive is None else ""
+    question = answer.Question("cooling" if purpose is None else purpose.quantity, False, driven)
+    return _of_law(cases.sizes(system), law, given, step, system.dimension, walls, (state,), resting, question)
 
 
 def _of_law(
@@ -480,18 +568,24 @@ def _of_law(
     walls: bool,
     states: tuple[dumps.State, ...] = (),
     resting: Sequence[Finding] = (),
-    shaken: bool = False,
+    question: answer.Question | None = None,
 ) -> Verdict:
+    if question is None:
+        question = answer.Question("cooling" if given.drive is None else given.drive.quantity)
     found = cases.of_law(balls, law, walls, step)
     radii = {str(k): ball.radius for k, ball in enumerate(balls, 1)}
     densities = {str(k): ball.density for k, ball in enumerate(balls, 1)}
     dumped = _states(_frames(given), radii, dimension, densities)
+    question = replace(question, dumped=bool(dumped))
     gas, speeds = _surroundings(given, dumped or states, dimension)
-    examined = _examined(found, gas, speeds, given.drive)
-    rows = [row for _, row in examined]
-    invalidates = [*resting, *_lasting((), rows, dumped)]
+    gas = replace(gas, quantity=question.quantity)
+    chosen = () if speeds or given.drive else CHOSEN_SPEEDS
+    examined = _examined(found, gas, speeds, given.drive, chosen)
+    rows = [_in_si(*pair, "si") for pair in examined]
+    at = "" if speeds or given.drive or all(row.speed is None for row in rows) else " at 1 m/s"
+    invalidates = [*resting, *_lasting((), (), rows, dumped, bool(at))]
     missing = _missing(rows, gas, _known_speeds(rows, speeds, given.drive), dumped)
-    admissible, sentence = answer.answer(rows, invalidates, (), missing, dumped=bool(dumped), shaken=shaken)
+    admissible, sentence = answer.answer(rows, invalidates, (), missing, question)
     return Verdict(
         admissible,
         sentence + answer.steady(rows, given.drive, False),
@@ -509,6 +603,13 @@ def _of_law(
         tuple(invalidates),
         (),
         missing,
-        (*_notes(examined), *_no_speed(given.drive, rows, gas)),
+        (
+            *_notes(examined, given.restitution_error, at),
+            *_no_speed(given.drive, rows, gas, False),
+            *_speeds_chosen(rows, speeds, given.drive, False),
+        ),
         (),
+        None if question.driven else question.quantity,
+        given.restitution_error,
+        bool(at),
     )
