@@ -183,7 +183,11 @@ def report(found: Verdict, verbose: bool) -> None:
         stages = verbose and last > 1
         walls = {g[0].types: {one[0].wall for one in groups if one[0].types == g[0].types} for g in groups}
         lines = [
-            [str(g[0].stage), labelled(g[0], found, len(walls[g[0].types]) > 1), *cells(g, plain, found.quantity)]
+            [
+                str(g[0].stage),
+                labelled(g[0], found, len(walls[g[0].types]) > 1),
+                *cells(g, plain, found.quantity),
+            ]
             for g in shown
         ]
         table(["run", "contact", *HEAD, WORSE.get(found.quantity or "", "")], lines, stages)
@@ -306,7 +310,9 @@ def grouped(rows: Iterable[CheckedContact], apart: bool) -> Iterator[list[Checke
     found: dict[Any, list[CheckedContact]] = {}
     for row in rows:
         speed = row.speed if apart else None
-        found.setdefault((row.stage, row.types, row.wall, row.radius, row.other_radius, speed), []).append(row)
+        found.setdefault((row.stage, row.types, row.wall, row.radius, row.other_radius, speed), []).append(
+            row
+        )
     yield from found.values()
 
 

@@ -68,7 +68,9 @@ class ContactSettings:
     wall_radius: float = 1.0  #: effective radius in the code's formulas over that at other walls
     asked: float | None = None  #: restitution in the script if the force leaves it out
     pushes: tuple[Direction, ...] | None = None  #: of a wall on grains; None if not known
-    friction: float | None = 0.0  #: coefficient of sliding friction, 0 without tangential forces; None if not known
+    friction: float | None = (
+        0.0  #: coefficient of sliding friction, 0 without tangential forces; None if not known
+    )
     motion: Motion | None = None  #: of the wall, or of the grains that do not follow forces; None at rest
 
 
@@ -97,7 +99,9 @@ class Stage:
     pressed: tuple[Note, ...] = ()  #: what prescribes a pressure or shrinks the box
     driven: tuple[Note, ...] = ()  #: what else moves the box or its walls, or heats the grains
     shear_rate: float | None = None  #: of a box in steady shear
-    bath: tuple[float, float] | None = None  #: energy k_B T of a thermostat, and the rate at which it restores T
+    bath: tuple[float, float] | None = (
+        None  #: energy k_B T of a thermostat, and the rate at which it restores T
+    )
 
 
 @dataclass(frozen=True)

@@ -50,7 +50,8 @@ def driven(state: State) -> Driven:
     for fix in state.fixes.values():
         if fix.style.startswith("deform"):
             kind, rate = deformation(state, fix.words)
-            note = Note(f"fix {fix.style} {' '.join(fix.words[1:4])}", None, fix.statement.quote)
+            changes = [" ".join([axis, style, *values]) for axis, style, values in deformed(fix.words)]
+            note = Note(f"fix {fix.style} {' '.join(changes)}", None, fix.statement.quote)
             pressed += [note] * (kind == "pressed")
             others += [note] * (kind == "other")
             rates += [] if rate is None else [rate]

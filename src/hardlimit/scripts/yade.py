@@ -528,7 +528,9 @@ class Yade(Evaluator):
     def driven(self) -> tuple[tuple[Note, ...], tuple[Note, ...], float | None]:
         """What presses the grains, what else drives them, and the shear rate."""
         pressed = [
-            Note(one.name, None, self.quote(one.line, one.text)) for one in self.used("") if one.name in PRESSING
+            Note(one.name, None, self.quote(one.line, one.text))
+            for one in self.used("")
+            if one.name in PRESSING
         ]
         if self.strain is None:
             return tuple(pressed), (), None

@@ -51,6 +51,7 @@ class Question:
     quantity: str = "cooling"  #: "temperature" of a heated gas, "stress" of a sheared one
     dumped: bool = False  #: whether a dump was given
     driven: str = ""  #: what drives the box so that no law of the error holds, in words
+    option: str = ""  #: of ``hardlimit gas compare``, which drives a box in the same way
 
 
 def answer(
@@ -64,7 +65,7 @@ def answer(
     if invalidates:
         return False, _invalid(invalidates)
     if question.driven:
-        return None, f"Cannot be said: {question.driven}, and {HOMOGENEOUS}: run both."
+        return None, f"Cannot be said: {_driven(rows, question)}."
     pairs = [row for row in rows if row.types[1] != "wall"]
     known = [row for row in pairs if judged(row, question) is not None and "speeds" not in missing]
     if found := _too_wrong(pairs, known, missing, question):
@@ -106,11 +107,9 @@ def _too_wrong(
     """Why the answer is no: contacts that last too long, or an error that is surely too large; empty if there is none."""
     longest = max(pairs, key=lambda row: row.tc_nu or 0.0, default=None)
     if longest is not None and (longest.tc_nu or 0.0) > MEASURED_TC_NU and "speeds" not in missing:
-        return f"{_far(longest)}{_needs(longest)}"
+        return f"{_far(longest, question)}{_needs(longest)}"
     by_size = sorted(known, key=lambda row: sum(_error(row, question)), reverse=True)
-    surest = max(
-        known, key=lambda row: _error(row, question)[0] - _error(row, question)[1], default=None
-    )
+    surest = max(known, key=lambda row: _error(row, question)[0] - _error(row, question)[1], default=None)
     for row in (*by_size[:1], *([surest] if surest else [])):
         value, bar = _error(row, question)
         if value - bar > ACCEPTED:
@@ -118,13 +117,27 @@ def _too_wrong(
     return ""
 
 
+def _driven(rows: Sequence[CheckedContact], question: Question) -> str:
+    """What drives the box, and what to do: our own engines have no friction."""
+    if rubbing := [row for row in rows if row.friction != 0.0]:
+        return f"{question.driven}, grains rub ({_friction(rubbing)}), and {HOMOGENEOUS} without friction"
+    how = f" (hardlimit gas compare {question.option})" if question.option else ""
+    return f"{question.driven}, and {HOMOGENEOUS}: run both{how}"
+
+
+def _friction(rows: Sequence[CheckedContact]) -> str:
+    """The coefficient of friction, or the smallest and the largest."""
+    values = [row.friction for row in rows if row.friction is not None]
+    if len(values) < len(rows):
+        return "μ is not known"
+    return f"μ = {'–'.join(dict.fromkeys(digits(one, 3) for one in (min(values), max(values))))}"
+
+
 def _rubs(rows: Sequence[CheckedContact], question: Question) -> str:
     """That grains rub, and the error that they would have without friction."""
     pairs = listed(list(dict.fromkeys("–".join(row.types) for row in rows)))
-    values = [row.friction for row in rows]
-    known = [digits(one, 3) for one in (min(v for v in values if v is not None), max(v for v in values if v is not None))] if None not in values else []
-    friction = f"μ = {'–'.join(dict.fromkeys(known))}" if known else "μ is not known"
-    text = f"grains {pairs} rub ({friction}), and {ERROR_OF[question.quantity]} is known only without friction"
+    error = ERROR_OF[question.quantity]
+    text = f"grains {pairs} rub ({_friction(rows)}), and {error} is known only without friction"
     smooth = [row for row in rows if row.frictionless_error is not None]
     if not smooth:
         return text
@@ -146,7 +159,9 @@ def _not_known(missing: Sequence[str], question: Question) -> str:
 
 def steady(rows: Sequence[CheckedContact], drive: Drive | None, plain: bool) -> str:
     """From where the speed of a driven gas comes; rows in SI units."""
-    pairs = [row for row in rows if row.types[1] != "wall" and row.speed is not None and row.tc_nu is not None]
+    pairs = [
+        row for row in rows if row.types[1] != "wall" and row.speed is not None and row.tc_nu is not None
+    ]
     if drive is None or not pairs:
         return ""
     worst = max(pairs, key=lambda row: row.tc_nu or 0.0)
@@ -195,9 +210,12 @@ def _numbers(row: CheckedContact) -> str:
     return f"t_c ν = {digits(row.tc_nu or 0.0, 2)}, δ/d = {digits(row.delta_over_d or 0.0, 2)}"
 
 
-def _far(row: CheckedContact) -> str:
+def _far(row: CheckedContact, question: Question) -> str:
     """That contacts last too long for the law of the error."""
-    off = "contacts overlap in time" if row.friction != 0.0 else f"event-driven is off by far more than {percent(ACCEPTED)}"
+    smooth = question.quantity == "cooling" and row.friction == 0.0
+    off = (
+        f"event-driven is off by far more than {percent(ACCEPTED)}" if smooth else "contacts overlap in time"
+    )
     return (
         f"t_c ν = {digits(row.tc_nu or 0.0, 2)} (grains {'–'.join(row.types)}) is above {MEASURED_TC_NU:g}, "
         f"where {off}"
@@ -207,7 +225,11 @@ def _far(row: CheckedContact) -> str:
 def _needs(row: CheckedContact) -> str:
     """The stiffness with which the error is 1 %, error bar included; empty if it is not known."""
     if row.spring is None or row.softening is None:
-        return "" if row.softening is None else f"; {percent(ACCEPTED)} takes {_at_least(row.softening)} times the stiffness"
+        return (
+            ""
+            if row.softening is None
+            else f"; {percent(ACCEPTED)} takes {_at_least(row.softening)} times the stiffness"
+        )
     name, value, needed = row.spring
     return f"; {percent(ACCEPTED)} takes {NAMES[name]} of {_with_unit(row, needed)} instead of {digits(value, 3)}"
 

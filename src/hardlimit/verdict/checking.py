@@ -236,8 +236,9 @@ def _of_script(script: Description, given: Given, frames: Sequence[dumps.Frame] 
         *_speeds_chosen(rows, speeds, driven, plain),
     ]
     missing = _missing(rows, gas, _known_speeds(rows, speeds, driven), states)
-    shaken = drive.words_of(last, held[-1], length, time, plain) if held else ""
-    question = answer.Question(gas.quantity, bool(states), shaken)
+    shaken = drive.words_of(last, held[-1]) if held else ""
+    option = "" if plain or not held else drive.option_of(held[-1], length, time)
+    question = answer.Question(gas.quantity, bool(states), shaken, option)
     rows = [_in_si(*pair, script.units) for pair in examined]
     admissible, sentence = answer.answer(rows, invalidates, unknown, missing, question)
     return Verdict(
@@ -554,9 +555,12 @@ def _of_system(system: ParticleSystem, law: Law, given: Given, step: float | Non
     if given.drive is None and not given.speeds and not system._walls_move:
         given = replace(given, drive=in_system)
     purpose = given.drive or in_system
-    driven = drive.words_of(None, held, 1.0, 1.0, False) if given.drive is None else ""
-    question = answer.Question("cooling" if purpose is None else purpose.quantity, False, driven)
-    return _of_law(cases.sizes(system), law, given, step, system.dimension, walls, (state,), resting, question)
+    driven = drive.words_of(None, held) if given.drive is None else ""
+    quantity = "cooling" if purpose is None else purpose.quantity
+    question = answer.Question(quantity, False, driven, drive.option_of(held, 1.0, 1.0))
+    return _of_law(
+        cases.sizes(system), law, given, step, system.dimension, walls, (state,), resting, question
+    )
 
 
 def _of_law(

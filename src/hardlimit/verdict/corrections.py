@@ -91,7 +91,7 @@ def _numbers(examined: Examined) -> Iterator[str]:
         if abs(made.collision(1.0).restitution - asked) > TOLERATED:
             numbers = force.written(*bodies, 1.0).numbers(made.stiffness, asked)
             if numbers is None:
-                yield f"# {_label(case, False)}: this model cannot have ε = {asked:g}"
+                yield f"# {_label(case)}: this model cannot have ε = {asked:g}"
                 continue
             new = f"{numbers[name]:.6g}"
             line = (
@@ -106,11 +106,12 @@ def _numbers(examined: Examined) -> Iterator[str]:
 def _corrected(needs: Sequence[Need]) -> Iterator[str]:
     """A line for each number that contacts need in one statement; which contacts, if they need several."""
     numbers: dict[str, dict[str, None]] = {}
-    for pair in dict.fromkeys(_label(one.case, False) for one in needs):
-        members = [one for one in needs if _label(one.case, False) == pair]
+    for pair in dict.fromkeys(_label(one.case) for one in needs):
+        members = [one for one in needs if _label(one.case) == pair]
         several = len({one.number for one in members}) > 1
+        runs = len({one.case.stage for one in members}) > 1
         for one in members:
-            numbers.setdefault(one.number, {})[_label(one.case, several)] = None
+            numbers.setdefault(one.number, {})[_label(one.case, several, runs)] = None
     for number, contacts in numbers.items():
         line = next((one.line for one in needs if one.number == number and one.line), None)
         others = [
@@ -122,15 +123,15 @@ def _corrected(needs: Sequence[Need]) -> Iterator[str]:
             yield f"{line}  # {', '.join(contacts)}; {'; '.join(others)}" if others else line
 
 
-def _label(case: Case, full: bool) -> str:
-    """The types of a contact; the wall, the radii in the script's unit and the run as well if it is ``full``."""
+def _label(case: Case, full: bool = False, run: bool = False) -> str:
+    """The types of a contact; if ``full``, its wall and its radii in the script's unit, and its ``run``."""
     pair = "–".join(case.types) + (f" {FIXED}" if case.wall == FIXED else "")
     if not full:
         return pair
     radii = [one.radius for one in (case.first, case.second) if one is not None and one.radius is not None]
-    sizes = ", ".join(dict.fromkeys(digits(one, 3) for one in radii))
+    sizes = ", ".join(dict.fromkeys(map(digits, radii)))
     wall = f" {case.wall}" if case.wall not in (None, FIXED) else ""
-    return f"{pair}{wall}{f' R {sizes}' if sizes else ''} in run {case.stage}"
+    return f"{pair}{wall}{f' R {sizes}' if sizes else ''}{f' in run {case.stage}' if run else ''}"
 
 
 def _place(force: ModelForce, name: str, wall: bool) -> tuple[Setting, int]:

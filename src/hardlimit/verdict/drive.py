@@ -175,7 +175,9 @@ class Support(NamedTuple):
 
     rests: bool  #: whether grains can rest on it
     moves: bool  #: whether walls move
-    shaking: float | None = None  #: Γ = A ω²/g of what holds the grains; None if nothing oscillates, or if not known
+    shaking: float | None = (
+        None  #: Γ = A ω²/g of what holds the grains; None if nothing oscillates, or if not known
+    )
     motion: Motion | None = None  #: this oscillation
 
 
@@ -203,7 +205,7 @@ def support_of_system(system: ParticleSystem) -> Support:
     if system.thermostat is not None or system.shear_rate != 0.0 or not supported.any():
         return Support(False, system._walls_move)
     largest, motion = 0.0, None
-    for axis, pull in enumerate(supported):
+    for axis, pull in enumerate(map(float, supported)):
         wall = system.walls.get(f"{'xyz'[axis]}{'-' if pull < 0.0 else '+'}") if pull else None
         if wall is None or not wall.fastest:
             continue
@@ -232,13 +234,21 @@ def fixed(stage: Stage, types: Sequence[str]) -> bool:
     return any(one.frozen or one.partly_frozen for one in grains)
 
 
-def words_of(stage: Stage | None, held: Support, length: float, time: float, plain: bool) -> str:
+def words_of(stage: Stage | None, held: Support) -> str:
     """What drives a box for which there is no law of the error; empty if nothing does."""
     if held.shaking is not None:
-        assert held.motion is not None and held.motion.amplitude and held.motion.frequency
-        size, rate = math.hypot(*held.motion.amplitude), held.motion.frequency / (2.0 * math.pi * time)
-        shake = "" if plain else f", gas compare --shake {quantity(size * length, 'm', 3)}:{quantity(rate, 'Hz', 3)}"
-        return f"walls drive this box (Γ = A ω²/g = {digits(held.shaking, 3)}{shake.replace(' m', 'm')})"
+        return f"walls drive this box (Γ = A ω²/g = {digits(held.shaking, 3)})"
     if held.moves:
         return "walls drive this box"
-    return f"{stage.driven[0].what} drives this box" if stage is not None and stage.driven else ""
+    notes = () if stage is None else (*stage.driven, *stage.pressed)
+    return f"{notes[0].what} drives this box" if notes else ""
+
+
+def option_of(held: Support, length: float, time: float) -> str:
+    """The option of ``hardlimit gas`` that shakes a box in the same way; the units of length and time are in SI."""
+    motion = held.motion
+    if held.shaking is None or motion is None or motion.amplitude is None or motion.frequency is None:
+        return ""
+    size, rate = math.hypot(*motion.amplitude) * length, motion.frequency / (2.0 * math.pi * time)
+    values = (quantity(size, "m", 3), quantity(rate, "Hz", 3))
+    return f"--shake {':'.join(one.replace(' ', '') for one in values)}"
