@@ -472,7 +472,7 @@ def test_corrected_lines_say_for_which_error_and_a_wanted_one_is_given():
         assert corrections(found) == f"Corrected lines (time step for an error of ε of {error or 0.001:g}):"
         (line,) = [one for one in found.corrected if one.startswith("timestep")]
         again = hl.check(coarse.replace("timestep 1e-5", line), speed=0.3, restitution_error=error)
-        assert again.rows[0].restitution_error_of_step == pytest.approx(error or 1e-3, rel=0.1)
+        assert 0.5 < again.rows[0].restitution_error_of_step / (error or 1e-3) <= 1.05
         assert again.restitution_error == (error or 1e-3) and not again.corrected
         steps.append(float(line.split()[1]))
     assert steps[1] > 2.0 * steps[0] > 4.0 * steps[2]
@@ -1129,7 +1129,8 @@ QUIET = {"speed": 0.01, "packing_fraction": 0.05}
         ("change_box all x scale 0.9 remap", True),
         ("change_box all x scale 1.1 remap", False),
         (f"variable top equal f_1*0.1\n{WALL.replace('zplane 0 1', 'zplane 0 v_top')}", True),
-        (f"region r block 0 1 0 1 0 1 move NULL NULL v_s\nvariable s equal c_1\n{WALL.replace('zplane 0 1', 'region r')}", True),
+        ("region r block 0 1 0 1 0 1 move NULL NULL v_s\nvariable s equal c_1\n"
+         f"{WALL.replace('zplane 0 1', 'region r')}", True),
     ],
 )  # fmt: skip
 def test_what_prescribes_a_pressure_or_shrinks_the_box_is_pressed(line, pressed):
@@ -1180,7 +1181,7 @@ def test_controllers_of_yade_press(engine, more, pressed):
 
 
 def test_servo_walls_of_liggghts_press():
-    servo = "fix m all mesh/surface/stress/servo file a.stl type 1 com 0 0 0 ctrlPV force axis 0 0 1 target_val 9 vel_max 1\n"
+    servo = "fix m all mesh/surface/stress/servo file a.stl type 1 com 0 0 0 ctrlPV force axis 0 0 1 target_val 9\n"
     wall = "fix w all wall/gran model hertz mesh n_meshes 1 meshes m\nrun 1000"
     found = hl.check(LIGGGHTS.replace("5e6", "1e9").replace("run 1000", servo + wall), **QUIET)
     assert found.admissible is False and "pressed together (a servo" in found.sentence

@@ -78,10 +78,11 @@ PeriIsoCompressor Peri3dController CombinedKinematicEngine UniaxialStrainer Kine
 """
 MOTION: Final = frozenset(MOTION_NAMES.split())
 #: Those that prescribe a stress or a strain of all grains.
-PRESSING: Final = frozenset(
-    "TriaxialStressController TriaxialCompressionEngine PeriTriaxController PeriIsoCompressor Peri3dController "
-    "UniaxialStrainer ServoPIDController KinemCTDEngine KinemSimpleShearBox".split()
-)
+PRESSING_NAMES: Final = """
+TriaxialStressController TriaxialCompressionEngine PeriTriaxController PeriIsoCompressor Peri3dController
+UniaxialStrainer ServoPIDController KinemCTDEngine KinemSimpleShearBox
+"""
+PRESSING: Final = frozenset(PRESSING_NAMES.split())
 #: Those that move walls or grains steadily.
 STEADY_MOTION: Final = ("TranslationEngine", "RotationEngine", "HelixEngine")
 #: Amplitude and frequency of ``HarmonicMotionEngine``, with their defaults.

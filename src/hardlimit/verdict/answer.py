@@ -59,7 +59,7 @@ def answer(
     invalidates: Sequence[Finding],
     unknown: Sequence[Finding],
     missing: Sequence[str],
-    question: Question = Question(),  # noqa: B008  # frozen
+    question: Question = Question(),
 ) -> tuple[bool | None, str]:
     """Whether event-driven simulation is admissible, and the sentence."""
     if invalidates:
@@ -104,7 +104,7 @@ def _too_wrong(
     missing: Sequence[str],
     question: Question,
 ) -> str:
-    """Why the answer is no: contacts that last too long, or an error that is surely too large; empty if there is none."""
+    """Why the answer is no: contacts last too long, or an error is surely too large; empty if there is no reason."""
     longest = max(pairs, key=lambda row: row.tc_nu or 0.0, default=None)
     if longest is not None and (longest.tc_nu or 0.0) > MEASURED_TC_NU and "speeds" not in missing:
         return f"{_far(longest, question)}{_needs(longest)}"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -206,7 +205,7 @@ def _of_script(script: Description, given: Given, frames: Sequence[dumps.Frame] 
     if not script.unknown and not any(stage.contacts for stage in script.stages):
         others = "".join(f"; it has {note.what}" for note in script.invalidates[:1])
         raise ValueError(f"script: it has no run with granular contacts{others}")
-    scales = mass, length, time = SCALES[script.units]
+    scales = _, length, time = SCALES[script.units]
     plain = script.units == "lj"
     script = _with_sizes(script, frames)
     found, remarks = cases.of_script(script)

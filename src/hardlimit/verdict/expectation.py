@@ -38,7 +38,12 @@ class Expected(NamedTuple):
 
     def wider(self, relative: float) -> Expected:
         """With a further relative error."""
-        return Expected(*(one and (one[0], math.hypot(one[1], one[0] * relative)) for one in self))
+
+        def wide(error: tuple[float, float]) -> tuple[float, float]:
+            return error[0], math.hypot(error[1], error[0] * relative)
+
+        temperature = None if self.temperature is None else wide(self.temperature)
+        return Expected(wide(self.cooling), temperature, None if self.stress is None else wide(self.stress))
 
 
 def expected(
