@@ -138,9 +138,7 @@ class CheckedContact:
     sheared_error: float | None = None  #: of the shear stress of event-driven spheres at equal shear rate
     sheared_error_bar: float | None = None  #: its standard error
     friction: float | None = 0.0  #: coefficient of sliding friction; with friction, no error is known
-    frictionless_error: float | None = (
-        None  #: of the quantity asked for, for the same grains without friction
-    )
+    frictionless_error: float | None = None  #: of the quantity asked for, without friction
     softening: float | None = None  #: factor of the stiffness at an error of 1 %, with its bar
     spring: tuple[str, float, float] | None = None  #: name of the stiffness, value, value after this change
     stiffness_unit: str = ""  #: in which these values are; empty in lj units

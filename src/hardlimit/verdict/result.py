@@ -96,9 +96,7 @@ class Verdict:
     missing: tuple[str, ...]  #: what would have to be known for an answer
     remarks: tuple[str, ...]  #: on ε, the time step and versions of the code
     corrected: tuple[str, ...]  #: lines for the script, ready to paste
-    quantity: str | None = (
-        "cooling"  #: whose error decides, or "temperature" or "stress"; None if no law holds
-    )
+    quantity: str | None = "cooling"  #: whose error decides: also "temperature", "stress"; None without law
     restitution_error: float = DEFAULT_ERROR  #: of ε, that the corrected time step causes
     speeds_chosen: bool = False  #: whether the speeds of the contacts are examples, because none is given
 
