@@ -223,7 +223,7 @@ class Liggghts(State):
                 model = settings(fix.statement, parsed.settings)
                 shapes = [granular_words.pushes(word) for word in parsed.rest]
                 pushes = next((one for one in shapes if one is not None), None)
-                moves = motion.strongest([motion.of_mesh(self, word) for word in parsed.rest])
+                moves = motion.strongest([motion.of_mesh(self, word) for word in parsed.rest], self.down())
                 for kind in kinds:
                     for end in ends:
                         found, quotes = self.between(kind, end)

@@ -233,13 +233,13 @@ def of_mesh(state: State, name: str) -> Motion | None:
         if fix.style.startswith("move/mesh") and "mesh" in fix.words[:-1]
         if fix.words[fix.words.index("mesh") + 1] == name
     ]
-    return strongest(found)
+    return strongest(found, state.down())
 
 
-def strongest(motions: Sequence[Motion | None]) -> Motion | None:
-    """An unknown motion, or that of the greatest acceleration."""
+def strongest(motions: Sequence[Motion | None], down: Direction | None = None) -> Motion | None:
+    """An unknown motion, or that of the greatest acceleration along gravity, then along any direction."""
     moving = [one for one in motions if one is not None]
-    return max(moving, key=acceleration, default=None)
+    return max(moving, key=lambda one: (acceleration(one, down), acceleration(one)), default=None)
 
 
 def acceleration(motion: Motion, down: Direction | None = None) -> float:

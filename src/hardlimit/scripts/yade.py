@@ -563,7 +563,7 @@ class Yade(Evaluator):
                 found += waves or [UNKNOWN]
             elif one.name in MOTION and one.name not in PRESSING:
                 found.append(STEADY if one.name in STEADY_MOTION else UNKNOWN)
-        return strongest(found)
+        return strongest(found, self.down(self.used("NewtonIntegrator")))
 
     def name(self, k: int) -> str:
         """The name of a material: its label, or its number."""

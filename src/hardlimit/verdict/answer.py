@@ -52,6 +52,7 @@ class Question:
     dumped: bool = False  #: whether a dump was given
     driven: str = ""  #: what drives the box so that no law of the error holds, in words
     option: str = ""  #: of ``hardlimit gas compare``, which drives a box in the same way
+    purpose: Drive | None = None  #: what the box is run for, if not to cool
 
 
 def answer(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
@@ -171,23 +172,25 @@ def _examined(
     gas: Surroundings,
     speeds: Sequence[float],
     driven: drive.Drive | None,
+    purpose: drive.Drive | None,
     chosen: Sequence[float] = (),
 ) -> list[tuple[Case, CheckedContact]]:
     """Each contact at each speed. Normal impact speeds at a wall are 1/√2 of those of grains in a gas.
 
-    ``chosen``: speeds for contacts that depend on the speed if there is none.
+    ``driven``: what determines the speed. ``purpose``: what the box is run for. ``chosen``: speeds for contacts that
+    depend on the speed if there is none.
     """
     share = math.sqrt(0.5) if gas.mean_speed is not None or driven is not None else 1.0
     gas = replace(gas, rubs=any(one.friction != 0.0 for one in found if one.second is not None))
     rows = []
     for case in found:
         at, where = speeds, gas
+        one = None if purpose is None else purpose.gas(case, gas.dimension, gas.packing_fraction)
+        if purpose is not None and purpose.bath is not None and one is not None:
+            where = replace(gas, heat_share=partial(purpose.heat_share, one))
         if driven is not None:
             steady = driven.speed(case, gas.dimension, gas.packing_fraction)
-            at, where = () if steady is None else (steady,), replace(gas, mean_speed=steady)
-            one = driven.gas(case, gas.dimension, gas.packing_fraction)
-            if steady is not None and one is not None:
-                where = replace(where, heat_share=driven.heat_share(one, steady))
+            at, where = () if steady is None else (steady,), replace(where, mean_speed=steady)
         values = [v * (share if case.second is None else 1.0) for v in at]
         each = examine(case, values or [None], where)
         if not values and (each[0].duration is None or each[0].restitution is None):
@@ -214,13 +217,13 @@ def _of_script(script: Description, given: Given, frames: Sequence[dumps.Frame] 
     in_script = drive.of_stage(last, *scales)
     if given.drive is None and not given.speeds and not any(one.temperature for one in states):
         given = replace(given, drive=in_script)
-    asked, purpose = given.drive, given.drive or in_script
-    driven = None if asked is None else asked.in_units(*scales)
+    asked = given.drive
+    driven, purpose = (one and one.in_units(*scales) for one in (asked, asked or in_script))
     given = replace(given, speeds=tuple(v * time / length for v in given.speeds), drive=driven)
     gas, speeds = _surroundings(given, states, script.dimension)
     gas = replace(gas, quantity="cooling" if purpose is None else purpose.quantity)
     chosen = () if plain or speeds or driven else tuple(v * time / length for v in CHOSEN_SPEEDS)
-    examined = _examined(found, gas, speeds, driven, chosen)
+    examined = _examined(found, gas, speeds, driven, purpose, chosen)
     rows = [row for _, row in examined]
     at = "" if speeds or driven or all(row.speed is None for row in rows) else " at 1 m/s"
     held = [drive.support(stage) for stage in script.stages]
@@ -556,7 +559,7 @@ def _of_system(system: ParticleSystem, law: Law, given: Given, step: float | Non
     purpose = given.drive or in_system
     driven = drive.words_of(None, held) if given.drive is None else ""
     quantity = "cooling" if purpose is None else purpose.quantity
-    question = answer.Question(quantity, False, driven, drive.option_of(held, 1.0, 1.0))
+    question = answer.Question(quantity, False, driven, drive.option_of(held, 1.0, 1.0), purpose)
     return _of_law(
         cases.sizes(system), law, given, step, system.dimension, walls, (state,), resting, question
     )
@@ -583,7 +586,7 @@ def _of_law(
     gas, speeds = _surroundings(given, dumped or states, dimension)
     gas = replace(gas, quantity=question.quantity)
     chosen = () if speeds or given.drive else CHOSEN_SPEEDS
-    examined = _examined(found, gas, speeds, given.drive, chosen)
+    examined = _examined(found, gas, speeds, given.drive, given.drive or question.purpose, chosen)
     rows = [_in_si(*pair, "si") for pair in examined]
     at = "" if speeds or given.drive or all(row.speed is None for row in rows) else " at 1 m/s"
     invalidates = [*resting, *_lasting((), (), rows, dumped, bool(at))]

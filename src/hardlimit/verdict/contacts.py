@@ -62,7 +62,8 @@ class Surroundings:
     mean_speed: float | None = None
     diameter: float | None = None
     quantity: str = "cooling"  #: that the gas is judged by: a field of ``Expected``
-    heat_share: float = 1.0  #: error of the temperature over that at equal heating power
+    #: Error of the temperature over that at equal heating power, at a mean impact speed; None: no bath.
+    heat_share: Callable[[float], float] | None = None
     restitution_error: float = DEFAULT_ERROR  #: that a time step may cause
     rubs: bool = False  #: whether there is friction between some of its grains
 
@@ -273,9 +274,9 @@ def _in_gas(
         assert gas.packing_fraction is not None
         one = expected(rule, gas.dimension, gas.packing_fraction, mean.restitution, force.powers, tc_nu)
         # Measured for forces that never attract; attraction prolongs the contact.
-        if one is not None and one.temperature is not None:
-            value, bar = one.temperature
-            one = one._replace(temperature=(value * gas.heat_share, bar * gas.heat_share))
+        if one is not None and one.temperature is not None and gas.heat_share is not None:
+            share = gas.heat_share(gas.mean_speed or speed)
+            one = one._replace(temperature=(one.temperature[0] * share, one.temperature[1] * share))
         return one and one.wider(math.hypot(prolonged, unequal))
 
     usual = usual_rule(force.powers)

@@ -81,8 +81,7 @@ class Drive:
         A bath restores the temperature: with r(T_b − T) ∝ T^(3/2) and a relative error of the loss, the change of T
         is −(T_b − T)/(T + 3/2 (T_b − T)) of that error, at equal power −2/3.
         """
-        if self.bath is None:
-            return 1.0
+        assert self.bath is not None
         temperature = speed**2 / math.pi
         below = max(self.bath[0] / (1.0 if self.per_mass else gas.mass) - temperature, 0.0)
         return 1.5 * below / (temperature + 1.5 * below)
