@@ -546,6 +546,13 @@ def test_stiffness_has_its_unit():
     assert re.search(r"a stiffness of \S+ Pa", hl.check(script(pair), **options).sentence)
 
 
+def test_no_speed_is_usual_in_lj_units():
+    plain = hl.check(script(HERTZ, units="lj"), packing_fraction=0.3)
+    assert [row.speed for row in plain.rows] == [None] and "lj units have no usual one" in " ".join(
+        plain.remarks
+    )
+
+
 def test_shear_rates_in_lj_units_have_no_unit():
     found = hl.check(script(CLIPPED, units="lj"), packing_fraction=0.2, shear_rate=200.0)
     assert "under a shear rate of 200 (kinetic theory)" in found.sentence
@@ -562,6 +569,7 @@ def test_clumps_are_called_clumps():
     assert "(appendClumped)" in hl.check(text, speed=0.1).sentence
 
 
+@pytest.mark.slow
 def test_without_a_speed_contacts_that_depend_on_it_are_shown_at_three(tmp_path):
     """They decide nothing, are said to be chosen, and are those in SI units whatever the script's are."""
     path = tmp_path / "in.hertz"
@@ -569,7 +577,7 @@ def test_without_a_speed_contacts_that_depend_on_it_are_shown_at_three(tmp_path)
         ("si", HERTZ, "set type 1 diameter 2e-3 density 2500"),
         ("cgs", HERTZ.replace("1e7", "1e8"), "set type 1 diameter 0.2 density 2.5"),
     ):
-        path.write_text(script(contact, units=units, grains=grains))
+        path.write_text(script(contact, units=units, grains=grains).replace("timestep 1e-7", "timestep 1e-6"))
         found = hl.check(path, packing_fraction=0.3)
         assert [row.speed for row in found.rows] == pytest.approx([0.01, 0.1, 1.0]) and found.speeds_chosen
         given = [hl.check(path, packing_fraction=0.3, speed=v).rows[0] for v in (0.01, 0.1, 1.0)]
@@ -1027,7 +1035,7 @@ def with_friction(code: str, mu: float, wall: float, stiffness: float, restituti
     )
 
 
-@draws(60)
+@draws(60, few=4)
 @given(
     code=st.sampled_from(["linear", "mindlin", "plain", "gran", "liggghts", "yade"]),
     mu=st.sampled_from([0.0, 0.0, 1e-6, 0.3, 5.0]),

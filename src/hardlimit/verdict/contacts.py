@@ -148,7 +148,7 @@ class CheckedContact:
 def examine(case: Case, speeds: Sequence[float | None], gas: Surroundings) -> list[CheckedContact]:
     """The contact at each speed, None if no speed is known; one without a speed if nothing depends on it."""
     rows = [_at(case, speed, gas) for speed in speeds]
-    if rows[0].largest_overlap is None:  # known, it depends on the speed
+    if rows[0].largest_overlap is None and list(speeds) != [None]:  # known, it depends on the speed
         anywhere = _at(case, None, gas)
         if all(replace(row, speed=None) == anywhere for row in rows):
             return [anywhere]
