@@ -214,11 +214,11 @@ def _of_script(script: Description, given: Given, frames: Sequence[dumps.Frame] 
     found, remarks = cases.of_script(script)
     last = script.stages[-1] if script.stages else NO_RUN
     states = _states(frames, _radii(last), script.dimension, _densities(last))
-    in_script = drive.of_stage(last, *scales)
-    if given.drive is None and not given.speeds and not any(one.temperature for one in states):
-        given = replace(given, drive=in_script)
+    purpose = given.drive or drive.of_stage(last, *scales)
+    if not given.speeds and not any(one.temperature for one in states):
+        given = replace(given, drive=purpose)
     asked = given.drive
-    driven, purpose = (one and one.in_units(*scales) for one in (asked, asked or in_script))
+    driven, purpose = (one and one.in_units(*scales) for one in (asked, purpose))
     given = replace(given, speeds=tuple(v * time / length for v in given.speeds), drive=driven)
     gas, speeds = _surroundings(given, states, script.dimension)
     gas = replace(gas, quantity="cooling" if purpose is None else purpose.quantity)
@@ -232,10 +232,8 @@ def _of_script(script: Description, given: Given, frames: Sequence[dumps.Frame] 
     unknown = _not_understood(script, last, frames, remarks, invalidates)
     notes = [
         *remarks.versions,
-        *dict.fromkeys(_notes(examined, given.restitution_error, at)),
+        *_remarks(examined, given, gas, speeds, at, plain),
         *_numerically_damped(last.numerical_damping, examined),
-        *_no_speed(driven, rows, gas, plain),
-        *_speeds_chosen(rows, speeds, driven, plain),
     ]
     missing = _missing(rows, gas, _known_speeds(rows, speeds, driven), states)
     shaken = drive.words_of(last, held[-1]) if held else ""
@@ -456,6 +454,21 @@ def _missing(
     return tuple(found)
 
 
+def _remarks(
+    examined: Sequence[tuple[Case, CheckedContact]],
+    given: Given,
+    gas: Surroundings,
+    speeds: Sequence[float],
+    at: str,
+    plain: bool,
+) -> Iterator[str]:
+    """All remarks on contacts and their speeds."""
+    rows = [row for _, row in examined]
+    yield from dict.fromkeys(_notes(examined, given.restitution_error, at))
+    yield from _no_speed(given.drive, rows, gas, plain)
+    yield from _speeds_chosen(rows, speeds, given.drive, plain)
+
+
 def _notes(examined: Sequence[tuple[Case, CheckedContact]], accepted: float, at: str = "") -> Iterator[str]:
     """Remarks on numbers that do not mean what they seem to; ``at``: the chosen speed of the largest ones."""
     groups: dict[tuple[Any, ...], list[tuple[Case, CheckedContact]]] = {}
@@ -609,11 +622,7 @@ def _of_law(
         tuple(invalidates),
         (),
         missing,
-        (
-            *_notes(examined, given.restitution_error, at),
-            *_no_speed(given.drive, rows, gas, False),
-            *_speeds_chosen(rows, speeds, given.drive, False),
-        ),
+        tuple(_remarks(examined, given, gas, speeds, at, False)),
         (),
         None if question.driven else question.quantity,
         given.restitution_error,
