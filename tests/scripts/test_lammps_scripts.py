@@ -759,7 +759,7 @@ def test_gravity_dimension_and_steps():
     [
         ("fix v all viscous 0.1", "viscous drag"),
         ("fix v all damping/cundall 0.8 0.8", "damping beside contacts"),
-        ("fix v all langevin 1 1 1 7", "thermostat"),
+        ("fix v all langevin 1 2 1 7", "thermostat"),
         ("fix v all rigid molecule", "clumps"),
         ("bond_style harmonic", "bonds"),
         ("atom_style bpm/sphere", "bonds"),

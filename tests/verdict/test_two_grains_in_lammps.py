@@ -3,7 +3,9 @@
 import csv
 import re
 import subprocess
+from pathlib import Path
 
+import numpy as np
 import pytest
 
 import hardlimit as hl
@@ -261,3 +263,24 @@ def test_both_numbers_are_given_where_the_version_is_not_known(name):
     ]
     remarks = " ".join(hl.check(text, speed=speed).remarks)
     assert all(f"LAMMPS before {limit}: " in remarks for limit in befores)
+
+
+@needs_lammps
+@pytest.mark.slow
+def test_friction_makes_the_example_cool_faster(tmp_path):
+    """What README says of its example: √(T(0)/T) of translation grows 1.6 to 2 times faster with μ = 0.3."""
+    text = (Path(__file__).parents[2] / "examples" / "in.granular_gas").read_text("utf-8")
+    text = re.sub(r"fix +walls[^\n]*&\n[^\n]*\n", "", text).replace("boundary        p p f", "boundary p p p")
+    text = text.replace("run             100000", "thermo 200\nthermo_style custom step time ke\nrun 7000")
+    rates = []
+    for mu in ("0.3", "0"):
+        (tmp_path / "in.gas").write_text(text.replace("0.5 0.3 limit", f"0.5 {mu} limit"), encoding="utf-8")
+        command = PROGRAM.command(1, "-in", "in.gas", "-log", "log.gas", "-screen", "none")
+        subprocess.run(command, cwd=tmp_path, env=PROGRAM.environment(), check=True, capture_output=True)
+        lines = (tmp_path / "log.gas").read_text("utf-8").splitlines()
+        rows = [line.split() for line in lines if re.fullmatch(r"\s*\d+\s+\S+\s+\S+\s*", line)]
+        time, energy = np.array([[float(word) for word in row[1:]] for row in rows]).T
+        grown = np.sqrt(energy[0] / energy) - 1.0
+        rates.append([size / float(np.interp(size, grown, time)) for size in (0.5, 1.0, 1.9)])
+    ratio = np.divide(*rates)
+    assert (ratio > 1.6).all() and (ratio < 2.0).all() and (np.diff(ratio) < 0.0).all()

@@ -42,10 +42,7 @@ def chosen(
     if restitution_error is not None and time_step is not None:
         raise ValueError("restitution_error | time_step: got both, must be at most one of them")
     if time_step is None:
-        wanted = DEFAULT_ERROR if restitution_error is None else restitution_error
-        limits = {"lowest_allowed": True, "highest_allowed": True}
-        error = validation.number("restitution_error", wanted, SMALLEST_ERROR, LARGEST_ERROR, **limits)
-        return _longest(system, law, error, longest_step)
+        return _longest(system, law, accepted_error(restitution_error), longest_step)
     step = validation.number("time_step", time_step, 0.0)
     limit = _longest(system, law, LARGEST_ERROR, longest_step)
     if step > limit:
@@ -54,6 +51,13 @@ def chosen(
             "the longest step with which the contacts of this system are stable"
         )
     return step
+
+
+def accepted_error(value: Any) -> float:
+    """The error of ε that a time step may cause: the given one, or the default if it is None."""
+    wanted = DEFAULT_ERROR if value is None else value
+    limits = {"lowest_allowed": True, "highest_allowed": True}
+    return validation.number("restitution_error", wanted, SMALLEST_ERROR, LARGEST_ERROR, **limits)
 
 
 def _longest(system: ParticleSystem, law: Law, error: float, longest_step: LongestStep) -> float:

@@ -12,6 +12,7 @@ from ..boxes.rules import RULES
 from ..boxes.thermostats import RandomKicks
 from ..support.estimate import Estimate
 from ..verdict.error_law import MEASURED_TC_NU, ErrorLaw, error_law, exponents, softness
+from ..verdict.expectation import SHEAR_BAR
 from .replica import NEWTON
 
 if TYPE_CHECKING:
@@ -19,8 +20,6 @@ if TYPE_CHECKING:
 
 #: Standard errors of the prediction in its 99 % interval.
 BARS: Final = 2.6
-#: Standard error of the temperature under shear that is predicted, over t_c ν: from docs/sheared_gas.md.
-SHEAR_BAR: Final = 0.08
 #: Number of intervals of √(E(0)/E) over which the predicted error is integrated.
 INTERVALS: Final = 64
 

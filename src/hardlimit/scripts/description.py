@@ -50,6 +50,14 @@ class Grains:
 
 
 @dataclass(frozen=True)
+class Motion:
+    """How a wall, or grains that follow no force, move. None stands for what is not known."""
+
+    amplitude: Direction | None = None  #: of an oscillation along each axis
+    frequency: float | None = None  #: angular, of this oscillation
+
+
+@dataclass(frozen=True)
 class ContactSettings:
     """The settings of the normal force between two types, or between a type and a wall."""
 
@@ -63,6 +71,10 @@ class ContactSettings:
     pushes: tuple[Direction, ...] | None = None  #: of a wall on grains; None if not known
     since: str = ""  #: first version of the code in which they mean this, if not all do
     adhesion: str = ""  #: what makes its force adhesive or plastic, in words
+    friction: float | None = (
+        0.0  #: coefficient of sliding friction, 0 without tangential forces; None if not known
+    )
+    motion: Motion | None = None  #: of the wall, or of the grains that do not follow forces; None at rest
 
 
 @dataclass(frozen=True)
@@ -87,6 +99,12 @@ class Stage:
     gravity: float | None  #: magnitude; None without gravity
     numerical_damping: float | None  #: of the integrator; None in codes without it
     down: Direction | None = None  #: the direction of gravity; None if not known
+    pressed: tuple[Note, ...] = ()  #: what prescribes a pressure or shrinks the box
+    driven: tuple[Note, ...] = ()  #: what else moves the box or its walls, or heats the grains
+    shear_rate: float | None = None  #: of a box in steady shear
+    bath: tuple[float, float] | None = (
+        None  #: energy k_B T of a thermostat, and the rate at which it restores T
+    )
     units: str = "si"  #: those of the system that runs; ``clear`` begins another one
     units_given: bool = True  #: False for the code's default
     dimension: int = 3

@@ -63,6 +63,7 @@ class Words:
     settings: Mapping[str, tuple[str, ...]]  #: of the normal force
     beside: tuple[str, ...] = ()  #: other forces, such as ``tangential mindlin``
     rest: tuple[str, ...] = ()  #: from the shape of a wall on
+    friction: str = "0"  #: coefficient of sliding friction; 0 without tangential forces
 
 
 def unaccelerated(style: str) -> str:
@@ -88,14 +89,22 @@ def gran(statement: Statement, words: Sequence[str], wall: bool = False) -> Word
             statement.file,
         )
     beside = () if is_zero(words[5]) else (f"tangential {words[0]}",)
-    return Words(found, beside, rest=tuple(rest))
+    tangent = ["0" if words[0] == "hooke" else words[2], "0" if is_zero(words[6]) else words[4]]
+    if tangent[1] == "NULL":
+        tangent[1] = words[3]
+    return Words(found, beside, rest=tuple(rest), friction=sliding([*tangent, words[5]]))
+
+
+def sliding(numbers: Sequence[str]) -> str:
+    """The coefficient of friction, the last number of a tangential model; 0 if its spring and its damping are 0."""
+    return "0" if not numbers or all(map(is_zero, numbers[:-1])) else numbers[-1]
 
 
 def granular(statement: Statement, words: Sequence[str], wall: bool = False, adhesion: bool = False) -> Words:
     """``MODEL numbers [damping …] [tangential …] … [limit_damping]``, up to the shape of a wall."""
     found: dict[str, tuple[str, ...]] = {"damping": ("viscoelastic",)}
     normal = {**NORMAL, **(ADHESIVE | PLASTIC if adhesion else {})}
-    beside, k = list[str](), 0
+    beside, friction, k = list[str](), "0", 0
     while k < len(words) and not (wall and words[k] in WALLS):
         word, after = words[k], words[k + 1 : k + 2]
         if word in normal:
@@ -110,6 +119,8 @@ def granular(statement: Statement, words: Sequence[str], wall: bool = False, adh
         elif word in BESIDE and after and after[0] in BESIDE[word]:
             step = 2 + BESIDE[word][after[0]]
             beside += [] if after[0] == "none" else [f"{word} {after[0]}"]
+            if word == "tangential":
+                friction = sliding(words[k + 2 : k + step])
         elif word == "synchronized_verlet":  # velocities of the whole step; a head-on ε stays
             step = 1
         elif word in ("limit_damping", "cutoff"):
@@ -130,7 +141,7 @@ def granular(statement: Statement, words: Sequence[str], wall: bool = False, adh
     ):  # the damping coefficient is read, and does nothing
         name, stiffness, _, *others = found["normal"]
         found |= {"damping": ("velocity",), "normal": (name, stiffness, "0", *others)}
-    return Words(found, tuple(beside), tuple(words[k:]))
+    return Words(found, tuple(beside), tuple(words[k:]), friction)
 
 
 def wall(statement: Statement, words: Sequence[str], adhesion: bool = False) -> Words:

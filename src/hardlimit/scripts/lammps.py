@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Final
 
-from . import granular_words
+from . import granular_words, motion
 from .description import ContactSettings, Quote, Setting, Settings
 from .formulas import NUMBER
 from .granular_words import ADHESIVE, NORMAL, PLASTIC, WALLS, Words, is_zero, ordered, unaccelerated
@@ -35,6 +35,7 @@ class Coefficients:
     style: str  #: of a hybrid style
     settings: Settings
     quote: Quote
+    friction: str = "0"
 
 
 class Lammps(State):
@@ -88,7 +89,7 @@ class Lammps(State):
         found = self.resolve(statement, settings(statement, parsed.settings))
         for what in parsed.beside:
             self.ignore(what, statement)
-        return Coefficients(style, found, statement.quote)
+        return Coefficients(style, found, statement.quote, parsed.friction)
 
     def command_pair_coeff(self, statement: Statement) -> None:
         self.understood(statement, lambda: self.pair_coeff(statement))
@@ -138,27 +139,31 @@ class Lammps(State):
             for j in kinds[kinds.index(i) :]:
                 found = self.between(i, j)
                 if found is not None:
-                    yield found
+                    moving = motion.strongest([motion.of_grains(self, k) for k in (i, j)])
+                    yield replace(found, motion=moving)
         for name, fix in self.fixes.items():
             if fix.style in GRANULAR_WALLS:
                 parsed = self.wall(fix)
                 if parsed is not None:
-                    shape, *ends = self.words_of(fix).rest
+                    words = self.words_of(fix)
+                    shape, *ends = words.rest
+                    friction = self.coefficient(words.friction)
                     pushes = granular_words.pushes(shape, *(end != "NULL" for end in ends[: WALLS[shape]]))
+                    moves = motion.of_wall(self, words.rest, WALLS[shape], friction != 0.0)
+                    quotes = (fix.statement.quote,)
                     for kind in self.walls_of(fix.group):
-                        yield self.wall_contact(kind, name, parsed, (fix.statement.quote,), pushes)
+                        yield self.wall_contact(kind, name, parsed, quotes, pushes, friction, moves)
 
     def between(self, i: int, j: int) -> ContactSettings | None:
         """Settings of two types: those given, those of a gran/… style, or the mixed ones."""
         types = (str(i), str(j))
         given = [one for one in self.pairs.get((i, j), []) if "normal" in one.settings]
         if given:
-            return ContactSettings(types, None, given[-1].settings, (given[-1].quote,))
+            return self.of_pair(types, given[-1])
         if (i, j) in self.pairs and self.hybrid:
             return None
         if self.everywhere and not self.hybrid:
-            one = next(iter(self.everywhere.values()))
-            return ContactSettings(types, None, one.settings, (one.quote,))
+            return self.of_pair(types, next(iter(self.everywhere.values())))
         ends = [self.pairs.get((k, k), []) for k in (i, j)]
         alone = [one[-1] for one in ends if one and "normal" in one[-1].settings]
         if len(alone) < 2 or i == j:
@@ -168,7 +173,17 @@ class Lammps(State):
         if found is None:
             self.unknown.update(dict.fromkeys(quotes))
             return None
-        return ContactSettings(types, None, found, quotes, since=mixed_since(alone[0].settings))
+        coefficients = [self.coefficient(one.friction) for one in alone]
+        known = [one for one in coefficients if one is not None]
+        friction = math.sqrt(math.prod(known)) if len(known) == 2 and min(known) >= 0.0 else None
+        return ContactSettings(
+            types, None, found, quotes, since=mixed_since(alone[0].settings), friction=friction
+        )
+
+    def of_pair(self, types: tuple[str, str], given: Coefficients) -> ContactSettings:
+        """Settings of two types for which coefficients are given."""
+        friction = self.coefficient(given.friction)
+        return ContactSettings(types, None, given.settings, (given.quote,), friction=friction)
 
     # --- walls and insertions -----------------------------------------------------------------------------------
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
-from . import granular_words
+from . import granular_words, motion
 from .description import ContactSettings, Quote, Range, Setting, Settings
 from .formulas import NUMBER
 from .granular_words import PROPERTIES, Words, is_zero, unaccelerated
@@ -265,20 +265,45 @@ class Liggghts(State):
             for i in kinds:
                 for j in kinds[kinds.index(i) :]:
                     found, quotes = self.between(i, j)
-                    yield ContactSettings((str(i), str(j)), None, {**model, **found}, (quote, *quotes))
+                    yield ContactSettings(
+                        (str(i), str(j)),
+                        None,
+                        {**model, **found},
+                        (quote, *quotes),
+                        friction=self.friction(model, i, j),
+                        motion=motion.strongest([motion.of_grains(self, k) for k in (i, j)]),
+                    )
         for name, fix in self.fixes.items():
             if fix.style.startswith("wall/gran"):
                 parsed, ends = self.parsed_wall(fix)
                 model = settings(fix.statement, parsed.settings)
                 shapes = [granular_words.pushes(word) for word in parsed.rest]
                 pushes = next((one for one in shapes if one is not None), None)
+                moves = motion.strongest([motion.of_mesh(self, word) for word in parsed.rest], self.down())
                 for kind in kinds:
                     for end in ends:
                         found, quotes = self.between(kind, end)
                         wall = name if len(ends) == 1 else f"{name} (type {end})"
+                        friction = self.friction(model, kind, end)
+                        moving = motion.of_wall(self, parsed.rest, 0, friction != 0.0) or moves
                         yield self.wall_contact(
-                            kind, wall, {**model, **found}, (fix.statement.quote, *quotes), pushes
+                            kind,
+                            wall,
+                            {**model, **found},
+                            (fix.statement.quote, *quotes),
+                            pushes,
+                            friction,
+                            moving,
                         )
+
+    def friction(self, model: Settings, i: int, j: int) -> float | None:
+        """The coefficient of friction of two types; 0 if the model has no tangential forces."""
+        tangential = model.get("tangential")
+        if tangential is None or tangential.words[0] == "off":
+            return 0.0
+        given = self.properties.get("coefficientFriction")
+        pair = None if given is None else given.between(i, j)
+        return None if pair is None else self.coefficient(pair[0])
 
     def between(self, i: int, j: int) -> tuple[Settings, tuple[Quote, ...]]:
         """The properties of a pair of types. Two materials are replaced by one with the same effective modulus."""

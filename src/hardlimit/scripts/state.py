@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import Final, Self
 
 from ..support.formatting import listed
-from . import conditions, population
+from . import conditions, motion, population
 from .commands import SILENT, UNRESOLVED, USE_LOG, Variables, text_of
-from .description import WALL, ContactSettings, Description, Direction, Note, Quote, Settings, Stage
+from .description import WALL, ContactSettings, Description, Direction, Motion, Note, Quote, Settings, Stage
 from .formulas import NUMBER
 from .granular_words import unaccelerated
 from .population import Batch, Population
@@ -176,6 +176,8 @@ class State:
         self.regions: dict[str, tuple[str, ...]] = {}
         self.excluded: dict[tuple[str, str], None] = {}  #: pairs of types that do not meet
         self.unclear: dict[conditions.Part, None] = {}  #: what depends on a condition that only a run knows
+        self.edges: dict[str, float] = {}  #: of the box
+        self.squeezed: list[Note] = []  #: commands that shrank the box
         self.variables.keywords["dt"] = TIME_STEPS[self.units]
 
     # --- what subclasses provide --------------------------------------------------------------------------------
@@ -619,6 +621,7 @@ class State:
             self.gravity(),
             None,
             self.down(),
+            *motion.driven(self),
             self.units,
             self.units_given,
             self.dimension,
@@ -651,6 +654,17 @@ class State:
 
     def command_create_box(self, statement: Statement) -> None:
         self.types = max(self.types, min(self.type_of((*statement.words, "")[1]), MAX_TYPES))
+        shape, *ends = (*self.regions.get((*statement.words, "", "")[2], ()), "")
+        numbers = [self.coefficient(word) for word in ends[:6]] if shape in ("block", "prism") else []
+        for axis, low, high in zip("xyz", numbers[::2], numbers[1::2], strict=False):
+            if low is not None and high is not None and high > low:
+                self.edges[axis] = high - low
+
+    def command_change_box(self, statement: Statement) -> None:
+        kind, _ = motion.deformation(self, statement.words[2:])
+        self.edges = {}
+        if kind == "pressed":
+            self.squeezed.append(Note("change_box", None, statement.quote))
 
     def command_region(self, statement: Statement) -> None:
         if len(statement.words) > 2:
@@ -852,6 +866,8 @@ class State:
             self.ignore(f"heat ({style})", fix.statement, types)
         elif style.startswith(("move", "deform")):
             self.ignore(f"prescribed motion ({style})", fix.statement, types)
+        elif style.startswith("langevin") and motion.bath(self, fix) is not None:
+            self.ignore(f"a thermostat ({style})", fix.statement, types)
         elif style == "adapt" and ("diameter" in fix.words or "diameter/disc" in fix.words):
             self.elsewhere(fix.statement)
         elif style.startswith("dt/reset"):
@@ -937,9 +953,18 @@ class State:
         settings: Settings,
         quotes: tuple[Quote, ...],
         pushes: tuple[Direction, ...] | None,
+        friction: float | None,
+        motion: Motion | None,
     ) -> ContactSettings:
         """A contact with a wall."""
-        return ContactSettings((str(kind), WALL), name, settings, quotes, pushes=pushes)
+        return ContactSettings(
+            (str(kind), WALL), name, settings, quotes, pushes=pushes, friction=friction, motion=motion
+        )
+
+    def coefficient(self, word: str) -> float | None:
+        """A number that need not be known."""
+        found = float(word) if NUMBER.fullmatch(word) else None
+        return self.variables.of(word[2:]) if word.startswith("v_") else found
 
 
 def atoms_of(word: str) -> range | None:

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
 from itertools import permutations
-from typing import Any, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
@@ -77,8 +77,16 @@ def energy_density(contact: ContactSettings) -> tuple[Any, float] | None:
     return model.words[0], float(density.words[0])
 
 
+#: Powers of mass, length and time in the parameters of our laws.
+SPRING_POWERS: Final = {
+    "stiffness": (1.0, 0.0, -2.0),
+    "youngs_modulus": (1.0, -1.0, -2.0),
+    "elastic_prefactor": (1.0, -0.5, -2.0),
+}
+
+
 def _spring(numbers: Mapping[str, float], power: float) -> tuple[str, float, float] | None:
-    name = next((one for one in ("stiffness", "youngs_modulus", "elastic_prefactor") if one in numbers), None)
+    name = next((one for one in SPRING_POWERS if one in numbers), None)
     return None if name is None else (name, numbers[name], power)
 
 
@@ -202,6 +210,7 @@ def _state(stage: Stage) -> object:
             one.wall,
             one.wall_mass,
             one.wall_radius,
+            one.friction,
             {name: setting.words for name, setting in one.settings.items()},
         )
         for one in stage.contacts
@@ -313,6 +322,8 @@ def _between(
             (materials.get(grains[0].type), materials.get(grains[-1].type)),
             None if force is None else force.spring,
             () if force is None else force.others,
+            contact.friction,
+            None if force is None or force.spring is None else force.model.unit(force.spring[0]),
         )
 
 
@@ -356,6 +367,7 @@ def of_law(balls: Sequence[Ball], law: Law, walls: bool, time_step: float | None
             time_step,
             materials=(material, material),
             spring=_spring(law.parameters, 1.0),
+            spring_powers=next((powers for name, powers in SPRING_POWERS.items() if name in p), None),
         )
 
     pairs = [case(one, other) for i, one in enumerate(bodies) for other in bodies[i:]]

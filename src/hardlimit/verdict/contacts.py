@@ -24,6 +24,7 @@ TRIALS: Final = {
     "mass": (1e-6, 5e-6, 1e30, 1e-30),
     "speed": (1.0, 0.3, 30.0, 1e-4),
 }
+FIXED_POINT_STEPS: Final = 20  #: of the largest t_c ν
 AGREEMENT: Final = 1e-6  #: relative difference of results that count as equal
 
 
@@ -60,6 +61,11 @@ class Surroundings:
     #: Mean impact speed √(πT) and mean diameter, if measured in a dump; else those of each contact.
     mean_speed: float | None = None
     diameter: float | None = None
+    quantity: str = "cooling"  #: that the gas is judged by: a field of ``Expected``
+    #: Error of the temperature over that at equal heating power, at a mean impact speed; None: no bath.
+    heat_share: Callable[[float], float] | None = None
+    restitution_error: float = DEFAULT_ERROR  #: that a time step may cause
+    rubs: bool = False  #: whether there is friction between some of its grains
 
     def collision_rate(self, speed: float, diameter: float) -> float:
         """Enskog's collision rate of one grain, where ``speed`` is the mean impact speed √(πT)."""
@@ -95,6 +101,9 @@ class Case:
     spring: tuple[str, float, float] | None = None
     #: The force before versions of the code that changed it.
     others: tuple[tuple[str, MakeForce], ...] = ()
+    friction: float | None = 0.0  #: coefficient of sliding friction; None if not known
+    #: Powers of mass, length and time in the unit of the number that sets the stiffness.
+    spring_powers: tuple[float, float, float] | None = None
 
 
 class OtherVersion(NamedTuple):
@@ -128,7 +137,7 @@ class CheckedContact:
     duration: float | None = None  #: [s]
     steps_per_contact: int | None = None  #: whole time steps in a contact
     restitution_error_of_step: float | None = None  #: error of ε by the time step
-    time_step: float | None = None  #: [s], with an error of ε of 0.001
+    time_step: float | None = None  #: [s], with the error of ε that is accepted, by default 0.001
     rayleigh_time: float | None = None  #: πR√(ρ/G)/(0.1631 ν + 0.8766) [s], G = Y/(2 + 2ν); the shorter
     p_wave_time: float | None = None  #: R√(ρ/Y) [s]; the shorter of both grains
     largest_overlap: float | None = None  #: over the smaller radius
@@ -136,17 +145,22 @@ class CheckedContact:
     delta_over_d: float | None = None  #: greatest overlap at the mean impact speed, over the diameter
     error: Errors = field(default_factory=dict)  #: of event-driven cooling
     rule: str = "constant"  #: of the event-driven simulation that the answer is about: "law" if ε depends on the speed
-    heated_error: float | None = None  #: of the temperature of an event-driven gas at equal heating power
+    heated_error: float | None = None  #: of the temperature of an event-driven gas at equal heating
+    heated_error_bar: float | None = None  #: its standard error
     sheared_error: float | None = None  #: of the shear stress of event-driven spheres at equal shear rate
-    softening: float | None = None  #: factor of the stiffness at an error of cooling of 1 %, with its bar
+    sheared_error_bar: float | None = None  #: its standard error
+    friction: float | None = 0.0  #: coefficient of sliding friction; with friction, no error is known
+    frictionless_error: float | None = None  #: of the quantity asked for, without friction
+    softening: float | None = None  #: factor of the stiffness at an error of 1 %, with its bar
     spring: tuple[str, float, float] | None = None  #: name of the stiffness, value, value after this change
     other_versions: tuple[OtherVersion, ...] = ()  #: of the code, if the script does not state its version
+    stiffness_unit: str = ""  #: in which these values are; empty in lj units
 
 
 def examine(case: Case, speeds: Sequence[float | None], gas: Surroundings) -> list[CheckedContact]:
     """The contact at each speed, None if no speed is known; one without a speed if nothing depends on it."""
     rows = [_at(case, speed, gas) for speed in speeds]
-    if rows[0].largest_overlap is None:  # known, it depends on the speed
+    if rows[0].largest_overlap is None and list(speeds) != [None]:  # known, it depends on the speed
         anywhere = _at(case, None, gas)
         if all(replace(row, speed=None) == anywhere for row in rows):
             return [anywhere]
@@ -165,6 +179,7 @@ def _at(case: Case, speed: float | None, gas: Surroundings) -> CheckedContact:
         case.restitution_asked,
         case.clipped,
         speed,
+        friction=case.friction,
     )
     if case.force is None:
         return row
@@ -221,7 +236,7 @@ def _results(
         "adhesive": isinstance(force, AdhesiveForce),
         "restitution": collision.restitution,
         "duration": collision.duration,
-        "time_step": force.longest_step(speed, DEFAULT_ERROR),
+        "time_step": force.longest_step(speed, gas.restitution_error),
         "largest_overlap": collision.compression / smaller,
     }
     waves = [
@@ -275,26 +290,47 @@ def _in_gas(
     radii = first.radius, second.radius
     unequal = min(max(radii) / min(radii) - 1.0, 1.0)
 
-    def with_bar(rule: str, tc_nu: float) -> tuple[Expected, float] | None:
+    def with_bar(rule: str, tc_nu: float) -> Expected | None:
         assert gas.packing_fraction is not None
         one = expected(rule, gas.dimension, gas.packing_fraction, mean.restitution, force.powers, tc_nu)
         # Measured for forces that never attract; attraction prolongs the contact.
-        return one and (one, math.hypot(one.bar, one.error * prolonged, one.error * unequal))
+        if one is not None and one.temperature is not None and gas.heat_share is not None:
+            share = gas.heat_share(gas.mean_speed or speed)
+            one = one._replace(temperature=(one.temperature[0] * share, one.temperature[1] * share))
+        return one and one.wider(math.hypot(prolonged, unequal))
 
     usual = usual_rule(force)
+    known = with_bar(usual, tc_nu)
+    if case.friction != 0.0 or gas.rubs:
+        asked = None if known is None else getattr(known, gas.quantity)
+        return found | {"frictionless_error": None if asked is None else asked[0]}
     for rule in RULES:
         if rule == "constant" != usual:
             continue  # its error has another cause as well, the ε that depends on the speed
-        if (known := with_bar(rule, tc_nu)) is None:
-            continue
-        found[rule], found[f"{rule}±"] = known[0].error, known[1]
-        if rule == usual:
-            found |= {"heated_error": known[0].heated, "sheared_error": known[0].sheared}
-    within = min(tc_nu, MEASURED_TC_NU)  # up to which error and bar are in proportion to t_c ν
-    if (known := with_bar(usual, within)) is not None:
-        largest = within * ACCEPTED / (abs(known[0].error) + known[1])
-        found["softening"] = (tc_nu / min(largest, MEASURED_TC_NU)) ** exponent
+        if (one := with_bar(rule, tc_nu)) is not None:
+            found[rule], found[f"{rule}±"] = one.cooling
+    if known is not None:
+        found["heated_error"], found["heated_error_bar"] = known.temperature or (None, None)
+        found["sheared_error"], found["sheared_error_bar"] = known.stress or (None, None)
+        largest = _largest_tc_nu(lambda x: getattr(with_bar(usual, x), gas.quantity))
+        found["softening"] = None if largest is None else (tc_nu / largest) ** exponent
     return found
+
+
+def _largest_tc_nu(error: Callable[[float], tuple[float, float] | None]) -> float | None:
+    """t_c ν at which error and bar make 1 %, at most the largest measured; None if the error is not known.
+
+    Both are nearly in proportion to t_c ν, so that a few steps of a fixed point suffice.
+    """
+    x = MEASURED_TC_NU
+    for _ in range(FIXED_POINT_STEPS):
+        if (one := error(x)) is None:
+            return None
+        size, before = abs(one[0]) + one[1], x
+        x = MEASURED_TC_NU if size == 0.0 else min(x * ACCEPTED / size, MEASURED_TC_NU)
+        if math.isclose(x, before, rel_tol=1e-12):
+            break
+    return x
 
 
 def restitution_of(case: Case, speed: float) -> float:

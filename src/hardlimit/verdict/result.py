@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from ..boxes.time_step import DEFAULT_ERROR
 from ..support import html
 from ..support.formatting import digits
 from .contacts import CheckedContact
@@ -35,7 +36,11 @@ NUMBERS = {
     "tc_nu": "1",
     "delta_over_d": "1",
     "heated_error": "1",
+    "heated_error_bar": "1",
     "sheared_error": "1",
+    "sheared_error_bar": "1",
+    "friction": "1",
+    "frictionless_error": "1",
     "softening": "1",
 }
 
@@ -64,6 +69,7 @@ class CheckedStage(NamedTuple):
     steps: int | None  #: number of steps
     gravity: float | None  #: [m/s²]
     units: str  #: in which the script gives its numbers
+    shaking: float | None  #: Γ = A ω²/g of what holds the grains
 
 
 @dataclass(frozen=True)
@@ -91,6 +97,9 @@ class Verdict:
     missing: tuple[str, ...]  #: what would have to be known for an answer
     remarks: tuple[str, ...]  #: on ε, the time step and versions of the code
     corrected: tuple[str, ...]  #: lines for the script, ready to paste
+    quantity: str | None = "cooling"  #: whose error decides: also "temperature", "stress"; None without law
+    restitution_error: float = DEFAULT_ERROR  #: of ε, that the corrected time step causes
+    speeds_chosen: bool = False  #: whether the speeds of the contacts are examples, because none is given
 
     @cached_property
     def contacts(self) -> xr.Dataset:
@@ -157,6 +166,9 @@ class Verdict:
             "missing": list(self.missing),
             "remarks": list(self.remarks),
             "corrected": list(self.corrected),
+            "quantity": self.quantity,
+            "restitution_error": self.restitution_error,
+            "speeds_chosen": self.speeds_chosen,
             "admissible": self.admissible,
             "sentence": self.sentence,
         }
