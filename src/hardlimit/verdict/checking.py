@@ -231,10 +231,11 @@ class System:
         rows = [row for _, row in self.examined]
         return _missing(rows, self.gas, _known_speeds(rows, self.speeds, self.given.drive), states)
 
-    def remarks(self) -> Iterator[str]:
-        """Remarks on the contacts."""
+    def remarks(self, several: bool) -> Iterator[str]:
+        """Remarks on the contacts, which name their units if the script has several."""
         plain = self.last.units == "lj"
-        return _remarks(self.examined, self.given, self.gas, self.speeds, self.at, plain)
+        for note in _remarks(self.examined, self.given, self.gas, self.speeds, self.at, plain):
+            yield f"In {self.last.units} units: {note}" if several else note
 
     def corrected(self, code: str, several: bool) -> Iterator[str]:
         """Corrected lines, which name their units if the script has several."""
@@ -339,7 +340,7 @@ def _of_script(script: Description, given: Given, frames: Sequence[dumps.Frame] 
         (
             *cases.of_other_versions(code(script.code).title, rows, plain),
             *remarks.versions,
-            *dict.fromkeys(note for one in systems for note in one.remarks()),
+            *dict.fromkeys(note for one in systems for note in one.remarks(len(systems) > 1)),
             *_numerically_damped(last.numerical_damping, final.examined),
         ),
         tuple(line for one in systems for line in one.corrected(script.code, len(systems) > 1)),
