@@ -186,7 +186,7 @@ def test_each_system_of_a_script_has_its_own_units(pair, dimensions, tmp_path):
         assert both.stages[number - 1][2:] == one.stages[0][2:]
         assert both.stages[number - 1].units == units
     assert both.units == pair[-1] and both.units_given and both.time_step == alone[-1].time_step
-    assert both.admissible == (False if any(one.admissible is False for one in alone) else True)
+    assert both.admissible == (not any(one.admissible is False for one in alone))
     assert any("Overlaps" in note for one in alone for note in one.remarks) == any(
         "Overlaps" in note for note in both.remarks
     )

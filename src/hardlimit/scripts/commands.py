@@ -384,10 +384,11 @@ class Commands:
             for inner in possible[0]:
                 yield from self._run(frame, statement.line, inner, depth + 1)
         elif not all(split(one)[:1] and split(one)[0] in SILENT for inner in possible for one in inner):
-            branches, variables, label = [], [], None
-            for inner in possible:
+            branches, variables = list[Branch](), list[dict[str, Variable]]()
+            label: Place | None = None
+            for part in possible:
                 before = dict(self.variables.known)
-                branch, back = self._tried(frame, statement, inner, depth)
+                branch, back = self._tried(frame, statement, part, depth)
                 branches.append(branch)
                 label = back or label
                 if branch.place:
