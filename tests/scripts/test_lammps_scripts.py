@@ -215,6 +215,9 @@ def test_all_variables_without_a_value_are_named():
     assert (
         line.startswith("input: line 9: ") and "values for k, e, dt, kw and g: give them with --var" in line
     )
+    assert "values for dt and file: " in refused(
+        f"{BASE}timestep ${{dt}}\ninclude ${{file}}\ntimestep ${{x}}\n"
+    )
     values = {"k": "1e5", "e": "0.5", "dt": "1e-5", "kw": "1", "g": "9.8"}
     assert read(f"{BASE}{lines}run 1\n", variables=values).stages[0].gravity == 9.8
 

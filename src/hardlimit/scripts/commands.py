@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Final
 
 from . import formulas
-from .statements import Branch, Place, Statement, logical_lines, refusal, refused, scan, split
+from .statements import Branch, Place, Statement, Undefined, logical_lines, refusal, refused, scan, split
 
 VARIABLE: Final = re.compile(
     r"\$(?:\{(\w+)\}|(\w)|\(([^()]*(?:\([^()]*(?:\([^()]*\)[^()]*)*\)[^()]*)*)\))", re.ASCII
@@ -355,8 +355,10 @@ class Commands:
             raise refused(statement, f"be part of a shorter loop; {USE_LOG}")
 
     def _opened(self, frame: Frame, statement: Statement) -> Frame:
-        if len(statement.words) < 2 or UNRESOLVED.search(statement.words[1]):
-            raise refused(statement, f"name a file; {USE_LOG}")
+        if len(statement.words) < 2:
+            raise refused(statement, "name a file")
+        if UNRESOLVED.search(statement.words[1]):
+            raise Undefined(statement)
         name = statement.words[1]
         if frame.folder is None:
             raise refused(statement, "be in a file, to which it is relative")

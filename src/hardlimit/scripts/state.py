@@ -195,6 +195,8 @@ class State:
         try:
             for statement in statements:
                 self.statement(statement)
+        except Undefined as error:  # the file that comes next
+            self.missing(error.statement)
         except Refusal:
             if not self.undefined:
                 raise
