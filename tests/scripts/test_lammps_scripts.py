@@ -708,6 +708,12 @@ pair_style gran/hooke 1 NULL 1 NULL 0 0
         assert "".join(one.types[0] for one in found if one.wall) == types, name
 
 
+def test_a_group_that_is_not_defined_is_quoted():
+    (quote,) = read(f"{BASE}fix 1 grains nve/sphere\nrun 1\n").unknown
+    assert quote.text == "fix 1 grains nve/sphere (the group grains is not defined)"
+    assert not read(f"{BASE}group grains region box\nfix 1 grains nve/sphere\nrun 1\n").unknown
+
+
 def test_labels_of_types():
     text = (
         f"{BOX}labelmap atom 1 sand 2 glass\ncreate_atoms sand box\ncreate_atoms 2 box\npair_style granular\n"

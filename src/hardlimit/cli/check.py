@@ -183,7 +183,8 @@ def report(found: Verdict, verbose: bool) -> None:
     if len(shown) < len(groups):
         say(f"… and {len(groups) - len(shown)} more contacts: --verbose")
     if not verbose and len({row.stage for row in found.rows}) > 1:
-        say(f"Settings change between runs. These are of run {last}; --verbose has the others.")
+        which = f"run {last}{units_of(found, last)}"
+        say(f"Settings change between runs. These are of {which}; --verbose has the others.")
     if found.remarks:
         say(" ".join(found.remarks))
     if verbose:
@@ -196,6 +197,11 @@ def report(found: Verdict, verbose: bool) -> None:
     say(f"{found.sentence}{more}{lines}", style="bold")
     for line in found.corrected:
         click.echo(f"  {line}")
+
+
+def units_of(found: Verdict, run: int) -> str:
+    """The units of a run of a script with several."""
+    return f" ({found.stages[run - 1].units} units)" if len({one.units for one in found.stages}) > 1 else ""
 
 
 HEAD = [
@@ -398,8 +404,7 @@ def details(found: Verdict) -> None:
     for row in found.rows:
         say(detail(row, found.has_plain(row)))
     for stage in found.stages:
-        units = f" ({stage.units} units)" if len({one.units for one in found.stages}) > 1 else ""
-        say(f"Run {stage.number}{units}: {stage.command}")
+        say(f"Run {stage.number}{units_of(found, stage.number)}: {stage.command}")
     plain = found.units == "lj"
     for state in found.states:
         phi, t, unit = state.packing_fraction, state.temperature, "" if plain else " m/s"
