@@ -215,6 +215,9 @@ def test_all_variables_without_a_value_are_named():
     assert (
         line.startswith("input: line 9: ") and "values for k, e, dt, kw and g: give them with --var" in line
     )
+    assert "values for dt and file: " in refused(
+        f"{BASE}timestep ${{dt}}\ninclude ${{file}}\ntimestep ${{x}}\n"
+    )
     values = {"k": "1e5", "e": "0.5", "dt": "1e-5", "kw": "1", "g": "9.8"}
     assert read(f"{BASE}{lines}run 1\n", variables=values).stages[0].gravity == 9.8
 
@@ -724,6 +727,12 @@ pair_style gran/hooke 1 NULL 1 NULL 0 0
     }.items():
         found = stage(f"{text}fix w {name} wall/gran hooke 1 NULL 1 NULL 0 0 zplane 0 NULL\nrun 1\n").contacts
         assert "".join(one.types[0] for one in found if one.wall) == types, name
+
+
+def test_a_group_that_is_not_defined_is_quoted():
+    (quote,) = read(f"{BASE}fix 1 grains nve/sphere\nrun 1\n").unknown
+    assert quote.text == "fix 1 grains nve/sphere (the group grains is not defined)"
+    assert not read(f"{BASE}group grains region box\nfix 1 grains nve/sphere\nrun 1\n").unknown
 
 
 def test_labels_of_types():

@@ -193,7 +193,8 @@ def report(found: Verdict, verbose: bool) -> None:
     if len(shown) < len(groups):
         say(f"… and {len(groups) - len(shown)} more contacts: --verbose")
     if not verbose and len({row.stage for row in found.rows}) > 1:
-        say(f"Settings change between runs. These are of run {last}; --verbose has the others.")
+        which = f"run {last}{units_of(found, last)}"
+        say(f"Settings change between runs. These are of {which}; --verbose has the others.")
     if found.remarks:
         say(" ".join(found.remarks))
     if verbose:
@@ -219,8 +220,13 @@ def corrections(found: Verdict) -> str:
 
 def labelled(row: CheckedContact, found: Verdict, walls: bool) -> str:
     """The name of a contact, with its speed if it was chosen."""
-    text = name(row, found.units == "lj", walls)
+    text = name(row, found.has_plain(row), walls)
     return f"{text}, {digits(row.speed, 3)} m/s" if found.speeds_chosen and row.speed is not None else text
+
+
+def units_of(found: Verdict, run: int) -> str:
+    """The units of a run of a script with several."""
+    return f" ({found.stages[run - 1].units} units)" if len({one.units for one in found.stages}) > 1 else ""
 
 
 HEAD = [
@@ -429,8 +435,7 @@ def details(found: Verdict) -> None:
     for row in found.rows:
         say(detail(row, found.has_plain(row), found.restitution_error))
     for stage in found.stages:
-        units = f" ({stage.units} units)" if len({one.units for one in found.stages}) > 1 else ""
-        say(f"Run {stage.number}{units}: {stage.command}")
+        say(f"Run {stage.number}{units_of(found, stage.number)}: {stage.command}")
     plain = found.units == "lj"
     for state in found.states:
         phi, t, unit = state.packing_fraction, state.temperature, "" if plain else " m/s"

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Final
 
 from . import formulas
-from .statements import Branch, Place, Statement, logical_lines, refusal, refused, scan, split
+from .statements import Branch, Place, Statement, Undefined, logical_lines, refusal, refused, scan, split
 
 VARIABLE: Final = re.compile(
     r"\$(?:\{(\w+)\}|(\w)|\(([^()]*(?:\([^()]*(?:\([^()]*\)[^()]*)*\)[^()]*)*)\))", re.ASCII
@@ -355,8 +355,10 @@ class Commands:
             raise refused(statement, f"be part of a shorter loop; {USE_LOG}")
 
     def _opened(self, frame: Frame, statement: Statement) -> Frame:
-        if len(statement.words) < 2 or UNRESOLVED.search(statement.words[1]):
-            raise refused(statement, f"name a file; {USE_LOG}")
+        if len(statement.words) < 2:
+            raise refused(statement, "name a file")
+        if UNRESOLVED.search(statement.words[1]):
+            raise Undefined(statement)
         name = statement.words[1]
         if frame.folder is None:
             raise refused(statement, "be in a file, to which it is relative")
@@ -384,10 +386,11 @@ class Commands:
             for inner in possible[0]:
                 yield from self._run(frame, statement.line, inner, depth + 1)
         elif not all(split(one)[:1] and split(one)[0] in SILENT for inner in possible for one in inner):
-            branches, variables, label = [], [], None
-            for inner in possible:
+            branches, variables = list[Branch](), list[dict[str, Variable]]()
+            label: Place | None = None
+            for part in possible:
                 before = dict(self.variables.known)
-                branch, back = self._tried(frame, statement, inner, depth)
+                branch, back = self._tried(frame, statement, part, depth)
                 branches.append(branch)
                 label = back or label
                 if branch.place:

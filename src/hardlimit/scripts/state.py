@@ -197,6 +197,8 @@ class State:
         try:
             for statement in statements:
                 self.statement(statement)
+        except Undefined as error:  # the file that comes next
+            self.missing(error.statement)
         except Refusal:
             if not self.undefined:
                 raise
@@ -744,6 +746,8 @@ class State:
         offset = self.type_of(shift[0]) if shift else 0
         types = population.header(text, "atom types") + (self.type_of(more[0]) if more else 0) + offset
         self.types = min(max(self.types, types), MAX_TYPES)
+        for name in words[words.index("group") + 1 :][:1] if "group" in words else ():
+            self.groups.setdefault(name, Group(None, False))
         if COEFFICIENTS.search(text):
             self.quote_with(statement, "its pair coefficients are not read")
         if population.header(text, "bonds"):
@@ -847,6 +851,8 @@ class State:
         if len(words) < 4:
             self.unknown[statement.quote] = None
             return
+        if words[2] not in self.groups and not self.population.elsewhere:
+            self.quote_with(statement, f"the group {words[2]} is not defined")
         fix = Fix(statement, words[2], unaccelerated(words[3]), words[4:])
         self.fixes[words[1]] = fix
         if not self.own_fix(fix):

@@ -112,7 +112,7 @@ def read(path: Path, frame: int) -> Found:
         raise ValueError("not UTF-8 text") from None
     header, sections = _parts(lines)
     mark = _MARK.match(lines[0]) if lines else None
-    mass, length, time = _units(lines[:1])
+    mass, length, time = _units(lines[0] if lines else "")
     d = int(mark[1]) if mark else 3
     n = _count(header)
     limits = _limits(header, sheared=bool(mark and mark[4]))
@@ -130,9 +130,9 @@ def read(path: Path, frame: int) -> Found:
     return arguments | _from_mark(mark, d), 0.0
 
 
-def _units(first: list[str]) -> list[Decimal]:
+def _units(first: str) -> list[Decimal]:
     """Units of mass, length and time that the first line names, in SI; ``lj`` numbers stay as they are."""
-    named = re.search(r"\bunits = (\w+)", *first) if first else None
+    named = re.search(r"\bunits = (\w+)", first)
     known = {"lj": (1.0, 1.0, 1.0), **SYSTEMS}
     if named and named[1] not in known:
         raise ValueError(f"units: got {validation.shown(named[1])}, must be {listed([*known], 'or')}")
