@@ -37,8 +37,8 @@ HARMLESS = re.compile(
             r"sphere\(\([^)]*«|(facet\(\[|box\(\(|wall\().*«|«material»|for (z|k) in .*«|(=|append\()mat\)+»$",
             # forces beside the normal one
             r"property/global (kt|gammat|coefficient(Rolling)?Friction)|\b(ks|cs|betas)»?=",
-            # the restitution of two walls; a value that stays what it was
-            r"0\.9 0\.35 0\.35 «0\.1»|damping=«0\.0»|^if .*«|^«?v(ariable (z|e index|gap))?\b|«?frictionAngle»?=",
+            # what only two walls, or no grains, have; a value that stays what it was
+            r"«set type 2 diameter 0\.01 density 4000»|0\.9 0\.35 0\.35 «0\.1»|damping=«0\.0»|^if .*«|^«?v(ariable (z|e index|gap))?\b|«?frictionAngle»?=",
         )
     )
 )
