@@ -483,8 +483,8 @@ def test_a_few_particles_between_walls(n: int, dimension: int) -> None:
 
 
 def test_a_single_particle_strikes_with_its_speed() -> None:
-    one = gas(n=1, phi=0.1, dimension=2, boundary="wall")
-    assert typical_speed(one) == pytest.approx(float(np.linalg.norm(one.velocities)))
+    one = gas(n=1, phi=0.1, dimension=2, boundary="wall").replace(velocities=[[0.3, 0.4]])
+    assert typical_speed(one) == pytest.approx(0.5)
 
 
 @pytest.mark.parametrize("n", [2, 3, 8])
