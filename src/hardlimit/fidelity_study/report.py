@@ -114,7 +114,7 @@ def _steady_sentence(f: Fidelity, rules: list[str]) -> str:
     if f.n_replicas > 1:
         bars = f"standard error of {f.n_replicas} replicas"
     else:
-        bars = "standard error by blocking, one replica"
+        bars = "standard error of correlated samples, one replica"
     return (
         f"Steady from {f.steady.start:.3g} s on. At {numbers(f)}, relative to Newton’s equations: {errors} "
         f"(± {bars}; ? not resolved to {percent(f.resolution)}).{_not_compared(f, rules)}{law_of_error(f)}"
