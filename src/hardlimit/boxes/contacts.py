@@ -72,11 +72,11 @@ def of_pairs(
     system: ParticleSystem, law: Law, first: Indices, second: Indices
 ) -> Iterator[tuple[Indices, _core.Contact]]:
     """The contact of each pair of particles; a negative ``second`` is a wall. Yields the rows of equal contacts."""
-    wall = second < 0
-    mass, radius = (
-        np.where(wall, values[first], values[first] * values[second] / (values[first] + values[second]))
-        for values in (system.mass, system.radius)
-    )
+    pair = second >= 0  # a wall has no mass or radius to look up
+    mass, radius = (values[first] for values in (system.mass, system.radius))
+    for own, values in ((mass, system.mass), (radius, system.radius)):
+        other = values[second[pair]]
+        own[pair] *= other / (own[pair] + other)
     kinds, kind = _unique_pairs(mass, radius)
     order = np.argsort(kind, kind="stable")
     ends = np.cumsum(np.bincount(kind, minlength=len(kinds)))

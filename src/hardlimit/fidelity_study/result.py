@@ -283,7 +283,7 @@ class Fidelity:
 
     def steady_mean(self, quantity: str, model: str) -> Estimate[float]:
         """Average over the steady state of a driven box, with its 99 % interval: Student's distribution over replicas;
-        for one replica the statistical inefficiency of its samples (blocking). NaN without a steady state.
+        for one replica from its correlated samples (:func:`hardlimit.measure.steady`). NaN without a steady state.
 
         Parameters and errors as for :meth:`Fidelity.series`.
         """
