@@ -38,7 +38,8 @@ HARMLESS = re.compile(
             # forces beside the normal one
             r"property/global (kt|gammat|coefficient(Rolling)?Friction)|\b(ks|cs|betas)»?=",
             # what only two walls, or no grains, have; a value that stays what it was
-            r"«set type 2 diameter 0\.01 density 4000»|0\.9 0\.35 0\.35 «0\.1»|damping=«0\.0»|^if .*«|^«?v(ariable (z|e index|gap))?\b|«?frictionAngle»?=",
+            r"«set type 2 diameter 0\.01 density 4000»",
+            r"0\.9 0\.35 0\.35 «0\.1»|damping=«0\.0»|^if .*«|^«?v(ariable (z|e index|gap))?\b|«?frictionAngle»?=",
         )
     )
 )
