@@ -56,6 +56,8 @@ class EarlyEnd(NamedTuple):
         return f"at {self.time:.6g} s, near ({', '.join(f'{x:.6g}' for x in self.position)}) m"
 
 
+#: Outcome of a run whose time has become too large (``Box.resolved_until``).
+TOO_LATE: Final = "not resolved: later times do not resolve the phase of walls, or the slowest motion of grains"
 #: Sentence of each outcome.
 HARD_SPHERES_OUTCOMES: Final = {
     "ok": "ok",
@@ -127,7 +129,10 @@ class _Result:
     @property
     def outcome(self) -> str:
         """``"ok"``, or one sentence that says why the run ended early."""
-        sentence, end = self.outcomes[self._outcome_key()], self.early_end
+        end = self.early_end
+        if end is None and self.outcome_name == "unresolved":
+            return TOO_LATE
+        sentence = self.outcomes[self._outcome_key()]
         return sentence if end is None else sentence.format(who=end.who(), where=end.where())
 
     def _outcome_key(self) -> str:

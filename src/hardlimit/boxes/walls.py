@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import astuple, dataclass
+from fractions import Fraction
 from typing import Any, Final
 
 import numpy as np
@@ -15,8 +16,21 @@ from ..support import validation
 Floats = NDArray[np.float64]
 AXES: Final = ("x", "y", "z")
 WAVEFORMS: Final = ("sine", "triangle", "parabola")
-#: Largest displacement, speed and acceleration of a wall: the squares of larger ones would overflow.
-LARGEST: Final = 1e100
+#: Largest length, speed, acceleration, frequency and rate of a box. The smallest length is one over it. The core
+#: multiplies up to eight of them, which then neither overflows nor underflows.
+LARGEST: Final = 1e30
+#: Number of periods of an oscillation that a run resolves: the rounding of the time then shifts the phase by 1e-4 periods.
+MOST_PERIODS: Final = 2.0**40
+#: 2π with as many digits as the largest float needs.
+TWO_PI: Final = Fraction(
+    int(
+        "62831853071795864769252867665590057683943387987502116419498891846156328125724179972560"
+        "69650684234135964296173026564613294187689219101164463450718816256962234900568205403877"
+        "04221111928924589790986076392885762195133186689225695129646757356633054240381829129713"
+        "38469206972209086532964267872145204982825474491740132126311763497630418419256585081"
+    ),
+    10 ** 340,
+)
 
 
 @dataclass(frozen=True, init=False)
@@ -35,6 +49,7 @@ class MovingWall:
         w(φ). The other two have the zeros and extrema of sin φ: ``"triangle"`` moves at constant speed, ``"parabola"``
         at constant acceleration, which changes its sign at the zeros.
     phase : float [rad]
+        Beyond ±2π it is replaced by its remainder in [0, 2π].
     velocity : float [m/s]
         Of a wall that moves uniformly, alone or in addition to an oscillation.
     offset : float [m]
@@ -73,7 +88,7 @@ class MovingWall:
             "amplitude": validation.number("amplitude", amplitude, 0.0, **limits),
             "frequency": validation.number("frequency", frequency, 0.0, **limits),
             "waveform": validation.one_of("waveform", waveform, WAVEFORMS),
-            "phase": validation.number("phase", phase, -LARGEST, LARGEST),
+            "phase": _reduced(validation.number("phase", phase)),
             "velocity": validation.number("velocity", velocity, -LARGEST, LARGEST),
             "offset": validation.number("offset", offset, -LARGEST, LARGEST),
         }
@@ -156,6 +171,11 @@ class MovingWall:
             value = getattr(self, name)
             shown += [f"{name}={value:g}"] if value else []
         return f"MovingWall({', '.join(shown)})"
+
+
+def _reduced(phase: float) -> float:
+    """A phase beyond ±2π as its remainder, exact to the last bit; sin and cos would differ between platforms."""
+    return phase if abs(phase) <= 2.0 * math.pi else float(Fraction(phase) % TWO_PI)
 
 
 def _wave(waveform: str, cycles: float) -> float:
