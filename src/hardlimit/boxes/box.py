@@ -122,7 +122,7 @@ class Box:
 
     @property
     def resolved_until(self) -> float:
-        """Time up to which a run is resolved [s]: small speeds, the phases of walls, and the places of sliding images."""
+        """Time up to which a run resolves small speeds, the phases of walls and the places of sliding images [s]."""
         rates = [wall.frequency for wall in self.moving.values()]
         if self.gradient is not None:  # images pass each other
             rates.append(abs(self.shear_rate) * float(self.edges[self.gradient] / self.edges[0]))

@@ -57,7 +57,9 @@ class EarlyEnd(NamedTuple):
 
 
 #: Outcome of a run whose time has become too large (``Box.resolved_until``).
-TOO_LATE: Final = "not resolved: later times do not resolve the phase of walls, or the slowest motion of grains"
+TOO_LATE: Final = (
+    "not resolved: later times do not resolve the phase of walls, or the slowest motion of grains"
+)
 #: Sentence of each outcome.
 HARD_SPHERES_OUTCOMES: Final = {
     "ok": "ok",

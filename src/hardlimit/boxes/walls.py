@@ -19,7 +19,7 @@ WAVEFORMS: Final = ("sine", "triangle", "parabola")
 #: Largest length, speed, acceleration, frequency and rate of a box. The smallest length is one over it. The core
 #: multiplies up to eight of them, which then neither overflows nor underflows.
 LARGEST: Final = 1e30
-#: Number of periods of an oscillation that a run resolves: the rounding of the time then shifts the phase by 1e-4 periods.
+#: Number of periods of an oscillation that a run resolves: rounding of the time then shifts the phase by 1e-4 periods.
 MOST_PERIODS: Final = 2.0**40
 #: 2π with as many digits as the largest float needs.
 TWO_PI: Final = Fraction(
@@ -29,7 +29,7 @@ TWO_PI: Final = Fraction(
         "04221111928924589790986076392885762195133186689225695129646757356633054240381829129713"
         "38469206972209086532964267872145204982825474491740132126311763497630418419256585081"
     ),
-    10 ** 340,
+    10**340,
 )
 
 
