@@ -67,7 +67,7 @@ HARD_SPHERES_OUTCOMES: Final = {
     "collapse": "inelastic collapse: {who} collide infinitely often {where}; use molecular_dynamics, or the rule "
     "tc if there are gaps between them",
     "no_room": "collapse: {who} collide infinitely often {where}; use molecular_dynamics",
-    "at_rest": "at rest: gravity holds {who} together {where}; use molecular_dynamics",
+    "at_rest": "at rest: {what} holds {who} together {where}; use molecular_dynamics",
     "invalid": "invalid: a contact of {who} {where} has values outside the floating-point range",
     "too_deep": "too deep: the contact of {who} {where} would reach half of the smaller radius, beyond the range "
     "of contact laws",
@@ -135,7 +135,8 @@ class _Result:
         if end is None and self.outcome_name == "unresolved":
             return TOO_LATE
         sentence = self.outcomes[self._outcome_key()]
-        return sentence if end is None else sentence.format(who=end.who(), where=end.where())
+        what = "gravity" if self.system.gravity.any() else "the acceleration of the wall"
+        return sentence if end is None else sentence.format(who=end.who(), where=end.where(), what=what)
 
     def _outcome_key(self) -> str:
         return self.outcome_name

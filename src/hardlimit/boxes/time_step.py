@@ -165,8 +165,8 @@ def heated_speed(system: ParticleSystem, law: Law) -> float:
 def _sheared_temperature(gas: Gas, rate: float, restitution: float) -> float:
     """Granular temperature in steady shear [m²/s²], in which the work of the viscous stress is dissipated.
 
-    η γ̇² = (1 − ε²) ν n m T/2, with Enskog's η of elastic spheres (Chapman & Cowling 1970) or disks (Gass, J. Chem. Phys.
-    54, 1898 (1971)). An estimate also beyond the range of :meth:`Gas.sheared_temperature`.
+    η γ̇² = (1 − ε²) ν n m T/2, with Enskog's η of elastic spheres (Chapman & Cowling 1970) or disks (Gass, J. Chem.
+    Phys. 54, 1898 (1971)). An estimate also beyond the range of :meth:`Gas.sheared_temperature`.
     """
     sigma, chi, root = 2.0 * gas.radius, gas.contact_value, math.sqrt(math.pi)
     if gas.dimension == 3:
