@@ -174,9 +174,9 @@ class Box:
                 )
             if not self.has_moving_walls(axis):
                 continue
-            low, high = self.limits(axis)
-            swing = sum(wall.amplitude for name, wall in self.moving.items() if name[0] == AXES[axis])
-            narrowest = min(high - low, self.edges[axis] - swing)
+            names = (moving_walls.name_of(axis, upper) for upper in (False, True))
+            low, high = (self.moving.get(name, moving_walls.MovingWall()) for name in names)
+            narrowest = float(self.edges[axis]) + moving_walls.least_widening(low, high)
             if not narrowest >= 2.0 * largest_radius:
                 raise ValueError(
                     f"walls: got a distance of {narrowest:.6g} m along {AXES[axis]} where they are closest, must be >= "

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import astuple, dataclass
@@ -15,6 +16,9 @@ from ..support import validation
 
 Floats = NDArray[np.float64]
 AXES: Final = ("x", "y", "z")
+#: Parts of a quarter of a period, and steps of a search within them, for the least distance of two walls.
+PARTS: Final = 16
+SEARCH: Final = 60
 WAVEFORMS: Final = ("sine", "triangle", "parabola")
 #: Largest length, speed, acceleration, frequency and rate of a box. The smallest length is one over it. The core
 #: multiplies up to eight of them, which then neither overflows nor underflows.
@@ -203,6 +207,45 @@ def _integral(waveform: str, cycles: Floats) -> Floats:
 
 #: The moving walls of a system, by axis and end: ``"x-"`` at 0, … ``"z+"`` at the edge. In this order.
 Walls = Mapping[str, MovingWall]
+
+
+def least_widening(low: MovingWall, high: MovingWall) -> float:
+    """The least distance between two walls less that of their rest places [m].
+
+    If they drift together, it is that of the oscillations, since a run may end before they meet. Phases count if the
+    ratio of the frequencies is one of whole numbers up to 8; otherwise all phases occur.
+    """
+    together = min(high.velocity - low.velocity, 0.0)
+    waves = [wall for wall in (low, high) if wall.oscillates]
+    if not waves:
+        return high.offset - low.offset
+    ratio = Fraction(low.frequency) / Fraction(high.frequency) if len(waves) == 2 else Fraction(1)
+    if max(ratio.numerator, ratio.denominator) > 8:
+        return high.offset - low.offset - low.amplitude - high.amplitude
+    period = ratio.numerator / waves[0].frequency
+    # Between two quarters the acceleration of a wall is monotonic. Parts, then a search around each minimum.
+    times = {0.0, period}
+    for wall in waves:
+        first = wall.phase / (2.0 * math.pi)
+        quarters = range(math.ceil(4.0 * first), math.floor(4.0 * (first + wall.frequency * period)) + 1)
+        times |= {min(max((0.25 * k - first) / wall.frequency, 0.0), period) for k in quarters}
+
+    def widening(time: float) -> float:
+        return high.displacement(time) - low.displacement(time) - together * time
+
+    ends = sorted(times)
+    grid = [a + (b - a) * k / PARTS for a, b in itertools.pairwise(ends) for k in range(PARTS)] + [period]
+    at = [widening(time) for time in grid]
+    least = min(at)
+    for i in range(len(grid)):
+        before, after = max(i - 1, 0), min(i + 1, len(grid) - 1)
+        if at[i] <= min(at[before], at[after]):
+            a, b = grid[before], grid[after]
+            for _ in range(SEARCH):
+                c, d = a + (b - a) / 3.0, b - (b - a) / 3.0
+                a, b = (a, d) if widening(c) <= widening(d) else (c, b)
+            least = min(least, widening(0.5 * (a + b)))
+    return least
 
 
 def name_of(axis: int, upper: bool) -> str:
