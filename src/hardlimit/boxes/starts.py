@@ -10,12 +10,15 @@ from typing import Any, Final
 import numpy as np
 
 from .. import _core
-from ..contact.balls import HEAVIEST, LIGHTEST, ball_masses
+from ..contact.balls import ball_masses
 from ..support import machine, validation
 from ..support.formatting import size
 from ..support.progress import Report
 from .box import LENGTHS, UNIT_BALL, Box, Floats
 
+#: Limits of a mass [kg]; the squares of momenta neither underflow nor overflow.
+LIGHTEST: Final = 1e-100
+HEAVIEST: Final = 1e100
 MAX_PARTICLES: Final = 2**31 - 1
 #: Memory per particle during the growth of a random start or during a run [bytes].
 BYTES_PER_PARTICLE: Final = 300
