@@ -394,7 +394,7 @@ def test_a_folder_that_cannot_be_written(suffix):
 
 def test_single_precision_has_a_range(tmp_path):
     large = lattice(8)
-    large = large.replace(velocities=1e50 * large.velocities)
+    large = large.replace(mass=1e50 * large.mass)
     with pytest.raises(ValueError, match="got a value too large for GSD"):
         large.write(tmp_path / "box.gsd")
     assert list(tmp_path.iterdir()) == []

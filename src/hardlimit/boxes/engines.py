@@ -95,6 +95,7 @@ class Engine:
         self.record, self.system, self.settings, self.compiled = ENGINES[name], system, settings, compiled
         self._moment = moment  #: Σ m x at the start of the run [kg m]
         self._note = ProgressNote()
+        self._latest = system.domain.resolved_until
         self.kicks, self.heat = 0, 0.0  # of the thermostat: number so far, energy [J]
 
     @classmethod
@@ -132,7 +133,8 @@ class Engine:
     @property
     def outcome(self) -> str:
         """``"ok"``, or the name of the reason why the run cannot continue."""
-        return str(self.compiled.outcome)
+        found = str(self.compiled.outcome)
+        return "unresolved" if found == "ok" and self.time >= self._latest else found
 
     @property
     def paused(self) -> bool:
@@ -151,7 +153,7 @@ class Engine:
         while self.outcome == "ok":
             kick = self._next_kick()
             left = max(work - (self.compiled.work - before), 1)
-            self.compiled.advance(min(until, kick), left, threads)
+            self.compiled.advance(min(until, kick, self._latest), left, threads)
             if self.compiled.paused or self.time < kick or self.outcome != "ok":
                 return
             self._kick()
@@ -171,9 +173,13 @@ class Engine:
         before = unfolded.copy()
         self.system.domain.fold(positions, before, self.time)
         after = np.ascontiguousarray(thermostat.velocities(self.kicks + 1, before, mass))
+        # Under the rule soft a kick ends contacts with walls, which may lift particles.
+        lifts = isinstance(self.settings, Settings) and self.settings.rule == "soft"
+        low = self.compiled.observe()["potential_energy"] if lifts else 0.0
         self.compiled.set_velocities(after + (unfolded - before))
+        high = self.compiled.observe()["potential_energy"] if lifts else 0.0
         self.kicks += 1
-        self.heat += 0.5 * float((mass[:, None] * ((after - before) * (after + before))).sum())
+        self.heat += 0.5 * float((mass[:, None] * ((after - before) * (after + before))).sum()) + (high - low)
 
     def done_and_total(self, until: float | None, max_collisions: int | None) -> tuple[int, int]:
         """Progress: number of collisions, contacts or steps so far, and their expected total at this rate."""

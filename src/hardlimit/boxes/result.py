@@ -56,6 +56,10 @@ class EarlyEnd(NamedTuple):
         return f"at {self.time:.6g} s, near ({', '.join(f'{x:.6g}' for x in self.position)}) m"
 
 
+#: Outcome of a run whose time has become too large (``Box.resolved_until``).
+TOO_LATE: Final = (
+    "not resolved: later times do not resolve the phase of walls, or the slowest motion of grains"
+)
 #: Sentence of each outcome.
 HARD_SPHERES_OUTCOMES: Final = {
     "ok": "ok",
@@ -63,7 +67,7 @@ HARD_SPHERES_OUTCOMES: Final = {
     "collapse": "inelastic collapse: {who} collide infinitely often {where}; use molecular_dynamics, or the rule "
     "tc if there are gaps between them",
     "no_room": "collapse: {who} collide infinitely often {where}; use molecular_dynamics",
-    "at_rest": "at rest: gravity holds {who} together {where}; use molecular_dynamics",
+    "at_rest": "at rest: {what} holds {who} together {where}; use molecular_dynamics",
     "invalid": "invalid: a contact of {who} {where} has values outside the floating-point range",
     "too_deep": "too deep: the contact of {who} {where} would reach half of the smaller radius, beyond the range "
     "of contact laws",
@@ -127,8 +131,12 @@ class _Result:
     @property
     def outcome(self) -> str:
         """``"ok"``, or one sentence that says why the run ended early."""
-        sentence, end = self.outcomes[self._outcome_key()], self.early_end
-        return sentence if end is None else sentence.format(who=end.who(), where=end.where())
+        end = self.early_end
+        if end is None and self.outcome_name == "unresolved":
+            return TOO_LATE
+        sentence = self.outcomes[self._outcome_key()]
+        what = "gravity" if self.system.gravity.any() else "the acceleration of the wall"
+        return sentence if end is None else sentence.format(who=end.who(), where=end.where(), what=what)
 
     def _outcome_key(self) -> str:
         return self.outcome_name

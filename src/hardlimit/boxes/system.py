@@ -22,6 +22,7 @@ from . import files, starts
 from .box import (
     AXES,
     LARGEST,
+    LENGTHS,
     Box,
     Floats,
     Vector,
@@ -139,7 +140,7 @@ class ParticleSystem:
         given = validation.exactly_one(density=density, mass=mass)
         at = validation.rows("positions", positions, (2, 3))
         n, d = at.shape
-        size = validation.each("radius", radius, n, lowest=0.0, highest=LARGEST)
+        size = validation.each("radius", radius, n, **LENGTHS)
         amount = validation.each(given, density if given == "density" else mass, n, lowest=0.0)
         sides, edges, pull = checked_boundary(boundary, d), checked_edges(box, d), checked_gravity(gravity, d)
         rate, displacement = checked_shear(sides, shear_rate, shear_displacement, edges, pull)
