@@ -1229,6 +1229,14 @@ def test_friction_in_words_and_numbers():
     )
     mixed = hl.check(two, speed=0.5, packing_fraction=0.2)
     assert "±" not in mixed.sentence and not any(row.error for row in mixed.rows)
+    # Pairs without their own line have the geometric mean, as in LAMMPS; what is not in the script is not known.
+    line = "pair_coeff {0} {0} hooke 1e6 0.9 damping tsuji tangential linear_history 1e4 0.5 {1}\n"
+    alone = re.sub("pair_coeff [*12].*\n", "", two).replace("pair_style granular\n", "pair_style granular\n" + "".join(
+        line.format(k, mu) for k, mu in ((1, 0.4), (2, 0.1))))  # fmt: skip
+    rows = {row.types: row.friction for row in hl.check(alone, speed=0.5).rows}
+    assert [rows[types] for types in (("1", "1"), ("1", "2"), ("2", "2"))] == pytest.approx([0.4, 0.2, 0.1])
+    unsaid = hl.check(LIGGGHTS.replace("model hertz", "model hertz tangential history"), speed=0.01)
+    assert unsaid.rows[0].friction is None and "rub (μ is not known)" in unsaid.sentence
     # Friction at walls only: the number of the gas stands, and Yes does not.
     wall = hl.check(with_friction("linear", 0.0, 0.3, 1e6, 0.9), speed=0.5, packing_fraction=0.2)
     assert wall.admissible is None and "±" in wall.sentence and "walls rub" in wall.sentence

@@ -537,6 +537,8 @@ class Yade(Evaluator):
             return tuple(pressed), (), None
         value, quote = self.strain
         rates = flat([value.arguments]) if isinstance(value, Instance) else []
+        if "Zero" in (value.text if isinstance(value, Unknown) else str(value)):
+            return tuple(pressed), (), None  # Matrix3.Zero
         if len(rates) != 9 or not all(isinstance(x, int | float) for x in rates):
             return tuple(pressed), (Note("O.cell.velGrad", None, quote),), None
         sheared = [abs(x) for k, x in enumerate(rates) if k % 4 and x]
