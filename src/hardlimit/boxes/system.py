@@ -42,6 +42,7 @@ if TYPE_CHECKING:
 ROUNDING: Final = 1e-9
 
 
+@validation.sealed("write a function of a ParticleSystem")
 @dataclass(frozen=True, init=False, repr=False, eq=False)
 class ParticleSystem:
     """Smooth spheres (3-D) or disks (2-D) in a box that runs from 0 to its edges.

@@ -17,6 +17,8 @@ Floats = NDArray[np.float64]
 
 #: Intervals per mean time between two collisions of a particle with Andersen's bath, by default.
 SUBDIVISION: Final = 20
+#: What the refusal of another thermostat says.
+BETWEEN_RUNS: Final = "run in pieces and change the velocities between them with ParticleSystem.replace"
 
 
 @dataclass(frozen=True)
@@ -39,6 +41,7 @@ class Thermostat:
         return np.asarray(_core.random_numbers(self.seed, stream, n, normal))
 
 
+@validation.sealed(BETWEEN_RUNS)
 @dataclass(frozen=True, init=False)
 class RandomKicks(Thermostat):
     """White noise, which heats a gas with a constant power.
@@ -101,6 +104,7 @@ class RandomKicks(Thermostat):
         return kicked
 
 
+@validation.sealed(BETWEEN_RUNS)
 @dataclass(frozen=True, init=False)
 class Andersen(Thermostat):
     """Andersen's thermostat: particles collide with a heat bath at random times.

@@ -19,6 +19,7 @@ WAVEFORMS: Final = ("sine", "triangle", "parabola")
 LARGEST: Final = 1e100
 
 
+@validation.sealed("a waveform is C++: CONTRIBUTING.md, 'Add a boundary'")
 @dataclass(frozen=True, init=False)
 class MovingWall:
     """Motion of a wall along its axis, for ``walls=`` of :class:`ParticleSystem`.

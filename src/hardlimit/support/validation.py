@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import operator
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from numbers import Real
@@ -302,6 +302,24 @@ def instances(name: str, values: Any, kind: type[T], what: str) -> tuple[T, ...]
         if not isinstance(member, kind):
             raise ValueError(f"{name}[{i}]: got {shown(member)}, must be a {what}")
     return tuple(values)
+
+
+def sealed(instead: str) -> Callable[[type[T]], type[T]]:
+    """A decorator of a class whose values the core and files read: they would ignore the methods of a subclass.
+
+    The definition of a subclass raises a TypeError that says what to do ``instead``.
+    """
+
+    def refuse(cls: type[Any], /, **keywords: Any) -> None:
+        raise TypeError(
+            f"{cls.__name__}: got a subclass of {cls.__mro__[1].__name__}, whose methods are ignored; {instead}"
+        )
+
+    def decorate(base: type[T]) -> type[T]:
+        base.__init_subclass__ = classmethod(refuse)  # type: ignore[assignment]
+        return base
+
+    return decorate
 
 
 def exactly_one(**given: Any) -> str:
