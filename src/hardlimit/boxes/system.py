@@ -217,8 +217,8 @@ class ParticleSystem:
         if first >= 0 and -gap > allowed_overlap * apart:
             raise ValueError(
                 f"positions: particles {first} and {second} overlap, gap {gap:.6g} m, must be >= "
-                f"{validation.at_least(0.0 - allowed_overlap * apart)} m: allowed_overlap, {allowed_overlap:g}, times "
-                f"the sum of the radii, {apart:.6g} m"
+                f"{validation.at_least(0.0 - allowed_overlap * apart)} m, {allowed_overlap:g} of the sum of the radii, "
+                f"{apart:.6g} m; allowed_overlap= accepts more"
             )
 
     @classmethod
@@ -322,6 +322,8 @@ class ParticleSystem:
         ------
         ValueError
             If the file cannot be read, is damaged, or contains an invalid system; names it.
+        FileNotFoundError
+            If there is no such file.
         """
         found, rounding = files.read(path, frame)
         allowed = max(ROUNDING, rounding) if allowed_overlap is None else allowed_overlap

@@ -181,10 +181,10 @@ def checked_thermostat(thermostat: Any, n: int, sheared: bool = False) -> Any:
         raise ValueError(f"thermostat: got {shown}, must be hl.RandomKicks, hl.Andersen or None")
     if n == 1 and isinstance(thermostat, RandomKicks):
         raise ValueError(
-            "thermostat: got RandomKicks, must be hl.Andersen or None for one particle: kicks keep the mean"
+            "thermostat: got random kicks, must be none or Andersen’s for one particle: kicks keep the mean"
         )
     if sheared and isinstance(thermostat, Andersen):
-        raise ValueError("thermostat: got Andersen, must be hl.RandomKicks or None in a sheared box")
+        raise ValueError("thermostat: got Andersen’s, must be none or random kicks in a sheared box")
     return thermostat
 
 

@@ -87,7 +87,9 @@ output_options = options(
 
 
 @click.command(
-    cls=Command, epilog="\b\nExample:\n  hardlimit drop --restitution 0.9 --gap 1mm --plot drop.png"
+    cls=Command,
+    aliases={"file": "FILE"},
+    epilog="\b\nExample:\n  hardlimit drop --restitution 0.9 --gap 1mm --plot drop.png",
 )
 @click.argument("file", required=False, metavar="[FILE.toml]")
 @column_options

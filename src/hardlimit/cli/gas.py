@@ -24,11 +24,11 @@ from ..boxes.rules import checked_settings
 from ..boxes.run import load
 from ..boxes.system import described
 from ..boxes.thermostats import as_entry
-from ..support import saving
+from ..support import saving, validation
 from ..support.formatting import digits, listed
 from ..verdict.error_law import softness
 from .compare import compare
-from .gas_job import OUTPUT, RUN, START, GasJob, checked_outputs, default_end, make_job
+from .gas_job import ALIASES, OUTPUT, RUN, START, GasJob, checked_outputs, default_end, make_job
 from .job import Entry, entry_options
 from .options import dpi_option, json_option, law_options, law_text, options, output_option, spelled
 from .printing import console, plain, print_json, print_outcome, sentence, show, table
@@ -107,6 +107,7 @@ def completions(ctx: click.Context, param: click.Parameter, incomplete: str) -> 
 
 @click.command(
     cls=WithCompare,
+    aliases=ALIASES,
     epilog="\b\nExample:\n  hardlimit gas --n 2000 --packing-fraction 0.2 --restitution 0.8 --until 0.2 --plot gas.png",
 )
 @click.argument("file", required=False, metavar="[FILE]", shell_complete=completions)
@@ -184,7 +185,7 @@ def resumed(file: str | None, checkpoint: str, given: dict[str, Any]) -> tuple[A
 
 def check_resumed(checkpoint: str, end: dict[str, Any], outputs: dict[str, Path | None]) -> None:
     """Refuse outputs that the rest of a run cannot give, before it goes on."""
-    run = load(checkpoint)
+    run = load(validation.path("resume", checkpoint))
     if outputs["plot"] is not None and run.engine.record.name != HARD_SPHERES:
         raise ValueError("--plot: must be left out for a run under Newton's equations")
     until = end["until"] if any(value is not None for value in end.values()) else run.schedule.until

@@ -149,6 +149,7 @@ def geometry_options(function: F) -> F:
 
 @click.command(
     cls=Command,
+    aliases={"file": "FILE", "store": "--out FILE.zarr"},
     epilog="\b\nExample:\n  hardlimit sweep --restitution 0.4:1:400 --gap 1um:1cm:400:log --plot map.png",
 )
 @click.argument("file", required=False, metavar="[JOB.toml]")

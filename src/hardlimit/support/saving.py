@@ -10,8 +10,8 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+from . import validation
 from .formatting import listed
-from .validation import shown
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -54,17 +54,14 @@ def checked(name: str, path: Any, endings: Sequence[str] = ()) -> Path:
     Raises a ValueError unless the system accepts the name, its folder exists, the file can be written, and it ends in
     one of ``endings`` if given. A device is written in place and may have any name.
     """
-    got = f"{name}: got {shown(str(path) if isinstance(path, os.PathLike) else path)}"
-    if not isinstance(path, str | os.PathLike):
-        raise ValueError(f"{got}, must be a path")
-    target = Path(path)
+    target = validation.path(name, path)
+    got = f"{name}: got {validation.shown(os.fspath(path))}"
     try:
         with suppress(FileNotFoundError, NotADirectoryError):
             target.stat()
         in_folder = target.parent.is_dir()
-    except (OSError, ValueError) as error:  # too long, or with a null character
-        reason = error.strerror if isinstance(error, OSError) else "embedded null character"
-        raise ValueError(f"{got}, must be the name of a file: {reason}") from None
+    except OSError as error:  # too long
+        raise ValueError(f"{got}, must be the name of a file: {error.strerror}") from None
     if not target.name:
         raise ValueError(f"{got}, must be the name of a file")
     if not in_folder:
@@ -84,7 +81,7 @@ def whole(path: str | Path) -> Iterator[Path]:
     If the block fails, the temporary file is removed and ``path`` stays as it was. Devices and pipes are written
     directly.
     """
-    target = Path(os.path.realpath(path))
+    target = Path(os.path.realpath(validation.path("path", path)))
     special = target.exists() and not target.is_file()
     temporary = target if special else target.with_name(f".{secrets.token_hex(4)}-unfinished{target.suffix}")
     try:
