@@ -795,6 +795,7 @@ READERS: dict[str, Callable[[str], Any]] = {
     "ParticleSystem.read, gsd": lambda path: hl.ParticleSystem.read(path + ".gsd"),
     "read_measurements": hl.read_measurements,
     "resume": hl.resume,
+    "load": lambda path: hl.load(path + ".nc"),
     "lammps_result": hl.lammps_result,
     "check": hl.check,
     "check, dump": lambda path: hl.check(BALL, law=LAW, dump=path),
@@ -803,6 +804,9 @@ READERS: dict[str, Callable[[str], Any]] = {
 #: Every public function that writes one.
 WRITERS: dict[str, Callable[[str], Any]] = {
     "ParticleSystem.write": lambda path: SYSTEM.write(path + ".xyz"),
+    "ParticleResult.save": lambda path: hl.event_driven(SYSTEM, restitution=0.9, until=0.0).save(
+        path + ".nc"
+    ),
     "Fidelity.save": lambda path: hl.fidelity(SYSTEM, law=LAW, until=0.0).save(path + ".nc"),
     "checkpoint": lambda path: hl.event_driven(SYSTEM, restitution=0.9, until=0.0, checkpoint=path),
     "fidelity, store": lambda path: hl.fidelity(SYSTEM, law=LAW, until=0.0, store=path),

@@ -32,8 +32,8 @@ from .box import (
     read_only,
 )
 from .files.frame import Frame
-from .thermostats import Andersen, RandomKicks, checked_thermostat
-from .walls import MovingWall, as_entries, checked_walls
+from .thermostats import Andersen, RandomKicks, as_entry, checked_thermostat, from_entry
+from .walls import MovingWall, as_entries, checked_walls, from_entries
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -532,6 +532,33 @@ class ParticleSystem:
     def __reduce__(self) -> tuple[Any, ...]:
         values = self._values() | {"walls": dict(self.walls)}
         return partial(ParticleSystem._of, **values, _unfolded=self._unfolded), ()
+
+    def entries(self) -> dict[str, Any]:
+        """Boundary, shear, moving walls and thermostat, for JSON.
+
+        :meta private:
+        """
+        return {
+            "boundary": list(self.boundary),
+            "shear": [self.shear_rate, self.shear_displacement],
+            "walls": as_entries(self.walls),
+            "thermostat": as_entry(self.thermostat),
+        }
+
+    @classmethod
+    def from_entries(cls, entries: Mapping[str, Any], **arrays: Floats | None) -> ParticleSystem:
+        """The system of :meth:`entries` and its arrays. Raises KeyError, TypeError or ValueError for damaged ones.
+
+        :meta private:
+        """
+        return cls._of(
+            boundary=tuple(entries["boundary"]),
+            shear_rate=float(entries["shear"][0]),
+            shear_displacement=float(entries["shear"][1]),
+            walls=from_entries(entries["walls"]),
+            thermostat=from_entry(entries["thermostat"]),
+            **arrays,
+        )
 
     def __repr__(self) -> str:
         sides = "/".join(dict.fromkeys(self.boundary))

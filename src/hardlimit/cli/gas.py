@@ -24,7 +24,7 @@ from ..boxes.rules import checked_settings
 from ..boxes.run import load
 from ..boxes.system import described
 from ..boxes.thermostats import as_entry
-from ..support import saving, validation
+from ..support import validation
 from ..support.formatting import digits, listed
 from ..verdict.error_law import softness
 from .compare import compare
@@ -407,16 +407,6 @@ def as_mapping(result: Any, files: list[Path]) -> dict[str, Any]:
 
 
 def save(result: Any, path: Path) -> Path:
-    """Save series, the log if there is one, and the final state as groups of a NetCDF file."""
-    import xarray as xr
-
-    newton = isinstance(result, hl.ContactResult)
-    about = {"title": "hardlimit gas", "outcome": result.outcome}
-    if newton:
-        about |= {"engine": result.engine, "engine_reason": result.engine_reason}
-    else:
-        about["rule"] = result.settings.report()
-    groups = {"/": xr.Dataset(attrs=about), "series": result.series, "final": result.system.dataset}
-    if result.log is not None:
-        groups |= {"contacts": result.contacts} if newton else {"collisions": result.collisions}
-    return saving.groups(groups, path)
+    """Save the series, the log if there is one, and the final state as NetCDF."""
+    saved: Path = result.save(path)
+    return saved

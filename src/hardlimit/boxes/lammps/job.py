@@ -11,8 +11,8 @@ from typing import Any, Final
 from ... import _core
 from ...contact.laws import LAWS
 from ...support import saving, validation
-from ..engines import law_entry
 from ..files import lammps_data
+from ..rules import law_entry
 from ..system import ParticleSystem
 from .forces import Types, between, types_of
 from .script import Plan, script
