@@ -20,7 +20,7 @@ from ..column.solvers import newton
 from ..contact import compression
 from ..support import saving
 from ..support.formatting import digits, length, quantity
-from ..support.progress import bar
+from ..support.progress import bar, waiting
 from ..sweep.variables import OF_BALL, OF_POINT
 from .options import (
     LAW_PARAMETERS,
@@ -113,12 +113,16 @@ def drop(file: str | None, until: float | None, dpi: float | None, as_json: bool
     }
     column = column_from(file, given)
     # The report has its own line for deep compressions.
-    with warnings.catch_warnings(action="ignore", category=compression.CompressionWarning):
+    with (
+        warnings.catch_warnings(action="ignore", category=compression.CompressionWarning),
+        waiting("drop"),
+    ):
         found = compare(column)
         shown = newton(column, until) if until is not None else found.newton
+        content = as_mapping(found, shown)  # solves what follows the sequence; results keep it for the report
     write_outputs(found, shown, outputs, dpi)
     if as_json:
-        print_json(as_mapping(found, shown))
+        print_json(content)
     else:
         print_report(found, shown)
 
