@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from .. import _core
 from ..support import html, validation
-from ..support.formatting import digits
+from ..support.formatting import digits, listed
 from ..support.progress import Report, reporter
 from . import files, starts
 from .box import (
@@ -71,6 +71,7 @@ class ParticleSystem:
         with v_x − shear_rate · L.
     gravity : number or d numbers [m/s²]
         A vector, or one number for an acceleration against the last axis. 0 along flow and gradient of a sheared box.
+        Along a periodic axis all particles fall together, without end; ``repr`` says so.
     walls : mapping of "x-", "x+", … "z+" to MovingWall, optional
         The walls that move, by axis and end: ``{"z-": hl.MovingWall(amplitude=1e-3, frequency=50.0)}`` shakes the
         floor. The box is that of the rest places.
@@ -397,13 +398,16 @@ class ParticleSystem:
         moved = any(value is not None for value in new.values())
         kept["shear_rate"] = self.shear_rate if shear_rate is None else shear_rate
         if boundary is not None and "lees-edwards" not in checked_boundary(boundary, self.dimension):
-            kept["shear_rate"], kept["shear_displacement"] = shear_rate or 0.0, shear_displacement or 0.0
+            given = {"shear_rate": shear_rate, "shear_displacement": shear_displacement}
+            kept |= {name: 0.0 if value is None else value for name, value in given.items()}
         return ParticleSystem(
             velocities=self.velocities if velocities is None else velocities,
             density=density,
             mass=self.mass if density is None and mass is None else mass,
             gravity=self.gravity if gravity is None else gravity,
-            thermostat=self.thermostat if thermostat == "keep" else thermostat,
+            thermostat=self.thermostat
+            if isinstance(thermostat, str) and thermostat == "keep"
+            else thermostat,
             allowed_overlap=ROUNDING if moved else max(ROUNDING, self._deepest_relative_overlap),
             **kept,
         )
@@ -562,6 +566,7 @@ class ParticleSystem:
 
     def __repr__(self) -> str:
         sides = "/".join(dict.fromkeys(self.boundary))
+        sides += f", in free fall along {_falls_along(self)}" if self.domain.common_fall.any() else ""
         return (
             f"<ParticleSystem of {self.count()}, packing fraction {self.packing_fraction:.6g}, "
             f"box {_times(self.box)} m, {sides}>"
@@ -591,11 +596,21 @@ def described(system: ParticleSystem) -> list[tuple[str, str]]:
     ]
     if system.gravity.any():
         found.append(("gravity [m/s²]", "(" + ", ".join(f"{g:.6g}" for g in system.gravity) + ")"))
+    if system.domain.common_fall.any():
+        found.append(
+            (f"free fall along {_falls_along(system)}", "of all together, without end: no wall there")
+        )
     if system.domain.gradient is not None:
         found.append(("shear rate [1/s]", digits(system.shear_rate)))
     found += [(f"wall {name}", repr(wall)) for name, wall in system.walls.items()]
     found += [] if system.thermostat is None else [("thermostat", repr(system.thermostat))]
     return found
+
+
+def _falls_along(system: ParticleSystem) -> str:
+    """The periodic axes along which gravity acts."""
+    fall = system.domain.common_fall
+    return listed([axis for axis, g in zip(AXES, fall.tolist(), strict=False) if g], "and")
 
 
 def _times(box: Floats) -> str:
