@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import click
 import numpy as np
 import pytest
 
@@ -13,7 +14,10 @@ import hardlimit as hl
 from command_line import printed, refused, run
 from conftest import lattice, slow, wait_until
 from hardlimit import plots
+from hardlimit.boxes.result import NEWTON_OUTCOMES
+from hardlimit.cli.gas import gas
 from hardlimit.cli.gas_job import GLASS_BEADS
+from hardlimit.cli.program import in_options
 from legible import assert_legible, assert_moves, coloured
 
 
@@ -128,6 +132,15 @@ def test_it_saves_series_collisions_and_the_end(start: Path, tmp_path: Path) -> 
     found = hl.load(tmp_path / "run.nc")
     assert found.collisions.equals(result.collisions) and found.series.equals(result.series)
     assert found.system == result.system
+
+
+def test_an_outcome_names_options(tmp_path: Path) -> None:
+    """Where that of Python names its functions and arguments."""
+    words = " ".join(run("gas", "--n", 20, "--packing-fraction", 0.05, "--restitution", 0).stdout.split())
+    assert "outcome: inelastic collapse: " in words and "; use --engine auto, or the rule tc" in words
+    with click.Context(gas):
+        said = in_options(NEWTON_OUTCOMES["events"].format(who="6 particles", where="at 0.1 s"))
+    assert said.endswith("use --engine steps")
 
 
 @pytest.mark.parametrize(

@@ -21,7 +21,7 @@ from .gas_job import ALIASES, RESTITUTION, SAMPLES, START, UNTIL, GasJob, defaul
 from .job import Entry, entry_options
 from .options import dpi_option, json_option, law_options, law_text, output_option, picture, writable
 from .printing import console, plain, print_files, print_json, show, table
-from .program import Command, in_words, options_of
+from .program import Command, in_options
 
 #: Default stiffness [N/m] for the default glass beads. It is lower than that of glass; t_c ν is about 0.02.
 STIFFNESS: Final = 1e6
@@ -156,7 +156,7 @@ def print_report(start: hl.ParticleSystem, law: hl.Law, found: hl.Fidelity, writ
         if left:
             show(out, "First significant difference after [t_c], by [%]", table(head, left))
     show(out, "Contacts", table(*texts.contacts(found)))
-    out.print(in_words(found.summary(), options_of(click.get_current_context())), markup=False)
+    out.print(in_options(found.summary()), markup=False)
     print_files(out, written)
 
 

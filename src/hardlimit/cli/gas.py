@@ -32,7 +32,7 @@ from .gas_job import ALIASES, OUTPUT, RUN, START, GasJob, checked_outputs, defau
 from .job import Entry, entry_options
 from .options import dpi_option, json_option, law_options, law_text, options, output_option, spelled
 from .printing import console, plain, print_json, print_outcome, sentence, show, table
-from .program import Command, no_such_command
+from .program import Command, in_options, no_such_command
 
 #: Options of Newton's equations that are arguments of ``hl.molecular_dynamics``.
 SOLVER = (
@@ -396,7 +396,7 @@ def as_mapping(result: Any, files: list[Path]) -> dict[str, Any]:
     if not isinstance(result, hl.ContactResult):
         found["theory"] = predictions(result)
     found |= {
-        "outcome": {"name": result.outcome_name, "message": result.outcome},
+        "outcome": {"name": result.outcome_name, "message": in_options(result.outcome)},
         "early_end": None if result.early_end is None else result.early_end._asdict(),
         "time": result.time,
         "series": {"time": series["time"].values, **{k: v.values for k, v in series.data_vars.items()}},

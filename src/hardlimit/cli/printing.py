@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .program import in_words, options_of
+from .program import in_options
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -58,8 +58,9 @@ def sentence(text: str) -> str:
 
 def print_outcome(out: Console, outcome: str, files: Iterable[Path] = ()) -> None:
     """Print the outcome of a run, with options in place of what it has of Python, and the files that were written."""
-    said = in_words(outcome, options_of(click.get_current_context()))
-    out.print(f"outcome: {said}", style="default" if outcome == "ok" else "yellow", markup=False)
+    out.print(
+        f"outcome: {in_options(outcome)}", style="default" if outcome == "ok" else "yellow", markup=False
+    )
     print_files(out, files)
 
 

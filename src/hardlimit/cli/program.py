@@ -116,6 +116,11 @@ def with_options(ctx: click.Context, message: str) -> str:
     return options + colon + in_words(rest, known)
 
 
+def in_options(text: str) -> str:
+    """An outcome or a summary with options of the command in place of what it has of Python."""
+    return in_words(text, options_of(click.get_current_context()))
+
+
 def options_of(ctx: click.Context) -> dict[str, click.Option | str]:
     """The options of a command by the parameters of Python to which they belong, and its aliases."""
     known: dict[str, click.Option | str] = {}
