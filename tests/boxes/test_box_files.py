@@ -347,10 +347,9 @@ def test_a_damaged_count_takes_no_memory(tmp_path, name):
 
 
 def test_files_that_are_none(tmp_path):
-    assert "cannot be read: no such file" in refused(tmp_path / "none.xyz")
     folder = tmp_path / "folder.gsd"
     folder.mkdir()
-    assert "no such file" in refused(folder)
+    assert "cannot be read: not a file" in refused(folder)
     for suffix in (".xyz", ".gsd", ".data"):
         empty = tmp_path / f"empty{suffix}"
         empty.write_bytes(b"")

@@ -6,13 +6,15 @@ import math
 import pickle
 
 import numpy as np
+import pandas as pd
 import pytest
+import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
 
 import hardlimit as hl
 from box_engines import box_of
-from conftest import draws, lattice
+from conftest import draws, lattice, refusal
 from hardlimit import _core
 
 
@@ -286,6 +288,17 @@ def test_velocities_are_maxwell_with_one_temperature_for_all_masses():
 def test_what_cannot_start_is_refused(changed, message):
     with pytest.raises(ValueError, match=f"^{message}"):
         hl.ParticleSystem.random(**(USUAL | changed))
+
+
+@pytest.mark.parametrize("name", ["shear_rate", "shear_displacement", "thermostat"])
+@pytest.mark.parametrize(
+    "value", [np.ones(2), np.ones((2, 2)), xr.DataArray([1.0, 2.0]), pd.Series([1.0, 2.0])], ids=repr
+)
+def test_an_array_in_place_of_one_value_is_refused(name, value):
+    """Also with a boundary that drops the shear."""
+    sheared = lattice(boundary=["periodic", "lees-edwards", "periodic"], shear_rate=1.0)
+    for more in ({}, {"boundary": "periodic"}):
+        assert refusal(lambda more=more: sheared.replace(**{name: value}, **more)).startswith(f"{name}: got ")
 
 
 # --- the ends of the accepted ranges --------------------------------------------------------------------------------

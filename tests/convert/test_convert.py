@@ -698,7 +698,7 @@ def test_input_is_read_from_the_command_line_a_file_and_standard_input(tmp_path)
         ((*BALLS, "--restitution", "2", "--stiffness", "1"), "restitution: got 2, must be in [0.001, 1]"),
         ((*BALLS, "--input", "x"), "code: missing, must be one of chrono"),
         ((*BALLS, "--input", "x", "--read", "y"), "--input | --read: got both, must be one of them"),
-        ((*BALLS, "--read", "no such file", "--code", "yade"), "read: got 'no such file', cannot be read"),
+        ((*BALLS, "--read", "no such file", "--code", "yade"), "--read: no such file: no such file"),
         (
             (*BALLS, "--input", "x", "--code", "yade", "--law", "linear"),
             "law: got linear, must be left out with input",

@@ -37,6 +37,7 @@ TWO_PI: Final = Fraction(
 )
 
 
+@validation.sealed("a waveform is C++: CONTRIBUTING.md, 'Add a boundary'")
 @dataclass(frozen=True, init=False)
 class MovingWall:
     """Motion of a wall along its axis, for ``walls=`` of :class:`ParticleSystem`.

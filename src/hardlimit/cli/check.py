@@ -103,7 +103,7 @@ number_options = options(
 )
 
 
-@click.command(cls=Command, epilog=EXAMPLES)
+@click.command(cls=Command, aliases={name: "FILE" for name in ("file", "script", "source")}, epilog=EXAMPLES)
 @click.argument("file", required=False)
 @script_options
 @number_options

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Mapping
 from dataclasses import replace
@@ -100,15 +101,15 @@ def _opened(source: str | Path) -> tuple[str, str, Path | None]:
         raise ValueError(f"script: got {validation.shown(source)}, must be a path or a text")
     if isinstance(source, str) and ("\n" in source or len(source) > LONGEST_PATH):
         return source.removeprefix("\ufeff"), "", None
-    path = Path(source)
+    path = validation.path("script", source)
     text = text_of(path)
     if text is not None:
         return text.removeprefix("\ufeff"), path.name, path.parent
     if isinstance(source, str) and len(source.split()) > 1:
         return source, "", None
-    raise ValueError(
-        f"script: got {validation.shown(str(source))}, must be a file of at most 200 MB that can be read"
-    )
+    if not os.path.exists(path):
+        raise validation.unreadable(path, FileNotFoundError())
+    raise ValueError(f"{path}: cannot be read: must be a text file of at most 200 MB")
 
 
 def _code_of(text: str, folder: Path | None) -> str:

@@ -82,7 +82,7 @@ def checked(
         raise ValueError(f"variables: got {validation.shown(variables)}, must be values by name")
     speeds = _speeds(speed)
     given = Given(
-        None if dump is None else Path(dump),
+        None if dump is None else validation.path("dump", dump),
         speeds,
         packing_fraction,
         {str(name): str(value) for name, value in variables.items()},
