@@ -43,6 +43,7 @@ _LATER = {
     "fitting.measurements": ("Impacts", "Rebounds"),
     "fitting.result": ("Fit",),
     "oblique": ("ObliqueDrop", "oblique_drop"),
+    "boxes.checkpoint": ("CheckpointWarning",),
     "boxes.hard_spheres": ("event_driven",),
     "fidelity_study": ("Fidelity", "fidelity"),
     "boxes.lammps.folder": ("lammps_input", "lammps_result"),
