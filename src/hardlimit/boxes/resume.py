@@ -43,7 +43,7 @@ def resume(
         If the file is not a checkpoint, is damaged or was written by another version, the new end is before the time of
         the checkpoint, or ``observe`` is missing or returns other names than before.
     OSError
-        If a checkpoint cannot be written; names it.
+        As for :func:`event_driven`.
     """
     run = load(path)
     record = run.engine.record

@@ -35,7 +35,7 @@ from .gas_job import OUTPUT, RUN, START, GasJob, checked_outputs, default_end, m
 from .job import Entry, entry_options
 from .options import dpi_option, json_option, law_options, law_text, options, output_option, spelled
 from .printing import console, plain, print_json, print_outcome, sentence, show, table
-from .program import Command, no_such_command, notes, reason
+from .program import Command, no_such_command, notes, raise_all, write_files
 
 #: Call of a solver, whose keyword is ``observe``.
 Solve = Callable[..., Any]
@@ -154,13 +154,17 @@ def gas(file: str | None, resume: str | None, dpi: float | None, as_json: bool, 
     more = {**end, "out": outputs["out"], "save": outputs["save"], "plot": outputs["plot"], "dpi": dpi}
     with what_is_kept(checkpoint, frames, more | {"json": as_json}):
         result = frames.of(solve)
-    written, failures = write_files(result, frames, outputs, dpi)
+    written, failures = write_files(
+        (outputs["out"], frames.check),
+        (outputs["animate"], partial(frames.film, result)),
+        (outputs["save"], partial(save, result)),
+        (outputs["plot"], partial(draw, result, dpi)),
+    )
     if as_json:
         print_json(as_mapping(result, written))
     else:
         print_report(start, result, written)
-    if failures:
-        raise OSError("; ".join(map(reason, failures)))
+    raise_all(failures)
 
 
 # --- runs ---------------------------------------------------------------------------------------------------
@@ -257,14 +261,19 @@ class Frames:
             self._snapshots.append(grain_film.Snapshot.of(time, system))
         return {}
 
-    def film(self, path: Path, result: Any) -> Path:
+    def check(self, _: Path) -> None:
+        """Raise the error that ended the trajectory early."""
+        if self.failure is not None:
+            raise self.failure
+
+    def film(self, result: Any, path: Path) -> None:
         from ..plots import grain_film
 
         series = result.series
         at = np.searchsorted(series["time"].values, [snapshot.time for snapshot in self._snapshots])
         counts = series["n_contacts" if isinstance(result, hl.ContactResult) else "n_collisions"].values[at]
         frames = zip(self._snapshots, counts.tolist(), strict=True)
-        return grain_film.film(path, result.system, frames, result.time)
+        grain_film.film(path, result.system, frames, result.time)
 
 
 @contextmanager
@@ -285,32 +294,6 @@ def what_is_kept(checkpoint: Any, frames: Frames, more: dict[str, Any]) -> Itera
         elif notes(error):
             error.add_note("a run goes on only from a --checkpoint")
         raise
-
-
-def write_files(
-    result: Any, frames: Frames, outputs: dict[str, Path | None], dpi: float | None
-) -> tuple[list[Path], list[OSError]]:
-    """Write the files of a run that is over; returns those that are written, and why others are not."""
-
-    def plot(path: Path, result: Any) -> Path:
-        from .. import plots
-
-        return plots.save(plots.gas(result), path, dpi)
-
-    failures = [] if frames.failure is None else [frames.failure]
-    written = [outputs["out"]] if outputs["out"] and not failures else []
-    for name, write in (
-        ("animate", frames.film),
-        ("save", lambda path, result: save(result, path)),
-        ("plot", plot),
-    ):
-        path = outputs[name]
-        if path is not None:
-            try:
-                written.append(write(path, result))
-            except OSError as error:
-                failures.append(error)
-    return written, failures
 
 
 def run_newton(job: GasJob, newton: dict[str, Any]) -> tuple[hl.ParticleSystem, Solve]:
@@ -479,6 +462,12 @@ def as_mapping(result: Any, files: list[Path]) -> dict[str, Any]:
     }
     mapping: dict[str, Any] = plain(found)
     return mapping
+
+
+def draw(result: Any, dpi: float | None, path: Path) -> None:
+    from .. import plots
+
+    plots.save(plots.gas(result), path, dpi)
 
 
 def save(result: Any, path: Path) -> Path:

@@ -15,11 +15,14 @@ import time as clock
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
+from pathlib import Path
 from types import FrameType
 from typing import Any, TextIO
 
 import click
 from click.core import ParameterSource
+
+from ..support import machine
 
 #: A parameter in a message, such as ``gaps[1]``, and the one or more parameters with which a message begins.
 PARAMETER = re.compile(r"(\w+)((?:\[\d+\])*)")
@@ -27,8 +30,6 @@ SUBJECT = re.compile(rf"{PARAMETER.pattern}(?: \| {PARAMETER.pattern})*")
 
 FAILURE = 1
 BAD_INPUT = 2
-#: Signals that end a job, such as SIGTERM at a cluster's time limit. They do what Ctrl-C does.
-TERMINATING = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP", "SIGXCPU") if hasattr(signal, name)]
 #: Schedulers may send a signal to all processes and through their parents: time in which it counts as one [s].
 REPEATED = 1.0
 
@@ -117,6 +118,28 @@ def reason(error: Exception) -> str:
     return str(error) or type(error).__name__
 
 
+def write_files(
+    *files: tuple[Path | None, Callable[[Path], object]],
+) -> tuple[list[Path], list[Exception]]:
+    """Write the files that are wanted at the end of a long computation; returns those that are written, and why others
+    are not. The caller prints what it has computed, then raises the errors."""
+    written, failures = [], []
+    for path, write in files:
+        if path is not None:
+            try:
+                write(path)
+                written.append(path)
+            except (OSError, RuntimeError, MemoryError) as error:
+                failures.append(error)
+    return written, failures
+
+
+def raise_all(failures: Sequence[Exception]) -> None:
+    """Raise errors as one."""
+    if failures:
+        raise OSError("; ".join(map(reason, failures)))
+
+
 def exit_code(run: Callable[[], Any]) -> int:
     """The exit code of a run, whose error is printed on stderr."""
     try:
@@ -143,6 +166,17 @@ def notes(error: BaseException | None) -> list[str]:
     return list(getattr(error, "__notes__", []))
 
 
+@contextlib.contextmanager
+def goes_on_from(store: Any, parts: str, command: str = "the same command") -> Iterator[None]:
+    """Ctrl-C in the block says that the finished parts are in the store, if there is one."""
+    try:
+        yield
+    except KeyboardInterrupt as error:
+        if store is not None:
+            error.add_note(f"({parts} that are finished are in {store}; {command} goes on)")
+        raise
+
+
 class Terminated(KeyboardInterrupt):
     """A signal that ends a job."""
 
@@ -165,7 +199,7 @@ def terminating_signals() -> Iterator[None]:
         if last - before > REPEATED:
             raise Terminated(number)
 
-    numbers = [number for number in TERMINATING if signal.getsignal(number) == signal.SIG_DFL]
+    numbers = [number for number in machine.TERMINATING if signal.getsignal(number) == signal.SIG_DFL]
     for number in numbers:
         signal.signal(number, terminate)
     try:
