@@ -288,7 +288,7 @@ Engine make_engine(const std::string& kind, const box::Box& bounds, Rows positio
     return Engine(record.name, std::move(engine));
 }
 
-Engine load_engine(const std::string& kind, const nb::bytes& saved) {
+Engine load_engine(const std::string& kind, const nb::bytes& saved, hl::u64 kicks, double heat) {
     const hl::bindings::EngineRecord& record = engine_record(kind);
     const char* data = saved.c_str();
     const std::size_t n = saved.size();
@@ -298,6 +298,7 @@ Engine load_engine(const std::string& kind, const nb::bytes& saved) {
             "saved: got " + std::to_string(n) +
             " bytes that are damaged, cut short or of another engine or version, must be what save() "
             "gave");
+    engine->kicks = {kicks, heat};
     return Engine(record.name, std::move(engine));
 }
 
@@ -457,15 +458,19 @@ void bind_boxes(nb::module_& m) {
         .def("state", &state,
              "Current positions [m] and velocities [m/s] of the unfolded paths, (n, d) each.")
         .def(
-            "set_velocities",
-            [](const Engine& e, Rows velocities) {
+            "kick",
+            [](const Engine& e, Rows velocities, double heat) {
                 const auto d = static_cast<std::size_t>(e.get().dimension());
                 require_values("velocities", velocities.size(), e.get().size() * d, "one for each particle");
                 if (e.get().paused() && e.get().contacts_have_duration())
                     throw value_error("velocities: got them during a pause, must be after it");
-                e.get().set_velocities(velocities.data());
+                e.get().kick(velocities.data(), heat);
             },
-            "velocities"_a, "Gives all particles new velocities (n, d) [m/s] now, as a thermostat does.")
+            "velocities"_a, "heat"_a,
+            "Gives all particles new velocities (n, d) [m/s] now and counts this kick of a thermostat and its heat "
+            "[J].")
+        .def_prop_ro("n_kicks", [](const Engine& e) { return e.get().kicks.number; })
+        .def_prop_ro("heat", [](const Engine& e) { return e.get().kicks.heat; })
         .def("observe", &observe)
         .def_prop_ro("largest_compression",
                      [](const Engine& e) { return e.get().observe().largest_compression; })
@@ -489,7 +494,7 @@ void bind_boxes(nb::module_& m) {
     m.def("make_engine", &make_engine, "kind"_a, "box"_a, "positions"_a, "velocities"_a, "radius"_a, "mass"_a,
           nb::kw_only(), "law"_a.none() = nb::none(), "rule"_a = "constant", "restitution"_a = hl::math::nan,
           "rule_parameters"_a = std::vector<double>(), "time_step"_a = 0.0, "log"_a = false);
-    m.def("load_engine", &load_engine, "kind"_a, "saved"_a);
+    m.def("load_engine", &load_engine, "kind"_a, "saved"_a, "n_kicks"_a = hl::u64{0}, "heat"_a = 0.0);
     m.def(
         "random_numbers",
         [](hl::u64 seed, hl::u64 stream, std::size_t n, bool normal) {

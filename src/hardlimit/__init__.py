@@ -44,6 +44,7 @@ _LATER = {
     "fitting.result": ("Fit",),
     "saved": ("load",),
     "oblique": ("ObliqueDrop", "oblique_drop"),
+    "boxes.checkpoint": ("CheckpointWarning",),
     "boxes.hard_spheres": ("event_driven",),
     "fidelity_study": ("Fidelity", "fidelity"),
     "boxes.lammps.folder": ("lammps_input", "lammps_result"),

@@ -34,6 +34,7 @@ from .fitting.result import Fit as Fit
 from .saved import load as load
 from .oblique import ObliqueDrop as ObliqueDrop
 from .oblique import oblique_drop as oblique_drop
+from .boxes.checkpoint import CheckpointWarning as CheckpointWarning
 from .boxes.hard_spheres import event_driven as event_driven
 from .fidelity_study import Fidelity as Fidelity
 from .fidelity_study import fidelity as fidelity

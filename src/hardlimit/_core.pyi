@@ -298,10 +298,16 @@ class Engine:
         Current positions [m] and velocities [m/s] of the unfolded paths, (n, d) each.
         """
 
-    def set_velocities(self, velocities: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)]) -> None:
+    def kick(self, velocities: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], heat: float) -> None:
         """
-        Gives all particles new velocities (n, d) [m/s] now, as a thermostat does.
+        Gives all particles new velocities (n, d) [m/s] now and counts this kick of a thermostat and its heat [J].
         """
+
+    @property
+    def n_kicks(self) -> int: ...
+
+    @property
+    def heat(self) -> float: ...
 
     def observe(self) -> dict: ...
 
@@ -328,7 +334,7 @@ class Engine:
 
 def make_engine(kind: str, box: Box, positions: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], velocities: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], radius: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], mass: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], *, law: tuple[str, int, Sequence[float]] | None = None, rule: str = 'constant', restitution: float = float('nan'), rule_parameters: Sequence[float] = [], time_step: float = 0.0, log: bool = False) -> Engine: ...
 
-def load_engine(kind: str, saved: bytes) -> Engine: ...
+def load_engine(kind: str, saved: bytes, n_kicks: int = 0, heat: float = 0.0) -> Engine: ...
 
 def random_numbers(seed: int, stream: int, n: int, normal: bool) -> NDArray[numpy.float64]:
     """

@@ -2,6 +2,8 @@
 
 import math
 import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -10,6 +12,7 @@ import pytest
 import hardlimit as hl
 from box_engines import REFERENCE, box_of, grow_packing, logged, reference_law
 from box_engines import hard_spheres as engine
+from conftest import slow
 from hardlimit import _core
 from hardlimit.boxes.contacts import law_arguments
 from slow_hard_spheres import Rule, SlowHardSpheres
@@ -495,17 +498,33 @@ def test_bad_systems_are_refused_in_one_line(change: dict, message: str) -> None
     assert "\n" not in str(refusal.value)
 
 
-def test_interrupted_runs_go_on_with_the_same_bits() -> None:
-    position, velocity, edge = packed(200, 0.4)
-    run = engine(position, velocity, box=edge, log=False)
+@contextmanager
+def interrupted_after(seconds: float) -> Iterator[None]:
+    """The block must end by the KeyboardInterrupt of a timer, as by that of Ctrl-C."""
     previous = signal.signal(signal.SIGALRM, signal.default_int_handler)
-    signal.setitimer(signal.ITIMER_REAL, 0.3)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
     try:
         with pytest.raises(KeyboardInterrupt):
-            run.advance(1e9)
+            yield
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
         signal.signal(signal.SIGALRM, previous)
+
+
+@pytest.mark.parametrize(("n", "fraction", "dimension"), [(30_000, 0.61, 3), (30_000, 0.82, 2)])
+@pytest.mark.parametrize("seconds", [0.08, *map(slow, (0.15, 0.3, 0.5, 0.8))])
+def test_ctrl_c_ends_a_random_start(n: int, fraction: float, dimension: int, seconds: float) -> None:
+    """No progress is reported while the exception is pending: Python would turn it into a SystemError."""
+    box = box_of([edge_of(n, fraction, dimension)] * dimension, True)
+    with interrupted_after(seconds):
+        _core.grow_packing(box, np.full(n, 0.5), 1, lambda share, collisions: None)
+
+
+def test_interrupted_runs_go_on_with_the_same_bits() -> None:
+    position, velocity, edge = packed(200, 0.4)
+    run = engine(position, velocity, box=edge, log=False)
+    with interrupted_after(0.3):
+        run.advance(1e9)
     assert run.n_contacts > 0
     rows = run.n_contacts + 1000
     run.advance(math.inf, 1000)

@@ -1,7 +1,11 @@
 """Thermostats: kicks that all engines share, their power, the steady state against kinetic theory, and bits."""
 
+import dataclasses
 import math
-from collections.abc import Callable
+import os
+import sys
+from collections.abc import Callable, Sequence
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +13,11 @@ import numpy as np
 import pytest
 
 import hardlimit as hl
-from conftest import refusal
+from conftest import refusal, slow
+from hardlimit.boxes import checkpoint, engines, observe, thermostats
+from hardlimit.boxes import run as running
+from hardlimit.boxes.engines import Engine
+from hardlimit.support import saving
 
 LINEAR = hl.LinearDashpot(stiffness=1e5, restitution=0.8)
 VISCOELASTIC = hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, restitution=0.8, impact_speed=0.3)
@@ -142,6 +150,63 @@ def test_andersen_reaches_its_temperature(name: str) -> None:
     np.testing.assert_allclose(run.series.energy.values[15:].mean(axis=0), 0.04, rtol=0.1)
 
 
+@pytest.mark.parametrize("per_bath_collision", [20.0, 1.0, 0.4])
+def test_andersen_forgets_velocities_at_its_rate(per_bath_collision: float) -> None:
+    """Free particles, at intervals of any length: exp(−rate t) of them keep their velocity, and the temperature
+    relaxes at the rate, within 5 standard deviations. The share of new velocities per interval is below rate·interval.
+    """
+    rate, n = 100.0, 40_000
+    bath = hl.Andersen(temperature=0.04, rate=rate, interval=1.0 / (per_bath_collision * rate), seed=5)
+    mass, start = np.ones(n), np.full((n, 2), 1.0)
+    now = start
+    for kick in range(1, math.ceil(2.0 * per_bath_collision) + 1):
+        now = bath.velocities(kick, now, mass)
+        kept = math.exp(-rate * kick * bath.interval)
+        share = float((now == start).all(axis=1).mean())
+        assert share == pytest.approx(kept, abs=5.0 * math.sqrt(kept * (1.0 - kept) / n))
+        energy = (now**2).mean(axis=1)
+        error = float(energy.std()) / math.sqrt(n)
+        assert float(energy.mean()) == pytest.approx(0.04 + (1.0 - 0.04) * kept, abs=5.0 * error)
+
+
+@pytest.mark.parametrize("interval", [0.1, 1.0 / 3.0, 0.007, 1e-3 * math.pi])
+@pytest.mark.parametrize("thermostat", [hl.RandomKicks(1e-9, 1.0), hl.Andersen(0.01, 1e3, interval=1.0)])
+def test_no_kick_is_lost_to_rounding(thermostat: Any, interval: float) -> None:
+    """k kicks until k·interval, however the product is rounded: 3·0.1 is above 0.3. Parts of a run add up."""
+    system = gas(3, dataclasses.replace(thermostat, interval=interval), packing_fraction=1e-7, rms_speed=0.0)
+    for kicks in (1, 2, 3, 6, 7, 12, 49):
+        for until in (
+            kicks * interval,
+            kicks / (1.0 / interval),
+            float(sum(Fraction(interval) for _ in range(kicks))),
+        ):
+            end = hl.event_driven(system, restitution=1.0, until=until, samples=1).system
+            assert end.thermostat.kicks == kicks
+    for until, kicks in ((0.3, 3), (0.7, 7), (1.2, 12)):
+        tenths = system.replace(thermostat=dataclasses.replace(thermostat, interval=0.1))
+        kept = hl.event_driven(tenths, restitution=1.0, until=until, samples=kicks).series.heat.values
+        assert np.count_nonzero(np.diff(kept)) == kicks
+
+
+@pytest.mark.parametrize("name", ["constant", "events, linear", "steps, linear"])
+def test_kicks_without_collisions_are_checkpointed_and_told(name: str, tmp_path: Path) -> None:
+    """A single call of the engine ends after some kicks, so that the run looks at the clock."""
+    system, path, told = (
+        gas(20, hl.RandomKicks(1e-12, 1e-4), packing_fraction=1e-7, rms_speed=0.0),
+        tmp_path / "ck",
+        [],
+    )
+
+    def progress(done: int, total: int) -> None:
+        told.append((done, total, path.stat().st_mtime_ns))
+        assert 0 <= done <= total
+
+    run = solved(name, system, 0.2, samples=1, checkpoint=path, checkpoint_every=1e-9, progress=progress)
+    assert run.system.thermostat.kicks == 2000
+    assert len({stamp for *_, stamp in told}) > 5
+    assert sum(0.1 < done / total < 0.9 for done, total, _ in told) > 1
+
+
 class Stopped(Exception):
     pass
 
@@ -165,6 +230,69 @@ def test_a_resumed_run_has_the_same_bits(name: str, thermostat: Any, tmp_path: P
     resumed = hl.resume(tmp_path / "run.ckpt", observe=stops_at(math.inf))
     assert resumed.system == whole.system
     assert resumed.series.identical(whole.series)
+
+
+class Instructions:
+    """Raises KeyboardInterrupt, as Ctrl-C does, at the instruction with this number in these functions or files."""
+
+    def __init__(self, where: Sequence[Any], last: float = math.inf) -> None:
+        self._codes = [getattr(f, "__code__", None) for f in where]
+        self._files = [f.__file__ for f in where if hasattr(f, "__file__")]
+        self._last, self.count = last, 0
+
+    def __enter__(self) -> "Instructions":
+        sys.settrace(self._call)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        sys.settrace(None)
+
+    def _call(self, frame: Any, *_: object) -> Any:
+        if frame.f_code not in self._codes and frame.f_code.co_filename not in self._files:
+            return None
+        frame.f_trace_opcodes = True
+        return self._step
+
+    def _step(self, _: object, event: str, __: object) -> Any:
+        self.count += event == "opcode"
+        if self.count >= self._last:
+            sys.settrace(None)
+            raise KeyboardInterrupt
+        return self._step
+
+
+KICK, RUN = (Engine._kick,), (running, engines, thermostats, observe, checkpoint, saving)
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning", "ignore::ResourceWarning")
+@pytest.mark.parametrize(
+    ("name", "where", "every"),
+    [("constant", KICK, 31), *(slow(name, KICK, 1) for name in ("constant", "events, linear", "steps, linear")),
+     *(slow(name, RUN, 97) for name in ("constant", "soft", "events, linear", "steps, linear"))],
+)  # fmt: skip
+def test_a_run_interrupted_at_any_instruction_has_the_same_bits(
+    name: str, where: Sequence[Any], every: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Kicks, one at the time of a sample, a moving wall, a log, samples and checkpoints."""
+    floor = {"boundary": ("periodic", "periodic", "wall"), "walls": {"z-": hl.MovingWall(1e-5, 300.0)}}
+    system = gas(30, packing_fraction=0.3, **floor)
+    monkeypatch.setattr(os, "fsync", lambda _: None)
+    path = tmp_path / "run.ckpt"
+    options: dict[str, Any] = {"samples": 2, "log": True, "observe": lambda time, _: {"again": time}}
+    options |= {"checkpoint": path, "checkpoint_every": 1e-9 if where == RUN else 1e9}
+    with Instructions(where) as all_of_them:
+        whole = solved(name, system, 0.001, **options)
+    went_on = 0
+    for last in range(1, all_of_them.count, every):
+        path.unlink(missing_ok=True)
+        with pytest.raises(KeyboardInterrupt), Instructions(where, last):
+            solved(name, system, 0.001, **options)
+        if path.exists():
+            resumed = hl.resume(path, observe=options["observe"])
+            assert resumed.system == whole.system and resumed.series.identical(whole.series), last
+            assert all(map(np.array_equal, resumed.log, whole.log)), last
+            went_on += 1
+    assert went_on > 0.8 * all_of_them.count / every
 
 
 @pytest.mark.parametrize("threads", [2, 3])

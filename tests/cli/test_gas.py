@@ -1,8 +1,14 @@
 """``hardlimit gas`` as a user meets it: what it prints, what it writes, how it goes on, how it fails."""
 
+import errno
+import json
+import os
+import random
+import shlex
 import signal
 import subprocess
 import sys
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +20,12 @@ import hardlimit as hl
 from command_line import printed, refused, run
 from conftest import lattice, slow, wait_until
 from hardlimit import plots
+from hardlimit.boxes import checkpoint, files
 from hardlimit.boxes.result import NEWTON_OUTCOMES
 from hardlimit.cli.gas import gas
 from hardlimit.cli.gas_job import GLASS_BEADS
-from hardlimit.cli.program import in_options
+from hardlimit.cli.program import Terminated, in_options
+from hardlimit.support import saving
 from legible import assert_legible, assert_moves, coloured
 
 
@@ -235,7 +243,12 @@ def test_a_run_goes_on(start: Path, tmp_path: Path) -> None:
     whole = printed("gas", start, "--until", "20ms", "--samples", 20)
     assert longer == whole
     run("gas", start, *FAST, "--checkpoint", path, "--out", tmp_path / "first.xyz")
+    first = path.read_bytes()
     run("gas", "--resume", path, "--until", "20ms", "--out", tmp_path / "rest.xyz")
+    path.write_bytes(first)
+    run("gas", "--resume", path, "--until", "20ms", "--out", tmp_path / "first.xyz")
+    run("gas", start, "--until", "20ms", "--samples", 20, "--out", tmp_path / "whole.xyz")
+    assert (tmp_path / "first.xyz").read_bytes() == (tmp_path / "whole.xyz").read_bytes()
     assert np.allclose(
         hl.ParticleSystem.read(tmp_path / "rest.xyz", frame=9).positions,
         hl.event_driven(hl.ParticleSystem.read(start), restitution=0.9, until=0.02).system.positions,
@@ -267,24 +280,190 @@ def test_outputs_of_a_resumed_run_are_refused_before_it_goes_on(start: Path, tmp
     assert path.read_bytes() == kept
 
 
-@pytest.mark.slow
-def test_control_c_ends_with_130_and_leaves_checkpoint_and_frames(start: Path, tmp_path: Path) -> None:
-    path, frames = tmp_path / "run.checkpoint", tmp_path / "run.xyz"
-    command = [sys.executable, "-m", "hardlimit", "gas", str(start), "--until", "1e6", "--restitution", "1"]
-    with subprocess.Popen(
-        [*command, "--checkpoint", str(path), "--out", str(frames)], stderr=subprocess.PIPE, text=True
-    ) as process:
-        wait_until(path.exists)
-        first = path.stat().st_mtime_ns
-        process.send_signal(signal.SIGINT)
-        _, errors = process.communicate(timeout=60)
-    assert process.returncode == 130 and errors.strip() == "interrupted"
-    assert (
-        path.stat().st_mtime_ns > first
-        and hl.ParticleSystem.read(frames).n == hl.ParticleSystem.read(start).n
+def test_a_run_may_end_between_two_samples(start: Path, tmp_path: Path) -> None:
+    """Its last frame is of no sample: it is not in the trajectory of a run that goes on from there."""
+    path, frames, whole = (tmp_path / name for name in ("run.checkpoint", "run.xyz", "whole.xyz"))
+    run("gas", start, *FAST, "--checkpoint", path, "--out", frames)
+    for until, count in (("10.5ms", 12), ("12.3ms", 14), ("15ms", 16)):
+        run("gas", "--resume", path, "--until", until, "--out", frames)
+        assert len(files.extended_xyz.times(frames)) == count
+    run("gas", start, *FAST, "--checkpoint", path, "--out", whole)
+    run("gas", "--resume", path, "--until", "15ms", "--out", whole)
+    assert frames.read_bytes() == whole.read_bytes()
+
+
+@pytest.mark.parametrize("suffix", [".xyz", ".gsd"])
+def test_the_trajectory_of_another_run_is_refused(suffix: str, start: Path, tmp_path: Path) -> None:
+    path, frames = tmp_path / "run.checkpoint", tmp_path / f"run{suffix}"
+    run("gas", start, "--until", "9ms", "--samples", 7, "--out", frames)
+    other = frames.read_bytes()
+    run("gas", start, *FAST, "--checkpoint", path)
+    more = ["--resume", path, "--until", "20ms", "--out", frames]
+    assert f"--out: got {frames}, must be the trajectory of this run" in refused("gas", *more)
+    assert frames.read_bytes() == other
+    run("gas", start, "--until", "5ms", "--samples", 5, "--out", frames)
+    assert "it ends at 0.005 s, the checkpoint at 0.01 s" in refused("gas", *more)
+    frames.write_bytes(b"no frames")
+    assert "must be the trajectory of this run" in refused("gas", *more)
+
+
+@pytest.fixture
+def fail_at_frame(monkeypatch: pytest.MonkeyPatch) -> Callable[[int, BaseException], None]:
+    """Makes writing one frame fail in the middle."""
+
+    def fail(frame: int, error: BaseException) -> None:
+        left = iter(range(frame))
+
+        def write(*args: Any, write: Callable[..., None] = files.frame.write_rows) -> None:
+            if next(left, None) is None:
+                args[0].write(b"X 0.1 0.")
+                monkeypatch.setattr(files.extended_xyz, "write_rows", write)
+                raise error
+            write(*args)
+
+        monkeypatch.setattr(files.extended_xyz, "write_rows", write)
+
+    return fail
+
+
+FULL = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
+@pytest.mark.parametrize(
+    ("error", "code", "said"),
+    [(KeyboardInterrupt(), 130, "interrupted"), (Terminated(signal.SIGTERM), 143, "interrupted by SIGTERM"),
+     (FULL, 1, "hardlimit gas: {frames}: cannot be written: No space left on device;")],
+)  # fmt: skip
+def test_a_run_that_is_ended_says_what_is_kept_and_goes_on(
+    error: BaseException, code: int, said: str, start: Path, tmp_path: Path, fail_at_frame: Any
+) -> None:
+    path, frames, whole, series = (tmp_path / name for name in ("run.ck", "run.xyz", "whole.xyz", "run.nc"))
+    series.write_bytes(b"former")
+    run("gas", start, *FAST, "--out", whole)
+    fail_at_frame(4, error)
+    ended = run("gas", start, *FAST, "--checkpoint", path, "--out", frames, "--save", series, code=code)
+    go_on = f"hardlimit gas --resume {path} --out {frames} --save {series}"
+    (line,) = ended.stderr.split("\n")[-2:-1]
+    said = said.format(frames=frames)
+    assert line == f"{said} at 0.004 s of 0.01 s; kept {path}; kept {frames}; go on with: {go_on}"
+    assert whole.read_bytes().startswith(frames.read_bytes())
+    assert len(files.extended_xyz.times(frames)) == 4 and series.read_bytes() == b"former"
+    run(*shlex.split(go_on)[1:])
+    assert frames.read_bytes() == whole.read_bytes()
+    assert sorted(entry.name for entry in tmp_path.iterdir()) == [
+        "run.ck",
+        "run.nc",
+        "run.xyz",
+        "start.xyz",
+        "whole.xyz",
+    ]
+
+
+def test_without_a_checkpoint_a_full_disk_costs_frames_only(
+    start: Path, tmp_path: Path, fail_at_frame: Any
+) -> None:
+    frames, expected = tmp_path / "run.xyz", run("gas", start, *FAST).stdout
+    fail_at_frame(4, FULL)
+    ended = run("gas", start, *FAST, "--out", frames, code=1)
+    assert ended.stdout == expected
+    assert ended.stderr == f"hardlimit gas: {frames}: cannot be written: No space left on device\n"
+    assert len(files.extended_xyz.times(frames)) == 4
+    fail_at_frame(2, KeyboardInterrupt())
+    ended = run("gas", start, *FAST, "--out", frames, code=130)
+    assert f"kept {frames}; a run goes on only from a --checkpoint\n" in ended.stderr
+
+
+@pytest.mark.filterwarnings("default::hardlimit.CheckpointWarning")
+def test_files_that_cannot_be_written_at_the_end(
+    start: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The summary and the other files are there; each failure is told."""
+
+    def fail(*_: object, **__: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    series, picture, film, path = (tmp_path / name for name in ("run.nc", "run.png", "run.gif", "run.ck"))
+    expected = run("gas", start, *FAST).stdout
+    monkeypatch.setattr(saving, "write_all", fail)
+    outputs = ["--save", series, "--plot", picture, "--animate", film]
+    ended = run("gas", start, *FAST, *outputs, code=1)
+    assert ended.stdout.startswith(expected.rstrip()) and ended.stdout.count("written to") == 2
+    assert ended.stderr == f"hardlimit gas: {series}: cannot be written: No space left on device\n"
+    assert picture.exists() and film.exists() and not series.exists()
+    saved = iter(range(1))
+    write = checkpoint.write
+    monkeypatch.setattr(
+        checkpoint, "write", lambda *a: write(*a) if next(saved, None) is not None else fail()
     )
-    with np.load(path) as content:
-        assert content["sample_time"].ndim == 1
+    ended = run("gas", start, *FAST, "--checkpoint", path)
+    assert ended.stdout == expected
+    assert (
+        ended.stderr.startswith("warning: ")
+        and "No space left on device; kept the one of 0 s" in ended.stderr
+    )
+    monkeypatch.undo()
+    assert run("gas", "--resume", path).exit_code == 0
+
+
+def same_frames(path: Path, other: Path) -> bool:
+    """Whether two trajectories are the same: XYZ files byte for byte."""
+    if path.suffix == ".xyz":
+        return path.read_bytes() == other.read_bytes()
+    times = files.gsd_file.times(path)
+    systems = [[hl.ParticleSystem.read(name, frame=k) for k in range(len(times))] for name in (path, other)]
+    return times == files.gsd_file.times(other) and systems[0] == systems[1]
+
+
+def ended_by(number: int, arguments: Sequence[object], checkpoint: Path, writes: int) -> tuple[int, str, str]:
+    """Exit code, output and errors of a command that gets a signal after some checkpoints."""
+    command, former = [sys.executable, "-m", "hardlimit", *map(str, arguments)], stamp(checkpoint)
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        stamps: set[int] = set()
+
+        def is_time() -> bool:
+            stamps.add(stamp(checkpoint))
+            return len(stamps - {former, 0}) > writes or process.poll() is not None
+
+        wait_until(is_time)
+        process.send_signal(number)
+        output, errors = process.communicate(timeout=60)
+    return process.returncode, output, errors.strip()
+
+
+def stamp(path: Path) -> int:
+    return path.stat().st_mtime_ns if path.exists() else 0
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform == "win32", reason="signals")
+@pytest.mark.parametrize("trial", range(2))
+@pytest.mark.parametrize("suffix", [".xyz", ".gsd"])
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP", "SIGKILL"])
+def test_a_run_ended_by_a_signal_at_any_moment_goes_on(
+    name: str, suffix: str, trial: int, tmp_path: Path
+) -> None:
+    """The command that the line names leads to the same bits, trajectory included, and leaves no other files."""
+    number, chance = getattr(signal, name), random.Random(f"{name}{suffix}{trial}")
+    start = lattice(125, seed=1).write(tmp_path / "start.xyz")
+    path, frames, whole = (tmp_path / name for name in ("run.ck", f"run{suffix}", f"whole{suffix}"))
+    options = ["--heat", "1mW", "--until", "0.2", "--samples", "20"]
+    expected = printed("gas", start, *options, "--out", whole)
+    after_kill: list[object] = ["gas", "--resume", path, "--out", frames, "--json"]
+    arguments = ["gas", start, *options, "--checkpoint", path, "--checkpoint-every", "1e-9", *after_kill[3:]]
+    for _ in range(3):
+        code, output, line = ended_by(number, arguments, path, chance.randrange(12))
+        if code == 0:
+            break
+        arguments = after_kill
+        if number == signal.SIGKILL:
+            assert code == -number, line
+        else:
+            assert code == 128 + number and "\n" not in line and line.startswith("interrupted"), line
+            assert line.endswith(f"; go on with: {shlex.join(map(str, ['hardlimit', *after_kill]))}"), line
+    found = json.loads(output) if code == 0 else printed(*after_kill[:-1])
+    assert {**found, "files": []} == {**expected, "files": []}
+    assert same_frames(frames, whole)
+    assert {entry.name for entry in tmp_path.iterdir()} == {start.name, path.name, frames.name, whole.name}
 
 
 # --- bad input ----------------------------------------------------------------------------------------------

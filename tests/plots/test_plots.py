@@ -605,6 +605,24 @@ def test_ffmpeg_that_fails_is_reported_in_one_line(tmp_path: Path, monkeypatch: 
         hl.newton(hl.Column.paper()).animate(tmp_path / "film.mp4", width=320, frames_per_second=2)
     assert "\n" not in str(refused.value) and not any(tmp_path.iterdir())
     del refused
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform == "win32", reason="limits of a process")
+@pytest.mark.filterwarnings("ignore::ResourceWarning")
+def test_a_film_for_which_there_is_no_space_is_reported_in_one_line(tmp_path: Path) -> None:
+    import resource
+
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (3000, hard))  # ffmpeg inherits it
+    try:
+        with pytest.raises(
+            OSError, match=r"film\.mp4: cannot be written: ffmpeg did not finish the file; .*B are free"
+        ):
+            hl.newton(hl.Column.paper()).animate(tmp_path / "film.mp4", width=320, frames_per_second=2)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    assert not any(tmp_path.iterdir())
     gc.collect()
 
 

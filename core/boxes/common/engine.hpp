@@ -83,6 +83,12 @@ struct EarlyEnd {
     WallId wall;                 // of the contact, if any
 };
 
+// Kicks of a thermostat so far.
+struct Kicks {
+    u64 number = 0;
+    double heat = 0.0;  // energy gained [J]
+};
+
 class Engine {
 public:
     virtual ~Engine() = default;
@@ -104,7 +110,15 @@ public:
 
     // Gives all particles new velocities now, as a thermostat does: n·d values in the user's order, as state() gives
     // them. Contacts go on. Not during a pause.
-    virtual void set_velocities(const double* velocity) = 0;
+    // Returns the energy [J] of particles that it lifts off walls.
+    virtual double set_velocities(const double* velocity) = 0;
+    // The same, and counts it at once: an interrupt never comes between a kick and its count.
+    void kick(const double* velocity, double heat) {
+        const double lifted = set_velocities(velocity);
+        ++kicks.number;
+        kicks.heat += heat + lifted;
+    }
+    Kicks kicks;  // not part of save()
 
     // Writes n·d values each, in the user's order: those of the unfolded paths, with Box::image() added to both.
     virtual void state(double* position, double* velocity) const = 0;

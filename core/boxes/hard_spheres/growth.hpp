@@ -131,19 +131,20 @@ public:
     }
 
     // Returns whether the radii reached the requested size. Calls report(GrowthReport) after each step, which returns
-    // whether to continue.
+    // whether to continue. After a stop it calls nothing: an exception may be pending.
     template <class Report>
     bool run(const hardlimit_abi::TouchKernels& kernels, Stop& stop, const Report& report) {
         double share = insert(stop), slowness = 1.0;
         u64 collisions = 0;
-        for (int step = 0; share < 1.0 + beyond && !stop.stopped(); ++step) {
+        if (stop.stopped()) return false;
+        for (int step = 0; share < 1.0 + beyond; ++step) {
             if (step == most_steps) return false;
             const Pace pace = pace_at(fraction_at(share));
             const double target = std::min(1.0 + beyond, share_at(std::min(pace.until, fraction_ * 2.0)));
             const double reached = grow(share, target, pace.rate * slowness, kernels, stop, collisions);
             if (reached < target) slowness *= 0.5;
             share = reached;
-            if (!report(GrowthReport{share, collisions})) return false;
+            if (stop.stopped() || !report(GrowthReport{share, collisions})) return false;
         }
         return true;
     }
@@ -210,6 +211,7 @@ private:
         fold();
         const Growth growth{from, rate};
         const auto engine = make(growth, kernels, stop);
+        if (stop.stopped()) return from;
         const u64 most = most_collisions * s_.n + 10'000;
         engine->advance((to - from) / rate, most, 1, stop);
         engine->state(position_.data(), velocity_.data());

@@ -164,17 +164,22 @@ double HardSpheres<d, mixed>::wall_blocked_until(u32 i, WallId wall) const {
 }
 
 // Ends the contacts of a particle with walls at the present instant. Behind a wall, where the parabola of an equivalent
-// collision may lead, the particle is moved to its surface.
+// collision may lead, the particle is moved to its surface. Returns the energy that it gains there [J].
 template <int d, bool mixed>
-void HardSpheres<d, mixed>::end_wall_contacts(u32 i) {
+double HardSpheres<d, mixed>::end_wall_contacts(u32 i) {
+    double gained = 0.0;
     LastContact& last = last_contacts_[i];
     for (int k = 0; k < d; ++k) {
         const WallId id = std::exchange(last.wall[k], WallId{});
         if (!id || last.wall_until[k] <= now_) continue;
         const Wall wall = box_.wall(id);
         double& x = particles_[i].position[k];
-        if (wall.distance(x, now_) < radius(i)) x = wall.position(now_) + wall.inward() * radius(i);
+        if (!(wall.distance(x, now_) < radius(i))) continue;
+        const double surface = wall.position(now_) + wall.inward() * radius(i);
+        gained -= mass(i) * box_.gravity[k] * (surface - x);
+        x = surface;
     }
+    return gained;
 }
 
 // The particle with which this one must not collide, or no_particle.

@@ -21,6 +21,10 @@ FORMAT: Final = 8  #: version of the file format; files of another version are r
 HEADER: Final = "header"
 
 
+class CheckpointWarning(UserWarning):
+    """The last checkpoint of a run cannot be written; the result is complete, and the previous checkpoint stays."""
+
+
 def checked_path(path: Any, parameter: str = "checkpoint") -> Path:
     """The path of a checkpoint, checked to be a file that can be written."""
     target = validation.path(parameter, path)

@@ -94,7 +94,6 @@ class Engine:
         self._moment = moment  #: Σ m x at the start of the run [kg m]
         self._note = ProgressNote()
         self._latest = system.domain.resolved_until
-        self.kicks, self.heat = 0, 0.0  # of the thermostat: number so far, energy [J]
 
     @classmethod
     def make(
@@ -139,29 +138,41 @@ class Engine:
         """Whether the engine has stopped within an event or a step, where no sample can be taken."""
         return bool(self.record.name != "hard_spheres" and self.compiled.paused)
 
+    def has_reached(self, time: float) -> bool:
+        """Whether all that happens up to ``time`` [s] has happened."""
+        return self.time >= time and not self.compiled.paused and self.time < self._next_kick()
+
     @property
     def n_contacts(self) -> int:
         """Number of collisions, or of contacts that have begun."""
         return int(self.compiled.n_contacts)
 
+    @property
+    def kicks(self) -> int:
+        """Number of kicks of the thermostat so far."""
+        return int(self.compiled.n_kicks)
+
     def advance(self, until: float, work: int) -> None:
-        """Advance to ``until`` [s], or by ``work`` collisions, events or steps, whichever comes first."""
+        """Advance to ``until`` [s], or by ``work`` collisions, events or steps, whichever comes first.
+
+        A kick of the thermostat counts as one of these for each particle.
+        """
         threads = self.settings.threads if isinstance(self.settings, NewtonSettings) else 1
-        before = self.compiled.work
+        last = self.compiled.work + work
         while self.outcome == "ok":
             kick = self._next_kick()
-            left = max(work - (self.compiled.work - before), 1)
-            self.compiled.advance(min(until, kick, self._latest), left, threads)
+            self.compiled.advance(min(until, kick, self._latest), max(last - self.compiled.work, 1), threads)
             if self.compiled.paused or self.time < kick or self.outcome != "ok":
                 return
             self._kick()
-            if self.time >= until:
+            last -= self.system.n
+            if self.time >= until or self.compiled.work >= last:
                 return
 
     def _next_kick(self) -> float:
         """Time of the next kick of the thermostat [s]; infinite without one."""
         thermostat = self.system.thermostat
-        return math.inf if thermostat is None else (self.kicks + 1) * thermostat.interval
+        return math.inf if thermostat is None else thermostat.time(self.kicks + 1)
 
     def _kick(self) -> None:
         # A contiguous array and no BLAS: sums have the same bits after a checkpoint.
@@ -171,13 +182,8 @@ class Engine:
         before = unfolded.copy()
         self.system.domain.fold(positions, before, self.time)
         after = np.ascontiguousarray(thermostat.velocities(self.kicks + 1, before, mass))
-        # Under the rule soft a kick ends contacts with walls, which may lift particles.
-        lifts = isinstance(self.settings, Settings) and self.settings.rule == "soft"
-        low = self.compiled.observe()["potential_energy"] if lifts else 0.0
-        self.compiled.set_velocities(after + (unfolded - before))
-        high = self.compiled.observe()["potential_energy"] if lifts else 0.0
-        self.kicks += 1
-        self.heat += 0.5 * float((mass[:, None] * ((after - before) * (after + before))).sum()) + (high - low)
+        heat = 0.5 * float((mass[:, None] * ((after - before) * (after + before))).sum())
+        self.compiled.kick(after + (unfolded - before), heat)
 
     def done_and_total(self, until: float | None, max_collisions: int | None) -> tuple[int, int]:
         """Progress: number of collisions, contacts or steps so far, and their expected total at this rate."""
@@ -187,11 +193,11 @@ class Engine:
             return statistics["n_steps"], statistics["n_steps"] + math.ceil(
                 (until - self.time) / statistics["time_step"]
             )
-        done, expected = self.n_contacts, math.inf
+        done, expected = self.n_contacts + self.kicks, math.inf
         if until is not None and self.time > 0.0:
             expected = done * (until / self.time)
         if max_collisions is not None:
-            expected = min(expected, max_collisions)
+            expected = min(expected, max_collisions + self.kicks)
         return done, max(done, 1, round(expected) if expected < 2**53 else 0)
 
     def note(self, until: float | None) -> str:
@@ -217,7 +223,7 @@ class Engine:
     def sample(self) -> dict[str, Any]:
         """The quantities at a sample in the falling frame; :meth:`result` converts those of all samples at once."""
         sums = self.compiled.observe()
-        sums["time"], sums["n_collisions"], sums["heat"] = self.time, sums["n_contacts"], self.heat
+        sums["time"], sums["n_collisions"], sums["heat"] = self.time, sums["n_contacts"], self.compiled.heat
         return {name: sums[name] for name in self.record.records if name in sums}
 
     def is_at(self, sample: Mapping[str, Any]) -> bool:
@@ -300,7 +306,7 @@ class Engine:
         header = {
             "engine": self.record.name,
             **self.system.entries(),
-            "kicks": [self.kicks, self.heat],
+            "kicks": [self.kicks, self.compiled.heat],
             "settings": vars(self.settings) | {"law": law_entry(self.settings.law)},
         }
         arrays = {name: np.asarray(getattr(self.system, name)) for name in FIXED}
@@ -313,14 +319,13 @@ class Engine:
         name, given = header["engine"], dict(header["settings"])
         given["law"] = law_from(given["law"])
         settings = Settings(**given) if name == "hard_spheres" else NewtonSettings(**given)
-        compiled = _core.load_engine(ENGINES[name].kind, arrays["engine"].tobytes())
+        kicks, heat = int(header["kicks"][0]), float(header["kicks"][1])
+        compiled = _core.load_engine(ENGINES[name].kind, arrays["engine"].tobytes(), kicks, heat)
         positions, velocities = compiled.state()
         fixed = {key: arrays[key] for key in FIXED}
         falling = ParticleSystem.from_entries(header, positions=positions, velocities=velocities, **fixed)
         positions, velocities = state(falling, compiled.time, compiled.state())
-        engine = cls(name, falling._moved(positions, velocities), settings, compiled, arrays["moment"])
-        engine.kicks, engine.heat = int(header["kicks"][0]), float(header["kicks"][1])
-        return engine
+        return cls(name, falling._moved(positions, velocities), settings, compiled, arrays["moment"])
 
 
 def joined(parts: Sequence[Log]) -> Log:

@@ -88,7 +88,7 @@ def event_driven(
         If an argument is outside its range, two arguments exclude each other, or ``observe`` does not return numbers by
         name. An inelastic collapse is an outcome, not an error.
     OSError
-        If a checkpoint cannot be written; names it.
+        If a checkpoint cannot be written; names it. That of the end only warns (``CheckpointWarning``).
 
     Notes
     -----

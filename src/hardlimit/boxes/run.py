@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 import time as clock
+import warnings
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final, NamedTuple
@@ -73,7 +75,7 @@ class Schedule:
             return True
         if self.max_collisions is not None and engine.n_contacts >= self.max_collisions:
             return True
-        return self.until is not None and engine.time >= self.until and not engine.paused
+        return self.until is not None and engine.has_reached(self.until)
 
 
 class Sample(NamedTuple):
@@ -93,11 +95,13 @@ class Run:
         output: Output,
         samples: Sequence[Sample] = (),
         log: Log | None = None,
+        kept: float | None = None,
     ) -> None:
         self.engine, self._output = engine, output
         self._log = [engine.take_log() if log is None else log] if output.log else None
         self._work = FIRST_WORK
         self._saved_at = clock.monotonic()
+        self._kept = kept  # time of the last checkpoint [s]
         # The samples and their schedule. Thinning the samples replaces both in one assignment.
         self._sampled: tuple[list[Sample], Schedule] = list(samples), schedule
 
@@ -106,10 +110,16 @@ class Run:
         """The end of the run and the sampling times."""
         return self._sampled[1]
 
+    @property
+    def sampled_times(self) -> list[float]:
+        """Times of the samples so far [s]."""
+        return [float(sample.records["time"]) for sample in self._sampled[0]]
+
     def takes_samples(self, until: float) -> bool:
-        """Whether samples follow up to ``until`` [s]."""
+        """Whether samples follow up to ``until`` [s], where one is taken in any case."""
         samples, schedule = self._sampled
-        return self.engine.outcome == "ok" and schedule.time(len(samples)) <= until
+        due = schedule.time(len(samples)) <= until
+        return self.engine.outcome == "ok" and (due or not self.engine.has_reached(until))
 
     def set_end(self, until: float | None, max_collisions: int | None = None) -> None:
         """Set another end; the sampling interval is unchanged."""
@@ -127,7 +137,10 @@ class Run:
     # --- the loop -------------------------------------------------------------------------------------------
 
     def run(self, report: Report) -> ParticleResult | ContactResult:
-        """Run to the end. Ctrl-C raises KeyboardInterrupt after writing the checkpoint, if the run has one."""
+        """Run to the end. Ctrl-C raises KeyboardInterrupt after writing the checkpoint, if the run has one.
+
+        The error says which time was reached, and what the checkpoint holds.
+        """
         for _ in self.steps(report):
             pass
         found = self.result()
@@ -145,18 +158,18 @@ class Run:
                     if len(self._sampled[0]) == 1:
                         self.save()
                     yield self.engine.time
-            self.save()
-        except KeyboardInterrupt:
-            self._save_if_whole()
+            self._save_last()
+        except (KeyboardInterrupt, Exception) as error:
+            self._save_after(error)
             raise
 
     def _advance(self, at: float, report: Report) -> bool:
         """Advance to ``at`` [s] or to the end of the run. Returns whether a sample is to be taken."""
         engine, schedule = self.engine, self.schedule
-        if engine.time >= at and not engine.paused:
+        if engine.has_reached(at):
             return True
         stop = at if schedule.until is None else min(at, schedule.until)
-        while (engine.time < stop or engine.paused) and not schedule.is_over(engine):
+        while not (engine.has_reached(stop) or schedule.is_over(engine)):
             work = self._work
             if schedule.max_collisions is not None:
                 work = min(work, schedule.max_collisions - engine.n_contacts)
@@ -172,7 +185,7 @@ class Run:
             report(*engine.done_and_total(schedule.until, schedule.max_collisions))
             if isinstance(report, Shown):
                 report.note = engine.note(schedule.until)
-        return engine.time == at and engine.outcome == "ok"
+        return engine.has_reached(at) and engine.outcome == "ok"
 
     # --- samples, log and checkpoints -----------------------------------------------------------------------
 
@@ -181,22 +194,19 @@ class Run:
         too many."""
         new = self._new_sample()
         samples, schedule = self._sampled
-        samples.append(new)
-        if schedule.until is None and len(samples) > 2 * schedule.samples:
-            middle, last = (int(samples[k].records["n_collisions"]) for k in (len(samples) // 2, -1))
-            idle = schedule.idle + 1 if middle == last else 0
-            self._sampled = samples[::2], replace(schedule, span=2.0 * schedule.span, idle=idle)
+        if schedule.until is not None or len(samples) < 2 * schedule.samples:
+            samples.append(new)
+            return
+        middle, last = (int(s.records["n_collisions"]) for s in (samples[schedule.samples], new))
+        idle = schedule.idle + 1 if middle == last else 0
+        self._sampled = [*samples[::2], new], replace(schedule, span=2.0 * schedule.span, idle=idle)
 
     def _new_sample(self) -> Sample:
         observe, samples = self._output.observe, self._sampled[0]
         if observe is None:
             return Sample(self.engine.sample(), observing.NOTHING)
         before = samples[-1].observed if samples else None
-        try:
-            seen = observing.call(observe, self.engine.time, self.engine.current(), before)
-        except Exception:
-            self._save_if_whole()
-            raise
+        seen = observing.call(observe, self.engine.time, self.engine.current(), before)
         return Sample(self.engine.sample(), seen)
 
     def _taken_log(self) -> Log | None:
@@ -207,11 +217,39 @@ class Run:
         self._log = [joined(self._log)]
         return self._log[0]
 
-    def _save_if_whole(self) -> None:
-        """Write the checkpoint, unless an interrupt lost rows of the log while they were taken from the engine."""
-        log = self._taken_log()
-        if log is None or len(log[0]) == self.engine.n_logged:
+    def _save_after(self, error: BaseException) -> None:
+        """Write the checkpoint, unless an interrupt lost rows of the log while they were taken from the engine.
+
+        The error gets a note of what is kept.
+        """
+        with suppress(OSError, MemoryError):
+            log = self._taken_log()
+            if log is None or len(log[0]) == self.engine.n_logged:
+                self.save()
+        error.add_note(self._progress())
+
+    def _progress(self) -> str:
+        """The time reached, the end, and what the checkpoint holds."""
+        engine, schedule = self.engine, self.schedule
+        parts = [] if schedule.until is None else [f"{engine.time:.6g} s of {schedule.until:.6g} s"]
+        if schedule.max_collisions is not None:
+            parts.append(f"{engine.n_contacts} of {schedule.max_collisions} collisions")
+        text = f"at {' and '.join(parts)}"
+        if self._kept is None:
+            return text
+        return f"{text}; kept {self._output.path}" + self._age()
+
+    def _age(self) -> str:
+        """The time of the checkpoint, if the run has gone on since."""
+        return "" if self._kept in (None, self.engine.time) else f" of {self._kept:.6g} s"
+
+    def _save_last(self) -> None:
+        """Write the checkpoint of a run that is over; its result is not lost if that fails."""
+        try:
             self.save()
+        except OSError as error:
+            kept = f"; kept the one{self._age()}" if self._kept is not None else ""
+            warnings.warn(f"{error}{kept}", checkpoints.CheckpointWarning, stacklevel=5)
 
     def save(self) -> None:
         """Write the checkpoint, if the run has one."""
@@ -225,7 +263,7 @@ class Run:
         arrays |= {f"sample_{name}": values for name, values in _stacked(samples).items()} | seen
         arrays |= {f"log_{i}": part for i, part in enumerate(log or ())}
         checkpoints.write(output.path, header, arrays)
-        self._saved_at = clock.monotonic()
+        self._saved_at, self._kept = clock.monotonic(), self.engine.time
 
     # --- results --------------------------------------------------------------------------------------------
 
@@ -264,7 +302,7 @@ def load(path: Any) -> Run:
         raise ValueError(f"{path}: not a checkpoint, or damaged: {error}") from None
     observe = (_observe_again,) if seen.data else None
     output = Output(schedule.samples, log is not None, Path(path), every, observe)
-    return Run(engine, schedule, output, samples, log)
+    return Run(engine, schedule, output, samples, log, engine.time)
 
 
 def checked_until(run: Run, until: Any) -> float:

@@ -29,6 +29,16 @@ class Thermostat:
     seed: int
     kicks: int  #: number of kicks before the run, as in the result of a run that has been continued
 
+    def time(self, kick: int) -> float:
+        """Time of a kick in a run [s].
+
+        It is a few rounding errors early. A run until k·``interval`` contains kick k however this product is rounded:
+        3·0.1 as a float is above 0.3.
+
+        :meta private:
+        """
+        return kick * self.interval * (1.0 - 2.0**-50)
+
     def after(self, kicks: int) -> Any:
         """The thermostat of a run that follows after this number of kicks.
 
@@ -109,8 +119,9 @@ class RandomKicks(Thermostat):
 class Andersen(Thermostat):
     """Andersen's thermostat: particles collide with a heat bath at random times.
 
-    Each particle gets a new velocity, from Maxwell's distribution, on average ``rate`` times per second, at multiples
-    of ``interval``. Momentum is not conserved.
+    Each particle has ``rate`` collisions with the bath per second on average, independent of each other, and each gives
+    it a new velocity from Maxwell's distribution. The collisions of an interval happen at its end; several of one
+    particle are as one. Momentum is not conserved.
 
     Parameters
     ----------
@@ -131,6 +142,11 @@ class Andersen(Thermostat):
 
     Notes
     -----
+    In an interval a particle meets the bath with the probability p = 1 − exp(−rate·interval). A free one keeps its
+    velocity for a time t with the probability (1 − p)^(t/interval) = exp(−rate t): velocities are forgotten, and a
+    temperature relaxes, exactly at ``rate``. Collisions that another one follows in the same interval have no effect:
+    p is smaller than rate·interval, by the factor 0.975 for the default interval.
+
     H. C. Andersen, J. Chem. Phys. 72, 2384 (1980).
 
     Examples

@@ -21,7 +21,7 @@ from .gas_job import ALIASES, RESTITUTION, SAMPLES, START, UNTIL, GasJob, defaul
 from .job import Entry, entry_options
 from .options import dpi_option, json_option, law_options, law_text, output_option, picture, writable
 from .printing import console, plain, print_files, print_json, show, table
-from .program import Command, in_options
+from .program import Command, goes_on_from, in_options, raise_all, write_files
 
 #: Default stiffness [N/m] for the default glass beads. It is lower than that of glass; t_c ν is about 0.02.
 STIFFNESS: Final = 1e6
@@ -81,17 +81,18 @@ def compare(
     job = make_job(file, given)
     law = contact_law(job)
     start, found = compared(job, law, {name: v for name, v in arguments.items() if v not in (None, ())})
-    written = []
-    if saved:
-        written.append(found.save(saved))
-    if picture_file:
-        from .. import plots
-
-        written.append(plots.save(found.plot(), picture_file, dpi))
+    written, failures = write_files((saved, found.save), (picture_file, partial(draw, found, dpi)))
     if as_json:
         print_json(as_mapping(found, written))
     else:
         print_report(start, law, found, written)
+    raise_all(failures)
+
+
+def draw(found: hl.Fidelity, dpi: float | None, path: Path) -> None:
+    from .. import plots
+
+    plots.save(found.plot(), path, dpi)
 
 
 def random_start(job: GasJob, seed: int) -> hl.ParticleSystem:
@@ -115,7 +116,8 @@ def compared(job: GasJob, law: hl.Law, arguments: dict[str, Any]) -> tuple[hl.Pa
     run.setdefault("replicas", REPLICAS)
     if "scheduler" not in run:
         run.setdefault("workers", machine.processors())
-    return start, hl.fidelity(system, law=law, **run, progress=True)
+    with goes_on_from(run.get("store"), "replicas"):
+        return start, hl.fidelity(system, law=law, **run, progress=True)
 
 
 def contact_law(job: GasJob) -> hl.Law:

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import difflib
 import math
-from collections.abc import Callable, Iterable
-from contextlib import ExitStack
+import shlex
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import ExitStack, contextmanager
+from functools import partial
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +27,7 @@ from ..boxes.rules import checked_settings
 from ..boxes.run import load
 from ..boxes.system import described
 from ..boxes.thermostats import as_entry
-from ..support import validation
+from ..support import saving, validation
 from ..support.formatting import digits, listed
 from ..verdict.error_law import softness
 from .compare import compare
@@ -32,7 +35,10 @@ from .gas_job import ALIASES, OUTPUT, RUN, START, GasJob, checked_outputs, defau
 from .job import Entry, entry_options
 from .options import dpi_option, json_option, law_options, law_text, options, output_option, spelled
 from .printing import console, plain, print_json, print_outcome, sentence, show, table
-from .program import Command, in_options, no_such_command
+from .program import Command, in_options, no_such_command, notes, raise_all, write_files
+
+#: Call of a solver, whose keyword is ``observe``.
+Solve = Callable[..., Any]
 
 #: Options of Newton's equations that are arguments of ``hl.molecular_dynamics``.
 SOLVER = (
@@ -64,6 +70,7 @@ newton_options = options(
 #: Options that have no meaning for Newton's equations.
 HARD_SPHERES_ONLY = ("rule", "contact_duration", "max_collisions")
 FRAMES = ("out", "animate")
+ENDS = ("until", "max_collisions")
 PICTURES = ("plot", *FRAMES)
 #: Numbers in the JSON output, with the attributes of the result.
 _NAMES = ("n_collisions", "n_elastic_by_tc", "n_soft", "n_soft_third_body")
@@ -131,7 +138,8 @@ def gas(file: str | None, resume: str | None, dpi: float | None, as_json: bool, 
     hardlimit gas compare solves one start under Newton's equations and each collision rule.
     """
     if resume is not None:
-        start, (result, outputs) = None, resumed(file, resume, given)
+        start, (solve, outputs, before) = None, resumed(file, resume, given)
+        checkpoint, end = resume, {name: given[name] for name in ENDS}
     else:
         newton = {name: given.pop(name) for name in ("engine", "write_input", *(e.name for e in SOLVER))}
         job = make_job(file, given)
@@ -141,25 +149,30 @@ def gas(file: str | None, resume: str | None, dpi: float | None, as_json: bool, 
             return
         if newton["engine"] is None:
             refuse(newton, "without --engine")
-        start, result = run_hard_spheres(job) if newton["engine"] is None else run_newton(job, newton)
-    written = [path for path in (outputs["out"], outputs["animate"]) if path]
-    if outputs["save"]:
-        written.append(save(result, outputs["save"]))
-    if outputs["plot"]:
-        from .. import plots
-
-        written.append(plots.save(plots.gas(result), outputs["plot"], dpi))
+        start, solve = run_hard_spheres(job) if newton["engine"] is None else run_newton(job, newton)
+        checkpoint, end, before = job.run.get("checkpoint", ""), {}, []
+    frames = Frames(outputs, bool(checkpoint), before)
+    more = {**end, "out": outputs["out"], "save": outputs["save"], "plot": outputs["plot"], "dpi": dpi}
+    with what_is_kept(checkpoint, frames, more | {"json": as_json}):
+        result = frames.of(solve)
+    written, failures = write_files(
+        (outputs["out"], frames.check),
+        (outputs["animate"], partial(frames.film, result)),
+        (outputs["save"], partial(save, result)),
+        (outputs["plot"], partial(draw, result, dpi)),
+    )
     if as_json:
         print_json(as_mapping(result, written))
     else:
         print_report(start, result, written)
+    raise_all(failures)
 
 
 # --- runs ---------------------------------------------------------------------------------------------------
 
 
-def run_hard_spheres(job: GasJob) -> tuple[hl.ParticleSystem, Any]:
-    """Start and result of :func:`hardlimit.event_driven`."""
+def run_hard_spheres(job: GasJob) -> tuple[hl.ParticleSystem, Solve]:
+    """Start and call of :func:`hardlimit.event_driven`."""
     rule = job.rule()
     if "max_collisions" in job.run:
         refuse_frames_without_end(job.outputs, job.run.get("until"))
@@ -171,20 +184,24 @@ def run_hard_spheres(job: GasJob) -> tuple[hl.ParticleSystem, Any]:
     if "max_collisions" not in job.run:
         job.run.setdefault("until", default_end(start))
     arguments = {**rule, **job.run, "log": job.outputs["save"] is not None, "progress": True}
-    return start, with_frames(lambda **observe: hl.event_driven(start, **arguments, **observe), job.outputs)
+    return start, partial(hl.event_driven, start, **arguments)
 
 
-def resumed(file: str | None, checkpoint: str, given: dict[str, Any]) -> tuple[Any, dict[str, Path | None]]:
-    """Continue a run from its checkpoint, to a new end if one is given; returns the result and the files to write."""
-    outputs = checked_outputs({entry.name: given.pop(entry.name) for entry in OUTPUT})
-    end = {name: given.pop(name) for name in ("until", "max_collisions")}
-    refuse({"FILE": file, **given}, "with --resume: the checkpoint holds it")
-    check_resumed(checkpoint, end, outputs)
-    return with_frames(lambda **more: hl.resume(checkpoint, **end, **more, progress=True), outputs), outputs
+def resumed(
+    file: str | None, checkpoint: str, given: dict[str, Any]
+) -> tuple[Solve, dict[str, Path | None], list[float]]:
+    """The call that continues a run from its checkpoint, to a new end if one is given, the files to write, and the
+    times of the samples so far."""
+    outputs = checked_outputs({entry.name: given[entry.name] for entry in OUTPUT})
+    end = {name: given[name] for name in ENDS}
+    rest = {name: value for name, value in given.items() if name not in (*outputs, *end)}
+    refuse({"FILE": file, **rest}, "with --resume: the checkpoint holds it")
+    before = check_resumed(checkpoint, end, outputs)
+    return partial(hl.resume, checkpoint, **end, progress=True), outputs, before
 
 
-def check_resumed(checkpoint: str, end: dict[str, Any], outputs: dict[str, Path | None]) -> None:
-    """Refuse outputs that the rest of a run cannot give, before it goes on."""
+def check_resumed(checkpoint: str, end: dict[str, Any], outputs: dict[str, Path | None]) -> list[float]:
+    """Refuse outputs that the rest of a run cannot give, before it goes on. Returns the times of its samples."""
     run = load(validation.path("resume", checkpoint))
     if outputs["plot"] is not None and run.engine.record.name != HARD_SPHERES:
         raise ValueError("--plot: must be left out for a run under Newton's equations")
@@ -193,8 +210,10 @@ def check_resumed(checkpoint: str, end: dict[str, Any], outputs: dict[str, Path 
     for name in FRAMES:
         if outputs[name] is not None and until is not None and not run.takes_samples(until):
             raise ValueError(
-                f"--{name}: must be left out: {checkpoint} is at the end of its run, no frame follows"
+                f"--{name}: must be left out: {checkpoint} is at the end of its run, no frame follows; "
+                "--until gives it another end"
             )
+    return run.sampled_times
 
 
 def refuse_frames_without_end(outputs: dict[str, Path | None], until: float | None) -> None:
@@ -203,48 +222,88 @@ def refuse_frames_without_end(outputs: dict[str, Path | None], until: float | No
             raise ValueError(f"--{name}: requires --until, because frames are at equal times")
 
 
-def with_frames(solve: Callable[..., Any], outputs: dict[str, Path | None]) -> Any:
-    """The result of ``solve``, with a frame of the trajectory and of the film at each sample.
+class Frames:
+    """The frames of a run, one at each sample: those of the trajectory, which are in its file at once, and those of the
+    film, which is written at the end."""
 
-    Ctrl-C keeps the trajectory so far.
-    """
-    snapshots: list[Any] = []  # of the film, which is written at the end
-    if outputs["animate"] is not None:
+    def __init__(self, outputs: dict[str, Path | None], goes_on: bool, before: list[float]) -> None:
+        self._path, self._film = outputs["out"], outputs["animate"]
+        self._goes_on, self._before = goes_on, before
+        self._append: Callable[[Any], None] | None = None
+        self._snapshots: list[Any] = []
+        self._open = ExitStack()
+        self.begun = bool(before)  #: whether the trajectory has frames
+        self.failure: OSError | None = None  #: why the trajectory ends early
+
+    def of(self, solve: Solve) -> Any:
+        """The result of ``solve``, whose samples become frames."""
+        if self._path is None and self._film is None:
+            return solve()
+        with self._open:
+            if self._path is not None and self._before:
+                self._append = self._open.enter_context(box_files.trajectory(self._path, self._before))
+            return solve(observe=self._observe)
+
+    def _observe(self, time: float, system: hl.ParticleSystem) -> dict[str, float]:
+        if self._path is not None and self.failure is None:
+            try:
+                with saving.naming(self._path):
+                    if self._append is None:  # the former file stays until there is a frame
+                        self._append = self._open.enter_context(box_files.trajectory(self._path))
+                    self._append(system.as_frame(time))
+                self.begun = True
+            except OSError as error:
+                if self._goes_on:  # from the checkpoint, with this frame
+                    raise
+                self.failure = error
+        if self._film is not None:
+            from ..plots import grain_film
+
+            self._snapshots.append(grain_film.Snapshot.of(time, system))
+        return {}
+
+    def check(self, _: Path) -> None:
+        """Raise the error that ended the trajectory early."""
+        if self.failure is not None:
+            raise self.failure
+
+    def film(self, result: Any, path: Path) -> None:
         from ..plots import grain_film
-    with ExitStack() as open_files:
-        path = outputs["out"]
-        append = None if path is None else open_files.enter_context(box_files.appender(path))
 
-        def observe(time: float, system: hl.ParticleSystem) -> dict[str, float]:
-            if append is not None:
-                append(system.as_frame(time))
-            if outputs["animate"] is not None:
-                snapshots.append(grain_film.Snapshot.of(time, system))
-            return {}
-
-        wanted = append is not None or outputs["animate"] is not None
-        try:
-            result = solve(**({"observe": observe} if wanted else {}))
-        except KeyboardInterrupt:
-            open_files.close()
-            raise
-    if outputs["animate"] is not None:
         series = result.series
-        at = np.searchsorted(series["time"].values, [one.time for one in snapshots])
+        at = np.searchsorted(series["time"].values, [snapshot.time for snapshot in self._snapshots])
         counts = series["n_contacts" if isinstance(result, hl.ContactResult) else "n_collisions"].values[at]
-        frames = zip(snapshots, counts.tolist(), strict=True)
-        grain_film.film(outputs["animate"], result.system, frames, result.time)
-    return result
+        frames = zip(self._snapshots, counts.tolist(), strict=True)
+        grain_film.film(path, result.system, frames, result.time)
 
 
-def run_newton(job: GasJob, newton: dict[str, Any]) -> tuple[hl.ParticleSystem, Any]:
-    """Start and result of :func:`hardlimit.molecular_dynamics`."""
+@contextmanager
+def what_is_kept(checkpoint: str, frames: Frames, more: dict[str, Any]) -> Iterator[None]:
+    """An error or Ctrl-C during a run says what is kept and which command goes on, with the options ``more``."""
+    try:
+        yield
+    except (KeyboardInterrupt, OSError, RuntimeError, MemoryError) as error:
+        if frames.begun and more["out"]:
+            error.add_note(f"kept {more['out']}")
+        if checkpoint and any("; kept " in note for note in notes(error)):
+            given = {"resume": checkpoint, **more}
+            typed = [(name, value) for name, value in given.items() if value]
+            words = chain(
+                *((spelled(name), *([] if value is True else [str(value)])) for name, value in typed)
+            )
+            error.add_note(f"go on with: {shlex.join(['hardlimit', 'gas', *words])}")
+        elif notes(error):
+            error.add_note("a run goes on only from a --checkpoint")
+        raise
+
+
+def run_newton(job: GasJob, newton: dict[str, Any]) -> tuple[hl.ParticleSystem, Solve]:
+    """Start and call of :func:`hardlimit.molecular_dynamics`."""
     refuse({name: job.run.get(name) for name in HARD_SPHERES_ONLY}, "with --engine")
     refuse({name: job.outputs[name] for name in PICTURES}, "with --engine")
     start, arguments = newton_arguments(job, newton, ("engine", *(e.name for e in SOLVER)))
-    return start, hl.molecular_dynamics(
-        start, **arguments, log=job.outputs["save"] is not None, progress=True
-    )
+    arguments |= {"log": job.outputs["save"] is not None, "progress": True}
+    return start, partial(hl.molecular_dynamics, start, **arguments)
 
 
 def newton_arguments(
@@ -404,6 +463,12 @@ def as_mapping(result: Any, files: list[Path]) -> dict[str, Any]:
     }
     mapping: dict[str, Any] = plain(found)
     return mapping
+
+
+def draw(result: Any, dpi: float | None, path: Path) -> None:
+    from .. import plots
+
+    plots.save(plots.gas(result), path, dpi)
 
 
 def save(result: Any, path: Path) -> Path:

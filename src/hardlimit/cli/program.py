@@ -5,19 +5,25 @@ from __future__ import annotations
 import contextlib
 import difflib
 import io
+import math
 import os
 import re
+import signal
 import sys
+import threading
+import time as clock
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
+from pathlib import Path
+from types import FrameType
 from typing import Any, TextIO
 
 import click
 from click.core import ParameterSource
 
-from ..contact.compression import CompressionWarning
 from ..contact.laws import LAWS
+from ..support import machine
 
 #: A parameter in a message, such as ``gaps[1]``, and the one or more parameters with which a message begins.
 PARAMETER = re.compile(r"(\w+)((?:\[\d+\])*)")
@@ -35,11 +41,13 @@ LAW_NAMES = {law.__name__: name for name, law in LAWS.items()}
 
 FAILURE = 1
 BAD_INPUT = 2
-INTERRUPTED = 130
+#: Schedulers may send a signal to all processes and through their parents: time in which it counts as one [s].
+REPEATED = 1.0
 
 
 class Program(click.Group):
-    """A group whose commands end with exit code 2 for bad input, 130 for Ctrl-C and 1 for other errors."""
+    """A group whose commands end with exit code 2 for bad input, 1 for other errors, and 128 more than the number of a
+    signal: 130 for Ctrl-C, 143 for SIGTERM."""
 
     def main(
         self,
@@ -55,7 +63,7 @@ class Program(click.Group):
         for stream in (sys.stdout, sys.stderr):
             if isinstance(stream, io.TextIOWrapper):
                 stream.reconfigure(errors="replace")  # a terminal may lack Greek letters
-        with compression_warnings_in_one_line():
+        with own_warnings_in_one_line(), terminating_signals():
             code = exit_code(run)
         for stream in (sys.stdout, sys.stderr):
             discard_if_full(stream)
@@ -81,7 +89,7 @@ class Command(click.Command):
             missing = isinstance(error, FileNotFoundError) and error.filename is None  # a file of the user
             if isinstance(error, ValueError) or missing:
                 raise click.UsageError(with_options(ctx, str(error)), ctx) from error
-            failure = click.ClickException(with_options(ctx, reason(error)))
+            failure = click.ClickException(with_options(ctx, "; ".join([reason(error), *notes(error)])))
             failure.ctx = ctx  # type: ignore[attr-defined]
             raise failure from error
 
@@ -177,15 +185,39 @@ def reason(error: Exception) -> str:
     return str(error) or type(error).__name__
 
 
+def write_files(
+    *files: tuple[Path | None, Callable[[Path], object]],
+) -> tuple[list[Path], list[Exception]]:
+    """Write the files that are wanted at the end of a long computation; returns those that are written, and why others
+    are not. The caller prints what it has computed, then raises the errors."""
+    written, failures = list[Path](), list[Exception]()
+    for path, write in files:
+        if path is not None:
+            try:
+                write(path)
+                written.append(path)
+            except (OSError, RuntimeError, MemoryError) as error:
+                failures.append(error)
+    return written, failures
+
+
+def raise_all(failures: Sequence[Exception]) -> None:
+    """Raise errors as one."""
+    if failures:
+        raise OSError("; ".join(map(reason, failures)))
+
+
 def exit_code(run: Callable[[], Any]) -> int:
     """The exit code of a run, whose error is printed on stderr."""
     try:
         code = run()
         if sys.stdout is not None:
             sys.stdout.flush()
-    except click.Abort:
-        print_error("interrupted")
-        return INTERRUPTED
+    except click.Abort as abort:
+        number = getattr(abort.__cause__, "number", signal.SIGINT)
+        by = "" if number == signal.SIGINT else f" by {signal.Signals(number).name}"
+        print_error(f"interrupted{by} {'; '.join(notes(abort.__cause__))}")
+        return 128 + number
     except click.ClickException as error:
         context = getattr(error, "ctx", None)
         print_error(f"{context.command_path if context else 'hardlimit'}: {error.format_message()}")
@@ -196,15 +228,63 @@ def exit_code(run: Callable[[], Any]) -> int:
     return code if isinstance(code, int) else 0
 
 
+def notes(error: BaseException | None) -> list[str]:
+    """What an error says in addition to its message: where a run stopped, what is kept, how it goes on."""
+    return list(getattr(error, "__notes__", []))
+
+
 @contextlib.contextmanager
-def compression_warnings_in_one_line() -> Iterator[None]:
-    """Print warnings of deep contacts as one line on stderr, without the line of code."""
+def goes_on_from(store: Any, parts: str, command: str = "the same command") -> Iterator[None]:
+    """Ctrl-C in the block says that the finished parts are in the store, if there is one."""
+    try:
+        yield
+    except KeyboardInterrupt as error:
+        if store is not None:
+            error.add_note(f"({parts} that are finished are in {store}; {command} goes on)")
+        raise
+
+
+class Terminated(KeyboardInterrupt):
+    """A signal that ends a job."""
+
+    def __init__(self, number: int) -> None:
+        super().__init__()
+        self.number = number
+
+
+@contextlib.contextmanager
+def terminating_signals() -> Iterator[None]:
+    """Raise :class:`Terminated` at the signals that end a job, unless they are ignored, as under nohup."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    last = -math.inf
+
+    def terminate(number: int, frame: FrameType | None) -> None:
+        nonlocal last
+        before, last = last, clock.monotonic()
+        if last - before > REPEATED:
+            raise Terminated(number)
+
+    numbers = [number for number in machine.TERMINATING if signal.getsignal(number) == signal.SIG_DFL]
+    for number in numbers:
+        signal.signal(number, terminate)
+    try:
+        yield
+    finally:
+        for number in numbers:
+            signal.signal(number, signal.SIG_DFL)
+
+
+@contextlib.contextmanager
+def own_warnings_in_one_line() -> Iterator[None]:
+    """Print our warnings as one line on stderr, without the line of code."""
     default = warnings.showwarning
 
     def show(
         message: Warning | str, category: type[Warning], filename: str, lineno: int, *rest: Any, **more: Any
     ) -> None:
-        if issubclass(category, CompressionWarning):
+        if category.__module__.startswith(f"{__name__.partition('.')[0]}."):
             print_error(f"warning: {message}")
         else:
             default(message, category, filename, lineno, *rest, **more)

@@ -37,7 +37,7 @@ from .options import (
     writable,
 )
 from .printing import console, plain, print_files, print_json, print_warnings, show, table
-from .program import Command
+from .program import Command, goes_on_from
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -178,7 +178,8 @@ def sweep(file: str | None, resume: bool, dpi: float | None, as_json: bool, **gi
     store = job.out if job.out is not None and job.out.suffix == ".zarr" else None
     with bar("sweep", "points") as report, warnings.catch_warnings(record=True) as repairs:
         warnings.simplefilter("always", UserWarning)
-        ds = compute(job.column, store=store, progress=report, **job.run, **job.axes)
+        with goes_on_from(store, "chunks", "the same command with --resume"):
+            ds = compute(job.column, store=store, progress=report, **job.run, **job.axes)
     print_warnings("sweep", repairs)
     if job.out is not None and store is None:
         packed = {str(name): {"zlib": True, "complevel": 1} for name in ds.data_vars}

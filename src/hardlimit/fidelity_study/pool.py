@@ -14,7 +14,7 @@ from multiprocessing import get_context, parent_process
 from typing import Any, Final
 
 from .. import _core
-from ..support import cluster
+from ..support import cluster, machine
 from .replica import Arrays, Call, Plan, compute
 from .starts import Starts
 
@@ -64,7 +64,7 @@ def processes(starts: Starts, plan: Plan, wanted: Sequence[int], workers: int, t
     pool = ProcessPoolExecutor(min(workers, len(wanted)), context, _begin, (done, stop))
     waiting: dict[Future[Arrays], int] = {}
     try:
-        with sigint_blocked():
+        with signals_blocked():
             waiting.update((pool.submit(_task, starts, plan, k), k) for k in wanted)
         while waiting:
             finished, _ = wait(waiting, PAUSE, FIRST_COMPLETED)
@@ -82,15 +82,16 @@ def processes(starts: Starts, plan: Plan, wanted: Sequence[int], workers: int, t
 
 
 @contextmanager
-def sigint_blocked() -> Iterator[None]:
-    """Processes that start in the block inherit the signal mask, so that Ctrl-C never ends them.
+def signals_blocked() -> Iterator[None]:
+    """Processes that start in the block inherit the signal mask: Ctrl-C and the end of a job, which a scheduler tells
+    all processes, never end them before this process has saved its results.
 
-    This process receives a Ctrl-C at the end of the block.
+    This process receives such a signal at the end of the block.
     """
     if sys.platform == "win32":
         yield
         return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, *machine.TERMINATING})
     try:
         yield
     finally:
@@ -98,8 +99,9 @@ def sigint_blocked() -> Iterator[None]:
 
 
 def _begin(done: Any, stop: Any) -> None:
-    """Initialize a worker: it ignores Ctrl-C, which its parent handles, and ends with its parent."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    """Initialize a worker: it ignores signals, which its parent handles, and ends with its parent."""
+    for number in (signal.SIGINT, *machine.TERMINATING):
+        signal.signal(number, signal.SIG_IGN)
     _shared.update(done=done, stop=stop)
     threading.Thread(target=_end_with_parent, daemon=True).start()
 

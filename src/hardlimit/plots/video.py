@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Final, cast
@@ -10,7 +11,7 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from ..support import saving
+from ..support import formatting, saving
 
 Frame = Any  #: NDArray[np.uint8], height × width × 3
 
@@ -95,9 +96,15 @@ def write_mp4(path: Path, pictures: Iterator[Frame], size: tuple[int, int], rate
         raise OSError(f"ffmpeg stopped after {sent} frames") from None
     finally:
         writer.close()
-    # The writer does not report whether ffmpeg finished the file: the disk may be full.
-    if not path.is_file() or ffmpeg.count_frames_and_secs(path)[0] != sent:
-        raise OSError("ffmpeg did not finish the file")
+    # The writer does not report whether ffmpeg finished the file.
+    try:
+        finished = path.is_file() and ffmpeg.count_frames_and_secs(path)[0] == sent
+    except RuntimeError:  # the file is damaged
+        finished = False
+    if not finished:
+        raise OSError(
+            f"ffmpeg did not finish the file; {formatting.size(shutil.disk_usage(path.parent).free)} are free"
+        )
 
 
 def write_gif(path: Path, pictures: Iterator[Frame], rate: int) -> None:

@@ -1,12 +1,17 @@
-"""Processors and free memory that are available to this process."""
+"""Processors and free memory that are available to this process, and the signals that end it."""
 
 import os
+import signal
 from contextlib import suppress
 from pathlib import Path
 from typing import Final
 
 #: Memory limit of a container (control groups, version 2), which psutil does not read.
 CONTAINER_LIMIT: Final = Path("/sys/fs/cgroup/memory.max")
+#: Signals that end a job, such as SIGTERM at a cluster's time limit.
+TERMINATING: Final = [
+    getattr(signal, name) for name in ("SIGTERM", "SIGHUP", "SIGXCPU") if hasattr(signal, name)
+]
 
 
 def processors() -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import io
 import json
 import os
@@ -10,13 +11,18 @@ import shutil
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, BinaryIO, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import validation
 from .formatting import listed
+
+try:
+    import fcntl
+except ImportError:  # Windows
+    fcntl = None  # type: ignore[assignment]
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -32,13 +38,14 @@ PATIENCE: Final = 2.0
 
 @contextmanager
 def locked(path: Path, patience: float = PATIENCE) -> Iterator[None]:
-    """Keep other processes from writing the store ``path``; the lock is the file ``.NAME.lock`` beside it.
+    """Keep other processes from writing the store ``path``; meanwhile ``.NAME.lock`` is beside it.
 
     Raises a ValueError if another process holds the lock for longer than ``patience`` [s].
     """
     from filelock import FileLock, Timeout
 
-    lock = FileLock(path.with_name(f".{path.name}.lock"), timeout=patience, poll_interval=0.02)
+    file = path.with_name(f".{path.name}.lock")
+    lock = FileLock(file, timeout=patience, poll_interval=0.02)
     try:
         lock.acquire()
     except Timeout:
@@ -48,6 +55,8 @@ def locked(path: Path, patience: float = PATIENCE) -> Iterator[None]:
     try:
         yield
     finally:
+        with suppress(OSError):  # who waits for the lock notices that its file is gone
+            file.unlink()
         lock.release()
 
 
@@ -88,31 +97,93 @@ def checked(name: str, path: Any, endings: Sequence[str] = ()) -> Path:
 def whole(path: str | Path) -> Iterator[Path]:
     """A temporary file, with the same suffix, that replaces ``path`` at the end of the block.
 
-    If the block fails, the temporary file is removed and ``path`` stays as it was. Devices and pipes are written
-    directly.
+    If the block fails, the temporary file is removed and ``path`` stays as it was. If the process is killed, the next
+    one that writes ``path`` takes over its temporary file. Devices and pipes are written directly.
     """
     target = Path(os.path.realpath(validation.path("path", path)))
-    special = target.exists() and not target.is_file()
-    temporary = target if special else target.with_name(f".{secrets.token_hex(4)}-unfinished{target.suffix}")
-    try:
-        yield temporary
-        if not special:
+    with naming(path):
+        if target.exists() and not target.is_file():
+            yield target
+            return
+        temporary, lock = _temporary(target)
+        try:
+            yield temporary
             if target.exists():
                 shutil.copymode(target, temporary)
             temporary.replace(target)
+        except BaseException:
+            temporary.unlink(missing_ok=True)
+            raise
+        finally:
+            os.close(lock)
+
+
+def _temporary(target: Path) -> tuple[Path, int]:
+    """A temporary file beside ``target``, and a descriptor that is open, and locked if possible, while it is written.
+
+    The one of a killed process has this name as well, and nobody locks it. A second process that writes ``target`` at
+    the same time takes a random name.
+    """
+    temporary = target.with_name(f".{target.stem[:40]}-unfinished{target.suffix[-16:]}")
+    with suppress(OSError):
+        descriptor = os.open(temporary, os.O_WRONLY | os.O_CREAT, 0o666)
+        try:
+            _lock(descriptor)
+            if os.path.samestat(os.fstat(descriptor), temporary.stat()):
+                os.truncate(descriptor, 0)
+                return temporary, descriptor
+            raise FileNotFoundError  # another process has just finished it
+        except BaseException:
+            os.close(descriptor)
+            raise
+    temporary = target.with_name(f".{secrets.token_hex(4)}-unfinished{target.suffix}")
+    return temporary, os.open(temporary, os.O_WRONLY | os.O_CREAT, 0o666)
+
+
+def _lock(descriptor: int) -> None:
+    """Lock a file against other processes until it is closed.
+
+    Raises BlockingIOError if another one has locked it, and OSError where files cannot be locked.
+    """
+    if fcntl is None:
+        raise OSError(errno.ENOTSUP, os.strerror(errno.ENOTSUP))
+    fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+
+
+@contextmanager
+def naming(path: str | Path) -> Iterator[None]:
+    """An OSError in the block names the file."""
+    try:
+        yield
     except OSError as error:
         raise OSError(f"{path}: cannot be written: {error.strerror or error}") from error
-    finally:
-        if not special:
-            temporary.unlink(missing_ok=True)
+
+
+@contextmanager
+def exclusive(path: Path) -> Iterator[None]:
+    """Keep other processes from writing a file in place. Raises a ValueError if one does."""
+    with open(path, "ab") as file:
+        try:
+            _lock(file.fileno())
+        except BlockingIOError:
+            raise ValueError(f"{path} is being written by another process") from None
+        except OSError:  # a pipe, or a file system without locks
+            pass
+        yield
+
+
+def write_all(file: BinaryIO, content: bytes | bytearray | memoryview) -> None:
+    """Write all bytes to a file without a buffer, which may take fewer at a time."""
+    with memoryview(content) as view:
+        done = 0
+        while done < len(view):
+            done += file.write(view[done:])
 
 
 def write(path: str | Path, content: bytes | bytearray | memoryview) -> Path:
     """Write a file."""
-    with memoryview(content) as view, whole(path) as temporary, open(temporary, "wb", buffering=0) as file:
-        done = 0
-        while done < len(view):
-            done += file.write(view[done:])
+    with whole(path) as temporary, open(temporary, "wb", buffering=0) as file:
+        write_all(file, content)
     return Path(path)
 
 

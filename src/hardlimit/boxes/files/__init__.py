@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from types import ModuleType
@@ -62,3 +62,39 @@ def appender(path: str | Path) -> Iterator[Append]:
     _, kind = format_of(path)
     with saving.whole(path) as unfinished, kind.appender(unfinished) as append:
         yield append
+
+
+@contextmanager
+def trajectory(path: str | Path, before: Sequence[float] = ()) -> Iterator[Append]:
+    """Open the file of a run, to which frames can be appended; each is complete in it when the call returns.
+
+    ``before`` are the times [s] of the samples of a run that is continued: the frames of these times stay, and later
+    ones, which come again, are removed.
+
+    Raises a ValueError if the file has frames of another run, or lacks some of this one, or is being written.
+    """
+    target, kind = format_of(path)
+    with saving.exclusive(target):
+        keep = _kept_frames(target, kind, before)
+        if keep:
+            kind.cut(target, keep)
+    with saving.exclusive(target), kind.appender(target, keep > 0) as append:
+        yield append
+
+
+def _kept_frames(target: Path, kind: Any, before: Sequence[float]) -> int:
+    """The number of frames in a file that belong to the samples ``before``."""
+    if not (before and target.is_file() and target.stat().st_size):
+        return 0
+    times = kind.times(target)
+    first = before.index(times[0]) if times and times[0] in before else None
+    if first is None or times[: len(before) - first] != list(before[first : first + len(times)]):
+        raise ValueError(
+            f"out: got {target}, must be the trajectory of this run, or a new file: it has other frames"
+        )
+    if len(before) - first > len(times):
+        raise ValueError(
+            f"out: got {target}, must be the trajectory of this run, or a new file: it ends at {times[-1]:.6g} s, the "
+            f"checkpoint at {before[-1]:.6g} s"
+        )
+    return len(before) - first

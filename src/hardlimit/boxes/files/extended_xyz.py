@@ -5,9 +5,10 @@ We do not write with ASE: its eight decimals keep only five digits of the positi
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from itertools import islice, repeat
 from pathlib import Path
 from typing import Any, BinaryIO, Final
@@ -15,6 +16,7 @@ from typing import Any, BinaryIO, Final
 import numpy as np
 
 from ...support import validation
+from ...support.saving import write_all
 from ..thermostats import as_entry, from_entry
 from ..walls import as_entries, from_entries
 from .frame import Append, Floats, Found, Frame, boundary_of, check_frame, read_table, three, write_rows
@@ -32,13 +34,49 @@ _ENTRY: Final = re.compile(r'([^\s="]+)=(?:"([^"]*)"|(\S+))')
 
 
 @contextmanager
-def appender(path: Path) -> Iterator[Append]:
-    with open(path, "wb") as file:
-        yield lambda frame: _append(file, frame)
+def appender(path: Path, more: bool = False) -> Iterator[Append]:
+    """Frames of a new file, or ``more`` of an existing one. A frame is in the file as a whole or not at all."""
+    with open(path, "ab" if more else "wb", buffering=0) as file:
+
+        def append(frame: Frame) -> None:
+            start = file.tell() if file.seekable() else None
+            try:
+                _append(file, frame)
+            except BaseException:
+                if start is not None:
+                    file.truncate(start)
+                    file.seek(start)
+                raise
+
+        yield append
+
+
+def times(path: Path) -> list[float]:
+    """Times of all complete frames [s]."""
+    return [time for time, _ in _complete(path)]
+
+
+def cut(path: Path, keep: int) -> None:
+    """Remove all but the first frames."""
+    os.truncate(path, list(_complete(path))[keep - 1][1])
+
+
+def _complete(path: Path) -> Iterator[tuple[float, int]]:
+    """Time [s] and end of each frame, up to the first one that is incomplete or of another program."""
+    with open(path, "rb") as file, suppress(ValueError):
+        for start in _frames(file):
+            end = file.tell()
+            file.seek(end - 1)
+            if file.read(1) != b"\n":
+                return
+            file.seek(start)
+            file.readline()
+            yield float(_entries(_text(file.readline())).get("Time", "")), end
+            file.seek(end)
 
 
 def _append(file: BinaryIO, frame: Frame) -> None:
-    file.write(f"{len(frame.positions)}\n{_comment(frame)}\n".encode())
+    write_all(file, f"{len(frame.positions)}\n{_comment(frame)}\n".encode())
     columns = three(frame.positions), three(frame.velocities), frame.radius, frame.mass
     write_rows(file, repeat("X"), *columns)
 

@@ -9,6 +9,7 @@ from typing import Any, BinaryIO, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from ...support.saving import write_all
 from ..thermostats import Andersen, RandomKicks
 from ..walls import MovingWall
 
@@ -54,7 +55,7 @@ def write_rows(file: BinaryIO, labels: Iterable[str], *columns: Floats) -> None:
     table, label = np.column_stack(columns), iter(labels)
     for first in range(0, len(table), BLOCK):
         rows = table[first : first + BLOCK].tolist()
-        file.write("".join(f"{next(label)} {' '.join(map(repr, row))}\n" for row in rows).encode())
+        write_all(file, "".join(f"{next(label)} {' '.join(map(repr, row))}\n" for row in rows).encode())
 
 
 def read_table(name: str, lines: Iterable[Any], columns: list[int] | None = None) -> Floats:

@@ -15,6 +15,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from ...support import saving
 from ..thermostats import as_entry, from_entry
 from ..walls import as_entries, from_entries
 from .frame import Append, Floats, Found, Frame, boundary_of, check_frame, three
@@ -38,10 +39,36 @@ def _library() -> Any:
 
 
 @contextmanager
-def appender(path: Path) -> Iterator[Append]:
+def appender(path: Path, more: bool = False) -> Iterator[Append]:
+    """Frames of a new file, or ``more`` of an existing one, each with the index that makes it readable."""
     library = _library()
-    with library.open(str(path), "w") as file:
-        yield lambda frame: file.append(_made(library.Frame(), len(file), frame))
+    with library.open(str(path), "r+" if more else "w") as file:
+
+        def append(frame: Frame) -> None:
+            file.append(_made(library.Frame(), len(file), frame))
+            file.flush()
+
+        yield append
+
+
+def times(path: Path) -> list[float]:
+    """Times of all complete frames [s]."""
+    try:
+        with _library().open(str(path), "r") as file:
+            name = f"log/{OF_BOX['time']}"
+            return [float(file.file.read_chunk(frame=k, name=name)[0]) for k in range(len(file))]
+    except (RuntimeError, OSError, KeyError):  # no GSD file, or one of another program
+        return []
+
+
+def cut(path: Path, keep: int) -> None:
+    """Remove all but the first frames; GSD files can only grow, so that they are copied."""
+    library = _library()
+    with library.open(str(path), "r") as old:
+        if len(old) == keep:
+            return
+        with saving.whole(path) as unfinished, library.open(str(unfinished), "w") as file:
+            file.extend(old[k] for k in range(keep))
 
 
 def _made(made: Any, step: int, frame: Frame) -> Any:
