@@ -226,9 +226,9 @@ def _of_script(script: Description, given: Given, frames: Sequence[dumps.Frame] 
     examined = _examined(found, gas, speeds, driven, purpose, chosen)
     rows = [row for _, row in examined]
     at = "" if speeds or driven or all(row.speed is None for row in rows) else " at 1 m/s"
-    held = [drive.support(stage) for stage in script.stages]
+    supports = [drive.support(stage) for stage in script.stages]
     invalidates = [_finding(note) for note in script.invalidates]
-    invalidates += _lasting(script.stages, held, rows, states, bool(at))
+    invalidates += _lasting(script.stages, supports, rows, states, bool(at))
     unknown = _not_understood(script, last, frames, remarks, invalidates)
     notes = [
         *remarks.versions,
@@ -236,8 +236,8 @@ def _of_script(script: Description, given: Given, frames: Sequence[dumps.Frame] 
         *_numerically_damped(last.numerical_damping, examined),
     ]
     missing = _missing(rows, gas, _known_speeds(rows, speeds, driven), states)
-    shaken = drive.words_of(last, held[-1]) if held else ""
-    option = "" if plain or not held else drive.option_of(held[-1], length, time)
+    shaken = drive.words_of(last, supports[-1]) if supports else ""
+    option = "" if plain or not supports else drive.option_of(supports[-1], length, time)
     question = answer.Question(gas.quantity, bool(states), shaken, option)
     rows = [_in_si(*pair, script.units) for pair in examined]
     admissible, sentence = answer.answer(rows, invalidates, unknown, missing, question)
@@ -251,7 +251,9 @@ def _of_script(script: Description, given: Given, frames: Sequence[dumps.Frame] 
         None if last.time_step is None else last.time_step * time,
         last.numerical_damping,
         tuple(rows),
-        tuple(_stage(k, *pair, scales) for k, pair in enumerate(zip(script.stages, held, strict=True), 1)),
+        tuple(
+            _stage(k, *pair, scales) for k, pair in enumerate(zip(script.stages, supports, strict=True), 1)
+        ),
         tuple(_state_in_si(one, length, time) for one in states),
         tuple(_checked(rows, last.gravity, states)),
         tuple(_finding(note) for note in script.ignored),
@@ -337,7 +339,7 @@ def _densities(stage: Stage) -> dict[str, float]:
 
 def _lasting(
     stages: Sequence[Stage],
-    held: Sequence[drive.Support],
+    supports: Sequence[drive.Support],
     rows: Sequence[CheckedContact],
     states: Sequence[dumps.State],
     chosen: bool = False,
@@ -357,8 +359,8 @@ def _lasting(
             what = f"grains are pressed together ({pressed[0].what})"
             yield _finding(pressed[0])._replace(what=what)
         # What is at rest before it is shaken does not decide.
-        shaken = bool(held) and held[-1].moves and not held[-1].rests
-        resting = [(stage, one) for stage, one in zip(stages, held, strict=True) if one.rests]
+        shaken = bool(supports) and supports[-1].moves and not supports[-1].rests
+        resting = [(stage, one) for stage, one in zip(stages, supports, strict=True) if one.rests]
         for stage, one in () if shaken else resting[:1]:
             yield Finding(_rest(one), None, _where(stage.quote))
     overdamped: dict[tuple[str, str], list[bool]] = {}
@@ -369,9 +371,9 @@ def _lasting(
             yield Finding("overdamped contacts", types)
 
 
-def _rest(held: drive.Support) -> str:
+def _rest(support: drive.Support) -> str:
     """That grains rest, and how strongly their support is shaken."""
-    shaking = "" if held.shaking is None else f" (Γ = A ω²/g = {digits(held.shaking, 3)})"
+    shaking = "" if support.shaking is None else f" (Γ = A ω²/g = {digits(support.shaking, 3)})"
     return f"grains rest on each other under gravity{shaking}"
 
 
@@ -541,7 +543,7 @@ def _state_in_si(state: dumps.State, length: float, time: float) -> dumps.State:
 
 
 def _stage(
-    number: int, stage: Stage, held: drive.Support, scales: tuple[float, float, float]
+    number: int, stage: Stage, support: drive.Support, scales: tuple[float, float, float]
 ) -> CheckedStage:
     _, length, time = scales
     step, gravity = stage.time_step, stage.gravity
@@ -551,7 +553,7 @@ def _stage(
         None if step is None else step * time,
         stage.steps,
         None if gravity is None else gravity * length / time**2,
-        held.shaking,
+        support.shaking,
     )
 
 
@@ -564,15 +566,15 @@ def _of_system(system: ParticleSystem, law: Law, given: Given, step: float | Non
     state = dumps.State(
         0, system.n, system.packing_fraction, temperature, 2.0 * float(system.radius.mean()), None, None, None
     )
-    held = drive.support_of_system(system)
-    resting = [Finding(_rest(held))] * held.rests
+    support = drive.support_of_system(system)
+    resting = [Finding(_rest(support))] * support.rests
     in_system = drive.of_system(system)
     if given.drive is None and not given.speeds and not system._walls_move:
         given = replace(given, drive=in_system)
     purpose = given.drive or in_system
-    driven = drive.words_of(None, held) if given.drive is None else ""
+    driven = drive.words_of(None, support) if given.drive is None else ""
     quantity = "cooling" if purpose is None else purpose.quantity
-    question = answer.Question(quantity, False, driven, drive.option_of(held, 1.0, 1.0), purpose)
+    question = answer.Question(quantity, False, driven, drive.option_of(support, 1.0, 1.0), purpose)
     return _of_law(
         cases.sizes(system), law, given, step, system.dimension, walls, (state,), resting, question
     )
