@@ -1,5 +1,7 @@
 """``hl.check`` and ``hardlimit check``: contacts, the answer, corrected lines, JSON, exit codes, bad input."""
 
+import dataclasses
+import itertools
 import json
 import math
 import pickle
@@ -17,6 +19,7 @@ from conftest import draws, log_floats
 from hardlimit.boxes import theory
 from hardlimit.cli.check import cells, corrections
 from hardlimit.scripts import ContactSettings, Description, Grains, Note, Quote, Setting, Stage
+from hardlimit.support.formatting import listed
 from hardlimit.verdict import checking
 from hardlimit.verdict.error_law import error_law
 
@@ -49,7 +52,7 @@ HERTZ = f"pair_style granular\npair_coeff * * {MATERIAL}"
 WALL = f"fix floor all wall/gran granular hooke 1e5 0.5 damping coeff_restitution {TANGENTIAL} zplane 0 1"
 
 
-def described(**changed) -> Description:
+def described(units="lj", **changed) -> Description:
     """A description of gran/hertz/history with one damping for grains of two sizes, in lj units."""
     m = 4 / 3 * math.pi * 0.3**3
     a = (2 * math.log(10) / math.pi) ** 2
@@ -61,9 +64,9 @@ def described(**changed) -> Description:
         ContactSettings(("1", "1"), None, normal, (quote,)),
         ContactSettings(("1", "wall"), "w", normal, (quote,)),
     )
-    stage = Stage(quote, step, True, 1000, pairs, {"1": Grains("1", (0.3, 0.6), (1.0, 1.0))}, 1.0, None)
-    return Description(**{"code": "lammps", "version": None, "units": "lj", "units_given": False, "dimension": 3,
-                          "stages": (stage,)} | changed)  # fmt: skip
+    stage = Stage(quote, step, True, 1000, pairs, {"1": Grains("1", (0.3, 0.6), (1.0, 1.0))}, 1.0, None,
+                  units=units, units_given=False)  # fmt: skip
+    return Description(**{"code": "lammps", "version": None, "stages": (stage,)} | changed)
 
 
 # --- contacts -------------------------------------------------------------------------------------------------
@@ -153,6 +156,51 @@ def test_units_of_a_script_are_converted():
     assert si.time_step == cgs.time_step == 1e-7
 
 
+#: Boxes of grains in several units: diameter, density, stiffness, time step and gravity of the same box in all but lj.
+BOXES = {
+    "si": (2e-3, 2500.0, 1e2, 1e-5, 9.81),
+    "cgs": (0.2, 2.5, 1e5, 1e-5, 981.0),
+    "micro": (2e3, 2.5e-3, 1e5, 10.0, 9.81e-6),
+    "lj": (1.0, 1.0, 1e5, 1e-4, 1.0),
+}
+
+
+def box(units, dimension=3):
+    d, rho, k, step, g = BOXES[units]
+    return (
+        f"units {units}\ndimension {dimension}\natom_style sphere\ncreate_box 1 box\ncreate_atoms 1 box\n"
+        f"set type 1 diameter {d} density {rho}\npair_style granular\n"
+        f"pair_coeff * * hooke {k} 0.9 damping coeff_restitution\nfix g all gravity {g} vector 0 0 -1\n"
+        f"timestep {step}\nrun 100\n"
+    )
+
+
+@pytest.mark.parametrize("pair", [*itertools.permutations(BOXES, 2), ("si",), ("lj",), ("cgs",)])
+@pytest.mark.parametrize("dimensions", [(3, 3), (2, 3)])
+def test_each_system_of_a_script_has_its_own_units(pair, dimensions, tmp_path):
+    """After ``clear``, another system begins; the numbers of those before stay as they are, also if none follows."""
+    options = {"speed": 0.3, "packing_fraction": 0.1}
+    alone = [hl.check(box(*one), **options) for one in zip(pair, dimensions, strict=False)]
+    text = "clear\n".join([*map(box, pair, dimensions), ""])
+    both = hl.check(text, **options)
+    for number, (one, units) in enumerate(zip(alone, pair, strict=True), 1):
+        rows = [row for row in both.rows if row.stage == number]
+        assert rows == [dataclasses.replace(row, stage=number) for row in one.rows]
+        assert both.stages[number - 1][2:] == one.stages[0][2:]
+        assert both.stages[number - 1].units == units
+    assert both.units == pair[-1] and both.units_given and both.time_step == alone[-1].time_step
+    assert both.admissible == (not any(one.admissible is False for one in alone))
+    assert any("Overlaps" in note for one in alone for note in one.remarks) == any(
+        "Overlaps" in note for note in both.remarks
+    )
+    shown = [f"timestep {line}" for one in alone for line in one.corrected]
+    assert len(both.corrected) == len(shown) and both.contacts.attrs["units"] == pair[-1]
+    path = tmp_path / "in.boxes"
+    path.write_text(text)
+    said = run("check", path, "--speed", "0.3").stdout
+    assert f"{listed(list(pair))} units" in said and (len(pair) < 2 or f"of run 2 ({pair[1]} units)" in said)
+
+
 def test_numerical_damping_is_part_of_the_restitution():
     """With a numerical damping d alone, ε = √((1 − d)/(1 + d)), and half a contact lasts π/2 √(m/(k(1 ± d)))."""
     quote = Quote("", 1, "O.run()")
@@ -183,8 +231,26 @@ def test_versions_of_a_code_differ():
     epsilon = {version: one.rows[0].restitution for version, one in found.items()}
     assert epsilon["22 Jul 2025 - Update 4"] > epsilon["2 Sep 2026"] + 0.05
     assert epsilon[None] == epsilon["10 Dec 2026"] == epsilon["2 Sep 2026"]
-    assert "since 2 Sep 2026" in " ".join(found[None].remarks)
-    assert "since" not in " ".join(found["2 Sep 2026"].remarks)
+    older = found["22 Jul 2025 - Update 4"].rows[0].restitution
+    assert [one[:2] for one in found[None].rows[0].other_versions] == [("2 Sep 2026", older)]
+    assert (
+        f"LAMMPS before 2 Sep 2026: ε {older:.3g} instead of {epsilon[None]:.3g} (1–1)."
+        in found[None].remarks
+    )
+    assert "before" not in " ".join(found["2 Sep 2026"].remarks)
+
+
+@pytest.mark.parametrize(
+    "version,known", [("10 Mar 2021", True), ("14 May 2021", False), ("29 Sep 2021", True)]
+)
+def test_a_version_with_an_unknown_force_has_no_restitution(version, known):
+    """Walls of fix wall/gran granular hooke, which were wrong in the middle of 2021."""
+    wall = f"fix floor all wall/gran granular hooke 1e5 0.1 damping velocity {TANGENTIAL} zplane 0 1"
+    text = script(f"pair_style granular\npair_coeff * * hooke 1e5 0.1 damping velocity {TANGENTIAL}", wall)
+    found = hl.check(f"LAMMPS ({version})\n{text}", speed=0.1)
+    assert [row.restitution is not None for row in found.rows] == [True, known]
+    assert bool(found.unknown) == (not known) and (known or "to 29 Sep 2021" in found.sentence)
+    assert not hl.check(text, speed=0.1).rows[1].other_versions
 
 
 def test_frozen_grains_are_walls_of_infinite_mass_and_meet_no_frozen_grains():
@@ -463,6 +529,58 @@ def test_corrected_lines_give_the_restitution_that_was_asked_for(contact):
     assert not [line for line in hl.check(script(HOOKE), speed=1.0).corrected if "timestep" not in line]
 
 
+COHESIVE = """\
+atom_style granular
+units si
+region reg block 0 1 0 1 0 1 units box
+create_box 1 reg
+fix m1 all property/global youngsModulus peratomtype 1e7
+fix m2 all property/global poissonsRatio peratomtype 0.3
+fix m3 all property/global coefficientRestitution peratomtypepair 1 0.6
+fix m4 all property/global cohesionEnergyDensity peratomtypepair 1 {}
+pair_style gran model hertz cohesion sjkr
+timestep 1e-5
+create_atoms 1 random 10 1 reg
+set group all diameter 1e-2 density 2500
+fix integr all nve/sphere
+run 1000
+"""
+
+
+def test_cohesion_is_part_of_the_restitution():
+    """LIGGGHTS 3.8.0 gives .600, .508, and grains that stay together."""
+    none, some, much = (hl.check(COHESIVE.format(w), speed=0.5) for w in ("0", "1e5", "3e5"))
+    assert none.admissible is None and not none.invalidates
+    assert none.rows[0].restitution == pytest.approx(0.6, abs=1e-6)
+    assert none.rows[0] == hl.check(COHESIVE.format("0").replace(" cohesion sjkr", ""), speed=0.5).rows[0]
+    assert (
+        some.rows[0].restitution == pytest.approx(0.5077, abs=2e-4) and some.rows[0].restitution_asked == 0.6
+    )
+    assert some.rows[0].rule == "law" and not some.rows[0].error
+    assert much.rows[0].restitution == 0.0 and much.rows[0].duration is None
+    assert "differs from ε asked" in " ".join(some.remarks)
+    for found in (some, much):
+        assert found.admissible is False and [one.what for one in found.invalidates] == ["cohesion (sjkr)"]
+        assert found.sentence.startswith("No: cohesion (sjkr) of type 1") and not found.unknown
+        assert not [line for line in found.corrected if not line.startswith("timestep")]
+    slow = [hl.check(COHESIVE.format("1e5"), speed=v).rows[0].restitution for v in (0.04, 0.05, 0.2, 2.0)]
+    assert slow[0] == 0.0 and slow == sorted(slow)
+    crushed = hl.check(COHESIVE.format("1e8"), speed=0.5)
+    assert crushed.rows[0].restitution is None and crushed.admissible is False and not crushed.unknown
+    sizes = "set group all diameter 1e-2 density 2500"
+    unsized = COHESIVE.format("1e5").replace(sizes, "read_restart old")
+    assert hl.check(unsized, speed=0.5).rows[0].restitution is None
+    dense = hl.check(COHESIVE.format("1e5"), speed=0.5, packing_fraction=0.1).rows[0]
+    assert dense.tc_nu and not dense.error and dense.softening is None
+
+
+@pytest.mark.parametrize("model", ["easo/capillary/viscous", "magic"])
+def test_cohesion_that_is_not_modelled_leaves_the_restitution_out(model):
+    found = hl.check(COHESIVE.format("1e5").replace("sjkr", model), speed=0.5)
+    assert found.admissible is False and f"cohesion ({model})" in found.sentence
+    assert [row.restitution for row in found.rows] == [None] and not found.unknown
+
+
 def test_corrected_lines_say_for_which_error_and_a_wanted_one_is_given():
     """``restitution_error`` changes the time step as in ``convert``; the title of the lines has it."""
     coarse = script(CLIPPED).replace("timestep 1e-7", "timestep 1e-5")
@@ -620,6 +738,7 @@ CONTACT = {
     "duration": MAYBE, "steps_per_contact": int | None, "restitution_error_of_step": MAYBE, "time_step": MAYBE,
     "rayleigh_time": MAYBE, "p_wave_time": MAYBE, "largest_overlap": MAYBE, "tc_nu": MAYBE, "delta_over_d": MAYBE,
     "softening": MAYBE, "heated_error": MAYBE, "sheared_error": MAYBE, "rule": str, "error": dict,
+    "other_versions": list,
     "heated_error_bar": MAYBE, "sheared_error_bar": MAYBE, "friction": MAYBE, "frictionless_error": MAYBE,
 }  # fmt: skip
 FINDING = {"what": str, "types": list | None, "where": str | None}
@@ -629,6 +748,7 @@ STAGE = {
     "time_step": MAYBE,
     "steps": int | None,
     "gravity": MAYBE,
+    "units": str,
     "shaking": MAYBE,
 }
 

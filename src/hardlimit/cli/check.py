@@ -103,7 +103,7 @@ number_options = options(
 )
 
 
-@click.command(cls=Command, epilog=EXAMPLES)
+@click.command(cls=Command, aliases={name: "FILE" for name in ("file", "script", "source")}, epilog=EXAMPLES)
 @click.argument("file", required=False)
 @script_options
 @number_options
@@ -172,7 +172,6 @@ def from_numbers(
 
 def report(found: Verdict, verbose: bool) -> None:
     """The table of contacts, what was checked, the answer, and corrected lines."""
-    plain = found.units == "lj"
     last = max((row.stage for row in found.rows), default=1)
     rows = found.rows if verbose else [row for row in found.rows if row.stage == last]
     groups = list(grouped(rows, found.speeds_chosen))
@@ -186,7 +185,7 @@ def report(found: Verdict, verbose: bool) -> None:
             [
                 str(g[0].stage),
                 labelled(g[0], found, len(walls[g[0].types]) > 1),
-                *cells(g, plain, found.quantity),
+                *cells(g, found.has_plain(g[0]), found.quantity),
             ]
             for g in shown
         ]
@@ -194,11 +193,12 @@ def report(found: Verdict, verbose: bool) -> None:
     if len(shown) < len(groups):
         say(f"… and {len(groups) - len(shown)} more contacts: --verbose")
     if not verbose and len({row.stage for row in found.rows}) > 1:
-        say(f"Settings change between runs. These are of run {last}; --verbose has the others.")
+        which = f"run {last}{units_of(found, last)}"
+        say(f"Settings change between runs. These are of {which}; --verbose has the others.")
     if found.remarks:
         say(" ".join(found.remarks))
     if verbose:
-        details(found, plain)
+        details(found)
     say(lists(found, verbose))
     more = " More: --verbose." if found.admissible is False and not verbose else ""
     corrected = corrections(found)
@@ -220,8 +220,13 @@ def corrections(found: Verdict) -> str:
 
 def labelled(row: CheckedContact, found: Verdict, walls: bool) -> str:
     """The name of a contact, with its speed if it was chosen."""
-    text = name(row, found.units == "lj", walls)
+    text = name(row, found.has_plain(row), walls)
     return f"{text}, {digits(row.speed, 3)} m/s" if found.speeds_chosen and row.speed is not None else text
+
+
+def units_of(found: Verdict, run: int) -> str:
+    """The units of a run of a script with several."""
+    return f" ({found.stages[run - 1].units} units)" if len({one.units for one in found.stages}) > 1 else ""
 
 
 HEAD = [
@@ -293,8 +298,13 @@ def title(found: Verdict) -> str:
         version = (found.version or "").partition(",")[0].removeprefix(f"{known.title}-")
         parts = [f"{known.title}{f' {version}:' if version else ''} {what}".strip(" :")]
         if found.code != "yade":  # YADE has SI units only
-            parts.append(f"{found.units} units{'' if found.units_given else ' (none given)'}")
-    speeds = [row.speed for row in found.rows if row.speed is not None and row.types[1] != "wall"]
+            every = list(dict.fromkeys([*(stage.units for stage in found.stages), found.units]))
+            parts.append(f"{listed(every)} units{'' if found.units_given else ' (none given)'}")
+    speeds = [
+        row.speed
+        for row in found.rows
+        if row.speed is not None and row.types[1] != "wall" and found.has_plain(row) == (found.units == "lj")
+    ]
     if speeds and min(speeds) < max(speeds):
         ends = "–".join(digits(v, 3) for v in (min(speeds), max(speeds)))
         parts.append(
@@ -420,12 +430,13 @@ def lists(found: Verdict, verbose: bool) -> str:
     return " ".join(filter(None, parts))
 
 
-def details(found: Verdict, plain: bool) -> None:
+def details(found: Verdict) -> None:
     """Each contact at each speed, the runs, the dump, and quoted lines."""
     for row in found.rows:
-        say(detail(row, plain, found.restitution_error))
+        say(detail(row, found.has_plain(row), found.restitution_error))
     for stage in found.stages:
-        say(f"Run {stage.number}: {stage.command}")
+        say(f"Run {stage.number}{units_of(found, stage.number)}: {stage.command}")
+    plain = found.units == "lj"
     for state in found.states:
         phi, t, unit = state.packing_fraction, state.temperature, "" if plain else " m/s"
         parts = [

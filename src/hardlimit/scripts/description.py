@@ -30,6 +30,7 @@ class Quote:
     file: str  #: path as the script names it; empty for text that is not a file
     line: int  #: counted from 1
     text: str  #: one line
+    part: str = ""  #: words of it that were not understood; empty for all
 
 
 @dataclass(frozen=True)
@@ -68,6 +69,8 @@ class ContactSettings:
     wall_radius: float = 1.0  #: effective radius in the code's formulas over that at other walls
     asked: float | None = None  #: restitution in the script if the force leaves it out
     pushes: tuple[Direction, ...] | None = None  #: of a wall on grains; None if not known
+    since: str = ""  #: first version of the code in which they mean this, if not all do
+    adhesion: str = ""  #: what makes its force adhesive or plastic, in words
     friction: float | None = (
         0.0  #: coefficient of sliding friction, 0 without tangential forces; None if not known
     )
@@ -102,6 +105,9 @@ class Stage:
     bath: tuple[float, float] | None = (
         None  #: energy k_B T of a thermostat, and the rate at which it restores T
     )
+    units: str = "si"  #: those of the system that runs; ``clear`` begins another one
+    units_given: bool = True  #: False for the code's default
+    dimension: int = 3
 
 
 @dataclass(frozen=True)
@@ -110,9 +116,6 @@ class Description:
 
     code: str
     version: str | None  #: only a log states it
-    units: str
-    units_given: bool
-    dimension: int
     stages: tuple[Stage, ...]
     ignored: tuple[Note, ...] = field(default=())  #: leaves head-on collisions as they are
     invalidates: tuple[Note, ...] = field(

@@ -779,9 +779,6 @@ class Yade(Evaluator):
         found = Description(
             "yade",
             None,
-            "si",
-            True,
-            3,
             tuple(self.stages),
             tuple(self.ignored),
             tuple(self.invalidates),

@@ -76,6 +76,8 @@ def check(
     ------
     ValueError
         If the script is not granular or cannot be resolved, the dump cannot be read, or a value is outside its range.
+    FileNotFoundError
+        If there is no script or dump of this name.
 
     Notes
     -----

@@ -13,19 +13,20 @@ from ..boxes.system import ParticleSystem
 from ..boxes.time_step import DEFAULT_ERROR, accepted_error
 from ..contact.balls import Ball
 from ..contact.contact import Law
+from ..convert.codes import code
 from ..convert.force import MAX_SPEED, MIN_SPEED
-from ..convert.readers import UNITS
 from ..scripts import Description, Grains, Note, Quote, Stage
 from ..scripts import read as read_script
 from ..support import validation
 from ..support.formatting import digits, listed, percent
+from ..support.units import SYSTEMS
 from . import answer, cases, corrections, drive, dumps
 from .contacts import Case, CheckedContact, Surroundings, examine
 from .expectation import checked_packing_fraction
 from .result import CheckedStage, Finding, Verdict
 
 #: Units of mass, length and time in SI; ``lj`` stays as it is.
-SCALES: Final = {**UNITS, "lj": (1.0, 1.0, 1.0)}
+SCALES: Final = {**SYSTEMS, "lj": (1.0, 1.0, 1.0)}
 NO_RUN: Final = Stage(Quote("", 0, ""), None, False, None, (), {}, None, None)
 #: Largest overlap over the radius that contact laws describe.
 COMPRESSED: Final = 0.05
@@ -81,7 +82,7 @@ def checked(
         raise ValueError(f"variables: got {validation.shown(variables)}, must be values by name")
     speeds = _speeds(speed)
     given = Given(
-        None if dump is None else Path(dump),
+        None if dump is None else validation.path("dump", dump),
         speeds,
         packing_fraction,
         {str(name): str(value) for name, value in variables.items()},
@@ -202,69 +203,150 @@ def _examined(
 # --- scripts --------------------------------------------------------------------------------------------------
 
 
-def _of_script(script: Description, given: Given, frames: Sequence[dumps.Frame] = ()) -> Verdict:
-    if script.units not in SCALES:
-        raise ValueError(f"units: got {validation.shown(script.units)}, must be one of {', '.join(SCALES)}")
-    if not script.unknown and not any(stage.contacts for stage in script.stages):
-        others = "".join(f"; it has {note.what}" for note in script.invalidates[:1])
-        raise ValueError(f"script: it has no run with granular contacts{others}")
-    scales = _, length, time = SCALES[script.units]
-    plain = script.units == "lj"
-    script = _with_sizes(script, frames)
-    found, remarks = cases.of_script(script)
-    last = script.stages[-1] if script.stages else NO_RUN
-    states = _states(frames, _radii(last), script.dimension, _densities(last))
+@dataclass(frozen=True)
+class System:
+    """The contacts of all runs with the same units and dimension, in these units."""
+
+    last: Stage  #: its last run
+    asked: drive.Drive | None  #: what determines the speed, in SI units
+    given: Given
+    gas: Surroundings
+    speeds: tuple[float, ...]
+    examined: Sequence[tuple[Case, CheckedContact]]
+    question: answer.Question
+
+    @property
+    def rows(self) -> list[CheckedContact]:
+        """The contacts in SI units."""
+        return [_in_si(case, row, self.last.units) for case, row in self.examined]
+
+    @property
+    def at(self) -> str:
+        """The chosen speed of the largest numbers; empty if speeds are given, or nothing depends on them."""
+        known = self.speeds or self.given.drive or all(row.speed is None for _, row in self.examined)
+        return "" if known else " at 1 m/s"
+
+    def missing(self, states: Sequence[dumps.State]) -> tuple[str, ...]:
+        """What is not known, in words."""
+        rows = [row for _, row in self.examined]
+        return _missing(rows, self.gas, _known_speeds(rows, self.speeds, self.given.drive), states)
+
+    def remarks(self, several: bool) -> Iterator[str]:
+        """Remarks on the contacts, which name their units if the script has several."""
+        plain = self.last.units == "lj"
+        for note in _remarks(self.examined, self.given, self.gas, self.speeds, self.at, plain):
+            yield f"In {self.last.units} units: {note}" if several else note
+
+    def corrected(self, code: str, several: bool) -> Iterator[str]:
+        """Corrected lines, which name their units if the script has several."""
+        for line in corrections.lines(code, self.examined, self.given.restitution_error, not self.at):
+            yield f"{line}{';' if '#' in line else '  #'} {self.last.units} units" if several else line
+
+
+def _kind(stage: Stage) -> tuple[str, int]:
+    """What the runs of a system share."""
+    return stage.units, stage.dimension
+
+
+def _systems(
+    script: Description, found: Sequence[Case], given: Given, states: Sequence[dumps.State]
+) -> Iterator[System]:
+    """The systems of a script. A dump is one of the last."""
+    stages = script.stages or (NO_RUN,)
+    for kind, last in {_kind(stage): stage for stage in stages}.items():
+        own = [case for case in found if _kind(stages[case.stage - 1]) == kind]
+        yield _system(last, own, given, states if kind == _kind(stages[-1]) else ())
+
+
+def _system(last: Stage, found: Sequence[Case], given: Given, states: Sequence[dumps.State]) -> System:
+    """The system that ends with a run."""
+    scales = _, length, time = SCALES[last.units]
+    plain = last.units == "lj"
     purpose = given.drive or drive.of_stage(last, *scales)
-    if not given.speeds and not any(one.temperature for one in states):
-        given = replace(given, drive=purpose)
-    asked = given.drive
+    measured = given.speeds or any(one.temperature for one in states)
+    asked = given.drive if measured else purpose
     driven, purpose = (one and one.in_units(*scales) for one in (asked, purpose))
     given = replace(given, speeds=tuple(v * time / length for v in given.speeds), drive=driven)
-    gas, speeds = _surroundings(given, states, script.dimension)
+    gas, speeds = _surroundings(given, states, last.dimension)
     gas = replace(gas, quantity="cooling" if purpose is None else purpose.quantity)
     chosen = () if plain or speeds or driven else tuple(v * time / length for v in CHOSEN_SPEEDS)
     examined = _examined(found, gas, speeds, driven, purpose, chosen)
-    rows = [row for _, row in examined]
-    at = "" if speeds or driven or all(row.speed is None for row in rows) else " at 1 m/s"
-    supports = [drive.support(stage) for stage in script.stages]
+    held = drive.support(last)
+    option = "" if plain else drive.option_of(held, length, time)
+    question = answer.Question(gas.quantity, bool(states), drive.words_of(last, held), option)
+    return System(last, asked, given, gas, speeds, examined, question)
+
+
+def _answer(
+    systems: Sequence[System],
+    invalidates: Sequence[Finding],
+    unknown: Sequence[Finding],
+    states: Sequence[dumps.State],
+) -> tuple[bool | None, str]:
+    """The answer for all systems: no if it is for one, yes if it is for all."""
+    answers = []
+    for question in dict.fromkeys(one.question for one in systems):
+        same = [one for one in systems if one.question == question]
+        rows = [row for one in same for row in one.rows]
+        missing = tuple(dict.fromkeys(what for one in same for what in one.missing(states)))
+        answers.append(answer.answer(rows, invalidates, unknown, missing, question))
+    return min(answers, key=lambda one: (False, None, True).index(one[0]))
+
+
+def _of_script(script: Description, given: Given, frames: Sequence[dumps.Frame] = ()) -> Verdict:
+    for stage in script.stages:
+        if stage.units not in SCALES:
+            raise ValueError(
+                f"units: got {validation.shown(stage.units)}, must be one of {', '.join(SCALES)}"
+            )
+    if not script.unknown and not any(stage.contacts for stage in script.stages):
+        others = "".join(f"; it has {note.what}" for note in script.invalidates[:1])
+        raise ValueError(f"script: it has no run with granular contacts{others}")
+    script = _with_sizes(script, frames)
+    found, remarks = cases.of_script(script)
+    last = script.stages[-1] if script.stages else NO_RUN
+    states = _states(frames, _radii(last), last.dimension, _densities(last))
+    systems = list(_systems(script, found, given, states))
+    rows = sorted((row for one in systems for row in one.rows), key=lambda row: row.stage)
+    held = [drive.support(stage) for stage in script.stages]
+    chosen = any(one.at for one in systems)
     invalidates = [_finding(note) for note in script.invalidates]
-    invalidates += _lasting(script.stages, supports, rows, states, bool(at))
+    invalidates += _lasting(script.stages, held, rows, states, chosen)
     unknown = _not_understood(script, last, frames, remarks, invalidates)
-    notes = [
-        *remarks.versions,
-        *_remarks(examined, given, gas, speeds, at, plain),
-        *_numerically_damped(last.numerical_damping, examined),
-    ]
-    missing = _missing(rows, gas, _known_speeds(rows, speeds, driven), states)
-    shaken = drive.words_of(last, supports[-1]) if supports else ""
-    option = "" if plain or not supports else drive.option_of(supports[-1], length, time)
-    question = answer.Question(gas.quantity, bool(states), shaken, option)
-    rows = [_in_si(*pair, script.units) for pair in examined]
-    admissible, sentence = answer.answer(rows, invalidates, unknown, missing, question)
+    admissible, sentence = _answer(systems, invalidates, unknown, states)
+    final = next(one for one in systems if _kind(one.last) == _kind(last))
+    _, length, time = SCALES[last.units]
+
+    def plain(row: CheckedContact) -> bool:
+        return script.stages[row.stage - 1].units == "lj"
+
     return Verdict(
         admissible,
-        sentence + answer.steady(rows, asked, plain),
+        sentence + answer.steady(final.rows, final.asked, last.units == "lj"),
         script.code,
         script.version,
-        script.units,
-        script.units_given,
+        last.units,
+        last.units_given,
         None if last.time_step is None else last.time_step * time,
         last.numerical_damping,
         tuple(rows),
-        tuple(
-            _stage(k, *pair, scales) for k, pair in enumerate(zip(script.stages, supports, strict=True), 1)
-        ),
+        tuple(_stage(k, *pair) for k, pair in enumerate(zip(script.stages, held, strict=True), 1)),
         tuple(_state_in_si(one, length, time) for one in states),
-        tuple(_checked(rows, last.gravity, states)),
+        tuple(_checked(rows, any(stage.gravity for stage in script.stages), states)),
         tuple(_finding(note) for note in script.ignored),
         tuple(invalidates),
         tuple(unknown),
-        missing,
-        tuple(notes),
-        tuple(corrections.lines(script.code, examined, given.restitution_error, not at)),
-        None if shaken else gas.quantity,
+        tuple(dict.fromkeys(what for one in systems for what in one.missing(states))),
+        (
+            *cases.of_other_versions(code(script.code).title, rows, plain),
+            *remarks.versions,
+            *dict.fromkeys(note for one in systems for note in one.remarks(len(systems) > 1)),
+            *_numerically_damped(last.numerical_damping, final.examined),
+        ),
+        tuple(line for one in systems for line in one.corrected(script.code, len(systems) > 1)),
+        None if final.question.driven else final.question.quantity,
         given.restitution_error,
-        bool(at),
+        chosen,
     )
 
 
@@ -283,12 +365,10 @@ def _not_understood(
         for name in sorted({name for frame in frames for name in frame.types or () if name.isdecimal()})
         if name not in last.grains
     ]
-    unknown += [
-        Finding(why, types, f"{'–'.join(types)}: {why}")
-        for types, why in remarks.not_modelled
-        if not any(set(types) & set(one) for one in taken)
-        and not any(one.types is None for one in invalidates)
-    ]
+    if all(one.types is not None for one in invalidates):
+        unknown += _not_modelled(
+            [one for one in remarks.not_modelled if not any({*one.types} & {*t} for t in taken)]
+        )
     return unknown
 
 
@@ -310,6 +390,8 @@ def _with_sizes(script: Description, frames: Sequence[dumps.Frame]) -> Descripti
 
     stages = [
         replace(stage, grains={name: grains(one) for name, one in stage.grains.items()})
+        if _kind(stage) == _kind(script.stages[-1])
+        else stage
         for stage in script.stages
     ]
     unknown = [
@@ -339,7 +421,7 @@ def _densities(stage: Stage) -> dict[str, float]:
 
 def _lasting(
     stages: Sequence[Stage],
-    supports: Sequence[drive.Support],
+    held: Sequence[drive.Support],
     rows: Sequence[CheckedContact],
     states: Sequence[dumps.State],
     chosen: bool = False,
@@ -359,22 +441,32 @@ def _lasting(
             what = f"grains are pressed together ({pressed[0].what})"
             yield _finding(pressed[0])._replace(what=what)
         # What is at rest before it is shaken does not decide.
-        shaken = bool(supports) and supports[-1].moves and not supports[-1].rests
-        resting = [(stage, one) for stage, one in zip(stages, supports, strict=True) if one.rests]
+        shaken = bool(held) and held[-1].moves and not held[-1].rests
+        resting = [(stage, one) for stage, one in zip(stages, held, strict=True) if one.rests]
         for stage, one in () if shaken else resting[:1]:
             yield Finding(_rest(one), None, _where(stage.quote))
     overdamped: dict[tuple[str, str], list[bool]] = {}
     for row in rows:
-        overdamped.setdefault(row.types, []).append(row.restitution == 0.0)
+        overdamped.setdefault(row.types, []).append(row.restitution == 0.0 and not row.adhesive)
     for types, each in overdamped.items():
         if all(each) if chosen else any(each):
             yield Finding("overdamped contacts", types)
 
 
-def _rest(support: drive.Support) -> str:
+def _rest(held: drive.Support) -> str:
     """That grains rest, and how strongly their support is shaken."""
-    shaking = "" if support.shaking is None else f" (Γ = A ω²/g = {digits(support.shaking, 3)})"
+    shaking = "" if held.shaking is None else f" (Γ = A ω²/g = {digits(held.shaking, 3)})"
     return f"grains rest on each other under gravity{shaking}"
+
+
+def _not_modelled(contacts: Sequence[cases.NotModelled]) -> Iterator[Finding]:
+    """Each statement that no model describes, with the types of its contacts."""
+    for why, quote in dict.fromkeys((one.why, one.quote) for one in contacts):
+        same = [one.types for one in contacts if (one.why, one.quote) == (why, quote)]
+        pairs = ["–".join(types) for types in same]
+        text = f"{', '.join(pairs[:3])}{' …' * (len(pairs) > 3)}: {why}"
+        kinds = tuple(dict.fromkeys(name for types in same for name in types))
+        yield Finding(why, kinds, text if quote is None else f"{_where(quote)} ({text})")
 
 
 def _finding(note: Note) -> Finding:
@@ -384,11 +476,12 @@ def _finding(note: Note) -> Finding:
 def _where(quote: Quote) -> str:
     """A statement with its line."""
     file = f"{Path(quote.file).name}, " if quote.file else ""
-    return f"{file}line {quote.line}: {' '.join(quote.text.split())}"
+    part = f" ({quote.part} is not known)" if quote.part else ""
+    return f"{file}line {quote.line}: {' '.join(quote.text.split())}{part}"
 
 
 def _checked(
-    rows: Sequence[CheckedContact], gravity: float | None, states: Sequence[dumps.State]
+    rows: Sequence[CheckedContact], gravity: bool, states: Sequence[dumps.State]
 ) -> Iterator[Finding]:
     if any(row.restitution is not None and row.types[1] != cases.WALL for row in rows):
         yield Finding("normal contact")
@@ -519,7 +612,8 @@ def _in_si(case: Case, row: CheckedContact, units: str) -> CheckedContact:
     for name, powers in POWERS.items():
         if (value := getattr(row, name)) is not None:
             changed[name] = value * math.prod(s**p for s, p in zip(scales, powers, strict=True))
-    return replace(row, **changed)
+    others = [one._replace(duration=one.duration and one.duration * scales[2]) for one in row.other_versions]
+    return replace(row, **changed, other_versions=tuple(others))
 
 
 def _unit(powers: tuple[float, float, float] | None, units: str) -> str:
@@ -542,10 +636,8 @@ def _state_in_si(state: dumps.State, length: float, time: float) -> dumps.State:
     )
 
 
-def _stage(
-    number: int, stage: Stage, support: drive.Support, scales: tuple[float, float, float]
-) -> CheckedStage:
-    _, length, time = scales
+def _stage(number: int, stage: Stage, held: drive.Support) -> CheckedStage:
+    _, length, time = SCALES[stage.units]
     step, gravity = stage.time_step, stage.gravity
     return CheckedStage(
         number,
@@ -553,7 +645,8 @@ def _stage(
         None if step is None else step * time,
         stage.steps,
         None if gravity is None else gravity * length / time**2,
-        support.shaking,
+        stage.units,
+        held.shaking,
     )
 
 
@@ -566,15 +659,15 @@ def _of_system(system: ParticleSystem, law: Law, given: Given, step: float | Non
     state = dumps.State(
         0, system.n, system.packing_fraction, temperature, 2.0 * float(system.radius.mean()), None, None, None
     )
-    support = drive.support_of_system(system)
-    resting = [Finding(_rest(support))] * support.rests
+    held = drive.support_of_system(system)
+    resting = [Finding(_rest(held))] * held.rests
     in_system = drive.of_system(system)
     if given.drive is None and not given.speeds and not system._walls_move:
         given = replace(given, drive=in_system)
     purpose = given.drive or in_system
-    driven = drive.words_of(None, support) if given.drive is None else ""
+    driven = drive.words_of(None, held) if given.drive is None else ""
     quantity = "cooling" if purpose is None else purpose.quantity
-    question = answer.Question(quantity, False, driven, drive.option_of(support, 1.0, 1.0), purpose)
+    question = answer.Question(quantity, False, driven, drive.option_of(held, 1.0, 1.0), purpose)
     return _of_law(
         cases.sizes(system), law, given, step, system.dimension, walls, (state,), resting, question
     )
@@ -619,7 +712,7 @@ def _of_law(
         tuple(rows),
         (),
         dumped or states,
-        tuple(_checked(rows, None, dumped)),
+        tuple(_checked(rows, False, dumped)),
         (),
         tuple(invalidates),
         (),

@@ -14,7 +14,7 @@ import scipy
 
 from ..boxes.theory import Gas
 from ..boxes.time_step import DEFAULT_ERROR
-from ..convert.force import Collision, Force, Powers
+from ..convert.force import AdhesiveForce, Collision, Force
 from .error_law import MEASURED_TC_NU
 from .expectation import ACCEPTED, RULES, Expected, expected
 
@@ -99,9 +99,19 @@ class Case:
     materials: tuple[tuple[float, float] | None, ...] = (None, None)
     #: Number that sets the stiffness, its value in the units of the script, and the power with which it does.
     spring: tuple[str, float, float] | None = None
+    #: The force before versions of the code that changed it.
+    others: tuple[tuple[str, MakeForce], ...] = ()
     friction: float | None = 0.0  #: coefficient of sliding friction; None if not known
-    #: Powers of mass, length and time in the unit of this number.
+    #: Powers of mass, length and time in the unit of the number that sets the stiffness.
     spring_powers: tuple[float, float, float] | None = None
+
+
+class OtherVersion(NamedTuple):
+    """A contact in older versions of its code; returned by :func:`hardlimit.check`. None: not known."""
+
+    before: str  #: the version that changed the force
+    restitution: float | None  #: ε before it
+    duration: float | None  #: [s]
 
 
 #: The error of cooling and its error bar, by rule of collision.
@@ -122,6 +132,7 @@ class CheckedContact:
     restitution_asked: float | None  #: ε in the script
     clipped: bool | None  #: whether the force never attracts
     speed: float | None  #: impact speed [m/s]
+    adhesive: bool = False  #: whether the bodies attract each other beside the damping
     restitution: float | None = None  #: ε that the code really gives
     duration: float | None = None  #: [s]
     steps_per_contact: int | None = None  #: whole time steps in a contact
@@ -142,6 +153,7 @@ class CheckedContact:
     frictionless_error: float | None = None  #: of the quantity asked for, without friction
     softening: float | None = None  #: factor of the stiffness at an error of 1 %, with its bar
     spring: tuple[str, float, float] | None = None  #: name of the stiffness, value, value after this change
+    other_versions: tuple[OtherVersion, ...] = ()  #: of the code, if the script does not state its version
     stiffness_unit: str = ""  #: in which these values are; empty in lj units
 
 
@@ -173,16 +185,15 @@ def _at(case: Case, speed: float | None, gas: Surroundings) -> CheckedContact:
         return row
     bodies = (case.first, case.second or case.first)
     known = speed is not None and all(body.radius is not None and body.mass is not None for body in bodies)
-    found = [
-        _results(
-            case,
+    tried = [
+        (
             case.first.tried(k),
             None if case.second is None else case.second.tried(k),
             TRIALS["speed"][k] if speed is None else speed,
-            gas,
         )
         for k in range(1 if known else len(TRIALS["speed"]))
     ]
+    found = [_results(case, *one, gas) for one in tried]
     kept: dict[str, Any] = {name: _agreed([one.get(name) for one in found]) for name in found[0]}
     errors = {str(rule): (kept.pop(rule), kept.pop(f"{rule}±")) for rule in RULES if rule in kept}
     if (steps := kept.get("steps_per_contact")) is not None:
@@ -190,7 +201,15 @@ def _at(case: Case, speed: float | None, gas: Surroundings) -> CheckedContact:
     if case.spring is not None and kept.get("softening") is not None:
         name, value, power = case.spring
         kept["spring"] = name, value, value * kept["softening"] ** (1.0 / power)
+    kept["other_versions"] = tuple(_other_version(case, *one, tried) for one in case.others)
     return replace(row, **kept, error={rule: pair for rule, pair in errors.items() if None not in pair})
+
+
+def _other_version(
+    case: Case, before: str, make: MakeForce, tried: Sequence[tuple[KnownBody, KnownBody | None, float]]
+) -> OtherVersion:
+    found = [_collision(make(*one), one[2], case.numerical_damping) for one in tried]
+    return OtherVersion(before, _agreed([c.restitution for c in found]), _agreed([c.duration for c in found]))
 
 
 def _agreed(values: Sequence[Any]) -> Any:
@@ -213,7 +232,8 @@ def _results(
     collision = _collision(force, speed, case.numerical_damping)
     smaller = first.radius if second is None else min(first.radius, second.radius)
     found: dict[str, Any] = {
-        "rule": usual_rule(force.powers),
+        "rule": usual_rule(force),
+        "adhesive": isinstance(force, AdhesiveForce),
         "restitution": collision.restitution,
         "duration": collision.duration,
         "time_step": force.longest_step(speed, gas.restitution_error),
@@ -261,7 +281,7 @@ def _in_gas(
         return found
     rate = gas.collision_rate(gas.mean_speed or speed, gas.diameter or diameter)
     tc_nu = found["tc_nu"] = mean.duration * rate
-    if second is None:
+    if second is None or isinstance(force, AdhesiveForce):
         return found
     exponent = 0.25 * force.powers.elastic + 1.0
     clipped = replace(force, powers=replace(force.powers, attracts=False))
@@ -279,7 +299,7 @@ def _in_gas(
             one = one._replace(temperature=(one.temperature[0] * share, one.temperature[1] * share))
         return one and one.wider(math.hypot(prolonged, unequal))
 
-    usual = usual_rule(force.powers)
+    usual = usual_rule(force)
     known = with_bar(usual, tc_nu)
     if case.friction != 0.0 or gas.rubs:
         asked = None if known is None else getattr(known, gas.quantity)
@@ -322,9 +342,10 @@ def restitution_of(case: Case, speed: float) -> float:
     ).restitution
 
 
-def usual_rule(powers: Powers) -> str:
+def usual_rule(force: Force) -> str:
     """The rule for this force in an event-driven simulation: "law" if ε depends on the speed, else "constant"."""
-    return "constant" if 2 * powers.damping == powers.elastic - 4 else "law"
+    constant = 2 * force.powers.damping == force.powers.elastic - 4 and not isinstance(force, AdhesiveForce)
+    return "constant" if constant else "law"
 
 
 def _collision(force: Force, speed: float, damping: float | None) -> Collision:

@@ -78,7 +78,7 @@ def _numbers(examined: Examined) -> Iterator[str]:
     needed: dict[tuple[str, ...], list[Need]] = {}
     for case, row in examined:
         asked, force = case.restitution_asked, case.force
-        if asked is None or not isinstance(force, ModelForce) or row.restitution is None:
+        if asked is None or not isinstance(force, ModelForce) or row.restitution is None or row.adhesive:
             continue
         if force.contact.asked is not None:
             yield f"{DAMPING_LAW}  # in place of {force.contact.settings['betan'].text}"

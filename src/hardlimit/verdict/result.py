@@ -68,6 +68,7 @@ class CheckedStage(NamedTuple):
     time_step: float | None  #: [s]
     steps: int | None  #: number of steps
     gravity: float | None  #: [m/s²]
+    units: str  #: in which the script gives its numbers
     shaking: float | None  #: Γ = A ω²/g of what holds the grains
 
 
@@ -75,14 +76,14 @@ class CheckedStage(NamedTuple):
 class Verdict:
     """Whether an event-driven simulation may replace a simulation, and what that one does; returned by :func:`check`.
 
-    Numbers are in SI units, those of a script in ``lj`` units as they are there. None stands for what is not known.
+    Numbers are in SI units, those of runs in ``lj`` units as they are there. None stands for what is not known.
     """
 
     admissible: bool | None  #: None if it cannot be said
     sentence: str  #: the answer, with the number that decides
     code: str | None  #: None without a script
     version: str | None  #: as a log states it
-    units: str  #: of the script
+    units: str  #: of the last run
     units_given: bool  #: False if they are the code's default
     time_step: float | None  #: of the last run [s]
     numerical_damping: float | None  #: of the last run
@@ -109,7 +110,11 @@ class Verdict:
             values = (getattr(row, name) for row in self.rows)
             return [math.nan if value is None else float(value) for value in values]
 
-        unit = (lambda u: "1") if self.units == "lj" else (lambda u: u)
+        plain = [self.has_plain(row) for row in self.rows]
+
+        def unit(name: str) -> str:
+            return "1" if all(plain) else f"{name}, 1 where units are lj" if any(plain) else name
+
         variables = {name: ("contact", column(name), {"units": unit(u)}) for name, u in NUMBERS.items()}
         pairs = [[row.error.get(rule, (math.nan, math.nan)) for rule in RULES] for row in self.rows]
         texts = {
@@ -130,6 +135,13 @@ class Verdict:
             coords={**{name: ("contact", text) for name, text in texts.items()}, "rule": list(RULES)},
             attrs={"sentence": self.sentence, "code": self.code or "", "units": self.units},
         )
+
+    def has_plain(self, row: CheckedContact) -> bool:
+        """Whether the numbers of a contact are in ``lj`` units.
+
+        :meta private:
+        """
+        return bool(self.stages) and self.stages[row.stage - 1].units == "lj"
 
     def to_dict(self) -> dict[str, Any]:
         """Everything as plain values, as ``hardlimit check --json`` prints it.
@@ -195,6 +207,7 @@ def _contact(row: CheckedContact) -> dict[str, Any]:
         "clipped": row.clipped,
         **plain,
         "rule": row.rule,
+        "other_versions": [one._asdict() for one in row.other_versions],
         "error": {rule: list(pair) for rule, pair in row.error.items()},
     }
 
