@@ -276,5 +276,4 @@ def _of_mesh(state: State, words: Sequence[str]) -> Motion:
             if NUMBER.fullmatch(amount)
         ]
         return strongest(waves) or UNKNOWN
-    steady = ("linear", "rotate") if "linear/variable" not in words else ()
-    return STEADY if any(one in words for one in steady) else UNKNOWN
+    return STEADY if {"linear", "rotate", "rotate/variable"} & set(words) else UNKNOWN

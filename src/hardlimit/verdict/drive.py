@@ -233,20 +233,20 @@ def fixed(stage: Stage, types: Sequence[str]) -> bool:
     return any(one.frozen or one.partly_frozen for one in grains)
 
 
-def words_of(stage: Stage | None, held: Support) -> str:
+def words_of(stage: Stage | None, walls: Support) -> str:
     """What drives a box for which there is no law of the error; empty if nothing does."""
-    if held.shaking is not None:
-        return f"walls drive this box (Γ = A ω²/g = {digits(held.shaking, 3)})"
-    if held.moves:
+    if walls.shaking is not None:
+        return f"walls drive this box (Γ = A ω²/g = {digits(walls.shaking, 3)})"
+    if walls.moves:
         return "walls drive this box"
     notes = () if stage is None else (*stage.driven, *stage.pressed)
     return f"{notes[0].what} drives this box" if notes else ""
 
 
-def option_of(held: Support, length: float, time: float) -> str:
+def option_of(walls: Support, length: float, time: float) -> str:
     """The option of ``hardlimit gas`` that shakes a box in the same way; the units of length and time are in SI."""
-    motion = held.motion
-    if held.shaking is None or motion is None or motion.amplitude is None or motion.frequency is None:
+    motion = walls.motion
+    if walls.shaking is None or motion is None or motion.amplitude is None or motion.frequency is None:
         return ""
     size, rate = math.hypot(*motion.amplitude) * length, motion.frequency / (2.0 * math.pi * time)
     values = (quantity(size, "m", 3), quantity(rate, "Hz", 3))
