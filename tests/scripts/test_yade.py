@@ -8,8 +8,11 @@ from conftest import slow
 from hardlimit.scripts import read
 
 LOOP = """O.engines = [
-    ForceResetter(), InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Facet_Aabb()]),
-    InteractionLoop([Ig2_Sphere_Sphere_ScGeom()], [{}], [{}]),
+    ForceResetter(),
+    InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Facet_Aabb(), Bo1_Wall_Aabb(), Bo1_Box_Aabb()]),
+    InteractionLoop(
+        [Ig2_Sphere_Sphere_ScGeom(), Ig2_Facet_Sphere_ScGeom(), Ig2_Wall_Sphere_ScGeom(), Ig2_Box_Sphere_ScGeom()],
+        [{}], [{}]),
     NewtonIntegrator({}),
 ]
 """
@@ -91,7 +94,7 @@ def test_two_materials():
     both = "a = O.materials.append(ViscElMat({}))\nb = O.materials.append(ViscElMat({}))\n"
     bodies = "O.bodies.append([sphere((0, 0, 0), 0.01, material=a), sphere((0, 0, 1), 0.02, material=b)])\n"
     for first, second, expected in (
-        ("kn=1e5, cn=1", "kn=3e5, cn=3", {"kn": 1.5e5, "cn": 1.5}),
+        ("kn=1e5, cn=1, ks=1, cs=1", "kn=3e5, cn=3, ks=1, cs=1", {"kn": 1.5e5, "cn": 1.5}),
         ("tc=1e-3, en=.5, et=1", "tc=3e-3, en=.7, et=1", {"tc": 2e-3, "en": 0.6}),
     ):
         mixed = numbers(read(script(VISCEL, both.format(first, second), bodies)).stages[0].contacts[1])
@@ -115,9 +118,8 @@ def test_match_makers():
     assert [numbers(one)["en"] for one in contacts] == [0.7, 0.5, 0.3]
     assert [one.types for one in contacts] == [("0", "0"), ("0", "1"), ("1", "1")]
     found = read(script((pair[0].replace(", val=.3", ""), pair[1]), material, bodies))
-    assert [one.types for one in found.stages[0].contacts] == [("0", "0"), ("0", "1")] and len(
-        found.unknown
-    ) == 1
+    assert [one.types for one in found.stages[0].contacts] == [("0", "0"), ("0", "1")]
+    assert any("MatchMaker" in one.text for one in found.unknown)
 
 
 def test_factories():
@@ -213,12 +215,28 @@ def test_fixed_bodies_whose_mass_is_in_the_formulas():
     )
 
 
-def test_facets_of_another_modulus():
-    """CundallStrack's stiffness depends on the modulus and the radius of each body; a facet has twice the radius."""
+@pytest.mark.parametrize(
+    "functor,wall,modulus,larger",
+    [
+        ("", "facet([(0, 0, 0), (1, 0, 0), (0, 1, 0)])", 3e7 / (1.0 + 2.0 * 100), 4 / 3),
+        ("", "wall(0, axis=2)", 2e7 / (1.0 + 100), 1.0),
+        ("hertzian=True", "facet([(0, 0, 0), (1, 0, 0), (0, 1, 0)])", 1e7, 2.0),
+        ("hertzian=True", "wall(0, axis=2)", 1e7, 2.0),
+    ],
+)
+def test_walls_of_another_modulus(functor, wall, modulus, larger):
+    """CundallStrack's stiffness depends on the modulus and the size of each body: 2 R, with hertzian 1e8 R."""
     material = GLASS + "O.materials.append(FrictMat(young=1e9, poisson=0.3, density=1))\n"
-    bodies = "O.bodies.append([sphere((0, 0, 0), 1, material=0), facet([(0, 0, 0), (1, 0, 0), (0, 1, 0)])])\n"
-    found = read(script(FRICT, material, bodies))
-    assert len(found.unknown) == 1 and not any(one.wall for one in found.stages[0].contacts)
+    text = script(FRICT, material, f"O.bodies.append([sphere((0, 0, 0), 1, material=0), {wall}])\n")
+    for name in "Facet", "Wall":
+        text = text.replace(f"{name}_Sphere_ScGeom()", f"{name}_Sphere_ScGeom({functor})")
+    found = read(text)
+    (contact,) = (one for one in found.stages[0].contacts if one.wall)
+    expected = modulus if functor else modulus * 100
+    assert numbers(contact)["young"] == pytest.approx(expected) and contact.wall_radius == pytest.approx(
+        larger
+    )
+    assert not found.unknown
 
 
 def test_the_time_step_of_waves():
@@ -239,7 +257,8 @@ def test_engines_of_motion_are_named():
     lines = "O.engines += [CombinedKinematicEngine() + TranslationEngine() + RotationEngine()]\nO.run(1)\n"
     said = " ".join(one.what for one in read(script(rest=lines)).ignored)
     assert "CombinedKinematicEngine" in said and "TranslationEngine" in said
-    facets = script().replace("Ig2_Sphere_Sphere_ScGeom()", "Ig2_Facet_Sphere_ScGeom(hertzian=True)")
+    facets = script().replace("Ig2_Facet_Sphere_ScGeom()", "Ig2_Facet_Sphere_ScGeom(hertzian=whether())")
+    facets = facets.replace(SPHERE, SPHERE + "O.bodies.append(facet([(0, 0, 0), (1, 0, 0), (0, 1, 0)]))\n")
     assert "hertzian" in read(facets).unknown[0].text
 
 
@@ -269,8 +288,11 @@ def test_callbacks_that_change_settings_are_quoted():
     "pair,material,rest,what",
     [
         (
-            ("Ip2_CohFrictMat_CohFrictMat_CohFrictPhys()", "Law2_ScGeom6D_CohFrictPhys_CohesionMoment()"),
-            "O.materials.append(CohFrictMat(young=1e7))\n",
+            (
+                "Ip2_CohFrictMat_CohFrictMat_CohFrictPhys(setCohesionOnNewContacts=True)",
+                "Law2_ScGeom6D_CohFrictPhys_CohesionMoment()",
+            ),
+            "O.materials.append(CohFrictMat(young=1e7, normalCohesion=1e6))\n",
             "",
             "adhesion",
         ),

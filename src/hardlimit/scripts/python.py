@@ -21,6 +21,8 @@ from .statements import Refusal, quoted, refusal
 
 #: A print statement of Python 2.
 PRINT: Final = re.compile(r"(^[ \t]*|[:;][ \t]*)print\b(?![ \t]*\()[^\n]*", re.MULTILINE)
+#: A name, perhaps of a member of modules or objects.
+DOTTED: Final = re.compile(r"[A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*")
 MAX_STEPS: Final = 200_000
 MAX_ITEMS: Final = 20_000  #: of a list
 DEEPEST: Final = 8  #: nesting of calls of the script's own functions
@@ -59,7 +61,10 @@ FUNCTIONS: Final[dict[str, Callable[..., Any]]] = {
     "arccos": math.acos,
     "arctan": math.atan,
     **{function.__name__: function for function in (abs, min, max, round, float, int, sum, len)},
+    "Real": float,
+    "toHP1": float,
 }
+NUMBER_TYPES: Final = ("float", "int", "Real", "toHP1")
 #: Functions of lists, whose elements may be anything.
 LISTS: Final[dict[str, Callable[..., Any]]] = {
     "enumerate": lambda *values: list(enumerate(*values)),
@@ -136,6 +141,14 @@ class Return(Exception):  # not an error
     """The end of one of the script's own functions."""
 
 
+class Missing(Exception):  # not an error
+    """An argument of the command line that is not given, inside ``try``."""
+
+
+class Arguments(list[Any]):
+    """``sys.argv`` of a script that is started without arguments."""
+
+
 @dataclass
 class Evaluator:
     """Runs the statements of a script as far as they are understood."""
@@ -148,15 +161,19 @@ class Evaluator:
         self.instances: list[Instance] = []
         self.assignments: list[Assignment] = []
         self.functions: dict[str, ast.FunctionDef] = {}
-        self.defaults: dict[str, dict[str, Any]] = {}  #: of the arguments of functions
+        self.defaults: dict[ast.AST, dict[str, Any]] = {}  #: of the arguments of functions
+        self.classes: dict[str, dict[str, ast.FunctionDef]] = {}  #: methods by name
+        self.executed: set[ast.AST] = set()  #: functions that were called
         self.modules = set(MODULES)
         self.count = self.depth = 0
+        self.repeats = 0  #: depth of statements that may run any number of times
+        self.trials = 0  #: depth of ``try``
 
     def run(self) -> None:
         """Run the script. A ValueError if it is not Python."""
-        tree = self.parsed()
+        self.tree = self.parsed()
         try:
-            self.block(tree.body)
+            self.block(self.tree.body)
         except Return:
             pass
         except RecursionError:
@@ -194,7 +211,21 @@ class Evaluator:
             return owner.attributes[name]
         if name in CONSTANTS and isinstance(owner, str) and owner in self.modules:
             return CONSTANTS[name]
-        return Unknown(ast.unparse(node))
+        if name == "argv" and owner == "sys":
+            return Arguments([self.file or "script.py"])
+        return Unknown(f"{owner}.{name}" if isinstance(owner, str) else ast.unparse(node))
+
+    def imported(self, node: ast.Import | ast.ImportFrom) -> None:
+        """An import. Other names of modules and of their members stand for these."""
+        for one in node.names:
+            if isinstance(node, ast.Import) and one.asname:
+                self.names[one.asname] = Unknown(one.name)
+                if one.name in MODULES:
+                    self.modules |= {one.asname}
+            elif isinstance(node, ast.ImportFrom) and one.asname:
+                self.names[one.asname] = Unknown(one.name)
+            elif isinstance(node, ast.ImportFrom) and one.name == "argv":
+                self.names["argv"] = Arguments([self.file or "script.py"])
 
     # --- statements ---------------------------------------------------------------------------------------------
 
@@ -238,19 +269,37 @@ class Evaluator:
                     self.block(body if holds else other)
             case ast.FunctionDef(name, given):
                 self.functions[name] = node
-                self.defaults[name] = self.default_values(given)
+                self.defaults[node] = self.default_values(given)
                 self.names.pop(name, None)
-            case ast.Import(names):
-                self.modules |= {one.asname for one in names if one.asname and one.name in MODULES}
+            case ast.Import() | ast.ImportFrom():
+                self.imported(node)
             case ast.ClassDef(name, body=body):
+                self.classes[name] = {one.name: one for one in body if isinstance(one, ast.FunctionDef)}
+                for method in self.classes[name].values():
+                    self.defaults[method] = self.default_values(method.args)
                 self.names[name] = self.namespace(name, body, node)
             case ast.Return(value):
                 raise Return(None if value is None else self.value(value))
-            case ast.With(_, body) | ast.Try(body):
+            case ast.With(_, body):
                 self.block(body)
+            case ast.Try():
+                self.tried(node)
             case ast.Delete(targets):
                 for target in targets:
                     self.forget(target)
+
+    def tried(self, node: ast.Try) -> None:
+        """``try``: its body, and what handles an argument of the command line that is not given."""
+        self.trials += 1
+        try:
+            self.block(node.body)
+            self.block(node.orelse)
+        except Missing:
+            for handler in node.handlers[:1]:
+                self.block(handler.body)
+        finally:
+            self.trials -= 1
+        self.block(node.finalbody)
 
     def namespace(self, name: str, body: list[ast.stmt], node: ast.stmt) -> Instance:
         """The values that a class assigns, as its attributes; its methods are not run."""
@@ -284,9 +333,11 @@ class Evaluator:
         changed = [part for body in bodies for part in body] + ([also] if also is not None else [])
         for part in changed:
             self.forget(part)
+        self.repeats += 1
         for body in bodies:
-            with suppress(Return):
+            with suppress(Return, Missing):
                 self.block(body)
+        self.repeats -= 1
         for part in changed:
             self.forget(part)
 
@@ -327,7 +378,7 @@ class Evaluator:
         self.step(node)
         try:
             found = self._value(node)
-        except Refusal:
+        except (Refusal, Missing):
             raise
         except (ValueError, TypeError, KeyError, IndexError, ArithmeticError, AttributeError):
             return Unknown(ast.unparse(node))
@@ -363,18 +414,18 @@ class Evaluator:
                 return self.binary(self.value(left), sign, self.value(right), node)
             case ast.BoolOp(sign, parts):
                 return self.boolean(isinstance(sign, ast.And), [self.value(part) for part in parts], node)
-            case ast.Compare(left, [sign], [right]):
-                pair = self.value(left), self.value(right)
-                if any(isinstance(one, Unknown | Instance) for one in pair):
+            case ast.Compare(left, signs, others):
+                values = [self.value(one) for one in (left, *others)]
+                if any(isinstance(one, Unknown | Instance) for one in values):
                     return Unknown(ast.unparse(node))
-                return COMPARISONS[type(sign)](*pair)
+                pairs = zip(signs, values, values[1:], strict=False)
+                return all(COMPARISONS[type(sign)](one, next_one) for sign, one, next_one in pairs)
             case ast.IfExp(test, body, other):
                 holds = self.value(test)
-                return (
-                    Unknown(ast.unparse(node))
-                    if isinstance(holds, Unknown)
-                    else self.value(body if holds else other)
-                )
+                if not isinstance(holds, Unknown | Instance):
+                    return self.value(body if holds else other)
+                ends = self.value(body), self.value(other)
+                return ends[0] if ends[0] == ends[1] else Unknown(ast.unparse(node))
             case ast.Call():
                 return self.call(node)
             case ast.Attribute(owner, name):
@@ -434,9 +485,17 @@ class Evaluator:
         return values[-1]
 
     def item(self, held: Any, place: ast.expr, node: ast.expr) -> Any:
-        if isinstance(place, ast.Slice) or not isinstance(held, list | tuple | dict):
+        if not isinstance(held, list | tuple | dict):
             return Unknown(ast.unparse(node))
-        return held[self.value(place)]
+        if isinstance(place, ast.Slice):
+            ends = [
+                None if one is None else self.value(one) for one in (place.lower, place.upper, place.step)
+            ]
+            return held[slice(*ends)]
+        key = self.value(place)
+        if isinstance(held, Arguments) and self.trials and isinstance(key, int) and key >= len(held):
+            raise Missing
+        return held[key]
 
     def comprehension(self, element: ast.expr, generators: list[ast.comprehension], found: list[Any]) -> None:
         """Add the values of a comprehension. Over values or under conditions that are not known, its element once."""
@@ -447,6 +506,7 @@ class Evaluator:
         items = self.items(generator.iter)
         if self.count > MAX_STEPS // 2:
             items = None  # such as a large lattice, whose other spheres are like those before
+        self.repeats += items is None
         for item in [Unknown(ast.unparse(generator.iter))] if items is None else items:
             self.assign(generator.target, item, generator.target)
             holds = [self.value(one) for one in generator.ifs]
@@ -457,12 +517,17 @@ class Evaluator:
         for item in chosen:
             self.assign(generator.target, item, generator.target)
             self.comprehension(element, inner, found)
+        self.repeats -= items is None
 
     def call(self, node: ast.Call) -> Any:
         """A call: arithmetic, one of the script's own functions, or an instance."""
         match node.func:
             case ast.Name(name):
                 owner: Any = None
+                alias = self.names.get(name)
+                if isinstance(alias, Unknown) and DOTTED.fullmatch(alias.text):
+                    before_dot, _, name = alias.text.rpartition(".")
+                    owner = before_dot or None
             case ast.Attribute(before, name):
                 owner = self.owner(before)
             case _:
@@ -485,6 +550,10 @@ class Evaluator:
                 keywords["**"] = value
         if name in self.functions and owner is None:
             return self.inside(self.functions[name], arguments, keywords, node)
+        if name in self.classes and owner is None:
+            return self.constructed(name, arguments, keywords, node)
+        if isinstance(owner, Instance) and name in (methods := self.classes.get(owner.name, {})):
+            return self.inside(methods[name], [owner, *arguments], keywords, node)
         arithmetic = owner is None or (isinstance(owner, str) and owner in self.modules)
         if name in ("Vector3", "Vector2", "Vector6") and len(arguments) > 1:
             return Vector(arguments)
@@ -501,10 +570,28 @@ class Evaluator:
             found = getattr(owner, name)(*arguments)
             return found if name == "get" else list(found)
         if name in FUNCTIONS and arithmetic and not keywords and name not in self.names:
-            unknown = [one for one in flat(arguments) if isinstance(one, Unknown | Instance | str)]
+            unknown = [one for one in flat(arguments) if isinstance(one, Unknown | Instance)]
+            if name not in NUMBER_TYPES:
+                unknown += [one for one in flat(arguments) if isinstance(one, str)]
             return Unknown(ast.unparse(node)) if unknown else FUNCTIONS[name](*arguments)
+        if name == "setattr" and owner is None and len(arguments) == 3 and isinstance(arguments[1], str):
+            first = arguments[0]
+            return self.assigned(first.text if isinstance(first, Unknown) else first, *arguments[1:], node)
         text = quoted("", node.lineno, ast.unparse(node)).text
+        if isinstance(owner, Instance) and owner.name == "ArgumentParser":
+            return parsed_argument(name, owner, Instance(name, tuple(arguments), keywords, node.lineno, text))
         return self.called(name, owner, Instance(name, tuple(arguments), keywords, node.lineno, text))
+
+    def constructed(
+        self, name: str, arguments: list[Any], keywords: Mapping[str, Any], node: ast.Call
+    ) -> Instance:
+        """An object of one of the script's own classes."""
+        common = self.names.get(name)
+        attributes = dict(common.attributes) if isinstance(common, Instance) else {}
+        made = Instance(name, tuple(arguments), attributes, node.lineno, ast.unparse(node))
+        if "__init__" in self.classes[name]:
+            self.inside(self.classes[name]["__init__"], [made, *arguments], keywords, node)
+        return made
 
     def default_values(self, given: ast.arguments) -> dict[str, Any]:
         """The values of the arguments that a function has by default, when it is defined."""
@@ -524,7 +611,8 @@ class Evaluator:
         given = function.args
         places = [one.arg for one in [*given.posonlyargs, *given.args]]
         local = {name: Unknown(name) for name in [*places, *(one.arg for one in given.kwonlyargs)]}
-        local |= self.defaults[function.name]
+        local |= self.defaults[function]
+        self.executed.add(function)
         local |= dict(zip(places, arguments, strict=False)) | dict(keywords)
         outside, self.depth = self.names, self.depth + 1
         changed = {name for one in ast.walk(function) if isinstance(one, ast.Global) for name in one.names}
@@ -538,6 +626,19 @@ class Evaluator:
             inside, self.names, self.depth = self.names, outside, self.depth - 1
         self.names |= {name: inside[name] for name in changed if name in inside}
         return found
+
+
+def parsed_argument(name: str, parser: Instance, instance: Instance) -> Any:
+    """A method of ``argparse.ArgumentParser``: arguments have their defaults."""
+    if name == "add_argument":
+        flags = [one for one in instance.arguments if isinstance(one, str)]
+        long = next((one for one in flags if one.startswith("--")), flags[0] if flags else "")
+        target = instance.attributes.get("dest", long.lstrip("-").replace("-", "_"))
+        default = False if instance.attributes.get("action") == "store_true" else Unknown(instance.text)
+        parser.made.append((target, instance.attributes.get("default", default)))
+    elif name == "parse_args":
+        return Instance("Namespace", (), dict(parser.made), instance.line, instance.text)
+    return Unknown(instance.text)
 
 
 def count(value: Any) -> int:
