@@ -213,9 +213,6 @@ class Yade(Evaluator):
         self.names["__name__"] = "__main__"
         self.materials: list[Instance] = []
         self.bodies: list[Body] = []
-        self.engines: list[Any] = self.value(ast.parse(DEFAULT_ENGINES, mode="eval").body)
-        self.instances.clear()
-        self.label(self.engines)
         self.engines_quote: Quote | None = None
         self.engines_given = self.saved = False
         self.foreign: set[str] = set()  #: names of modules that are not known
@@ -226,6 +223,9 @@ class Yade(Evaluator):
         self.ignored: dict[Note, None] = {}
         self.invalidates: dict[Note, None] = {}
         self.unknown: dict[Quote, None] = {}
+        self.engines: list[Any] = self.value(ast.parse(DEFAULT_ENGINES, mode="eval").body)
+        self.instances.clear()
+        self.label(self.engines)
 
     def quote(self, line: int, text: str) -> Quote:
         return quoted(self.file, line, text)
