@@ -85,23 +85,22 @@ def test_viscoelastic_materials(keywords, expected):
 def test_two_materials():
     """Mindlin: moduli in series; ViscElMat: springs in series and means of tc and en."""
     steel = GLASS + "steel = O.materials.append(FrictMat(young=2e11, poisson=0.25, label='steel'))\n"
-    bodies = "O.bodies.append([sphere((0, 0, 0), 0.01, material='glass'), sphere((0, 0, 1), 0.02, material=steel)])\n"
+    bodies = "O.bodies.append([sphere((0, 0, 0), r, material=m) for r, m in 2 * [(0.01, 'glass'), (0.02, steel)]])\n"
     contacts = read(script(material=steel, bodies=bodies)).stages[0].contacts
     assert [one.types for one in contacts] == [("glass", "glass"), ("glass", "steel"), ("steel", "steel")]
     mixed = numbers(contacts[1])
     effective = 1.0 / ((1.0 - 0.3**2) / 1e7 + (1.0 - 0.25**2) / 2e11)
     assert 0.5 * mixed["young"] / (1.0 - mixed["poisson"] ** 2) == pytest.approx(effective, rel=1e-12)
     both = "a = O.materials.append(ViscElMat({}))\nb = O.materials.append(ViscElMat({}))\n"
-    bodies = "O.bodies.append([sphere((0, 0, 0), 0.01, material=a), sphere((0, 0, 1), 0.02, material=b)])\n"
+    bodies = "O.bodies.append([sphere((0, 0, z), 0.01, material=m) for z in (0, 1) for m in (a, b)])\n"
     for first, second, expected in (
         ("kn=1e5, cn=1, ks=1, cs=1", "kn=3e5, cn=3, ks=1, cs=1", {"kn": 1.5e5, "cn": 1.5}),
         ("tc=1e-3, en=.5, et=1", "tc=3e-3, en=.7, et=1", {"tc": 2e-3, "en": 0.6}),
     ):
         mixed = numbers(read(script(VISCEL, both.format(first, second), bodies)).stages[0].contacts[1])
         assert mixed.pop("physics") == "ViscElPhys" and mixed == pytest.approx(expected)
-    differ = read(
-        script(FRICT, steel, "O.bodies.append([sphere((0, 0, 0), 0.01, material=k) for k in (0, 1)])\n")
-    )
+    bodies = "O.bodies.append([sphere((0, 0, z), 0.01, material=k) for z in (0, 1) for k in (0, 1)])\n"
+    differ = read(script(FRICT, steel, bodies))
     assert numbers(differ.stages[0].contacts[1])["young"] == pytest.approx(2e7 / (1.0 + 1e7 / 2e11))
 
 
@@ -113,7 +112,7 @@ def test_match_makers():
     material = (
         "a, b = O.materials.append([FrictMat(young=1e7, poisson=.3), FrictMat(young=1e7, poisson=.3)])\n"
     )
-    bodies = "for k in (a, b):\n    O.bodies.append(sphere((0, 0, k), 0.01, material=k))\n"
+    bodies = "for k in (a, b, a, b):\n    O.bodies.append(sphere((0, 0, k), 0.01, material=k))\n"
     contacts = read(script(pair, material, bodies)).stages[0].contacts
     assert [numbers(one)["en"] for one in contacts] == [0.7, 0.5, 0.3]
     assert [one.types for one in contacts] == [("0", "0"), ("0", "1"), ("1", "1")]
@@ -182,7 +181,12 @@ O.bodies.append(ymport.stl('a.stl', material='wall'))
     assert [one.wall for one in contacts] == ["facets of wall", "walls of glass", "boxes of glass"]
     assert {one.types for one in contacts} == {("glass", "wall")}
     for word, frozen in (("fixed=True", True), ("dynamic=False", True), ("dynamic=True", False)):
-        found = read(script(bodies=f"O.bodies.append(sphere((0, 0, 0), 0.01, {word}))\n"))
+        bodies = (
+            f"O.bodies.append([sphere((0, 0, 0), 0.01, {word}), sphere((0, 0, 1), 0.01, material='wall')])\n"
+        )
+        found = read(
+            script(material=material, bodies=bodies.replace(f"{word})", f"{word}, material='glass')"))
+        )
         assert found.stages[0].grains["glass"].frozen is frozen
     both = "O.bodies.append([sphere((0, 0, 0), 1, fixed=True), sphere((0, 0, 3), 1)])\n"
     assert not read(script(bodies=both)).stages[0].grains["glass"].frozen
@@ -196,7 +200,9 @@ def test_fixed_bodies_whose_mass_is_in_the_formulas():
             ("box((0, 0, 0), (0.1, 0.2, 0.3), fixed=True)", mass),
             ("facet([(0, 0, 0), (1, 0, 0), (0, 1, 0)])", None),
         ):
-            bodies = f"O.bodies.append([sphere((0, 0, 0), 0.01, fixed=True), {body}])\n"
+            bodies = (
+                f"O.bodies.append([sphere((0, 0, 0), 0.01), sphere((0, 0, 1), 0.02, fixed=True), {body}])\n"
+            )
             found = read(script(VISCEL, material.format(numbers), bodies))
             (wall,) = (one for one in found.stages[0].contacts if one.wall)
             assert wall.wall_mass == (None if counted is None else pytest.approx(counted))
@@ -208,7 +214,7 @@ def test_fixed_bodies_whose_mass_is_in_the_formulas():
     found = read(script(bodies=f"{SPHERE}O.bodies.append(box((0, 0, 0), (1, 1, 1)))\n"))
     assert [one.text for one in found.unknown] == ["box((0, 0, 0), (1, 1, 1))"]
     assert (
-        not read(script(bodies="O.bodies.append(sphere((0, 0, 0), 1, fixed=True))\n"))
+        not read(script(bodies=f"{SPHERE}O.bodies.append(sphere((0, 0, 0), 1, fixed=True))\n"))
         .stages[0]
         .grains["glass"]
         .counted

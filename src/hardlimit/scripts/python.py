@@ -64,7 +64,8 @@ FUNCTIONS: Final[dict[str, Callable[..., Any]]] = {
     "Real": float,
     "toHP1": float,
 }
-NUMBER_TYPES: Final = ("float", "int", "Real", "toHP1")
+#: Those that take texts.
+OF_TEXTS: Final = ("float", "int", "Real", "toHP1", "len")
 #: Functions of lists, whose elements may be anything.
 LISTS: Final[dict[str, Callable[..., Any]]] = {
     "enumerate": lambda *values: list(enumerate(*values)),
@@ -313,7 +314,9 @@ class Evaluator:
         """A loop over known values; if it is too long or ends early, its body once, with names of unknown value."""
         items = self.items(iterable)
         jumps = any(isinstance(one, ast.Break | ast.Continue) for part in body for one in ast.walk(part))
-        long = sum(1 for part in body for _ in ast.walk(part)) * len(items or ()) > MAX_STEPS - self.count
+        long = (
+            sum(1 for part in body for _ in ast.walk(part)) * len(items or ()) > MAX_STEPS // 2 - self.count
+        )
         if items is None or jumps or long:
             self.uncertain(target, [body], also=target)
             return
@@ -571,7 +574,7 @@ class Evaluator:
             return found if name == "get" else list(found)
         if name in FUNCTIONS and arithmetic and not keywords and name not in self.names:
             unknown = [one for one in flat(arguments) if isinstance(one, Unknown | Instance)]
-            if name not in NUMBER_TYPES:
+            if name not in OF_TEXTS:
                 unknown += [one for one in flat(arguments) if isinstance(one, str)]
             return Unknown(ast.unparse(node)) if unknown else FUNCTIONS[name](*arguments)
         if name == "setattr" and owner is None and len(arguments) == 3 and isinstance(arguments[1], str):

@@ -107,7 +107,7 @@ SHAPES: Final = {
     **dict.fromkeys(
         ("facetHelix", "facetParallelepiped", "facetTorus", "stl", "gts", "gmsh", "unv", "iges"), "facets"
     ),
-    "gtsSurface2Facets": "facets",
+    **dict.fromkeys(("gtsSurface2Facets", "textFacets", "blockMeshFacets"), "facets"),
     "wall": "walls",
     "box": "boxes",
     "aabbWalls": "boxes",
@@ -132,6 +132,8 @@ CLUMPS: Final = (
     "polyhedron",
     "tetra",
 )
+#: Modules whose functions of the same names make no bodies.
+READERS: Final = ("export", "pickle", "cPickle", "np", "numpy", "json", "yaml", "plot", "pd", "pandas")
 #: Bodies that are no spheres, whose contacts are not read.
 OTHER_SHAPES: Final = (
     "gridNode",
@@ -404,7 +406,7 @@ class Yade(Evaluator):
             self.shape(instance)
         elif name in ("regularHexa", "regularOrtho", "randomDensePack", "hexaNet", "filterSpherePack"):
             self.packing(instance)
-        elif name in FILES and owner != "export":
+        elif name in FILES and not (isinstance(owner, str) and owner.partition(".")[0] in READERS):
             self.from_file(instance)
         elif name in CLUMPS or name in OTHER_SHAPES:
             self.clumps(instance)
@@ -473,7 +475,7 @@ class Yade(Evaluator):
             self.from_file(instance)
         elif name in ("reset", "resetThisScene", "resetCurrentScene", "resetAllScenes"):
             self.materials.clear()
-            self.bodies, self.engines, self.engines_given = [], [], True
+            self.bodies, self.engines, self.engines_given, self.engines_quote = [], [], True, None
             self.elsewhere, self.time_step, self.time_step_given = False, None, False
         elif name == "labeledEngine" and instance.arguments:
             return self.names.get(str(instance.arguments[0]), Unknown(instance.text))
@@ -516,6 +518,11 @@ class Yade(Evaluator):
     def material_of(self, instance: Instance, place: int = -1) -> int:
         """The material of a body: given by number, label or instance; the last one by default."""
         given = instance.argument(place, "material", -1)
+        if (
+            isinstance(given, Unknown) and given.text in self.functions
+        ):  # which makes the material of each body
+            call = ast.parse(f"{given.text}()", mode="eval").body
+            given = self.value(ast.copy_location(call, self.functions[given.text]))
         if isinstance(given, Instance):
             return self.index(given)
         if isinstance(given, str):
@@ -622,7 +629,8 @@ class Yade(Evaluator):
             other = isinstance(one, Instance) and one.name in (*CLUMPS, *OTHER_SHAPES)
             if isinstance(one, Unknown | Instance) and not made and not other:
                 self.elsewhere = True
-                self.unknown[self.quote(instance.line, instance.text)] = None
+                if not (isinstance(one, Instance) and one.name in FILES):
+                    self.unknown[self.quote(instance.line, instance.text)] = None
 
     def from_file(self, instance: Instance) -> None:
         """Spheres whose sizes are not in the script."""
@@ -707,6 +715,9 @@ class Yade(Evaluator):
             self.stages[-1] = replace(self.stages[-1], steps=both)
         else:
             self.stages.append(new)
+            self.notes()
+            if new.contacts:
+                self.missing_engines()
 
     def step_now(self) -> float | None:
         """The time step; None if it is not known or an engine changes it."""
@@ -798,15 +809,19 @@ class Yade(Evaluator):
     def all_contacts(self) -> Iterator[ContactSettings]:
         """The contacts, whose damping is that of the functor."""
         functors = {PHYSICS[one.name]: one for one in self.used("Ip2_") if one.name in PHYSICS}
-        kinds = self.kinds()
+        kinds, grains = self.kinds(), self.grains()
+        still = {k for k in kinds if grains[self.name(k)].frozen}
         for i in kinds if self.touching("sphere") is not None else []:
+            one = grains[self.name(i)]
             for j in kinds[kinds.index(i) :]:
+                if {i, j} <= still or (i == j and one.alone and not one.partly_frozen):
+                    continue  # they do not meet
                 found = self.between(functors, i, j)
                 if found is not None:
                     yield ContactSettings((self.name(i), self.name(j)), None, *found)
         walls = {(one.kind, one.material, one.mass): one.quote for one in self.bodies if one.kind != "sphere"}
         several = len({material for _, material, _ in walls}) > 1
-        for i in kinds:
+        for i in sorted({*kinds} - still):
             for (kind, j, mass), quote in walls.items():
                 size = self.touching(kind)
                 found = None if size is None else self.between(functors, i, j, size)
@@ -827,7 +842,7 @@ class Yade(Evaluator):
         """The size of bodies of this kind over that of a sphere in YADE's formulas; None if they touch no sphere."""
         shape, size = (SHAPE_NAMES[kind], SIZES.get(kind, 1.0))
         meet = [one for one in self.used("Ig2_") if one.name.startswith(f"Ig2_{shape}_Sphere_")]
-        seen = [one for one in self.used("Bo1_") if one.name == f"Bo1_{shape}_Aabb"]
+        seen = [*self.used(f"Bo1_{shape}_Aabb"), *self.used("FlatGridCollider")]
         if self.engines_given and not (meet and seen):
             missing = f"Bo1_{shape}_Aabb" if meet else f"Ig2_{shape}_Sphere_…"
             what = f"{kind if kind in SIZES else 'spheres'} without contacts: no {missing}"
@@ -1013,6 +1028,7 @@ class Yade(Evaluator):
             last = self.instances[-1] if self.instances else None
             self.stage(self.quote(last.line if last else 1, last.text if last else self.text[:80]), None)
         self.notes()
+        self.callbacks()
         found = Description(
             "yade",
             None,
@@ -1046,11 +1062,13 @@ class Yade(Evaluator):
                     self.invalidates[Note(f"{what} ({name})", None, quote)] = None
                 elif name not in ENGINES and not name.endswith("Recorder"):
                     self.unknown[quote] = None
-        given = self.engines_quote if any(stage.contacts for stage in self.stages) else None
-        for part in ("ForceResetter", "Integrator") if given is not None else ():
-            if given is not None and not any(part in one.name for one in self.used("")):
+
+    def missing_engines(self) -> None:
+        """Engines without which nothing moves or forces are never reset."""
+        given = self.engines_quote
+        for part in ("ForceResetter", "Integrator") if given is not None and self.engines_given else ():
+            if given is not None and not any(part in one.name for one in self.engines):
                 self.unknown[self.quote(given.line, f"no {part} in {given.text}")] = None
-        self.callbacks()
 
     def contact_note(self, one: Instance, quote: Quote) -> None:
         name = one.name
@@ -1094,7 +1112,7 @@ class Yade(Evaluator):
         methods = [one for each in self.classes.values() for one in each.values()]
         for one in [*(one for name, one in self.functions.items() if name in named), *methods]:
             if one not in self.executed and touches(one):
-                self.not_understood(one)
+                self.unknown[self.quote(one.lineno, f"def {one.name}({ast.unparse(one.args)})")] = None
 
 
 def touches(part: ast.AST) -> bool:
