@@ -420,7 +420,7 @@ class Evaluator:
             case ast.Compare(left, signs, others):
                 values = [self.value(one) for one in (left, *others)]
                 if any(isinstance(one, Unknown | Instance) for one in values):
-                    return Unknown(ast.unparse(node))
+                    return self.compared(node, values)
                 pairs = zip(signs, values, values[1:], strict=False)
                 return all(COMPARISONS[type(sign)](one, next_one) for sign, one, next_one in pairs)
             case ast.IfExp(test, body, other):
@@ -443,6 +443,10 @@ class Evaluator:
             case ast.JoinedStr(parts):
                 texts = [self.formatted(part) for part in parts]
                 return Unknown(ast.unparse(node)) if None in texts else "".join(map(str, texts))
+        return Unknown(ast.unparse(node))
+
+    def compared(self, node: ast.Compare, values: list[Any]) -> Any:
+        """A comparison with a value that is not known."""
         return Unknown(ast.unparse(node))
 
     def formatted(self, part: ast.expr) -> str | None:

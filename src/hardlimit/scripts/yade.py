@@ -155,7 +155,7 @@ trackEnergy timingEnabled stopAtIter stopAtTime subStepping subStep tags periodi
 """
 #: Methods of ``O`` that change neither contacts nor grains.
 SCENE_METHODS: Final = """
-pause wait resetTime save saveTmp exitNoBacktrace labeledEngine plugins lsTmp isChildClassOf childClassesNonrecursive
+pause wait resetTime exitNoBacktrace labeledEngine plugins lsTmp isChildClassOf childClassesNonrecursive
 disableGdb realtime sceneToString tmpToFile tmpToString
 """
 #: Where a script gets names from that cannot change the scene unseen.
@@ -216,7 +216,8 @@ class Yade(Evaluator):
         self.materials: list[Instance] = []
         self.bodies: list[Body] = []
         self.engines_quote: Quote | None = None
-        self.engines_given = self.saved = False
+        self.engines_given = False
+        self.saved: tuple[list[Instance], list[Body], list[Any], bool] | None = None
         self.foreign: set[str] = set()  #: names of modules that are not known
         self.table: dict[str, Any] = {}
         self.time_step: float | None = None
@@ -255,6 +256,12 @@ class Yade(Evaluator):
             known = [self.body_at(k) for k in range(len(self.bodies))]
             return None if None in known or len(known) > MAX_BODIES else known
         return super().items(node)
+
+    def compared(self, node: ast.Compare, values: list[Any]) -> Any:
+        """A comparison with a value that is not known. A feature that a script asks for is taken to be there."""
+        if len(values) == 2 and isinstance(values[1], Unknown) and values[1].text.endswith("features"):
+            return isinstance(node.ops[0], ast.In)
+        return super().compared(node, values)
 
     def body_at(self, k: Any) -> Instance | None:
         """A body by its number; None if it is not known which one that is."""
@@ -360,7 +367,7 @@ class Yade(Evaluator):
             self.engines, self.engines_given = engines, True
             self.engines_quote = self.quote(getattr(node, "lineno", 1), ast.unparse(node))
             self.label(self.engines)
-        elif name == "dynDt" and isinstance(value, bool | int):
+        elif name in ("dynDt", "usesTimeStepper") and isinstance(value, bool | int):
             for one in self.used("GlobalStiffnessTimeStepper"):
                 one.attributes["active"] = bool(value)
         elif name not in SCENE_NAMES.split():
@@ -471,18 +478,26 @@ class Yade(Evaluator):
             steps = instance.argument(0, "steps", -1) if name == "run" else 1
             count = int(steps) if isinstance(steps, int | float) and 0 <= steps < 1e18 else None
             self.stage(self.quote(instance.line, instance.text), count)
-        elif name in ("load", "loadTmp", "reload") and not self.saved:
-            self.from_file(instance)
+        elif name in ("load", "loadTmp", "reload"):
+            self.loaded(instance)
         elif name in ("reset", "resetThisScene", "resetCurrentScene", "resetAllScenes"):
             self.materials.clear()
             self.bodies, self.engines, self.engines_given, self.engines_quote = [], [], True, None
             self.elsewhere, self.time_step, self.time_step_given = False, None, False
         elif name == "labeledEngine" and instance.arguments:
             return self.names.get(str(instance.arguments[0]), Unknown(instance.text))
-        elif name not in ("load", "loadTmp", "reload", *SCENE_METHODS.split()):
+        elif name in ("save", "saveTmp"):
+            self.saved = (list(self.materials), list(self.bodies), self.engines, self.elsewhere)
+        elif name not in SCENE_METHODS.split():
             self.unknown[self.quote(instance.line, instance.text)] = None
-        self.saved |= name in ("save", "saveTmp")
         return Unknown(instance.text)
+
+    def loaded(self, instance: Instance) -> None:
+        """The scene from a file: the one that the script saved last, if it did."""
+        if self.saved is None:
+            self.from_file(instance)
+            return
+        self.materials[:], self.bodies[:], self.engines, self.elsewhere = self.saved
 
     def bodies_method(self, name: str, instance: Instance) -> Any:
         """Methods of ``O.bodies``. The value is the number of a body, if it is known."""
