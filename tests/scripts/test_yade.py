@@ -4,6 +4,7 @@ import math
 
 import pytest
 
+import hardlimit as hl
 from conftest import slow
 from hardlimit.scripts import read
 
@@ -128,6 +129,7 @@ def test_factories():
 
 
 CLOUD = "sp = pack.SpherePack()\nsp.makeCloud((0, 0, 0), (1, 1, 1), {})\nsp.toSimulation(material='glass')\n"
+PACK = CLOUD.format("rMean=0.05, rRelFuzz=0.2").rpartition("sp.toSimulation")[0]
 FUNCTION = """
 def add(r, n=2):
     for i in range(n):
@@ -160,6 +162,14 @@ add(r=0.3, n=1)
         (FUNCTION, (0.1, 0.3)),
         ("import math\nO.bodies.append(sphere((0, 0, 0), math.sqrt(4) * 10**-1))\n", (0.2, 0.2)),
         ("O.bodies.append(sphere((0, 0, 0), random.uniform(.1, .2)))\n", None),
+        (PACK + "O.bodies.append([sphere(c, r) for c, r in sp])\n", (0.04, 0.06)),
+        (PACK + "for s in sp: O.bodies.append(sphere(s[0], 2 * s[1]))\n", (0.08, 0.12)),
+        (PACK + "O.bodies.append([sphere(c, radius=r) for c, r in sp.toList()])\n", (0.04, 0.06)),
+        (PACK + "sp.scale(3)\nsp.toSimulation()\n", (0.12, 0.18)),
+        (
+            "balls = []\nfor k in 1, 2: balls += [sphere((0, 0, k), 0.1 * k)]\nO.bodies.append(balls)\n",
+            (0.1, 0.2),
+        ),
         ("O.bodies.append(ymport.text('a.txt'))\n", None),
     ],
 )
@@ -422,3 +432,184 @@ def test_numbers_of_a_class():
 def test_a_large_lattice():
     bodies = "O.bodies.append([sphere((i, j, k), 2e-3) for i in range(90) for j in range(90) for k in range(90)])\n"
     assert read(script(bodies=bodies)).stages[0].grains["glass"].radii == (2e-3, 2e-3)
+
+
+@pytest.mark.parametrize(
+    "before,name",
+    [
+        ("o = Omega()", "o"),
+        ("O2 = O", "O2"),
+        ("import yade\no = yade.Omega()", "o"),
+        ("from yade.wrapper import Omega as Scene\no = Scene()", "o"),
+        ("import yade as y", "y.O"),
+        ("from yade import *", "O"),
+        ("", "Omega()"),
+    ],
+)
+def test_the_scene_under_other_names(before, name):
+    """Time step, bodies, materials, engines and runs."""
+    text = f"{before}\n{script(rest='O.dt = 2e-5; O.run(7)')}".replace("O.", f"{name}.")
+    stage = read(text).stages[0]
+    assert (stage.time_step, stage.time_step_given, stage.steps) == (2e-5, True, 7)
+    assert stage.grains["glass"].radii == (0.01, 0.01) and numbers(stage.contacts[0])["en"] == 0.7
+
+
+@pytest.mark.parametrize(
+    "rest,step",
+    [
+        ("setattr(O, 'dt', 2e-5)", 2e-5),
+        ("step = PWaveTimeStep\nO.dt = 2 * step()", 2 * 0.01 * math.sqrt(2500 / 1e7)),
+        ("O.dt = SpherePWaveTimeStep(0.01, 2500, 1e7)", 0.01 * math.sqrt(2500 / 1e7)),
+        ("import sys\nO.dt = float(sys.argv[1]) if len(sys.argv) > 1 else 3e-6", 3e-6),
+        ("import sys\ntry:\n    dt = float(sys.argv[1])\nexcept IndexError:\n    dt = 3e-6\nO.dt = dt", 3e-6),
+        ("p = ArgumentParser()\np.add_argument('--dt', default=4e-6)\nO.dt = p.parse_args().dt", 4e-6),
+        ("class Run:\n    def __init__(self, dt): O.dt = dt\nRun(5e-6)", 5e-6),
+        ("def main():\n    O.dt = 6e-6\nif __name__ == '__main__':\n    main()", 6e-6),
+        ("if 'VTK' in features:\n    O.dt = 7e-6", 7e-6),
+        ("O.dt = 1e-6\nO.dt *= 8", 8e-6),
+        ("O.dt = 9e-6\nif quick(): O.dt = 9e-6", 9e-6),
+        ("O.dt = 1e-6 if quick() else 2e-6", None),
+        ("if quick(): O.dt = 1e-6\nelse: O.dt = 2e-6", None),
+    ],
+)  # fmt: skip
+def test_where_a_time_step_comes_from(rest, step):
+    found = read(script(rest=rest + "\nO.run(1)\n"))
+    assert found.stages[0].time_step == (None if step is None else pytest.approx(step))
+    assert bool(found.unknown) is (step is None)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "exec(open('more.py').read())",
+        "from parameters import *",
+        "from ours import make\nmake()",
+        "prepare(O)",
+        "O.switchScene()",
+        "O.bodies.append(blocks())",
+        "growParticles(2)",
+        "for b in O.bodies: b.state.blockedDOFs = 'xyzXYZ'",
+        "if quick(): O.engines = []",
+        "if quick(): O.materials[0].young = 1e6",
+        "O.bodies[0].state.mass = 3",
+        "class Setup:\n    def later(self): O.dt = 1e-3",
+        "try:\n    O.bodies.append(sphere((0, 0, 2), 0.01))\nexcept: O.dt = 3",
+        "def later(): newton.damping = 0.5\nstart(later)",
+    ],
+)
+def test_what_may_change_the_scene_is_quoted(line):
+    assert read(script(bodies=CLOUD.format(".05"), rest=f"{line}\nO.run(1)\n")).unknown
+
+
+def test_engines_by_default():
+    """YADE's own, with their labels, if a script sets none; their time step adapts."""
+    text = f"{GLASS}{SPHERE}{SPHERE}newton.damping = 0.4\nnewton.gravity = (0, 0, -2)\nO.run(1)\n"
+    stage = read(text).stages[0]
+    assert (stage.time_step, stage.numerical_damping, stage.gravity) == (None, 0.4, 2.0)
+    assert numbers(stage.contacts[0]) == {"physics": "FrictPhys", "young": 1e7}
+    assert read(text.replace("O.run", "O.dynDt = False\nO.dt = 1e-6\nO.run")).stages[0].time_step == 1e-6
+
+
+@pytest.mark.parametrize(
+    "rest,damping",
+    [
+        ("O.engines.append(NewtonIntegrator(damping=0.5))", 0.0),  # YADE copies the list
+        ("O.engines = O.engines[:-1] + [NewtonIntegrator(damping=0.5)]", 0.5),
+        ("O.engines[-1].damping = 0.5", 0.5),
+        ("utils.typedEngine('NewtonIntegrator').damping = 0.5", 0.5),
+    ],
+)
+def test_parts_of_the_engines(rest, damping):
+    found = read(script(rest=f"{rest}\nO.run(1)\n"))
+    assert found.stages[0].numerical_damping == damping and not found.unknown
+    assert any("copy" in one.what for one in found.ignored) is (".append" in rest)
+
+
+def test_fixed_spheres_of_another_size():
+    """Bodies that are fixed later as well. A sphere that moves alone touches none like itself."""
+    spheres = "".join(f"O.bodies.append(sphere((0, 0, {k}), {r}))\n" for k, r in enumerate((0.06, 0.02)))
+    for fixed in ("O.bodies[0].dynamic = False", "O.bodies[0].state.blockedDOFs = 'xyzXYZ'", ""):
+        bodies = f"{spheres}{fixed}\n" if fixed else spheres.replace("0.06)", "0.06, fixed=True)")
+        grains = read(script(bodies=bodies)).stages[0].grains["glass"]
+        assert grains.radii == (0.02, 0.02) and grains.fixed.radii == (0.06, 0.06)
+        assert grains.partly_frozen and grains.alone and not grains.frozen
+        assert [
+            (row.wall, row.radius, row.other_radius) for row in hl.check(script(bodies=bodies), speed=1).rows
+        ] == [("fixed", 0.02, 0.06)]
+    both = script(bodies=spheres.replace("0.06)", "0.06, fixed=True)") + spheres.splitlines()[1] + "\n")
+    assert {(row.wall, row.other_radius) for row in hl.check(both, speed=1).rows} == {
+        ("fixed", 0.06),
+        (None, 0.02),
+    }
+
+
+@pytest.mark.parametrize("missing", ["Bo1_Facet_Aabb()", "Ig2_Facet_Sphere_ScGeom()"])
+def test_walls_that_touch_nothing(missing):
+    bodies = SPHERE + SPHERE + "O.bodies.append(facet([(0, 0, 0), (1, 0, 0), (0, 1, 0)]))\n"
+    assert any(one.wall for one in read(script(bodies=bodies)).stages[0].contacts)
+    found = read(script(bodies=bodies).replace(missing, "None"))
+    assert not any(one.wall for one in found.stages[0].contacts)
+    assert any("facets without contacts" in one.what for one in found.ignored)
+
+
+COHESIVE = (
+    "O.materials.append([CohFrictMat(young=1e8, {}, label='a'), CohFrictMat(young=1e8, {}, label='b')])\n"
+)
+BOND = "normalCohesion=1e6, shearCohesion=1e6"
+
+
+@pytest.mark.parametrize(
+    "functor,first,second,sticky",
+    [  # as seen in YADE 2023.02a
+        ("", BOND, BOND, False),
+        ("setCohesionOnNewContacts=True", BOND, BOND, True),
+        ("setCohesionNow=True", BOND, BOND, True),
+        ("setCohesionNow=True", BOND, BOND + ", isCohesive=False", False),
+        ("setCohesionOnNewContacts=True", "poisson=0.3", BOND, False),
+        ("setCohesionOnNewContacts=True", "normalCohesion=0, shearCohesion=1e6", BOND, False),
+        ("setCohesionOnNewContacts=True", "normalCohesion=0, fragile=False", BOND, False),
+        ("setCohesionOnNewContacts=True, normalCohesion=MatchMaker(algo='val', val=0)", BOND, BOND, False),
+        ("setCohesionOnNewContacts=True", "normalCohesion=strength()", BOND, True),
+    ],
+)
+def test_cohesion(functor, first, second, sticky):
+    """Without cohesion, CohFrictPhys has the normal force of FrictPhys."""
+    pair = (
+        f"Ip2_CohFrictMat_CohFrictMat_CohFrictPhys({functor})",
+        "Law2_ScGeom6D_CohFrictPhys_CohesionMoment()",
+    )
+    bodies = "O.bodies.append([sphere((0, 0, k), 0.01, material=m) for k, m in enumerate('ab')])\n"
+    found = read(script(pair, COHESIVE.format(first, second), bodies))
+    assert [one.types for one in found.invalidates if "adhesion" in one.what] == [("a", "b")] * sticky
+    assert [numbers(one) for one in found.stages[0].contacts] == [{"physics": "FrictPhys", "young": 1e8}] * (
+        not sticky
+    )
+
+
+def test_models_that_are_no_springs():
+    fluid = "O.materials.append(ViscElMat(tc=1e-3, en=0.7, et=1, SPHmode=True, mu=1e-3))\n"
+    found = read(script(VISCEL, fluid, SPHERE + SPHERE))
+    assert not found.stages[0].contacts and "particle hydrodynamics" in found.invalidates[0].what
+
+
+@pytest.mark.parametrize(
+    "keywords,functor,expected",
+    [  # as seen in YADE 2023.02a
+        ("tc=1e-3, en=0.7", "", {"young": 1e9, "en": 0.7}),
+        ("kn=1e4, cn=0.6, ks=1, cs=0, tc=1e-3, en=0.7", "", {"kn": 1e4, "cn": 0.6}),
+        ("tc=1e-3, en=0.7, et=1, kn=1e4, cn=0.6, ks=1, cs=0", "", {"tc": 1e-3, "en": 0.7}),
+        ("young=1e6, en=0.6", "", {"young": 1e6, "en": 0.6}),
+        ("young=1e6, cn=0.5, cs=0, en=0.6", "", {"young": 1e6, "cn": 0.5}),
+        ("young=1e6", "tc=1e-3, en=0.7, et=1", {"tc": 1e-3, "en": 0.7}),
+        ("tc=1e-3, en=0.7, et=1", "en=0.5", {"tc": 1e-3, "en": 0.5}),
+        ("kn=1e4, cn=0.6", "", None),
+        ("young=1e6", "en=0.5, et=0.5", None),
+        ("young=1e6", "", None),
+    ],
+)
+def test_which_numbers_of_viscoelastic_materials_count(keywords, functor, expected):
+    pair = (f"Ip2_ViscElMat_ViscElMat_ViscElPhys({functor})", VISCEL[1])
+    found = read(script(pair, f"O.materials.append(ViscElMat({keywords}))\n", SPHERE + SPHERE))
+    contacts = [numbers(one) for one in found.stages[0].contacts]
+    assert contacts == ([] if expected is None else [{"physics": "ViscElPhys", **expected}])
+    assert bool(found.unknown) is (expected is None)

@@ -327,7 +327,7 @@ class Evaluator:
     def items(self, node: ast.expr) -> list[Any] | None:
         """What an iteration runs over; None if it is not known or too long."""
         found = self.value(node)
-        if isinstance(found, range | list | tuple) and len(found) <= MAX_ITEMS:
+        if isinstance(found, range | list | tuple | str) and len(found) <= MAX_ITEMS:
             return list(found)
         return None
 
@@ -568,7 +568,7 @@ class Evaluator:
             return range(*arguments)
         if name in LISTS and owner is None and not keywords and name not in self.names:
             short = all(
-                isinstance(one, list | tuple | range | int) and count(one) <= MAX_ITEMS for one in arguments
+                isinstance(one, list | tuple | range | str | int) and count(one) <= MAX_ITEMS for one in arguments
             )
             return LISTS[name](*arguments) if short else Unknown(ast.unparse(node))
         if name == "dict" and owner is None and not arguments and "**" not in keywords:
