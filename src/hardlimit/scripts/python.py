@@ -138,6 +138,10 @@ class Assignment:
     text: str
 
 
+#: In place of the value of a call that is no arithmetic.
+NOT_COMPUTED: Final = Unknown("")
+
+
 class Return(Exception):  # not an error
     """The end of one of the script's own functions."""
 
@@ -528,18 +532,45 @@ class Evaluator:
 
     def call(self, node: ast.Call) -> Any:
         """A call: arithmetic, one of the script's own functions, or an instance."""
-        match node.func:
+        owner, name = self.callee(node.func)
+        if not name:
+            return Unknown(ast.unparse(node))
+        arguments, keywords = self.arguments(node)
+        if name in self.functions and owner is None:
+            return self.inside(self.functions[name], arguments, keywords, node)
+        if name in self.classes and owner is None:
+            return self.constructed(name, arguments, keywords, node)
+        if isinstance(owner, Instance) and name in (methods := self.classes.get(owner.name, {})):
+            return self.inside(methods[name], [owner, *arguments], keywords, node)
+        known = self.computed(name, owner, arguments, keywords, node)
+        if known is not NOT_COMPUTED:
+            return known
+        if name == "setattr" and owner is None and len(arguments) == 3 and isinstance(arguments[1], str):
+            changed, attribute, value = arguments
+            self.assigned(changed.text if isinstance(changed, Unknown) else changed, attribute, value, node)
+            return None
+        text = quoted("", node.lineno, ast.unparse(node)).text
+        instance = Instance(name, tuple(arguments), keywords, node.lineno, text)
+        if isinstance(owner, Instance) and owner.name == "ArgumentParser":
+            return parsed_argument(name, owner, instance)
+        return self.called(name, owner, instance)
+
+    def callee(self, node: ast.expr) -> tuple[Any, str]:
+        """What stands before the dot of a function, and the function's name; empty if it has none."""
+        match node:
             case ast.Name(name):
-                owner: Any = None
                 alias = self.names.get(name)
-                if isinstance(alias, Unknown) and DOTTED.fullmatch(alias.text):
-                    before_dot, _, name = alias.text.rpartition(".")
-                    owner = before_dot or None
+                if not isinstance(alias, Unknown) or not DOTTED.fullmatch(alias.text):
+                    return None, name
+                owner, _, name = alias.text.rpartition(".")
+                return owner or None, name
             case ast.Attribute(before, name):
-                owner = self.owner(before)
-            case _:
-                self.value(node.func)
-                return Unknown(ast.unparse(node))
+                return self.owner(before), name
+        self.value(node)
+        return None, ""
+
+    def arguments(self, node: ast.Call) -> tuple[list[Any], dict[str, Any]]:
+        """The values of the arguments of a call; ``**`` stands for keywords that are not known."""
         arguments: list[Any] = []
         for part in node.args:
             value = self.value(part.value if isinstance(part, ast.Starred) else part)
@@ -555,12 +586,12 @@ class Evaluator:
                 keywords |= {str(key): one for key, one in value.items()}
             else:
                 keywords["**"] = value
-        if name in self.functions and owner is None:
-            return self.inside(self.functions[name], arguments, keywords, node)
-        if name in self.classes and owner is None:
-            return self.constructed(name, arguments, keywords, node)
-        if isinstance(owner, Instance) and name in (methods := self.classes.get(owner.name, {})):
-            return self.inside(methods[name], [owner, *arguments], keywords, node)
+        return arguments, keywords
+
+    def computed(
+        self, name: str, owner: Any, arguments: list[Any], keywords: dict[str, Any], node: ast.Call
+    ) -> Any:
+        """The value of a function of numbers, lists or dictionaries; ``NOT_COMPUTED`` if it is none."""
         arithmetic = owner is None or (isinstance(owner, str) and owner in self.modules)
         if name in ("Vector3", "Vector2", "Vector6") and len(arguments) > 1:
             return Vector(arguments)
@@ -568,7 +599,8 @@ class Evaluator:
             return range(*arguments)
         if name in LISTS and owner is None and not keywords and name not in self.names:
             short = all(
-                isinstance(one, list | tuple | range | str | int) and count(one) <= MAX_ITEMS for one in arguments
+                isinstance(one, list | tuple | range | str | int) and count(one) <= MAX_ITEMS
+                for one in arguments
             )
             return LISTS[name](*arguments) if short else Unknown(ast.unparse(node))
         if name == "dict" and owner is None and not arguments and "**" not in keywords:
@@ -577,17 +609,10 @@ class Evaluator:
             found = getattr(owner, name)(*arguments)
             return found if name == "get" else list(found)
         if name in FUNCTIONS and arithmetic and not keywords and name not in self.names:
-            unknown = [one for one in flat(arguments) if isinstance(one, Unknown | Instance)]
-            if name not in OF_TEXTS:
-                unknown += [one for one in flat(arguments) if isinstance(one, str)]
+            kinds = (Unknown, Instance) if name in OF_TEXTS else (Unknown, Instance, str)
+            unknown = any(isinstance(one, kinds) for one in flat(arguments))
             return Unknown(ast.unparse(node)) if unknown else FUNCTIONS[name](*arguments)
-        if name == "setattr" and owner is None and len(arguments) == 3 and isinstance(arguments[1], str):
-            first = arguments[0]
-            return self.assigned(first.text if isinstance(first, Unknown) else first, *arguments[1:], node)
-        text = quoted("", node.lineno, ast.unparse(node)).text
-        if isinstance(owner, Instance) and owner.name == "ArgumentParser":
-            return parsed_argument(name, owner, Instance(name, tuple(arguments), keywords, node.lineno, text))
-        return self.called(name, owner, Instance(name, tuple(arguments), keywords, node.lineno, text))
+        return NOT_COMPUTED
 
     def constructed(
         self, name: str, arguments: list[Any], keywords: Mapping[str, Any], node: ast.Call

@@ -1061,6 +1061,13 @@ class Yade(Evaluator):
 
     def notes(self) -> None:
         """What is in the engines beside normal contacts."""
+        if (
+            len(self.bodies) == 1
+            and len(self.spheres()) == 1
+            and not (self.bodies[0].several or self.elsewhere)
+        ):
+            what = "only one sphere: its contact is that with another like it"
+            self.ignored[Note(what, None, self.bodies[0].quote)] = None
         for one in self.used(""):
             quote, name = self.quote(one.line, one.text), one.name
             if name.startswith(("Ip2_", "Law2_")) or (name.endswith("Mat") and name[:1].isupper()):

@@ -5,7 +5,6 @@ import sys
 parser = argparse.ArgumentParser()
 parser.add_argument("--restitution", type=float, default=0.9)
 given = parser.parse_args()
-fast = len(sys.argv) > 1
 try:
     scale = float(sys.argv[2])
 except IndexError:
@@ -33,5 +32,5 @@ def engines(e):
 if __name__ == "__main__":
     bodies(radius=5e-3)
     engines(given.restitution)
-    O.dt = (1.0 if fast else 0.5) * scale * PWaveTimeStep()
+    O.dt = (float(sys.argv[1]) if len(sys.argv) > 1 else 0.5) * scale * PWaveTimeStep()
     O.run(100, True)
