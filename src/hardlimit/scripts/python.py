@@ -57,6 +57,7 @@ FUNCTIONS: Final[dict[str, Callable[..., Any]]] = {
         first + (last - first) * k / max(n - 1, 1) for k in range(min(n, MAX_ITEMS))
     ),
     "arange": lambda *ends: Vector(spaced(*((0, *ends) if len(ends) == 1 else ends))),
+    "array": lambda values: Vector(values),
     "arcsin": math.asin,
     "arccos": math.acos,
     "arctan": math.atan,

@@ -217,6 +217,7 @@ class Yade(Evaluator):
         self.bodies: list[Body] = []
         self.engines_quote: Quote | None = None
         self.engines_given = False
+        self.changed = True  #: whether anything may have changed since the last run
         self.saved: tuple[list[Instance], list[Body], list[Any], bool] | None = None
         self.foreign: set[str] = set()  #: names of modules that are not known
         self.table: dict[str, Any] = {}
@@ -332,6 +333,7 @@ class Yade(Evaluator):
 
     def assigned(self, owner: Any, name: str, value: Any, node: ast.AST) -> None:
         """An attribute. A change that may be made or not, or that is not understood, is quoted."""
+        self.changed = True
         if owner == "O":
             self.scene_assigned(name, value, node)
         elif owner == "O.cell" and name in ("velGrad", "nextVelGrad"):
@@ -396,6 +398,7 @@ class Yade(Evaluator):
 
     def called(self, name: str, owner: Any, instance: Instance) -> Any:
         super().called(name, owner, instance)
+        self.changed |= not (owner == "O" and name in ("run", "step")) and name not in PLAIN
         if isinstance(owner, list):
             return self.list_method(name, owner, instance)
         if owner == "O":
@@ -702,17 +705,23 @@ class Yade(Evaluator):
         apart = not self.engines_given and any(
             one.name.startswith(("Ip2_", "Law2_", "NewtonIntegrator")) for one in self.instances
         )
-        pending: list[Any] = list(self.instances if apart else self.engines)
+        pending: list[Any] = list(reversed(self.instances if apart else self.engines))
+        seen = set[int]()
         while pending:
-            one = pending.pop(0)
-            if isinstance(one, Instance) and one not in found:
+            one = pending.pop()
+            if isinstance(one, Instance) and id(one) not in seen:
+                seen.add(id(one))
                 if one.name.startswith(start):
                     found.append(one)
-                pending = [*flat(one.arguments), *flat(one.attributes.values()), *pending]
+                pending += reversed(flat([*one.arguments, *one.attributes.values()]))
         return found
 
     def stage(self, quote: Quote, steps: int | None) -> None:
         """Note what holds now. A run with the same settings as that before continues its stage."""
+        if self.stages and not self.changed:
+            self.continue_stage(steps)
+            return
+        self.changed = False
         integrators = self.used("NewtonIntegrator")
         new = Stage(
             quote,
@@ -725,14 +734,19 @@ class Yade(Evaluator):
             self.damping(integrators),
         )
         if self.stages and replace(self.stages[-1], quote=quote, steps=steps) == new:
-            old = self.stages[-1].steps
-            both = None if steps is None or old is None else old + steps
-            self.stages[-1] = replace(self.stages[-1], steps=both)
+            self.continue_stage(steps)
         else:
             self.stages.append(new)
             self.notes()
             if new.contacts:
                 self.missing_engines()
+
+    def continue_stage(self, steps: int | None) -> None:
+        """More steps of the last stage."""
+        old = self.stages[-1].steps
+        self.stages[-1] = replace(
+            self.stages[-1], steps=None if steps is None or old is None else old + steps
+        )
 
     def step_now(self) -> float | None:
         """The time step; None if it is not known or an engine changes it."""
