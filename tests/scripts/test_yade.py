@@ -320,6 +320,7 @@ def test_callbacks_that_change_settings_are_quoted():
             "clumps",
         ),
         (MINDLIN, GLASS, "O.engines += [LinearDragEngine(nu=0.1)]\nO.run(1)\n", "drag"),
+        (MINDLIN, GLASS, "O.forces.setPermF(0, (0, 0, 1))\nO.run(1)\n", "force"),
     ],
 )
 def test_what_makes_hard_spheres_wrong(pair, material, rest, what):
@@ -492,6 +493,9 @@ def test_where_a_time_step_comes_from(rest, step):
         "if quick(): O.engines = []",
         "if quick(): O.materials[0].young = 1e6",
         "O.bodies[0].state.mass = 3",
+        "match quick():\n    case 1: O.dt = 3",
+        "O.materials[0].yuong = 1e6",
+        "O.engines[-1].damp = 0.3",
         "class Setup:\n    def later(self): O.dt = 1e-3",
         "try:\n    O.bodies.append(sphere((0, 0, 2), 0.01))\nexcept: O.dt = 3",
         "def later(): newton.damping = 0.5\nstart(later)",

@@ -288,13 +288,15 @@ class Evaluator:
                 raise Return(None if value is None else self.value(value))
             case ast.With(_, body):
                 self.block(body)
-            case ast.Try():
+            case ast.Try() | ast.TryStar():
                 self.tried(node)
+            case ast.Match(_, cases):
+                self.uncertain(node, [one.body for one in cases])
             case ast.Delete(targets):
                 for target in targets:
                     self.forget(target)
 
-    def tried(self, node: ast.Try) -> None:
+    def tried(self, node: ast.Try | ast.TryStar) -> None:
         """``try``: its body, and what handles an argument of the command line that is not given."""
         self.trials += 1
         try:

@@ -57,6 +57,23 @@ PHYSICS: Final = {
     "Ip2_ViscElMat_ViscElMat_ViscElPhys": "ViscElMat",
     "Ip2_CohFrictMat_CohFrictMat_CohFrictPhys": "CohFrictMat",
 }
+#: Attributes of each of these and of the integrator in YADE 2023.02a; others are misspelt, or of another version.
+OF_MATERIALS: Final = "young poisson density frictionAngle id label dead ompThreads "
+ATTRIBUTES: Final = {
+    "FrictMat": OF_MATERIALS,
+    "ViscElMat": OF_MATERIALS
+    + "tc en et kn cn ks cs mR mRtype lubrication viscoDyn roughnessScale SPHmode mu "
+    "KernFunctionPressure KernFunctionVisco",
+    "CohFrictMat": OF_MATERIALS
+    + "isCohesive alphaKr alphaKtw etaRoll etaTwist normalCohesion shearCohesion fragile momentRotationLaw",
+    "Ip2_FrictMat_FrictMat_MindlinPhys": "gamma eta krot ktwist en es betan betas frictAngle label",
+    "Ip2_FrictMat_FrictMat_FrictPhys": "kn ks frictAngle label",
+    "Ip2_ViscElMat_ViscElMat_ViscElPhys": "tc en et frictAngle label",
+    "Ip2_CohFrictMat_CohFrictMat_CohFrictPhys": "setCohesionNow setCohesionOnNewContacts normalCohesion shearCohesion"
+    " frictAngle label cohesionDefinitionIteration",
+    "NewtonIntegrator": "damping gravity maxVelocitySq exactAsphericalRot prevVelGrad warnNoForceReset kinSplit"
+    " dampGravity mask densityScaling label dead ompThreads",
+}
 LAWS: Final = (
     "Law2_ScGeom_MindlinPhys_Mindlin",
     "Law2_ScGeom_FrictPhys_CundallStrack",
@@ -181,8 +198,18 @@ PLAIN: Final = (
     "enumerate",
     "sorted",
 )
-#: Calls that change bodies.
-TOUCHING: Final = ("toSimulation", "growParticles", "growParticle", "load", "loadTmp", "reload", "reset")
+#: Calls that change bodies, or add forces to those of contacts.
+FORCE_METHODS: Final = ("addF", "setPermF", "addForce")
+TOUCHING: Final = (
+    "toSimulation",
+    "growParticles",
+    "growParticle",
+    "load",
+    "loadTmp",
+    "reload",
+    "reset",
+    *FORCE_METHODS,
+)
 #: Most bodies that a loop runs over one by one.
 MAX_BODIES: Final = 1000
 #: Shapes in the names of functors.
@@ -289,7 +316,7 @@ class Yade(Evaluator):
     def not_understood(self, node: ast.AST) -> None:
         self.unknown[self.quote(getattr(node, "lineno", 1), ast.unparse(node).partition("\n")[0])] = None
 
-    def tried(self, node: ast.Try) -> None:
+    def tried(self, node: ast.Try | ast.TryStar) -> None:
         """``try``; what handles an error may change the scene as well."""
         super().tried(node)
         for handler in node.handlers:
@@ -405,6 +432,11 @@ class Yade(Evaluator):
             return self.scene_method(name, instance)
         if owner == "O.bodies":
             return self.bodies_method(name, instance)
+        if owner == "O.forces" and name in FORCE_METHODS:
+            note = Note(
+                f"an additional force (O.forces.{name})", None, self.quote(instance.line, instance.text)
+            )
+            self.invalidates[note] = None
         if isinstance(owner, Instance) and owner.name == "SpherePack":
             self.pack_method(name, owner, instance)
             return instance
@@ -508,13 +540,12 @@ class Yade(Evaluator):
         if name in ("clear", "replace"):
             self.bodies, self.elsewhere = [], False
         if name in ("append", "appendClumped", "replace", "insertAtId"):
+            before = len(self.bodies)
             self.append(instance, clumped=name == "appendClumped")
-            if (
-                name == "append"
-                and self.body_at(len(self.bodies) - 1)
-                and not isinstance(instance.argument(0, "bodies"), list)
-            ):
-                return len(self.bodies) - 1
+            new = range(before, len(self.bodies))
+            if name == "append" and new and self.body_at(new[-1]):
+                several = isinstance(instance.argument(0, "bodies"), list | tuple)
+                return list(new) if several else new[-1]
         elif name in CLUMPS or "lump" in name:
             self.clumps(instance)
         elif name == "erase":
@@ -1082,8 +1113,11 @@ class Yade(Evaluator):
         ):
             what = "only one sphere: its contact is that with another like it"
             self.ignored[Note(what, None, self.bodies[0].quote)] = None
-        for one in self.used(""):
+        known = [one for one in self.materials if one.name in MATERIALS]
+        for one in dict.fromkeys([*self.used(""), *known]):
             quote, name = self.quote(one.line, one.text), one.name
+            if name in ATTRIBUTES and one.attributes.keys() - {"**"} - set(ATTRIBUTES[name].split()):
+                self.unknown[quote] = None
             if name.startswith(("Ip2_", "Law2_")) or (name.endswith("Mat") and name[:1].isupper()):
                 self.contact_note(one, quote)
             elif name in MOTION:
