@@ -320,6 +320,7 @@ def test_callbacks_that_change_settings_are_quoted():
             "clumps",
         ),
         (MINDLIN, GLASS, "O.engines += [LinearDragEngine(nu=0.1)]\nO.run(1)\n", "drag"),
+        (VISCEL, "O.materials.append(ViscElMat(tc=1, en=1, et=1, lubrication=True))\n", "", "fluid"),
         (MINDLIN, GLASS, "O.forces.setPermF(0, (0, 0, 1))\nO.run(1)\n", "force"),
     ],
 )
@@ -493,6 +494,8 @@ def test_where_a_time_step_comes_from(rest, step):
         "if quick(): O.engines = []",
         "if quick(): O.materials[0].young = 1e6",
         "O.bodies[0].state.mass = 3",
+        "if quick(): O.reset()",
+        "if quick(): O.bodies.clear()",
         "match quick():\n    case 1: O.dt = 3",
         "O.materials[0].yuong = 1e6",
         "O.engines[-1].damp = 0.3",

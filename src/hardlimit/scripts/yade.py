@@ -281,8 +281,8 @@ class Yade(Evaluator):
             ends = [(None, None) if one is None else one for one in sizes]
             return [(centre, Unknown("a radius") if r is None else r) for end in ends for r in end]
         if found == BODIES:
-            known = [self.body_at(k) for k in range(len(self.bodies))]
-            return None if None in known or len(known) > MAX_BODIES else known
+            known = [self.body_at(k) for k in range(min(len(self.bodies), MAX_BODIES))]
+            return None if None in known or len(known) < len(self.bodies) else known
         return super().items(node)
 
     def compared(self, node: ast.Compare, values: list[Any]) -> Any:
@@ -515,6 +515,8 @@ class Yade(Evaluator):
             self.stage(self.quote(instance.line, instance.text), count)
         elif name in ("load", "loadTmp", "reload"):
             self.loaded(instance)
+        elif self.repeats and name.startswith("reset") and name != "resetTime":
+            self.unknown[self.quote(instance.line, instance.text)] = None
         elif name in ("reset", "resetThisScene", "resetCurrentScene", "resetAllScenes"):
             self.materials.clear()
             self.bodies, self.engines, self.engines_given, self.engines_quote = [], [], True, None
@@ -537,7 +539,9 @@ class Yade(Evaluator):
     def bodies_method(self, name: str, instance: Instance) -> Any:
         """Methods of ``O.bodies``. The value is the number of a body, if it is known."""
         quote = self.quote(instance.line, instance.text)
-        if name in ("clear", "replace"):
+        if name in ("clear", "replace") and self.repeats:
+            self.unknown[quote] = None
+        elif name in ("clear", "replace"):
             self.bodies, self.elsewhere = [], False
         if name in ("append", "appendClumped", "replace", "insertAtId"):
             before = len(self.bodies)
