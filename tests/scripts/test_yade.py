@@ -223,6 +223,8 @@ def test_fixed_bodies_whose_mass_is_in_the_formulas():
     assert [one.text for one in found.unknown] == ["aabbWalls()"]
     found = read(script(bodies=f"{SPHERE}O.bodies.append(box((0, 0, 0), (1, 1, 1)))\n"))
     assert [one.text for one in found.unknown] == ["box((0, 0, 0), (1, 1, 1))"]
+    later = f"{SPHERE}k = O.bodies.append(box((0, 0, 0), (1, 1, 1)))\nO.bodies[k].dynamic = False\n"
+    assert not read(script(bodies=later)).unknown
     assert (
         not read(script(bodies=f"{SPHERE}O.bodies.append(sphere((0, 0, 0), 1, fixed=True))\n"))
         .stages[0]

@@ -571,9 +571,8 @@ class Yade(Evaluator):
     def material_of(self, instance: Instance, place: int = -1) -> int:
         """The material of a body: given by number, label or instance; the last one by default."""
         given = instance.argument(place, "material", -1)
-        if (
-            isinstance(given, Unknown) and given.text in self.functions
-        ):  # which makes the material of each body
+        if isinstance(given, Unknown) and given.text in self.functions:
+            # The function makes the material of each body.
             call = ast.parse(f"{given.text}()", mode="eval").body
             given = self.value(ast.copy_location(call, self.functions[given.text]))
         if isinstance(given, Instance):
@@ -616,9 +615,8 @@ class Yade(Evaluator):
         """Facets, walls and boxes."""
         found = self.body(instance, SHAPES[instance.name], None)
         found.several |= instance.name not in ("facet", "wall", "box")
+        found.frozen |= instance.name != "box"
         if instance.name == "box":
-            if not found.frozen:
-                self.unknown[found.quote] = None  # it moves
             half = instance.argument(1, "extents")
             if isinstance(half, list | tuple) and len(half) == 3 and all(as_range(x) or x == 0 for x in half):
                 density = self.number(self.materials[found.material], "density")
@@ -1117,6 +1115,7 @@ class Yade(Evaluator):
         ):
             what = "only one sphere: its contact is that with another like it"
             self.ignored[Note(what, None, self.bodies[0].quote)] = None
+        self.unknown |= {one.quote: None for one in self.bodies if one.kind == "boxes" and not one.frozen}
         known = [one for one in self.materials if one.name in MATERIALS]
         for one in dict.fromkeys([*self.used(""), *known]):
             quote, name = self.quote(one.line, one.text), one.name
