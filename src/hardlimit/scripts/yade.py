@@ -952,7 +952,10 @@ class Yade(Evaluator):
             return None
         numbers = self.numbers(functor, pair, (i, j), wall)
         if numbers is None:
-            self.unknown.update(dict.fromkeys(self.quote(one.line, one.text) for one in (*pair, functor)))
+            missing = (
+                pair if functor.attributes.keys().isdisjoint(("en", "betan", "tc", "kn")) else (functor,)
+            )
+            self.unknown.update(dict.fromkeys(self.quote(one.line, one.text) for one in missing))
             return None
         physics = functor.name.rpartition("_")[2]
         found = {"physics": Setting((LIKE.get(physics, physics),), functor.line, functor.text)}
