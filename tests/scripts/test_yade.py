@@ -126,6 +126,10 @@ def test_factories():
     lines = "O.engines += [BoxFactory(rMin=0.1, rMax=0.3, materialId=0)]\nO.run(1)\n"
     found = read(script(bodies="", rest=lines))
     assert found.stages[0].grains["glass"].radii == (0.1, 0.3) and not found.unknown
+    last = GLASS + "O.materials.append(FrictMat(young=1e7, poisson=0.3, label='last'))\n"
+    found = read(script(material=last, bodies="", rest=lines.replace(", materialId=0", "")))
+    assert list(found.stages[0].grains) == ["last"]
+    assert read(script(bodies="", rest=lines.replace("materialId=0", "materialId=kind()"))).unknown
 
 
 CLOUD = "sp = pack.SpherePack()\nsp.makeCloud((0, 0, 0), (1, 1, 1), {})\nsp.toSimulation(material='glass')\n"

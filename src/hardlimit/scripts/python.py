@@ -1,7 +1,7 @@
-"""A small evaluator of Python scripts: assignments, arithmetic, short loops, and the objects that calls create.
+"""A small evaluator of Python scripts: assignments, arithmetic, short loops, functions, classes, and what calls create.
 
 Only arithmetic is computed. A call of anything else makes an :class:`Instance` with its arguments. What is not
-understood is :class:`Unknown`.
+understood is :class:`Unknown`. Arguments of the command line have their defaults.
 """
 
 from __future__ import annotations

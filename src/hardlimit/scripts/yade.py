@@ -817,11 +817,13 @@ class Yade(Evaluator):
         for one in (*self.used("BoxFactory"), *self.used("CircularFactory")):
             given = one.attributes
             radii = union([as_range(given.get(name)) for name in ("rMin", "rMax")])
-            number = given.get("materialId", 0)
-            if isinstance(number, int) and 0 <= number < len(self.materials):
+            number, quote = given.get("materialId", -1), self.quote(one.line, one.text)
+            if isinstance(number, int) and -len(self.materials) <= number < len(self.materials):
                 sizes = None if "PSDsizes" in given else radii
-                quote = self.quote(one.line, one.text)
-                found.append(Body("sphere", sizes, number, False, quote, several=True))
+                material = number % len(self.materials)
+                found.append(Body("sphere", sizes, material, False, quote, several=True))
+            else:
+                self.unknown[quote] = None
         return found
 
     def kinds(self) -> list[int]:
