@@ -5,7 +5,6 @@ import math
 import pytest
 
 import hardlimit as hl
-from conftest import slow
 from hardlimit.scripts import read
 
 LOOP = """O.engines = [
@@ -360,11 +359,6 @@ def test_variables_replace_names_and_parameters():
         ),
         (script() + "def broken(:\n", "be Python"),
         ("O.engines = []\n", "has no granular contacts"),
-        slow(
-            script()
-            + "while True:\n    pass\nfor i in range(20000):\n    for j in range(20000):\n        pass\n",
-            "shorter loops",
-        ),
     ],
 )
 def test_what_cannot_be_read_is_refused(text, must):
@@ -437,8 +431,16 @@ def test_numbers_of_a_class():
 
 
 @pytest.mark.slow
-def test_a_large_lattice():
-    bodies = "O.bodies.append([sphere((i, j, k), 2e-3) for i in range(90) for j in range(90) for k in range(90)])\n"
+@pytest.mark.parametrize(
+    "bodies",
+    [
+        "O.bodies.append([sphere((i, j, k), 2e-3) for i in range(90) for j in range(90) for k in range(90)])\n",
+        "for i in range(90):\n for j in range(90):\n  for k in range(90): O.bodies.append(sphere((i, j, k), 2e-3))\n",
+        SPHERE.replace("0.01", "2e-3")
+        + "while True:\n  for i in range(20000):\n    for j in range(20000): pass\n",
+    ],
+)
+def test_a_large_lattice(bodies):
     assert read(script(bodies=bodies)).stages[0].grains["glass"].radii == (2e-3, 2e-3)
 
 
