@@ -169,11 +169,18 @@ class Evaluator:
         self.functions: dict[str, ast.FunctionDef] = {}
         self.defaults: dict[ast.AST, dict[str, Any]] = {}  #: of the arguments of functions
         self.classes: dict[str, dict[str, ast.FunctionDef]] = {}  #: methods by name
+        self.sources: dict[ast.AST, str] = {}
         self.executed: set[ast.AST] = set()  #: functions that were called
         self.modules = set(MODULES)
         self.count = self.depth = 0
         self.repeats = 0  #: depth of statements that may run any number of times
         self.trials = 0  #: depth of ``try``
+
+    def source(self, node: ast.AST) -> str:
+        """The text of a part of the script."""
+        if node not in self.sources:
+            self.sources[node] = ast.unparse(node)
+        return self.sources[node]
 
     def run(self) -> None:
         """Run the script. A ValueError if it is not Python."""
@@ -209,7 +216,7 @@ class Evaluator:
         """An assignment to an attribute."""
         if isinstance(owner, Instance):
             owner.attributes[name] = value
-        self.assignments.append(Assignment(getattr(node, "lineno", 1), name, ast.unparse(node)))
+        self.assignments.append(Assignment(getattr(node, "lineno", 1), name, self.source(node)))
 
     def member(self, owner: Any, name: str, node: ast.Attribute) -> Any:
         """The value of an attribute."""
@@ -219,7 +226,7 @@ class Evaluator:
             return CONSTANTS[name]
         if name == "argv" and owner == "sys":
             return Arguments([self.file or "script.py"])
-        return Unknown(f"{owner}.{name}" if isinstance(owner, str) else ast.unparse(node))
+        return Unknown(f"{owner}.{name}" if isinstance(owner, str) else self.source(node))
 
     def imported(self, node: ast.Import | ast.ImportFrom) -> None:
         """An import. Other names of modules and of their members stand for these."""
@@ -239,7 +246,7 @@ class Evaluator:
         self.count += 1
         if self.count > MAX_STEPS:
             line = getattr(node, "lineno", 1)
-            raise refusal(line, ast.unparse(node)[:200], "be part of shorter loops", self.file)
+            raise refusal(line, self.source(node)[:200], "be part of shorter loops", self.file)
 
     def block(self, body: Iterable[ast.stmt]) -> None:
         """Statements in order."""
@@ -259,7 +266,7 @@ class Evaluator:
             case ast.AnnAssign(target, _, ast.expr() as value):
                 self.assign(target, self.value(value), node)
             case ast.AugAssign(target, sign, value):
-                load = ast.parse(ast.unparse(target), mode="eval").body
+                load = ast.parse(self.source(target), mode="eval").body
                 ast.copy_location(load, target)
                 self.assign(target, self.binary(self.value(load), sign, self.value(value), node), node)
             case ast.For(target, iterable, body, other):
@@ -367,7 +374,7 @@ class Evaluator:
             case ast.Tuple(parts) | ast.List(parts):
                 known = list(value) if isinstance(value, tuple | list) and len(value) == len(parts) else None
                 for k, part in enumerate(parts):
-                    self.assign(part, known[k] if known else Unknown(ast.unparse(part)), node)
+                    self.assign(part, known[k] if known else Unknown(self.source(part)), node)
             case ast.Subscript(owner, place):
                 held, key = self.value(owner), self.value(place)
                 with suppress(TypeError, IndexError, KeyError):
@@ -391,13 +398,13 @@ class Evaluator:
         except (Refusal, Missing):
             raise
         except (ValueError, TypeError, KeyError, IndexError, ArithmeticError, AttributeError):
-            return Unknown(ast.unparse(node))
+            return Unknown(self.source(node))
         if (
             isinstance(found, float)
             and not math.isfinite(found)
             and not isinstance(node, ast.Name | ast.Attribute)
         ):
-            return Unknown(ast.unparse(node))
+            return Unknown(self.source(node))
         return found
 
     def _value(self, node: ast.expr) -> Any:
@@ -435,7 +442,7 @@ class Evaluator:
                 if not isinstance(holds, Unknown | Instance):
                     return self.value(body if holds else other)
                 ends = self.value(body), self.value(other)
-                return ends[0] if ends[0] == ends[1] else Unknown(ast.unparse(node))
+                return ends[0] if ends[0] == ends[1] else Unknown(self.source(node))
             case ast.Call():
                 return self.call(node)
             case ast.Attribute(owner, name):
@@ -449,12 +456,12 @@ class Evaluator:
                 return found
             case ast.JoinedStr(parts):
                 texts = [self.formatted(part) for part in parts]
-                return Unknown(ast.unparse(node)) if None in texts else "".join(map(str, texts))
-        return Unknown(ast.unparse(node))
+                return Unknown(self.source(node)) if None in texts else "".join(map(str, texts))
+        return Unknown(self.source(node))
 
     def compared(self, node: ast.Compare, values: list[Any]) -> Any:
         """A comparison with a value that is not known."""
-        return Unknown(ast.unparse(node))
+        return Unknown(self.source(node))
 
     def formatted(self, part: ast.expr) -> str | None:
         """A part of an f-string; None if it is not known."""
@@ -468,7 +475,7 @@ class Evaluator:
 
     def unary(self, sign: ast.unaryop, value: Any, node: ast.expr) -> Any:
         if isinstance(value, Unknown | Instance | str):
-            return Unknown(ast.unparse(node))
+            return Unknown(self.source(node))
         if isinstance(sign, ast.Not):
             return not value
         if isinstance(value, tuple):
@@ -479,28 +486,28 @@ class Evaluator:
         if isinstance(left, Instance | list) and isinstance(right, Instance) and isinstance(sign, ast.Add):
             return [*flat([left]), right]  # such as engines of motion
         if isinstance(left, Unknown | Instance) or isinstance(right, Unknown | Instance):
-            return Unknown(ast.unparse(node))
+            return Unknown(self.source(node))
         if isinstance(sign, ast.Pow):
             return math.pow(left, right)
         sizes = [len(one) for one in (left, right) if isinstance(one, str | list | tuple)]
         numbers = [one for one in (left, right) if isinstance(one, int) and not isinstance(one, bool)]
         if sizes and isinstance(sign, ast.Mult) and numbers and max(sizes) * max(numbers) > MAX_ITEMS:
-            return Unknown(ast.unparse(node))
+            return Unknown(self.source(node))
         if any(abs(one) > 1e100 for one in numbers) or (isinstance(left, str) and isinstance(sign, ast.Mod)):
-            return Unknown(ast.unparse(node))
+            return Unknown(self.source(node))
         return OPERATORS[type(sign)](left, right)
 
     def boolean(self, every: bool, values: list[Any], node: ast.expr) -> Any:
         for value in values:
             if isinstance(value, Unknown | Instance):
-                return Unknown(ast.unparse(node))
+                return Unknown(self.source(node))
             if bool(value) != every:
                 return value
         return values[-1]
 
     def item(self, held: Any, place: ast.expr, node: ast.expr) -> Any:
         if not isinstance(held, list | tuple | dict):
-            return Unknown(ast.unparse(node))
+            return Unknown(self.source(node))
         if isinstance(place, ast.Slice):
             ends = [
                 None if one is None else self.value(one) for one in (place.lower, place.upper, place.step)
@@ -521,11 +528,11 @@ class Evaluator:
         if self.count > MAX_STEPS // 2:
             items = None  # such as a large lattice, whose other spheres are like those before
         self.repeats += items is None
-        for item in [Unknown(ast.unparse(generator.iter))] if items is None else items:
+        for item in [Unknown(self.source(generator.iter))] if items is None else items:
             self.assign(generator.target, item, generator.target)
             holds = [self.value(one) for one in generator.ifs]
             if any(isinstance(one, Unknown | Instance) for one in holds):
-                chosen = [Unknown(ast.unparse(generator.iter))]
+                chosen = [Unknown(self.source(generator.iter))]
                 break
             chosen += [item] * all(holds)
         for item in chosen:
@@ -537,7 +544,7 @@ class Evaluator:
         """A call: arithmetic, one of the script's own functions, or an instance."""
         owner, name = self.callee(node.func)
         if not name:
-            return Unknown(ast.unparse(node))
+            return Unknown(self.source(node))
         arguments, keywords = self.arguments(node)
         if name in self.functions and owner is None:
             return self.inside(self.functions[name], arguments, keywords, node)
@@ -552,7 +559,7 @@ class Evaluator:
             changed, attribute, value = arguments
             self.assigned(changed.text if isinstance(changed, Unknown) else changed, attribute, value, node)
             return None
-        text = quoted("", node.lineno, ast.unparse(node)).text
+        text = quoted("", node.lineno, self.source(node)).text
         instance = Instance(name, tuple(arguments), keywords, node.lineno, text)
         if isinstance(owner, Instance) and owner.name == "ArgumentParser":
             return parsed_argument(name, owner, instance)
@@ -605,7 +612,7 @@ class Evaluator:
                 isinstance(one, list | tuple | range | str | int) and count(one) <= MAX_ITEMS
                 for one in arguments
             )
-            return LISTS[name](*arguments) if short else Unknown(ast.unparse(node))
+            return LISTS[name](*arguments) if short else Unknown(self.source(node))
         if name == "dict" and owner is None and not arguments and "**" not in keywords:
             return keywords
         if isinstance(owner, dict) and name in ("items", "keys", "values", "get"):
@@ -614,7 +621,7 @@ class Evaluator:
         if name in FUNCTIONS and arithmetic and not keywords and name not in self.names:
             kinds = (Unknown, Instance) if name in OF_TEXTS else (Unknown, Instance, str)
             unknown = any(isinstance(one, kinds) for one in flat(arguments))
-            return Unknown(ast.unparse(node)) if unknown else FUNCTIONS[name](*arguments)
+            return Unknown(self.source(node)) if unknown else FUNCTIONS[name](*arguments)
         return NOT_COMPUTED
 
     def constructed(
@@ -623,7 +630,7 @@ class Evaluator:
         """An object of one of the script's own classes."""
         common = self.names.get(name)
         attributes = dict(common.attributes) if isinstance(common, Instance) else {}
-        made = Instance(name, tuple(arguments), attributes, node.lineno, ast.unparse(node))
+        made = Instance(name, tuple(arguments), attributes, node.lineno, self.source(node))
         if "__init__" in self.classes[name]:
             self.inside(self.classes[name]["__init__"], [made, *arguments], keywords, node)
         return made
@@ -642,7 +649,7 @@ class Evaluator:
     ) -> Any:
         """Run one of the script's own functions."""
         if self.depth >= DEEPEST:
-            return Unknown(ast.unparse(node))
+            return Unknown(self.source(node))
         given = function.args
         places = [one.arg for one in [*given.posonlyargs, *given.args]]
         local = {name: Unknown(name) for name in [*places, *(one.arg for one in given.kwonlyargs)]}

@@ -242,6 +242,7 @@ class Yade(Evaluator):
         self.names["__name__"] = "__main__"
         self.materials: list[Instance] = []
         self.bodies: list[Body] = []
+        self.numbered = 0  #: bodies from the first on whose numbers are known
         self.engines_quote: Quote | None = None
         self.engines_given = False
         self.changed = True  #: whether anything may have changed since the last run
@@ -295,8 +296,10 @@ class Yade(Evaluator):
         """A body by its number; None if it is not known which one that is."""
         if not isinstance(k, int) or not -len(self.bodies) <= k < len(self.bodies) or self.elsewhere:
             return None
+        while self.numbered < len(self.bodies) and not self.bodies[self.numbered].several:
+            self.numbered += 1
         k %= len(self.bodies)
-        if any(one.several for one in self.bodies[: k + 1]):
+        if k >= self.numbered:
             return None
         one = self.bodies[k]
         return Instance("Body", (), {}, one.quote.line, one.quote.text, [one])
@@ -314,7 +317,7 @@ class Yade(Evaluator):
             self.foreign |= {one.asname or one.name, one.name if inside else one.name.partition(".")[0]}
 
     def not_understood(self, node: ast.AST) -> None:
-        self.unknown[self.quote(getattr(node, "lineno", 1), ast.unparse(node).partition("\n")[0])] = None
+        self.unknown[self.quote(getattr(node, "lineno", 1), self.source(node).partition("\n")[0])] = None
 
     def tried(self, node: ast.Try | ast.TryStar) -> None:
         """``try``; what handles an error may change the scene as well."""
@@ -364,7 +367,7 @@ class Yade(Evaluator):
         if owner == "O":
             self.scene_assigned(name, value, node)
         elif owner == "O.cell" and name in ("velGrad", "nextVelGrad"):
-            quote = self.quote(getattr(node, "lineno", 1), ast.unparse(node))
+            quote = self.quote(getattr(node, "lineno", 1), self.source(node))
             self.ignored[Note(f"a box that deforms (O.cell.{name})", None, quote)] = None
         elif isinstance(owner, Instance):
             body = body_of(owner)
@@ -394,7 +397,7 @@ class Yade(Evaluator):
             if len(engines) < len(parts) or (self.repeats and engines != self.engines):
                 self.not_understood(node)
             self.engines, self.engines_given = engines, True
-            self.engines_quote = self.quote(getattr(node, "lineno", 1), ast.unparse(node))
+            self.engines_quote = self.quote(getattr(node, "lineno", 1), self.source(node))
             self.label(self.engines)
         elif name in ("dynDt", "usesTimeStepper") and isinstance(value, bool | int):
             for one in self.used("GlobalStiffnessTimeStepper"):
@@ -519,7 +522,8 @@ class Yade(Evaluator):
             self.unknown[self.quote(instance.line, instance.text)] = None
         elif name in ("reset", "resetThisScene", "resetCurrentScene", "resetAllScenes"):
             self.materials.clear()
-            self.bodies, self.engines, self.engines_given, self.engines_quote = [], [], True, None
+            self.bodies, self.numbered = [], 0
+            self.engines, self.engines_given, self.engines_quote = [], True, None
             self.elsewhere, self.time_step, self.time_step_given = False, None, False
         elif name == "labeledEngine" and instance.arguments:
             return self.names.get(str(instance.arguments[0]), Unknown(instance.text))
@@ -535,6 +539,7 @@ class Yade(Evaluator):
             self.from_file(instance)
             return
         self.materials[:], self.bodies[:], self.engines, self.elsewhere = self.saved
+        self.numbered = 0
 
     def bodies_method(self, name: str, instance: Instance) -> Any:
         """Methods of ``O.bodies``. The value is the number of a body, if it is known."""
@@ -542,7 +547,7 @@ class Yade(Evaluator):
         if name in ("clear", "replace") and self.repeats:
             self.unknown[quote] = None
         elif name in ("clear", "replace"):
-            self.bodies, self.elsewhere = [], False
+            self.bodies, self.numbered, self.elsewhere = [], 0, False
         if name in ("append", "appendClumped", "replace", "insertAtId"):
             before = len(self.bodies)
             self.append(instance, clumped=name == "appendClumped")
@@ -1175,7 +1180,7 @@ class Yade(Evaluator):
         while pending:
             new = self.functions.keys() & set(re.findall(r"\w+", pending.pop())) - named.keys()
             named |= {name: self.functions[name] for name in new}
-            pending += [ast.unparse(self.functions[name]) for name in new]
+            pending += [self.source(self.functions[name]) for name in new]
         self.executed |= set(named.values())
         try:
             parts = [*named.values(), ast.parse(textwrap.dedent(command))]
