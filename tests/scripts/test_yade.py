@@ -523,6 +523,11 @@ def test_engines_by_default():
     assert (stage.time_step, stage.numerical_damping, stage.gravity) == (None, 0.4, 2.0)
     assert numbers(stage.contacts[0]) == {"physics": "FrictPhys", "young": 1e7}
     assert read(text.replace("O.run", "O.dynDt = False\nO.dt = 1e-6\nO.run")).stages[0].time_step == 1e-6
+    for body, touched in (("facet([(0, 0, 0), (1, 0, 0), (0, 1, 0)])", True), ("wall(0, axis=2)", False)):
+        contacts = (
+            read(f"{text.rpartition('O.run')[0]}O.bodies.append({body})\nO.run(1)\n").stages[0].contacts
+        )
+        assert any(one.wall for one in contacts) is touched
 
 
 @pytest.mark.parametrize(

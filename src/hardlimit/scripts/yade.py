@@ -737,13 +737,16 @@ class Yade(Evaluator):
             )
         return float(found)
 
+    @property
+    def apart(self) -> bool:
+        """Whether a script makes engines and does not enter them in ``O.engines``, as a part of a script may."""
+        parts = ("Ip2_", "Law2_", "NewtonIntegrator")
+        return not self.engines_given and any(one.name.startswith(parts) for one in self.instances)
+
     def used(self, start: str) -> list[Instance]:
         """Instances whose name begins so: those of ``O.engines``, or all of a script that makes them beside it."""
         found: list[Instance] = []
-        apart = not self.engines_given and any(
-            one.name.startswith(("Ip2_", "Law2_", "NewtonIntegrator")) for one in self.instances
-        )
-        pending: list[Any] = list(reversed(self.instances if apart else self.engines))
+        pending: list[Any] = list(reversed(self.instances if self.apart else self.engines))
         seen = set[int]()
         while pending:
             one = pending.pop()
@@ -912,7 +915,7 @@ class Yade(Evaluator):
         shape, size = (SHAPE_NAMES[kind], SIZES.get(kind, 1.0))
         meet = [one for one in self.used("Ig2_") if one.name.startswith(f"Ig2_{shape}_Sphere_")]
         seen = [*self.used(f"Bo1_{shape}_Aabb"), *self.used("FlatGridCollider")]
-        if self.engines_given and not (meet and seen):
+        if not (self.apart or (meet and seen)):
             missing = f"Bo1_{shape}_Aabb" if meet else f"Ig2_{shape}_Sphere_…"
             what = f"{kind if kind in SIZES else 'spheres'} without contacts: no {missing}"
             self.ignored[Note(what, None, self.engines_quote)] = None
