@@ -168,6 +168,7 @@ add(r=0.3, n=1)
         (PACK + "O.bodies.append([sphere(c, r) for c, r in sp])\n", (0.04, 0.06)),
         (PACK + "for s in sp: O.bodies.append(sphere(s[0], 2 * s[1]))\n", (0.08, 0.12)),
         (PACK + "O.bodies.append([sphere(c, radius=r) for c, r in sp.toList()])\n", (0.04, 0.06)),
+        ("pack.SpherePack([((0, 0, k), 0.1 * k) for k in (1, 2)]).toSimulation()\n", (0.1, 0.2)),
         (PACK + "sp.scale(3)\nsp.toSimulation()\n", (0.12, 0.18)),
         (
             "balls = []\nfor k in 1, 2: balls += [sphere((0, 0, k), 0.1 * k)]\nO.bodies.append(balls)\n",

@@ -445,6 +445,15 @@ class Yade(Evaluator):
             return instance
         if name == "Omega":
             return SCENE
+        return self.new_bodies(name, owner, instance)
+
+    def new_bodies(self, name: str, owner: Any, instance: Instance) -> Any:
+        """Functions that make bodies or packings, and parameters of a table."""
+        if name == "SpherePack" and instance.arguments and isinstance(instance.arguments[0], list | tuple):
+            pairs = [
+                entry for entry in instance.arguments[0] if isinstance(entry, tuple | list) and len(entry) > 1
+            ]
+            instance.made += [as_range(entry[1]) for entry in pairs] or [None]
         if name == "sphere":
             self.sphere(instance)
         elif name in SHAPES:
