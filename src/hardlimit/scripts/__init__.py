@@ -35,7 +35,7 @@ MAX_INCLUDED: Final = 20
 #: What tells the codes apart, outside comments.
 SIGNS: Final = {
     "yade": re.compile(
-        r"^[^#\n]*(?:\bO\.(?:engines|materials|bodies)\b|\bIp2_\w+\s*\(|\b(?:from|import)\s+yade\b|NewtonIntegrator\s*\()",
+        r"^[^#\n]*(?:\bO\.(?:engines|materials|bodies)\b|\bOmega\(\)|\bIp2_\w+\s*\(|\b(?:from|import)\s+yade\b|NewtonIntegrator\s*\()",
         re.MULTILINE,
     ),
     "liggghts": re.compile(

@@ -47,6 +47,8 @@ class Grains:
     frozen: bool = False  #: whether none of them moves
     counted: bool = False  #: whether the code's formulas use their mass although none of them moves
     partly_frozen: bool = False  #: whether some of them, but not all, do not move
+    fixed: Grains | None = None  #: those, if their sizes are not those of the others
+    alone: bool = False  #: whether only one of them moves, which then touches none like itself
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
-"""A small evaluator of Python scripts: assignments, arithmetic, short loops, and the objects that calls create.
+"""A small evaluator of Python scripts: assignments, arithmetic, short loops, functions, classes, and what calls create.
 
 Only arithmetic is computed. A call of anything else makes an :class:`Instance` with its arguments. What is not
-understood is :class:`Unknown`.
+understood is :class:`Unknown`. Arguments of the command line have their defaults.
 """
 
 from __future__ import annotations
@@ -21,6 +21,8 @@ from .statements import Refusal, quoted, refusal
 
 #: A print statement of Python 2.
 PRINT: Final = re.compile(r"(^[ \t]*|[:;][ \t]*)print\b(?![ \t]*\()[^\n]*", re.MULTILINE)
+#: A name, perhaps of a member of modules or objects.
+DOTTED: Final = re.compile(r"[A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*")
 MAX_STEPS: Final = 200_000
 MAX_ITEMS: Final = 20_000  #: of a list
 DEEPEST: Final = 8  #: nesting of calls of the script's own functions
@@ -55,11 +57,16 @@ FUNCTIONS: Final[dict[str, Callable[..., Any]]] = {
         first + (last - first) * k / max(n - 1, 1) for k in range(min(n, MAX_ITEMS))
     ),
     "arange": lambda *ends: Vector(spaced(*((0, *ends) if len(ends) == 1 else ends))),
+    "array": lambda values: Vector(values),
     "arcsin": math.asin,
     "arccos": math.acos,
     "arctan": math.atan,
     **{function.__name__: function for function in (abs, min, max, round, float, int, sum, len)},
+    "Real": float,
+    "toHP1": float,
 }
+#: Those that take texts.
+OF_TEXTS: Final = ("float", "int", "Real", "toHP1", "len")
 #: Functions of lists, whose elements may be anything.
 LISTS: Final[dict[str, Callable[..., Any]]] = {
     "enumerate": lambda *values: list(enumerate(*values)),
@@ -132,8 +139,20 @@ class Assignment:
     text: str
 
 
+#: In place of the value of a call that is no arithmetic.
+NOT_COMPUTED: Final = Unknown("")
+
+
 class Return(Exception):  # not an error
     """The end of one of the script's own functions."""
+
+
+class Missing(Exception):  # not an error
+    """An argument of the command line that is not given, inside ``try``."""
+
+
+class Arguments(list[Any]):
+    """``sys.argv`` of a script that is started without arguments."""
 
 
 @dataclass
@@ -148,15 +167,26 @@ class Evaluator:
         self.instances: list[Instance] = []
         self.assignments: list[Assignment] = []
         self.functions: dict[str, ast.FunctionDef] = {}
-        self.defaults: dict[str, dict[str, Any]] = {}  #: of the arguments of functions
+        self.defaults: dict[ast.AST, dict[str, Any]] = {}  #: of the arguments of functions
+        self.classes: dict[str, dict[str, ast.FunctionDef]] = {}  #: methods by name
+        self.sources: dict[ast.AST, str] = {}
+        self.executed: set[ast.AST] = set()  #: functions that were called
         self.modules = set(MODULES)
         self.count = self.depth = 0
+        self.repeats = 0  #: depth of statements that may run any number of times
+        self.trials = 0  #: depth of ``try``
+
+    def source(self, node: ast.AST) -> str:
+        """The text of a part of the script."""
+        if node not in self.sources:
+            self.sources[node] = ast.unparse(node)
+        return self.sources[node]
 
     def run(self) -> None:
         """Run the script. A ValueError if it is not Python."""
-        tree = self.parsed()
+        self.tree = self.parsed()
         try:
-            self.block(tree.body)
+            self.block(self.tree.body)
         except Return:
             pass
         except RecursionError:
@@ -186,7 +216,7 @@ class Evaluator:
         """An assignment to an attribute."""
         if isinstance(owner, Instance):
             owner.attributes[name] = value
-        self.assignments.append(Assignment(getattr(node, "lineno", 1), name, ast.unparse(node)))
+        self.assignments.append(Assignment(getattr(node, "lineno", 1), name, self.source(node)))
 
     def member(self, owner: Any, name: str, node: ast.Attribute) -> Any:
         """The value of an attribute."""
@@ -194,7 +224,21 @@ class Evaluator:
             return owner.attributes[name]
         if name in CONSTANTS and isinstance(owner, str) and owner in self.modules:
             return CONSTANTS[name]
-        return Unknown(ast.unparse(node))
+        if name == "argv" and owner == "sys":
+            return Arguments([self.file or "script.py"])
+        return Unknown(f"{owner}.{name}" if isinstance(owner, str) else self.source(node))
+
+    def imported(self, node: ast.Import | ast.ImportFrom) -> None:
+        """An import. Other names of modules and of their members stand for these."""
+        for one in node.names:
+            if isinstance(node, ast.Import) and one.asname:
+                self.names[one.asname] = Unknown(one.name)
+                if one.name in MODULES:
+                    self.modules |= {one.asname}
+            elif isinstance(node, ast.ImportFrom) and one.asname:
+                self.names[one.asname] = Unknown(one.name)
+            elif isinstance(node, ast.ImportFrom) and one.name == "argv":
+                self.names["argv"] = Arguments([self.file or "script.py"])
 
     # --- statements ---------------------------------------------------------------------------------------------
 
@@ -202,7 +246,7 @@ class Evaluator:
         self.count += 1
         if self.count > MAX_STEPS:
             line = getattr(node, "lineno", 1)
-            raise refusal(line, ast.unparse(node)[:200], "be part of shorter loops", self.file)
+            raise refusal(line, self.source(node)[:200], "be part of shorter loops", self.file)
 
     def block(self, body: Iterable[ast.stmt]) -> None:
         """Statements in order."""
@@ -222,7 +266,7 @@ class Evaluator:
             case ast.AnnAssign(target, _, ast.expr() as value):
                 self.assign(target, self.value(value), node)
             case ast.AugAssign(target, sign, value):
-                load = ast.parse(ast.unparse(target), mode="eval").body
+                load = ast.parse(self.source(target), mode="eval").body
                 ast.copy_location(load, target)
                 self.assign(target, self.binary(self.value(load), sign, self.value(value), node), node)
             case ast.For(target, iterable, body, other):
@@ -238,19 +282,39 @@ class Evaluator:
                     self.block(body if holds else other)
             case ast.FunctionDef(name, given):
                 self.functions[name] = node
-                self.defaults[name] = self.default_values(given)
+                self.defaults[node] = self.default_values(given)
                 self.names.pop(name, None)
-            case ast.Import(names):
-                self.modules |= {one.asname for one in names if one.asname and one.name in MODULES}
+            case ast.Import() | ast.ImportFrom():
+                self.imported(node)
             case ast.ClassDef(name, body=body):
+                self.classes[name] = {one.name: one for one in body if isinstance(one, ast.FunctionDef)}
+                for method in self.classes[name].values():
+                    self.defaults[method] = self.default_values(method.args)
                 self.names[name] = self.namespace(name, body, node)
             case ast.Return(value):
                 raise Return(None if value is None else self.value(value))
-            case ast.With(_, body) | ast.Try(body):
+            case ast.With(_, body):
                 self.block(body)
+            case ast.Try() | ast.TryStar():
+                self.tried(node)
+            case ast.Match(_, cases):
+                self.uncertain(node, [one.body for one in cases])
             case ast.Delete(targets):
                 for target in targets:
                     self.forget(target)
+
+    def tried(self, node: ast.Try | ast.TryStar) -> None:
+        """``try``: its body, and what handles an argument of the command line that is not given."""
+        self.trials += 1
+        try:
+            self.block(node.body)
+            self.block(node.orelse)
+        except Missing:
+            for handler in node.handlers[:1]:
+                self.block(handler.body)
+        finally:
+            self.trials -= 1
+        self.block(node.finalbody)
 
     def namespace(self, name: str, body: list[ast.stmt], node: ast.stmt) -> Instance:
         """The values that a class assigns, as its attributes; its methods are not run."""
@@ -264,7 +328,9 @@ class Evaluator:
         """A loop over known values; if it is too long or ends early, its body once, with names of unknown value."""
         items = self.items(iterable)
         jumps = any(isinstance(one, ast.Break | ast.Continue) for part in body for one in ast.walk(part))
-        long = sum(1 for part in body for _ in ast.walk(part)) * len(items or ()) > MAX_STEPS - self.count
+        long = (
+            sum(1 for part in body for _ in ast.walk(part)) * len(items or ()) > MAX_STEPS // 2 - self.count
+        )
         if items is None or jumps or long:
             self.uncertain(target, [body], also=target)
             return
@@ -275,7 +341,7 @@ class Evaluator:
     def items(self, node: ast.expr) -> list[Any] | None:
         """What an iteration runs over; None if it is not known or too long."""
         found = self.value(node)
-        if isinstance(found, range | list | tuple) and len(found) <= MAX_ITEMS:
+        if isinstance(found, range | list | tuple | str) and len(found) <= MAX_ITEMS:
             return list(found)
         return None
 
@@ -284,9 +350,11 @@ class Evaluator:
         changed = [part for body in bodies for part in body] + ([also] if also is not None else [])
         for part in changed:
             self.forget(part)
+        self.repeats += 1
         for body in bodies:
-            with suppress(Return):
+            with suppress(Return, Missing):
                 self.block(body)
+        self.repeats -= 1
         for part in changed:
             self.forget(part)
 
@@ -306,7 +374,7 @@ class Evaluator:
             case ast.Tuple(parts) | ast.List(parts):
                 known = list(value) if isinstance(value, tuple | list) and len(value) == len(parts) else None
                 for k, part in enumerate(parts):
-                    self.assign(part, known[k] if known else Unknown(ast.unparse(part)), node)
+                    self.assign(part, known[k] if known else Unknown(self.source(part)), node)
             case ast.Subscript(owner, place):
                 held, key = self.value(owner), self.value(place)
                 with suppress(TypeError, IndexError, KeyError):
@@ -327,16 +395,16 @@ class Evaluator:
         self.step(node)
         try:
             found = self._value(node)
-        except Refusal:
+        except (Refusal, Missing):
             raise
         except (ValueError, TypeError, KeyError, IndexError, ArithmeticError, AttributeError):
-            return Unknown(ast.unparse(node))
+            return Unknown(self.source(node))
         if (
             isinstance(found, float)
             and not math.isfinite(found)
             and not isinstance(node, ast.Name | ast.Attribute)
         ):
-            return Unknown(ast.unparse(node))
+            return Unknown(self.source(node))
         return found
 
     def _value(self, node: ast.expr) -> Any:
@@ -363,18 +431,18 @@ class Evaluator:
                 return self.binary(self.value(left), sign, self.value(right), node)
             case ast.BoolOp(sign, parts):
                 return self.boolean(isinstance(sign, ast.And), [self.value(part) for part in parts], node)
-            case ast.Compare(left, [sign], [right]):
-                pair = self.value(left), self.value(right)
-                if any(isinstance(one, Unknown | Instance) for one in pair):
-                    return Unknown(ast.unparse(node))
-                return COMPARISONS[type(sign)](*pair)
+            case ast.Compare(left, signs, others):
+                values = [self.value(one) for one in (left, *others)]
+                if any(isinstance(one, Unknown | Instance) for one in values):
+                    return self.compared(node, values)
+                pairs = zip(signs, values, values[1:], strict=False)
+                return all(COMPARISONS[type(sign)](one, next_one) for sign, one, next_one in pairs)
             case ast.IfExp(test, body, other):
                 holds = self.value(test)
-                return (
-                    Unknown(ast.unparse(node))
-                    if isinstance(holds, Unknown)
-                    else self.value(body if holds else other)
-                )
+                if not isinstance(holds, Unknown | Instance):
+                    return self.value(body if holds else other)
+                ends = self.value(body), self.value(other)
+                return ends[0] if ends[0] == ends[1] else Unknown(self.source(node))
             case ast.Call():
                 return self.call(node)
             case ast.Attribute(owner, name):
@@ -388,8 +456,12 @@ class Evaluator:
                 return found
             case ast.JoinedStr(parts):
                 texts = [self.formatted(part) for part in parts]
-                return Unknown(ast.unparse(node)) if None in texts else "".join(map(str, texts))
-        return Unknown(ast.unparse(node))
+                return Unknown(self.source(node)) if None in texts else "".join(map(str, texts))
+        return Unknown(self.source(node))
+
+    def compared(self, node: ast.Compare, values: list[Any]) -> Any:
+        """A comparison with a value that is not known."""
+        return Unknown(self.source(node))
 
     def formatted(self, part: ast.expr) -> str | None:
         """A part of an f-string; None if it is not known."""
@@ -403,7 +475,7 @@ class Evaluator:
 
     def unary(self, sign: ast.unaryop, value: Any, node: ast.expr) -> Any:
         if isinstance(value, Unknown | Instance | str):
-            return Unknown(ast.unparse(node))
+            return Unknown(self.source(node))
         if isinstance(sign, ast.Not):
             return not value
         if isinstance(value, tuple):
@@ -414,29 +486,37 @@ class Evaluator:
         if isinstance(left, Instance | list) and isinstance(right, Instance) and isinstance(sign, ast.Add):
             return [*flat([left]), right]  # such as engines of motion
         if isinstance(left, Unknown | Instance) or isinstance(right, Unknown | Instance):
-            return Unknown(ast.unparse(node))
+            return Unknown(self.source(node))
         if isinstance(sign, ast.Pow):
             return math.pow(left, right)
         sizes = [len(one) for one in (left, right) if isinstance(one, str | list | tuple)]
         numbers = [one for one in (left, right) if isinstance(one, int) and not isinstance(one, bool)]
         if sizes and isinstance(sign, ast.Mult) and numbers and max(sizes) * max(numbers) > MAX_ITEMS:
-            return Unknown(ast.unparse(node))
+            return Unknown(self.source(node))
         if any(abs(one) > 1e100 for one in numbers) or (isinstance(left, str) and isinstance(sign, ast.Mod)):
-            return Unknown(ast.unparse(node))
+            return Unknown(self.source(node))
         return OPERATORS[type(sign)](left, right)
 
     def boolean(self, every: bool, values: list[Any], node: ast.expr) -> Any:
         for value in values:
             if isinstance(value, Unknown | Instance):
-                return Unknown(ast.unparse(node))
+                return Unknown(self.source(node))
             if bool(value) != every:
                 return value
         return values[-1]
 
     def item(self, held: Any, place: ast.expr, node: ast.expr) -> Any:
-        if isinstance(place, ast.Slice) or not isinstance(held, list | tuple | dict):
-            return Unknown(ast.unparse(node))
-        return held[self.value(place)]
+        if not isinstance(held, list | tuple | dict):
+            return Unknown(self.source(node))
+        if isinstance(place, ast.Slice):
+            ends = [
+                None if one is None else self.value(one) for one in (place.lower, place.upper, place.step)
+            ]
+            return held[slice(*ends)]
+        key = self.value(place)
+        if isinstance(held, Arguments) and self.trials and isinstance(key, int) and key >= len(held):
+            raise Missing
+        return held[key]
 
     def comprehension(self, element: ast.expr, generators: list[ast.comprehension], found: list[Any]) -> None:
         """Add the values of a comprehension. Over values or under conditions that are not known, its element once."""
@@ -447,27 +527,60 @@ class Evaluator:
         items = self.items(generator.iter)
         if self.count > MAX_STEPS // 2:
             items = None  # such as a large lattice, whose other spheres are like those before
-        for item in [Unknown(ast.unparse(generator.iter))] if items is None else items:
+        self.repeats += items is None
+        for item in [Unknown(self.source(generator.iter))] if items is None else items:
             self.assign(generator.target, item, generator.target)
             holds = [self.value(one) for one in generator.ifs]
             if any(isinstance(one, Unknown | Instance) for one in holds):
-                chosen = [Unknown(ast.unparse(generator.iter))]
+                chosen = [Unknown(self.source(generator.iter))]
                 break
             chosen += [item] * all(holds)
         for item in chosen:
             self.assign(generator.target, item, generator.target)
             self.comprehension(element, inner, found)
+        self.repeats -= items is None
 
     def call(self, node: ast.Call) -> Any:
         """A call: arithmetic, one of the script's own functions, or an instance."""
-        match node.func:
+        owner, name = self.callee(node.func)
+        if not name:
+            return Unknown(self.source(node))
+        arguments, keywords = self.arguments(node)
+        if name in self.functions and owner is None:
+            return self.inside(self.functions[name], arguments, keywords, node)
+        if name in self.classes and owner is None:
+            return self.constructed(name, arguments, keywords, node)
+        if isinstance(owner, Instance) and name in (methods := self.classes.get(owner.name, {})):
+            return self.inside(methods[name], [owner, *arguments], keywords, node)
+        known = self.computed(name, owner, arguments, keywords, node)
+        if known is not NOT_COMPUTED:
+            return known
+        if name == "setattr" and owner is None and len(arguments) == 3 and isinstance(arguments[1], str):
+            changed, attribute, value = arguments
+            self.assigned(changed.text if isinstance(changed, Unknown) else changed, attribute, value, node)
+            return None
+        text = quoted("", node.lineno, self.source(node)).text
+        instance = Instance(name, tuple(arguments), keywords, node.lineno, text)
+        if isinstance(owner, Instance) and owner.name == "ArgumentParser":
+            return parsed_argument(name, owner, instance)
+        return self.called(name, owner, instance)
+
+    def callee(self, node: ast.expr) -> tuple[Any, str]:
+        """What stands before the dot of a function, and the function's name; empty if it has none."""
+        match node:
             case ast.Name(name):
-                owner: Any = None
+                alias = self.names.get(name)
+                if not isinstance(alias, Unknown) or not DOTTED.fullmatch(alias.text):
+                    return None, name
+                owner, _, name = alias.text.rpartition(".")
+                return owner or None, name
             case ast.Attribute(before, name):
-                owner = self.owner(before)
-            case _:
-                self.value(node.func)
-                return Unknown(ast.unparse(node))
+                return self.owner(before), name
+        self.value(node)
+        return None, ""
+
+    def arguments(self, node: ast.Call) -> tuple[list[Any], dict[str, Any]]:
+        """The values of the arguments of a call; ``**`` stands for keywords that are not known."""
         arguments: list[Any] = []
         for part in node.args:
             value = self.value(part.value if isinstance(part, ast.Starred) else part)
@@ -483,8 +596,12 @@ class Evaluator:
                 keywords |= {str(key): one for key, one in value.items()}
             else:
                 keywords["**"] = value
-        if name in self.functions and owner is None:
-            return self.inside(self.functions[name], arguments, keywords, node)
+        return arguments, keywords
+
+    def computed(
+        self, name: str, owner: Any, arguments: list[Any], keywords: dict[str, Any], node: ast.Call
+    ) -> Any:
+        """The value of a function of numbers, lists or dictionaries; ``NOT_COMPUTED`` if it is none."""
         arithmetic = owner is None or (isinstance(owner, str) and owner in self.modules)
         if name in ("Vector3", "Vector2", "Vector6") and len(arguments) > 1:
             return Vector(arguments)
@@ -492,19 +609,31 @@ class Evaluator:
             return range(*arguments)
         if name in LISTS and owner is None and not keywords and name not in self.names:
             short = all(
-                isinstance(one, list | tuple | range | int) and count(one) <= MAX_ITEMS for one in arguments
+                isinstance(one, list | tuple | range | str | int) and count(one) <= MAX_ITEMS
+                for one in arguments
             )
-            return LISTS[name](*arguments) if short else Unknown(ast.unparse(node))
+            return LISTS[name](*arguments) if short else Unknown(self.source(node))
         if name == "dict" and owner is None and not arguments and "**" not in keywords:
             return keywords
         if isinstance(owner, dict) and name in ("items", "keys", "values", "get"):
             found = getattr(owner, name)(*arguments)
             return found if name == "get" else list(found)
         if name in FUNCTIONS and arithmetic and not keywords and name not in self.names:
-            unknown = [one for one in flat(arguments) if isinstance(one, Unknown | Instance | str)]
-            return Unknown(ast.unparse(node)) if unknown else FUNCTIONS[name](*arguments)
-        text = quoted("", node.lineno, ast.unparse(node)).text
-        return self.called(name, owner, Instance(name, tuple(arguments), keywords, node.lineno, text))
+            kinds = (Unknown, Instance) if name in OF_TEXTS else (Unknown, Instance, str)
+            unknown = any(isinstance(one, kinds) for one in flat(arguments))
+            return Unknown(self.source(node)) if unknown else FUNCTIONS[name](*arguments)
+        return NOT_COMPUTED
+
+    def constructed(
+        self, name: str, arguments: list[Any], keywords: Mapping[str, Any], node: ast.Call
+    ) -> Instance:
+        """An object of one of the script's own classes."""
+        common = self.names.get(name)
+        attributes = dict(common.attributes) if isinstance(common, Instance) else {}
+        made = Instance(name, tuple(arguments), attributes, node.lineno, self.source(node))
+        if "__init__" in self.classes[name]:
+            self.inside(self.classes[name]["__init__"], [made, *arguments], keywords, node)
+        return made
 
     def default_values(self, given: ast.arguments) -> dict[str, Any]:
         """The values of the arguments that a function has by default, when it is defined."""
@@ -520,11 +649,12 @@ class Evaluator:
     ) -> Any:
         """Run one of the script's own functions."""
         if self.depth >= DEEPEST:
-            return Unknown(ast.unparse(node))
+            return Unknown(self.source(node))
         given = function.args
         places = [one.arg for one in [*given.posonlyargs, *given.args]]
         local = {name: Unknown(name) for name in [*places, *(one.arg for one in given.kwonlyargs)]}
-        local |= self.defaults[function.name]
+        local |= self.defaults[function]
+        self.executed.add(function)
         local |= dict(zip(places, arguments, strict=False)) | dict(keywords)
         outside, self.depth = self.names, self.depth + 1
         changed = {name for one in ast.walk(function) if isinstance(one, ast.Global) for name in one.names}
@@ -538,6 +668,19 @@ class Evaluator:
             inside, self.names, self.depth = self.names, outside, self.depth - 1
         self.names |= {name: inside[name] for name in changed if name in inside}
         return found
+
+
+def parsed_argument(name: str, parser: Instance, instance: Instance) -> Any:
+    """A method of ``argparse.ArgumentParser``: arguments have their defaults."""
+    if name == "add_argument":
+        flags = [one for one in instance.arguments if isinstance(one, str)]
+        long = next((one for one in flags if one.startswith("--")), flags[0] if flags else "")
+        target = instance.attributes.get("dest", long.lstrip("-").replace("-", "_"))
+        default = False if instance.attributes.get("action") == "store_true" else Unknown(instance.text)
+        parser.made.append((target, instance.attributes.get("default", default)))
+    elif name == "parse_args":
+        return Instance("Namespace", (), dict(parser.made), instance.line, instance.text)
+    return Unknown(instance.text)
 
 
 def count(value: Any) -> int:

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import ast
 import math
+import re
+import sys
+import textwrap
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Final
@@ -31,12 +34,23 @@ from .statements import quoted, refusal
 
 DEFAULT_TIME_STEP: Final = 1e-8  #: of a scene
 NUMERICAL_DAMPING: Final = 0.2  #: NewtonIntegrator's default
-#: A facet counts as a sphere of twice the radius, other walls as one of the same radius: 2/3 R over 1/2 R.
-FACET_RADIUS: Final = 4.0 / 3.0
+#: Radius of a body over that of the sphere that it touches: 1e8 with ``hertzian=True``.
+SIZES: Final = {"facets": 2.0, "walls": 1.0, "boxes": 1.0}
+#: The engines of a script that sets none.
+DEFAULT_ENGINES: Final = """[
+    ForceResetter(),
+    InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Facet_Aabb(), Bo1_Box_Aabb()], label='collider'),
+    InteractionLoop(
+        [Ig2_Sphere_Sphere_ScGeom(), Ig2_Facet_Sphere_ScGeom(), Ig2_Box_Sphere_ScGeom()],
+        [Ip2_FrictMat_FrictMat_FrictPhys()], [Law2_ScGeom_FrictPhys_CundallStrack()], label='interactionLoop'),
+    GlobalStiffnessTimeStepper(timeStepUpdateInterval=10, label='timeStepper'),
+    NewtonIntegrator(label='newton'),
+]"""
 #: Materials that are read, with the defaults of their numbers.
 MATERIALS: Final[dict[str, dict[str, float]]] = {
     "FrictMat": {"young": 1e9, "poisson": 0.25, "density": 1000.0},
     "ViscElMat": {"young": 1e9, "poisson": 0.25, "density": 1000.0},
+    "CohFrictMat": {"young": 1e9, "poisson": 0.25, "density": 1000.0, "normalCohesion": -1.0},
 }
 FRICTION_ANGLE: Final = 0.5  #: default of these materials
 DEFAULT_MATERIAL: Final = {"young": 1e7, "poisson": 0.3, "density": 1000.0, "label": "defaultMat"}
@@ -45,12 +59,33 @@ PHYSICS: Final = {
     "Ip2_FrictMat_FrictMat_MindlinPhys": "FrictMat",
     "Ip2_FrictMat_FrictMat_FrictPhys": "FrictMat",
     "Ip2_ViscElMat_ViscElMat_ViscElPhys": "ViscElMat",
+    "Ip2_CohFrictMat_CohFrictMat_CohFrictPhys": "CohFrictMat",
+}
+#: Attributes of each of these and of the integrator in YADE 2023.02a; others are misspelt, or of another version.
+OF_MATERIALS: Final = "young poisson density frictionAngle id label dead ompThreads "
+ATTRIBUTES: Final = {
+    "FrictMat": OF_MATERIALS,
+    "ViscElMat": OF_MATERIALS
+    + "tc en et kn cn ks cs mR mRtype lubrication viscoDyn roughnessScale SPHmode mu "
+    "KernFunctionPressure KernFunctionVisco",
+    "CohFrictMat": OF_MATERIALS
+    + "isCohesive alphaKr alphaKtw etaRoll etaTwist normalCohesion shearCohesion fragile momentRotationLaw",
+    "Ip2_FrictMat_FrictMat_MindlinPhys": "gamma eta krot ktwist en es betan betas frictAngle label",
+    "Ip2_FrictMat_FrictMat_FrictPhys": "kn ks frictAngle label",
+    "Ip2_ViscElMat_ViscElMat_ViscElPhys": "tc en et frictAngle label",
+    "Ip2_CohFrictMat_CohFrictMat_CohFrictPhys": "setCohesionNow setCohesionOnNewContacts normalCohesion shearCohesion"
+    " frictAngle label cohesionDefinitionIteration",
+    "NewtonIntegrator": "damping gravity maxVelocitySq exactAsphericalRot prevVelGrad warnNoForceReset kinSplit"
+    " dampGravity mask densityScaling label dead ompThreads",
 }
 LAWS: Final = (
     "Law2_ScGeom_MindlinPhys_Mindlin",
     "Law2_ScGeom_FrictPhys_CundallStrack",
     "Law2_ScGeom_ViscElPhys_Basic",
+    "Law2_ScGeom6D_CohFrictPhys_CohesionMoment",
 )
+#: Physics whose normal force is that of another.
+LIKE: Final = {"CohFrictPhys": "FrictPhys"}
 #: Laws that leave out the damping of MindlinPhys.
 UNDAMPED_LAWS: Final = (
     "Law2_ScGeom_MindlinPhys_HertzWithLinearShear",
@@ -103,7 +138,7 @@ SHAPES: Final = {
     **dict.fromkeys(
         ("facetHelix", "facetParallelepiped", "facetTorus", "stl", "gts", "gmsh", "unv", "iges"), "facets"
     ),
-    "gtsSurface2Facets": "facets",
+    **dict.fromkeys(("gtsSurface2Facets", "textFacets", "blockMeshFacets"), "facets"),
     "wall": "walls",
     "box": "boxes",
     "aabbWalls": "boxes",
@@ -128,24 +163,76 @@ CLUMPS: Final = (
     "polyhedron",
     "tetra",
 )
-#: Attributes that change contacts or grains while the script runs.
-CHANGING: Final = (
-    "young",
-    "poisson",
-    "en",
-    "betan",
-    "kn",
-    "cn",
-    "tc",
-    "damping",
-    "radius",
-    "mass",
-    "mat",
-    "material",
+#: Modules whose functions of the same names make no bodies.
+READERS: Final = ("export", "pickle", "cPickle", "np", "numpy", "json", "yaml", "plot", "pd", "pandas")
+#: Bodies that are no spheres, whose contacts are not read.
+OTHER_SHAPES: Final = (
+    "gridNode",
+    "gridConnection",
+    "pfacet",
+    "chainedCylinder",
+    "levelSetBody",
+    "lsSimpleShape",
 )
+#: Attributes that change contacts, grains or time steps while the script runs.
+CHANGING_NAMES: Final = """
+young poisson density en betan kn cn tc gravity damping radius mass mat material dynamic blockedDOFs dt engines active
+dead isCohesive normalCohesion setCohesionNow setCohesionOnNewContacts hertzian functors SPHmode
+"""
+CHANGING: Final = frozenset(CHANGING_NAMES.split())
+#: Attributes of ``O`` that change neither contacts nor grains.
+SCENE_NAMES: Final = """
+trackEnergy timingEnabled stopAtIter stopAtTime subStepping subStep tags periodic miscParams numThreads speed iter time
+"""
+#: Methods of ``O`` that change neither contacts nor grains.
+SCENE_METHODS: Final = """
+pause wait resetTime exitNoBacktrace labeledEngine plugins lsTmp isChildClassOf childClassesNonrecursive
+disableGdb realtime sceneToString tmpToFile tmpToString
+"""
+#: Where a script gets names from that cannot change the scene unseen.
+MODULE_NAMES: Final = """
+yade numpy scipy matplotlib pylab pandas mpi4py minieigen minieigenHP gts vtk past builtins future h5py sklearn tqdm
+IPython PyQt4 PyQt5 cPickle ConfigParser Queue StringIO sympy mpmath numba networkx seaborn cv2 PIL plotly meshio
+"""
+KNOWN_MODULES: Final = frozenset(MODULE_NAMES.split()) | sys.stdlib_module_names
+#: The scene and its bodies, by whatever name.
+SCENE: Final = Unknown("O")
+BODIES: Final = Unknown("O.bodies")
+#: Functions that may have the scene or its bodies as an argument and leave it as it is.
+PLAIN: Final = (
+    "print",
+    "len",
+    "str",
+    "repr",
+    "type",
+    "dir",
+    "id",
+    "list",
+    "isinstance",
+    "enumerate",
+    "sorted",
+)
+#: Calls that change bodies, or add forces to those of contacts.
+FORCE_METHODS: Final = ("addF", "setPermF", "addForce")
+TOUCHING: Final = (
+    "toSimulation",
+    "growParticles",
+    "growParticle",
+    "load",
+    "loadTmp",
+    "reload",
+    "reset",
+    *FORCE_METHODS,
+)
+#: Most bodies that a loop runs over one by one.
+MAX_BODIES: Final = 1000
+#: Shapes in the names of functors.
+SHAPE_NAMES: Final = {"sphere": "Sphere", "facets": "Facet", "walls": "Wall", "boxes": "Box"}
+#: Functions that run a text that is not read.
+HIDDEN: Final = ("exec", "execfile", "runpy", "run_path", "run_module", "import_module", "__import__")
 
 
-@dataclass(frozen=True)
+@dataclass
 class Body:
     """Spheres of one call, or a wall."""
 
@@ -155,6 +242,7 @@ class Body:
     frozen: bool
     quote: Quote
     mass: float | None = None  #: of a box; None for other bodies, and if it is not known
+    several: bool = False  #: whether there may be more than one
 
 
 class Yade(Evaluator):
@@ -165,9 +253,15 @@ class Yade(Evaluator):
             name: float(word) if NUMBER.fullmatch(word) else word for name, word in variables.items()
         }
         super().__init__(text, file, dict(self.given))
+        self.names["__name__"] = "__main__"
         self.materials: list[Instance] = []
         self.bodies: list[Body] = []
-        self.engines: list[Any] = []
+        self.numbered = 0  #: bodies from the first on whose numbers are known
+        self.engines_quote: Quote | None = None
+        self.engines_given = False
+        self.changed = True  #: whether anything may have changed since the last run
+        self.saved: tuple[list[Instance], list[Body], list[Any], bool] | None = None
+        self.foreign: set[str] = set()  #: names of modules that are not known
         self.table: dict[str, Any] = {}
         self.time_step: float | None = None
         self.time_step_given = self.elsewhere = False
@@ -176,6 +270,9 @@ class Yade(Evaluator):
         self.ignored: dict[Note, None] = {}
         self.invalidates: dict[Note, None] = {}
         self.unknown: dict[Quote, None] = {}
+        self.engines: list[Any] = self.value(ast.parse(DEFAULT_ENGINES, mode="eval").body)
+        self.instances.clear()
+        self.label(self.engines)
 
     def quote(self, line: int, text: str) -> Quote:
         return quoted(self.file, line, text)
@@ -191,18 +288,75 @@ class Yade(Evaluator):
         super().forget(node)
         self.names |= self.given
 
+    def items(self, node: ast.expr) -> list[Any] | None:
+        """What an iteration runs over: also the centres and the smallest and largest radius of a SpherePack."""
+        found = self.value(node)
+        if isinstance(found, Instance) and found.name == "SpherePack":
+            centre = Unknown("a centre")
+            sizes = list(dict.fromkeys(one for one in found.made if not isinstance(one, Body))) or [None]
+            ends = [(None, None) if one is None else one for one in sizes]
+            return [(centre, Unknown("a radius") if r is None else r) for end in ends for r in end]
+        if found == BODIES:
+            known = [self.body_at(k) for k in range(min(len(self.bodies), MAX_BODIES))]
+            return None if None in known or len(known) < len(self.bodies) else known
+        return super().items(node)
+
+    def compared(self, node: ast.Compare, values: list[Any]) -> Any:
+        """A comparison with a value that is not known. A feature that a script asks for is taken to be there."""
+        if len(values) == 2 and isinstance(values[1], Unknown) and values[1].text.endswith("features"):
+            return isinstance(node.ops[0], ast.In)
+        return super().compared(node, values)
+
+    def body_at(self, k: Any) -> Instance | None:
+        """A body by its number; None if it is not known which one that is."""
+        if not isinstance(k, int) or not -len(self.bodies) <= k < len(self.bodies) or self.elsewhere:
+            return None
+        while self.numbered < len(self.bodies) and not self.bodies[self.numbered].several:
+            self.numbered += 1
+        k %= len(self.bodies)
+        if k >= self.numbered:
+            return None
+        one = self.bodies[k]
+        return Instance("Body", (), {}, one.quote.line, one.quote.text, [one])
+
+    def imported(self, node: ast.Import | ast.ImportFrom) -> None:
+        """An import. A name of a module that is not known may stand for anything."""
+        super().imported(node)
+        inside = isinstance(node, ast.ImportFrom)
+        for one in node.names:
+            root = "." * node.level + (node.module or "") if isinstance(node, ast.ImportFrom) else one.name
+            if root.partition(".")[0] in KNOWN_MODULES:
+                continue
+            if one.name == "*":
+                self.not_understood(node)
+            self.foreign |= {one.asname or one.name, one.name if inside else one.name.partition(".")[0]}
+
+    def not_understood(self, node: ast.AST) -> None:
+        self.unknown[self.quote(getattr(node, "lineno", 1), self.source(node).partition("\n")[0])] = None
+
+    def tried(self, node: ast.Try | ast.TryStar) -> None:
+        """``try``; what handles an error may change the scene as well."""
+        super().tried(node)
+        for handler in node.handlers:
+            if any(map(touches, handler.body)):
+                self.uncertain(handler, [handler.body])
+
     def member(self, owner: Any, name: str, node: ast.Attribute) -> Any:
-        if is_scene(owner):
+        if name == "O" and isinstance(owner, str):
+            return SCENE  # as in yade.O
+        if owner == "O":
             if name == "materials":
                 return self.materials
             if name == "engines":
-                return self.engines
-            if name == "dt" and self.time_step is not None:
-                return self.time_step
+                return list(self.engines)  # YADE copies it
+            if name == "dt" and (self.time_step is not None or not self.time_step_given):
+                return self.time_step or DEFAULT_TIME_STEP
         if owner in ("table", "params.table", "yade.params.table") and name in self.table:
             return self.table[name]
         if isinstance(owner, Instance) and name in MATERIALS.get(owner.name, {}):
             return owner.attributes.get(name, MATERIALS[owner.name][name])
+        if isinstance(owner, Instance) and name in ("state", "shape") and body_of(owner):
+            return owner
         return super().member(owner, name, node)
 
     def item(self, held: Any, place: ast.expr, node: ast.expr) -> Any:
@@ -213,6 +367,8 @@ class Yade(Evaluator):
             ]
             if named:
                 return named[0]
+        if held == BODIES and (body := self.body_at(self.value(place))) is not None:
+            return body
         return super().item(held, place, node)
 
     def statement(self, node: ast.stmt) -> None:
@@ -221,23 +377,61 @@ class Yade(Evaluator):
         super().statement(node)
 
     def assigned(self, owner: Any, name: str, value: Any, node: ast.AST) -> None:
-        line, text = getattr(node, "lineno", 1), ast.unparse(node)
-        if is_scene(owner) and name == "dt":
-            self.time_step_given = True
-            known = isinstance(value, int | float) and not isinstance(value, bool) and 0.0 < value < math.inf
-            self.time_step = float(value) if known else None
-            if not known:
-                self.unknown[self.quote(line, text)] = None
-        elif is_scene(owner) and name == "engines":
-            self.engines = [one for one in flat([value]) if isinstance(one, Instance)]
-            self.label(self.engines)
-        elif name == "velGrad":
-            self.strain = value, self.quote(line, text)
+        """An attribute. A change that may be made or not, or that is not understood, is quoted."""
+        self.changed = True
+        if owner == "O":
+            self.scene_assigned(name, value, node)
+        elif owner == "O.cell" and name in ("velGrad", "nextVelGrad"):
+            quote = self.quote(getattr(node, "lineno", 1), self.source(node))
+            self.strain = value, quote
+            self.ignored[Note(f"a box that deforms (O.cell.{name})", None, quote)] = None
         elif isinstance(owner, Instance):
+            body = body_of(owner)
+            if body is not None and name in CHANGING:
+                if self.repeats or not self.body_assigned(body, name, value):
+                    self.not_understood(node)
+            elif self.repeats and name in CHANGING and owner.attributes.get(name) != value:
+                self.not_understood(node)
             owner.attributes[name] = value
-        elif name in CHANGING:
-            self.unknown[self.quote(line, text)] = None
+        elif name in CHANGING and not (name == "blockedDOFs" and isinstance(value, str) and not fixes(value)):
+            self.not_understood(node)
         super().assigned(owner, name, value, node)
+
+    def scene_assigned(self, name: str, value: Any, node: ast.AST) -> None:
+        """An attribute of ``O``."""
+        if name == "dt":
+            known = isinstance(value, int | float) and not isinstance(value, bool) and 0.0 < value < math.inf
+            before, self.time_step = self.time_step, float(value) if known else None
+            self.time_step_given = True
+            if self.repeats and self.time_step != before:
+                self.time_step = None
+            if self.time_step is None:
+                self.not_understood(node)
+        elif name == "engines":
+            parts = flat([value])
+            engines = [one for one in parts if isinstance(one, Instance)]
+            if len(engines) < len(parts) or (self.repeats and engines != self.engines):
+                self.not_understood(node)
+            self.engines, self.engines_given = engines, True
+            self.engines_quote = self.quote(getattr(node, "lineno", 1), self.source(node))
+            self.label(self.engines)
+        elif name in ("dynDt", "usesTimeStepper") and isinstance(value, bool | int):
+            for one in self.used("GlobalStiffnessTimeStepper"):
+                one.attributes["active"] = bool(value)
+        elif name not in SCENE_NAMES.split():
+            self.not_understood(node)
+
+    def body_assigned(self, body: Body, name: str, value: Any) -> bool:
+        """An attribute of a body; False if it is not understood."""
+        if name == "dynamic" and isinstance(value, bool | int):
+            body.frozen = not value
+        elif name == "blockedDOFs" and isinstance(value, str):
+            body.frozen = fixes(value)
+        elif name in ("mat", "material") and isinstance(value, Instance):
+            body.material = self.index(value)
+        else:
+            return False
+        return True
 
     def label(self, instances: Iterable[Any]) -> None:
         """Labels of engines and functors are names in the script."""
@@ -250,36 +444,75 @@ class Yade(Evaluator):
 
     def called(self, name: str, owner: Any, instance: Instance) -> Any:
         super().called(name, owner, instance)
+        self.changed |= not (owner == "O" and name in ("run", "step")) and name not in PLAIN
         if isinstance(owner, list):
             return self.list_method(name, owner, instance)
-        if is_scene(owner):
+        if owner == "O":
             return self.scene_method(name, instance)
-        if owner in ("O.bodies", "yade.O.bodies"):
-            if name in ("append", "appendClumped"):
-                self.append(instance.arguments, clumped=name == "appendClumped")
-            elif name in CLUMPS:
-                self.clumps(instance)
-            return Unknown(instance.text)
+        if owner == "O.bodies":
+            return self.bodies_method(name, instance)
+        if owner == "O.forces" and name in FORCE_METHODS:
+            note = Note(
+                f"an additional force (O.forces.{name})", None, self.quote(instance.line, instance.text)
+            )
+            self.invalidates[note] = None
+        if isinstance(owner, Instance) and owner.name == "SpherePack":
+            self.pack_method(name, owner, instance)
+            return instance
+        if name == "Omega":
+            return SCENE
+        return self.new_bodies(name, owner, instance)
+
+    def new_bodies(self, name: str, owner: Any, instance: Instance) -> Any:
+        """Functions that make bodies or packings, and parameters of a table."""
+        if name == "SpherePack" and instance.arguments and isinstance(instance.arguments[0], list | tuple):
+            pairs = [
+                entry for entry in instance.arguments[0] if isinstance(entry, tuple | list) and len(entry) > 1
+            ]
+            instance.made += [as_range(entry[1]) for entry in pairs] or [None]
         if name == "sphere":
             self.sphere(instance)
         elif name in SHAPES:
             self.shape(instance)
         elif name in ("regularHexa", "regularOrtho", "randomDensePack", "hexaNet", "filterSpherePack"):
             self.packing(instance)
-        elif isinstance(owner, Instance) and owner.name == "SpherePack":
-            self.pack_method(name, owner, instance)
-        elif name in FILES and owner != "export":
+        elif name in FILES and not (isinstance(owner, str) and owner.partition(".")[0] in READERS):
             self.from_file(instance)
-        elif name in CLUMPS:
+        elif name in CLUMPS or name in OTHER_SHAPES:
             self.clumps(instance)
-        elif name in ("PWaveTimeStep", "RayleighWaveTimeStep"):
-            step = self.wave_time(rayleigh=name.startswith("R"))
-            return Unknown(instance.text) if step is None else step
         elif name == "readParamsFromTable":
             plain = {
                 key: one for key, one in instance.attributes.items() if key not in ("noTableOk", "unknownOk")
             }
             self.table |= {**plain, **{key: one for key, one in self.given.items() if key in plain}}
+        else:
+            return self.function(name, owner, instance)
+        return instance
+
+    def function(self, name: str, owner: Any, instance: Instance) -> Any:
+        """A function that makes no bodies."""
+        arguments = instance.arguments
+        if name in ("PWaveTimeStep", "RayleighWaveTimeStep"):
+            step = self.wave_time(rayleigh=name.startswith("R"))
+            return Unknown(instance.text) if step is None else step
+        if name == "SpherePWaveTimeStep":
+            radius, density, young = (
+                instance.argument(k, key) for k, key in enumerate(("radius", "density", "young"))
+            )
+            return radius / math.sqrt(young / density)
+        if name == "typedEngine" and arguments:
+            return next((one for one in self.engines if one.name == arguments[0]), Unknown(instance.text))
+        if name == "isinstance" and len(arguments) == 2 and (body := body_of(arguments[0])) is not None:
+            kind = arguments[1].text.rpartition(".")[2] if isinstance(arguments[1], Unknown) else ""
+            return body.kind == {"Sphere": "sphere", "Facet": "facets", "Wall": "walls", "Box": "boxes"}.get(
+                kind
+            )
+        if name == "runningInBatch":
+            return False
+        root = owner.partition(".")[0] if isinstance(owner, str) else name if owner is None else ""
+        passed = owner is None and name not in PLAIN and any(one in (SCENE, BODIES) for one in arguments)
+        if name in HIDDEN or name.startswith("growParticle") or root in self.foreign or passed:
+            self.unknown[self.quote(instance.line, instance.text)] = None
         return instance
 
     def list_method(self, name: str, owner: list[Any], instance: Instance) -> Any:
@@ -297,8 +530,9 @@ class Yade(Evaluator):
             owner.insert(*arguments)
         else:
             return Unknown(instance.text)
-        if owner is self.engines:
-            self.label(arguments)
+        if re.search(r"\.engines\.(append|insert|extend)\(", instance.text):
+            what = "a method of a copy of O.engines, which adds no engine"
+            self.ignored[Note(what, None, self.quote(instance.line, instance.text))] = None
         return None
 
     def scene_method(self, name: str, instance: Instance) -> Any:
@@ -307,8 +541,51 @@ class Yade(Evaluator):
             steps = instance.argument(0, "steps", -1) if name == "run" else 1
             count = int(steps) if isinstance(steps, int | float) and 0 <= steps < 1e18 else None
             self.stage(self.quote(instance.line, instance.text), count)
-        elif name in ("load", "loadTmp"):
+        elif name in ("load", "loadTmp", "reload"):
+            self.loaded(instance)
+        elif self.repeats and name.startswith("reset") and name != "resetTime":
+            self.unknown[self.quote(instance.line, instance.text)] = None
+        elif name in ("reset", "resetThisScene", "resetCurrentScene", "resetAllScenes"):
+            self.materials.clear()
+            self.bodies, self.numbered = [], 0
+            self.engines, self.engines_given, self.engines_quote = [], True, None
+            self.elsewhere, self.time_step, self.time_step_given = False, None, False
+        elif name == "labeledEngine" and instance.arguments:
+            return self.names.get(str(instance.arguments[0]), Unknown(instance.text))
+        elif name in ("save", "saveTmp"):
+            self.saved = (list(self.materials), list(self.bodies), self.engines, self.elsewhere)
+        elif name not in SCENE_METHODS.split():
+            self.unknown[self.quote(instance.line, instance.text)] = None
+        return Unknown(instance.text)
+
+    def loaded(self, instance: Instance) -> None:
+        """The scene from a file: the one that the script saved last, if it did."""
+        if self.saved is None:
             self.from_file(instance)
+            return
+        self.materials[:], self.bodies[:], self.engines, self.elsewhere = self.saved
+        self.numbered = 0
+
+    def bodies_method(self, name: str, instance: Instance) -> Any:
+        """Methods of ``O.bodies``. The value is the number of a body, if it is known."""
+        quote = self.quote(instance.line, instance.text)
+        if name in ("clear", "replace") and self.repeats:
+            self.unknown[quote] = None
+        elif name in ("clear", "replace"):
+            self.bodies, self.numbered, self.elsewhere = [], 0, False
+        if name in ("append", "appendClumped", "replace", "insertAtId"):
+            before = len(self.bodies)
+            self.append(instance, clumped=name == "appendClumped")
+            new = range(before, len(self.bodies))
+            if name == "append" and new and self.body_at(new[-1]):
+                several = isinstance(instance.argument(0, "bodies"), list | tuple)
+                return list(new) if several else new[-1]
+        elif name in CLUMPS or "lump" in name:
+            self.clumps(instance)
+        elif name == "erase":
+            self.ignored[Note("bodies that are removed (O.bodies.erase)", None, quote)] = None
+        elif name not in ("clear", "getRoundness"):
+            self.unknown[quote] = None
         return Unknown(instance.text)
 
     # --- bodies -------------------------------------------------------------------------------------------------
@@ -324,6 +601,10 @@ class Yade(Evaluator):
     def material_of(self, instance: Instance, place: int = -1) -> int:
         """The material of a body: given by number, label or instance; the last one by default."""
         given = instance.argument(place, "material", -1)
+        if isinstance(given, Unknown) and given.text in self.functions:
+            # The function makes the material of each body.
+            call = ast.parse(f"{given.text}()", mode="eval").body
+            given = self.value(ast.copy_location(call, self.functions[given.text]))
         if isinstance(given, Instance):
             return self.index(given)
         if isinstance(given, str):
@@ -343,9 +624,17 @@ class Yade(Evaluator):
 
     def body(self, instance: Instance, kind: str, radii: Range | None, place: int = -1) -> Body:
         moves = instance.attributes.get("dynamic")
-        frozen = bool(instance.attributes.get("fixed") is True or moves is False)
+        frozen = bool(instance.attributes.get("fixed") in (True, 1) or moves in (False, 0))
         material = self.material_of(instance, place)
-        return Body(kind, radii, material, frozen, self.quote(instance.line, instance.text))
+        quote, several = self.quote(instance.line, instance.text), self.repeats > 0
+        if "fixed" in instance.attributes or "dynamic" in instance.attributes:
+            known = all(
+                isinstance(instance.attributes.get(name, False), bool | int | None)
+                for name in ("fixed", "dynamic")
+            )
+            if not known:
+                self.unknown[quote] = None
+        return Body(kind, radii, material, frozen, quote, None, several)
 
     def sphere(self, instance: Instance) -> None:
         """``sphere(center, radius, …)``."""
@@ -355,13 +644,13 @@ class Yade(Evaluator):
     def shape(self, instance: Instance) -> None:
         """Facets, walls and boxes."""
         found = self.body(instance, SHAPES[instance.name], None)
+        found.several |= instance.name not in ("facet", "wall", "box")
+        found.frozen |= instance.name != "box"
         if instance.name == "box":
-            if not found.frozen:
-                self.unknown[found.quote] = None  # it moves
             half = instance.argument(1, "extents")
-            if isinstance(half, list | tuple) and len(half) == 3 and all(map(as_range, half)):
+            if isinstance(half, list | tuple) and len(half) == 3 and all(as_range(x) or x == 0 for x in half):
                 density = self.number(self.materials[found.material], "density")
-                found = replace(found, mass=8.0 * math.prod(half) * density)
+                found.mass = 8.0 * math.prod(half) * density
         instance.made.append(found)
 
     def packing(self, instance: Instance) -> None:
@@ -377,7 +666,8 @@ class Yade(Evaluator):
             instance.made += sizes
         else:
             place = 2 if instance.name == "randomDensePack" else -1
-            instance.made += [self.body(instance, "sphere", one, place) for one in sizes]
+            made = [self.body(instance, "sphere", one, place) for one in sizes]
+            instance.made += [replace(one, several=True) for one in made]
 
     def pack_method(self, name: str, pack: Instance, instance: Instance) -> None:
         """Methods of a SpherePack."""
@@ -399,17 +689,29 @@ class Yade(Evaluator):
             pack.made.append(None)
         elif name == "toSimulation":
             sizes = list(dict.fromkeys(pack.made)) or [None]
-            self.bodies += [self.body(instance, "sphere", one) for one in sizes]
+            made = [self.body(instance, "sphere", one) for one in sizes]
+            self.bodies += [replace(one, several=True) for one in made]
+        elif name == "scale":
+            factor = as_range(instance.argument(0, "scaleFactor"))
+            pack.made = [
+                None if one is None or factor is None else (factor[0] * one[0], factor[0] * one[1])
+                for one in pack.made
+            ]
+        elif name == "toList":
+            instance.name, instance.made = "SpherePack", pack.made
 
-    def append(self, arguments: tuple[Any, ...], clumped: bool) -> None:
+    def append(self, instance: Instance, clumped: bool) -> None:
         """``O.bodies.append``: bodies, lists of them, or packings."""
-        for one in flat(arguments):
-            if isinstance(one, Instance):
-                self.bodies += [body for body in one.made if isinstance(body, Body)]
-                if clumped:
-                    self.clumps(replace(one, name="appendClumped"))
-            elif isinstance(one, Unknown):
+        for one in flat([*instance.arguments, *instance.attributes.values()]):
+            made = [body for body in one.made if isinstance(body, Body)] if isinstance(one, Instance) else []
+            self.bodies += made
+            if clumped and isinstance(one, Instance):
+                self.clumps(replace(one, name="appendClumped"))
+            other = isinstance(one, Instance) and one.name in (*CLUMPS, *OTHER_SHAPES)
+            if isinstance(one, Unknown | Instance) and not made and not other:
                 self.elsewhere = True
+                if not (isinstance(one, Instance) and one.name in FILES):
+                    self.unknown[self.quote(instance.line, instance.text)] = None
 
     def from_file(self, instance: Instance) -> None:
         """Spheres whose sizes are not in the script."""
@@ -443,7 +745,9 @@ class Yade(Evaluator):
                 else:
                     time = body.radii[0] * math.sqrt(density / young)
                 times.append(time)
-        return min(times) if times and not self.elsewhere else None
+        if self.elsewhere or (rayleigh and not times):
+            return None
+        return min(times, default=1.0)  # YADE's value before there are spheres
 
     # --- what holds at a run ------------------------------------------------------------------------------------
 
@@ -458,20 +762,32 @@ class Yade(Evaluator):
             )
         return float(found)
 
+    @property
+    def apart(self) -> bool:
+        """Whether a script makes engines and does not enter them in ``O.engines``, as a part of a script may."""
+        parts = ("Ip2_", "Law2_", "NewtonIntegrator")
+        return not self.engines_given and any(one.name.startswith(parts) for one in self.instances)
+
     def used(self, start: str) -> list[Instance]:
-        """Instances whose name begins so: those of ``O.engines``, or all if there are none."""
+        """Instances whose name begins so: those of ``O.engines``, or all of a script that makes them beside it."""
         found: list[Instance] = []
-        pending: list[Any] = list(self.engines) or list(self.instances)
+        pending: list[Any] = list(reversed(self.instances if self.apart else self.engines))
+        seen = set[int]()
         while pending:
-            one = pending.pop(0)
-            if isinstance(one, Instance) and one not in found:
+            one = pending.pop()
+            if isinstance(one, Instance) and id(one) not in seen:
+                seen.add(id(one))
                 if one.name.startswith(start):
                     found.append(one)
-                pending = [*flat(one.arguments), *flat(one.attributes.values()), *pending]
+                pending += reversed(flat([*one.arguments, *one.attributes.values()]))
         return found
 
     def stage(self, quote: Quote, steps: int | None) -> None:
         """Note what holds now. A run with the same settings as that before continues its stage."""
+        if self.stages and not self.changed:
+            self.continue_stage(steps)
+            return
+        self.changed = False
         integrators = self.used("NewtonIntegrator")
         new = Stage(
             quote,
@@ -486,11 +802,19 @@ class Yade(Evaluator):
             *self.driven(),
         )
         if self.stages and replace(self.stages[-1], quote=quote, steps=steps) == new:
-            old = self.stages[-1].steps
-            both = None if steps is None or old is None else old + steps
-            self.stages[-1] = replace(self.stages[-1], steps=both)
+            self.continue_stage(steps)
         else:
             self.stages.append(new)
+            self.notes()
+            if new.contacts:
+                self.missing_engines()
+
+    def continue_stage(self, steps: int | None) -> None:
+        """More steps of the last stage."""
+        old = self.stages[-1].steps
+        self.stages[-1] = replace(
+            self.stages[-1], steps=None if steps is None or old is None else old + steps
+        )
 
     def step_now(self) -> float | None:
         """The time step; None if it is not known or an engine changes it."""
@@ -578,10 +902,13 @@ class Yade(Evaluator):
         for one in (*self.used("BoxFactory"), *self.used("CircularFactory")):
             given = one.attributes
             radii = union([as_range(given.get(name)) for name in ("rMin", "rMax")])
-            number = given.get("materialId", 0)
-            if isinstance(number, int) and 0 <= number < len(self.materials):
+            number, quote = given.get("materialId", -1), self.quote(one.line, one.text)
+            if isinstance(number, int) and -len(self.materials) <= number < len(self.materials):
                 sizes = None if "PSDsizes" in given else radii
-                found.append(Body("sphere", sizes, number, False, self.quote(one.line, one.text)))
+                material = number % len(self.materials)
+                found.append(Body("sphere", sizes, material, False, quote, several=True))
+            else:
+                self.unknown[quote] = None
         return found
 
     def kinds(self) -> list[int]:
@@ -590,20 +917,30 @@ class Yade(Evaluator):
         return list(range(len(self.materials))) if self.elsewhere or not found else found
 
     def grains(self) -> dict[str, Grains]:
-        grains = {}
+        """The grains of each material: those that move, if some do."""
+        grains, several = {}, self.elsewhere or len(self.bodies) > 1
         for k in self.kinds():
             held = [one for one in self.spheres() if one.material == k]
-            radii = None if self.elsewhere else union([one.radii for one in held])
-            density = self.number(self.materials[k], "density") if held or self.elsewhere else None
-            frozen = bool(held) and not self.elsewhere and all(one.frozen for one in held)
-            name, densities = self.name(k), None if density is None else (density, density)
-            # ViscElPhys takes the mass of a fixed sphere; MindlinPhys does not.
-            counted = self.materials[k].name == "ViscElMat" and any(
-                PHYSICS.get(one.name) == "ViscElMat" for one in self.used("Ip2_")
-            )
-            partly = not frozen and any(one.frozen for one in held)
-            grains[name] = Grains(name, radii, densities, None, frozen, counted, partly)
+            fixed = [one for one in held if one.frozen]
+            moving = [one for one in held if not one.frozen]
+            frozen = bool(fixed) and not self.elsewhere and not moving
+            one = self.grains_of(k, fixed if frozen else moving, frozen)
+            if fixed and not frozen:
+                one = replace(one, partly_frozen=True, fixed=self.grains_of(k, fixed, True))
+            lone = len(moving) == 1 and not moving[0].several and several and not self.elsewhere
+            grains[one.type] = replace(one, alone=lone)
         return grains
+
+    def grains_of(self, k: int, held: list[Body], frozen: bool) -> Grains:
+        """Spheres of one material."""
+        radii = None if self.elsewhere and not frozen else union([one.radii for one in held])
+        density = self.number(self.materials[k], "density") if held or self.elsewhere else None
+        # ViscElPhys takes the mass of a fixed sphere; MindlinPhys does not.
+        counted = self.materials[k].name == "ViscElMat" and any(
+            PHYSICS.get(one.name) == "ViscElMat" for one in self.used("Ip2_")
+        )
+        densities = None if density is None else (density, density)
+        return Grains(self.name(k), radii, densities, None, frozen, counted)
 
     def contacts(self) -> Iterator[ContactSettings]:
         """Pairs of materials, then walls, without damping if the law leaves it out."""
@@ -622,41 +959,42 @@ class Yade(Evaluator):
     def all_contacts(self) -> Iterator[ContactSettings]:
         """The contacts, whose damping is that of the functor."""
         functors = {PHYSICS[one.name]: one for one in self.used("Ip2_") if one.name in PHYSICS}
-        kinds = self.kinds()
-        for i in kinds:
+        kinds, grains = self.kinds(), self.grains()
+        still = {k for k in kinds if grains[self.name(k)].frozen}
+        for i in kinds if self.touching("sphere") is not None else []:
+            one = grains[self.name(i)]
             for j in kinds[kinds.index(i) :]:
+                if {i, j} <= still or (i == j and one.alone and not one.partly_frozen):
+                    continue  # they do not meet
                 found = self.between(functors, i, j)
                 if found is not None:
                     types, friction = (self.name(i), self.name(j)), self.friction(functors, i, j)
                     yield ContactSettings(types, None, *found, friction=friction)
         walls = {(one.kind, one.material, one.mass): one.quote for one in self.bodies if one.kind != "sphere"}
         several = len({material for _, material, _ in walls}) > 1
-        for i in kinds:
+        for i in sorted({*kinds} - still):
             for (kind, j, mass), quote in walls.items():
-                found = self.between(functors, i, j)
-                if found is None:
+                size = self.touching(kind)
+                found = None if size is None else self.between(functors, i, j, size)
+                if found is None or size is None:
                     continue
-                words, facets = found[0], kind == "facets"
-                physics = words["physics"].words[0]
-                counted = physics == "ViscElPhys" and "en" in words and kind == "boxes"
-                young = {self.number(self.materials[k], "young") for k in (i, j)}
-                if (counted and mass is None) or (facets and physics == "FrictPhys" and len(young) > 1):
-                    self.unknown[quote] = None  # its mass and its modulus are in the formulas
+                words = found[0]
+                counted = words["physics"].words[0] == "ViscElPhys" and "en" in words and kind == "boxes"
+                if counted and mass is None:
+                    self.unknown[quote] = None  # its mass is in the formulas
                     continue
                 name = f"{kind} of {self.name(j)}" if several else kind
-                yield ContactSettings(
-                    (self.name(i), WALL),
-                    name,
-                    *found,
-                    mass if counted else None,
-                    FACET_RADIUS if facets else 1.0,
-                    friction=self.friction(functors, i, j),
-                )
+                larger = 2.0 if math.isinf(size) else 2.0 * size / (1.0 + size)
+                types = (self.name(i), WALL)
+                # YADE takes a body without mass to have that of the sphere.
+                friction = self.friction(functors, i, j)
+                mass = (mass or None) if counted else None
+                yield ContactSettings(types, name, *found, mass, larger, friction=friction)
 
     def friction(self, functors: Mapping[str, Instance], i: int, j: int) -> float | None:
         """tan of the smaller angle of friction, or of the functor's; None if it is not known."""
         pair = self.materials[i], self.materials[j]
-        functor = functors.get("ViscElMat") if {one.name for one in pair} == {"ViscElMat"} else None
+        functor = functors.get(pair[0].name) if pair[0].name == pair[1].name else None
         functor = functor or functors.get("FrictMat")
         if functor is not None and "frictAngle" in functor.attributes:
             try:
@@ -668,37 +1006,103 @@ class Yade(Evaluator):
         known = all(isinstance(one, int | float) and not isinstance(one, bool) for one in angles)
         return math.tan(min(angles)) if known and not any("**" in one.attributes for one in pair) else None
 
-    def between(
-        self, functors: Mapping[str, Instance], i: int, j: int
-    ) -> tuple[Settings, tuple[Quote, ...]] | None:
-        """The settings of two materials; None if no functor makes their contacts."""
-        pair = self.materials[i], self.materials[j]
+    def touching(self, kind: str) -> float | None:
+        """The size of bodies of this kind over that of a sphere in YADE's formulas; None if they touch no sphere."""
+        shape, size = (SHAPE_NAMES[kind], SIZES.get(kind, 1.0))
+        meet = [one for one in self.used("Ig2_") if one.name.startswith(f"Ig2_{shape}_Sphere_")]
+        seen = [*self.used(f"Bo1_{shape}_Aabb"), *self.used("FlatGridCollider")]
+        if not (self.apart or (meet and seen)):
+            missing = f"Bo1_{shape}_Aabb" if meet else f"Ig2_{shape}_Sphere_…"
+            what = f"{kind if kind in SIZES else 'spheres'} without contacts: no {missing}"
+            self.ignored[Note(what, None, self.engines_quote)] = None
+            return None
+        for one in meet:
+            hertzian = one.attributes.get("hertzian", False)
+            if isinstance(hertzian, bool | int):
+                size = math.inf if hertzian else size
+            else:
+                self.unknown[self.quote(one.line, one.text)] = None
+        return size
+
+    def functor_of(
+        self, functors: Mapping[str, Instance], pair: tuple[Instance, Instance]
+    ) -> Instance | None:
+        """The functor that makes the contacts of two materials, with a law for them; None if there is none."""
         names = {one.name for one in pair}
-        functor = functors.get("ViscElMat") if names == {"ViscElMat"} else None
+        functor = functors.get(pair[0].name) if len(names) == 1 else None
         if functor is None and names <= MATERIALS.keys():
-            functor = functors.get("FrictMat")  # a ViscElMat is a FrictMat
+            functor = functors.get("FrictMat")  # the others are FrictMat as well
         if functor is None:
             return None
-        numbers = self.numbers(functor, pair, (i, j))
-        if numbers is None:
-            self.unknown.update(dict.fromkeys(self.quote(one.line, one.text) for one in pair))
+        laws, physics = self.used("Law2_"), functor.name.rpartition("_")[2]
+        if (laws or self.engines_given) and not any(f"_{physics}_" in one.name for one in laws):
+            self.unknown[self.quote(functor.line, f"{functor.text} without its law")] = None
             return None
-        found = {"physics": Setting((functor.name.rpartition("_")[2],), functor.line, functor.text)}
+        return functor
+
+    def between(
+        self, functors: Mapping[str, Instance], i: int, j: int, wall: float | None = None
+    ) -> tuple[Settings, tuple[Quote, ...]] | None:
+        """The settings of two materials; None if no functor makes their contacts, or if they are no springs.
+
+        ``wall`` is the size of a wall of the second material over that of the sphere.
+        """
+        pair = self.materials[i], self.materials[j]
+        functor = self.functor_of(functors, pair)
+        if functor is None:
+            return None
+        types = (self.name(i), self.name(j) if wall is None else WALL)
+        what = self.no_spring(functor, pair)
+        if what:
+            self.invalidates[Note(what, types, self.quote(functor.line, functor.text))] = None
+            return None
+        numbers = self.numbers(functor, pair, (i, j), wall)
+        if numbers is None:
+            missing = (
+                pair if functor.attributes.keys().isdisjoint(("en", "betan", "tc", "kn")) else (functor,)
+            )
+            self.unknown.update(dict.fromkeys(self.quote(one.line, one.text) for one in missing))
+            return None
+        physics = functor.name.rpartition("_")[2]
+        found = {"physics": Setting((LIKE.get(physics, physics),), functor.line, functor.text)}
         for name, (value, source) in numbers.items():
             found[name] = Setting((repr(value),), source.line, source.text)
         quotes = dict.fromkeys(self.quote(one.line, one.text) for one in (*pair, functor))
         return found, tuple(quotes)
 
+    def no_spring(self, functor: Instance, pair: tuple[Instance, Instance]) -> str:
+        """Why a contact is none of a spring and a dashpot; empty if it is one."""
+        if functor.name.endswith("ViscElPhys") and all(one.attributes.get("SPHmode", False) for one in pair):
+            return "smoothed-particle hydrodynamics (SPHmode)"
+        if not functor.name.endswith("CohFrictPhys"):
+            return ""
+        bonds = [
+            functor.attributes.get(name, False) for name in ("setCohesionNow", "setCohesionOnNewContacts")
+        ]
+        cohesive = [one.attributes.get("isCohesive", True) for one in pair]
+        given = functor.attributes.get("normalCohesion")
+        if isinstance(given, Instance):
+            given = given.attributes.get("val") if not list(entries(given)) else 1.0
+        strengths = [one.attributes.get("normalCohesion", -1.0) for one in pair] if given is None else [given]
+        positive = all(not isinstance(x, int | float) or x > 0.0 for x in strengths)
+        return f"adhesion or bonds ({functor.name})" if any(bonds) and all(cohesive) and positive else ""
+
     def numbers(
-        self, functor: Instance, pair: tuple[Instance, Instance], ends: tuple[int, int]
+        self,
+        functor: Instance,
+        pair: tuple[Instance, Instance],
+        ends: tuple[int, int],
+        wall: float | None,
     ) -> dict[str, tuple[float, Instance]] | None:
         """Numbers of a contact with the object that gives them; None if one material cannot replace the two."""
         one = pair[0]
         if functor.name.endswith("ViscElPhys"):
-            return self.viscoelastic(functor, pair, ends)
+            return self.viscoelastic(functor, pair, ends, wall)
         young = [self.number(each, "young") for each in pair]
         if functor.name.endswith("FrictPhys"):
-            mean = self.mean_modulus(young, ends)
+            if "kn" in functor.attributes:
+                return None  # a stiffness instead of the modulus
+            mean = self.mean_modulus(young, ends, wall)
             return None if mean is None else {"young": (mean, one)}
         ratios = [self.number(each, "poisson") for each in pair]
         modulus, ratio = young[0], ratios[0]
@@ -716,35 +1120,54 @@ class Yade(Evaluator):
         return found
 
     def viscoelastic(
-        self, functor: Instance, pair: tuple[Instance, Instance], ends: tuple[int, int]
+        self,
+        functor: Instance,
+        pair: tuple[Instance, Instance],
+        ends: tuple[int, int],
+        wall: float | None,
     ) -> dict[str, tuple[float, Instance]] | None:
-        """ViscElMat: means of tc and en, twice the springs and dashpots in series, or Young's modulus."""
-        one = pair[0]
-        found: dict[str, tuple[float, Instance]] = {}
-        for name in ("tc", "en"):
-            if name in functor.attributes:
-                value = self.matched(functor, name, ends)
-                if value is None:
-                    return None
-                found[name] = (value, functor)
-            elif all(name in each.attributes for each in pair):
-                found[name] = (0.5 * sum(self.number(each, name) for each in pair), one)
-        if "tc" in found and "en" in found:
-            return found
-        for name in ("kn", "cn"):
-            if all(name in each.attributes for each in pair):
-                values = [self.number(each, name) for each in pair]
-                inverse = sum(1.0 / value for value in values if value)
-                found[name] = (values[0] if values[0] == values[1] else 2.0 / inverse, one)
-        if "kn" not in found:
-            mean = self.mean_modulus([self.number(each, "young") for each in pair], ends)
-            if mean is None:
-                return None
-            found["young"] = (mean, one)
-        return found
+        """ViscElMat: tc, en and et; or kn, cn, ks and cs; or Young's modulus and en. None if YADE refuses them.
 
-    def mean_modulus(self, young: list[float], ends: tuple[int, int]) -> float | None:
-        """The modulus of two springs 2 Y R in series; None if the sizes differ as well as the moduli."""
+        Of two materials, tc and en are means, and springs and dashpots are in series.
+        """
+        one = pair[0]
+
+        def have(*names: str) -> bool:
+            return all(name in each.attributes for each in pair for name in names)
+
+        def mean(name: str) -> tuple[float, Instance] | None:
+            if name not in functor.attributes:
+                return 0.5 * sum(self.number(each, name) for each in pair), one
+            value = self.matched(functor, name, ends)
+            return None if value is None else (value, functor)
+
+        found: dict[str, tuple[float, Instance] | None] = {}
+        if have("tc", "en", "et") or {"tc", "en", "et"} <= functor.attributes.keys():
+            found = {name: mean(name) for name in ("tc", "en")}
+        elif have("kn", "cn", "ks", "cs"):
+            found = {name: (self.in_series(name, pair), one) for name in ("kn", "cn")}
+        elif have("en") or have("cn", "cs"):
+            young = self.mean_modulus([self.number(each, "young") for each in pair], ends, wall)
+            found["young"] = None if young is None else (young, one)
+            found |= {"cn": (self.in_series("cn", pair), one)} if have("cn", "cs") else {"en": mean("en")}
+        known = {name: value for name, value in found.items() if value is not None}
+        return known if found and len(known) == len(found) else None
+
+    def in_series(self, name: str, pair: tuple[Instance, Instance]) -> float:
+        """Twice the number of two springs or dashpots in series; a zero is left out."""
+        values = [self.number(each, name) for each in pair]
+        inverse = sum(1.0 / value for value in values if value)
+        return values[0] if values[0] == values[1] else 2.0 / inverse
+
+    def mean_modulus(self, young: list[float], ends: tuple[int, int], wall: float | None) -> float | None:
+        """The modulus of two springs 2 Y R in series; None if the sizes of grains differ as well as the moduli.
+
+        ``wall`` is the size of the second body over that of the first: 2 s Y/(1 + s) is 2 s Y₁ Y₂/(Y₁ + s Y₂).
+        """
+        if wall is not None:
+            return young[0] * (
+                1.0 if math.isinf(wall) else (1.0 + wall) * young[1] / (young[0] + wall * young[1])
+            )
         if young[0] == young[1]:
             return young[0]
         sizes = union([one.radii for one in self.spheres() if one.material in ends])
@@ -776,6 +1199,7 @@ class Yade(Evaluator):
             last = self.instances[-1] if self.instances else None
             self.stage(self.quote(last.line if last else 1, last.text if last else self.text[:80]), None)
         self.notes()
+        self.callbacks()
         found = Description(
             "yade",
             None,
@@ -790,14 +1214,23 @@ class Yade(Evaluator):
 
     def notes(self) -> None:
         """What is in the engines beside normal contacts."""
-        for one in self.used(""):
+        if (
+            len(self.bodies) == 1
+            and len(self.spheres()) == 1
+            and not (self.bodies[0].several or self.elsewhere)
+        ):
+            what = "only one sphere: its contact is that with another like it"
+            self.ignored[Note(what, None, self.bodies[0].quote)] = None
+        self.unknown |= {one.quote: None for one in self.bodies if one.kind == "boxes" and not one.frozen}
+        known = [one for one in self.materials if one.name in MATERIALS]
+        for one in dict.fromkeys([*self.used(""), *known]):
             quote, name = self.quote(one.line, one.text), one.name
+            if name in ATTRIBUTES and one.attributes.keys() - {"**"} - set(ATTRIBUTES[name].split()):
+                self.unknown[quote] = None
             if name.startswith(("Ip2_", "Law2_")) or (name.endswith("Mat") and name[:1].isupper()):
                 self.contact_note(one, quote)
             elif name in MOTION:
                 self.ignored[Note(f"prescribed motion ({name})", None, quote)] = None
-            elif name.startswith("Ig2_") and one.attributes.get("hertzian"):
-                self.unknown[quote] = None  # another radius at facets
             elif name == "GlobalStiffnessTimeStepper" and is_active(one):
                 self.ignored[Note("a time step that adapts (GlobalStiffnessTimeStepper)", None, quote)] = None
             elif name == "PyRunner":
@@ -809,9 +1242,16 @@ class Yade(Evaluator):
                 elif name not in ENGINES and not name.endswith("Recorder"):
                     self.unknown[quote] = None
 
+    def missing_engines(self) -> None:
+        """Engines without which nothing moves or forces are never reset."""
+        given = self.engines_quote
+        for part in ("ForceResetter", "Integrator") if given is not None and self.engines_given else ():
+            if given is not None and not any(part in one.name for one in self.engines):
+                self.unknown[self.quote(given.line, f"no {part} in {given.text}")] = None
+
     def contact_note(self, one: Instance, quote: Quote) -> None:
         name = one.name
-        if any(sign in name for sign in STICKY):
+        if any(sign in name for sign in STICKY) and name not in (*MATERIALS, *PHYSICS, *LAWS):
             self.invalidates[Note(f"adhesion or bonds ({name})", None, quote)] = None
         elif name.startswith("Law2_"):
             if name not in (*LAWS, *UNDAMPED_LAWS):
@@ -820,6 +1260,8 @@ class Yade(Evaluator):
                 self.invalidates[Note("adhesion (includeAdhesion)", None, quote)] = None
             else:
                 self.ignored[Note(f"tangential forces ({name})", None, quote)] = None
+        elif name == "ViscElMat" and one.attributes.get("lubrication", False):
+            self.invalidates[Note("a fluid (lubrication)", None, quote)] = None
         elif (name.startswith("Ip2_") and name not in PHYSICS) or (
             name.endswith("Mat") and name not in MATERIALS
         ):
@@ -830,20 +1272,50 @@ class Yade(Evaluator):
         command = one.argument(0, "command", "")
         if not isinstance(command, str):
             return
-        names = [name for name in self.functions if name in command]
-        bodies = [ast.unparse(self.functions[name]) for name in names] + [command]
-        changed = (*CHANGING, "O.dt", "O.bodies.append", "O.bodies.erase", "O.engines", "O.materials")
-        if any(
-            f".{name} =" in body or (name.startswith("O.") and name in body)
-            for body in bodies
-            for name in changed
-        ):
+        pending, named = [command], dict[str, ast.FunctionDef]()
+        while pending:
+            new = self.functions.keys() & set(re.findall(r"\w+", pending.pop())) - named.keys()
+            named |= {name: self.functions[name] for name in new}
+            pending += [self.source(self.functions[name]) for name in new]
+        self.executed |= set(named.values())
+        try:
+            parts = [*named.values(), ast.parse(textwrap.dedent(command))]
+        except SyntaxError:
+            parts = [*named.values()]
+        if any(map(touches, parts)):
             self.unknown[quote] = None
 
+    def callbacks(self) -> None:
+        """Functions that were not run here, although the script may run them."""
+        named = {one.id for one in ast.walk(self.tree) if isinstance(one, ast.Name)}
+        methods = [one for each in self.classes.values() for one in each.values()]
+        for one in [*(one for name, one in self.functions.items() if name in named), *methods]:
+            if one not in self.executed and touches(one):
+                self.unknown[self.quote(one.lineno, f"def {one.name}({ast.unparse(one.args)})")] = None
 
-def is_scene(owner: Any) -> bool:
-    """Whether something is ``O``."""
-    return isinstance(owner, str) and owner in ("O", "yade.O")
+
+def touches(part: ast.AST) -> bool:
+    """Whether statements change contacts, bodies, engines or the time step."""
+    for one in ast.walk(part):
+        targets = one.targets if isinstance(one, ast.Assign) else [getattr(one, "target", None)]
+        if any(isinstance(each, ast.Attribute) and each.attr in CHANGING - {"dead"} for each in targets):
+            return True
+        if isinstance(one, ast.Call):
+            owner, _, name = ast.unparse(one.func).rpartition(".")
+            if name in TOUCHING or name in HIDDEN or owner.endswith((".bodies", ".materials")):
+                return True
+    return False
+
+
+def body_of(value: Any) -> Body | None:
+    """The body of ``sphere(…)``, ``wall(…)`` or ``O.bodies[…]``; None for anything else."""
+    made = value.made if isinstance(value, Instance) else []
+    return made[0] if len(made) == 1 and isinstance(made[0], Body) and value.name != "SpherePack" else None
+
+
+def fixes(degrees: str) -> bool:
+    """Whether a body cannot move with these blocked degrees of freedom."""
+    return set("xyz") <= set(degrees)
 
 
 def is_active(engine: Instance) -> bool:

@@ -286,12 +286,13 @@ def _ends(
     grains = [stage.grains.get(name, Grains(name)) for name in contact.types if name != WALL]
     if all(one.frozen for one in grains):
         return
-    yield from _between(number, stage, contact, force, materials, grains)
+    if not (len(set(contact.types)) == 1 and grains[0].alone):
+        yield from _between(number, stage, contact, force, materials, grains)
     for first, second in {
         (one.type, other.type): (one, other) for one, other in permutations(grains, 2)
     }.values():
         if second.partly_frozen and not first.frozen:
-            pair = [first, replace(second, frozen=True)]
+            pair = [first, second.fixed or replace(second, frozen=True)]
             yield from _between(number, stage, replace(contact, wall=FIXED), force, materials, pair)
 
 

@@ -353,7 +353,8 @@ def _collision(force: Force, speed: float, damping: float | None) -> Collision:
     if not damping:
         return force.collision(speed)
     found = force.numerically_damped(speed, damping)
-    return replace(found, duration=_duration(force, damping, speed))
+    lasts = found.restitution == 0.0
+    return replace(found, duration=math.inf if lasts else _duration(force, damping, speed))
 
 
 def _duration(force: Force, damping: float, speed: float) -> float:
