@@ -814,9 +814,8 @@ def test_what_is_not_granular_is_refused():
     assert refused("hello\n") == "script: has no granular contacts of lammps, liggghts, yade"
     for text in ("hello\nworld\n", "pair_style lj/cut 2.5\npair_coeff 1 1 1 1\nrun 1\n"):
         assert refused(text, code="lammps") == "script: has no granular contacts"
-    assert refused("/no/such/file").startswith(
-        "script: got '/no/such/file', must be a file of at most 200 MB"
-    )
+    with pytest.raises(FileNotFoundError, match="^/no/such/file: no such file$"):
+        read("/no/such/file")
     assert "must be one of lammps, liggghts, yade" in refused(BASE, code="mfix")
     assert refused(3).startswith("script: got 3")
 
