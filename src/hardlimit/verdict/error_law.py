@@ -164,7 +164,7 @@ class ErrorLaw:
     --------
     >>> law = hl.error_law(packing_fraction=0.2, restitution=0.9)
     >>> print(law)
-    constant at φ = 0.2, ε = 0.9: error of the cooling 0.63 t_c ν (± 0.02), 1 % at
+    constant at φ = 0.2, ε = 0.9: error of the cooling 0.63 t_c ν (± 0.03), 1 % at
     t_c ν = 0.016
     """
 
