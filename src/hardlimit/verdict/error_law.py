@@ -413,7 +413,7 @@ def error_law(
 
 def _outside(dimension: int, phi: float, epsilon: float, powers: Exponents) -> str:
     """Which arguments are outside the range of the measurements, in words."""
-    thin, dense, least = *MEASURED_PACKING[dimension], MEASURED_RESTITUTION[dimension]
+    (thin, dense), least = MEASURED_PACKING[dimension], MEASURED_RESTITUTION[dimension]
     found = []
     if not np.allclose(powers, LINEAR, atol=1e-3):
         thin, dense, least = MEASURED_HERTZ[dimension]
