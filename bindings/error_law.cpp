@@ -57,6 +57,8 @@ void bind_error_law(nb::module_& m) {
         return nb::make_tuple(in.thinnest, in.densest, in.restitution);
     };
     m.attr("error_law_measured") = nb::make_tuple(range(law::measured[0]), range(law::measured[1]));
+    m.attr("error_law_measured_hertz") =
+        nb::make_tuple(range(law::measured_hertz[0]), range(law::measured_hertz[1]));
     m.attr("error_law_measured_tc_nu") = law::measured_tc_nu;
     m.attr("error_law_nearly_elastic") = law::nearly_elastic_from;
 }

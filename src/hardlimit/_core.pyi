@@ -384,6 +384,8 @@ def hard_sphere_fluid(dimension: int, packing_fraction: float) -> tuple[float, f
 
 error_law_measured: tuple = ((0.05, 0.7, 0.6), (0.02, 0.5, 0.4))
 
+error_law_measured_hertz: tuple = ((0.4, 0.6, 0.8), (0.05, 0.5, 0.6))
+
 error_law_measured_tc_nu: float = 0.3
 
 error_law_nearly_elastic: float = 0.99

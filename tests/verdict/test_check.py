@@ -948,7 +948,7 @@ def test_several_walls_have_names_and_each_remark_is_made_once(tmp_path):
 
 
 def test_exit_codes(tmp_path):
-    hard, soft = NUMBERS.split(), NUMBERS.replace("1e5", "1e2").split()
+    hard, soft = (NUMBERS.replace("1e5", stiffness).split() for stiffness in ("1e6", "1e2"))
     assert "Yes: " in run("check", *hard, "--strict").stdout
     assert "No: " in run("check", *soft).stdout
     strict = run("check", *soft, "--strict", code=1)

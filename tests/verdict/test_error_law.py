@@ -55,6 +55,56 @@ def test_inelastic_spheres(phi, epsilon):
     assert abs(found.coefficient - value) < 2.0 * math.hypot(error, found.coefficient_error)
 
 
+#: (dimension, law, φ): ε, a of Hertz' laws (and of the linear law, where it was low) and its standard error, measured
+#: at an initial t_c ν of 0.3 (0.1 at φ = 0.1) as in docs/findings/error_law.py with 8000 particles.
+HERTZ = {
+    (3, "tsuji", 0.1): [(0.95, 1.036, 0.064), (0.8, 0.969, 0.084), (0.6, 1.066, 0.085)],
+    (3, "tsuji", 0.2): [(0.95, 0.672, 0.024), (0.8, 0.612, 0.047), (0.6, 0.589, 0.028)],
+    (3, "tsuji", 0.3): [(0.95, 0.537, 0.009), (0.8, 0.475, 0.010), (0.7, 0.452, 0.012), (0.6, 0.382, 0.046)],
+    (3, "tsuji", 0.4): [(0.95, 0.430, 0.019), (0.8, 0.374, 0.029), (0.6, 0.325, 0.028)],
+    (3, "tsuji", 0.5): [(0.95, 0.410, 0.018), (0.8, 0.326, 0.022), (0.6, 0.268, 0.028)],
+    (3, "viscoelastic", 0.1): [(0.95, 0.955, 0.122), (0.8, 1.056, 0.088), (0.6, 0.747, 0.095)],
+    (3, "viscoelastic", 0.2): [(0.95, 0.692, 0.018), (0.8, 0.633, 0.028), (0.6, 0.518, 0.037)],
+    (3, "viscoelastic", 0.3): [(0.95, 0.538, 0.026), (0.8, 0.452, 0.022), (0.6, 0.379, 0.049)],
+    (3, "viscoelastic", 0.4): [
+        (0.95, 0.422, 0.018),
+        (0.9, 0.442, 0.010),
+        (0.8, 0.366, 0.029),
+        (0.6, 0.321, 0.034),
+    ],
+    (3, "viscoelastic", 0.5): [(0.95, 0.405, 0.018), (0.8, 0.316, 0.022), (0.6, 0.267, 0.028)],
+    (2, "tsuji", 0.4): [(0.9, 0.812, 0.015)],
+    (2, "viscoelastic", 0.4): [(0.95, 0.828, 0.027)],
+    (3, "linear", 0.3): [
+        (0.99, 0.597, 0.017),
+        (0.95, 0.573, 0.010),
+        (0.9, 0.568, 0.020),
+        (0.8, 0.495, 0.024),
+    ],
+}
+
+
+def test_the_law_covers_other_contacts():
+    """At least 95 % of the values are within 2 standard errors of measurement and law; all within its own range."""
+    deviations = []
+    for (dimension, name, phi), values in HERTZ.items():
+        for epsilon, value, error in values:
+            found = law(phi, epsilon, dimension=dimension, law=law_of(name, 0.9))
+            assert found.extrapolated == ""
+            deviations.append((value - found.coefficient) / math.hypot(error, found.coefficient_error))
+    assert np.mean(np.abs(deviations) < 2.0) >= 0.95 and abs(np.mean(deviations)) < 0.5
+    assert law(0.3, 0.9, dimension=3, law=TSUJI).coefficient == pytest.approx(0.509, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("phi", "epsilon", "dimension"), [(0.03, 0.9, 3), (0.2, 0.5, 3), (0.2, 0.9, 2), (0.5, 0.7, 2)]
+)
+def test_hertz_laws_have_their_own_range(phi, epsilon, dimension):
+    one, linear = (law(phi, epsilon, dimension=dimension, law=contact) for contact in (TSUJI, None))
+    assert "measured range" in one.extrapolated and linear.extrapolated == ""
+    assert one.coefficient_error / one.coefficient > linear.coefficient_error / linear.coefficient
+
+
 @pytest.mark.parametrize(
     "phi, values", [(0.35, (0.517, 0.470, 0.425, 0.388, 0.337)), (0.5, (0.422, 0.374, 0.328, 0.289, 0.233))]
 )

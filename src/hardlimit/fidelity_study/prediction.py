@@ -37,6 +37,7 @@ class Prediction(NamedTuple):
     )  #: relative difference, positive if the rule cools too fast; NaN if there is no prediction
     error: float = math.nan  #: its standard error
     reason: str = ""  #: why there is no prediction
+    extrapolated: str = ""  #: which argument of the law is outside the range of its measurements
 
     def contradicts(self, found: Estimate[float]) -> bool:
         """Whether a measured difference and the prediction differ significantly, at 99 %.
@@ -94,7 +95,8 @@ def predicted(f: Fidelity, rule: str) -> Prediction:
     reached = float(np.interp(time, np.append(0.0, np.cumsum(hard)), y)) - 1.0
     lag = tc_nu * (1.0 - epsilon**2) / (4.0 * gas.dimension * grown)
     uncertain = float(np.mean([of_rule.error_bar(x) for x in at[:INTERVALS]]))
-    return Prediction(reached / grown - 1.0 + lag, math.hypot(uncertain, 0.5 * lag))
+    value = reached / grown - 1.0 + lag
+    return Prediction(value, math.hypot(uncertain, 0.5 * lag), extrapolated=of_rule.extrapolated)
 
 
 def contradicted(f: Fidelity, rule: str) -> bool:
@@ -118,11 +120,13 @@ def _driven(f: Fidelity, rule: str, gas: theory.Gas) -> Prediction:
     one = _law(f, rule, gas)
     if not f.sheared:
         value = one.heated_error(at)
-        return Prediction(value, 2.0 / 3.0 * (1.0 + value) * one.error_bar(at))
+        bar = 2.0 / 3.0 * (1.0 + value) * one.error_bar(at)
+        return Prediction(value, bar, extrapolated=one.extrapolated)
     if reason := one.no_shear():
         return Prediction(reason=f"the law of the error of shear is not that of {reason}")
     value = one.sheared_errors(at).temperature
-    return Prediction(value, (1.0 + value) * math.hypot(one.error_bar(at), SHEAR_BAR * at))
+    bar = (1.0 + value) * math.hypot(one.error_bar(at), SHEAR_BAR * at)
+    return Prediction(value, bar, extrapolated=one.extrapolated)
 
 
 def _law(f: Fidelity, rule: str, gas: theory.Gas) -> ErrorLaw:

@@ -163,7 +163,9 @@ def law_of_error(f: Fidelity) -> str:
     ]
     wrong = [rule for rule in found if prediction.contradicted(f, rule)]
     of = ", in temperature," if f.driven else ""
-    text = f" The law of the error predicts{of} {listed(said)}." if said else ""
+    beyond = {one.extrapolated: None for one in found.values() if one.extrapolated}
+    text = f" The law of the error predicts{of} {listed(said)}" if said else ""
+    text += f", extrapolated: {'; '.join(beyond)}." if text and beyond else "." if text else ""
     if wrong:
         text += f" Warning: this contradicts the measured {NAMES[measure]} of {listed(wrong)}."
     return text

@@ -59,10 +59,6 @@ def _drift(part: Floats, level: float, least: float) -> str:
     """Why a series is not steady; empty if it is."""
     if np.ptp(part) == 0.0:
         return ""
-    independent = len(part) / inefficiency(part)
-    if independent < least:
-        rounded = math.floor(10.0 * independent) / 10.0
-        return f"has {digits(rounded, 3)} independent samples, fewer than {digits(least, 2)}"
     # A drift makes a series look correlated: its own correlation is that of the rest about a line.
     at = np.linspace(-1.0, 1.0, len(part))
     rest = part - part.mean() - at * float(at @ part) / float(at @ at)
@@ -70,10 +66,14 @@ def _drift(part: Floats, level: float, least: float) -> str:
     half = len(part) // 2
     error = 2.0 * float(rest.std(ddof=2)) / math.sqrt(independent)  # of the difference of the halves
     change = float(part[-half:].mean() - part[:half].mean())
-    if abs(change) <= statistics.student(max(int(independent) - 2, 1), level) * error:
+    if abs(change) > statistics.student(max(int(independent) - 2, 1), level) * error:
+        scale = abs(float(part.mean()))
+        return f"still changes by {percent_with_error(change / scale, error / scale)}"
+    independent = len(part) / inefficiency(part)
+    if independent >= least:
         return ""
-    scale = abs(float(part.mean()))
-    return f"still changes by {percent_with_error(change / scale, error / scale)}"
+    rounded = math.floor(10.0 * independent) / 10.0
+    return f"has {digits(rounded, 3)} independent samples, fewer than {digits(least, 2)}"
 
 
 def average(values: Floats, state: SteadyState) -> Estimate[float]:

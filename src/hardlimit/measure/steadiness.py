@@ -32,8 +32,8 @@ RESOLVED: Final = 10.0
 #: Largest number of values, means of blocks if there are more samples.
 BLOCKS: Final = 400
 #: Correlation times: their number, the shortest [blocks] and the longest over the length.
-TIMES: Final = 14
-SHORTEST, LONGEST = 0.5, 0.25
+TIMES: Final = 17
+SHORTEST, LONGEST = 0.5, 1.0
 #: Spectrum of uncorrelated noise over the height of that of the correlated part.
 NOISES: Final = np.append(0.0, np.geomspace(2.0**-17, 2.0, 13))
 #: Probability of the interval of one standard error.

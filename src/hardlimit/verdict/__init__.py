@@ -94,8 +94,8 @@ def check(
     >>> bead = hl.Ball(1e-3, density=2500.0)
     >>> soft = hl.LinearDashpot(stiffness=1e3, restitution=0.9)
     >>> print(hl.check(bead, law=soft, speed=0.3, packing_fraction=0.3))
-    No: event-driven cools 9.6 ± 0.3 % too fast at t_c ν = 0.19, δ/d = 0.01 (grains
-    1–1); 1 % takes a stiffness of 9.9e4 N/m instead of 1e3.
+    No: event-driven cools 9.6 ± 0.5 % too fast at t_c ν = 0.19, δ/d = 0.01 (grains
+    1–1); 1 % takes a stiffness of 1.1e5 N/m instead of 1e3.
     """
     from .checking import checked
 

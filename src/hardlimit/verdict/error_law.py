@@ -27,6 +27,8 @@ DENSEST: Final = {2: 0.84, 3: 0.64}
 #: Ranges in which the law was measured, by dimension.
 MEASURED_PACKING: Final = {d: _core.error_law_measured[d - 2][:2] for d in DENSEST}
 MEASURED_RESTITUTION: Final = {d: _core.error_law_measured[d - 2][2] for d in DENSEST}
+#: The same for Hertz' laws: smallest and largest packing fraction, smallest restitution.
+MEASURED_HERTZ: Final = {d: _core.error_law_measured_hertz[d - 2] for d in DENSEST}
 #: Largest t_c ν at which the law was measured.
 MEASURED_TC_NU: Final = _core.error_law_measured_tc_nu
 #: From this ε on the theory has no free parameter.
@@ -75,6 +77,8 @@ class Exponents(NamedTuple):
 
 
 LINEAR: Final = Exponents(2.0, 0.0)
+#: Exponents of the laws of Hertz type that were measured: Tsuji's and viscoelastic.
+HERTZ: Final = (Exponents(2.5, 0.25), Exponents(2.5, 0.5))
 #: Parameters that damp, and their values without damping.
 UNDAMPED: Final = {"restitution": 1.0, "dissipative_time": 0.0, "damping": 0.0, "damping_coefficient": 0.0}
 
@@ -160,7 +164,7 @@ class ErrorLaw:
     --------
     >>> law = hl.error_law(packing_fraction=0.2, restitution=0.9)
     >>> print(law)
-    constant at φ = 0.2, ε = 0.9: error of the cooling 0.63 t_c ν (± 0.02), 1 % at
+    constant at φ = 0.2, ε = 0.9: error of the cooling 0.63 t_c ν (± 0.03), 1 % at
     t_c ν = 0.016
     """
 
@@ -367,8 +371,9 @@ def error_law(
     Returns
     -------
     ErrorLaw
-        Outside the range of the measurements (spheres: 0.02 ≤ φ ≤ 0.5, ε ≥ 0.4; disks: 0.05 ≤ φ ≤ 0.7, ε ≥ 0.6) it says
-        so, and its error is larger.
+        Outside the range of the measurements its text and ``extrapolated`` say so, and its error is larger. They are
+        0.02 ≤ φ ≤ 0.5, ε ≥ 0.4 for spheres and 0.05 ≤ φ ≤ 0.7, ε ≥ 0.6 for disks with linear springs; 0.05 ≤ φ ≤ 0.5,
+        ε ≥ 0.6 and 0.4 ≤ φ ≤ 0.6, ε ≥ 0.8 for Tsuji's and viscoelastic contacts.
 
     Raises
     ------
@@ -398,7 +403,7 @@ def error_law(
     powers = LINEAR if law is None else exponents(law)
     found = _core.error_law(dim, phi, epsilon, name, *powers, powers.mean_compression, powers.mean_duration)
     source = "measured" if name == "soft" else "theory" if epsilon >= NEARLY_ELASTIC else "both"
-    beyond = _outside(dim, phi, epsilon)
+    beyond = _outside(dim, phi, epsilon, powers)
     delay = powers.mean_duration / dim
     values = found.coefficient, found.coefficient_error
     return ErrorLaw(
@@ -406,10 +411,14 @@ def error_law(
     )
 
 
-def _outside(dimension: int, phi: float, epsilon: float) -> str:
+def _outside(dimension: int, phi: float, epsilon: float, powers: Exponents) -> str:
     """Which arguments are outside the range of the measurements, in words."""
     (thin, dense), least = MEASURED_PACKING[dimension], MEASURED_RESTITUTION[dimension]
     found = []
+    if not np.allclose(powers, LINEAR, atol=1e-3):
+        thin, dense, least = MEASURED_HERTZ[dimension]
+        if not any(np.allclose(powers, one, atol=1e-3) for one in HERTZ):
+            found.append(f"laws with U ∝ ξ^{powers.energy:.3g}, C ∝ ξ^{powers.damping:.3g} were not measured")
     if not thin <= phi <= dense:
         found.append(f"the packing fraction {phi:.3g} is outside the measured range {thin:g} to {dense:g}")
     if epsilon < least:
