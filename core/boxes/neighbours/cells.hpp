@@ -531,9 +531,18 @@ private:
             // Rounding must not make a cell shorter than a diameter.
             if (g.cells[k] > 1 && box.edge[k] / g.cells[k] < least) --g.cells[k];
             g.edge[k] = box.edge[k] / g.cells[k];
-            // In a low box a single column may be more than the largest tilt.
-            while (k == 0 && g.cells[k] > 1 && g.edge[k] < stretched(edge, tilt_limit(box, g)))
-                g.edge[k] = box.edge[k] / --g.cells[k];
+            // In a low box a single column may be more than the largest tilt. It is then |τ| = ½ g.edge/Ly, and the cell
+            // long enough from edge/√(1 − (½ edge/Ly)²) on.
+            const auto short_of_tilt = [&] {
+                return k == 0 && g.cells[k] > 1 && g.edge[k] < stretched(edge, tilt_limit(box, g));
+            };
+            if (short_of_tilt()) {
+                const double half = 0.5 * edge / box.edge[box.gradient];
+                const double most = box.edge[k] / edge * math::sqrt(math::max(0.0, 1.0 - half * half));
+                g.cells[k] = std::min(g.cells[k], static_cast<int>(math::min(most, 1e9)) + 2);
+                g.edge[k] = box.edge[k] / g.cells[k];
+            }
+            while (short_of_tilt()) g.edge[k] = box.edge[k] / --g.cells[k];
         }
         return g;
     }
