@@ -259,7 +259,7 @@ def test_files_hold_thermostats(ending: str, thermostat: Any, tmp_path: Path) ->
         (lambda: gas(10, 3.0, packing_fraction=0.01), "thermostat: got 3.0, must be hl.RandomKicks"),
         (
             lambda: hl.ParticleSystem([[1, 1]], [[1, 0]], 0.1, mass=1, box=9, thermostat=KICKS),
-            "thermostat: got RandomKicks",
+            "thermostat: got random kicks",
         ),
     ],
 )
