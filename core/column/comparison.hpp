@@ -4,8 +4,6 @@
 // columns are compared by the velocity of each ball after its last contact, relative to the impact speed (cradle: the
 // largest difference of the velocities at release).
 #pragma once
-#include <numeric>
-
 #include "effective_restitution.hpp"
 #include "rebound.hpp"
 
@@ -72,8 +70,11 @@ inline int overlapping(const Solution& s) {
     std::vector<bool> counts(s.contacts.size(), false);
     for (const std::size_t i : contacts_of_balls(s)) counts[i] = true;
     std::vector<std::size_t> order(s.contacts.size());
-    std::iota(order.begin(), order.end(), 0u);
-    std::ranges::stable_sort(order, {}, [&](std::size_t i) { return s.contacts[i].begin; });
+    for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+    std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) {
+        const double a = s.contacts[i].begin, b = s.contacts[j].begin;
+        return a < b || (a == b && i < j);
+    });
     int count = 0;
     double latest = -math::infinity;  // end of the contacts before
     for (std::size_t k = 0; k < order.size(); ++k) {

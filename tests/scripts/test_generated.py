@@ -249,6 +249,6 @@ def test_any_text(text, code):
 def check(text, code):
     try:
         assert isinstance(read(text, code=code), Description)
-    except (ValueError, FileNotFoundError) as error:  # a text may be the name of a file
+    except (ValueError, FileNotFoundError) as error:  # a single word is a path
         line = str(error)
         assert line and "\n" not in line and len(line) < 600

@@ -814,8 +814,9 @@ def test_what_is_not_granular_is_refused():
     assert refused("hello\n") == "script: has no granular contacts of lammps, liggghts, yade"
     for text in ("hello\nworld\n", "pair_style lj/cut 2.5\npair_coeff 1 1 1 1\nrun 1\n"):
         assert refused(text, code="lammps") == "script: has no granular contacts"
-    with pytest.raises(FileNotFoundError, match="^/no/such/file: no such file$"):
+    with pytest.raises(FileNotFoundError, match=r"\A/no/such/file: no such file\Z"):
         read("/no/such/file")
+    assert refused("/tmp") == "/tmp: cannot be read: must be a text file of at most 200 MB"
     assert "must be one of lammps, liggghts, yade" in refused(BASE, code="mfix")
     assert refused(3).startswith("script: got 3")
 

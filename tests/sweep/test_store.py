@@ -424,7 +424,7 @@ def test_without_its_group_a_store_with_chunks_is_refused(tmp_path: Path, finish
     shutil.copytree(finished, path)
     (path / "zarr.json").write_text("[]")
     with pytest.raises(
-        ValueError, match=r"has other contents, must be a store of hl\.sweep with its zarr\.json"
+        ValueError, match=r"has other contents, must be the store of a sweep with its zarr\.json"
     ):
         hl.sweep(PAPER, store=path, **KEPT)
 
@@ -512,7 +512,7 @@ def test_an_empty_folder_is_filled(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("path", [3, "", "s3://bucket/map.zarr"])
 def test_a_store_is_a_local_folder(path: object) -> None:
-    with pytest.raises(ValueError, match=r"store: got .*, must be the path of a local folder"):
+    with pytest.raises(ValueError, match=r"store: got .*, must be (a path|the path of a local folder)"):
         hl.sweep(PAPER, store=path, **GRID)
 
 

@@ -105,7 +105,7 @@ def waiting(title: str, console: Console | None = None) -> Iterator[None]:
                 report.note = f"{formatting.duration(clock.monotonic() - begun)}; Ctrl-C stops it"
                 report(0, 0)
 
-    thread = threading.Thread(target=show, daemon=True)
+    thread = threading.Thread(target=show, name=title, daemon=True)
     thread.start()
     try:
         yield
