@@ -171,6 +171,8 @@ def test_conditions_that_only_a_run_knows_and_that_touch_no_contact(lines, steps
         ("'fix p all pour 9 1 1 region box diam one 0.04 dens 2500 2500'", "grains"),
         ("'fix w all wall/gran granular hooke 1 .5 zplane 0 NULL'", "contacts"),
         ("'fix v all viscous 1'", "viscous drag (viscous)"),
+        ("'fix d all deform 1 xy erate 0.1'", "what drives the grains"),
+        ("'fix d all deform 1 x erate -0.1'", "pressure"),
         ("'jump SELF far'\ntimestep 1e-6\nlabel far", "the time step"),
         ("'jump SELF far'\nfix v all viscous 1\nlabel far", "viscous drag (viscous)"),
         ("'include more.in'", "the time step"),
@@ -183,6 +185,7 @@ def test_branches_that_differ_are_quoted(branch, what, tmp_path):
     found = read(tmp_path / "in.main")
     before, after = found.stages[0], found.stages[-1]
     (quote,) = found.unknown
+    assert not after.pressed and not after.driven and after.shear_rate is None
     assert quote.line == 10 and f"branches differ in {what}" in quote.text and not found.invalidates
     assert (after.time_step is None) == (what == "the time step")
     pairs = [one for one in after.contacts if not one.wall]
@@ -802,6 +805,7 @@ def test_words_of_2026_leave_the_normal_contact():
 
 def test_what_is_unknown_is_quoted():
     lines = ["fix new all granular/magic 1", "strange command", "pair_coeff 1 1 hooke 1e5 0.5 damping magic"]
+    lines += ["group a typ 1", "create_atoms 1 rndom 5 7 box", "fix g all gravity 9.81 vetor 0 0 -1"]
     text = BASE + "\n".join(lines) + "\nrun 1\n"
     found = read(text)
     assert [one.text for one in found.unknown] == lines

@@ -12,8 +12,12 @@ from .statements import Statement
 #: A part of a stage, such as ("contacts", ("1", "1"), None).
 Part = tuple[object, ...]
 NOWHERE: Final = Quote("", 0, "")
-STEP: Final[Part] = ("the time step",)
-GRAVITY: Final[Part] = ("gravity",)
+#: Fields of a stage, in words, and those whose value is empty if it is not known.
+FIELDS: Final = {
+    **{"time_step": "the time step", "gravity": "gravity", "down": "gravity", "pressed": "pressure"},
+    **dict.fromkeys(("driven", "shear_rate", "bath"), "what drives the grains"),
+}
+LISTS: Final = ("pressed", "driven")
 CONTACTS: Final = "contacts"
 GRAINS: Final = "grains"
 
@@ -40,10 +44,9 @@ def settings_of(stage: Stage) -> Any:
 
 def differences(one: Stage, other: Stage) -> Iterator[Part]:
     """The parts in which two stages differ."""
-    if one.time_step != other.time_step:
-        yield STEP
-    if (one.gravity, one.down) != (other.gravity, other.down):
-        yield GRAVITY
+    for name, words in FIELDS.items():
+        if plain(getattr(one, name)) != plain(getattr(other, name)):
+            yield words, name
     both = [{(each.types, each.wall): plain(each) for each in stage.contacts} for stage in (one, other)]
     for key in dict.fromkeys([*both[0], *both[1]]):
         if both[0].get(key) != both[1].get(key):
@@ -57,11 +60,12 @@ def without(stage: Stage, parts: Collection[Part]) -> Stage:
     """A stage in which these parts are not known."""
     if not parts:
         return stage
+    missing: dict[str, Any] = {
+        name: () if name in LISTS else None for name, words in FIELDS.items() if (words, name) in parts
+    }
     return replace(
         stage,
-        time_step=None if STEP in parts else stage.time_step,
-        gravity=None if GRAVITY in parts else stage.gravity,
-        down=None if GRAVITY in parts else stage.down,
+        **missing,
         contacts=tuple(one for one in stage.contacts if (CONTACTS, one.types, one.wall) not in parts),
         grains={kind: Grains(kind) if (GRAINS, kind) in parts else one for kind, one in stage.grains.items()},
     )

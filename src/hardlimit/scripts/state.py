@@ -37,6 +37,12 @@ MAX_TYPES: Final = 100
 MAX_NUMBER: Final = 10**9  #: of a grain
 MAX_FORKS: Final = 3  #: states at a label with which a new one is compared
 ZEROS: Final = {"0", "0.0", "0."}
+#: Styles of ``group``, ``create_atoms`` and ``fix gravity``.
+GROUP_STYLES: Final = """
+type id molecule region union subtract intersect empty include variable clear delete dynamic static initialize
+"""
+PLACES: Final = {"box", "region", "single", "random", "mesh"}
+DIRECTIONS: Final = (("chute",), ("spherical",), ("vector",))
 #: Logical operators of ``group … type``.
 COMPARISONS: Final[dict[str, Callable[[int, int, int], bool]]] = {
     "<": lambda k, a, _: k < a,
@@ -423,6 +429,8 @@ class State:
     def command_group(self, statement: Statement) -> None:
         name, style, *words = (*statement.words[1:], "", "")
         words = [one for one in words if one]
+        if style not in GROUP_STYLES.split():
+            self.unknown[statement.quote] = None
         old = self.groups.get(name)
         if style in ("delete", "clear"):
             self.groups.pop(name, None)
@@ -688,6 +696,8 @@ class State:
     def command_create_atoms(self, statement: Statement) -> None:
         words = statement.words
         kind = self.type_of(words[1]) if len(words) > 1 else 0
+        if not set(words[2:3]) <= PLACES:
+            self.unknown[statement.quote] = None
         template = words[words.index("mol") + 1 : words.index("mol") + 2] if "mol" in words else ()
         if template:
             self.add_molecule(statement, template[0], kind)
@@ -876,6 +886,8 @@ class State:
             self.ignore(f"a thermostat ({style})", fix.statement, types)
         elif style == "adapt" and ("diameter" in fix.words or "diameter/disc" in fix.words):
             self.elsewhere(fix.statement)
+        elif style == "gravity" and fix.words[1:2] not in DIRECTIONS:
+            self.unknown[fix.statement.quote] = None
         elif style.startswith("dt/reset"):
             self.ignore("a time step that adapts (dt/reset)", fix.statement)
         elif style == "setforce" and set(fix.words[:3]) <= {*ZEROS, "NULL"}:
