@@ -557,3 +557,19 @@ def test_the_flow_is_along_the_first_axis() -> None:
     assert _core.Box(edges, kinds, shear_rate=2.0).boundary == tuple(kinds)
     with pytest.raises(ValueError, match="boundary: got lees-edwards along axis 0"):
         _core.Box(edges, kinds[::-1])
+
+
+@pytest.mark.parametrize("height", [5e-3, 6e-3, 7.3e-3])
+@pytest.mark.parametrize("engine", ["hard", "events"])
+def test_a_low_and_long_box_starts_at_once(engine: str, height: float) -> None:
+    """Regression: its columns of cells were widened one by one, for hours, deaf to Ctrl-C."""
+    system = hl.ParticleSystem(
+        [[1.0, 2e-3], [2.0, 3e-3]], [[0.5, 0.0], [-0.5, 0.0]], 1e-3, 2500.0, box=[1e8, height],
+        boundary=["periodic", "lees-edwards"], shear_rate=1.0,
+    )  # fmt: skip
+    if engine == "hard":
+        run: Any = hl.event_driven(system, restitution=0.9, until=2.0)
+    else:
+        law = hl.LinearDashpot(stiffness=1e5, restitution=0.9)
+        run = hl.molecular_dynamics(system, law=law, until=2.0, engine="events")
+    assert run.outcome == "ok"
