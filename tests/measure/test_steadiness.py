@@ -114,12 +114,12 @@ def test_few_independent_samples_are_not_resolved():
 
 @pytest.mark.slow
 def test_the_error_is_that_of_blocking():
-    """Mean ratio of both errors over 20 series, within 10 %."""
+    """Mean ratio of both errors over 20 series: the possible rest of a transient adds some 10 %."""
     ratios = []
     for seed in range(20):
         x = ar1(np.random.default_rng(seed), 2**13, 0.9)
         ratios.append(hl.measure.steady(x).mean.error / blocked(x))
-    assert 0.85 < np.mean(ratios) < 1.1
+    assert 0.9 < np.mean(ratios) < 1.25
 
 
 def test_the_transient_is_found_and_said():
