@@ -102,9 +102,10 @@ def steady(series: Any) -> Steady:
     spectrum of an exponential correlation and uncorrelated noise is fitted to the squares of the cosine transform by
     Whittle's likelihood (Ark. Mat. 2, 423 (1953)), with and without an exponential rest of the transient. The interval
     is that of all these fits, weighted by their likelihood: uncorrelated samples and no transient have half of the
-    weight before the fit. It contains the mean in 93 to 99 % of series with correlation times of 0 to 30 samples, with
-    and without transients (tests/measure/test_steadiness.py). Fewer than ten independent samples are not enough to know
-    the correlation: the mean is then not resolved. A drift over more than half of the series appears as a correlation.
+    weight before the fit. It contains the mean in 93 to 99 % of series with correlation times of 0 to 30 samples and at
+    least two independent ones, with and without transients (tests/measure/test_steadiness.py). Fewer than ten
+    independent samples are not enough to know the correlation: the mean is then not resolved. A drift over more than
+    half of the series appears as a correlation.
 
     Examples
     --------
