@@ -78,7 +78,11 @@ RUN: Final = (
     UNTIL,
     Entry("max_collisions", "Number of collisions after which the run ends.", kind=int),
     SAMPLES,
-    Entry("checkpoint", "Checkpoint for --resume, written at intervals, at Ctrl-C and at SIGTERM.", metavar="FILE"),
+    Entry(
+        "checkpoint",
+        "Checkpoint for --resume, written at intervals, at Ctrl-C and at SIGTERM.",
+        metavar="FILE",
+    ),
     _run("checkpoint_every", "Wall-clock time between checkpoints [s].", "s"),
 )
 #: Entries of the table [output].

@@ -123,7 +123,8 @@ def write_files(
 ) -> tuple[list[Path], list[Exception]]:
     """Write the files that are wanted at the end of a long computation; returns those that are written, and why others
     are not. The caller prints what it has computed, then raises the errors."""
-    written, failures = [], []
+    written: list[Path] = []
+    failures: list[Exception] = []
     for path, write in files:
         if path is not None:
             try:
