@@ -303,7 +303,7 @@ def what_is_kept(run: GasRun, frames: Frames, more: dict[str, Any]) -> Iterator[
                 *((spelled(name), *([] if value is True else [str(value)])) for name, value in typed)
             )
             error.add_note(f"go on with: {shlex.join(['hardlimit', 'gas', *words])}")
-        elif notes(error):
+        elif run.checkpoint is None and notes(error):
             error.add_note("a run goes on only from a --checkpoint")
         raise
 
