@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -280,6 +281,16 @@ def test_a_run_may_end_between_two_samples(start: Path, tmp_path: Path) -> None:
     run("gas", start, *FAST, "--checkpoint", path, "--out", whole)
     run("gas", "--resume", path, "--until", "15ms", "--out", whole)
     assert frames.read_bytes() == whole.read_bytes()
+
+
+def test_a_trajectory_goes_into_a_pipe(start: Path, tmp_path: Path) -> None:
+    frames, pipe = tmp_path / "run.xyz", tmp_path / "pipe.xyz"
+    run("gas", start, *FAST, "--out", frames)
+    os.mkfifo(pipe)
+    with ThreadPoolExecutor() as pool:
+        content = pool.submit(pipe.read_bytes)
+        run("gas", start, *FAST, "--out", pipe)
+        assert content.result() == frames.read_bytes()
 
 
 @pytest.mark.parametrize("suffix", [".xyz", ".gsd"])
