@@ -4,6 +4,8 @@
 // columns are compared by the velocity of each ball after its last contact, relative to the impact speed (cradle: the
 // largest difference of the velocities at release).
 #pragma once
+#include <numeric>
+
 #include "effective_restitution.hpp"
 #include "rebound.hpp"
 
@@ -61,16 +63,24 @@ inline std::vector<std::size_t> contacts_of_balls(const Solution& s) {
     return found;
 }
 
+// In order of begin, a contact overlaps another one if the next one begins before its end, or an earlier one ends after
+// its begin.
 inline int overlapping(const Solution& s) {
     const auto end = [&](std::size_t i) {
         return math::is_nan(s.contacts[i].end) ? math::infinity : s.contacts[i].end;
     };
+    std::vector<bool> counts(s.contacts.size(), false);
+    for (const std::size_t i : contacts_of_balls(s)) counts[i] = true;
+    std::vector<std::size_t> order(s.contacts.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::ranges::stable_sort(order, {}, [&](std::size_t i) { return s.contacts[i].begin; });
     int count = 0;
-    for (const std::size_t i : contacts_of_balls(s)) {
-        bool found = false;
-        for (std::size_t j = 0; j < s.contacts.size() && !found; ++j)
-            found = j != i && s.contacts[j].begin < end(i) && s.contacts[i].begin < end(j);
-        count += found;
+    double latest = -math::infinity;  // end of the contacts before
+    for (std::size_t k = 0; k < order.size(); ++k) {
+        const std::size_t i = order[k];
+        const bool next = k + 1 < order.size() && s.contacts[order[k + 1]].begin < end(i);
+        count += counts[i] && (next || latest > s.contacts[i].begin);
+        latest = math::max(latest, end(i));
     }
     return count;
 }

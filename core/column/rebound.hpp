@@ -230,6 +230,9 @@ struct Parting {
 
 namespace rebound {
 
+// Most collisions of the upper balls that are followed for a few missing contacts; a collapse has no end to wait for.
+inline constexpr long most_later = 100'000;
+
 inline void note_end(const Contact& k, std::vector<double>& since) {
     const std::size_t above = static_cast<std::size_t>(k.pair);
     for (std::size_t j = above - (above > 0); j <= above; ++j)
@@ -258,10 +261,13 @@ Parting parting(SharedColumn<Law> c, Model model, const SolveOptions& o, const S
     double at;
     const States end = end_of_sequence(c, model, o, s, at);
     const SharedColumn<Law> upper = without_lowest(*c, end);
-    const std::unique_ptr<Solution> run = solve_column(upper, model, o);
+    SolveOptions later = o;
+    later.max_events = std::min(o.max_events, most_later);
+    const std::unique_ptr<Solution> run = solve_column(upper, model, later);
     States after(1, upper->balls);
     after.velocity.assign(end.velocity.begin() + 1, end.velocity.end());
     std::vector<double> since(balls - 1, math::nan);
+    std::ptrdiff_t latest = -1;  // the contact that ends last; the state after one costs up to 64 collisions
     last = 0.0;
     for_ended_contacts(*run, math::nan, [&](std::size_t i, const Contact& k) {
         if (all_met()) return;
@@ -269,8 +275,9 @@ Parting parting(SharedColumn<Law> c, Model model, const SolveOptions& o, const S
         note_end(k, since);
         if (k.end < last) return;
         last = k.end;
-        run->sample_after(i, after);
+        latest = static_cast<std::ptrdiff_t>(i);
     });
+    if (latest >= 0) run->sample_after(static_cast<std::size_t>(latest), after);
     for (std::size_t j = 1; j < balls; ++j) {
         found.velocity[j] = after.velocity[j - 1] + c->gravity * (at + last);
         if (!math::is_nan(since[j - 1])) found.since[j] = at + since[j - 1];

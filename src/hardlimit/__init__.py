@@ -42,6 +42,7 @@ _LATER = {
     "fitting.files": ("read_measurements",),
     "fitting.measurements": ("Impacts", "Rebounds"),
     "fitting.result": ("Fit",),
+    "saved": ("load",),
     "oblique": ("ObliqueDrop", "oblique_drop"),
     "boxes.checkpoint": ("CheckpointWarning",),
     "boxes.hard_spheres": ("event_driven",),

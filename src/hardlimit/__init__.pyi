@@ -31,6 +31,7 @@ from .fitting.files import read_measurements as read_measurements
 from .fitting.measurements import Impacts as Impacts
 from .fitting.measurements import Rebounds as Rebounds
 from .fitting.result import Fit as Fit
+from .saved import load as load
 from .oblique import ObliqueDrop as ObliqueDrop
 from .oblique import oblique_drop as oblique_drop
 from .boxes.checkpoint import CheckpointWarning as CheckpointWarning

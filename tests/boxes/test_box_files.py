@@ -186,6 +186,47 @@ def test_lammps_data_of_another_program(tmp_path):
     assert system.boundary == ("periodic",) * 3 and system.box.tolist() == [0.02] * 3
 
 
+WRITE_DATA = "LAMMPS data file via write_data, version 2 Aug 2023, timestep = 10"
+#: Units of length, density and speed in SI.
+OTHER_UNITS = {
+    "cgs": (1e-2, 1e3, 1e-2),
+    "micro": (1e-6, 1e3, 1.0),
+    "nano": (1e-9, 1e6, 1.0),
+    "lj": (1.0, 1.0, 1.0),
+}
+
+
+def in_units(length, density, speed):
+    """``LAMMPS`` with its numbers in other units."""
+    found = []
+    for line in LAMMPS.splitlines()[1:]:
+        words = line.split()
+        kinds = {"xlo": "LL", "ylo": "LL", "zlo": "LL"}.get(words[2] if len(words) > 2 else "", "")
+        kinds = kinds or {10: "..LDLLL", 7: ".VVV"}.get(len(words), "")
+        for k, kind in enumerate(kinds):
+            if kind != ".":
+                words[k] = repr(float(words[k]) / {"L": length, "D": density, "V": speed}[kind])
+        found.append(" ".join(words) if kinds else line)
+    return "\n".join([*found, ""])
+
+
+@pytest.mark.parametrize("units", OTHER_UNITS)
+def test_lammps_data_in_other_units(units, tmp_path):
+    """As ``write_data`` of LAMMPS names them in the first line."""
+    path, si = tmp_path / "box.data", tmp_path / "si.data"
+    path.write_text(f"{WRITE_DATA}, units = {units}\n{in_units(*OTHER_UNITS[units])}")
+    si.write_text(LAMMPS)
+    system, expected = hl.ParticleSystem.read(path), hl.ParticleSystem.read(si)
+    for name in ("positions", "velocities", "radius", "mass", "box"):
+        assert getattr(system, name) == pytest.approx(getattr(expected, name), rel=1e-12), name
+
+
+def test_lammps_data_in_units_that_are_not_mechanical_are_refused(tmp_path):
+    path = tmp_path / "box.data"
+    path.write_text(f"{WRITE_DATA}, units = real\n{in_units(1.0, 1.0, 1.0)}")
+    assert "units: got 'real', must be lj, si, cgs, micro or nano" in refused(path)
+
+
 # --- invalid files ------------------------------------------------------------------------------------------
 
 
@@ -306,10 +347,9 @@ def test_a_damaged_count_takes_no_memory(tmp_path, name):
 
 
 def test_files_that_are_none(tmp_path):
-    assert "cannot be read: no such file" in refused(tmp_path / "none.xyz")
     folder = tmp_path / "folder.gsd"
     folder.mkdir()
-    assert "no such file" in refused(folder)
+    assert "cannot be read: not a file" in refused(folder)
     for suffix in (".xyz", ".gsd", ".data"):
         empty = tmp_path / f"empty{suffix}"
         empty.write_bytes(b"")
@@ -353,7 +393,7 @@ def test_a_folder_that_cannot_be_written(suffix):
 
 def test_single_precision_has_a_range(tmp_path):
     large = lattice(8)
-    large = large.replace(velocities=1e50 * large.velocities)
+    large = large.replace(mass=1e50 * large.mass)
     with pytest.raises(ValueError, match="got a value too large for GSD"):
         large.write(tmp_path / "box.gsd")
     assert list(tmp_path.iterdir()) == []

@@ -5,9 +5,11 @@ import pytest
 
 import hardlimit as hl
 from box_engines import LAW, RUNS, run
+from conftest import lattice
 from hardlimit.boxes import hard_spheres, newton, rules
 from hardlimit.boxes.engines import NewtonSettings
 from hardlimit.boxes.run import Output
+from hardlimit.boxes.system import described
 from same_samples import same_samples
 
 G = np.array([0.3, -9.81, 2.0])
@@ -89,3 +91,26 @@ def test_a_fall_goes_on_from_a_checkpoint_with_the_same_bits(name, tmp_path):
     run(name, system, 0.2, samples=4, checkpoint=path)
     again = hl.resume(path, until=0.4)
     assert again.system == whole.system and same_samples(again, whole)
+
+
+@pytest.mark.parametrize(
+    ("boundary", "gravity", "along"),
+    [
+        ("periodic", 9.81, "z"),
+        ("periodic", [1.0, 0.0, -9.81], "x and z"),
+        (["periodic", "periodic", "wall"], [1.0, 0.0, -9.81], "x"),
+        (["periodic", "periodic", "wall"], 9.81, None),
+        ("wall", 9.81, None),
+        ("periodic", 0.0, None),
+    ],
+)
+def test_a_fall_without_end_is_said(boundary, gravity, along):
+    """By the system, the table of the command line and that of a notebook."""
+    system = lattice(boundary=boundary, gravity=gravity)
+    rows = dict(described(system))
+    said = repr(system), system._repr_html_()
+    if along is None:
+        assert not any("free fall" in text for text in (*said, *rows))
+    else:
+        assert rows[f"free fall along {along}"] == "of all together, without end: no wall there"
+        assert f"in free fall along {along}>" in said[0] and "free fall along" in said[1]

@@ -490,7 +490,7 @@ def test_a_folder_taken_elsewhere_comes_back(tmp_path):
     system = mixed(6, 2, ("wall", "periodic"), 0.0)
     options = {"time_step": 2e-6, "samples": 3, "log": True}
     hl.lammps_input(system, tmp_path, law=SOFT, until=3e-4, **options)
-    with pytest.raises(ValueError, match=r"cannot be read"):
+    with pytest.raises(FileNotFoundError, match=r": no such file"):
         hl.lammps_result(tmp_path)
     here = program.find(1)
     command, environment = here.command(1, "-in", "in.hardlimit"), here.environment()

@@ -651,3 +651,20 @@ def test_the_step_resolves_the_oscillation_of_a_wall(frequency):
     )
     assert steps.energy_error < 3e-3
     assert float(steps.series.wall_work[-1]) == pytest.approx(float(events.series.wall_work[-1]), rel=0.02)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("rate", [5.0, 50.0])
+def test_the_step_suits_the_heat_of_shear(dimension, rate):
+    """From cold grains, whose speeds grow tenfold: the step has the accepted error at all impacts to come."""
+    law = hl.Viscoelastic(youngs_modulus=1e7, poisson_ratio=0.3, restitution=0.9, impact_speed=0.3)
+    system = hl.ParticleSystem.random(
+        60, 0.2, 1e-3, 2500.0, 1e-4, dimension=dimension, seed=1, shear_rate=rate,
+        boundary=["periodic", "lees-edwards", "periodic"][:dimension],
+    )  # fmt: skip
+    run = molecular_dynamics(system, law=law, until=40.0 / rate, log=True)
+    (contact,) = contacts.of_kinds(system, law)
+    fastest = float(run.contacts.impact_speed.max())
+    assert fastest > 5.0 * time_step.largest_speed(system)
+    assert run.time_step < 1.05 * _core.longest_step(contact, fastest, 1e-3)
+    assert run.energy_error < 3e-3

@@ -7,10 +7,13 @@ from typing import Any
 import mpmath
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 import hardlimit as hl
-from conftest import refusal, slow
+from conftest import draws, refusal, slow
 from hardlimit import _core
+from hardlimit.boxes.walls import least_widening
 
 WAVEFORMS = ("sine", "triangle", "parabola")
 each_waveform = pytest.mark.parametrize("waveform", WAVEFORMS)
@@ -494,7 +497,8 @@ def test_results_continue_the_motion() -> None:
         ({"amplitude": -1.0, "frequency": 1.0}, "amplitude: got -1"),
         ({"amplitude": 1.0}, "amplitude | frequency: got 1 and 0, must both be > 0, or neither be given"),
         ({"waveform": "saw"}, "waveform: got 'saw', must be one of"),
-        ({"amplitude": 1e60, "frequency": 1e60}, "frequency: got 1e+60, must be lower"),
+        ({"amplitude": 1e20, "frequency": 1e20}, "frequency: got 1e+20, must be lower"),
+        ({"amplitude": 1e31, "frequency": 1.0}, "amplitude: got 1e+31, must be in [0, 1e+30)"),
     ],
 )
 def test_a_bad_wall_is_refused(arguments: dict[str, Any], message: str) -> None:
@@ -509,6 +513,14 @@ def test_a_bad_wall_is_refused(arguments: dict[str, Any], message: str) -> None:
         ({"y-": 3.0}, "walls['y-']: got 3.0, must be a MovingWall"),
         ({"x-": hl.MovingWall(velocity=1.0)}, "walls: got 'x-', must be on an axis whose boundary is 'wall'"),
         ({"y-": hl.MovingWall(amplitude=0.99, frequency=1.0)}, "walls: got a distance of 0.01 m along y"),
+        (
+            {"y-": hl.MovingWall(0.495, 1.0), "y+": hl.MovingWall(0.495, 1.0, phase=math.pi)},
+            "walls: got a distance of 0.01 m along y where they are closest, must be >= 0.02",
+        ),
+        (
+            {"y-": hl.MovingWall(0.4, 1.0, offset=0.45), "y+": hl.MovingWall(0.14, 1.3)},
+            "walls: got a distance of 0.01 m along y",
+        ),
     ],
 )
 def test_bad_walls_are_refused(walls: Any, message: str) -> None:
@@ -517,6 +529,46 @@ def test_bad_walls_are_refused(walls: Any, message: str) -> None:
             [[0.5, 0.5]], [[0.0, 0.0]], R, mass=1.0, box=1.0, boundary=["periodic", "wall"], walls=walls
         )
     ).startswith(message)
+
+
+@each_waveform
+def test_a_box_that_is_shaken_as_a_whole_keeps_its_distance(waveform: str) -> None:
+    """By more than its length; with a phase between its walls it is refused."""
+    wall = hl.MovingWall(0.3, 2.0, waveform, 0.7)
+    at, walls = 0.1 + wall.displacement(), {"y-": wall, "y+": wall}
+    system = hl.ParticleSystem(
+        [[0.5, at]], [[0.0, 0.0]], R, mass=1.0, box=[1.0, 0.2], boundary="wall", walls=walls
+    )
+    low, high = system.domain.limits(1, 0.1)
+    assert high - low == pytest.approx(0.2)
+    run = hl.event_driven(system, restitution=0.9, until=1.0)
+    assert run.n_collisions > 3
+    assert run.outcome == "ok"
+    with pytest.raises(ValueError, match="walls: got a distance of"):
+        system.replace(walls={"y-": wall, "y+": hl.MovingWall(0.3, 2.0, waveform, 1.7)})
+
+
+@draws(60)
+@given(
+    waveforms=st.tuples(st.sampled_from(WAVEFORMS), st.sampled_from(WAVEFORMS)),
+    amplitudes=st.tuples(st.floats(0.1, 1.0), st.floats(0.1, 1.0)),
+    phases=st.tuples(st.floats(-7.0, 7.0), st.floats(-7.0, 7.0)),
+    offset=st.floats(-1.0, 1.0),
+    ratio=st.sampled_from([1.0, 2.0, 0.5, 0.75, 1.25]),
+)
+def test_the_least_distance_of_two_walls(
+    waveforms: Any, amplitudes: Any, phases: Any, offset: float, ratio: float
+) -> None:
+    """Against the distance at many times."""
+    low = hl.MovingWall(amplitudes[0], 4.0, waveforms[0], phases[0], offset=offset)
+    high = hl.MovingWall(amplitudes[1], 4.0 * ratio, waveforms[1], phases[1])
+    t = np.linspace(0.0, 1.0, 40_001)
+    places = [
+        wall.offset + wall.amplitude * waves(wall.waveform, wall.frequency * t + wall.phase / (2.0 * math.pi))
+        for wall in (low, high)
+    ]
+    least, sampled = least_widening(low, high), float((places[1] - places[0]).min())
+    assert sampled - 1e-3 < least < sampled + 1e-12
 
 
 def test_a_wall_that_turns_round_meets_a_ball_that_has_just_let_go() -> None:
@@ -536,3 +588,157 @@ def test_a_wall_that_turns_round_meets_a_ball_that_has_just_let_go() -> None:
         assert len(events.contacts.contact) == len(steps.contacts.contact)
         again += bool((events.contacts.impact_speed < 0.0).any())
     assert again > 2
+
+
+# --- slow drifts, late times, large phases ----------------------------------------------------------------------------
+
+
+def drifting(seed: int) -> hl.ParticleSystem:
+    """Round numbers, and speeds that rounding makes, above walls with any waveform, frequency and phase."""
+    random = np.random.default_rng(seed)
+
+    def speed() -> float:
+        any_size = random.choice([-1.0, 1.0]) * 10.0 ** random.uniform(-300.0, 0.0)
+        return float(random.choice([0.0, 1e-17, -1e-17, -0.33, any_size]))
+
+    shift = float(random.choice([0.0, 1e-17, 10.0 ** random.uniform(-300.0, -4.0)]))
+    wall = hl.MovingWall(velocity=-shift)
+    if seed % 4:
+        frequency = float(random.choice([1.0, 10.0, 50.0, 10.0 ** random.uniform(-3.0, 4.0)]))
+        phase = float(random.choice([0.0, 1e16, 1e17, -1e300, 10.0 ** random.uniform(-300.0, 300.0)]))
+        amplitude = float(random.choice([1e-3, 5e-4, 1e-9]))
+        wall = hl.MovingWall(amplitude, frequency, WAVEFORMS[seed % 4 - 1], phase, velocity=-shift)
+    n = seed % 3 + 1
+    return hl.ParticleSystem(
+        [[0.05, 0.02], [0.05, 0.044], [0.02, 0.06]][:n],
+        [[0.0, speed()], [speed(), speed()], [speed(), speed()]][:n],
+        R, 2500.0, box=[0.1, 0.08], boundary=["periodic", "wall"], walls={"y-": wall},
+        gravity=float(random.choice([0.0, 0.0, G, 1e-17])),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("name", SOLVERS)
+@pytest.mark.parametrize("seed", [*range(8), *map(slow, range(8, 120))])
+def test_slow_drifts_to_oscillating_walls_end(name: str, seed: int) -> None:
+    """Regression: 4·frequency·(time of arrival) > 2^53 was an endless loop, deaf to Ctrl-C."""
+    until = 0.02 if "steps" in name else 0.5
+    run = solved(name, drifting(seed), until, **({"time_step": 1e-5} if "steps" in name else {}))
+    assert run.outcome_name in ("ok", "at_rest", "too_deep")
+    assert np.isfinite(run.system.positions).all()
+    assert run.outcome_name != "ok" or run.time == until
+
+
+@pytest.mark.parametrize("engine", ["hard", "events", "steps"])
+@pytest.mark.parametrize("speed", [-1e-17, -1e-300])
+def test_a_drift_that_takes_longer_than_any_run(engine: str, speed: float) -> None:
+    """And the two disks of the report, of which the upper one leaves the lower one a speed of rounding errors."""
+    system = hl.ParticleSystem(
+        [[0.05, 0.015]], [[0.0, speed]], R, 2500.0, box=0.1, boundary=["periodic", "wall"],
+        walls={"y-": hl.MovingWall(1e-3, 50.0)},
+    )  # fmt: skip
+    disks = hl.ParticleSystem(
+        [[0.05, 0.02], [0.05, 0.044]], [[0.0, 0.0], [0.0, -0.33]], R, 2500.0, box=[0.1, 0.08],
+        boundary=["periodic", "wall"], walls=system.walls,
+    )  # fmt: skip
+    for start in (system, disks):
+        if engine == "hard":
+            run: Any = hl.event_driven(start, restitution=1.0, until=1.0)
+        else:
+            law = LINEAR.replace(restitution=1.0, stiffness=1e6)
+            run = hl.molecular_dynamics(start, law=law, until=0.1, engine=engine)
+        assert run.outcome == "ok"
+    assert hl.event_driven(system, restitution=1.0, until=1.0).system.velocities[0, 1] == speed
+
+
+def test_a_run_ends_where_its_time_no_longer_resolves_a_wall() -> None:
+    system = hl.ParticleSystem(
+        [[0.5, 0.5]], [[0.0, -1e-13]], R, mass=1.0, box=1.0, boundary=["periodic", "wall"],
+        walls={"y-": hl.MovingWall(1e-3, 50.0)},
+    )  # fmt: skip
+    run = hl.event_driven(system, restitution=0.9, until=1e12)
+    assert run.outcome_name == "unresolved"
+    assert "do not resolve the phase of walls" in run.outcome
+    assert run.time == system.domain.resolved_until == 2.0**40 / 50.0
+    still = system.replace(walls={}, velocities=[[0.0, -1e-70]])
+    assert hl.event_driven(still, restitution=0.9, until=1e65).time == 1e60
+    sheared = hl.ParticleSystem.random(
+        5, 0.01, 1e-3, 2500.0, 0.0, boundary=["periodic", "lees-edwards", "periodic"], shear_rate=10.0
+    )
+    assert sheared.domain.resolved_until == pytest.approx(2.0**40 / 10.0)
+
+
+@pytest.mark.parametrize("phase", [7.0, -7.0, 1e6, 1e16, 1e17, -1e22, 1e100, 1e300, 1.7e308])
+def test_a_large_phase_is_reduced_exactly(phase: float) -> None:
+    mpmath.mp.dps = 350
+    wall = hl.MovingWall(1e-3, 50.0, phase=phase)
+    assert 0.0 <= wall.phase <= 2.0 * math.pi
+    assert wall.phase == pytest.approx(float(mpmath.fmod(mpmath.mpf(phase), 2 * mpmath.pi) % (2 * mpmath.pi)))
+    assert wall.displacement() == pytest.approx(1e-3 * float(mpmath.sin(mpmath.mpf(phase))), abs=1e-18)
+    assert hl.MovingWall(1e-3, 50.0, phase=-2.0 * math.pi).phase == -2.0 * math.pi
+
+
+# --- time stepping and the rule soft at walls that jump ---------------------------------------------------------------
+
+
+@pytest.mark.parametrize("phase", np.linspace(0.0, 2.0, 4))
+def test_steps_are_of_second_order_where_a_wall_jumps(phase: float) -> None:
+    """A triangle wave changes its velocity during the contact. The energy was of first order in the step."""
+    system = hl.ParticleSystem(
+        [[0.02, 4.2e-3]], [[0.0, -0.5]], 1e-3, 2500.0, box=0.04, boundary="wall",
+        walls={"y-": hl.MovingWall(3e-3, 1500.0, "triangle", phase)},
+    )  # fmt: skip
+    law = hl.LinearDashpot(stiffness=2e5, restitution=0.7)
+    exact = hl.molecular_dynamics(system, law=law, until=1e-3, engine="events")
+    speed, energy = [], []
+    for step in 4e-7 / 2.0 ** np.arange(6):
+        run = hl.molecular_dynamics(system, law=law, until=1e-3, engine="steps", time_step=step)
+        speed.append(float(np.abs(run.system.velocities - exact.system.velocities).max()))
+        energy.append(run.energy_error)
+    for error in (speed, energy):
+        assert max(error[3:]) < 0.15 * max(error[:3])
+    assert max(speed[:3]) < 0.01 * float(np.abs(exact.system.velocities).max())
+    assert max(energy[:3]) < 0.01
+
+
+@pytest.mark.parametrize("waveform", WAVEFORMS)
+@pytest.mark.parametrize("periods", [0.5, 3.0, slow(30.0)])
+def test_the_step_suits_a_wall_that_oscillates_during_a_contact(waveform: str, periods: float) -> None:
+    """``periods`` of the wall in the duration of a contact. Its work is the difference of large gains and losses."""
+    frequency = periods / 1.66e-4
+    system = hl.ParticleSystem(
+        [[0.02, 1.01e-3 + 1.0 / frequency]], [[0.0, 0.0]], 1e-3, 2500.0, box=0.04, boundary="wall", gravity=G,
+        walls={"y-": hl.MovingWall(1.0 / frequency, frequency, waveform)},
+    )  # fmt: skip
+    law = hl.LinearDashpot(stiffness=4e3, restitution=0.9)
+    run = hl.molecular_dynamics(system, law=law, until=0.01, engine="steps")
+    assert run.outcome == "ok"
+    assert run.energy_error < 3e-3
+
+
+def test_a_corner_of_shaken_walls_is_no_collapse() -> None:
+    """Rule soft: a contact with one wall does not cut that with another one short. Regression: both met the particle
+    again and again at the same instant."""
+    walls = {
+        "x-": hl.MovingWall(2.61316e-05, 5699.83, "triangle", 2.93099),
+        "y-": hl.MovingWall(4.46206e-06, 11116.7, "triangle", 1.44471),
+    }
+    law = hl.LinearDashpot(stiffness=3.8e5, restitution=0.8)
+    for offset in np.linspace(0.0, 1e-6, 5):
+        system = hl.ParticleSystem(
+            [[1.2e-3, 1.2e-3 + offset]], [[-1.0, -1.0]], 1e-3, 2500.0, box=0.012, boundary="wall",
+            gravity=[-G, -G], walls=walls,
+        )  # fmt: skip
+        run = hl.event_driven(system, law=law, rule="soft", until=0.2)
+        assert run.outcome_name in ("ok", "at_rest")
+
+
+def test_what_holds_a_ball_without_gravity() -> None:
+    system = hl.ParticleSystem(
+        [[0.006, 0.006]], [[0.0, -0.5]], 1e-3, 2500.0, box=0.012, boundary="wall",
+        walls={"y-": hl.MovingWall(1e-3, 250.0, "parabola", phase=6.0 / 11.0)},
+    )  # fmt: skip
+    run = hl.event_driven(
+        system, law=hl.LinearDashpot(stiffness=1e3, restitution=0.5), rule="soft", until=1.0
+    )
+    assert run.outcome_name == "at_rest"
+    assert run.outcome.startswith("at rest: the acceleration of the wall holds particle 0 and the wall")

@@ -17,9 +17,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import hardlimit as hl
+import hardlimit.cli.compare
 import hardlimit.cli.gas_job  # reads the signatures of solvers, which the tests replace
+from command_line import assert_words_of_the_command_line
 from conftest import columns, draws, free_columns
-from hardlimit.cli import main
+from hardlimit.cli import COMMANDS, main
 from hardlimit.column import files
 
 EXAMPLES = sorted((Path(__file__).resolve().parents[2] / "examples").glob("*.toml"))
@@ -40,6 +42,10 @@ def without_solvers() -> Iterator[None]:
         mock.patch("hardlimit.cli.contact.draw", refuse),
         mock.patch("hardlimit.boxes.starts.positions", refuse),
         mock.patch("hardlimit.event_driven", refuse),
+        mock.patch("hardlimit.molecular_dynamics", refuse),
+        mock.patch("hardlimit.fidelity", refuse),
+        mock.patch("hardlimit.cli.fit.fitted", refuse),
+        mock.patch("hardlimit.cli.stack.best", refuse),
     ):
         yield
 
@@ -57,6 +63,7 @@ def one_line_or_success(*args: str) -> bool:
     assert result.exit_code == 2, result.stderr
     assert result.stdout == "" and len(result.stderr.splitlines()) == 1, result.stderr
     assert len(result.stderr) < 1000
+    assert_words_of_the_command_line(result.stderr)
     return False
 
 
@@ -192,13 +199,31 @@ VALUES = [
 SKIPPED = {"resume", "help", "open_browser"}
 
 
+SPRING = ["--stiffness", "1e5", "--restitution", "0.5"]
+GRAIN = ["--radius", "1mm", "--density", "2500"]
+#: Beginnings with which a line passes the first checks.
+BEGINNINGS = {
+    "gas": [
+        ["--stiffness", "1e-5", "--restitution", "0.9"],
+        ["--engine", "steps", *SPRING],
+        ["--law", "viscoelastic"],
+        ["--shake", "1mm:9Hz"],
+    ],
+    "gas compare": [SPRING, ["--law", "tsuji"], ["--shake", "1mm:9Hz", "--boundary", "periodic"]],
+    "contact": [["--law", "tsuji"], ["--other-radius", "1mm"]],
+    "convert": [[*GRAIN, "--restitution", "0.9"], [*GRAIN, *SPRING], [*GRAIN, "--code", "yade"]],
+    "check": [[*GRAIN, *SPRING], [*GRAIN, "--law", "viscoelastic"]],
+    "drop": [["--law", "viscoelastic"], ["--radius", "1"]],
+    "sweep": [["--gap", "1um,2um"], ["--law", "viscoelastic", "--gap", "1um,2um"], ["--gap", "1:2:1000000"]],
+}
+
+
 @st.composite
 def command_lines(draw: st.DrawFn) -> list[str]:
-    name = draw(st.sampled_from(["drop", "contact", "sweep", "gas", "explore", "paper", "completion"]))
-    command = main.get_command(click.Context(main), name)
-    assert command is not None
+    name = draw(st.sampled_from([*COMMANDS, "gas compare"]))
+    command = main.get_command(click.Context(main), name) or hardlimit.cli.compare.compare
     options = [p for p in command.params if isinstance(p, click.Option) and p.name not in SKIPPED]
-    line = [name]
+    line = [*name.split(), *draw(st.sampled_from([[], *BEGINNINGS.get(name, [])]))]
     for _ in range(draw(st.integers(0, 6 if options else 0))):
         option = draw(st.sampled_from(options))
         line.append(option.opts[0])

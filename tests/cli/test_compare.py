@@ -44,7 +44,7 @@ def test_tables_pictures_and_files(tmp_path: Path) -> None:
     assert "40 spheres" in text and "Difference from Newton’s equations at the end" in text
     assert " 3 replicas" in words and "fraction that overlap another" in text
     assert max(map(len, text.splitlines())) <= 100
-    means = xr.open_dataset(out, group="means")
+    means = xr.open_dataset(out)
     assert means.model.values.tolist() == ["newton", "soft", "tc"] and coloured(plot) > 0.01
     again = run("gas", "compare", *options).stdout
     assert again in text and text.startswith(again)

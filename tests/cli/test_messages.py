@@ -13,13 +13,14 @@ from PIL import Image
 from test_cli import COMMANDS, command, every_option
 
 import hardlimit as hl
-from command_line import refused, run
+from command_line import printed, refused, run
 from conftest import lattice, refusal, slow, typical
 from hardlimit.cli.options import Quantity
 from hardlimit.contact.contact import law_parameters
 from hardlimit.support import validation
 
 WORD = 2**31 - 1
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 
 
 def folder_of_measurements(folder: Path) -> Path:
@@ -207,7 +208,7 @@ def test_the_nearest_command_is_suggested(words: list[str], nearest: str) -> Non
 def test_no_suggestion_for_an_unrelated_word(tmp_path: Path) -> None:
     assert refused("qqq") == "hardlimit: No such command 'qqq'."
     assert "must end in .toml" in refused("gas", "qqq")
-    assert "cannot be read" in refused("gas", tmp_path / "compare.toml")
+    assert "no such file" in refused("gas", tmp_path / "compare.toml")
 
 
 def test_the_help_of_gas_lists_compare() -> None:
@@ -226,16 +227,77 @@ FILES = [
     ["fit", "{}.csv"],
     ["fit", "--column", "{}.toml", "{}.csv"],
     ["convert", "--radius", "1mm", "--density", "2500", "--code", "lammps", "--read", "{}"],
+    ["check", "{}"],
+    ["check", str(EXAMPLES / "in.granular_gas"), "--dump", "{}"],
 ]
 
 
 @pytest.mark.parametrize("words", FILES, ids=" ".join)
 def test_a_file_that_cannot_be_read_is_bad_input(words: list[str], tmp_path: Path) -> None:
     missing = tmp_path / "missing"
-    assert re.search("cannot be read: no such file", refused(*(w.format(missing) for w in words)), re.I)
+    assert re.search(f"{missing}[.a-z]*: no such file$", refused(*(w.format(missing) for w in words)))
     for ending in (".toml", ".csv", ".xyz", ".data", ""):
         (tmp_path / f"folder{ending}").mkdir()
     assert "cannot be read" in refused(*(w.format(tmp_path / "folder") for w in words))
+
+
+SMALL = "--n 20 --packing-fraction 0.05 --until 1us"
+SOFT = "--stiffness 1e-5 --restitution 0.9"
+#: Wrong calls, and what the message says; ``refused`` checks that it has no words of Python.
+WRONG = {
+    f"gas {SMALL} {SOFT}": "--law: got linear --stiffness 1e-05 --restitution 0.9, must be stiffer",
+    f"gas {SMALL} --engine events {SOFT}": "--law: got linear --stiffness 1e-05 --restitution 0.9, must be",
+    f"gas {SMALL} --shake 1mm:50Hz --boundary periodic": "--shake: got 'z-', must be on an axis",
+    f"gas {SMALL} --shake 0:50Hz": "--shake: got 0 and 50, must both be > 0",
+    f"gas {SMALL} --heat 1 --engine lammps --stiffness 1e5 --restitution 0.9": "--heat: got RandomKicks: interval ",
+    f"gas {SMALL} --shake 1mm:50Hz --engine lammps --stiffness 1e5 --restitution 0.9": "--shake: got z-, must be none",
+    f"gas {SMALL} --law viscoelastic --stiffness 1e9": "--stiffness: unknown, Viscoelastic takes --youngs-modulus",
+    f"gas {SMALL} --youngs-modulus 1e9 --poisson-ratio 0.3 --restitution 0.5 --law viscoelastic": "--impact-speed",
+    "gas overlap.xyz": "particles 0 and 1 overlap, gap -0.005 m, must be >= -1e-11 m, 1e-09 of the sum of the radii",
+    "gas empty.xyz": "empty.xyz: is empty, must have one frame or more",
+    "gas pair.xyz --law linear": "--stiffness: missing, must be > 0",
+    f"gas compare {SMALL} --store checkpoint": "--store: checkpoint is the checkpoint of a run, must be a store of",
+    "fit speeds.csv": "speeds.csv: values without errors, or with 0: add a column restitution_error, or --scatter",
+    "fit times.csv": "add a column time_error, or --scatter",
+    "fit impacts.csv --law linear --free stiffness": "--radius: missing, must be given to fit stiffness",
+    "fit impacts.csv --free ball": "options of the law | --free: got ball, must be parameters",
+    "check in.lj": "FILE: has no granular contacts",
+    "check in.lj --power 1 --speed 1": "--speed | --power | --shear: must be at most one",
+    "contact --law tsuji": "must be --elastic-prefactor + --restitution or",
+    "contact --other-radius 1mm --other-mass 1 --other-density 1": "--other-density | --other-mass: got both",
+    "convert --radius 1mm --density 2500 --restitution 0.9 --youngs-modulus 1e9": "beside --youngs-modulus",
+    "drop --radius 1 --radius-1 2": "--radius | --radius-1, --radius-2, --radius-ratio: got both",
+    "sweep --gap 1:2:100000 --restitution 0.4:1:90000": "; --out FILE.zarr keeps them on disk, --variable keeps fewer",
+    "stack --stiffness 1": "--law: got linear --stiffness 1.0 --restitution 0.7, must be stiffer",
+    "cite hertz": "TOPIC: got 'hertz', must be one of newton",
+}
+
+
+@pytest.mark.parametrize("line", WRONG)
+def test_messages_have_no_words_of_python(line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(folder_of_measurements(tmp_path))
+    pair = hl.ParticleSystem([[0.02, 0.05], [0.04, 0.05]], np.zeros((2, 2)), 0.005, density=2500.0, box=0.1)
+    written = pair.write("pair.xyz").read_text()
+    for name, text in {
+        "overlap.xyz": written.replace("0.04 ", "0.025 "),
+        "empty.xyz": "",
+        "speeds.csv": "speed,restitution\n0.1,0.9\n1,0.8\n",
+        "times.csv": "time\n0\n0.5\n0.9\n1.2\n",
+        "in.lj": "units lj\npair_style lj/cut 2.5\n",
+    }.items():
+        Path(name).write_text(text)
+    hl.event_driven(pair, restitution=0.9, until=0.001, checkpoint="checkpoint")
+    assert WRONG[line] in refused(*line.split())
+
+
+def test_a_parameter_to_fit_may_be_spelled_as_its_option(tmp_path: Path) -> None:
+    file = folder_of_measurements(tmp_path) / "impacts.csv"
+    options = ["--youngs-modulus", "1e9", "--poisson-ratio", "0.3", "--impact-speed", "1", "--no-compare"]
+    found = [
+        printed("fit", file, *options, "--free", name, "--radius", "1cm", "--density", "1000")["parameters"]
+        for name in ("restitution", "--restitution")
+    ]
+    assert found[0] == found[1] and list(found[0]) == ["restitution"]
 
 
 def outputs(name: str) -> list[str]:

@@ -111,7 +111,7 @@ def test_broken_toml_says_where(tmp_path: Path) -> None:
 
 
 def test_missing_file() -> None:
-    with pytest.raises(ValueError, match=r"nowhere\.toml: cannot be read"):
+    with pytest.raises(FileNotFoundError, match=r"^nowhere\.toml: no such file$"):
         files.read("nowhere.toml")
 
 

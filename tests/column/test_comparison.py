@@ -10,7 +10,7 @@ from hypothesis import event, given
 from hypothesis import strategies as st
 
 import hardlimit as hl
-from conftest import columns, draws, falling, free_columns, law_of, laws, log_floats
+from conftest import columns, draws, falling, free_columns, law_of, laws, log_floats, output_of
 
 BALL = hl.Ball(0.02, mass=0.1)
 
@@ -314,3 +314,10 @@ def test_a_common_velocity_changes_no_verdict_of_a_cradle():
         sentences.add(found.verdict.answer)
         check(found)
     assert sentences == {"no"}
+
+
+@pytest.mark.slow
+def test_a_verdict_computes_no_more_collisions_than_it_needs(tmp_path):
+    """Six viscoelastic balls whose upper ones collide 30000 times after the sequence: each is computed about once."""
+    collisions, answer = output_of("column/comparison_work.cpp", tmp_path).split()
+    assert answer == "no" and int(collisions) < 200_000

@@ -53,6 +53,29 @@ def test_a_law_does_not_change(name):
     assert law == law_of(name, 0.5) and hash(law) == hash(law_of(name, 0.5))
 
 
+@pytest.mark.parametrize(
+    ("base", "instead"),
+    [
+        (hl.Law, "Add a law"),
+        *((law, "Add a law") for law in hl.LAWS.values()),
+        *((hl.Contact, "Law.between"), (hl.Ball, "function"), (type(hl.FLOOR), "hl.FLOOR")),
+        *((hl.Column, "function"), (hl.ParticleSystem, "function"), (hl.MovingWall, "Add a boundary")),
+        *((hl.RandomKicks, "ParticleSystem.replace"), (hl.Andersen, "ParticleSystem.replace")),
+    ],
+)
+def test_a_class_that_solvers_would_ignore_is_refused(base, instead):
+    """When it is defined: the core computes with the numbers of a law, a wall or a box, not with its methods."""
+    with pytest.raises(TypeError, match=rf"^Mine: got a subclass of {base.__name__}, .*; .*{instead}"):
+        type("Mine", (base,), {"force": lambda self, compression, rate: 0.0})
+
+
+@pytest.mark.parametrize("name", ["force", "stiffness", "law", "core"])
+def test_a_contact_does_not_change(name):
+    contact = law_of("linear", 0.5).between(hl.Ball(0.01, density=2500.0))
+    with pytest.raises(AttributeError, match=f"{name}: a contact is immutable"):
+        setattr(contact, name, None)
+
+
 def test_the_floor_does_not_change():
     with pytest.raises(AttributeError):
         hl.FLOOR.mass = 1.0

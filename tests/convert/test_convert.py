@@ -21,7 +21,7 @@ from hardlimit.boxes.lammps import program
 from hardlimit.cli import main
 from hardlimit.convert import formulas, texts
 from hardlimit.convert.codes import Pair, Written, code, names
-from hardlimit.convert.force import Force, Powers, damping_for
+from hardlimit.convert.force import AdhesiveForce, ContactArea, Force, Powers, damping_for
 from hardlimit.convert.wanted import LAWS
 
 BALL = hl.Ball(radius=5e-4, density=7850.0)
@@ -97,6 +97,65 @@ def test_damping_and_restitution_are_inverse(powers, attracts):
     assert dampings[0] == 0.0 and dampings == sorted(dampings)
     for damping, e in zip(dampings, (1.0, 0.999, 0.7, 0.1, 1e-3), strict=True):
         assert _core.power_collision(*form.arguments, damping)[0] == pytest.approx(e, abs=1e-11)
+
+
+@given(
+    st.sampled_from([(4, 0), (6, 1), (6, 2)]),
+    st.floats(0.2, 1.0),
+    st.floats(0.0, 3.0),
+    st.floats(0.1, 10.0),
+    st.floats(0.05, 20.0),
+    st.booleans(),
+)
+@draws(400)
+def test_cohesion_takes_no_energy_and_keeps_slow_bodies(powers, restitution, share, ratio, speed, attracts):
+    """Without damping ε is 1; with damping it is less than without cohesion. The attraction is that of the area."""
+    area = ContactArea("sjkr", 1.0, ratio)
+    bare = Force.with_restitution(Powers(*powers, attracts), 1e3, 1e-3, restitution, speed)
+    deepest = (bare.effective_mass / bare.stiffness * speed**2) ** (4.0 / (4.0 + powers[0]))
+    if deepest > 0.2 * min(1.0, ratio):
+        return
+    w = share * bare.stiffness * deepest ** (0.25 * powers[0]) / float(area(deepest))
+    sticky = AdhesiveForce(bare.powers, bare.stiffness, bare.damping, bare.effective_mass, w, area)
+    assert sticky.force(np.array([deepest]), np.array([0.0]))[0] == pytest.approx(
+        bare.force(np.array([deepest]), np.array([0.0]))[0] - w * float(area(deepest)),
+        abs=1e-9 * bare.stiffness,
+    )
+    found = sticky.collision(speed)
+    if math.isnan(found.restitution):
+        assert found.compression > 0.999 * min(1.0, ratio)
+        return
+    assert found.restitution <= bare.collision(speed).restitution + 1e-7
+    if share == 0.0:
+        assert found.restitution == pytest.approx(bare.collision(speed).restitution, abs=1e-7)
+    undamped = AdhesiveForce(bare.powers, bare.stiffness, 0.0, bare.effective_mass, w, area).collision(speed)
+    crushed = undamped.compression > 0.999 * min(1.0, ratio)
+    assert crushed or undamped.restitution == pytest.approx(1.0, abs=1e-7)
+
+
+@given(st.floats(0.05, 1.0), st.floats(0.0, 0.9), st.floats(0.2, 5.0), st.floats(0.01, 10.0))
+@draws(200)
+def test_cohesion_in_proportion_to_the_compression_softens_a_linear_spring(e, share, ratio, speed):
+    area = ContactArea("sjkr2", 1.0, ratio)
+    w = share * 1e4 / float(area(1.0))
+    damping = Force.with_restitution(Powers(4, 0, True), 1e4, 1e-4, e, speed).damping
+    sticky = AdhesiveForce(Powers(4, 0, True), 1e4, damping, 1e-4, w, area).collision(speed)
+    soft = Force(Powers(4, 0, True), (1.0 - share) * 1e4, damping, 1e-4).collision(speed)
+    assert sticky.restitution == pytest.approx(soft.restitution, abs=1e-6)
+    if soft.restitution > 1e-3:
+        assert sticky.duration == pytest.approx(soft.duration, rel=1e-5)
+        assert sticky.compression == pytest.approx(soft.compression, rel=1e-6)
+
+
+def test_areas_of_contact():
+    """The circle in which spheres intersect, and a plane and a sphere; half of sjkr2's at a wall."""
+    a, b, x = 1.0, 2.0, 0.1
+    d = a + b - x
+    half = (d * d + a * a - b * b) / (2.0 * d)
+    assert ContactArea("sjkr", a, b)(x) == pytest.approx(math.pi * (a * a - half * half))
+    assert ContactArea("sjkr", a, math.inf)(x) == pytest.approx(math.pi * (a * a - (a - x) ** 2))
+    assert ContactArea("sjkr", a, 1e9)(x) == pytest.approx(ContactArea("sjkr", a, math.inf)(x))
+    assert ContactArea("sjkr2", a, 1e9)(x) == pytest.approx(2.0 * ContactArea("sjkr2", a, math.inf)(x))
 
 
 def test_an_overdamped_force_that_attracts_never_parts():
@@ -639,7 +698,7 @@ def test_input_is_read_from_the_command_line_a_file_and_standard_input(tmp_path)
         ((*BALLS, "--restitution", "2", "--stiffness", "1"), "restitution: got 2, must be in [0.001, 1]"),
         ((*BALLS, "--input", "x"), "code: missing, must be one of chrono"),
         ((*BALLS, "--input", "x", "--read", "y"), "--input | --read: got both, must be one of them"),
-        ((*BALLS, "--read", "no such file", "--code", "yade"), "read: got 'no such file', cannot be read"),
+        ((*BALLS, "--read", "no such file", "--code", "yade"), "--read: no such file: no such file"),
         (
             (*BALLS, "--input", "x", "--code", "yade", "--law", "linear"),
             "law: got linear, must be left out with input",

@@ -469,6 +469,53 @@ def test_polydisperse_particles_between_walls() -> None:
 # --- replicas -----------------------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("n", [1, 2, 3, 5])
+def test_a_few_particles_between_walls(n: int, dimension: int) -> None:
+    """Walls have numbers down to −6, which are no indices of so few particles."""
+    system = gas(n=n, phi=0.1, dimension=dimension, boundary="wall")
+    f = compare(system, until=0.01, replicas=1 + (n > 1), samples=2)
+    assert f.arrays[0]["n_contacts"].min() > 0.0 and "t_c ν = " in str(f)
+    for first, second in (([0], [-2 * dimension]), ([0, 0], [-1, n - 1])):
+        found = contacts.durations(system, LAW, np.array(first), np.array(second), np.ones(len(first)))
+        ball = hl.Ball(1e-3, mass=float(system.mass[0]))
+        assert found[0] == pytest.approx(LAW.between(ball, hl.FLOOR).duration(), rel=1e-9)
+
+
+def test_a_single_particle_strikes_with_its_speed() -> None:
+    one = gas(n=1, phi=0.1, dimension=2, boundary="wall").replace(velocities=[[0.3, 0.4]])
+    assert typical_speed(one) == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize("n", [2, 3, 8])
+def test_rare_third_particles_contradict_nothing(n: int) -> None:
+    """In short runs of few particles no third one touches a pair: the rule soft is exact to rounding."""
+    start = gas(n=n, dimension=2)
+    for seed in range(3):
+        f = hl.fidelity(start, law=LAW, until=5e-3, replicas=4, samples=4, seed=10 * seed)
+        assert "contradicts" not in str(f)
+    assert (f.predicted("soft").reason != "") == (n < 4)
+
+
+OTHER_BOXES = {
+    "dimension 2": {"dimension": 2},
+    "wall, wall, wall": {"boundary": "wall"},
+    "gravity [0.0, 0.0, -9.8]": {"gravity": [0.0, 0.0, -9.8]},
+    "RandomKicks": {"thermostat": hl.RandomKicks(1e-3, 1e-4)},
+    "shear rate 20": {"boundary": ["periodic", "lees-edwards", "periodic"], "shear_rate": 20.0},
+}
+
+
+@pytest.mark.parametrize("what", OTHER_BOXES)
+def test_replicas_share_their_box(what: str) -> None:
+    def start(seed: int) -> hl.ParticleSystem:
+        return gas(seed, **(OTHER_BOXES[what] if seed else {}))
+
+    with pytest.raises(ValueError, match=r"^system: got a box of .* for replica 1, must be a box") as refused:
+        compare(start, until=1e-5, replicas=2)
+    assert what in str(refused.value).partition(" from the function")[0]
+
+
 @pytest.mark.slow
 def test_any_number_of_workers_gives_the_same() -> None:
     system = gas(n=30)
@@ -727,10 +774,9 @@ def test_everything_is_saved_with_units(tmp_path: Path) -> None:
 
     f = compare(replicas=2)
     path = f.save(tmp_path / "f.nc")
-    with xr.open_datatree(path) as tree:
-        assert tree["means"].to_dataset().equals(f.dataset)
-        assert tree["replicas"].to_dataset().equals(f.replicas)
-        assert tree.attrs["summary"] == str(f)
+    with xr.open_dataset(path) as means, xr.open_dataset(path, group="replicas") as replicas:
+        assert means.equals(f.dataset) and replicas.equals(f.replicas)
+        assert means.attrs["summary"] == str(f)
     for ds in (f.dataset, f.replicas):
         for name, variable in ds.data_vars.items():
             assert name == "outcome" or {"units", "long_name"} <= set(variable.attrs), name

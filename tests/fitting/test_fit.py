@@ -403,7 +403,7 @@ def test_refusals_of_the_command(tmp_path: Path) -> None:
     assert "FILE: missing" in refused()
     assert "FILE: must be left out with --example" in refused("x.csv", "--example")
     missing = tmp_path / "none.csv"
-    assert refused(missing).endswith(f"fit: {missing}: cannot be read: No such file or directory")
+    assert refused(missing).endswith(f"fit: {missing}: no such file")
 
 
 @pytest.mark.parametrize("law", ["linear", "viscoelastic"])

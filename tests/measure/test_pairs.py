@@ -251,6 +251,25 @@ def test_contacts_against_the_direct_sum(system, tolerance):
     assert len(backbone) == 0 or backbone.min() >= system.dimension + 1
 
 
+@pytest.mark.parametrize("seed", range(8))
+def test_a_neighbour_counts_once_in_a_sheared_box(seed):
+    """Also where it and an image of it are both near, in a box of five radii: against all images."""
+    rng = np.random.default_rng(seed)
+    n, d = 12, 2 + seed % 2
+    box = np.array([0.8, 0.5, 0.8])[:d]
+    at, shift = rng.uniform(0.0, 1.0, (n, d)) * box, rng.uniform(0.0, box[0])
+    sides = ("periodic", "lees-edwards", "periodic")[:d]
+    system = hl.ParticleSystem(at, np.zeros((n, d)), 0.1, 1.0, box=box, boundary=sides, shear_rate=1.0,
+                               shear_displacement=shift, allowed_overlap=0.9999)  # fmt: skip
+    turns = np.stack(np.meshgrid(*[[-1, 0, 1]] * d, indexing="ij"), -1).reshape(-1, d)
+    images = turns * box + np.where(np.arange(d) == 0, turns[:, 1:2] * shift, 0.0)
+    images = np.concatenate([images, images + box * (np.arange(d) == 0), images - box * (np.arange(d) == 0)])
+    apart = np.linalg.norm(at[:, None, None] - at[None, :, None] - images, axis=-1)
+    for tolerance in (0.5, 1.0):
+        near = (apart <= 0.2 * (1.0 + tolerance)).any(axis=-1) & ~np.eye(n, dtype=bool)
+        assert (hl.measure.coordination(system, tolerance=tolerance).contacts == near.sum(axis=1)).all()
+
+
 def test_walls_that_move_count_where_they_are():
     """A wall that is 1 mm inside the box is the same as a shorter box."""
     moved = lattice(boundary=["periodic", "periodic", "wall"]).replace(radius=0.5e-3)

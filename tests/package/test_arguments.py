@@ -20,10 +20,13 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
+from matplotlib.figure import Figure
 
 import hardlimit as hl
 from conftest import law_of, slow, typical
+from hardlimit import plots
 from hardlimit.boxes.theory import Gas
+from hardlimit.column import files as column_files
 from hardlimit.support import validation
 
 
@@ -543,8 +546,8 @@ def read_rows(path: Any = "rows.csv", **options: Any) -> Any:
         Path("rows.csv").write_text("speed,restitution,restitution_error\n1.0,0.7,0.01\n2.0,0.69,0.01\n")
         try:
             return hl.read_measurements(path, **options)
-        except ValueError as error:  # a message may name the file instead
-            raise ValueError(re.sub("^.*: cannot be read", "path: cannot be read", str(error))) from None
+        except (ValueError, FileNotFoundError) as error:  # a message may name the file instead
+            raise ValueError(re.sub("^.*: (?=cannot be read|no such)", "path: ", str(error))) from None
 
 
 def arguments_of_the_verdict() -> list[Argument]:
@@ -780,3 +783,53 @@ def test_whole_takes(value):
 def test_values_in_messages_are_short():
     assert validation.shown("a\nb" * 1000).count("\n") == 0 and len(validation.shown("a" * 1000)) <= 60
     assert validation.shown(Refuses()) == "a Refuses" and validation.shown(10**5000) == "a int"
+
+
+# --- files --------------------------------------------------------------------------------------------------
+
+SYSTEM = hl.ParticleSystem([[0.02, 0.05], [0.04, 0.05]], np.zeros((2, 2)), 0.005, density=2500.0, box=0.1)
+#: Every public function that reads a file.
+READERS: dict[str, Callable[[str], Any]] = {
+    "ParticleSystem.read, xyz": lambda path: hl.ParticleSystem.read(path + ".xyz"),
+    "ParticleSystem.read, data": lambda path: hl.ParticleSystem.read(path + ".data"),
+    "ParticleSystem.read, gsd": lambda path: hl.ParticleSystem.read(path + ".gsd"),
+    "read_measurements": hl.read_measurements,
+    "resume": hl.resume,
+    "load": lambda path: hl.load(path + ".nc"),
+    "lammps_result": hl.lammps_result,
+    "check": hl.check,
+    "check, dump": lambda path: hl.check(BALL, law=LAW, dump=path),
+    "column": column_files.read,
+}
+#: Every public function that writes one.
+WRITERS: dict[str, Callable[[str], Any]] = {
+    "ParticleSystem.write": lambda path: SYSTEM.write(path + ".xyz"),
+    "ParticleResult.save": lambda path: hl.event_driven(SYSTEM, restitution=0.9, until=0.0).save(
+        path + ".nc"
+    ),
+    "Fidelity.save": lambda path: hl.fidelity(SYSTEM, law=LAW, until=0.0).save(path + ".nc"),
+    "checkpoint": lambda path: hl.event_driven(SYSTEM, restitution=0.9, until=0.0, checkpoint=path),
+    "fidelity, store": lambda path: hl.fidelity(SYSTEM, law=LAW, until=0.0, store=path),
+    "sweep, store": lambda path: hl.sweep(COLUMN, restitution=[0.5, 0.6], store=path),
+    "lammps_input": lambda path: hl.lammps_input(SYSTEM, path, law=LAW, until=1e-6),
+    "animate": lambda path: hl.newton(COLUMN).animate(path + ".gif"),
+    "plots.save": lambda path: plots.save(Figure(), path + ".png"),
+    "column": lambda path: column_files.write(COLUMN, path + ".toml"),
+}
+
+
+@pytest.mark.parametrize("reader", READERS)
+def test_a_missing_file_is_a_file_not_found_error(reader: str, tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError, match=r"\A[^\n]*none[^\n]*: no such file\Z"):
+        READERS[reader](str(tmp_path / "none"))
+
+
+@pytest.mark.parametrize("name", [*READERS, *WRITERS])
+@pytest.mark.parametrize("character", ["\n", "\0", "\r", "\x1b"])
+def test_paths_with_control_characters_are_refused(name: str, character: str, tmp_path: Path) -> None:
+    """In one line that names the parameter, and nothing is written."""
+    if name == "check" and character == "\n":
+        pytest.skip("a text of several lines is a script")
+    with pytest.raises(ValueError, match=r"\A\w+: got [^\n]*, must be a path without control characters\Z"):
+        (READERS | WRITERS)[name](str(tmp_path / f"a{character}b"))
+    assert list(tmp_path.iterdir()) == []

@@ -300,6 +300,13 @@ def test_maps() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("swept", [{}, {"gap": [1e-5, 1e-4, 1e-3]}])
+def test_a_map_of_one_ball_names_it(swept: dict[str, list[float]]) -> None:
+    ds = hl.sweep(hl.Column.paper(), variables=["rebound_height"], restitution=[0.5, 0.7, 0.9], **swept)
+    for ball in (1, 2):
+        assert plots.sweep_map(ds.sel(ball=ball), "rebound_height").axes[0].get_title() == f"ball {ball}"
+
+
 def test_maps_are_legible() -> None:
     newton, collisions = (
         hl.sweep(hl.Column.paper(), model=model, **AXES) for model in ("newton", "independent")

@@ -125,10 +125,152 @@ if "2 < 1" then "timestep 1" elif "a != b" "timestep 2e-5" else "timestep 3"
     assert [one.steps for one in found] == [10, 10, 10, 20]
     forever = refused(f"{BASE}label a\nrun 1\njump SELF a\n")
     assert "shorter loop" in forever and "log" in forever
-    unknown = "if '$(ke) > 1' then 'print yes' else 'print no'\n"
-    assert read(f"{BASE}{unknown}run 1\n").stages
-    assert "give the log" in refused(f"{BASE}{unknown.replace('print no', 'timestep 1')}run 1\n")
     assert "label" in refused(f"{BASE}jump SELF nowhere\n")
+
+
+#: A condition that only a run knows.
+QUIET = 'if "${e} < 1e-6" then'
+KE = f"{BASE}variable e equal ke\n"
+
+
+@pytest.mark.parametrize(
+    "lines,steps",
+    [
+        (f"{QUIET} 'print yes' else 'print no'\nrun 9\n", 9),
+        (f"{QUIET} 'fix lb all balance 0 1.1 shift z 5 1.1'\nrun 9\n", 9),
+        (f"{QUIET} 'undump d' 'dump d all atom 5 x' else 'thermo 7'\nrun 9\n", 9),
+        (f"run 2\n{QUIET} quit\nrun 7\n", 9),
+        (f"{QUIET} 'timestep 1e-8'\nrun 9\n", 9),  # as it was
+        (f"{QUIET} 'fix g all gravity 1 vector 0 0 -1' 'unfix g'\nrun 9\n", 9),
+        (f"label a\nrun 4\n{QUIET} 'jump SELF b'\njump SELF a\nlabel b\nrun 1\n", 9),
+        (f"label a\nrun 9\n{QUIET} quit\njump SELF a\n", 18),
+        (
+            f"variable i loop 2\nlabel a\nrun 4\n{QUIET} 'jump SELF b'\nnext i\njump SELF a\nlabel b\nrun 1\n",
+            9,
+        ),
+        (f"run 4\n{QUIET} 'run 4'\nrun 5\n", None),
+        (
+            f"{QUIET} 'variable k equal 1e5' else 'variable k equal 1e5'\npair_coeff * * hooke $k 0.5\nrun 9\n",
+            9,
+        ),
+    ],
+)
+def test_conditions_that_only_a_run_knows_and_that_touch_no_contact(lines, steps):
+    found = read(KE + lines)
+    assert [one.steps for one in found.stages] == [steps] and not found.unknown and not found.invalidates
+    assert found.stages[0].contacts and found.stages[0].time_step == 1e-8
+
+
+@pytest.mark.parametrize(
+    "branch,what",
+    [
+        ("'timestep 1e-6'", "the time step"),
+        ("'timestep 1e-6' else 'timestep 1e-5'", "the time step"),
+        ("'pair_coeff 1 1 hooke 2e5 .5'", "contacts"),
+        ("'fix g all gravity 9.81 vector 0 0 -1'", "gravity"),
+        ("'fix p all pour 9 1 1 region box diam one 0.04 dens 2500 2500'", "grains"),
+        ("'fix w all wall/gran granular hooke 1 .5 zplane 0 NULL'", "contacts"),
+        ("'fix v all viscous 1'", "viscous drag (viscous)"),
+        ("'jump SELF far'\ntimestep 1e-6\nlabel far", "the time step"),
+        ("'jump SELF far'\nfix v all viscous 1\nlabel far", "viscous drag (viscous)"),
+        ("'include more.in'", "the time step"),
+    ],
+)
+def test_branches_that_differ_are_quoted(branch, what, tmp_path):
+    """What may be one or the other is not known; the rest is as without the condition."""
+    (tmp_path / "more.in").write_text("timestep 1e-6\n")
+    (tmp_path / "in.main").write_text(f"{KE}run 5\n{QUIET} {branch}\nrun 7\n")
+    found = read(tmp_path / "in.main")
+    before, after = found.stages[0], found.stages[-1]
+    (quote,) = found.unknown
+    assert quote.line == 10 and f"branches differ in {what}" in quote.text and not found.invalidates
+    assert (after.time_step is None) == (what == "the time step")
+    pairs = [one for one in after.contacts if not one.wall]
+    assert (pairs == list(before.contacts)) == ("pair_coeff" not in branch) and after.gravity is None
+    assert len(pairs) == len(after.contacts)
+    assert (after.grains["1"].radii == (0.01, 0.01)) == (what != "grains")
+    assert before.contacts and before.time_step == 1e-8 and before.grains["1"].radii == (0.01, 0.01)
+
+
+def test_what_a_condition_leaves_unknown_is_refused_where_it_matters():
+    lines = (
+        f"{QUIET} 'variable k equal 1e5' else 'variable k equal 2e5'\npair_coeff * * hooke $k 0.5\nrun 1\n"
+    )
+    assert "values for k: give them with --var" in refused(KE + lines)
+    rounds = "variable k equal 1e5\nlabel a\npair_coeff * * hooke $k 0.5\nrun 5\nvariable k equal 2*$k\n"
+    assert "values for k" in refused(f"{KE}{rounds}{QUIET} 'jump SELF a'\nrun 1\n")
+    counted = f"variable n equal 0\nlabel a\nrun 5\nvariable n equal $n+1\n{QUIET} 'jump SELF a'\nrun 1\n"
+    assert read(KE + counted).stages[0].contacts
+    jumps = f"{QUIET} 'jump SELF b'\nrun 5\nquit\nlabel b\ntimestep 3\nrun 6\n"
+    assert "give the log" in refused(KE + jumps)
+    assert "values for mode" in refused(f"{BASE}if '${{mode}} == x' then 'timestep 1e-6'\nrun 1\n")
+
+
+def test_all_variables_without_a_value_are_named():
+    lines = "variable kn equal 2*v_k\npair_coeff * * hooke ${kn} $e\ntimestep ${dt}\n"
+    lines += (
+        "fix w all wall/gran granular hooke ${kw} 0.5 zplane 0 NULL\nfix g all gravity ${g} vector 0 0 -1\n"
+    )
+    line = refused(f"{BASE}{lines}dump d all atom ${{n}} x\nrun ${{steps}}\n")
+    assert (
+        line.startswith("input: line 9: ") and "values for k, e, dt, kw and g: give them with --var" in line
+    )
+    assert "values for dt and file: " in refused(
+        f"{BASE}timestep ${{dt}}\ninclude ${{file}}\ntimestep ${{x}}\n"
+    )
+    values = {"k": "1e5", "e": "0.5", "dt": "1e-5", "kw": "1", "g": "9.8"}
+    assert read(f"{BASE}{lines}run 1\n", variables=values).stages[0].gravity == 9.8
+
+
+def test_commands_inside_a_run_and_of_some_partitions():
+    found = read(f"{BASE}run 100 every 10 'print x' 'variable y equal ke'\n")
+    assert [(one.time_step, one.steps) for one in found.stages] == [(1e-8, 100)]
+    found = read(f"{BASE}run 100 every 10 'timestep 1e-6'\nrun 5\n")
+    assert [(one.time_step, one.steps) for one in found.stages] == [(1e-8, 10), (1e-6, None)]
+    assert not read(f"{BASE}run 100 every 10 \"if '$(ke) < 1' then quit\"\nrun 5\n").unknown
+    assert len(read(f"{BASE}partition yes 1 timestep 1e-6\npartition no 1 print a\nrun 5\n").unknown) == 1
+
+
+@pytest.mark.parametrize(
+    "region,wall,moves",
+    [
+        ("block 0 1 0 1 0 v_top", "region piston", True),
+        ("block 0 1 0 1 0 1 move NULL NULL v_top", "region piston", True),
+        ("cylinder z 0 0 v_top 0 1", "region piston", True),
+        ("block 0 1 0 1 0 v_fixed", "region piston", False),
+        ("block 0 1 0 1 0 1", "region piston", False),
+        ("block 0 1 0 1 0 1", "zplane 0 v_top", True),
+        ("block 0 1 0 1 0 1", "zplane v_fixed NULL", False),
+    ],
+)
+def test_walls_that_move_by_a_variable(region, wall, moves):
+    lines = f"variable top equal ramp(1,0.5)\nvariable fixed equal 2*3\nregion piston {region}\n"
+    found = read(f"{BASE}{lines}fix w all wall/gran/region granular hooke 1 .5 {wall}\nrun 1\n")
+    assert any("moving wall" in note.what for note in found.ignored) == moves
+    assert [one.wall for one in found.stages[0].contacts] == [None, "w"]
+
+
+@pytest.mark.slow
+def test_long_loops():
+    text = f"""{KE}variable i loop 10000
+label again
+variable seed equal 1000+$i
+variable d equal 0.04-0.02*(v_i<9999)
+fix ins all pour 10 1 ${{seed}} region box diam one $d dens 2500 2500
+run 10
+unfix ins
+{QUIET} 'jump SELF done'
+print "again"
+thermo 10
+next i
+jump SELF again
+label done
+run 10
+"""
+    found = read(text)
+    assert sum(one.steps for one in found.stages) == 100_010
+    # The loop may end before its last round.
+    assert [one.grains["1"].radii for one in found.stages] == [(0.01, 0.01), (0.01, 0.02), None]
 
 
 # --- pairs ------------------------------------------------------------------------------------------------------
@@ -191,6 +333,27 @@ def test_adhesion_concerns_the_types_of_its_line():
         assert [note.types for note in read(text).invalidates] == [types]
 
 
+@pytest.mark.parametrize("model", ["jkr", "dmt"])
+def test_adhesion_whose_constant_is_0_is_none(model):
+    """A force of Hertz then, also between two types, one of which has a constant."""
+    head = f"{BOX}create_atoms 1 box\ncreate_atoms 2 box\npair_style granular\n"
+    numbers = "damping velocity tangential none"
+    text = f"{head}pair_coeff 1 1 {model} 1e6 4 0.3 0.0 {numbers}\npair_coeff 2 2 {model} 3e6 9 0.2 7 {numbers}\n"
+    wall = f"fix w all wall/gran granular {model} 1e6 4 0.3 0 {numbers} zplane 0 NULL\n"
+    found = read(f"{text}{wall}run 1\n")
+    contacts = {(one.types, one.wall): one for one in found.stages[0].contacts}
+    material = ("hertz/material", "1e6", "4", "0.3")
+    for ends in ((("1", "1"), None), (("1", "wall"), "w"), (("2", "wall"), "w")):
+        assert contacts[ends].settings["normal"].words == material and not contacts[ends].adhesion
+    modulus = 1.0 / ((1.0 - 0.09) / 1e6 + (1.0 - 0.04) / 3e6)
+    words = contacts[("1", "2"), None].settings["normal"].words
+    assert words[0] == "hertz" and [float(x) for x in words[1:]] == pytest.approx([4.0 / 3.0 * modulus, 6.0])
+    assert [one.types for one in contacts.values() if one.adhesion] == [("2", "2")]
+    assert [(note.what, note.types) for note in found.invalidates] == [(f"adhesion ({model})", ("2",))]
+    later = read(f"{text}pair_coeff * * hooke 1e5 4 {numbers}\nrun 1\n")
+    assert not later.invalidates  # a later line overrides an earlier one
+
+
 def test_mixing_is_that_of_lammps():
     """Geometric means; moduli in series."""
     both = f"{BOX}create_atoms 1 box\ncreate_atoms 2 box\npair_style granular\n"
@@ -241,10 +404,22 @@ def test_units_and_their_time_steps():
     steps = {"lj": 0.005, "real": 1.0, "metal": 0.001, "si": 1e-8, "cgs": 1e-8, "electron": 0.001}
     for units, step in {**steps, "micro": 2.0, "nano": 4.5e-4}.items():
         found = read(f"units {units}\n{BOX}{PAIR}{POUR}run 1\n")
-        assert (found.units, found.units_given) == (units, True)
+        assert (found.stages[0].units, found.stages[0].units_given) == (units, True)
         assert (found.stages[0].time_step, found.stages[0].time_step_given) == (step, False)
     found = read(f"{BOX}{PAIR}{POUR}timestep 0.1\nrun 1\n")
-    assert (found.units, found.units_given, found.stages[0].time_step) == ("lj", False, 0.1)
+    last = found.stages[0]
+    assert (last.units, last.units_given, last.time_step) == ("lj", False, 0.1)
+
+
+def test_units_reset_the_time_step():
+    """As LAMMPS warns: "Changing timestep from … due to changing units"."""
+    found = read(f"timestep 1e-5\nunits si\n{BOX}{PAIR}{POUR}run 1\n")
+    assert (found.stages[0].time_step, found.stages[0].time_step_given) == (1e-8, False)
+
+
+def test_styles_of_the_run():
+    assert not read(f"{BASE}run_style verlet\nrun 1\n").unknown
+    assert len(read(f"{BASE}run_style respa 2 2 inner 1 outer 2\nrun 1\n").unknown) == 1
 
 
 # --- grains -----------------------------------------------------------------------------------------------------
@@ -349,6 +524,36 @@ Velocities
     assert found.stages[0].grains["1"].radii is None and len(found.unknown) == 1
 
 
+def test_data_files_that_are_added(tmp_path):
+    (tmp_path / "one.data").write_text("\n1 atoms\n2 atom types\n\nAtoms\n\n1 1 0.02 2500 0.5 0.5 0.5\n")
+    script = tmp_path / "in.more"
+    reads = "read_data one.data extra/atom/types 1\nread_data one.data add append offset 2 0 0 0 0\n"
+    script.write_text(f"units si\natom_style sphere\n{reads}{PAIR}run 1\n")
+    assert list(read(script).stages[0].grains) == ["1", "3"]
+    with (tmp_path / "one.data").open("a") as file:
+        file.write("\nPairIJ Coeffs # granular\n\n1 1 hooke 1e5 0.5\n")
+    assert [one.text.partition(" (")[2] for one in read(script).unknown] == [
+        "its pair coefficients are not read)"
+    ] * 2
+
+
+def test_pairs_that_are_excluded_and_grains_that_are_deleted():
+    text = f"{FOUR_TYPES}group a type 3 4\npair_style gran/hooke 1 NULL 1 NULL 0 0\n{{}}\nrun 1\n"
+
+    def pairs(line):
+        return ["".join(one.types) for one in stage(text.format(line)).contacts]
+
+    every = ["11", "12", "13", "14", "22", "23", "24", "33", "34", "44"]
+    assert pairs("neigh_modify delay 0") == every
+    assert pairs("neigh_modify every 1 exclude type 2 1 exclude type 4 4") == [
+        one for one in every if one not in ("12", "44")
+    ]
+    assert pairs("neigh_modify exclude group a a") == [one for one in every if one not in ("33", "34", "44")]
+    assert pairs("neigh_modify exclude group a a\nneigh_modify exclude none") == every
+    assert pairs("delete_atoms group a") == ["11", "12", "22"]
+    assert pairs("region r block 0 1 0 1 0 1\ndelete_atoms region r") == every
+
+
 def test_molecules(tmp_path):
     (tmp_path / "pair.mol").write_text("two\n\n2 atoms\n\nTypes\n\n1 1\n2 2\n\nDiameters\n\n1 0.2\n2 0.4\n")
     script = tmp_path / "in.mol"
@@ -399,6 +604,52 @@ def test_set_changes_the_grains_with_these_numbers():
     ):
         grains = stage(f"{text}{lines}\nrun 1\n").grains
         assert (grains["1"].radii, grains["2"].radii) == (first, second), lines
+
+
+@pytest.mark.parametrize(
+    "words,understood",
+    [
+        ("densty 2500", False),
+        ("diameter/fraction 0.1 0.5 7", False),
+        ("diameter 0.1 densty 2500", False),
+        ("diameter", False),
+        ("type/fraction 2 1.5 7", False),
+        ("density 2500 vx 1 vy 2 mol 3 image 0 1 0 quat 1 0 0 90 d_own 3 i2_more[2] 4", True),
+        ("omega 1 2 3 type/fraction 2 0.5 7 diameter 0.1", True),
+    ],
+)
+def test_all_words_of_set_are_understood_or_quoted(words, understood):
+    line = f"set type 1 {words}"
+    found = read(f"{BOX}{PAIR}create_atoms 1 box\n{line}\nrun 1\n")
+    assert [one.text.startswith(line) for one in found.unknown] == [True] * (not understood)
+
+
+def test_fractions_of_types():
+    """All, none or some of the grains become another type."""
+    text = f"{BOX}{PAIR}create_atoms 1 box\nset type 1 {{}}\nrun 1\n"
+    for words, types in (
+        ("type/fraction 2 0.5 7", "12"),
+        ("type/fraction 2 1.0 7", "2"),
+        ("type/fraction 2 0 7", "1"),
+        ("type/ratio 2 1 7", "2"),
+        ("type/subset 2 0 7", "1"),
+        ("type/subset 2 9 7", "12"),
+    ):
+        assert "".join(stage(text.format(words)).grains) == types, words
+
+
+def test_files_that_cannot_be_read_say_why(tmp_path):
+    script = tmp_path / "in.data"
+    (tmp_path / "molecular.data").write_text("\n1 atoms\n\nAtoms # full\n\n1 1 1 0 0 0 0\n")
+    for line, why in (
+        ("read_data none.data", "cannot be opened"),
+        ("read_data molecular.data", "only atom style sphere is read"),
+        ("read_restart old", "such files are not read"),
+    ):
+        script.write_text(f"atom_style sphere\n{line}\n{PAIR}run 1\n")
+        assert [one.text for one in read(script).unknown] == [f"{line} ({why})"]
+    (quote,) = read(f"read_data none.data\n{PAIR}run 1\n").unknown
+    assert "give the script as a file" in quote.text
 
 
 def test_no_damping():
@@ -478,6 +729,12 @@ pair_style gran/hooke 1 NULL 1 NULL 0 0
         assert "".join(one.types[0] for one in found if one.wall) == types, name
 
 
+def test_a_group_that_is_not_defined_is_quoted():
+    (quote,) = read(f"{BASE}fix 1 grains nve/sphere\nrun 1\n").unknown
+    assert quote.text == "fix 1 grains nve/sphere (the group grains is not defined)"
+    assert not read(f"{BASE}group grains region box\nfix 1 grains nve/sphere\nrun 1\n").unknown
+
+
 def test_labels_of_types():
     text = (
         f"{BOX}labelmap atom 1 sand 2 glass\ncreate_atoms sand box\ncreate_atoms 2 box\npair_style granular\n"
@@ -499,7 +756,9 @@ def test_gravity_dimension_and_steps():
     text = f"dimension 2\n{BOX}{PAIR}{POUR}fix g all gravity 9.81 vector 0 -1 0\nrun 10\n"
     found = read(text)
     assert (
-        found.dimension == 2 and found.stages[0].gravity == 9.81 and found.stages[0].numerical_damping is None
+        found.stages[0].dimension == 2
+        and found.stages[0].gravity == 9.81
+        and found.stages[0].numerical_damping is None
     )
     assert read(f"{BASE}run 10\n").stages[0].gravity is None
 
@@ -509,7 +768,7 @@ def test_gravity_dimension_and_steps():
     [
         ("fix v all viscous 0.1", "viscous drag"),
         ("fix v all damping/cundall 0.8 0.8", "damping beside contacts"),
-        ("fix v all langevin 1 1 1 7", "thermostat"),
+        ("fix v all langevin 1 2 1 7", "thermostat"),
         ("fix v all rigid molecule", "clumps"),
         ("bond_style harmonic", "bonds"),
         ("atom_style bpm/sphere", "bonds"),
@@ -521,6 +780,24 @@ def test_gravity_dimension_and_steps():
 )
 def test_what_makes_hard_spheres_wrong(line, what):
     assert any(what in one.what for one in read(f"{BASE}{line}\nrun 1\n").invalidates)
+
+
+def test_words_of_2026_leave_the_normal_contact():
+    """Friction with two coefficients is named; elastic-plastic-adhesive normal models have no ε."""
+    for word in ("linear_history/static", "mindlin/static"):
+        text = (
+            BASE
+            + f"pair_coeff * * hooke 1e5 0.5 tangential {word} 2e4 1.0 0.5 0.4 damping coeff_restitution\nrun 1\n"
+        )
+        found = read(text)
+        assert not found.unknown and f"tangential {word}" in [one.what for one in found.ignored]
+        assert normal(text) == ("hooke", "1e5", "0.5")
+    for words in ("epa_linear 1e5 0.5 2 1e4 0.05 0.1", "epa_nonlinear 1e7 0.5 0.3 0.5 0 1e3 1.5 1"):
+        found = read(BASE + f"pair_coeff * * {words} tangential mindlin/static NULL 1 0.5 0.4\nrun 1\n")
+        assert [one.what for one in found.invalidates] == [f"plastic deformation ({words.split()[0]})"]
+        assert not found.unknown and all(one.adhesion for one in found.stages[0].contacts)
+    strange = read(BASE + "pair_coeff * * hooke 1e5 0.5 tangential mindlin/magic 1 2 3\nrun 1\n").unknown
+    assert [one.part for one in strange] == ["tangential mindlin/magic"]
 
 
 def test_what_is_unknown_is_quoted():

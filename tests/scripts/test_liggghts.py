@@ -4,6 +4,7 @@ import math
 
 import pytest
 
+import hardlimit as hl
 from hardlimit.scripts import read
 
 HEAD = "units si\natom_style granular\nregion box block 0 1 0 1 0 1 units box\ncreate_box 2 box\n"
@@ -34,7 +35,7 @@ def words(contact):
 def test_pairs_and_their_properties():
     text = SCRIPT.replace("atom_type 1 density constant 2600", "atom_type 2 density constant 2600")
     found = read(f"{text}timestep 1e-6\nrun 100\n")
-    assert (found.code, found.units) == ("liggghts", "si")
+    assert (found.code, found.stages[0].units) == ("liggghts", "si")
     one, mixed, other = found.stages[0].contacts
     assert words(one)["model"] == ("hertz",) and words(one)["limitForce"] == ("on",)
     assert words(one)["youngsModulus"] == ("5e6",) and words(one)["coefficientRestitution"] == ("0.9",)
@@ -53,11 +54,51 @@ def test_templates():
     assert grains["1"].radii == (0.0015, 0.004) and grains["1"].densities == (2500.0, 2600.0)
     coarse = read(f"{HEAD}coarsegraining 2\n{PROPERTIES}{MODEL}{INSERT}run 1\n").stages[0].grains
     assert coarse["1"].radii == (0.003, 0.008)
-    gaussian = read(f"{SCRIPT.replace('uniform 0.002 0.004', 'gaussian number 0.002 0.0002')}run 1\n")
-    assert gaussian.stages[0].grains["1"].radii is None and "gaussian" in gaussian.unknown[0].text
     lines = "create_atoms 1 box\nset group all density 9\nset group all diameter 0.1\nrun 1\n"
     changed = read(f"{HEAD}{PROPERTIES}{MODEL}{lines}")
     assert changed.stages[0].grains["1"].densities == (9.0, 9.0)  # LIGGGHTS keeps the density
+
+
+@pytest.mark.parametrize(
+    "words,ends",
+    [
+        ("constant 0.003", (0.0015, 0.003)),
+        ("uniform number 0.002 0.004", (0.0015, 0.004)),
+        ("uniform mass 0.001 0.004", (0.001, 0.004)),
+        ("gaussian number 0.002 0.0003", (0.0011, 0.0029)),  # drawn again beyond 3 σ
+        ("gaussian mass 0.005 0.001", (0.0015, 0.008)),
+        ("lognormal number -6.2 0.1", None),
+        ("gaussian number 0.002 0.001", None),  # negative radii
+        ("uniform number 0.002", None),
+        ("uniform number", None),
+        ("constant", None),
+    ],
+)
+def test_distributions_of_templates(words, ends):
+    found = read(f"{SCRIPT.replace('uniform 0.002 0.004', words)}run 1\n")
+    radii = found.stages[0].grains["1"].radii
+    assert radii is None if ends is None else radii == pytest.approx(ends)
+    assert any(words in one.text for one in found.unknown) == (ends is None)
+
+
+@pytest.mark.parametrize("style", ["pour", "pour/legacy"])
+@pytest.mark.parametrize(
+    "words,radii,densities",
+    [
+        ("diam uniform 0.004 0.006 dens uniform 2500 2600", (0.002, 0.003), (2500, 2600)),
+        ("diam discrete 0.004 0.006 dens 2500 2500", (0.002, 0.003), (2500, 2500)),
+        ("diam 0.004 0.004 dens gaussian 2500 10", (0.002, 0.002), (2470, 2530)),
+        ("", (0.5, 0.5), (1.0, 1.0)),
+        ("diam lognormal -5 0.1 dens 2500 2500", None, (2500, 2500)),
+    ],
+)
+def test_pouring(style, words, radii, densities):
+    """As LIGGGHTS before version 3."""
+    line = f"fix ins all {style} 100 2 4567 region box vol 0.2 50 {words} vel uniform 0 0 0 0 -1\n"
+    found = read(f"{HEAD}{PROPERTIES}{MODEL}{line}run 1\n")
+    grains = found.stages[0].grains["2"]
+    assert grains.radii == (None if radii is None else pytest.approx(radii))
+    assert grains.densities == pytest.approx(densities) and bool(found.unknown) == (radii is None)
 
 
 def test_two_dimensions():
@@ -109,6 +150,8 @@ run 1
     "line,what",
     [
         ("pair_style gran model hertz cohesion sjkr2", "cohesion (sjkr2)"),
+        ("pair_style gran model hertz cohesion easo/capillary/viscous", "cohesion (easo/capillary/viscous)"),
+        ("fix w all wall/gran model hertz cohesion sjkr primitive type 1 zplane 0", "cohesion (sjkr)"),
         ("pair_style gran model hooke/hysteresis tangential history", "plastic"),
         ("fix t all particletemplate/multisphere 7 atom_type 1 density constant 1 nspheres 2", "clumps"),
         ("fix m all multisphere", "clumps"),
@@ -121,16 +164,77 @@ def test_what_makes_hard_spheres_wrong(line, what):
     assert any(what in one.what for one in read(f"{SCRIPT}{line}\nrun 1\n").invalidates)
 
 
+COHESIVE = """
+pair_style gran model hertz cohesion {0}
+fix w all wall/gran model hertz cohesion {0} primitive type 3 zplane 0
+create_atoms 1 box
+create_atoms 2 box
+"""
+DENSITY = "fix c1 all property/global cohesionEnergyDensity peratomtypepair 3 {}\n"
+CAPILLARY = "fix c1 all property/global surfaceTension scalar {}\nfix c2 all property/global fluidViscosity scalar {}\n"
+
+
+@pytest.mark.parametrize(
+    "model,constants,sticky,types",
+    [
+        ("sjkr", DENSITY.format("0 0 0  0 0 0  0 0 0"), [], ()),
+        ("sjkr2", DENSITY.format("0.0 0 0  0 0e5 0  0 0 7"), [], ()),
+        ("sjkr", DENSITY.format("0 0 0  0 5 0  0 0 0"), [("2", "2")], ("2",)),
+        ("sjkr2", DENSITY.format("0 5 0  5 0 0  0 0 0"), [("1", "2")], ("1", "2")),
+        ("sjkr", DENSITY.format("0 0 5  0 0 0  5 0 0"), [("1", "wall")], ("1",)),
+        ("easo/capillary/viscous", CAPILLARY.format(0, 0.0), [], ()),
+        ("off", "", [], ()),
+    ],
+)
+@pytest.mark.parametrize("before", [True, False])
+def test_cohesion_concerns_contacts_whose_constant_is_not_0(model, constants, sticky, types, before):
+    """Wherever the constants are: they count at the run."""
+    lines = [HEAD.replace("box 2 reg", "box 3 reg"), constants, COHESIVE.format(model)]
+    found = read("".join(lines if before else [lines[0], lines[2], lines[1]]) + "run 1\n")
+    contacts = found.stages[0].contacts
+    assert [one.types for one in contacts if one.adhesion] == sticky and len(contacts) == 5
+    assert {name for note in found.invalidates for name in note.types} == set(types) and not found.unknown
+
+
+def test_cohesion_may_begin_with_a_later_run():
+    text = f"{HEAD}{COHESIVE.format('sjkr').replace('type 3', 'type 2')}"
+    constants = "fix c1 all property/global cohesionEnergyDensity peratomtypepair 2 {0} {0} {0} {0}\nrun 1\n"
+    found = read(text + constants.format(0) + constants.format(9))
+    assert [any(one.adhesion for one in stage.contacts) for stage in found.stages] == [False, True]
+    assert [note.types for note in found.invalidates] == [("1", "2")] * 2
+
+
 @pytest.mark.parametrize(
     "line,must",
     [
         ("pair_style gran/hertz/history 1 0", "must be pair_style gran model NAME"),
-        ("fix m1 all property/global youngsModulus peratomtype ${y}", "have variables that are known"),
+        (
+            "fix m1 all property/global youngsModulus peratomtype ${y}",
+            "have values for y: give them with --var",
+        ),
     ],
 )
 def test_what_cannot_be_read_is_refused(line, must):
     with pytest.raises(ValueError, match=must):
         read(f"{SCRIPT}{line}\nrun 1\n")
+
+
+@pytest.mark.parametrize("name", ["jkr", "hertz/break", "hooke/magic"])
+def test_a_model_that_is_not_known_is_said_once(name):
+    """With the line that has it, for all its contacts."""
+    text = f"{SCRIPT.replace('model hertz', f'model {name}')}create_atoms 2 box\nrun 1\n"
+    (unknown,) = hl.check(text, speed=0.1).to_dict()["unknown"]
+    assert f"pair_style gran model {name}" in unknown and unknown.startswith("line ")
+    assert f"1–1, 1–2, 2–2: model {name} of LIGGGHTS is not known, only hertz, hooke" in unknown
+
+
+@pytest.mark.parametrize("part", ["surface multicontact", "surface superquadric", "viscous stokes"])
+def test_a_part_of_a_model_that_is_not_known_is_named(part):
+    line = f"pair_style gran model hertz tangential history {part}"
+    (unknown,) = read(f"{SCRIPT}{line}\nrun 1\n").unknown
+    assert (unknown.text, unknown.part) == (line, part)
+    sentence = hl.check(f"{SCRIPT}{line}\nrun 1\n").sentence
+    assert sentence.endswith(f"{line} ({part} is not known)")
 
 
 def test_what_is_unknown_is_quoted():

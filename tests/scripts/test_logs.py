@@ -90,7 +90,7 @@ def plain(description):
     notes = [
         [(note.what, note.types) for note in part] for part in (description.ignored, description.invalidates)
     ]
-    return stages, notes, description.units, description.unknown
+    return stages, notes, description.unknown
 
 
 def test_a_log_gives_the_same_as_its_script():
@@ -108,6 +108,21 @@ def test_a_log_in_a_file(tmp_path):
     path.write_text(LOG.replace("\n", "\r\n"))
     assert plain(read(path)) == plain(read(LOG))
     assert read(path).stages[0].quote.file == "log.lammps"
+
+
+@pytest.mark.parametrize("before", [3, 80])
+@pytest.mark.parametrize("headed", [True, False])
+def test_logs_that_begin_later_or_with_lines_of_another_program(before, headed):
+    """The command ``log`` begins a file without a header; a capture of the screen may begin with those of OpenFOAM."""
+    foam = "/*---*\\\n| \\\\ / F ield | OpenFOAM: The Open Source CFD Toolbox |\nCreate time\n// it's only 'one\n"
+    first, rest = LOG.split("\n", 1)
+    log = foam * (before // 4 + 1) * headed + (f"{first}\n" if headed else "units lj\n") + rest
+    log = log.replace("WARNING: something", "WARNING: it doesn't")
+    script, found = read(SCRIPT), read(log)
+    assert plain(found)[0] == [dataclasses.replace(one, units_given=not headed) for one in plain(script)[0]]
+    assert found.version == ("22 Jul 2025 - Update 1" if headed else None) and not found.unknown
+    (late,) = read(rest).unknown
+    assert late.text == "units: the log begins after them"
 
 
 def test_logs_of_liggghts():

@@ -37,7 +37,7 @@ def script(
 def test_a_script():
     found = read(script(integrator="gravity=(0, 0, -9.81), damping=0.3"))
     stage = found.stages[0]
-    assert (found.code, found.units, len(found.stages)) == ("yade", "si", 1) and not found.unknown
+    assert (found.code, found.stages[0].units, len(found.stages)) == ("yade", "si", 1) and not found.unknown
     assert (stage.time_step, stage.time_step_given, stage.steps) == (1e-6, True, 10)
     assert (stage.gravity, stage.numerical_damping) == (9.81, 0.3)
     assert stage.grains["glass"].radii == (0.01, 0.01) and stage.grains["glass"].densities == (2500.0, 2500.0)

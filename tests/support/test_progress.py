@@ -3,6 +3,7 @@
 import io
 import math
 import re
+import threading
 
 import pytest
 from rich.console import Console
@@ -10,7 +11,7 @@ from rich.console import Console
 import hardlimit as hl
 from hardlimit.boxes import pace, time_step
 from hardlimit.support import formatting, progress
-from hardlimit.support.progress import bar, reporter
+from hardlimit.support.progress import bar, reporter, waiting
 from same_samples import same_samples
 
 PAPER = hl.Column.paper()
@@ -119,6 +120,22 @@ def test_a_note_below_the_bar():
     assert "half of the time in clusters" in out.getvalue()
 
 
+def test_a_computation_without_reports_is_shown_after_a_second(monkeypatch):
+    """And nothing is shown of a shorter one, nor after its end."""
+    out, threads = io.StringIO(), threading.active_count()
+    terminal = Console(file=out, force_terminal=True, width=100, color_system=None)
+    with waiting("drop", terminal):
+        pass
+    assert out.getvalue() == "" and progress.SILENT == 1.0
+    monkeypatch.setattr(progress, "SILENT", 0.0)
+    monkeypatch.setattr(progress, "SHOWN_EVERY", 1e-3)
+    with pytest.raises(KeyboardInterrupt), waiting("drop", terminal):
+        while "Ctrl-C stops it" not in out.getvalue():
+            pass
+        raise KeyboardInterrupt
+    assert "drop" in out.getvalue() and threading.active_count() == threads
+
+
 # --- of a run by events -------------------------------------------------------------------------------------
 
 DISKS = hl.ParticleSystem.random(
@@ -139,7 +156,7 @@ def test_a_run_by_events_logs_the_time_that_steps_would_take(monkeypatch, capfd)
     lines = capfd.readouterr().err.splitlines()
     form = (
         r"molecular dynamics: \d+%, after \S+ \S+, \S+ k?contacts/s; \d+% of the time in clusters; the rest "
-        r"takes about [^,]+, the whole run by engine='steps' about [^,]+( \(recommended\))?"
+        r"takes about [^,]+, the whole run by the engine steps about [^,]+( \(recommended\))?"
     )
     assert len(lines) >= 2 and all(re.fullmatch(form, line) for line in lines), lines
     assert same_samples(run, settle("events"))  # it changes no bit
@@ -180,13 +197,13 @@ def test_the_note_is_about_the_last_seconds(monkeypatch):
     first = note()
     assert (
         first
-        == "50% of the time in clusters; the rest takes about 18 s, the whole run by engine='steps' about 100 s"
+        == "50% of the time in clusters; the rest takes about 18 s, the whole run by the engine steps about 100 s"
     )
     clock.now, run.time = clock.now + 1.0, 1.5
     assert note() == first  # not yet
     clock.now, run.time, run.cluster_share = clock.now + 9.0, 2.0, 0.75
     assert note() == (
-        "100% of the time in clusters; the rest takes about 80 s, the whole run by engine='steps' about 100 s"
+        "100% of the time in clusters; the rest takes about 80 s, the whole run by the engine steps about 100 s"
     )
     clock.now, run.time = clock.now + 1000.0, 3.0
     assert "the rest takes about 117 min, " in note() and note().endswith("about 100 s (recommended)")

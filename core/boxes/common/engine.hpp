@@ -110,12 +110,13 @@ public:
 
     // Gives all particles new velocities now, as a thermostat does: n·d values in the user's order, as state() gives
     // them. Contacts go on. Not during a pause.
-    virtual void set_velocities(const double* velocity) = 0;
+    // Returns the energy [J] of particles that it lifts off walls.
+    virtual double set_velocities(const double* velocity) = 0;
     // The same, and counts it at once: an interrupt never comes between a kick and its count.
     void kick(const double* velocity, double heat) {
-        set_velocities(velocity);
+        const double lifted = set_velocities(velocity);
         ++kicks.number;
-        kicks.heat += heat;
+        kicks.heat += heat + lifted;
     }
     Kicks kicks;  // not part of save()
 

@@ -65,7 +65,12 @@ struct WallMotion {
     Waveform waveform = Waveform::none;
     int unused = 0;
 
+    // Beyond this number of periods the time is rounded to a thousandth of a period or more.
+    static constexpr double most_periods = 0x1p42;
+
     constexpr bool oscillates() const { return boxes_move && waveform != Waveform::none; }
+    // Up to here the time resolves the phase of the oscillation [s].
+    double resolved_until() const { return most_periods / frequency; }
     constexpr bool moves() const { return boxes_move && (velocity != 0.0 || oscillates()); }
     // Greatest velocity, acceleration and jerk of the oscillation. A triangle wave jumps in velocity, a parabola in
     // acceleration: these jumps are not included.
@@ -106,7 +111,8 @@ struct WallPiece {
         p.motion = m, p.quarter = quarter, p.shift_of_time = base, p.place = place;
         const auto time = [&](double count) { return (0.25 * count - m.cycles) / m.frequency; };
         const double begin = time(quarter);
-        const int k = static_cast<int>(quarter - 4.0 * math::floor_small(0.25 * quarter));
+        const bool resolved = math::abs(quarter) < 4.0 * WallMotion::most_periods;
+        const int k = resolved ? static_cast<int>(quarter - 4.0 * math::floor_small(0.25 * quarter)) : 0;
         const double sign = k < 2 ? 1.0 : -1.0;  // of the displacement
         const bool rising = k == 0 || k == 3, odd = k % 2 != 0;
         p.begin = begin - base, p.end = time(quarter + 1.0) - base;
@@ -136,6 +142,14 @@ struct WallPiece {
         return end - time <= 2.0 * math::epsilon * math::abs(since_start);
     }
     WallPiece next() const { return of(motion, place, quarter + 1.0, shift_of_time); }
+    // Becomes the piece at this time. Returns whether it has ended.
+    bool follow(double time, double since_start) {
+        if (!ends_at(time, since_start)) return false;
+        const double later = math::max(quarter + 1.0, quarter_at(motion, since_start));
+        *this = of(motion, place, later, shift_of_time);
+        if (ends_at(time, since_start)) *this = next();
+        return true;
+    }
 
     double velocity(double time) const {
         const double s = time - begin;

@@ -54,7 +54,7 @@ public:
     u64 contacts() const override { return accumulators_.collisions(); }
     u64 logged() const override { return accumulators_.collisions(); }
     std::vector<Statistic> statistics() const override;
-    void set_velocities(const double* velocity) override;
+    double set_velocities(const double* velocity) override;
     void state(double* position, double* velocity) const override;
     Observation observe() const override;
     bool contacts_have_duration() const override { return false; }
@@ -77,11 +77,13 @@ private:
         double in = math::infinity;  // [s] from now
         u32 partner = no_particle;
     };
-    // The last contact of a particle, under a rule with contacts of finite duration.
+    // The last contact of a particle, under a rule with contacts of finite duration, and those with walls that it has
+    // not cut short: contacts with walls of different axes are independent.
     struct LastContact {
-        double until;      // [s]
-        u32 partner;       // no_particle: a wall, or none yet
-        WallId wall = {};  // the wall met, if any
+        double until = -math::infinity;  // [s]
+        u32 partner = no_particle;       // no_particle: a wall, or none yet
+        WallId wall[d] = {};             // the wall met along each axis, if any
+        double wall_until[d] = {};       // end of that contact [s]
     };
 
     Box box_;
@@ -247,6 +249,7 @@ private:
     void update_cell(u32 i);
     void remember_contact(u32 i, u32 j, double duration, WallId wall = {});
     double wall_blocked_until(u32 i, WallId wall) const;
+    double end_wall_contacts(u32 i);
     u32 excluded_partner(u32 i) const;
 };
 
@@ -292,14 +295,17 @@ void HardSpheres<d, mixed>::advance(double until, u64 most_work, int /*threads*/
 }
 
 // The time of a particle's last collision, which rules need, is kept: its path is extrapolated back from now to that
-// time with the new velocity. Under the rule soft, a pair whose contact is over may collide again.
+// time with the new velocity. Under the rule soft, a pair whose contact is over may collide again, and contacts with
+// walls end.
 template <int d, bool mixed>
-void HardSpheres<d, mixed>::set_velocities(const double* velocity) {
+double HardSpheres<d, mixed>::set_velocities(const double* velocity) {
+    Sum lifted;
     for (u32 i = 0; i < size32(); ++i) {
         Particle<d>& p = particles_[i];
         const double time = p.time;
         const ImageMotion image = box_.image(image_flags_[i], now_);
         advance_to_now(i);
+        if (takes_time_) lifted.add(end_wall_contacts(i));
         for (int k = 0; k < d; ++k)
             p.velocity[k] = velocity[std::size_t{original_index_[i]} * d + static_cast<std::size_t>(k)] -
                             image.velocity[k];
@@ -311,6 +317,7 @@ void HardSpheres<d, mixed>::set_velocities(const double* velocity) {
     Stop never;
     predict_all(never);
     rebuild_queue();
+    return lifted.value();
 }
 
 template <int d, bool mixed>

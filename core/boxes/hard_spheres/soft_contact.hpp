@@ -141,8 +141,15 @@ void HardSpheres<d, mixed>::remember_contact(u32 i, u32 j, double duration, Wall
     if (j != no_particle) third = third || now_ < last_contacts_[j].until;
     ++soft_contacts_;
     if (third) ++soft_third_body_;
-    last_contacts_[i] = {now_ + duration, j, wall};
-    if (j != no_particle) last_contacts_[j] = {now_ + duration, i, {}};
+    if (wall) {
+        LastContact& last = last_contacts_[i];
+        const auto axis = static_cast<std::size_t>(wall.axis());
+        last.until = last.wall_until[axis] = now_ + duration;
+        last.partner = no_particle, last.wall[axis] = wall;
+    } else {
+        last_contacts_[i] = {now_ + duration, j};
+        last_contacts_[j] = {now_ + duration, i};
+    }
 }
 
 // Earliest time at which a particle may meet this wall: not before its contact with this wall is over. Until then, the
@@ -150,8 +157,29 @@ void HardSpheres<d, mixed>::remember_contact(u32 i, u32 j, double duration, Wall
 // off the wall (a ceiling that it just reaches).
 template <int d, bool mixed>
 double HardSpheres<d, mixed>::wall_blocked_until(u32 i, WallId wall) const {
-    const bool met = !last_contacts_.empty() && last_contacts_[i].wall == wall;
-    return met ? math::max(now_, last_contacts_[i].until) : now_;
+    if (last_contacts_.empty()) return now_;
+    const LastContact& last = last_contacts_[i];
+    const auto axis = static_cast<std::size_t>(wall.axis());
+    return last.wall[axis] == wall ? math::max(now_, last.wall_until[axis]) : now_;
+}
+
+// Ends the contacts of a particle with walls at the present instant. Behind a wall, where the parabola of an equivalent
+// collision may lead, the particle is moved to its surface. Returns the energy that it gains there [J].
+template <int d, bool mixed>
+double HardSpheres<d, mixed>::end_wall_contacts(u32 i) {
+    double gained = 0.0;
+    LastContact& last = last_contacts_[i];
+    for (int k = 0; k < d; ++k) {
+        const WallId id = std::exchange(last.wall[k], WallId{});
+        if (!id || last.wall_until[k] <= now_) continue;
+        const Wall wall = box_.wall(id);
+        double& x = particles_[i].position[k];
+        if (!(wall.distance(x, now_) < radius(i))) continue;
+        const double surface = wall.position(now_) + wall.inward() * radius(i);
+        gained -= mass(i) * box_.gravity[k] * (surface - x);
+        x = surface;
+    }
+    return gained;
 }
 
 // The particle with which this one must not collide, or no_particle.

@@ -18,7 +18,7 @@ HardSpheres<d, mixed>::HardSpheres(const System& s, const RuleChoice& rule, bool
     sort_in(s);
     fill_cells();
     next_sort_ = collisions_between_sorts * s.n;
-    if (takes_time_) last_contacts_.assign(s.n, {-math::infinity, no_particle});
+    if (takes_time_) last_contacts_.assign(s.n, {});
     Sum total;
     for (std::size_t i = 0; i < s.n; ++i) total.add(s.mass[i]);
     accumulators_.mass = total.value();

@@ -81,7 +81,7 @@ public:
     u64 logged() const override { return ended_; }
     std::vector<Statistic> statistics() const override;
 
-    void set_velocities(const double* velocity) override;
+    double set_velocities(const double* velocity) override;
 
     // Const: groups are integrated in a copy.
     void state(double* position, double* velocity) const override;

@@ -89,7 +89,7 @@ ActivePair<Law> NewtonEvents<Law>::active_pair(int i, int j, WallId wall) const 
 
 // All groups are integrated up to now and formed again from the contacts that are open.
 template <class Law>
-void NewtonEvents<Law>::set_velocities(const double* velocity) {
+double NewtonEvents<Law>::set_velocities(const double* velocity) {
     groups_at_present_.reset();
     ClusterSeed set;
     for (std::size_t index = 0; index < groups_.size(); ++index) {
@@ -109,6 +109,7 @@ void NewtonEvents<Law>::set_velocities(const double* velocity) {
     form_parts();
     for (int i = 0; i < static_cast<int>(size32()); ++i)
         if (free(i)) reschedule(i);
+    return 0.0;
 }
 
 template <class Law>

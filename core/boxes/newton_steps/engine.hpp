@@ -81,7 +81,7 @@ public:
                 {"skin", domain_.skin()}};
     }
 
-    void set_velocities(const double* velocity) override {
+    double set_velocities(const double* velocity) override {
         const auto d = static_cast<std::size_t>(box_.dimension);
         for (std::size_t i = 0; i < bodies_.count(); ++i) {
             const double* of = velocity + d * std::size_t{bodies_.tag[i].original_index};
@@ -96,6 +96,7 @@ public:
             }
             include_speed(i);
         }
+        return 0.0;
     }
 
     // During a pause the velocities are estimates, without the contacts of the last step.

@@ -120,14 +120,17 @@ private:
         const Wall wall = box_.wall(w.wall);
         Double4 normal{}, v = -bodies_.velocity[i];
         normal[w.wall.axis()] = -wall.inward();
-        const double known_at = now_.time - now_.velocity_lag;
-        v[w.wall.axis()] += wall.velocity(known_at);
+        // Velocities of the wall at this step and the one before are means over a step around it: impulses are then of
+        // second order also where the wall jumps.
+        const double lag = now_.velocity_lag, mean = wall.mean_velocity(now_.time, now_.h);
+        const double before = lag > 0.0 ? wall.mean_velocity(now_.time - 2.0 * lag, now_.h) : mean;
+        v[w.wall.axis()] += 0.5 * (before + mean);
         Double4 a = -bodies_.acceleration[i].previous(now_.step) - gravity_of(box_);
-        a[w.wall.axis()] += wall.acceleration(known_at);
+        if (lag > 0.0) a[w.wall.axis()] += 0.5 * (mean - before) / lag;
         const double reach = bodies_.position[i][3];
         update_contact(slab, slot,
                        {i, no_body, w.wall.number, grid_.no_image(), normal, distance, reach, v, a,
-                        wall.inward() * wall.mean_velocity(now_.time, now_.h), 0.0},
+                        wall.inward() * mean, 0.0},
                        normal * distance);
     }
 
@@ -178,7 +181,10 @@ private:
         if (!(m.compression() > 0.0)) return correction + dissipated_at_end(c.law, before, c.compression);
         c.damped = damped(before, now, now_.h);
         if (c.is_new) c.damped += missed_damping(c.law, before, c.onset, now_.h);
-        return correction + dissipated_between(before, now, now_.h, inverse_mass(m), c.damped);
+        // ½h (F_d v + F_d' v') instead of ½h (F_d + F_d') (v + v')/2, as far as the wall has changed v.
+        const double jump =
+            0.25 * now_.h * (now.damping - before.damping) * (m.wall_velocity - c.wall_velocity);
+        return correction + jump + dissipated_between(before, now, now_.h, inverse_mass(m), c.damped);
     }
 
     void record_depth(Slab<Law>& slab, const Contact<Law>& c, const RelativeMotion& m) const {

@@ -67,8 +67,8 @@ inline bool meets_oscillating_wall(const Wall& wall, double now, double x, doubl
            rate <= rounding * math::abs(g - wall.acceleration(now));
 }
 
-// First time after `now` at which the gap to an oscillating wall falls to zero; a lower bound on it if it is far away,
-// and any later time if it is beyond `horizon`. With the gap D(τ) = inward·(x + vτ + gτ²/2 − W(now + τ)) − reach,
+// First time after `now` at which the gap to an oscillating wall falls to zero; a lower bound on it if it is far away
+// or the time there does not resolve the phase, and any later time if it is beyond `horizon`. With the gap D(τ) = inward·(x + vτ + gτ²/2 − W(now + τ)) − reach,
 //   D(t + s) ≥ D + Ḋ s + m s²/2,   m = min D̈ on [t, t + s],
 // where m is the smaller of the two values at the ends, since the acceleration of the wall is monotonic in a quarter of
 // the period. The first zero of the right-hand side is never beyond that of D. Steps to it converge quadratically
@@ -86,6 +86,7 @@ inline double oscillating_contact_time(const Wall& wall, double now, double x, d
     const double clear =
         room > 0.0 ? time_below(-room, -in * (v - m.velocity), -in * g, 0.0) * (1.0 - 1e-12) : 0.0;
     if (!(clear < horizon)) return clear;
+    if (const double latest = math::max(now, m.resolved_until() - now); clear > latest) return latest;
     const double rounding =
         4.0 * math::epsilon * (math::abs(x) + math::abs(wall.start) + m.amplitude + reach);
     double t = clear;
@@ -93,7 +94,7 @@ inline double oscillating_contact_time(const Wall& wall, double now, double x, d
     double gap = in * (x + t * (v + 0.5 * g * t) - piece.position(now + t)) - reach;
     for (int i = 0; i < most_steps && t < horizon; ++i) {
         const double at = now + t;
-        while (piece.ends_at(at, at)) piece = piece.next();
+        piece.follow(at, at);
         const double left = piece.end - at;
         const double rate = in * ((v + g * t) - piece.velocity(at));
         const double bend = in * (g - piece.acceleration(at));

@@ -23,8 +23,16 @@ AXES: Final = moving_walls.AXES
 #: Volume of a ball of radius 1, by dimension.
 UNIT_BALL: Final = {2: math.pi, 3: 4.0 / 3.0 * math.pi}
 BOUNDARIES: Final = ("periodic", "wall", "lees-edwards")
-#: Largest length, speed and acceleration: the squares of larger ones would overflow.
 LARGEST: Final = moving_walls.LARGEST
+#: Limits of radii and edges [m], as arguments of validation.
+LENGTHS: Final[dict[str, Any]] = {
+    "lowest": 1.0 / LARGEST,
+    "highest": LARGEST,
+    "lowest_allowed": True,
+    "highest_allowed": True,
+}
+#: Latest time of a run [s]. Motion by the smallest length is then faster than 1e-90 m/s, and squares do not underflow.
+LATEST: Final = 1e60
 #: Shortest edge in units of the largest radius. A particle then touches at most one image of another particle, and at
 #: most one of two opposite walls.
 SHORTEST_EDGE: Final = {"periodic": 4, "wall": 2, "lees-edwards": 5}
@@ -112,6 +120,15 @@ class Box:
         """Largest speed of a wall [m/s]."""
         return max((wall.fastest for wall in self.moving.values()), default=0.0)
 
+    @property
+    def resolved_until(self) -> float:
+        """Time up to which a run resolves small speeds, the phases of walls and the places of sliding images [s]."""
+        rates = [wall.frequency for wall in self.moving.values()]
+        if self.gradient is not None:  # images pass each other
+            rates.append(abs(self.shear_rate) * float(self.edges[self.gradient] / self.edges[0]))
+        fastest = max(rates, default=0.0)
+        return min(LATEST, moving_walls.MOST_PERIODS / fastest) if fastest > 0.0 else LATEST
+
     def has_moving_walls(self, axis: int) -> bool:
         return any(name[0] == AXES[axis] for name in self.moving)
 
@@ -157,9 +174,9 @@ class Box:
                 )
             if not self.has_moving_walls(axis):
                 continue
-            low, high = self.limits(axis)
-            swing = sum(wall.amplitude for name, wall in self.moving.items() if name[0] == AXES[axis])
-            narrowest = min(high - low, self.edges[axis] - swing)
+            names = (moving_walls.name_of(axis, upper) for upper in (False, True))
+            low, high = (self.moving.get(name, moving_walls.MovingWall()) for name in names)
+            narrowest = float(self.edges[axis]) + moving_walls.least_widening(low, high)
             if not narrowest >= 2.0 * largest_radius:
                 raise ValueError(
                     f"walls: got a distance of {narrowest:.6g} m along {AXES[axis]} where they are closest, must be >= "
@@ -181,7 +198,7 @@ def wall_name(number: int) -> str:
 
 def checked_edges(box: Any, d: int) -> Floats:
     """Edges [m] from one number, or from one for each axis."""
-    return np.array(validation.numbers("box", box, d, lowest=0.0, highest=LARGEST, highest_allowed=True))
+    return np.array(validation.numbers("box", box, d, **LENGTHS))
 
 
 def checked_boundary(boundary: Any, d: int) -> tuple[str, ...]:

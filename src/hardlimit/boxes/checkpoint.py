@@ -30,7 +30,7 @@ def checked_path(path: Any, parameter: str = "checkpoint") -> Path:
     target = validation.path(parameter, path)
     try:
         good = bool(target.name) and not target.is_dir() and os.access(target.resolve().parent, os.W_OK)
-    except (OSError, ValueError):  # the name is too long or has a null character
+    except OSError:  # the name is too long
         good = False
     if not good:
         shown = validation.shown(str(path))
@@ -56,7 +56,7 @@ def read(path: Any) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
         written = header["format"], header["hardlimit_version"]
         complete = header.pop("arrays", None) == sorted(arrays)
     except OSError as error:
-        raise ValueError(f"{path}: cannot be read: {error.strerror or error}") from None
+        raise validation.unreadable(path, error) from None
     except Exception:  # zipfile and NumPy raise many kinds of exceptions for a damaged file
         raise ValueError(f"{path}: not a checkpoint, or damaged") from None
     if written != (FORMAT, _core.version):

@@ -18,6 +18,10 @@ from .system import ParticleSystem
 
 Indices = NDArray[np.int64]
 
+#: Accepted momentum over duration of an impact at 1 m/s [N]. Squares of forces are then finite up to ``box.LARGEST``,
+#: and not zero at the slowest speeds at which grains move during a run.
+WEAKEST: Final = 1e-30
+STRONGEST: Final = 1e100
 #: With more kinds of particles than this, only the lightest, heaviest, smallest and largest are considered.
 MAX_KINDS: Final = 6
 
@@ -72,11 +76,11 @@ def of_pairs(
     system: ParticleSystem, law: Law, first: Indices, second: Indices
 ) -> Iterator[tuple[Indices, _core.Contact]]:
     """The contact of each pair of particles; a negative ``second`` is a wall. Yields the rows of equal contacts."""
-    wall = second < 0
-    mass, radius = (
-        np.where(wall, values[first], values[first] * values[second] / (values[first] + values[second]))
-        for values in (system.mass, system.radius)
-    )
+    pair = second >= 0  # a wall has no mass or radius to look up
+    mass, radius = (values[first] for values in (system.mass, system.radius))
+    for own, values in ((mass, system.mass), (radius, system.radius)):
+        other = values[second[pair]]
+        own[pair] *= other / (own[pair] + other)
     kinds, kind = _unique_pairs(mass, radius)
     order = np.argsort(kind, kind="stable")
     ends = np.cumsum(np.bincount(kind, minlength=len(kinds)))
@@ -93,9 +97,19 @@ def impact_temperature(system: ParticleSystem) -> float:
 
 
 def refuse_too_soft(system: ParticleSystem, law: Law | None) -> None:
-    """Refuse a law under which every impact at the mean speed would exceed the largest allowed compression."""
+    """Refuse a law under which every impact at the mean speed would exceed the largest allowed compression, and one
+    whose forces are so small or large that their squares underflow or overflow."""
+    if law is None:
+        return
+    for c in of_kinds(system, law):
+        force = c.effective_mass / float(c.duration(np.ones(1))[0])
+        if not WEAKEST <= force <= STRONGEST:
+            raise ValueError(
+                f"law | mass: got {law!r} and masses from {system.mass.min():g} to {system.mass.max():g} kg, a force "
+                f"of {force:.3g} N at an impact of 1 m/s, must be in [{WEAKEST:g}, {STRONGEST:g}]"
+            )
     speed = math.sqrt(math.pi * impact_temperature(system))
-    if law is None or not 0.0 < speed < math.inf:
+    if not 0.0 < speed < math.inf:
         return
     impact: Floats = np.array([speed])
     # The smaller radius is at most twice the effective one.

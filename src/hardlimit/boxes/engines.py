@@ -12,17 +12,15 @@ from numpy.typing import NDArray
 
 from .. import _core
 from ..contact.contact import Law
-from ..contact.laws import LAWS
 from .box import Floats
 from .contacts import law_arguments
 from .falling_frame import engine_arguments, laboratory_sums, state, system_at
 from .observe import Observed
 from .pace import ProgressNote
 from .result import COLLISIONS, CONTACTS, Column, ContactResult, EarlyEnd, Log, ParticleResult
-from .rules import Settings
+from .rules import Settings, law_entry, law_from
 from .system import ParticleSystem
-from .thermostats import Andersen, as_entry, from_entry
-from .walls import as_entries, from_entries
+from .thermostats import Andersen
 
 ENERGIES: Final = ("kinetic_energy", "potential_energy", "dissipated_energy")
 #: Quantities at the samples of every engine.
@@ -95,6 +93,7 @@ class Engine:
         self.record, self.system, self.settings, self.compiled = ENGINES[name], system, settings, compiled
         self._moment = moment  #: Σ m x at the start of the run [kg m]
         self._note = ProgressNote()
+        self._latest = system.domain.resolved_until
 
     @classmethod
     def make(
@@ -131,7 +130,8 @@ class Engine:
     @property
     def outcome(self) -> str:
         """``"ok"``, or the name of the reason why the run cannot continue."""
-        return str(self.compiled.outcome)
+        found = str(self.compiled.outcome)
+        return "unresolved" if found == "ok" and self.time >= self._latest else found
 
     @property
     def paused(self) -> bool:
@@ -161,7 +161,7 @@ class Engine:
         last = self.compiled.work + work
         while self.outcome == "ok":
             kick = self._next_kick()
-            self.compiled.advance(min(until, kick), max(last - self.compiled.work, 1), threads)
+            self.compiled.advance(min(until, kick, self._latest), max(last - self.compiled.work, 1), threads)
             if self.compiled.paused or self.time < kick or self.outcome != "ok":
                 return
             self._kick()
@@ -303,15 +303,11 @@ class Engine:
     # --- checkpoints ----------------------------------------------------------------------------------------
 
     def saved(self) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
-        law = self.settings.law
         header = {
             "engine": self.record.name,
-            "boundary": list(self.system.boundary),
-            "shear": [self.system.shear_rate, self.system.shear_displacement],
-            "walls": as_entries(self.system.walls),
-            "thermostat": as_entry(self.system.thermostat),
+            **self.system.entries(),
             "kicks": [self.kicks, self.compiled.heat],
-            "settings": vars(self.settings) | {"law": None if law is None else law_entry(law)},
+            "settings": vars(self.settings) | {"law": law_entry(self.settings.law)},
         }
         arrays = {name: np.asarray(getattr(self.system, name)) for name in FIXED}
         arrays["moment"] = self._moment
@@ -321,31 +317,16 @@ class Engine:
     def load(cls, header: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Engine:
         """The engine of a checkpoint. Raises KeyError, TypeError or ValueError if an entry is missing or damaged."""
         name, given = header["engine"], dict(header["settings"])
-        given["law"] = None if given["law"] is None else law_from(given["law"])
+        given["law"] = law_from(given["law"])
         settings = Settings(**given) if name == "hard_spheres" else NewtonSettings(**given)
         kicks, heat = int(header["kicks"][0]), float(header["kicks"][1])
         compiled = _core.load_engine(ENGINES[name].kind, arrays["engine"].tobytes(), kicks, heat)
-        fixed = {key: arrays[key] for key in FIXED} | {
-            "boundary": tuple(header["boundary"]),
-            "shear_rate": float(header["shear"][0]),
-            "shear_displacement": float(header["shear"][1]),
-            "walls": from_entries(header["walls"]),
-            "thermostat": from_entry(header["thermostat"]),
-        }
         positions, velocities = compiled.state()
-        falling = ParticleSystem._of(positions=positions, velocities=velocities, **fixed)
+        fixed = {key: arrays[key] for key in FIXED}
+        falling = ParticleSystem.from_entries(header, positions=positions, velocities=velocities, **fixed)
         positions, velocities = state(falling, compiled.time, compiled.state())
         return cls(name, falling._moved(positions, velocities), settings, compiled, arrays["moment"])
 
 
 def joined(parts: Sequence[Log]) -> Log:
     return tuple(np.concatenate(columns) for columns in zip(*parts, strict=True))
-
-
-def law_entry(law: Law) -> list[Any]:
-    """Name and parameters of a law, for a JSON file."""
-    return [law.record["name"], dict(law.parameters)]
-
-
-def law_from(entry: Sequence[Any]) -> Law:
-    return LAWS[entry[0]](**entry[1])

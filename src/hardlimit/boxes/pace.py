@@ -51,7 +51,7 @@ class ProgressNote:
             left = (end - time) * lasted / passed if passed > 0.0 else math.inf
             self._note = (
                 f"{min(max(fraction, 0.0), 1.0):.0%} of the time in clusters; the rest takes about {duration(left)}, "
-                f"the whole run by engine='steps' about {duration(self._by_steps)}"
+                f"the whole run by the engine steps about {duration(self._by_steps)}"
                 f"{' (recommended)' if left > ADVANTAGE * self._by_steps else ''}"
             )
             self._last = (clock.monotonic(), *now[1:])  # excludes the time of the trial

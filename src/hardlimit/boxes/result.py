@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,15 +15,16 @@ from numpy.typing import NDArray
 from .. import _core
 from ..contact import compression
 from ..contact.contact import Law
-from ..support import html
+from ..support import html, saving
 from ..support.formatting import digits, listed
 from . import observables, observe
 from .box import WALL_NUMBERS, Floats, read_only, wall_name
 from .observables import OBSERVABLES, Samples
-from .rules import Settings
+from .rules import Settings, law_entry, law_from
 from .system import ParticleSystem
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray as xr
     from matplotlib.figure import Figure
 
@@ -56,6 +58,10 @@ class EarlyEnd(NamedTuple):
         return f"at {self.time:.6g} s, near ({', '.join(f'{x:.6g}' for x in self.position)}) m"
 
 
+#: Outcome of a run whose time has become too large (``Box.resolved_until``).
+TOO_LATE: Final = (
+    "not resolved: later times do not resolve the phase of walls, or the slowest motion of grains"
+)
 #: Sentence of each outcome.
 HARD_SPHERES_OUTCOMES: Final = {
     "ok": "ok",
@@ -63,7 +69,7 @@ HARD_SPHERES_OUTCOMES: Final = {
     "collapse": "inelastic collapse: {who} collide infinitely often {where}; use molecular_dynamics, or the rule "
     "tc if there are gaps between them",
     "no_room": "collapse: {who} collide infinitely often {where}; use molecular_dynamics",
-    "at_rest": "at rest: gravity holds {who} together {where}; use molecular_dynamics",
+    "at_rest": "at rest: {what} holds {who} together {where}; use molecular_dynamics",
     "invalid": "invalid: a contact of {who} {where} has values outside the floating-point range",
     "too_deep": "too deep: the contact of {who} {where} would reach half of the smaller radius, beyond the range "
     "of contact laws",
@@ -77,6 +83,10 @@ NEWTON_OUTCOMES: Final = {
     "events": "not resolved: the contacts of {who} last too long to be integrated together, {where}; "
     "use engine='steps'",
 }
+
+
+#: Arrays of the final state in a saved result.
+STATE: Final = ("positions", "velocities", "radius", "mass", "box", "gravity", "_unfolded")
 
 
 class Column(NamedTuple):
@@ -112,6 +122,7 @@ class _Result:
     """Common part of the results of all engines of boxes."""
 
     solves: ClassVar[str]
+    logged: ClassVar[str]  #: what a row of the log is
     columns: ClassVar[tuple[Column, ...]]
     outcomes: ClassVar[Mapping[str, str]]
 
@@ -127,8 +138,12 @@ class _Result:
     @property
     def outcome(self) -> str:
         """``"ok"``, or one sentence that says why the run ended early."""
-        sentence, end = self.outcomes[self._outcome_key()], self.early_end
-        return sentence if end is None else sentence.format(who=end.who(), where=end.where())
+        end = self.early_end
+        if end is None and self.outcome_name == "unresolved":
+            return TOO_LATE
+        sentence = self.outcomes[self._outcome_key()]
+        what = "gravity" if self.system.gravity.any() else "the acceleration of the wall"
+        return sentence if end is None else sentence.format(who=end.who(), where=end.where(), what=what)
 
     def _outcome_key(self) -> str:
         return self.outcome_name
@@ -150,9 +165,10 @@ class _Result:
         seen, labels = observe.variables(self.observed)
         return xr.Dataset(data | seen, coordinates | labels, self._attributes("Series"))
 
-    def _log_dataset(self, dim: str) -> xr.Dataset:
+    def _log_dataset(self) -> xr.Dataset:
         import xarray as xr
 
+        dim = self.logged
         if self.log is None:
             raise ValueError(f"log: got False, must be True for a run whose {dim}s are read")
         data = {}
@@ -172,6 +188,95 @@ class _Result:
         }
 
     def _own_attributes(self) -> dict[str, Any]:
+        raise NotImplementedError
+
+    # --- tables and files -----------------------------------------------------------------------------------
+
+    @property
+    def series(self) -> xr.Dataset:
+        """Dataset over ``time``; its variables depend on the engine."""
+        return self._series.copy()
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """The series as a table with one row for each sample, indexed by ``time`` [s].
+
+        A vector, a tensor or a value for each wall has one column for each component, such as ``momentum_x``,
+        ``pressure_tensor_xy`` and ``wall_pressure_z-``; an array of ``observe`` has ``name_0``, ``name_1``, …. Units
+        and meanings are in ``series``.
+        """
+        import pandas as pd
+
+        columns: dict[str, NDArray[Any]] = {}
+        for name, variable in self._series.data_vars.items():
+            dims, shape = variable.dims[1:], variable.shape[1:]
+            labels = [
+                self._series[dim].values if dim in self._series.coords else range(n)
+                for dim, n in zip(dims, shape, strict=True)
+            ]
+            for at in np.ndindex(shape):
+                column = "_".join([str(name), *(str(one[i]) for one, i in zip(labels, at, strict=True))])
+                if column in columns:
+                    raise ValueError(
+                        f"observe: got the name {column!r}, that of a component in the table: rename it"
+                    )
+                columns[column] = variable.values[(slice(None), *at)]
+        return pd.DataFrame(columns, pd.Index(self._series["time"].values, name="time"))
+
+    def save(self, path: str | Path) -> Path:
+        """Write the result as NetCDF, which :func:`load` reads.
+
+        The series are at the root of the file. Groups are ``collisions`` or ``contacts`` if the run kept a log,
+        ``final``, the final state, and ``state``, for :func:`load` only.
+
+        Parameters
+        ----------
+        path : path
+            Ends in .nc.
+
+        Raises
+        ------
+        ValueError
+            If it is not such a path.
+        OSError
+            If it cannot be written; names it.
+        """
+        datasets = {"/": self._series, "final": self.system.dataset}
+        if self.log is not None:
+            datasets[f"{self.logged}s"] = self._log_dataset()
+        labels, arrays = observe.saved(self.observed)
+        arrays |= {f"sample_{name}": values for name, values in self.samples.items()}
+        state = {f"system_{name}": getattr(self.system, name) for name in STATE}
+        arrays |= {name: values for name, values in state.items() if values is not None}
+        header = {**self._saved_values(), "system": self.system.entries(), "end": self.early_end, **labels}
+        return saving.result(
+            path, type(self).__name__, datasets, header | {"logged": self.log is not None}, arrays
+        )
+
+    def _saved_values(self) -> dict[str, Any]:
+        """The numbers and texts of the result, and its law or rule, for JSON."""
+        apart = ("system", "samples", "log", "early_end", "observed", "law", "settings")
+        values = {one.name: getattr(self, one.name) for one in fields(self) if one.name not in apart}
+        return {"values": values}
+
+    @classmethod
+    def _loaded(cls, content: saving.Saved) -> Self:
+        """The result of a file. Raises KeyError, TypeError or ValueError if it is damaged."""
+        header, arrays = content.state()
+        state = {name: arrays.get(f"system_{name}") for name in STATE}
+        log = content.root(f"{cls.logged}s") if header["logged"] else None
+        end = header["end"]
+        return cls(
+            **header["values"],
+            **cls._loaded_values(header),
+            system=ParticleSystem.from_entries(header["system"], **state),
+            samples={name[7:]: array for name, array in arrays.items() if name.startswith("sample_")},
+            log=None if log is None else tuple(log[column.name].values for column in cls.columns),
+            early_end=None if end is None else EarlyEnd(end[0], tuple(end[1]), tuple(end[2]), end[3]),
+            observed=observe.loaded(header, arrays),
+        )
+
+    @classmethod
+    def _loaded_values(cls, header: Mapping[str, Any]) -> dict[str, Any]:
         raise NotImplementedError
 
     def _change(self, name: str) -> tuple[float, float]:
@@ -202,6 +307,7 @@ class ParticleResult(_Result):
     """
 
     solves = "event-driven"
+    logged = "collision"
     columns = COLLISIONS
     outcomes = HARD_SPHERES_OUTCOMES
 
@@ -255,7 +361,7 @@ class ParticleResult(_Result):
         ValueError
             If the run kept no log.
         """
-        return self._log_dataset("collision")
+        return self._log_dataset()
 
     def plot(self) -> Figure:
         """Plot temperature, collision rate and pressure over time, with kinetic theory if it applies."""
@@ -265,6 +371,17 @@ class ParticleResult(_Result):
 
     def _own_attributes(self) -> dict[str, Any]:
         return {"rule": self.settings.report()}
+
+    def _saved_values(self) -> dict[str, Any]:
+        return {
+            **super()._saved_values(),
+            "settings": vars(self.settings) | {"law": law_entry(self.settings.law)},
+        }
+
+    @classmethod
+    def _loaded_values(cls, header: Mapping[str, Any]) -> dict[str, Any]:
+        given = header["settings"]
+        return {"settings": Settings(**{**given, "law": law_from(given["law"])})}
 
     def __repr__(self) -> str:
         found = f"{self.n_collisions} collisions in {self.time:.6g} s, {self.outcome}"
@@ -323,6 +440,7 @@ class ContactResult(_Result):
     """
 
     solves = "Newton’s equations"
+    logged = "contact"
     columns = CONTACTS
     outcomes = NEWTON_OUTCOMES
 
@@ -390,7 +508,7 @@ class ContactResult(_Result):
         ValueError
             If the run kept no log.
         """
-        return self._log_dataset("contact")
+        return self._log_dataset()
 
     def choice(self) -> str:
         """Why this engine was chosen.
@@ -398,6 +516,13 @@ class ContactResult(_Result):
         :meta private:
         """
         return f"chose {self.engine}: {self.engine_reason}"
+
+    def _saved_values(self) -> dict[str, Any]:
+        return {**super()._saved_values(), "law": law_entry(self.law)}
+
+    @classmethod
+    def _loaded_values(cls, header: Mapping[str, Any]) -> dict[str, Any]:
+        return {"law": law_from(header["law"])}
 
     def _own_attributes(self) -> dict[str, Any]:
         found: dict[str, Any] = {"law": repr(self.law), "engine": self.engine}

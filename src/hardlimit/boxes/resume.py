@@ -42,6 +42,8 @@ def resume(
     ValueError
         If the file is not a checkpoint, is damaged or was written by another version, the new end is before the time of
         the checkpoint, or ``observe`` is missing or returns other names than before.
+    FileNotFoundError
+        If there is no such file.
     OSError
         As for :func:`event_driven`.
     """

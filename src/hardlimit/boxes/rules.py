@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final, NamedTuple
 
 from .. import _core
 from ..contact.contact import Law
+from ..contact.laws import LAWS
 from ..support import validation
 from .contacts import checked_law
 
@@ -49,6 +50,16 @@ RULES: Final = {
     record["name"]: _rule(record)
     for record in sorted(_core.rules, key=lambda record: record["name"] not in DEFAULTS.values())
 }
+
+
+def law_entry(law: Law | None) -> list[Any] | None:
+    """Name and parameters of a law, for a JSON file."""
+    return None if law is None else [law.record["name"], dict(law.parameters)]
+
+
+def law_from(entry: Sequence[Any] | None) -> Any:
+    """The law from :func:`law_entry`."""
+    return None if entry is None else LAWS[entry[0]](**entry[1])
 
 
 @dataclass(frozen=True)

@@ -10,12 +10,15 @@ from typing import Any, Final
 import numpy as np
 
 from .. import _core
-from ..contact.balls import HEAVIEST, LIGHTEST, ball_masses
+from ..contact.balls import ball_masses
 from ..support import machine, validation
 from ..support.formatting import size
 from ..support.progress import Report
-from .box import LARGEST, UNIT_BALL, Box, Floats
+from .box import LENGTHS, UNIT_BALL, Box, Floats
 
+#: Limits of a mass [kg]; the squares of momenta neither underflow nor overflow.
+LIGHTEST: Final = 1e-100
+HEAVIEST: Final = 1e100
 MAX_PARTICLES: Final = 2**31 - 1
 #: Memory per particle during the growth of a random start or during a run [bytes].
 BYTES_PER_PARTICLE: Final = 300
@@ -47,10 +50,9 @@ def count(n: Any) -> int:
 
 def radii(radius: Any, n: int, generators: Generators) -> Floats:
     """N radii [m]: one for all, one for each particle, or uniformly distributed between two limits."""
-    limits: dict[str, Any] = {"lowest": 0.0, "highest": LARGEST}
     if n == 2 or isinstance(radius, str | bytes) or operator.length_hint(radius, -1) != 2:
-        return validation.each("radius", radius, n, **limits)
-    smallest, largest = validation.numbers("radius", radius, 2, **limits)
+        return validation.each("radius", radius, n, **LENGTHS)
+    smallest, largest = validation.numbers("radius", radius, 2, **LENGTHS)
     if smallest > largest:
         raise ValueError(
             f"radius: got {smallest:.16g} and {largest:.16g}, the first must not be the larger one"
@@ -88,7 +90,7 @@ def edge(packing_fraction: Any, radius: Floats, dimension: int) -> float:
     densest = DENSEST[dimension]
     fraction = validation.number("packing_fraction", packing_fraction, 0.0, densest, highest_allowed=True)
     found = (solid_volume(radius, dimension) / fraction) ** (1.0 / dimension)
-    return validation.number("packing_fraction | radius: edge of the box", found, 0.0, LARGEST)
+    return validation.number("packing_fraction | radius: edge of the box", found, **LENGTHS)
 
 
 def check_size(box: Box, radius: Floats) -> None:

@@ -16,12 +16,13 @@ from numpy.typing import ArrayLike
 
 from .. import _core
 from ..support import html, validation
-from ..support.formatting import digits
+from ..support.formatting import digits, listed
 from ..support.progress import Report, reporter
 from . import files, starts
 from .box import (
     AXES,
     LARGEST,
+    LENGTHS,
     Box,
     Floats,
     Vector,
@@ -32,8 +33,8 @@ from .box import (
     read_only,
 )
 from .files.frame import Frame
-from .thermostats import Andersen, RandomKicks, checked_thermostat
-from .walls import MovingWall, as_entries, checked_walls
+from .thermostats import Andersen, RandomKicks, as_entry, checked_thermostat, from_entry
+from .walls import MovingWall, as_entries, checked_walls, from_entries
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
 ROUNDING: Final = 1e-9
 
 
+@validation.sealed("write a function of a ParticleSystem")
 @dataclass(frozen=True, init=False, repr=False, eq=False)
 class ParticleSystem:
     """Smooth spheres (3-D) or disks (2-D) in a box that runs from 0 to its edges.
@@ -70,6 +72,7 @@ class ParticleSystem:
         with v_x − shear_rate · L.
     gravity : number or d numbers [m/s²]
         A vector, or one number for an acceleration against the last axis. 0 along flow and gradient of a sheared box.
+        Along a periodic axis all particles fall together, without end; ``repr`` says so.
     walls : mapping of "x-", "x+", … "z+" to MovingWall, optional
         The walls that move, by axis and end: ``{"z-": hl.MovingWall(amplitude=1e-3, frequency=50.0)}`` shakes the
         floor. The box is that of the rest places.
@@ -139,7 +142,7 @@ class ParticleSystem:
         given = validation.exactly_one(density=density, mass=mass)
         at = validation.rows("positions", positions, (2, 3))
         n, d = at.shape
-        size = validation.each("radius", radius, n, lowest=0.0, highest=LARGEST)
+        size = validation.each("radius", radius, n, **LENGTHS)
         amount = validation.each(given, density if given == "density" else mass, n, lowest=0.0)
         sides, edges, pull = checked_boundary(boundary, d), checked_edges(box, d), checked_gravity(gravity, d)
         rate, displacement = checked_shear(sides, shear_rate, shear_displacement, edges, pull)
@@ -216,8 +219,8 @@ class ParticleSystem:
         if first >= 0 and -gap > allowed_overlap * apart:
             raise ValueError(
                 f"positions: particles {first} and {second} overlap, gap {gap:.6g} m, must be >= "
-                f"{validation.at_least(0.0 - allowed_overlap * apart)} m: allowed_overlap, {allowed_overlap:g}, times "
-                f"the sum of the radii, {apart:.6g} m"
+                f"{validation.at_least(0.0 - allowed_overlap * apart)} m, {allowed_overlap:g} of the sum of the radii, "
+                f"{apart:.6g} m; allowed_overlap= accepts more"
             )
 
     @classmethod
@@ -309,6 +312,8 @@ class ParticleSystem:
     ) -> ParticleSystem:
         """Read a system from a file: extended XYZ (.xyz, .extxyz), GSD (.gsd) or LAMMPS data (.data, .lmp).
 
+        Numbers are in SI units, those of LAMMPS data in the units that its first line names.
+
         Parameters
         ----------
         path : path
@@ -321,6 +326,8 @@ class ParticleSystem:
         ------
         ValueError
             If the file cannot be read, is damaged, or contains an invalid system; names it.
+        FileNotFoundError
+            If there is no such file.
         """
         found, rounding = files.read(path, frame)
         allowed = max(ROUNDING, rounding) if allowed_overlap is None else allowed_overlap
@@ -394,13 +401,16 @@ class ParticleSystem:
         moved = any(value is not None for value in new.values())
         kept["shear_rate"] = self.shear_rate if shear_rate is None else shear_rate
         if boundary is not None and "lees-edwards" not in checked_boundary(boundary, self.dimension):
-            kept["shear_rate"], kept["shear_displacement"] = shear_rate or 0.0, shear_displacement or 0.0
+            given = {"shear_rate": shear_rate, "shear_displacement": shear_displacement}
+            kept |= {name: 0.0 if value is None else value for name, value in given.items()}
         return ParticleSystem(
             velocities=self.velocities if velocities is None else velocities,
             density=density,
             mass=self.mass if density is None and mass is None else mass,
             gravity=self.gravity if gravity is None else gravity,
-            thermostat=self.thermostat if thermostat == "keep" else thermostat,
+            thermostat=self.thermostat
+            if isinstance(thermostat, str) and thermostat == "keep"
+            else thermostat,
             allowed_overlap=ROUNDING if moved else max(ROUNDING, self._deepest_relative_overlap),
             **kept,
         )
@@ -530,8 +540,36 @@ class ParticleSystem:
         values = self._values() | {"walls": dict(self.walls)}
         return partial(ParticleSystem._of, **values, _unfolded=self._unfolded), ()
 
+    def entries(self) -> dict[str, Any]:
+        """Boundary, shear, moving walls and thermostat, for JSON.
+
+        :meta private:
+        """
+        return {
+            "boundary": list(self.boundary),
+            "shear": [self.shear_rate, self.shear_displacement],
+            "walls": as_entries(self.walls),
+            "thermostat": as_entry(self.thermostat),
+        }
+
+    @classmethod
+    def from_entries(cls, entries: Mapping[str, Any], **arrays: Floats | None) -> ParticleSystem:
+        """The system of :meth:`entries` and its arrays. Raises KeyError, TypeError or ValueError for damaged ones.
+
+        :meta private:
+        """
+        return cls._of(
+            boundary=tuple(entries["boundary"]),
+            shear_rate=float(entries["shear"][0]),
+            shear_displacement=float(entries["shear"][1]),
+            walls=from_entries(entries["walls"]),
+            thermostat=from_entry(entries["thermostat"]),
+            **arrays,
+        )
+
     def __repr__(self) -> str:
         sides = "/".join(dict.fromkeys(self.boundary))
+        sides += f", in free fall along {_falls_along(self)}" if self.domain.common_fall.any() else ""
         return (
             f"<ParticleSystem of {self.count()}, packing fraction {self.packing_fraction:.6g}, "
             f"box {_times(self.box)} m, {sides}>"
@@ -561,11 +599,21 @@ def described(system: ParticleSystem) -> list[tuple[str, str]]:
     ]
     if system.gravity.any():
         found.append(("gravity [m/s²]", "(" + ", ".join(f"{g:.6g}" for g in system.gravity) + ")"))
+    if system.domain.common_fall.any():
+        found.append(
+            (f"free fall along {_falls_along(system)}", "of all together, without end: no wall there")
+        )
     if system.domain.gradient is not None:
         found.append(("shear rate [1/s]", digits(system.shear_rate)))
     found += [(f"wall {name}", repr(wall)) for name, wall in system.walls.items()]
     found += [] if system.thermostat is None else [("thermostat", repr(system.thermostat))]
     return found
+
+
+def _falls_along(system: ParticleSystem) -> str:
+    """The periodic axes along which gravity acts."""
+    fall = system.domain.common_fall
+    return listed([axis for axis, g in zip(AXES, fall.tolist(), strict=False) if g], "and")
 
 
 def _times(box: Floats) -> str:

@@ -17,6 +17,8 @@ Floats = NDArray[np.float64]
 
 #: Intervals per mean time between two collisions of a particle with Andersen's bath, by default.
 SUBDIVISION: Final = 20
+#: What the refusal of another thermostat says.
+BETWEEN_RUNS: Final = "run in pieces and change the velocities between them with ParticleSystem.replace"
 
 
 @dataclass(frozen=True)
@@ -49,6 +51,7 @@ class Thermostat:
         return np.asarray(_core.random_numbers(self.seed, stream, n, normal))
 
 
+@validation.sealed(BETWEEN_RUNS)
 @dataclass(frozen=True, init=False)
 class RandomKicks(Thermostat):
     """White noise, which heats a gas with a constant power.
@@ -111,6 +114,7 @@ class RandomKicks(Thermostat):
         return kicked
 
 
+@validation.sealed(BETWEEN_RUNS)
 @dataclass(frozen=True, init=False)
 class Andersen(Thermostat):
     """Andersen's thermostat: particles collide with a heat bath at random times.
@@ -193,10 +197,10 @@ def checked_thermostat(thermostat: Any, n: int, sheared: bool = False) -> Any:
         raise ValueError(f"thermostat: got {shown}, must be hl.RandomKicks, hl.Andersen or None")
     if n == 1 and isinstance(thermostat, RandomKicks):
         raise ValueError(
-            "thermostat: got RandomKicks, must be hl.Andersen or None for one particle: kicks keep the mean"
+            "thermostat: got random kicks, must be none or Andersen’s for one particle: kicks keep the mean"
         )
     if sheared and isinstance(thermostat, Andersen):
-        raise ValueError("thermostat: got Andersen, must be hl.RandomKicks or None in a sheared box")
+        raise ValueError("thermostat: got Andersen’s, must be none or random kicks in a sheared box")
     return thermostat
 
 

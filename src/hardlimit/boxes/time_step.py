@@ -12,9 +12,11 @@ from .. import _core
 from ..contact.contact import Law
 from ..support import validation
 from . import contacts
+from .box import Box
 from .system import ParticleSystem
 from .theory import Gas
 from .thermostats import Andersen
+from .walls import MovingWall
 
 DEFAULT_ERROR: Final = 1e-3  #: of ε, and for engine "steps" of energy and positions
 SMALLEST_ERROR: Final = 1e-9  #: about ten thousand steps per contact
@@ -25,6 +27,12 @@ SPEEDS: Final = (1.0, 0.1, 0.01)
 FARTHEST: Final = 0.1
 #: The error of velocity Verlet in a motion of the angular frequency ω is (ω Δt)² over this.
 VERLET: Final = 12.0
+#: Oscillations of a wall during a contact up to which the ball follows it, and its energy is that of an impact.
+SLOW_WALL: Final = 0.1
+#: Steps of the first trial of a particle on such a wall, and how often the step may be halved.
+MOST_TRIED: Final = 20_000
+MOST_HALVINGS: Final = 6
+ENERGIES: Final = ("kinetic", "potential", "contact", "dissipated")
 #: ε of a heated gas that loses less: its temperature would rise without limit.
 LARGEST_RESTITUTION: Final = 0.999
 #: Longest step [s] of an integration scheme, as a function of contact, speed [m/s] and error.
@@ -42,10 +50,8 @@ def chosen(
     if restitution_error is not None and time_step is not None:
         raise ValueError("restitution_error | time_step: got both, must be at most one of them")
     if time_step is None:
-        wanted = DEFAULT_ERROR if restitution_error is None else restitution_error
-        limits = {"lowest_allowed": True, "highest_allowed": True}
-        error = validation.number("restitution_error", wanted, SMALLEST_ERROR, LARGEST_ERROR, **limits)
-        return _longest(system, law, error, longest_step)
+        error = accepted_error(restitution_error)
+        return _longest_at_walls(system, law, error, _longest(system, law, error, longest_step))
     step = validation.number("time_step", time_step, 0.0)
     limit = _longest(system, law, LARGEST_ERROR, longest_step)
     if step > limit:
@@ -54,6 +60,13 @@ def chosen(
             "the longest step with which the contacts of this system are stable"
         )
     return step
+
+
+def accepted_error(value: Any) -> float:
+    """The error of ε that a time step may cause: the given one, or the default if it is None."""
+    wanted = DEFAULT_ERROR if value is None else value
+    limits = {"lowest_allowed": True, "highest_allowed": True}
+    return validation.number("restitution_error", wanted, SMALLEST_ERROR, LARGEST_ERROR, **limits)
 
 
 def _longest(system: ParticleSystem, law: Law, error: float, longest_step: LongestStep) -> float:
@@ -71,6 +84,57 @@ def _longest(system: ParticleSystem, law: Law, error: float, longest_step: Longe
     return found
 
 
+def _longest_at_walls(system: ParticleSystem, law: Law, error: float, longest: float) -> float:
+    """The longest step with which the lightest and the heaviest particle balance their energy on oscillating walls.
+
+    If a wall oscillates during a contact, its work on the particle is the small difference of large gains and losses:
+    the step must be shorter than impacts at the speed of the wall require. Otherwise nothing is tried.
+    """
+    for wall in system.walls.values():
+        for i in {int(system.mass.argmin()), int(system.mass.argmax())}:
+            grain = float(system.radius[i]), float(system.mass[i])
+            lasts = float(contacts.contact(law, grain[1], grain[0]).duration(np.array([wall.fastest]))[0])
+            if wall.oscillates and wall.frequency * lasts > SLOW_WALL:
+                until = min(3.0 * lasts + 10.0 / wall.frequency, MOST_TRIED * longest)
+                for _ in range(MOST_HALVINGS):
+                    if _imbalance(system, law, wall, grain, until, longest) <= error:
+                        break
+                    longest *= 0.5
+    return longest
+
+
+def _imbalance(
+    system: ParticleSystem, law: Law, wall: MovingWall, grain: tuple[float, float], until: float, step: float
+) -> float:
+    """Error of the energy balance of a particle (radius, mass) that lies on a wall at its highest place.
+
+    Relative to its largest kinetic or dissipated energy. Without gravity it falls at a thousandth of the acceleration
+    of the wall.
+    """
+    radius, mass = grain
+    pull = max(float(np.abs(system.gravity).max()), 1e-3 * wall.amplitude * wall.frequency**2)
+    moving = MovingWall(wall.amplitude, wall.frequency, wall.waveform)
+    edges = np.full(2, 8.0 * (radius + wall.amplitude))
+    box = Box(edges, ("periodic", "wall"), np.array([0.0, -pull]), {"y-": moving})
+    engine = _core.make_engine(
+        "newton_steps",
+        box.of_core(),
+        np.array([[radius, radius + (1.0 + 1e-4) * wall.amplitude]]),
+        np.zeros((1, 2)),
+        np.array([radius]),
+        np.array([mass]),
+        law=contacts.law_arguments(law),
+        time_step=step,
+    )
+    total, scale = [], 0.0
+    for time in np.linspace(0.0, until, 21):
+        engine.advance(time)
+        now = engine.observe()
+        total.append(sum(now[f"{kind}_energy"] for kind in ENERGIES) - now["wall_work"])
+        scale = max(scale, now["kinetic_energy"], now["dissipated_energy"])
+    return max(abs(energy - total[0]) for energy in total) / scale if scale > 0.0 else 0.0
+
+
 def largest_speed(system: ParticleSystem) -> float:
     """The largest expected impact speed [m/s]: twice the largest speed, plus the speed after a fall through the box.
 
@@ -84,21 +148,36 @@ def largest_speed(system: ParticleSystem) -> float:
 
 
 def heated_speed(system: ParticleSystem, law: Law) -> float:
-    """The largest expected speed of a particle in the steady state of a thermostat [m/s]; 0 without one."""
+    """The largest expected speed of a particle in the steady state of a thermostat or of shear [m/s]; 0 without."""
     heat, mean = system.thermostat, float(system.mass.mean())
-    if heat is None:
-        return 0.0
-    if isinstance(heat, Andersen):
-        temperature = heat.temperature
-    else:  # the steady state of a gas of mean particles, whose ε depends on its temperature
+    temperature = heat.temperature if isinstance(heat, Andersen) else 0.0
+    power = 0.0 if heat is None or isinstance(heat, Andersen) else heat.power
+    if power or system.shear_rate:  # a gas of mean particles, whose ε depends on its temperature
         size, volume, d = float(system.radius.mean()), float(np.prod(system.box)), system.dimension
-        gas, temperature = Gas(system.n, size, mean, volume, d), 0.0
+        gas = Gas(system.n, size, mean, volume, d)
         for _ in range(10):
             speed = math.sqrt(math.pi * temperature)
             found = min(
                 float(one.restitution(np.array([speed]))[0]) for one in contacts.of_kinds(system, law)
             )
-            temperature = gas.heated_temperature(heat.power, min(found, LARGEST_RESTITUTION))
+            e = min(found, LARGEST_RESTITUTION)
+            temperature = gas.heated_temperature(power, e) + _sheared_temperature(gas, system.shear_rate, e)
     # The fastest of N particles with Maxwell's distribution.
     highest = system.dimension + 2.0 * math.log(system.n)
     return math.sqrt(temperature * mean / float(system.mass.min()) * highest)
+
+
+def _sheared_temperature(gas: Gas, rate: float, restitution: float) -> float:
+    """Granular temperature in steady shear [m²/s²], in which the work of the viscous stress is dissipated.
+
+    η γ̇² = (1 − ε²) ν n m T/2, with Enskog's η of elastic spheres (Chapman & Cowling 1970) or disks (Gass, J. Chem.
+    Phys. 54, 1898 (1971)). An estimate also beyond the range of :meth:`Gas.sheared_temperature`.
+    """
+    sigma, chi, root = 2.0 * gas.radius, gas.contact_value, math.sqrt(math.pi)
+    if gas.dimension == 3:
+        dilute, b, collisional = 5.0 / (16.0 * sigma**2 * root), 4.0 * gas.packing_fraction, (0.8, 0.7614)
+    else:
+        dilute, b, collisional = 1.0 / (2.0 * sigma * root), 2.0 * gas.packing_fraction, (1.0, 0.8729)
+    viscosity = dilute * (1.0 / chi + collisional[0] * b + collisional[1] * b * b * chi)  # over m √T
+    lost = 0.5 * (1.0 - restitution**2) * gas.n / gas.volume * float(gas.collision_rate(1.0))
+    return viscosity * rate**2 / lost

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import astuple, dataclass
+from fractions import Fraction
 from typing import Any, Final
 
 import numpy as np
@@ -14,11 +16,28 @@ from ..support import validation
 
 Floats = NDArray[np.float64]
 AXES: Final = ("x", "y", "z")
+#: Parts of a quarter of a period, and steps of a search within them, for the least distance of two walls.
+PARTS: Final = 16
+SEARCH: Final = 60
 WAVEFORMS: Final = ("sine", "triangle", "parabola")
-#: Largest displacement, speed and acceleration of a wall: the squares of larger ones would overflow.
-LARGEST: Final = 1e100
+#: Largest length, speed, acceleration, frequency and rate of a box. The smallest length is one over it. The core
+#: multiplies up to eight of them, which then neither overflows nor underflows.
+LARGEST: Final = 1e30
+#: Number of periods of an oscillation that a run resolves: rounding of the time then shifts the phase by 1e-4 periods.
+MOST_PERIODS: Final = 2.0**40
+#: 2π with as many digits as the largest float needs.
+TWO_PI: Final = Fraction(
+    int(
+        "62831853071795864769252867665590057683943387987502116419498891846156328125724179972560"
+        "69650684234135964296173026564613294187689219101164463450718816256962234900568205403877"
+        "04221111928924589790986076392885762195133186689225695129646757356633054240381829129713"
+        "38469206972209086532964267872145204982825474491740132126311763497630418419256585081"
+    ),
+    10**340,
+)
 
 
+@validation.sealed("a waveform is C++: CONTRIBUTING.md, 'Add a boundary'")
 @dataclass(frozen=True, init=False)
 class MovingWall:
     """Motion of a wall along its axis, for ``walls=`` of :class:`ParticleSystem`.
@@ -35,6 +54,7 @@ class MovingWall:
         w(φ). The other two have the zeros and extrema of sin φ: ``"triangle"`` moves at constant speed, ``"parabola"``
         at constant acceleration, which changes its sign at the zeros.
     phase : float [rad]
+        Beyond ±2π it is replaced by its remainder in [0, 2π].
     velocity : float [m/s]
         Of a wall that moves uniformly, alone or in addition to an oscillation.
     offset : float [m]
@@ -73,7 +93,7 @@ class MovingWall:
             "amplitude": validation.number("amplitude", amplitude, 0.0, **limits),
             "frequency": validation.number("frequency", frequency, 0.0, **limits),
             "waveform": validation.one_of("waveform", waveform, WAVEFORMS),
-            "phase": validation.number("phase", phase, -LARGEST, LARGEST),
+            "phase": _reduced(validation.number("phase", phase)),
             "velocity": validation.number("velocity", velocity, -LARGEST, LARGEST),
             "offset": validation.number("offset", offset, -LARGEST, LARGEST),
         }
@@ -158,6 +178,11 @@ class MovingWall:
         return f"MovingWall({', '.join(shown)})"
 
 
+def _reduced(phase: float) -> float:
+    """A phase beyond ±2π as its remainder, exact to the last bit; sin and cos would differ between platforms."""
+    return phase if abs(phase) <= 2.0 * math.pi else float(Fraction(phase) % TWO_PI)
+
+
 def _wave(waveform: str, cycles: float) -> float:
     if waveform == "sine":
         return math.sin(2.0 * math.pi * cycles)
@@ -183,6 +208,45 @@ def _integral(waveform: str, cycles: Floats) -> Floats:
 
 #: The moving walls of a system, by axis and end: ``"x-"`` at 0, … ``"z+"`` at the edge. In this order.
 Walls = Mapping[str, MovingWall]
+
+
+def least_widening(low: MovingWall, high: MovingWall) -> float:
+    """The least distance between two walls less that of their rest places [m].
+
+    If they drift together, it is that of the oscillations, since a run may end before they meet. Phases count if the
+    ratio of the frequencies is one of whole numbers up to 8; otherwise all phases occur.
+    """
+    together = min(high.velocity - low.velocity, 0.0)
+    waves = [wall for wall in (low, high) if wall.oscillates]
+    if not waves:
+        return high.offset - low.offset
+    ratio = Fraction(low.frequency) / Fraction(high.frequency) if len(waves) == 2 else Fraction(1)
+    if max(ratio.numerator, ratio.denominator) > 8:
+        return high.offset - low.offset - low.amplitude - high.amplitude
+    period = ratio.numerator / waves[0].frequency
+    # Between two quarters the acceleration of a wall is monotonic. Parts, then a search around each minimum.
+    times = {0.0, period}
+    for wall in waves:
+        first = wall.phase / (2.0 * math.pi)
+        quarters = range(math.ceil(4.0 * first), math.floor(4.0 * (first + wall.frequency * period)) + 1)
+        times |= {min(max((0.25 * k - first) / wall.frequency, 0.0), period) for k in quarters}
+
+    def widening(time: float) -> float:
+        return high.displacement(time) - low.displacement(time) - together * time
+
+    ends = sorted(times)
+    grid = [a + (b - a) * k / PARTS for a, b in itertools.pairwise(ends) for k in range(PARTS)] + [period]
+    at = [widening(time) for time in grid]
+    least = min(at)
+    for i in range(len(grid)):
+        before, after = max(i - 1, 0), min(i + 1, len(grid) - 1)
+        if at[i] <= min(at[before], at[after]):
+            a, b = grid[before], grid[after]
+            for _ in range(SEARCH):
+                c, d = a + (b - a) / 3.0, b - (b - a) / 3.0
+                a, b = (a, d) if widening(c) <= widening(d) else (c, b)
+            least = min(least, widening(0.5 * (a + b)))
+    return least
 
 
 def name_of(axis: int, upper: bool) -> str:

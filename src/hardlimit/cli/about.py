@@ -17,7 +17,11 @@ from .program import Command
 # --- hardlimit cite -----------------------------------------------------------------------------------------
 
 
-@click.command(cls=Command, epilog="\b\nExample:\n  hardlimit cite newton viscoelastic > references.bib")
+@click.command(
+    cls=Command,
+    aliases={"topic": "TOPIC"},
+    epilog="\b\nExample:\n  hardlimit cite newton viscoelastic > references.bib",
+)
 @click.argument("topics", nargs=-1, metavar="[TOPIC]...")
 def cite(topics: tuple[str, ...]) -> None:
     """Print BibTeX entries for the package and the methods you used.

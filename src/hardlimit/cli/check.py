@@ -14,7 +14,7 @@ from ..contact.balls import Ball
 from ..convert.codes import code as code_of
 from ..support.formatting import digits, length, listed, percent, percent_with_error, quantity
 from ..verdict import check as checked
-from ..verdict.answer import NAMES, given_by
+from ..verdict.answer import NAMES, Question, given_by, judged
 from ..verdict.contacts import CheckedContact
 from ..verdict.error_law import MEASURED_TC_NU
 from ..verdict.expectation import ACCEPTED
@@ -77,6 +77,11 @@ script_options = options(
     quantity_option("--power", unit="W", help="Heating power of each grain [W] instead of the speed."),
     quantity_option("--shear", "shear_rate", unit="1/s", help="Shear rate [1/s] instead of the speed."),
     quantity_option("--packing-fraction", unit="1", help="Packing fraction φ, instead of that of the dump."),
+    quantity_option(
+        "--restitution-error",
+        unit="1",
+        help="Error of ε that a time step may cause: that of the corrected lines.  [default: 0.001]",
+    ),
     click.option(
         "--var",
         "variables",
@@ -98,7 +103,7 @@ number_options = options(
 )
 
 
-@click.command(cls=Command, epilog=EXAMPLES)
+@click.command(cls=Command, aliases={name: "FILE" for name in ("file", "script", "source")}, epilog=EXAMPLES)
 @click.argument("file", required=False)
 @script_options
 @number_options
@@ -116,6 +121,7 @@ def check(
     power: float | None,
     shear_rate: float | None,
     packing_fraction: float | None,
+    restitution_error: float | None,
     variables: dict[str, str],
     code: str | None,
     **numbers: Any,
@@ -129,7 +135,7 @@ def check(
     given: dict[str, Any] = {"dump": dump, "speed": speed, "packing_fraction": packing_fraction}
     if sum(one is not None for one in (speed, power, shear_rate)) > 1:
         raise ValueError("--speed | --power | --shear: must be at most one of them")
-    given |= {"power": power, "shear_rate": shear_rate}
+    given |= {"power": power, "shear_rate": shear_rate, "restitution_error": restitution_error}
     if file is None:
         found = from_numbers(numbers, variables, code, given)
     else:
@@ -166,35 +172,61 @@ def from_numbers(
 
 def report(found: Verdict, verbose: bool) -> None:
     """The table of contacts, what was checked, the answer, and corrected lines."""
-    plain = found.units == "lj"
     last = max((row.stage for row in found.rows), default=1)
-    groups = list(grouped(found.rows if verbose else [row for row in found.rows if row.stage == last]))
+    rows = found.rows if verbose else [row for row in found.rows if row.stage == last]
+    groups = list(grouped(rows, found.speeds_chosen))
     say(title(found), style="bold")
     groups = groups if verbose else merged(groups)
     shown = groups if verbose else groups[:MAX_ROWS]
     if shown:
         stages = verbose and last > 1
         walls = {g[0].types: {one[0].wall for one in groups if one[0].types == g[0].types} for g in groups}
-        rows = [
-            [str(g[0].stage), name(g[0], plain, len(walls[g[0].types]) > 1), *cells(g, plain)] for g in shown
+        lines = [
+            [
+                str(g[0].stage),
+                labelled(g[0], found, len(walls[g[0].types]) > 1),
+                *cells(g, found.has_plain(g[0]), found.quantity),
+            ]
+            for g in shown
         ]
-        table(["run", "contact", *HEAD], rows, stages)
+        table(["run", "contact", *HEAD, WORSE.get(found.quantity or "", "")], lines, stages)
     if len(shown) < len(groups):
         say(f"… and {len(groups) - len(shown)} more contacts: --verbose")
     if not verbose and len({row.stage for row in found.rows}) > 1:
-        say(f"Settings change between runs. These are of run {last}; --verbose has the others.")
+        which = f"run {last}{units_of(found, last)}"
+        say(f"Settings change between runs. These are of {which}; --verbose has the others.")
     if found.remarks:
         say(" ".join(found.remarks))
     if verbose:
-        details(found, plain)
+        details(found)
     say(lists(found, verbose))
     more = " More: --verbose." if found.admissible is False and not verbose else ""
-    lines = "Corrected lines:" if found.corrected else ""
-    if lines:  # a quoted statement stands alone
-        lines = (" " if found.sentence.endswith(".") or more else "\n") + lines
-    say(f"{found.sentence}{more}{lines}", style="bold")
+    corrected = corrections(found)
+    if corrected:  # a quoted statement stands alone
+        corrected = (" " if found.sentence.endswith(".") or more else "\n") + corrected
+    say(f"{found.sentence}{more}{corrected}", style="bold")
     for line in found.corrected:
         click.echo(f"  {line}")
+
+
+def corrections(found: Verdict) -> str:
+    """What the corrected lines are for; empty if there are none."""
+    if not found.corrected:
+        return ""
+    step = any(line.startswith(("timestep", "O.dt")) for line in found.corrected)
+    of = f" (time step for an error of ε of {digits(found.restitution_error, 2)})" if step else " (for ε)"
+    return f"Corrected lines{of}:"
+
+
+def labelled(row: CheckedContact, found: Verdict, walls: bool) -> str:
+    """The name of a contact, with its speed if it was chosen."""
+    text = name(row, found.has_plain(row), walls)
+    return f"{text}, {digits(row.speed, 3)} m/s" if found.speeds_chosen and row.speed is not None else text
+
+
+def units_of(found: Verdict, run: int) -> str:
+    """The units of a run of a script with several."""
+    return f" ({found.stages[run - 1].units} units)" if len({one.units for one in found.stages}) > 1 else ""
 
 
 HEAD = [
@@ -205,8 +237,9 @@ HEAD = [
     "error\nof ε",
     "over-\nlap",
     "t_c ν",
-    "cools\nfaster by",
 ]
+#: The head of the error that decides.
+WORSE = {"cooling": "cools\nfaster by", "temperature": "hotter\nby", "stress": "stress\nhigher by"}
 #: Columns that a table leaves out if it is too wide, the first first.
 SPARE = ["steps", "over-\nlap", "error\nof ε", "t_c"]
 
@@ -265,8 +298,13 @@ def title(found: Verdict) -> str:
         version = (found.version or "").partition(",")[0].removeprefix(f"{known.title}-")
         parts = [f"{known.title}{f' {version}:' if version else ''} {what}".strip(" :")]
         if found.code != "yade":  # YADE has SI units only
-            parts.append(f"{found.units} units{'' if found.units_given else ' (none given)'}")
-    speeds = [row.speed for row in found.rows if row.speed is not None and row.types[1] != "wall"]
+            every = list(dict.fromkeys([*(stage.units for stage in found.stages), found.units]))
+            parts.append(f"{listed(every)} units{'' if found.units_given else ' (none given)'}")
+    speeds = [
+        row.speed
+        for row in found.rows
+        if row.speed is not None and row.types[1] != "wall" and found.has_plain(row) == (found.units == "lj")
+    ]
     if speeds and min(speeds) < max(speeds):
         ends = "–".join(digits(v, 3) for v in (min(speeds), max(speeds)))
         parts.append(
@@ -277,11 +315,14 @@ def title(found: Verdict) -> str:
     return " · ".join(filter(None, parts))
 
 
-def grouped(rows: Iterable[CheckedContact]) -> Iterator[list[CheckedContact]]:
-    """The rows of each contact, which differ in the speed."""
+def grouped(rows: Iterable[CheckedContact], apart: bool) -> Iterator[list[CheckedContact]]:
+    """The rows of each contact, which differ in the speed; each alone if they are to stand ``apart``."""
     found: dict[Any, list[CheckedContact]] = {}
     for row in rows:
-        found.setdefault((row.stage, row.types, row.wall, row.radius, row.other_radius), []).append(row)
+        speed = row.speed if apart else None
+        found.setdefault((row.stage, row.types, row.wall, row.radius, row.other_radius, speed), []).append(
+            row
+        )
     yield from found.values()
 
 
@@ -325,12 +366,14 @@ def time(value: float, plain: bool, significant: int = 3) -> str:
     return digits(value, significant) if plain else quantity(value, "s", significant)
 
 
-def cells(rows: Sequence[CheckedContact], plain: bool) -> list[str]:
+def cells(rows: Sequence[CheckedContact], plain: bool, quantity: str | None) -> list[str]:
     """One contact: ε over all speeds, other numbers at the highest one."""
     row = rows[-1]
     asked, tc, steps = row.restitution_asked, row.duration, row.steps_per_contact
     error, overlap, tc_nu = row.restitution_error_of_step, row.largest_overlap, row.tc_nu
-    cooling = row.error.get(row.rule)
+    wrong = judged(row, Question(quantity)) if quantity else None
+    if row.types[1] == "wall":
+        wrong = None
     return [
         "–" if asked is None else digits(asked, 3),
         span(rows),
@@ -339,7 +382,7 @@ def cells(rows: Sequence[CheckedContact], plain: bool) -> list[str]:
         "–" if error is None else small(error),
         "–" if overlap is None else percent(overlap),
         "–" if tc_nu is None else digits(tc_nu, 2),
-        "–" if cooling is None else FAR if (tc_nu or 0.0) > MEASURED_TC_NU else cools(*cooling),
+        "–" if wrong is None else FAR if (tc_nu or 0.0) > MEASURED_TC_NU else cools(*wrong),
     ]
 
 
@@ -387,12 +430,13 @@ def lists(found: Verdict, verbose: bool) -> str:
     return " ".join(filter(None, parts))
 
 
-def details(found: Verdict, plain: bool) -> None:
+def details(found: Verdict) -> None:
     """Each contact at each speed, the runs, the dump, and quoted lines."""
     for row in found.rows:
-        say(detail(row, plain))
+        say(detail(row, found.has_plain(row), found.restitution_error))
     for stage in found.stages:
-        say(f"Run {stage.number}: {stage.command}")
+        say(f"Run {stage.number}{units_of(found, stage.number)}: {stage.command}")
+    plain = found.units == "lj"
     for state in found.states:
         phi, t, unit = state.packing_fraction, state.temperature, "" if plain else " m/s"
         parts = [
@@ -416,7 +460,7 @@ def details(found: Verdict, plain: bool) -> None:
             say(f"{title}: {one.what}{types}{f', {one.where}' if one.where else ''}")
 
 
-def detail(row: CheckedContact, plain: bool) -> str:
+def detail(row: CheckedContact, plain: bool, accepted: float) -> str:
     """All numbers of a contact at one speed."""
 
     def number(value: float | None, significant: int = 3) -> str | None:
@@ -434,10 +478,13 @@ def detail(row: CheckedContact, plain: bool) -> str:
         "overlap": None if row.largest_overlap is None else percent(row.largest_overlap),
         "t_c ν": number(row.tc_nu, 2),
         "δ/d": number(row.delta_over_d, 2),
-        "time step for an error of 0.001": when(row.time_step),
+        f"time step for an error of {digits(accepted, 2)}": when(row.time_step),
         "Rayleigh time": when(row.rayleigh_time),
         "P-wave time": when(row.p_wave_time),
-        "error 1 % at": None if spring is None else f"{NAMES[spring[0]]} of {digits(spring[2], 3)}",
+        "friction": None if row.friction == 0.0 else number(row.friction) or "not known",
+        "error 1 % at": None
+        if spring is None
+        else f"{NAMES[spring[0]]} of {digits(spring[2], 3)} {row.stiffness_unit}".rstrip(),
         "cools faster by": ", ".join(f"{cools(*e)} (rule {rule})" for rule, e in row.error.items()) or None,
     }
     unit = "" if plain else " m/s"

@@ -17,11 +17,11 @@ from ..fidelity_study import ENGINES, MODELS
 from ..fidelity_study import report as texts
 from ..support import machine, validation
 from ..support.formatting import digits
-from .gas_job import RESTITUTION, SAMPLES, START, UNTIL, GasJob, default_end, entry_of, make_job
+from .gas_job import ALIASES, RESTITUTION, SAMPLES, START, UNTIL, GasJob, default_end, entry_of, make_job
 from .job import Entry, entry_options
 from .options import dpi_option, json_option, law_options, law_text, output_option, picture, writable
 from .printing import console, plain, print_files, print_json, show, table
-from .program import Command, goes_on_from, raise_all, write_files
+from .program import Command, goes_on_from, in_options, raise_all, write_files
 
 #: Default stiffness [N/m] for the default glass beads. It is lower than that of glass; t_c ν is about 0.02.
 STIFFNESS: Final = 1e6
@@ -55,6 +55,7 @@ OF_A_JOB: Final = ("until", "samples", "contact_duration")
 
 @click.command(
     cls=Command,
+    aliases=ALIASES,
     epilog="\b\nExample:\n  hardlimit gas compare --n 500 --stiffness 2e5 --restitution 0.9 --plot compare.png",
 )
 @click.argument("file", required=False, metavar="[FILE]")
@@ -157,7 +158,7 @@ def print_report(start: hl.ParticleSystem, law: hl.Law, found: hl.Fidelity, writ
         if left:
             show(out, "First significant difference after [t_c], by [%]", table(head, left))
     show(out, "Contacts", table(*texts.contacts(found)))
-    out.print(found.summary(), markup=False)
+    out.print(in_options(found.summary()), markup=False)
     print_files(out, written)
 
 

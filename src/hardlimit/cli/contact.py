@@ -30,7 +30,7 @@ from .options import (
     take_law,
 )
 from .printing import console, print_json, sentence, show, table
-from .program import Command
+from .program import PARAMETER, Command
 
 #: Impact speeds of the table [m/s], if the contact depends on the speed.
 SPEEDS = (0.01, 0.1, 1.0, 10.0)
@@ -93,7 +93,11 @@ def make_ball(which: str, given: dict[str, Any], radius: float, density: float) 
     """A ball from the options with the prefix ``which``; radius and density are defaults."""
     size, rho, mass = (given[which + name] for name in ("radius", "density", "mass"))
     rho = density if rho is None and mass is None else rho
-    return files.prefixed(which, lambda: Ball(radius if size is None else size, rho, mass))
+    try:
+        return Ball(radius if size is None else size, rho, mass)
+    except ValueError as error:
+        subject, colon, rest = str(error).partition(": ")
+        raise ValueError(PARAMETER.sub(rf"{which}\g<0>", subject) + colon + rest) from None
 
 
 def other_ball(ball: Ball, given: dict[str, Any]) -> Any:

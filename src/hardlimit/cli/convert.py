@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import sys
-from pathlib import Path
 from typing import Any
 
 import click
@@ -184,10 +183,11 @@ def input_text(text: str | None, read: str | None) -> str:
         return text
     assert read is not None
     try:
-        return Path(read).read_text(encoding="utf-8")
-    except (OSError, ValueError) as error:
-        because = getattr(error, "strerror", None) or error
-        raise ValueError(f"read: got {validation.shown(read)}, cannot be read: {because}") from None
+        return validation.path("read", read).read_text(encoding="utf-8")
+    except OSError as error:
+        raise validation.unreadable(read, error, "read") from None
+    except UnicodeDecodeError as error:
+        raise ValueError(f"read: {read}: cannot be read: {error}") from None
 
 
 def back(text: str, balls: list[Ball], wall: bool | None, given: dict[str, Any]) -> Obtained:

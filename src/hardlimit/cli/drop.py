@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from .. import __version__
 from ..column import files
 from ..column.comparison import Comparison, compare
 from ..column.models import MODELS
@@ -19,7 +20,8 @@ from ..column.solvers import newton
 from ..contact import compression
 from ..support import saving
 from ..support.formatting import digits, length, quantity
-from ..support.progress import bar
+from ..support.progress import bar, waiting
+from ..sweep.variables import OF_BALL, OF_POINT
 from .options import (
     LAW_PARAMETERS,
     F,
@@ -40,6 +42,7 @@ from .printing import console, plain, print_json, sentence, show, table
 from .program import Command
 
 if TYPE_CHECKING:
+    import xarray as xr
     from rich.table import Table
 
 BALL_OPTIONS = ("radii", "radius_1", "radius_2", "radius_ratio", "densities", "masses")
@@ -87,7 +90,9 @@ output_options = options(
 
 
 @click.command(
-    cls=Command, epilog="\b\nExample:\n  hardlimit drop --restitution 0.9 --gap 1mm --plot drop.png"
+    cls=Command,
+    aliases={"file": "FILE"},
+    epilog="\b\nExample:\n  hardlimit drop --restitution 0.9 --gap 1mm --plot drop.png",
 )
 @click.argument("file", required=False, metavar="[FILE.toml]")
 @column_options
@@ -108,12 +113,16 @@ def drop(file: str | None, until: float | None, dpi: float | None, as_json: bool
     }
     column = column_from(file, given)
     # The report has its own line for deep compressions.
-    with warnings.catch_warnings(action="ignore", category=compression.CompressionWarning):
+    with (
+        warnings.catch_warnings(action="ignore", category=compression.CompressionWarning),
+        waiting("drop"),
+    ):
         found = compare(column)
         shown = newton(column, until) if until is not None else found.newton
+        content = as_mapping(found, shown)  # solves what follows the sequence; results keep it for the report
     write_outputs(found, shown, outputs, dpi)
     if as_json:
-        print_json(as_mapping(found, shown))
+        print_json(content)
     else:
         print_report(found, shown)
 
@@ -275,14 +284,29 @@ def result_mapping(shown: Result, result: Result) -> dict[str, Any]:
 
 
 def save_results(results: tuple[Result, ...], path: Path) -> Path:
-    """Save the trajectory and the contacts of each model as groups of a NetCDF file, such as ``newton/trajectory``."""
-    import xarray as xr
-
-    column = results[0].column
-    about = {"title": "hardlimit drop", "column": repr(column), "toml": files.dumps(column)}
-    groups: dict[str, xr.Dataset] = {"/": xr.Dataset(attrs=about)}
+    """Save a table of the models at the root of a NetCDF file, and the trajectory and the contacts of each as groups,
+    such as ``newton/trajectory``."""
+    groups = {"/": saving.mark(model_table(results), "drop")}
     for result in results:
         facts = {"model": result.model, "method": result.method, "outcome": result.outcome}
         groups[f"{result.model}/trajectory"] = result.trajectory().assign_attrs(facts)
         groups[f"{result.model}/contacts"] = result.contacts.assign_attrs(facts)
     return saving.groups(groups, path)
+
+
+def model_table(results: tuple[Result, ...]) -> xr.Dataset:
+    """The variables of a sweep for one column, over ``model``."""
+    import xarray as xr
+
+    column = results[0].column
+    data: dict[str, Any] = {
+        name: ("model", [getattr(result, name) for result in results], variable.attributes())
+        for name, variable in OF_POINT.items()
+    }
+    for name, plural in zip(OF_BALL, ("rebound_heights", "final_velocities"), strict=True):
+        values = [getattr(result, plural) for result in results]
+        data[name] = (("model", "ball"), values, OF_BALL[name].attributes())
+    data["outcome"] = ("model", [result.outcome for result in results])
+    coordinates = {"model": [result.model for result in results], "ball": range(1, len(column.balls) + 1)}
+    about = {"title": "hardlimit drop", "source": f"hardlimit {__version__}", "column": repr(column)}
+    return xr.Dataset(data, coordinates, about | {"toml": files.dumps(column)})

@@ -15,7 +15,7 @@ from ..contact.balls import FLOOR, Ball
 from ..contact.contact import law_parameters
 from ..contact.laws import LAWS
 from ..fitting import fit as fitted
-from ..fitting.files import read_measurements
+from ..fitting.files import error_column, read_measurements
 from ..fitting.measurements import Measured
 from ..fitting.result import Fit, as_mapping
 from ..support.estimate import Estimate
@@ -32,11 +32,20 @@ EXAMPLE_ERROR = 0.005
 
 @click.command(
     cls=Command,
+    aliases={
+        "path": "FILE",
+        "file": "FILE",
+        "data": "FILE",
+        "ball": "--radius",
+        "fixed": "options of the law",
+    },
     epilog="\b\nExample:\n  hardlimit fit --example > impacts.csv\n  hardlimit fit impacts.csv --plot fit.png",
 )
 @click.argument("file", required=False, metavar="[FILE.csv]")
 @law_options(law="Law to fit.  [default: viscoelastic for impacts, linear for a column]")
-@click.option("--free", multiple=True, metavar="NAME", help="Parameter to fit; repeat it for more.")
+@click.option(
+    "--free", multiple=True, metavar="NAME", help="Parameter to fit, such as stiffness; repeat it for more."
+)
 @click.option("--scatter", is_flag=True, help="Fit the scatter of ε beyond the errors of the measurement.")
 @quantity_option(
     "--confidence",
@@ -76,6 +85,10 @@ def fit(file: str | None, example: bool, as_json: bool, **given: Any) -> None:
         warnings.simplefilter("always", UserWarning)
         data = read_measurements(file, column=column, gravity=gravity)
     print_warnings("fit", ignored)
+    if not (given["scatter"] or data.has_errors):
+        raise ValueError(
+            f"{file}: values without errors, or with 0: add a column {error_column(file)}, or --scatter"
+        )
     found = computed(data, law, fixed, given)
     if plot:
         from .. import plots
@@ -94,7 +107,7 @@ def computed(data: Measured, law: str | None, fixed: dict[str, float], given: di
         data,
         law or ("viscoelastic" if data.kind == "impacts" else "linear"),
         fixed=fixed,
-        free=given["free"] or None,
+        free=[name.lstrip("-").replace("-", "_") for name in given["free"]] or None,
         ball=ball,
         other=other,
         scatter=given["scatter"],

@@ -27,15 +27,15 @@ from ..boxes.rules import checked_settings
 from ..boxes.run import load
 from ..boxes.system import described
 from ..boxes.thermostats import as_entry
-from ..support import saving
+from ..support import saving, validation
 from ..support.formatting import digits, listed
 from ..verdict.error_law import softness
 from .compare import compare
-from .gas_job import OUTPUT, RUN, START, GasJob, checked_outputs, default_end, make_job
+from .gas_job import ALIASES, OUTPUT, RUN, START, GasJob, checked_outputs, default_end, make_job
 from .job import Entry, entry_options
 from .options import dpi_option, json_option, law_options, law_text, options, output_option, spelled
 from .printing import console, plain, print_json, print_outcome, sentence, show, table
-from .program import Command, no_such_command, notes, raise_all, write_files
+from .program import Command, in_options, no_such_command, notes, raise_all, write_files
 
 #: Options of Newton's equations that are arguments of ``hl.molecular_dynamics``.
 SOLVER = (
@@ -111,6 +111,7 @@ def completions(ctx: click.Context, param: click.Parameter, incomplete: str) -> 
 
 @click.command(
     cls=WithCompare,
+    aliases=ALIASES,
     epilog="\b\nExample:\n  hardlimit gas --n 2000 --packing-fraction 0.2 --restitution 0.8 --until 0.2 --plot gas.png",
 )
 @click.argument("file", required=False, metavar="[FILE]", shell_complete=completions)
@@ -212,7 +213,7 @@ def resumed(file: str | None, checkpoint: str, given: dict[str, Any]) -> GasRun:
 
 def check_resumed(checkpoint: str, end: dict[str, Any], outputs: dict[str, Path | None]) -> list[float]:
     """Refuse outputs that the rest of a run cannot give, before it goes on. Returns the times of its samples."""
-    run = load(checkpoint)
+    run = load(validation.path("resume", checkpoint))
     if outputs["plot"] is not None and run.engine.record.name != HARD_SPHERES:
         raise ValueError("--plot: must be left out for a run under Newton's equations")
     until = end["until"] if any(value is not None for value in end.values()) else run.schedule.until
@@ -466,7 +467,7 @@ def as_mapping(result: Any, files: list[Path]) -> dict[str, Any]:
     if not isinstance(result, hl.ContactResult):
         found["theory"] = predictions(result)
     found |= {
-        "outcome": {"name": result.outcome_name, "message": result.outcome},
+        "outcome": {"name": result.outcome_name, "message": in_options(result.outcome)},
         "early_end": None if result.early_end is None else result.early_end._asdict(),
         "time": result.time,
         "series": {"time": series["time"].values, **{k: v.values for k, v in series.data_vars.items()}},
@@ -483,16 +484,6 @@ def draw(result: Any, dpi: float | None, path: Path) -> None:
 
 
 def save(result: Any, path: Path) -> Path:
-    """Save series, the log if there is one, and the final state as groups of a NetCDF file."""
-    import xarray as xr
-
-    newton = isinstance(result, hl.ContactResult)
-    about = {"title": "hardlimit gas", "outcome": result.outcome}
-    if newton:
-        about |= {"engine": result.engine, "engine_reason": result.engine_reason}
-    else:
-        about["rule"] = result.settings.report()
-    groups = {"/": xr.Dataset(attrs=about), "series": result.series, "final": result.system.dataset}
-    if result.log is not None:
-        groups |= {"contacts": result.contacts} if newton else {"collisions": result.collisions}
-    return saving.groups(groups, path)
+    """Save the series, the log if there is one, and the final state as NetCDF."""
+    saved: Path = result.save(path)
+    return saved

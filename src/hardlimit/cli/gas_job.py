@@ -64,6 +64,13 @@ START: Final = (
 )
 OF_SHAKING: Final = ("shake", "wall", "waveform")
 OF_THE_BOX: Final = ("boundary", "gravity", *OF_SHAKING, "shear", "heat")
+#: Options that stand for arguments of Python in messages.
+ALIASES: Final = {
+    **dict.fromkeys(("path", "file"), "FILE"),
+    **dict.fromkeys(("walls", "amplitude", "frequency"), "--shake"),
+    **{"shear_rate": "--shear", "thermostat": "--heat"},
+    **{"folder": "--write-input", "molecular_dynamics": "--engine auto"},
+}
 #: Interval between the kicks of a heated gas, in mean times between two collisions of a particle.
 KICK_INTERVAL: Final = 0.1
 
@@ -214,7 +221,7 @@ def moving_walls(shaken: Mapping[str, str], dimension: int, boundary: Any) -> di
     if not shaken:
         return {}
     if "shake" not in shaken:
-        raise ValueError(f"{next(iter(shaken))}: must be left out without shake")
+        raise ValueError(f"{next(iter(shaken))}: must be left out without --shake")
     amplitude, colon, frequency = shaken["shake"].partition(":")
     if not colon:
         raise ValueError(

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from .program import in_options
+
 if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
@@ -55,8 +57,10 @@ def sentence(text: str) -> str:
 
 
 def print_outcome(out: Console, outcome: str, files: Iterable[Path] = ()) -> None:
-    """Print the outcome of a run and the files that were written."""
-    out.print(f"outcome: {outcome}", style="default" if outcome == "ok" else "yellow", markup=False)
+    """Print the outcome of a run, with options in place of what it has of Python, and the files that were written."""
+    out.print(
+        f"outcome: {in_options(outcome)}", style="default" if outcome == "ok" else "yellow", markup=False
+    )
     print_files(out, files)
 
 

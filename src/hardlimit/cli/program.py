@@ -13,7 +13,7 @@ import sys
 import threading
 import time as clock
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from types import FrameType
@@ -22,11 +22,22 @@ from typing import Any, TextIO
 import click
 from click.core import ParameterSource
 
+from ..contact.laws import LAWS
 from ..support import machine
 
 #: A parameter in a message, such as ``gaps[1]``, and the one or more parameters with which a message begins.
 PARAMETER = re.compile(r"(\w+)((?:\[\d+\])*)")
-SUBJECT = re.compile(rf"{PARAMETER.pattern}(?: \| {PARAMETER.pattern})*")
+SUBJECT = re.compile(rf"{PARAMETER.pattern}(?:(?: \||,) {PARAMETER.pattern})*")
+QUOTE = "'"
+#: What a message may have of Python: an object, a keyword argument, and parameters by their names.
+PYTHON = re.compile(
+    r"(?P<object>[A-Z]\w*)\((?P<values>\w+=[^()]*)\)"
+    r"|\b(?P<name>[a-z]\w*)=(?P<value>'[^']*'|[\w.+-]+)?"
+    r"|'[^']*'"
+    r"|\b(?P<words>[a-z]\w*(?: \+ [a-z]\w*)+|[a-z]+(?:_[a-z0-9]+)+)\b"
+)
+#: Names of the laws on the command line by their classes.
+LAW_NAMES = {law.__name__: name for name, law in LAWS.items()}
 
 FAILURE = 1
 BAD_INPUT = 2
@@ -60,46 +71,102 @@ class Program(click.Group):
 
 
 class Command(click.Command):
-    """A command that reports bad input, missing extras and full disks in one line."""
+    """A command that reports bad input, missing extras and full disks in one line.
+
+    ``aliases`` has what stands for a parameter of Python that is no option, such as ``{"path": "FILE"}``.
+    """
+
+    def __init__(self, *args: Any, aliases: Mapping[str, str] | None = None, **more: Any) -> None:
+        super().__init__(*args, **more)
+        self.aliases = dict(aliases or {})
 
     def invoke(self, ctx: click.Context) -> Any:
         try:
             return super().invoke(ctx)
         except (BrokenPipeError, click.exceptions.Exit, click.Abort):  # the last two are RuntimeErrors
             raise
-        except ValueError as error:
-            raise click.UsageError(with_options(ctx, str(error)), ctx) from error
-        except (ImportError, OSError, RuntimeError, MemoryError) as error:
-            failure = click.ClickException("; ".join([reason(error), *notes(error)]))
+        except (ValueError, ImportError, OSError, RuntimeError, MemoryError) as error:
+            missing = isinstance(error, FileNotFoundError) and error.filename is None  # a file of the user
+            if isinstance(error, ValueError) or missing:
+                raise click.UsageError(with_options(ctx, str(error)), ctx) from error
+            failure = click.ClickException(with_options(ctx, "; ".join([reason(error), *notes(error)])))
             failure.ctx = ctx  # type: ignore[attr-defined]
             raise failure from error
 
 
 def with_options(ctx: click.Context, message: str) -> str:
-    """The message with options in place of the parameters at its beginning: ``--balls: got 1`` for ``n: got 1``.
+    """The message in the words of the command line: ``--balls: got 1`` for ``n: got 1``.
 
-    If the command reads a file, only options that were typed are named.
+    The parameters at its beginning and what the rest has of Python become options. If the command reads a job, only
+    options that were typed are named. A hint about an argument that the command lacks is left out.
     """
     subject, colon, rest = message.partition(": ")
     if not SUBJECT.fullmatch(subject):
-        return message
-    known: dict[str, click.Parameter] = {}
-    for param in ctx.command.params:
-        if isinstance(param, click.Option):
-            known |= dict.fromkeys((param.name or "", param.opts[0].lstrip("-").replace("-", "_")), param)
+        subject, rest = (subject + colon, rest) if colon else ("", subject)
+        return subject + in_words(rest, {} if colon and subject.endswith(".toml: ") else options_of(ctx))
+    known = options_of(ctx)
     about = [known[name] for name, _ in PARAMETER.findall(subject) if name in known]
-    typed = any(ctx.get_parameter_source(p.name or "") is ParameterSource.COMMANDLINE for p in about)
-    if ctx.params.get("file") is not None and not typed:
-        return message
+    sources = [ctx.get_parameter_source(p.name or "") for p in about if isinstance(p, click.Option)]
+    typed = ParameterSource.COMMANDLINE in sources
+    if str(ctx.params.get("file") or "").endswith(".toml") and not typed:
+        known = {name: option for name, option in known.items() if isinstance(option, str)}
 
     def option(found: re.Match[str]) -> str:
         name, place = found.groups()
         if name not in known:
             return found[0]
-        given = ctx.params.get(known[name].name or "")
-        return known[name].opts[0] + (place if isinstance(given, tuple) and len(given) > 1 else "")
+        if isinstance(param := known[name], str):
+            return param
+        given = ctx.params.get(param.name or "")
+        return param.opts[0] + (place if isinstance(given, tuple) and len(given) > 1 else "")
 
-    return PARAMETER.sub(option, subject) + colon + rest
+    options = " | ".join(dict.fromkeys(PARAMETER.sub(option, subject).split(" | ")))
+    return options + colon + in_words(rest, known)
+
+
+def in_options(text: str) -> str:
+    """An outcome or a summary with options of the command in place of what it has of Python."""
+    return in_words(text, options_of(click.get_current_context()))
+
+
+def options_of(ctx: click.Context) -> dict[str, click.Option | str]:
+    """The options of a command by the parameters of Python to which they belong, and its aliases."""
+    known: dict[str, click.Option | str] = {}
+    for param in ctx.command.params:
+        if isinstance(param, click.Option):
+            known |= dict.fromkeys((param.name or "", param.opts[0].lstrip("-").replace("-", "_")), param)
+    return known | getattr(ctx.command, "aliases", {})
+
+
+def in_words(text: str, known: Mapping[str, click.Option | str]) -> str:
+    """The text with options in place of keyword arguments and objects of Python; what is in quotes stays."""
+
+    def option(name: str, value: str | None = None) -> str:
+        param = known.get(name)
+        word = name if param is None else param if isinstance(param, str) else param.opts[0]
+        flag = isinstance(param, click.Option) and param.is_flag
+        return word if flag or not value else f"{word} {value.strip(QUOTE)}"
+
+    def of_object(name: str, values: str) -> str:
+        if name in LAW_NAMES:
+            return " ".join([LAW_NAMES[name], *(option(*one.split("=", 1)) for one in values.split(", "))])
+        return f"{name}: {values.replace('=', ' ')}"
+
+    def replaced(found: re.Match[str]) -> str:
+        if found["object"]:
+            return of_object(found["object"], found["values"])
+        if found["name"]:
+            return option(found["name"], found["value"])
+        if found["words"]:
+            return " + ".join(option(name) for name in found["words"].split(" + "))
+        return found[0]
+
+    def is_missing(clause: str) -> bool:
+        return any(m["name"] and m["name"] not in known for m in PYTHON.finditer(clause))
+
+    first, *clauses = text.split("; ")
+    kept = [first, *(clause for clause in clauses if not is_missing(clause))]
+    return PYTHON.sub(replaced, "; ".join(kept))
 
 
 def no_such_command(ctx: click.Context, name: str, commands: Iterable[str]) -> click.UsageError:
@@ -123,8 +190,7 @@ def write_files(
 ) -> tuple[list[Path], list[Exception]]:
     """Write the files that are wanted at the end of a long computation; returns those that are written, and why others
     are not. The caller prints what it has computed, then raises the errors."""
-    written: list[Path] = []
-    failures: list[Exception] = []
+    written, failures = list[Path](), list[Exception]()
     for path, write in files:
         if path is not None:
             try:

@@ -65,6 +65,11 @@ SETTINGS = (
     Entry("out", "NetCDF file (.nc) or Zarr store (.zarr, written chunk by chunk).", metavar="FILE"),
     Entry("plot", "Map of the first variable, by default the contacts (png, pdf, …).", metavar="FILE"),
     Entry(
+        "ball",
+        "Ball of the plotted variable, 1 for the lowest, if it has one value per ball.  [default: the highest]",
+        kind=int,
+    ),
+    Entry(
         "difference",
         "Map of the difference in v'r, Newton − independent collisions (png, pdf, …).",
         metavar="FILE",
@@ -149,6 +154,7 @@ def geometry_options(function: F) -> F:
 
 @click.command(
     cls=Command,
+    aliases={"file": "FILE", "store": "--out FILE.zarr"},
     epilog="\b\nExample:\n  hardlimit sweep --restitution 0.4:1:400 --gap 1um:1cm:400:log --plot map.png",
 )
 @click.argument("file", required=False, metavar="[JOB.toml]")
@@ -164,7 +170,7 @@ def sweep(file: str | None, resume: bool, dpi: float | None, as_json: bool, **gi
     A parameter is a number, a list 0.5,0.7,0.9, or start:stop:count, with :log for equal factors; numbers may have a
     unit, such as 1um. All other parameters are those of the column in JOB.toml, or of the two balls of Fig. 2 of the
     paper. A job file is a file of `hardlimit drop` with a table [sweep] (model, engine, threads, scheduler, tolerance,
-    variables, out, plot, difference) and a table [sweep.axes].
+    variables, out, plot, ball, difference) and a table [sweep.axes].
     """
     job = make_job(file, resume, given)
     import xarray  # noqa: F401  # before the sweep, which measures its time
@@ -195,6 +201,7 @@ class Job:
     run: dict[str, Any]  #: arguments of ``hardlimit.sweep``
     out: Path | None
     pictures: dict[str, Path | None]  #: "plot" and "difference"
+    ball: int | None  #: ball of the plotted variable; None if it has one value for all balls
 
 
 def make_job(file: str | None, resume: bool, given: dict[str, Any]) -> Job:
@@ -217,20 +224,29 @@ def make_job(file: str | None, resume: bool, given: dict[str, Any]) -> Job:
         wanted = settings["variables"]
         wanted = (wanted,) if isinstance(wanted, str) else tuple(wanted)
         settings["variables"] = (*wanted, "relative_velocity") if pictures["difference"] else wanted
-    check_pictures(pictures, dimensions, len(column.balls), settings.get("variables", ("n_contacts",))[0])
-    return Job(column, swept, settings, out, pictures)
+    check_pictures(pictures, dimensions, len(column.balls))
+    variable = settings.get("variables", ("n_contacts",))[0]
+    ball = plotted_ball(settings.pop("ball", None), variable, len(column.balls))
+    return Job(column, swept, settings, out, pictures, ball)
 
 
-def check_pictures(pictures: dict[str, Path | None], dimensions: int, balls: int, variable: str) -> None:
+def plotted_ball(ball: int | None, variable: str, balls: int) -> int | None:
+    """The ball of a variable with one value per ball, the highest one if none is given; None for other variables."""
+    if variable in OF_BALL:
+        return balls if ball is None else validation.whole("ball", ball, 1, balls)
+    if ball is not None:
+        shown = ", ".join(OF_BALL)
+        raise ValueError(
+            f"ball: got {ball}, must be left out for {variable}; {shown} have one value per ball"
+        )
+    return None
+
+
+def check_pictures(pictures: dict[str, Path | None], dimensions: int, balls: int) -> None:
     """Refuse pictures that cannot be drawn, before the map is computed."""
     got = f"got {dimensions} swept parameter{'s' * (dimensions != 1)}"
-    if pictures["plot"]:
-        if dimensions > 2:
-            raise ValueError(f"--plot: {got}, must be one or two to be drawn")
-        if variable in OF_BALL:
-            raise ValueError(
-                f"--plot: got {variable}, must be left out for a variable with one value per ball"
-            )
+    if pictures["plot"] and dimensions > 2:
+        raise ValueError(f"--plot: {got}, must be one or two to be drawn")
     if pictures["difference"]:
         if dimensions != 2:
             raise ValueError(f"--difference: {got}, must be two for a map")
@@ -289,7 +305,8 @@ def draw(ds: xr.Dataset, job: Job, dpi: float | None) -> None:
 
     if job.pictures["plot"]:
         variable = job.run.get("variables", ("n_contacts",))[0]
-        plots.save(plots.sweep_map(ds, variable), job.pictures["plot"], dpi)
+        shown = ds if job.ball is None else ds.sel({BALL: job.ball})
+        plots.save(plots.sweep_map(shown, variable), job.pictures["plot"], dpi)
     if job.pictures["difference"]:
         # A tolerance belongs to the first model; the other one may not accept it.
         needed = {**job.run, "variables": ("relative_velocity",)}
@@ -327,9 +344,11 @@ def summarise(ds: xr.Dataset, out: Path | None) -> dict[str, Any]:
                 meanings = block[name].attrs["flag_meanings"].split()
                 for code, n in zip(codes, counts, strict=True):
                     outcomes[meanings[code]] = outcomes.get(meanings[code], 0) + int(n)
-            elif np.isfinite(values).any():
-                low, high = ranges.get(str(name), [math.inf, -math.inf])
-                ranges[str(name)] = [min(low, float(np.nanmin(values))), max(high, float(np.nanmax(values)))]
+                continue
+            for label, part in of_balls(str(name), block[name]):
+                if np.isfinite(part).any():
+                    low, high = ranges.get(label, [math.inf, -math.inf])
+                    ranges[label] = [min(low, float(np.nanmin(part))), max(high, float(np.nanmax(part)))]
     summary: dict[str, Any] = plain(
         {
             "points": math.prod(sizes.values()),
@@ -344,6 +363,15 @@ def summarise(ds: xr.Dataset, out: Path | None) -> dict[str, Any]:
     return summary
 
 
+def of_balls(name: str, variable: xr.DataArray) -> Iterator[tuple[str, Any]]:
+    """Label and values of a variable, for each ball if it has one value per ball."""
+    if BALL not in variable.dims:
+        yield name, variable.values
+        return
+    for ball in variable[BALL].values:
+        yield f"{name} of ball {ball}", variable.sel({BALL: ball}).values
+
+
 def print_summary(ds: xr.Dataset, summary: dict[str, Any]) -> None:
     """Print the summary as a table."""
     out = console()
@@ -352,7 +380,7 @@ def print_summary(ds: xr.Dataset, summary: dict[str, Any]) -> None:
     speed = quantity(summary["points"] / seconds, "points/s", 3)
     rows = []
     for name, (low, high) in summary["ranges"].items():
-        unit = ds[name].attrs.get("units", "1")
+        unit = ds[name.partition(" of ball ")[0]].attrs.get("units", "1")
         rows.append([name + ("" if unit == "1" else f" [{unit}]"), digits(low), digits(high)])
     below = ", ".join(f"{count} {name}" for name, count in summary["outcomes"].items())
     title = f"{summary['model']}, {sizes}: {summary['points']} points in {seconds:.3g} s, {speed}"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final, Literal, NamedTuple, cast
 
 from .. import _core
@@ -39,7 +40,7 @@ class Comparison:
         """The results in the order in which they are shown."""
         return tuple(r for r in (self.newton, self.adiabatic, self.independent) if r is not None)
 
-    @property
+    @cached_property
     def verdict(self) -> ColumnVerdict:
         """Whether independent collisions are good enough for this column, in one sentence."""
         return _verdict(self)

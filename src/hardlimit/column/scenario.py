@@ -29,6 +29,7 @@ LARGEST: Final = 1e100
 T = TypeVar("T")
 
 
+@validation.sealed("write a function of a Column")
 @dataclass(frozen=True, init=False, repr=False)
 class Column:
     """Balls with their centres on a vertical line, released above a floor.

@@ -22,6 +22,7 @@ def ball_masses(density: NDArray[np.float64], radius: NDArray[np.float64]) -> ND
     return np.fromiter(map(_core.ball_mass, density.tolist(), radius.tolist()), np.float64, len(density))
 
 
+@validation.sealed("write a function that returns a Ball")
 @dataclass(frozen=True, init=False)
 class Ball:
     """A solid sphere.
@@ -75,6 +76,7 @@ class Ball:
         return Ball(radius, mass=self.mass)
 
 
+@validation.sealed("the floor is hl.FLOOR")
 class Floor:
     """The floor: body 0, of infinite mass and radius."""
 

@@ -14,7 +14,7 @@ DEEP: Final = 0.05
 VALIDITY: Final = f"contact laws describe a few per cent, and none more than {100.0 * DEEPEST:g} %"
 #: The message contains no number of the run, so that Python shows it only once for many results of one line of code.
 WARNING: Final = (
-    f"contacts were compressed by more than {100.0 * DEEP:g} % of the smaller radius (see largest_compression); "
+    f"contacts were compressed by more than {100.0 * DEEP:g} % of the smaller radius (see the largest compression); "
     f"{VALIDITY}"
 )
 

@@ -30,6 +30,7 @@ Values = NDArray[Any] | Sequence[float] | Sequence[Sequence[float]]
 Floats = NDArray[np.float64]
 
 
+@validation.sealed("make contacts with Law.between")
 class Contact:
     """A contact of two bodies under a law; returned by :meth:`Law.between`.
 
@@ -46,11 +47,17 @@ class Contact:
     '0.278 ms'
     """
 
+    law: Law
+    core: _core.Contact
+    _constants: dict[str, float]
+
     def __init__(self, law: Law, core: _core.Contact) -> None:
-        self.law = law
-        self.core = core
         names = [constant["name"] for constant in law.record["constants"]]
-        self._constants: dict[str, float] = dict(zip(names, core.values(), strict=True))
+        constants = dict(zip(names, core.values(), strict=True))
+        self.__dict__.update(law=law, core=core, _constants=constants)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        raise AttributeError(f"{name}: a contact is immutable, change its law or its bodies")
 
     def __getattr__(self, name: str) -> float:
         constants = self.__dict__.get("_constants", {})

@@ -96,12 +96,15 @@ class Input:
 
 @dataclass(frozen=True)
 class Difference:
-    """How a model differs in versions of its code that were not examined: since one version, or before one."""
+    """How a model differs in versions of its code that were not examined: since one version, before one, or both."""
 
-    damping: Damping
+    damping: Damping | None = None  #: if it differs
+    spring: Spring | None = None  #: if it differs
     since: str = ""  #: the first version, such as ``2 Sep 2026`` or ``2023.02``
     before: str = ""  #: the first version without it
     attracts: Literal["", "always", "never", "unless"] = ""  #: if it differs
+    walls: bool = False  #: whether only walls differ
+    unknown: bool = False  #: whether its force was not found out
 
 
 @dataclass(frozen=True)
@@ -119,7 +122,7 @@ class Model:
     mass: Mass = Mass()  #: in the formulas, if it is not the effective mass
     note: str = ""  #: remark on the model
     checked: Literal["", "source"] = ""  #: if it was checked less thoroughly than its code
-    difference: Difference | None = None  #: in other versions of the code
+    difference: list[Difference] = field(default_factory=list)  #: in other versions of the code
 
     def unit(self, name: str) -> tuple[float, float, float]:
         """Powers of mass, length and time in the unit of a number.

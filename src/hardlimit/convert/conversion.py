@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any, Final
 
 from .. import _core
-from ..boxes.time_step import DEFAULT_ERROR, LARGEST_ERROR, SMALLEST_ERROR
+from ..boxes.time_step import accepted_error
 from ..contact.balls import FLOOR, Ball, Floor
 from ..scripts.yade import NUMERICAL_DAMPING
 from ..support import validation
@@ -292,11 +292,7 @@ def _stepping(error: Any, time_step: Any) -> Stepping:
         raise ValueError("restitution_error | time_step: got both, must be at most one of them")
     if time_step is not None:
         return Stepping(math.nan, validation.number("time_step", time_step, 0.0))
-    wanted_error = DEFAULT_ERROR if error is None else error
-    limits = {"lowest_allowed": True, "highest_allowed": True}
-    return Stepping(
-        validation.number("restitution_error", wanted_error, SMALLEST_ERROR, LARGEST_ERROR, **limits), None
-    )
+    return Stepping(accepted_error(error), None)
 
 
 def _chosen(name: Any, model: Any, powers: Powers) -> list[tuple[Code, Model]]:

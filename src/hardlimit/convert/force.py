@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Any, Final
+from typing import Any, Final, Literal
 
 import numpy as np
+import scipy
 
 from .. import _core
 from ..boxes.lammps import integration_error
@@ -100,14 +102,17 @@ class Force:
     def error_of_step(self, speed: float, time_step: float) -> float:
         """The error of ε by a time step [s]; infinite if the contact does not end with this step."""
         collision = self.collision(speed)
-        if collision.restitution == 0.0:
+        if not collision.restitution > 0.0:
             return math.nan
         # Beyond the largest number of steps tried, the error is taken as proportional to the step.
         tried = max(time_step, collision.duration / integration_error.MAX_STEPS)
-        scaled = Force(self.powers, 1.0, self.relative_damping(speed), 1.0)
         with np.errstate(over="ignore", invalid="ignore"):  # a contact that gains energy without end
-            error = integration_error.restitution_error(scaled, 1.0, tried / self.scales(speed)[1])
+            error = self._error_of_step(speed, tried)
         return float(error * time_step / tried)
+
+    def _error_of_step(self, speed: float, time_step: float) -> float:
+        scaled = Force(self.powers, 1.0, self.relative_damping(speed), 1.0)
+        return integration_error.restitution_error(scaled, 1.0, time_step / self.scales(speed)[1])
 
     def scales(self, speed: float) -> tuple[float, float]:
         """Units of length [m] and time [s] of a collision, in which K, the mass and the speed are 1."""
@@ -119,6 +124,50 @@ class Force:
         """Unit of the damping C."""
         length, time = self.scales(speed)
         return float(self.effective_mass / (time * length ** (0.25 * self.powers.damping)))
+
+
+@dataclass(frozen=True)
+class ContactArea:
+    """The area [m²] of a contact of two spheres in LIGGGHTS' models of cohesion."""
+
+    model: Literal["sjkr", "sjkr2"]
+    first: float  #: radius [m]
+    second: float  #: radius [m]; infinite at a wall
+
+    def __call__(self, compression: Floats) -> Floats:
+        """The area at each compression [m]. That of sjkr is the circle in which the spheres intersect."""
+        x, a, b = compression, self.first, self.second
+        wall = math.isinf(b)
+        if self.model == "sjkr2":  # at a wall half of what the effective radius gives
+            return (2.0 * math.pi * a if wall else 4.0 * math.pi * a * b / (a + b)) * x
+        area: Floats = math.pi * x * (2.0 * a - x)
+        return area if wall else area * (2.0 * b - x) * (2.0 * (a + b) - x) / (2.0 * (a + b - x)) ** 2
+
+
+@dataclass(frozen=True)
+class AdhesiveForce(Force):
+    """A force with the attraction w A(ξ) while bodies overlap. The bodies may stay together."""
+
+    energy_density: float  #: w [J/m³]
+    area: ContactArea
+
+    def force(self, compression: Floats, rate: Floats) -> Floats:
+        """Force [N], positive if repulsive, in the same shape."""
+        attraction = np.where(compression > 0.0, self.energy_density * self.area(compression), 0.0)
+        return super().force(compression, rate) - attraction
+
+    def collision(self, speed: float) -> Collision:
+        """The collision at ``speed`` [m/s]. Its restitution is 0 if the bodies stay together, NaN if crushed."""
+        return _adhesive_collision(self, speed)
+
+    def longest_step(self, speed: float, error: float) -> float:
+        """The longest time step [s] with an error of ε of at most ``error``; NaN if the bodies stay together."""
+        if not self.collision(speed).restitution > 0.0:
+            return math.nan
+        return float(integration_error.longest_step(self, speed, error))
+
+    def _error_of_step(self, speed: float, time_step: float) -> float:
+        return integration_error.restitution_error(self, speed, time_step)
 
 
 @dataclass(frozen=True)
@@ -139,6 +188,46 @@ class Collision:
 @lru_cache(maxsize=4096)
 def _collision(powers: Powers, damping: float) -> Collision:
     return Collision(*_core.power_collision(*powers.arguments, damping))
+
+
+@lru_cache(maxsize=4096)
+def _adhesive_collision(force: AdhesiveForce, speed: float) -> Collision:
+    """Integrated in the units of the collision without adhesion.
+
+    Bodies whose separation comes to rest within the contact stay together, because damping only dissipates. There is no
+    result where the smaller one is compressed by more than its radius.
+    """
+    length, time = force.scales(speed)
+    unit = force.effective_mass * length / (time * time)
+
+    def push(x: float, v: float) -> float:
+        return float(force.force(np.array([max(x, 0.0) * length]), np.array([v * speed]))[0]) / unit
+
+    def event(value: Callable[[Floats], float], direction: float, terminal: bool = True) -> Any:
+        found: Any = lambda _, y: value(y)  # noqa: E731
+        found.direction, found.terminal = direction, terminal
+        return found
+
+    smaller = min(force.area.first, force.area.second) / length
+    separated, compressed = event(lambda y: y[0], -1.0), event(lambda y: y[1], -1.0, False)
+    together, swallowed = event(lambda y: y[1], 1.0), event(lambda y: y[0] - smaller, 1.0)
+    done = scipy.integrate.solve_ivp(
+        lambda _, y: [y[1], -push(*y)],
+        (0.0, 1e4),
+        [0.0, 1.0],
+        "DOP853",
+        events=[separated, compressed, together, swallowed],
+        rtol=1e-10,
+        atol=1e-13,
+    )
+    largest, compression = max(map(push, *done.y)) * unit, float(done.y[0].max()) * length
+    if len(done.y_events[1]):
+        compression = float(done.y_events[1][0, 0]) * length
+    if len(done.t_events[3]):
+        return Collision(math.nan, math.nan, compression, largest)
+    if not len(done.t_events[0]):
+        return Collision(0.0, math.inf, compression, largest)
+    return Collision(-float(done.y[1, -1]), float(done.t[-1]) * time, compression, largest)
 
 
 @lru_cache(maxsize=4096)

@@ -63,6 +63,11 @@ def _modulus_of(numbers: Mapping[str, float], where: Where) -> float:
     return modulus(numbers["youngs_modulus"], numbers["poisson_ratio"])
 
 
+def _linear_modulus_of(numbers: Mapping[str, float], where: Where) -> float:
+    """Y/(2 (1 − ν)), without a square."""
+    return 0.5 * numbers["youngs_modulus"] / (1.0 - numbers["poisson_ratio"])
+
+
 def _impact(numbers: Mapping[str, float], where: Where) -> float:
     moved = Where(where.mass, where.radius, numbers["characteristic_speed"], None, where.poisson_ratio)
     return impact_stiffness(_modulus_of(numbers, where), moved)
@@ -88,6 +93,13 @@ def _relaxation(stiffness: float, where: Where) -> Numbers | None:
 SPRINGS: Final[dict[str, Spring]] = {
     "stiffness": Spring(lambda n, _: n["stiffness"], lambda value, _: {"stiffness": value}),
     "modulus": Spring(_modulus_of, _of_modulus),
+    "linear_modulus": Spring(
+        _linear_modulus_of,
+        lambda value, where: {
+            "youngs_modulus": 2.0 * (1.0 - where.poisson_ratio) * value,
+            "poisson_ratio": where.poisson_ratio,
+        },
+    ),
     "young": Spring(lambda n, _: n["youngs_modulus"], lambda value, _: {"youngs_modulus": value}),
     "impact": Spring(_impact, _impact_numbers),
     "contact_time": Spring(

@@ -19,6 +19,7 @@ from ..scripts.liggghts import Property
 from ..scripts.python import Instance, Unknown
 from ..scripts.statements import Statement, refusal, same_word, settings
 from ..scripts.yade import LAWS, NUMERICAL_DAMPING, Yade, entries
+from ..support.units import SYSTEMS
 from . import grammar
 
 
@@ -79,13 +80,6 @@ def _within(one: str, these: str) -> bool:
 
 # --- LAMMPS and LIGGGHTS --------------------------------------------------------------------------------------
 
-#: Units of mass [kg], length [m] and time [s] by name.
-UNITS: Final = {
-    "si": (1.0, 1.0, 1.0),
-    "cgs": (1e-3, 1e-2, 1.0),
-    "micro": (1e-15, 1e-6, 1e-6),
-    "nano": (1e-21, 1e-9, 1e-9),
-}
 #: Commands that may be hidden inside another command.
 HIDDEN: Final = re.compile(r"\b(?:pair_style|pair_coeff|wall/gran|property/global)\b|^\s*(?:units|include)\b")
 
@@ -109,9 +103,9 @@ def _commands(text: str) -> Iterator[Statement]:
 
 
 def _unit(statement: Statement) -> str:
-    if len(statement.words) != 2 or statement.words[1] not in UNITS:
+    if len(statement.words) != 2 or statement.words[1] not in SYSTEMS:
         raise refusal(
-            statement.line, statement.text, f"be units {', '.join(UNITS)}, which can be converted to SI"
+            statement.line, statement.text, f"be units {', '.join(SYSTEMS)}, which can be converted to SI"
         )
     return statement.words[1]
 

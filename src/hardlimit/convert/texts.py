@@ -11,9 +11,10 @@ from ..scripts.description import Setting, Settings
 from ..scripts.formulas import NUMBER
 from ..scripts.statements import refusal
 from ..support import validation
+from ..support.units import SYSTEMS
 from .codes import Code, Model, Pair, listed
 from .formulas import SPRINGS, Numbers
-from .readers import READERS, UNITS, Asked, Reading, same
+from .readers import READERS, Asked, Reading, same
 
 
 def written(
@@ -137,7 +138,7 @@ def interpreted(
             if place.startswith("{"):
                 kind, _, number = place[1:-1].rpartition(":")
                 value = _number(number, word, setting)
-                powers = zip(UNITS[units], found.unit(number), strict=True)
+                powers = zip(SYSTEMS[units], found.unit(number), strict=True)
                 scale = math.prod(unit**power for unit, power in powers)
                 numbers[number] = _checked(
                     found, number, scale * (abs(value) if kind == "negative" else value), setting
@@ -202,6 +203,10 @@ def _only_model(code: Code, models: Sequence[Model], settings: Settings, wall: b
     matching = [one for one in models if not _missing(one, settings, wall)]
     if len(matching) == 1:
         return matching[0]
+    strange = _unknown_word(models, settings, wall)
+    if strange is not None:
+        name, known = strange
+        raise ValueError(f"input: {name} of {code.title} is not known, only {', '.join(known)}")
     names = listed([one.name for one in (matching or models)])
     if matching:
         raise ValueError(f"input: got several models of {code.title}, must be one of {names}")
@@ -211,6 +216,21 @@ def _only_model(code: Code, models: Sequence[Model], settings: Settings, wall: b
         f"; {nearest.name} lacks {', '.join(missing)}" if len(missing) < len(_reads(nearest, wall)) else ""
     )
     raise ValueError(f"input: got no model of {code.title}, must be one of {names}{lacks}")
+
+
+def _unknown_word(
+    models: Sequence[Model], settings: Settings, wall: bool
+) -> tuple[str, tuple[str, ...]] | None:
+    """A setting whose word belongs to no model, such as ``model jkr``, and the words of that setting; None without."""
+    names = dict.fromkeys(name for one in models for name in _reads(one, wall))
+    for name in names:
+        firsts = dict.fromkeys(
+            _reads(one, wall)[name].split()[0] for one in models if name in _reads(one, wall)
+        )
+        words = settings[name].words[:1] if name in settings else ()
+        if words and not set(firsts) & set(words) and not any(first.startswith("{") for first in firsts):
+            return f"{name} {words[0]}", tuple(firsts)
+    return None
 
 
 def _missing(model: Model, settings: Settings, wall: bool) -> list[str]:

@@ -23,7 +23,7 @@ from ..support.progress import Report, reporter
 from . import statistics
 from .replica import NEWTON, RESTITUTION_ERROR, Plan, digest
 from .result import RESOLUTION, Fidelity
-from .starts import Starts, checked_starts
+from .starts import Starts, box_of, checked_starts
 from .store import Store, facts_of
 
 __all__ = ["MODELS", "Fidelity", "fidelity"]
@@ -69,7 +69,8 @@ def fidelity(
         of the velocities to the mean velocity and granular temperature of ``system``, and its mean flow if it is
         sheared. States out of equilibrium or
         under gravity or with moving walls need a function instead, which is called with ``seed`` + k and returns the
-        initial state of replica k. Each replica gets another seed of its thermostat.
+        initial state of replica k, in a box of the same dimension, boundary, gravity and kind of driving. Each replica
+        gets another seed of its thermostat.
     law : Law
         Contact law of Newton's equations and of the rules law and soft.
     until : float [s]
@@ -149,7 +150,7 @@ def fidelity(
         first = starts.start(0, lambda done, total: None)
         if solver == "auto":
             solver = engine_choice.estimated(first, law, end, RESTITUTION_ERROR).engine
-            starts = replace(starts, engine=solver)
+        starts = replace(starts, engine=solver, box=box_of(first))
         plan = Plan(law, chosen, end, spacings, *_impact(first, law, restitution, contact_duration), solver)
         _refuse_endless_heating(first, plan.restitution, law)
         kept = Store(store, facts_of(plan, digest(first).tobytes().hex(), starts.seed))
@@ -243,9 +244,12 @@ def _refuse_endless_heating(system: ParticleSystem, restitution: float, law: Law
 
 
 def typical_speed(system: ParticleSystem) -> float:
-    """Mean impact speed √(πT) [m/s] in a gas of this granular temperature. For particles at rest, the speed after a
-    fall through the height of the box, or 1 m/s without gravity."""
-    thermal = math.sqrt(math.pi * system.granular_temperature)
+    """Mean impact speed √(πT) [m/s] in a gas of this granular temperature; of a single particle its speed.
+
+    For particles at rest, the speed after a fall through the height of the box, or 1 m/s without gravity.
+    """
+    alone = float(np.linalg.norm(system.velocities)) if system.n == 1 else None
+    thermal = math.sqrt(math.pi * system.granular_temperature) if alone is None else alone
     fall = math.sqrt(2.0 * float(np.abs(system.gravity) @ system.box))
     return thermal or fall or 1.0
 

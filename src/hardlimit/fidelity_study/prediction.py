@@ -12,6 +12,7 @@ from ..boxes.rules import RULES
 from ..boxes.thermostats import RandomKicks
 from ..support.estimate import Estimate
 from ..verdict.error_law import MEASURED_TC_NU, ErrorLaw, error_law, exponents, softness
+from ..verdict.expectation import SHEAR_BAR
 from .replica import NEWTON
 
 if TYPE_CHECKING:
@@ -19,8 +20,11 @@ if TYPE_CHECKING:
 
 #: Standard errors of the prediction in its 99 % interval.
 BARS: Final = 2.6
-#: Standard error of the temperature under shear that is predicted, over t_c ν: from docs/sheared_gas.md.
-SHEAR_BAR: Final = 0.08
+#: Fewest particles of a gas.
+FEWEST_PARTICLES: Final = 4
+#: Fewest contacts that overlap others for a measured difference of the rule soft, which errs in them alone: the
+#: differences of replicas with one or none of them have no normal distribution.
+FEWEST_OVERLAPPING: Final = 100
 #: Number of intervals of √(E(0)/E) over which the predicted error is integrated.
 INTERVALS: Final = 64
 
@@ -59,6 +63,8 @@ def predicted(f: Fidelity, rule: str) -> Prediction:
     reason = theory.why_not(still.replace(thermostat=None) if heated else still)
     if reason is not None:
         return Prediction(reason=reason)
+    if f.start.n < FEWEST_PARTICLES:
+        return Prediction(reason=f"{f.start.n} particles are no gas")
     law, epsilon = f.plan.law, f.plan.restitution
     q = exponents(law).energy
     if rule not in RULES:
@@ -89,6 +95,15 @@ def predicted(f: Fidelity, rule: str) -> Prediction:
     lag = tc_nu * (1.0 - epsilon**2) / (4.0 * gas.dimension * grown)
     uncertain = float(np.mean([of_rule.error_bar(x) for x in at[:INTERVALS]]))
     return Prediction(reached / grown - 1.0 + lag, math.hypot(uncertain, 0.5 * lag))
+
+
+def contradicted(f: Fidelity, rule: str) -> bool:
+    """Whether the measured final difference of a rule contradicts the prediction, at 99 %."""
+    overlapping = f._all("overlapped_share")[:, 0] @ f._all("n_contacts")[:, 0]
+    if rule == "soft" and not overlapping >= FEWEST_OVERLAPPING:
+        return False
+    measure = "granular_temperature" if f.driven else "cooling"
+    return f.predicted(rule).contradicts(f.final_difference(measure, rule))
 
 
 def _driven(f: Fidelity, rule: str, gas: theory.Gas) -> Prediction:

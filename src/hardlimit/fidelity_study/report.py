@@ -9,6 +9,7 @@ import numpy as np
 
 from ..support.estimate import Estimate
 from ..support.formatting import at_least_two_digits, digits, listed, percent, percent_with_error
+from . import prediction
 from .replica import NEWTON
 
 if TYPE_CHECKING:
@@ -113,7 +114,7 @@ def _steady_sentence(f: Fidelity, rules: list[str]) -> str:
     if f.n_replicas > 1:
         bars = f"standard error of {f.n_replicas} replicas"
     else:
-        bars = "standard error by blocking, one replica"
+        bars = "standard error of correlated samples, one replica"
     return (
         f"Steady from {f.steady.start:.3g} s on. At {numbers(f)}, relative to Newton’s equations: {errors} "
         f"(± {bars}; ? not resolved to {percent(f.resolution)}).{_not_compared(f, rules)}{law_of_error(f)}"
@@ -160,7 +161,7 @@ def law_of_error(f: Fidelity) -> str:
         for rule, one in found.items()
         if math.isfinite(one.value)
     ]
-    wrong = [rule for rule, one in found.items() if one.contradicts(f.final_difference(measure, rule))]
+    wrong = [rule for rule in found if prediction.contradicted(f, rule)]
     of = ", in temperature," if f.driven else ""
     text = f" The law of the error predicts{of} {listed(said)}." if said else ""
     if wrong:

@@ -11,7 +11,9 @@ import numpy as np
 
 from .. import _core
 from ..boxes.box import Floats
+from ..boxes.engines import FIXED
 from ..boxes.observables import Observable, components
+from ..boxes.rules import law_entry, law_from
 from ..boxes.system import ParticleSystem
 from ..support import html, saving, validation
 from ..support.estimate import Estimate
@@ -283,7 +285,7 @@ class Fidelity:
 
     def steady_mean(self, quantity: str, model: str) -> Estimate[float]:
         """Average over the steady state of a driven box, with its 99 % interval: Student's distribution over replicas;
-        for one replica the statistical inefficiency of its samples (blocking). NaN without a steady state.
+        for one replica from its correlated samples (:func:`hardlimit.measure.steady`). NaN without a steady state.
 
         Parameters and errors as for :meth:`Fidelity.series`.
         """
@@ -493,7 +495,7 @@ class Fidelity:
         }
 
     def save(self, path: str | Path) -> Path:
-        """Write means and replicas as the groups ``means`` and ``replicas`` of one NetCDF file.
+        """Write means and, in the group ``replicas``, the replicas as one NetCDF file, which :func:`load` reads.
 
         Parameters
         ----------
@@ -505,10 +507,34 @@ class Fidelity:
         OSError
             If it cannot be written; names it.
         """
-        import xarray as xr
+        arrays = {f"start_{name}": getattr(self.start, name) for name in (*FIXED, "positions", "velocities")}
+        flat = [
+            (f"replica_{k}", name, array) for k, one in enumerate(self.arrays) for name, array in one.items()
+        ]
+        header = {
+            "system": self.start.entries(),
+            "plan": vars(self.plan) | {"law": law_entry(self.plan.law)},
+            "values": {"dimension": self.dimension, "resolution": self.resolution, "n": self.n_replicas},
+            "names": [name for _, name, _ in flat],
+        }
+        arrays |= {f"{replica}_{i}": array for i, (replica, _, array) in enumerate(flat)}
+        datasets = {"/": self.dataset, "replicas": self.replicas}
+        return saving.result(path, type(self).__name__, datasets, header, arrays)
 
-        root = xr.Dataset(attrs=self.dataset.attrs)
-        return saving.groups({"/": root, "means": self.dataset, "replicas": self.replicas}, path)
+    @classmethod
+    def _loaded(cls, content: saving.Saved) -> Fidelity:
+        """The comparison of a file. Raises KeyError, TypeError or ValueError if it is damaged."""
+        header, flat = content.state()
+        plan, values = dict(header["plan"]), header["values"]
+        plan |= {"law": law_from(plan["law"]), "models": tuple(plan["models"])}
+        state = {name: flat[f"start_{name}"] for name in (*FIXED, "positions", "velocities")}
+        replicas: list[Arrays] = [{} for _ in range(values["n"])]
+        of_replicas = (name for name in flat if name.startswith("replica_"))
+        for key in of_replicas:
+            _, replica, i = key.split("_")
+            replicas[int(replica)][header["names"][int(i)]] = flat[key]
+        start = ParticleSystem.from_entries(header["system"], **state)
+        return cls(Plan(**plan), start, values["dimension"], tuple(replicas), values["resolution"])
 
     # --- text and plots -------------------------------------------------------------------------------------
 

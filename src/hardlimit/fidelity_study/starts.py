@@ -27,6 +27,7 @@ class Starts:
     source: ParticleSystem | Callable[[int], ParticleSystem]
     seed: int
     engine: str = "events"  #: engine for Newton's equations
+    box: str = ""  #: :func:`box_of` replica 0; not compared if empty
 
     def start(self, replica: int, report: Report) -> ParticleSystem:
         if isinstance(self.source, ParticleSystem):
@@ -37,9 +38,26 @@ class Starts:
             raise ValueError(
                 f"system: got {validation.shown(made)} from the function, must be a ParticleSystem"
             )
+        if self.box and box_of(made) != self.box:
+            other = f"{box_of(made)} from the function for replica {replica}"
+            raise ValueError(f"system: got {other}, must be {self.box} as for replica 0")
         if self.engine == "events":
             check_box(made)
         return _with_own_kicks(made, replica)
+
+
+def box_of(system: ParticleSystem) -> str:
+    """What all replicas must share, in words: dimension, boundary, gravity and kind of driving."""
+    parts = [f"a box of dimension {system.dimension}, {', '.join(system.boundary)}"]
+    if system.gravity.any():
+        parts.append(f"gravity {system.gravity.tolist()}")
+    if system.walls:
+        parts.append(f"moving walls {', '.join(sorted(system.walls))}")
+    if system.thermostat is not None:
+        parts.append(type(system.thermostat).__name__)
+    if system.shear_rate:
+        parts.append(f"shear rate {system.shear_rate:g}")
+    return ", ".join(parts)
 
 
 def _with_own_kicks(system: ParticleSystem, replica: int) -> ParticleSystem:

@@ -10,13 +10,12 @@ from typing import Final
 import numpy as np
 
 from ..boxes.box import Floats
-from ..measure.steadiness import FEWEST, inefficiency, steady
+from ..measure.steadiness import DECAYS, FEWEST, ONE_SIGMA, RESOLVED, half_widths, inefficiency, steady
 from ..support.estimate import Estimate
 from ..support.formatting import digits, percent_with_error
 from . import statistics
 
-#: Smallest numbers of independent samples of a steady state: of all replicas together, and of each.
-INDEPENDENT: Final = 10.0
+#: Smallest number of independent samples of a steady state in each replica; all together need ``RESOLVED``.
 OF_EACH: Final = 3.0
 
 #: Probability that a steady state is refused, for all series together.
@@ -50,7 +49,7 @@ def detected(series: Mapping[tuple[str, str], Floats], times: Floats) -> SteadyS
     first = max(steady(one).n_discarded for one in means.values())
     for (quantity, model), one in means.items():
         replicas = len(series[quantity, model])
-        reason = _drift(one[first:], REFUSED / len(means), max(INDEPENDENT / replicas, OF_EACH))
+        reason = _drift(one[first:], REFUSED / len(means), max(RESOLVED / replicas, OF_EACH))
         if reason:
             return SteadyState(first, math.nan, f"the {quantity} {model} {reason}")
     return SteadyState(first, float(times[first]))
@@ -60,10 +59,10 @@ def _drift(part: Floats, level: float, least: float) -> str:
     """Why a series is not steady; empty if it is."""
     if np.ptp(part) == 0.0:
         return ""
-    whole = steady(part)
-    if whole.n_independent < least:
-        found = math.floor(10.0 * whole.n_independent) / 10.0
-        return f"has {digits(found, 3)} independent samples, fewer than {digits(least, 2)}"
+    independent = len(part) / inefficiency(part)
+    if independent < least:
+        rounded = math.floor(10.0 * independent) / 10.0
+        return f"has {digits(rounded, 3)} independent samples, fewer than {digits(least, 2)}"
     # A drift makes a series look correlated: its own correlation is that of the rest about a line.
     at = np.linspace(-1.0, 1.0, len(part))
     rest = part - part.mean() - at * float(at @ part) / float(at @ at)
@@ -80,13 +79,13 @@ def _drift(part: Floats, level: float, least: float) -> str:
 def average(values: Floats, state: SteadyState) -> Estimate[float]:
     """Mean over the steady state, (replica, interval).
 
-    Error: Student's distribution over replicas; for one replica from the statistical inefficiency of its samples.
+    Error: Student's distribution over replicas; for one replica from the spectrum of its samples.
     """
     part = values[:, state.first :]
     if len(part) > 1:
         return _plain(statistics.mean(part.mean(axis=1)))
-    error, independent = _within(part[0])
-    return _interval(float(part.mean()), error, independent)
+    error, half = _within(part[0])
+    return _interval(float(part.mean()), error, half)
 
 
 def difference(values: Floats, reference: Floats, state: SteadyState) -> Estimate[float]:
@@ -99,20 +98,22 @@ def difference(values: Floats, reference: Floats, state: SteadyState) -> Estimat
     value, of_reference = (float(one[0]) for one in means)
     if of_reference == 0.0:
         return Estimate(math.nan, math.nan, math.nan, math.nan)
-    bars = [_within(one[0]) for one in parts]
-    error = math.hypot(bars[0][0], bars[1][0] * value / of_reference) / abs(of_reference)
-    return _interval((value - of_reference) / abs(of_reference), error, min(n for _, n in bars))
+    scale = abs(of_reference)
+    bars = [
+        math.hypot(own, other * value / of_reference) / scale
+        for own, other in zip(*(_within(one[0]) for one in parts), strict=True)
+    ]
+    return _interval((value - of_reference) / scale, *bars)
 
 
 def _within(part: Floats) -> tuple[float, float]:
-    """Standard error of the mean of a stationary series, and the number of its independent samples."""
-    g = inefficiency(part)
-    independent = len(part) / g
-    return float(part.std(ddof=1)) / math.sqrt(independent), independent
+    """Standard error of the mean of a stationary series, and the half-width of its interval."""
+    error, half = half_widths(part, (ONE_SIGMA, 1.0 - statistics.LEVEL), DECAYS)
+    return error, half
 
 
-def _interval(value: float, error: float, independent: float) -> Estimate[float]:
-    half = max(statistics.student(max(int(independent) - 1, 1)) * error, statistics.SMALLEST)
+def _interval(value: float, error: float, half: float) -> Estimate[float]:
+    half = max(half, statistics.SMALLEST)
     return Estimate(value, error, value - half, value + half)
 
 

@@ -57,7 +57,7 @@ class Store:
             raise ValueError(f"store: {error}") from None
         if header.get("kind") != KIND:
             raise ValueError(
-                f"store: {path} is the checkpoint of a run, must be a store of hl.fidelity or a new file"
+                f"store: {path} is the checkpoint of a run, must be a store of replicas or a new file"
             )
         for name, wanted in self.facts.items():
             kept = header["facts"].get(name)

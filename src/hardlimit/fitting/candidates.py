@@ -138,7 +138,7 @@ def candidate(
         raise ValueError(f"fixed | free: got no free parameter, must leave one of {chosen.__name__}")
     held, notes = _held(parameters, kind, wanted, values, reference_speed)
     if kind == "impacts" and ball is None and wanted != [RESTITUTION]:
-        raise ValueError(f"ball: missing, must be the Ball that was dropped, to fit {', '.join(wanted)}")
+        raise ValueError(f"ball: missing, must be given to fit {', '.join(wanted)}")
     variables = tuple(_variable(known[name]) for name in wanted)
     constant = [name for name, one in LAWS.items() if _has_constant_restitution(one)]
     alike = tuple(constant) if kind == "impacts" and _has_constant_restitution(chosen) else ()

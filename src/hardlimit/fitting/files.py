@@ -13,7 +13,6 @@ import warnings
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from os import PathLike
 from pathlib import Path
 from typing import Final
 
@@ -98,9 +97,9 @@ def read_measurements(
     ValueError
         If the file cannot be read or is not such a table (names line and column), or another argument is outside its
         range.
+    FileNotFoundError
+        If there is no such file.
     """
-    if not isinstance(path, str | PathLike):
-        raise ValueError(f"path: got {validation.shown(path)}, must be the path of a file")
     if column is not None and not isinstance(column, Column):
         raise ValueError(f"column: got {validation.shown(column)}, must be a Column")
     validation.number("gravity", gravity, 0.0)
@@ -113,6 +112,11 @@ def read_measurements(
         return build(table, column, gravity)
     except ValueError as error:
         raise ValueError(f"{path}: {_with_line(str(error), table)}") from None
+
+
+def error_column(path: str | Path) -> str:
+    """The column with the errors of the values in such a file."""
+    return next(name for name in _read(path)[0].known if name.endswith("_error"))
 
 
 def _impacts(table: Table, column: Column | None, gravity: float) -> Measured:
@@ -184,14 +188,14 @@ def _with_line(message: str, table: Table) -> str:
 
 def _read(path: str | Path) -> tuple[Table, Build]:
     """The table of the file, with all values in their range, and the function that makes measurements of it."""
-    source = Path(path)
+    source = validation.path("path", path)
     try:
         size = source.stat().st_size
         if size > LARGEST_FILE:
             raise ValueError(f"{path}: got {size} bytes, must be at most {LARGEST_FILE}")
         text = source.read_text(encoding="utf-8-sig")
     except OSError as error:
-        raise ValueError(f"{path}: cannot be read: {error.strerror or error}") from None
+        raise validation.unreadable(path, error) from None
     except UnicodeDecodeError as error:
         raise ValueError(f"{path}: got bytes that are not UTF-8 at {error.start}, must be text") from None
     numbered = [(i + 1, line) for i, line in enumerate(text.splitlines())]

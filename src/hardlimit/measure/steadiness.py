@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -19,8 +21,27 @@ from .labelled import array, regular, variable
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-#: Number of starts of the steady part that are tried.
-STARTS: Final = 50
+#: Number of intervals in the first half of a series at which the steady part may begin.
+STARTS: Final = 25
+#: Standard errors by which the beginning of the steady part may differ from the second half, and the number of lengths
+#: of the beginning that are compared.
+DIFFERENT: Final = 2.0
+LENGTHS: Final = 8
+#: Fewest independent samples of a mean with an error.
+RESOLVED: Final = 10.0
+#: Largest number of values, means of blocks if there are more samples.
+BLOCKS: Final = 400
+#: Correlation times: their number, the shortest [blocks] and the longest over the length.
+TIMES: Final = 14
+SHORTEST, LONGEST = 0.5, 0.25
+#: Spectrum of uncorrelated noise over the height of that of the correlated part.
+NOISES: Final = np.append(0.0, np.geomspace(2.0**-17, 2.0, 13))
+#: Probability of the interval of one standard error.
+ONE_SIGMA: Final = 0.6827
+#: Bisections for the width of an interval.
+STEPS: Final = 40
+#: Decay times of what is left of a transient, over the length.
+DECAYS: Final = (0.03, 0.1, 0.3)
 #: Smallest number of samples of a series.
 FEWEST: Final = 4
 
@@ -29,12 +50,17 @@ FEWEST: Final = 4
 class Steady:
     """Mean of a series in its steady state; made by :func:`hardlimit.measure.steady`."""
 
-    mean: Estimate[float]  #: with standard error and 95 % confidence interval (Student's t)
+    mean: Estimate[float]  #: with standard error and 95 % interval
     start: float  #: first time or index of the steady part
     n_discarded: int  #: number of samples before it
     inefficiency: float  #: statistical inefficiency g [samples]: one of g samples is independent
     n_independent: float  #: number of independent samples
     series: xr.DataArray  #: the series without NaN at its start
+
+    @property
+    def resolved(self) -> bool:
+        """Whether there are at least ten independent samples; a constant has no error."""
+        return self.n_independent >= RESOLVED or self.mean.error == 0.0
 
     def __str__(self) -> str:
         along = self.series[self.series.dims[0]]
@@ -43,6 +69,7 @@ class Steady:
         return (
             f"{self.mean}{value}, steady from {along.name} {self.start:.6g}{since} on, statistical inefficiency "
             f"{self.inefficiency:.3g} samples, {self.n_independent:.3g} independent samples"
+            + ("" if self.resolved else f": not resolved, fewer than {RESOLVED:g}")
         )
 
     def plot(self) -> Figure:
@@ -68,12 +95,16 @@ def steady(series: Any) -> Steady:
 
     Notes
     -----
-    Of 50 starts in the first half of the series, the steady part begins at the one that leaves the most independent
-    samples (Chodera, J. Chem. Theory Comput. 12, 1799 (2016)). The statistical inefficiency is
-    g = 1 + 2 Σ (1 − k/n) C_k, with the autocorrelation C_k summed up to its first negative value. The variance of the
-    mean is g/n times that of the samples. With fewer than some ten independent samples the error is too small: take a
-    longer series. A drift over more than half of the series appears as a large inefficiency. Blocking (Flyvbjerg &
-    Petersen, J. Chem. Phys. 91, 461 (1989)) estimates the same error.
+    The steady part begins where no beginning of it, of any length up to a quarter of the series, differs from the
+    second half by more than two standard errors, or at twice that time, at most at half of the series.
+
+    The error follows from the spectrum at low frequencies (Heidelberger & Welch, Commun. ACM 24, 233 (1981)). The
+    spectrum of an exponential correlation and uncorrelated noise is fitted to the squares of the cosine transform by
+    Whittle's likelihood (Ark. Mat. 2, 423 (1953)), with and without an exponential rest of the transient. The interval
+    is that of all these fits, weighted by their likelihood: uncorrelated samples and no transient have half of the
+    weight before the fit. It contains the mean in 93 to 99 % of series with correlation times of 0 to 30 samples, with
+    and without transients (tests/measure/test_steadiness.py). Fewer than ten independent samples are not enough to know
+    the correlation: the mean is then not resolved. A drift over more than half of the series appears as a correlation.
 
     Examples
     --------
@@ -87,36 +118,115 @@ def steady(series: Any) -> Steady:
     """
     values = _checked(series)
     x = values.values.astype(float)
-    n, dim = len(x), str(values.dims[0])
-    starts = np.unique(np.linspace(0, n // 2, min(n // 2, STARTS) + 1).astype(int))
-    found = [(int(k), inefficiency(x[k:])) for k in starts]
-    first, g = max(found, key=lambda one: (n - one[0]) / one[1])
+    first = _start(x)
     part = x[first:]
-    independent = len(part) / g
-    error = float(part.std(ddof=1)) / math.sqrt(independent)
-    at = float(values[dim].values[first])
-    return Steady(_student(float(part.mean()), error, independent), at, first, g, independent, values)
+    error, half = half_widths(part, (ONE_SIGMA, 0.95), DECAYS)
+    g = _inefficiency(part, error)
+    at, mean = float(values[str(values.dims[0])].values[first]), float(part.mean())
+    interval = Estimate(mean, error, mean - half, mean + half)
+    return Steady(interval, at, first, g, len(part) / g, values)
 
 
-def _student(mean: float, error: float, n: float) -> Estimate[float]:
-    from scipy.stats import t
-
-    half = float(t.ppf(0.975, max(n - 1.0, 1.0))) * error
-    return Estimate(mean, error, mean - half, mean + half)
+def _start(x: Floats) -> int:
+    """The first sample of the steady part, by its cumulative sums."""
+    half = x[len(x) // 2 :]
+    (error,) = half_widths(half, (ONE_SIGMA,))
+    sums = np.append(0.0, np.cumsum(x - half.mean()))
+    lengths = np.unique(np.geomspace(1, max(len(x) // 4, 1), LENGTHS).astype(int))
+    # A mean of few samples scatters at most as much as one of them.
+    variance = np.minimum(error**2 * len(half) / lengths, half.var(ddof=1))
+    allowed = DIFFERENT * np.sqrt(variance + error**2) + 1e-12 * float(np.abs(x).max())
+    for k in np.unique(np.linspace(0, len(x) // 2, STARTS + 1).astype(int)):
+        if (np.abs(sums[k + lengths] - sums[k]) <= allowed * lengths).all():
+            break
+    return min(2 * int(k), len(x) // 2)
 
 
 def inefficiency(x: Floats) -> float:
     """Statistical inefficiency [samples] of a stationary series; at least 1."""
-    n, deviation = len(x), x - x.mean()
-    power = (
-        np.abs(np.fft.rfft(deviation, 2 * n)) ** 2
-    )  # padded with zeros, so that no sample meets the other end
-    correlation = np.fft.irfft(power)[:n] / np.arange(n, 0, -1)
-    if not correlation[0] > 0.0:
-        return 1.0  # a constant
-    c = correlation[1:] / correlation[0]
-    end = int(np.argmax(c <= 0.0)) if (c <= 0.0).any() else len(c)
-    return max(1.0, 1.0 + 2.0 * float((1.0 - np.arange(1, end + 1) / n) @ c[:end]))
+    return _inefficiency(x, half_widths(x, (ONE_SIGMA,))[0])
+
+
+def _inefficiency(x: Floats, error: float) -> float:
+    variance = float(x.var(ddof=1))
+    return max(1.0, len(x) * error**2 / variance) if error > 0.0 else 1.0
+
+
+class _Spectra(NamedTuple):
+    """Spectra of unit height at frequency zero over frequency, one a row, for a number of values."""
+
+    inverse: Floats  #: 1/S at the frequencies of the cosine transform
+    logarithm: Floats  #: Σ log S
+    variance: Floats  #: mean S
+    weight: Floats  #: logarithm of the weight before the fit
+
+
+@lru_cache(maxsize=8)
+def _spectra(k: int) -> _Spectra:
+    """Uncorrelated noise, and exponential correlations, each with several amounts of uncorrelated noise.
+
+    The spectrum of a correlation a^|j| is ∝ 1/(1 − 2a cos ω + a²).
+    """
+    cosine = np.cos(np.pi * np.arange(1, k) / k)
+    a = np.exp(-1.0 / np.geomspace(SHORTEST, max(LONGEST * k, 2.0), TIMES))[:, None]
+    correlated = (1.0 - a) ** 2 / (1.0 - 2.0 * a * cosine + a * a)
+    noisy = ((NOISES[:, None, None] + correlated) / (1.0 + NOISES[:, None, None])).reshape(-1, k - 1)
+    s = np.vstack([noisy, np.ones(k - 1)])
+    weight = np.append(np.full(len(noisy), 0.5 / len(noisy)), 0.5)
+    return _Spectra(1.0 / s, np.log(s).sum(axis=1), s.mean(axis=1), np.log(weight))
+
+
+def half_widths(x: Floats, levels: Sequence[float], decays: Sequence[float] = ()) -> list[float]:
+    """Half-widths of intervals about the mean of a series, which contain its expectation with these probabilities.
+
+    Given a spectrum of height s² S, the mean has Student's distribution of variance s² S(0)/k about the expectation.
+    A transient A e^(−t/θ), with A normally distributed before the fit with the variance of the series, shifts it.
+    """
+    if not np.ptp(x) > 0.0:
+        return [0.0] * len(levels)
+    block = max(1, len(x) // BLOCKS)
+    k = len(x) // block
+    y = x[len(x) - k * block :].reshape(k, block).mean(axis=1)
+    spectra, freedom = _spectra(k), k - 1
+    c = _cosines(y)
+    squares = spectra.inverse @ (c * c)
+    likelihood = spectra.weight - 0.5 * spectra.logarithm
+    fits = [(likelihood - 0.5 * freedom * np.log(squares), 0.0 * squares, squares / k)]
+    for theta in decays:
+        transient = np.exp(-np.arange(k) / (theta * k))
+        d, shift = _cosines(transient), float(transient.mean())
+        curvature = spectra.inverse @ (d * d) + 1.0 / spectra.variance
+        amplitude = spectra.inverse @ (c * d) / curvature
+        left = squares - amplitude**2 * curvature
+        evidence = likelihood - 0.5 * freedom * np.log(left) - 0.5 * np.log(curvature * spectra.variance)
+        fits.append(
+            (evidence - math.log(len(decays)), amplitude * shift, left * (1.0 / k + shift**2 / curvature))
+        )
+    logarithm, shifts, variances = (np.concatenate(part) for part in zip(*fits, strict=True))
+    weight = np.exp(logarithm - logarithm.max())
+    likely = weight > 1e-6 * weight.sum()
+    weight, shifts, sigma = weight[likely], shifts[likely], np.sqrt(variances[likely] / freedom)
+    return [_quantile(level, weight / weight.sum(), shifts, sigma, freedom) for level in levels]
+
+
+def _cosines(y: Floats) -> Floats:
+    """Cosine transform without the mean."""
+    from scipy.fft import dct
+
+    found: Floats = dct(y - y.mean(), norm="ortho")[1:]
+    return found
+
+
+def _quantile(level: float, weight: Floats, shift: Floats, sigma: Floats, freedom: int) -> float:
+    """The h with P(|x| ≤ h) = level for a mixture of Student's distributions."""
+    from scipy.special import stdtr, stdtrit
+
+    low, high = 0.0, float((np.abs(shift) + sigma).max()) * float(stdtrit(freedom, 0.5 + 0.5 * level) + 1.0)
+    for _ in range(STEPS):
+        middle = 0.5 * (low + high)
+        inside = stdtr(freedom, (middle - shift) / sigma) - stdtr(freedom, (-middle - shift) / sigma)
+        low, high = (middle, high) if weight @ inside < level else (low, middle)
+    return high
 
 
 def _checked(series: Any) -> xr.DataArray:

@@ -125,14 +125,14 @@ def _figures(figures: Iterable[int | str] | str | None) -> tuple[int, ...]:
 
 def _writable(out: str | Path) -> Path:
     """Create the folder and check that a file can be written to it."""
-    folder = Path(out)
+    folder = validation.path("out", out)
     probe = folder / ".hardlimit-write-test"
     try:
         folder.mkdir(parents=True, exist_ok=True)
         probe.write_bytes(b"")
         probe.unlink()
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+    except OSError as error:
+        reason = error.strerror or error
         raise ValueError(f"out: got {str(out)!r}, must be a folder that can be written: {reason}") from None
     return folder
 

@@ -226,10 +226,20 @@ def _deepest(inside: NDArray[np.bool_]) -> NDArray[np.int64]:
 def sweep_map(ds: xr.Dataset, variable: str = "n_contacts") -> Figure:
     """A variable of a sweep over one or two parameters as a line or a map.
 
+    For a variable with one value per ball, select the ball: ``sweep_map(ds.sel(ball=2), "rebound_height")``. The title
+    names it.
+
     Raises a ValueError if the variable is missing or has more than two dimensions.
     """
-    if variable not in ds or ds[variable].ndim != 1:
-        return count_map(ds, variable)
+    alone = variable in ds and ds[variable].ndim == 1
+    figure = _line(ds, variable) if alone else count_map(ds, variable)
+    if "ball" in ds[variable].coords:
+        figure.axes[0].set_title(f"ball {int(ds['ball'])}")
+    return figure
+
+
+def _line(ds: xr.Dataset, variable: str) -> Figure:
+    """A variable over one parameter."""
     dim = str(ds[variable].dims[0])
     x, x_label = _axis(ds, dim)
     values = ds[variable].values

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
 from ..support import validation
 from .commands import Commands, given, text_of
 from .description import ContactSettings, Description, Grains, Note, Quote, Setting, Settings, Stage
+from .statements import quoted
 
 __all__ = [
     "ContactSettings",
@@ -75,16 +78,20 @@ def read(
     if code is not None:
         validation.one_of("code", code, CODES)
     log = logs.header(text)
-    found = code or (log[0] if log else _code_of(text, folder))
+    found = code or (log[0] if log else "") or _code_of(text, folder)
     if found == "yade":
         from . import yade
 
         return yade.read(text, file, variables)
     kind = Liggghts if found == "liggghts" else Lammps
     known = given(variables)
-    state = kind(known, folder, log[1] if log else None, found, types_seen)
+    state = kind(known, folder, (log[1] if log else "") or None, found, types_seen)
     if log:
-        return state.read(logs.commands(text, file, known, kind))
+        read = state.read(logs.commands(text, file, known, kind))
+        late = [quoted(file, 1, "units: the log begins after them")] * (
+            not log[0] and not read.stages[0].units_given
+        )
+        return replace(read, unknown=(*read.unknown, *late))
     return state.read(iter(Commands(text, file, folder, known)))
 
 
@@ -94,15 +101,15 @@ def _opened(source: str | Path) -> tuple[str, str, Path | None]:
         raise ValueError(f"script: got {validation.shown(source)}, must be a path or a text")
     if isinstance(source, str) and ("\n" in source or len(source) > LONGEST_PATH):
         return source.removeprefix("\ufeff"), "", None
-    path = Path(source)
+    path = validation.path("script", source)
     text = text_of(path)
     if text is not None:
         return text.removeprefix("\ufeff"), path.name, path.parent
     if isinstance(source, str) and len(source.split()) > 1:
         return source, "", None
-    raise ValueError(
-        f"script: got {validation.shown(str(source))}, must be a file of at most 200 MB that can be read"
-    )
+    if not os.path.exists(path):
+        raise validation.unreadable(path, FileNotFoundError())
+    raise ValueError(f"{path}: cannot be read: must be a text file of at most 200 MB")
 
 
 def _code_of(text: str, folder: Path | None) -> str:

@@ -6,18 +6,18 @@ Formats and rules: docs.lammps.org, pages Commands_parse, variable, if, jump, ne
 from __future__ import annotations
 
 import gzip
+import itertools
 import os
 import re
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from itertools import pairwise
 from pathlib import Path
 from typing import Final
 
 from . import formulas
-from .statements import Statement, logical_lines, refusal, refused, scan, split
+from .statements import Branch, Place, Statement, Undefined, logical_lines, refusal, refused, scan, split
 
 VARIABLE: Final = re.compile(
     r"\$(?:\{(\w+)\}|(\w)|\(([^()]*(?:\([^()]*(?:\([^()]*\)[^()]*)*\)[^()]*)*)\))", re.ASCII
@@ -29,6 +29,7 @@ NESTING: Final = ("if", "run", "python")
 #: Names that such commands change, and the label to which they jump.
 CHANGED: Final = re.compile(r"\b(?:variable\s+(\w+)|next((?:\s+\w+)+))")
 JUMP: Final = re.compile(r"\bjump\s+[^\s\"']+\s*([^\s\"']*)")
+NAMES: Final = re.compile(r"\$\{(\w+)\}|\$(\w)|\bv_(\w+)", re.ASCII)
 UNRESOLVED: Final = re.compile(r"\$(?:\{\w*\}|\(|\w)")
 #: A comparison of two words in a condition, and what is no word there.
 EQUAL: Final = re.compile(r"([^\s()&|!=<>^]+)\s*(==|!=)\s*([^\s()&|!=<>^]+)")
@@ -37,7 +38,7 @@ NUMBERS: Final = re.compile(r"[-+*/%.\d][-+*/%.\deE]*|.*\b[vcf]_.*|[.\d].*")
 KEPT: Final = ("index", "loop", "world", "universe", "uloop", "file", "atomfile", "getenv")
 #: Deepest nesting of include files and of variables.
 DEEPEST: Final = 20
-MAX_STATEMENTS: Final = 100_000
+MAX_STATEMENTS: Final = 1_000_000
 MAX_VALUES: Final = 1_000_000
 LARGEST_FILE: Final = 200_000_000  #: bytes
 USE_LOG: Final = "give the log instead, in which loops and conditions are resolved"
@@ -54,7 +55,7 @@ restart write_coeff compute uncompute compute_modify info timer
 SILENT: Final = frozenset(SILENT_NAMES.split())
 
 
-@dataclass
+@dataclass(frozen=True)
 class Variable:
     """A variable of an input script."""
 
@@ -102,8 +103,8 @@ class Variables:
         for name in names:
             variable = self.known.get(name)
             if variable is not None:
-                variable.at += 1
-                going = going and variable.at < len(variable.values)
+                self.known[name] = replace(variable, at=variable.at + 1)
+                going = going and variable.at + 1 < len(variable.values)
         if not going:
             for name in names:
                 self.known.pop(name, None)
@@ -156,6 +157,23 @@ class Variables:
         """A text with its variables replaced."""
         return VARIABLE.sub(lambda found: self.replaced(found, depth), text)
 
+    def missing(self, text: str, depth: int = 0) -> Iterator[str]:
+        """Names of variables in a text that have no value, or of those on which they depend."""
+        for plain, letter, inner in NAMES.findall(text):
+            name = plain or letter or inner
+            variable = self.known.get(name)
+            if depth > DEEPEST or self.text(name) is not None:
+                continue
+            causes = [] if variable is None else list(self.missing(" ".join(variable.values), depth + 1))
+            yield from causes or [name]
+
+
+def merge(known: dict[str, Variable], others: Mapping[str, Variable]) -> None:
+    """After a condition that only a run knows: a variable without one value has none."""
+    for name in dict.fromkeys([*known, *others]):
+        if known.get(name) != others.get(name):
+            known[name] = Variable("unknown", ())
+
 
 def _loop(values: Sequence[str]) -> Sequence[str]:
     """Values of ``loop N [pad]`` or ``loop N1 N2 [pad]``."""
@@ -183,6 +201,12 @@ class Frame:
     folder: Path | None  #: of include files; None for a text
     lines: list[tuple[int, str]]
     at: int = 0
+    number: int = field(default_factory=itertools.count().__next__)
+
+    @property
+    def place(self) -> Place:
+        """The line that is read next."""
+        return self.number, self.at
 
     @cached_property
     def labels(self) -> dict[str, int]:
@@ -207,18 +231,30 @@ class Commands:
 
     def __post_init__(self) -> None:
         self.frames = [Frame(self.file, self.folder, logical_lines(self.text))]
-        self.skip_jump, self.count = False, 0
+        self.skip_jump, self.may_quit, self.trying, self.count = False, False, False, 0
+        self.exits: dict[Place, dict[str, Variable]] = {}  #: variables at labels to which conditions may lead
+        self.repeated: dict[Place, dict[str, Variable]] = {}  #: variables when a jump led back
+        self.passed: dict[Place, dict[str, Variable]] = {}  #: variables at a label
+        self.again: set[Place] = set()  #: conditions that led back
         self.uncertain = set() if self.flow else _uncertain(self.frames[0])
 
     def __iter__(self) -> Iterator[Statement]:
         while self.frames:
-            frame = self.frames[-1]
-            if frame.at >= len(frame.lines):
-                self.frames.pop()
-                continue
-            line, raw = frame.lines[frame.at]
-            frame.at += 1
-            yield from self._run(frame, line, raw)
+            yield from self._step()
+
+    def _step(self) -> Iterator[Statement]:
+        """The next line."""
+        frame = self.frames[-1]
+        if frame.at >= len(frame.lines):
+            self.frames.pop()
+            return
+        line, raw = frame.lines[frame.at]
+        place = frame.place
+        frame.at += 1
+        if place in self.exits:
+            merge(self.variables.known, self.exits.pop(place))
+            yield Statement(line, ("label",), raw, file=frame.file, place=place)
+        yield from self._run(frame, line, raw)
 
     def _run(self, frame: Frame, line: int, raw: str, depth: int = 0) -> Iterator[Statement]:
         """One command."""
@@ -243,7 +279,7 @@ class Commands:
     def _define(self, words: Sequence[str]) -> None:
         self.variables.define(words)
         if words[:1] and words[0] in self.uncertain and words[0] in self.variables.known:
-            self.variables.known[words[0]].style = "unknown"
+            self.variables.known[words[0]] = Variable("unknown", ())
 
     def _follow(self, frame: Frame, statement: Statement, depth: int) -> Iterator[Statement]:
         command, *words = statement.words
@@ -258,12 +294,31 @@ class Commands:
         elif command == "if":
             if depth > DEEPEST:
                 raise refused(statement, "be nested less deeply")
-            for inner in self._branch(statement):
-                yield from self._run(frame, statement.line, inner, depth + 1)
+            yield from self._choose(frame, statement, depth)
+        elif command == "run" and "every" in words:
+            yield from self._interrupted(frame, statement, depth)
         elif command == "quit":
             self.frames.clear()
-        elif command != "label":
+        elif command == "label":
+            self.passed[frame.number, frame.at - 1] = dict(self.variables.known)
+        else:
             yield statement
+
+    def _interrupted(self, frame: Frame, statement: Statement, depth: int) -> Iterator[Statement]:
+        """``run N every M`` with commands after each part; the steps of the last parts are not counted."""
+        k = statement.words.index("every")
+        whole, every, inner = statement.words[:k], statement.words[k + 1 : k + 2], statement.words[k + 2 :]
+        found = [
+            one
+            for text in inner
+            if text != "NULL"
+            for one in self._run(frame, statement.line, text, depth + 1)
+        ]
+        changing = [one for one in found if one.words[0] not in SILENT]
+        yield replace(statement, words=("run", *every) if changing else whole)
+        if changing:
+            yield from changing
+            yield replace(statement, words=("run", "", *whole[2:]))
 
     def _jump(self, frame: Frame, statement: Statement) -> None:
         if self.skip_jump:
@@ -276,11 +331,34 @@ class Commands:
         again = self.frames[-1]
         if label and label[0] not in again.labels:
             raise refused(statement, f"name a label of the file, not {label[0]}")
-        again.at = again.labels[label[0]] + 1 if label else 0
+        at = again.labels[label[0]] if label else 0
+        if again is frame and at < frame.at and not self.trying and not self._changed(frame):
+            self._leave(frame, statement)
+        else:
+            again.at = at
+
+    def _changed(self, frame: Frame) -> bool:
+        """Whether variables have changed since the jump back before this line was taken last."""
+        now = dict(self.variables.known)
+        before = self.repeated.get(frame.place)
+        self.repeated[frame.place] = now
+        return now != before
+
+    def _leave(self, frame: Frame, statement: Statement) -> None:
+        """Go on after a loop that only a condition ends which a run knows."""
+        ahead = [at for file, at in self.exits if file == frame.number and at >= frame.at]
+        if ahead:
+            frame.at = min(ahead)
+        elif self.may_quit:
+            self.frames.clear()
+        else:
+            raise refused(statement, f"be part of a shorter loop; {USE_LOG}")
 
     def _opened(self, frame: Frame, statement: Statement) -> Frame:
-        if len(statement.words) < 2 or UNRESOLVED.search(statement.words[1]):
-            raise refused(statement, f"name a file; {USE_LOG}")
+        if len(statement.words) < 2:
+            raise refused(statement, "name a file")
+        if UNRESOLVED.search(statement.words[1]):
+            raise Undefined(statement)
         name = statement.words[1]
         if frame.folder is None:
             raise refused(statement, "be in a file, to which it is relative")
@@ -291,31 +369,79 @@ class Commands:
                 return Frame(name, (folder / path).parent, logical_lines(text))
         raise refused(statement, "name a file that can be read")
 
-    def _branch(self, statement: Statement) -> Sequence[str]:
-        """The commands of ``if`` whose condition holds."""
-        words = statement.words[1:]
-        starts = [0, *(k for k, word in enumerate(words) if word in ("elif", "else") and k > 0), len(words)]
-        parts = [words[a:b] for a, b in pairwise(starts)]
-        branches: list[tuple[str, Sequence[str]]] = []
-        for part in parts:
-            body = part[1:] if part[:1] in (("elif",), ("else",)) else part
-            if part[:1] == ("else",):
-                branches.append(("1", body))
-            elif body[1:2] == ("then",):
-                branches.append((body[0], body[2:]))
-            elif part[:1] == ("elif",) and body:
-                branches.append((body[0], body[1:]))  # LAMMPS has no "then" here
-            else:
-                raise refused(statement, "be if condition then commands")
-        for condition, commands in branches:
+    def _choose(self, frame: Frame, statement: Statement, depth: int) -> Iterator[Statement]:
+        """Follow the branch of ``if`` whose condition holds; where only a run knows it, read all that may."""
+        possible: list[Sequence[str]] = []
+        known = True
+        for condition, commands in _branches(statement):
             holds = self._condition(condition)
-            if holds is None:
-                if all(split(one)[:1] and split(one)[0] in SILENT for _, inner in branches for one in inner):
-                    return ()
-                raise refused(statement, f"have a condition that is known without running; {USE_LOG}")
+            known = known and holds is not None
+            if holds is not False:
+                possible.append(commands)
             if holds:
-                return commands
-        return ()
+                break
+        else:
+            possible.append(())
+        if known:
+            for inner in possible[0]:
+                yield from self._run(frame, statement.line, inner, depth + 1)
+        elif not all(split(one)[:1] and split(one)[0] in SILENT for inner in possible for one in inner):
+            branches, variables = list[Branch](), list[dict[str, Variable]]()
+            label: Place | None = None
+            for part in possible:
+                before = dict(self.variables.known)
+                branch, back = self._tried(frame, statement, part, depth)
+                branches.append(branch)
+                label = back or label
+                if branch.place:
+                    merge(
+                        self.exits.setdefault(branch.place, dict(self.variables.known)), self.variables.known
+                    )
+                elif not branch.ends:
+                    variables.append(dict(self.variables.known))
+                self.variables.known = before
+            going = [one for one in branches if not one.ends and not one.place]
+            self.may_quit = self.may_quit or len(going) < len(branches)
+            if variables:
+                self.variables.known = variables[0]
+                for one in variables[1:]:
+                    merge(self.variables.known, one)
+            elif places := [one.place[1] for one in branches if one.place]:
+                frame.at = min(places)
+            else:
+                self.frames.clear()
+            if label:
+                self._repeat(frame, label)
+            yield replace(statement, branches=tuple(branches))
+
+    def _repeat(self, frame: Frame, label: Place) -> None:
+        """Read a loop once more whose number of rounds only a run knows, without the variables that it changes."""
+        before, known = self.passed.get(label, {}), self.variables.known
+        changed = [name for name in {**before, **known} if before.get(name) != known.get(name)]
+        if before and changed and frame.place not in self.again:
+            self.again.add(frame.place)
+            known.update(dict.fromkeys(changed, Variable("unknown", ())))
+            frame.at = label[1]
+
+    def _tried(
+        self, frame: Frame, statement: Statement, commands: Sequence[str], depth: int
+    ) -> tuple[Branch, Place | None]:
+        """The commands of a branch with where it leads, and a label before it to which it leads back."""
+        frames, at, found = list(self.frames), frame.at, list[Statement]()
+        skip_jump, trying = self.skip_jump, self.trying
+        self.trying = True
+        for inner in commands:
+            found += self._run(frame, statement.line, inner, depth + 1)
+            while len(self.frames) > len(frames):  # an include file
+                found += self._step()
+            if self.frames != frames or frame.at != at:
+                break
+        ends, place, ahead = not self.frames, frame.place, frame.at - at
+        if self.frames and self.frames[-1] is not frame:
+            raise refused(statement, f"have a condition that is known without running; {USE_LOG}")
+        self.frames, frame.at, self.skip_jump, self.trying = frames, at, skip_jump, trying
+        branch = Branch(tuple(found), place if ahead > 0 and not ends else None, ends)
+        return branch, place if ahead < 0 and not ends else None
 
     def _condition(self, text: str) -> bool | None:
         plain = self.variables.substitute(text)
@@ -323,6 +449,23 @@ class Commands:
             return None
         number = self.variables.number(EQUAL.sub(_same_words, plain))
         return None if number is None else bool(number)
+
+
+def _branches(statement: Statement) -> Iterator[tuple[str, Sequence[str]]]:
+    """Conditions and commands of ``if``."""
+    words = statement.words[1:]
+    starts = [0, *(k for k, word in enumerate(words) if word in ("elif", "else") and k > 0), len(words)]
+    for a, b in itertools.pairwise(starts):
+        part = words[a:b]
+        body = part[1:] if part[:1] in (("elif",), ("else",)) else part
+        if part[:1] == ("else",):
+            yield "1", body
+        elif body[1:2] == ("then",):
+            yield body[0], body[2:]
+        elif part[:1] == ("elif",) and body:
+            yield body[0], body[1:]  # LAMMPS has no "then" here
+        else:
+            raise refused(statement, "be if condition then commands")
 
 
 def _same_words(found: re.Match[str]) -> str:

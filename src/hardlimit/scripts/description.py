@@ -30,6 +30,7 @@ class Quote:
     file: str  #: path as the script names it; empty for text that is not a file
     line: int  #: counted from 1
     text: str  #: one line
+    part: str = ""  #: words of it that were not understood; empty for all
 
 
 @dataclass(frozen=True)
@@ -49,6 +50,14 @@ class Grains:
 
 
 @dataclass(frozen=True)
+class Motion:
+    """How a wall, or grains that follow no force, move. None stands for what is not known."""
+
+    amplitude: Direction | None = None  #: of an oscillation along each axis
+    frequency: float | None = None  #: angular, of this oscillation
+
+
+@dataclass(frozen=True)
 class ContactSettings:
     """The settings of the normal force between two types, or between a type and a wall."""
 
@@ -60,6 +69,12 @@ class ContactSettings:
     wall_radius: float = 1.0  #: effective radius in the code's formulas over that at other walls
     asked: float | None = None  #: restitution in the script if the force leaves it out
     pushes: tuple[Direction, ...] | None = None  #: of a wall on grains; None if not known
+    since: str = ""  #: first version of the code in which they mean this, if not all do
+    adhesion: str = ""  #: what makes its force adhesive or plastic, in words
+    friction: float | None = (
+        0.0  #: coefficient of sliding friction, 0 without tangential forces; None if not known
+    )
+    motion: Motion | None = None  #: of the wall, or of the grains that do not follow forces; None at rest
 
 
 @dataclass(frozen=True)
@@ -84,6 +99,15 @@ class Stage:
     gravity: float | None  #: magnitude; None without gravity
     numerical_damping: float | None  #: of the integrator; None in codes without it
     down: Direction | None = None  #: the direction of gravity; None if not known
+    pressed: tuple[Note, ...] = ()  #: what prescribes a pressure or shrinks the box
+    driven: tuple[Note, ...] = ()  #: what else moves the box or its walls, or heats the grains
+    shear_rate: float | None = None  #: of a box in steady shear
+    bath: tuple[float, float] | None = (
+        None  #: energy k_B T of a thermostat, and the rate at which it restores T
+    )
+    units: str = "si"  #: those of the system that runs; ``clear`` begins another one
+    units_given: bool = True  #: False for the code's default
+    dimension: int = 3
 
 
 @dataclass(frozen=True)
@@ -92,9 +116,6 @@ class Description:
 
     code: str
     version: str | None  #: only a log states it
-    units: str
-    units_given: bool
-    dimension: int
     stages: tuple[Stage, ...]
     ignored: tuple[Note, ...] = field(default=())  #: leaves head-on collisions as they are
     invalidates: tuple[Note, ...] = field(

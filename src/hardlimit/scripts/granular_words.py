@@ -14,8 +14,10 @@ from .statements import Statement, refusal, refused
 
 #: Normal models of ``pair_style granular`` and their number of parameters.
 NORMAL: Final = {"hooke": 2, "hertz": 2, "hertz/material": 3}
-#: Those with adhesion or plasticity.
-ADHESIVE: Final = {"dmt": 4, "jkr": 4, "mdr": 6}
+#: Those with adhesion, whose constant is the last number.
+ADHESIVE: Final = {"dmt": 4, "jkr": 4}
+#: Those with plasticity.
+PLASTIC: Final = {"mdr": 6, "epa_linear": 6, "epa_nonlinear": 8}
 DAMPING: Final = ("none", "velocity", "mass_velocity", "viscoelastic", "tsuji", "coeff_restitution")
 TANGENTIAL: Final = {
     "linear_nohistory": 2,
@@ -24,6 +26,7 @@ TANGENTIAL: Final = {
         ("linear_history", "linear_history_classic", "mindlin_classic", "mindlin", "mindlin/force"), 3
     ),
     **dict.fromkeys(("mindlin_rescale", "mindlin_rescale/force"), 3),
+    **dict.fromkeys(("linear_history/static", "mindlin/static"), 4),
 }
 BESIDE: Final = {
     "tangential": TANGENTIAL,
@@ -59,8 +62,8 @@ class Words:
 
     settings: Mapping[str, tuple[str, ...]]  #: of the normal force
     beside: tuple[str, ...] = ()  #: other forces, such as ``tangential mindlin``
-    adhesion: str = ""  #: the adhesive model
     rest: tuple[str, ...] = ()  #: from the shape of a wall on
+    friction: str = "0"  #: coefficient of sliding friction; 0 without tangential forces
 
 
 def unaccelerated(style: str) -> str:
@@ -85,21 +88,28 @@ def gran(statement: Statement, words: Sequence[str], wall: bool = False) -> Word
             f"be limit_damping or the end in '{' '.join(statement.words)}'",
             statement.file,
         )
-    beside = () if _zero(words[5]) else (f"tangential {words[0]}",)
-    return Words(found, beside, rest=tuple(rest))
+    beside = () if is_zero(words[5]) else (f"tangential {words[0]}",)
+    tangent = ["0" if words[0] == "hooke" else words[2], "0" if is_zero(words[6]) else words[4]]
+    if tangent[1] == "NULL":
+        tangent[1] = words[3]
+    return Words(found, beside, rest=tuple(rest), friction=sliding([*tangent, words[5]]))
+
+
+def sliding(numbers: Sequence[str]) -> str:
+    """The coefficient of friction, the last number of a tangential model; 0 if its spring and its damping are 0."""
+    return "0" if not numbers or all(map(is_zero, numbers[:-1])) else numbers[-1]
 
 
 def granular(statement: Statement, words: Sequence[str], wall: bool = False, adhesion: bool = False) -> Words:
     """``MODEL numbers [damping …] [tangential …] … [limit_damping]``, up to the shape of a wall."""
     found: dict[str, tuple[str, ...]] = {"damping": ("viscoelastic",)}
-    normal = {**NORMAL, **(ADHESIVE if adhesion else {})}
-    beside, adhesive, k = list[str](), "", 0
+    normal = {**NORMAL, **(ADHESIVE | PLASTIC if adhesion else {})}
+    beside, friction, k = list[str](), "0", 0
     while k < len(words) and not (wall and words[k] in WALLS):
         word, after = words[k], words[k + 1 : k + 2]
         if word in normal:
             step = 1 + normal[word]
             found["normal"] = tuple(words[k : k + step])
-            adhesive = word if word in ADHESIVE else ""
         elif word == "damping" and after and after[0] in DAMPING:
             step = 2
             found["damping"] = (after[0],)
@@ -109,6 +119,8 @@ def granular(statement: Statement, words: Sequence[str], wall: bool = False, adh
         elif word in BESIDE and after and after[0] in BESIDE[word]:
             step = 2 + BESIDE[word][after[0]]
             beside += [] if after[0] == "none" else [f"{word} {after[0]}"]
+            if word == "tangential":
+                friction = sliding(words[k + 2 : k + step])
         elif word == "synchronized_verlet":  # velocities of the whole step; a head-on ε stays
             step = 1
         elif word in ("limit_damping", "cutoff"):
@@ -129,7 +141,7 @@ def granular(statement: Statement, words: Sequence[str], wall: bool = False, adh
     ):  # the damping coefficient is read, and does nothing
         name, stiffness, _, *others = found["normal"]
         found |= {"damping": ("velocity",), "normal": (name, stiffness, "0", *others)}
-    return Words(found, tuple(beside), adhesive, tuple(words[k:]))
+    return Words(found, tuple(beside), tuple(words[k:]), friction)
 
 
 def wall(statement: Statement, words: Sequence[str], adhesion: bool = False) -> Words:
@@ -149,7 +161,8 @@ def ordered(first: str, second: str) -> tuple[str, str]:
     return (second, first) if both_numbers and int(second) < int(first) else (first, second)
 
 
-def _zero(word: str) -> bool:
+def is_zero(word: str) -> bool:
+    """Whether a word is the number 0."""
     try:
         return float(word) == 0.0
     except ValueError:
@@ -163,6 +176,7 @@ LIGGGHTS: Final[dict[str, tuple[str, ...] | None]] = {
     "tangential": None,
     "rolling_friction": None,
     "cohesion": ("off",),
+    "tangential_reduce": ("on", "off"),
     "surface": ("default",),
     "limitForce": ("on", "off"),
     "tangential_damping": None,
@@ -183,16 +197,15 @@ def gran_model(statement: Statement, words: Sequence[str], adhesion: bool = Fals
     if len(words) < 2 or words[0] != "model":
         raise refused(statement, "begin with model NAME")
     found: dict[str, tuple[str, ...]] = {"model": (words[1],)}
-    beside, cohesion, shape, k = list[str](), "", list[str](), 2
+    beside, shape, k = list[str](), list[str](), 2
     while k < len(words):
         word, after = words[k], words[k + 1 : k + 2]
         if (shape or word in ("primitive", "mesh")) and word not in LIGGGHTS:
             shape.append(word)
             k += 1
             continue
-        if word == "cohesion" and adhesion and after and after[0] != "off":
-            cohesion = after[0]
-        elif word not in LIGGGHTS or not after or after[0] not in (LIGGGHTS[word] or after):
+        sticks = word == "cohesion" and adhesion and after
+        if not sticks and (word not in LIGGGHTS or not after or after[0] not in (LIGGGHTS[word] or after)):
             known = LIGGGHTS.get(word)
             must = f"be {word} {' or '.join(known)}" if known else f"be a setting of model {words[1]}"
             raise refusal(
@@ -207,4 +220,4 @@ def gran_model(statement: Statement, words: Sequence[str], adhesion: bool = Fals
         elif word == "tangential" and after[0] == "no_history":
             beside.append("tangential no_history")
         k += 2
-    return Words(found, tuple(beside), cohesion, tuple(shape))
+    return Words(found, tuple(beside), tuple(shape))

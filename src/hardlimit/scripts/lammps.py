@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Final
 
-from . import granular_words
+from . import granular_words, motion
 from .description import ContactSettings, Quote, Setting, Settings
 from .formulas import NUMBER
-from .granular_words import ADHESIVE, NORMAL, WALLS, Words, ordered, unaccelerated
+from .granular_words import ADHESIVE, NORMAL, PLASTIC, WALLS, Words, is_zero, ordered, unaccelerated
 from .population import Batch
 from .state import CREATED, MAX_TYPES, Fix, State
 from .statements import Statement, refused, settings
@@ -19,6 +19,11 @@ from .statements import Statement, refused, settings
 #: Words after the shape of a wall with their number of values.
 WALL_OPTIONS: Final = {"wiggle": 3, "shear": 2, "contacts": 0, "temperature": 1}
 CURVED: Final = ("cylinder", "sphere", "cone", "ellipsoid")
+#: First versions that mix the numbers of two types without their own pair_coeff as they do today.
+MIXED_SINCE: Final = {
+    **dict.fromkeys(("hooke", "hertz"), "28 Mar 2023"),
+    **dict.fromkeys(("hertz/material", *ADHESIVE), "15 Jun 2023"),  # whose moduli were mixed twice
+}
 #: Fixes with their own walls.
 GRANULAR_WALLS: Final = ("wall/gran", "wall/gran/region")
 
@@ -30,7 +35,7 @@ class Coefficients:
     style: str  #: of a hybrid style
     settings: Settings
     quote: Quote
-    adhesion: str = ""
+    friction: str = "0"
 
 
 class Lammps(State):
@@ -84,7 +89,7 @@ class Lammps(State):
         found = self.resolve(statement, settings(statement, parsed.settings))
         for what in parsed.beside:
             self.ignore(what, statement)
-        return Coefficients(style, found, statement.quote, parsed.adhesion)
+        return Coefficients(style, found, statement.quote, parsed.friction)
 
     def command_pair_coeff(self, statement: Statement) -> None:
         self.understood(statement, lambda: self.pair_coeff(statement))
@@ -114,10 +119,6 @@ class Lammps(State):
         if not pairs:
             raise refused(statement, "name types, the smaller first")
         self.types = max(self.types, *(int(word) for word in (first, second) if word.isdecimal()), 0)
-        if new.adhesion:
-            what = "plastic deformation" if new.adhesion == "mdr" else "adhesion"
-            kinds = sorted({k for pair in pairs for k in pair if k <= self.count()})
-            self.invalidate(f"{what} ({new.adhesion})", statement, tuple(map(str, kinds)))
         for pair in pairs:
             if self.style == "hybrid/overlay":
                 held = [one for one in self.pairs.get(pair, []) if one.style != new.style]
@@ -126,33 +127,43 @@ class Lammps(State):
                 self.pairs[pair] = [new]
 
     def contacts(self) -> Iterator[ContactSettings]:
-        """Pairs of types, then walls."""
+        """Pairs of types, then walls; adhesion whose constant is 0 is left out."""
+        for one in self.all_contacts():
+            settings, adhesion = sticky(one.settings)
+            yield replace(one, settings=settings, adhesion=adhesion)
+
+    def all_contacts(self) -> Iterator[ContactSettings]:
+        """The contacts with their settings as given."""
         kinds = self.present()
         for i in kinds:
             for j in kinds[kinds.index(i) :]:
                 found = self.between(i, j)
                 if found is not None:
-                    yield found
+                    moving = motion.strongest([motion.of_grains(self, k) for k in (i, j)])
+                    yield replace(found, motion=moving)
         for name, fix in self.fixes.items():
             if fix.style in GRANULAR_WALLS:
                 parsed = self.wall(fix)
                 if parsed is not None:
-                    shape, *ends = self.words_of(fix).rest
+                    words = self.words_of(fix)
+                    shape, *ends = words.rest
+                    friction = self.coefficient(words.friction)
                     pushes = granular_words.pushes(shape, *(end != "NULL" for end in ends[: WALLS[shape]]))
+                    moves = motion.of_wall(self, words.rest, WALLS[shape], friction != 0.0)
+                    quotes = (fix.statement.quote,)
                     for kind in self.walls_of(fix.group):
-                        yield self.wall_contact(kind, name, parsed, (fix.statement.quote,), pushes)
+                        yield self.wall_contact(kind, name, parsed, quotes, pushes, friction, moves)
 
     def between(self, i: int, j: int) -> ContactSettings | None:
         """Settings of two types: those given, those of a gran/… style, or the mixed ones."""
         types = (str(i), str(j))
         given = [one for one in self.pairs.get((i, j), []) if "normal" in one.settings]
         if given:
-            return ContactSettings(types, None, given[-1].settings, (given[-1].quote,))
+            return self.of_pair(types, given[-1])
         if (i, j) in self.pairs and self.hybrid:
             return None
         if self.everywhere and not self.hybrid:
-            one = next(iter(self.everywhere.values()))
-            return ContactSettings(types, None, one.settings, (one.quote,))
+            return self.of_pair(types, next(iter(self.everywhere.values())))
         ends = [self.pairs.get((k, k), []) for k in (i, j)]
         alone = [one[-1] for one in ends if one and "normal" in one[-1].settings]
         if len(alone) < 2 or i == j:
@@ -162,7 +173,17 @@ class Lammps(State):
         if found is None:
             self.unknown.update(dict.fromkeys(quotes))
             return None
-        return ContactSettings(types, None, found, quotes)
+        coefficients = [self.coefficient(one.friction) for one in alone]
+        known = [one for one in coefficients if one is not None]
+        friction = math.sqrt(math.prod(known)) if len(known) == 2 and min(known) >= 0.0 else None
+        return ContactSettings(
+            types, None, found, quotes, since=mixed_since(alone[0].settings), friction=friction
+        )
+
+    def of_pair(self, types: tuple[str, str], given: Coefficients) -> ContactSettings:
+        """Settings of two types for which coefficients are given."""
+        friction = self.coefficient(given.friction)
+        return ContactSettings(types, None, given.settings, (given.quote,), friction=friction)
 
     # --- walls and insertions -----------------------------------------------------------------------------------
 
@@ -205,9 +226,11 @@ class Lammps(State):
         regions = self.parts_of(rest[1]).values() if rest[0] == "region" else ()
         if rest[0] == "zcylinder" or any(words[:1] and words[0] in CURVED for words in regions):
             self.ignore("curvature of a wall, which is taken as a plane", statement)
-        if any(word in ("move", "rotate") for words in regions for word in words):
+        if any(word in ("move", "rotate") or self.varies(word) for words in regions for word in words):
             self.ignore("a moving wall (region)", statement)
         k = 1 + WALLS[rest[0]]
+        if any(map(self.varies, rest[1:k])):
+            self.ignore(f"a moving wall ({rest[0]})", statement)
         while k < len(rest):
             if rest[k] not in WALL_OPTIONS:
                 raise refused(statement, f"have {', '.join(WALL_OPTIONS)} after the wall, not {rest[k]}")
@@ -216,11 +239,10 @@ class Lammps(State):
             k += 1 + WALL_OPTIONS[rest[k]]
         for what in parsed.beside:
             self.ignore(what, statement)
-        if parsed.adhesion:
-            what = "plastic deformation" if parsed.adhesion == "mdr" else "adhesion"
-            group = self.members(fix.group).types
-            types = None if group is None else tuple(str(one) for one in sorted(group))
-            self.invalidate(f"{what} ({parsed.adhesion})", statement, types)
+
+    def varies(self, word: str) -> bool:
+        """Whether a word is a variable that only a run knows, such as a position that changes in time."""
+        return word.startswith("v_") and self.variables.of(word[2:]) is None
 
     def insert(self, fix: Fix) -> None:
         """``fix pour`` and ``fix deposit``: smallest and largest diameter and density."""
@@ -265,16 +287,35 @@ class Lammps(State):
         return min(found), max(found)
 
 
+def sticky(settings: Settings) -> tuple[Settings, str]:
+    """Settings without adhesion whose constant is 0, and what makes the force adhesive or plastic, in words."""
+    setting = settings["normal"]
+    name, *numbers = setting.words
+    if name in PLASTIC:
+        return settings, f"plastic deformation ({name})"
+    if name not in ADHESIVE:
+        return settings, ""
+    if not is_zero(numbers[-1]):
+        return settings, f"adhesion ({name})"
+    material = replace(setting, words=("hertz/material", *numbers[:-1]))
+    return {**settings, "normal": material}, ""
+
+
+def mixed_since(settings: Settings) -> str:
+    """The first version that mixes the numbers of two types; older ones take a linear spring with constant damping."""
+    name = settings["normal"].words[0]
+    usual = name == "hooke" and settings["damping"].words == ("velocity",)
+    return "" if usual else MIXED_SINCE[name]
+
+
 def mixed(one: Settings, other: Settings) -> Settings | None:
     """Settings of a pair without its own: as in ``GranSubMod::mix_coeffs``; None if the models differ.
 
     Coefficients have their geometric mean, moduli E* with 1/E* = (1 − ν₁²)/E₁ + (1 − ν₂²)/E₂. The result for
-    ``hertz/material`` is ``hertz`` with 4/3 E*.
+    ``hertz/material``, and of adhesion whose constant is 0, is ``hertz`` with 4/3 E*.
     """
     a, b = one["normal"].words, other["normal"].words
     if a[0] != b[0] or one["damping"].words != other["damping"].words or a[0] not in {**NORMAL, **ADHESIVE}:
-        return None
-    if a[0] == "mdr":
         return None
     try:
         first, second = ([float(word) for word in words[1:]] for words in (a, b))
@@ -282,7 +323,7 @@ def mixed(one: Settings, other: Settings) -> Settings | None:
         name = a[0]
         if name in ("hertz/material", *ADHESIVE):
             means[0] = 1.0 / sum((1.0 - x[2] ** 2) / x[0] for x in (first, second))
-        if name == "hertz/material":
+        if name == "hertz/material" or (name in ADHESIVE and means[-1] == 0.0):
             name, means = "hertz", [4.0 / 3.0 * means[0], means[1]]
     except (ValueError, ZeroDivisionError):
         return None

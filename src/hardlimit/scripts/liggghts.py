@@ -6,10 +6,10 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
-from . import granular_words
+from . import granular_words, motion
 from .description import ContactSettings, Quote, Range, Setting, Settings
 from .formulas import NUMBER
-from .granular_words import PROPERTIES, Words, unaccelerated
+from .granular_words import PROPERTIES, Words, is_zero, unaccelerated
 from .materials import one_material
 from .population import Batch
 from .state import MAX_TYPES, Fix, State
@@ -18,10 +18,17 @@ from .statements import Statement, refused, same_word, settings
 #: Properties that the models read; each depends on two types.
 OF_CONTACT: Final = (
     *("youngsModulus", "poissonsRatio", "coefficientRestitution", "characteristicVelocity", "kn", "gamman"),
+    *("cohesionEnergyDensity", "surfaceTension", "fluidViscosity"),
 )
-#: Normal models whose settings are read. Others are quoted as unknown.
-MODELS: Final = ("hertz", "hooke", "hooke/stiffness", "hertz/stiffness")
+#: Normal models with plasticity or adhesion.
 STICKY_MODELS: Final = ("hooke/hysteresis", "edinburgh", "edinburgh/stiffness", "luding", "thornton_ning")
+#: Models of cohesion with the properties to which their force is proportional.
+COHESION: Final[dict[str, tuple[str, ...]]] = {
+    **dict.fromkeys(("sjkr", "sjkr2"), ("cohesionEnergyDensity",)),
+    **dict.fromkeys(
+        ("easo/capillary/viscous", "washino/capillary/viscous"), ("surfaceTension", "fluidViscosity")
+    ),
+}
 
 
 @dataclass(frozen=True)
@@ -67,6 +74,23 @@ def property_types(statement: Statement, kind: str, given: Sequence[str]) -> int
     return 0 if kind == "scalar" else len(given)
 
 
+def sticky(contact: ContactSettings) -> ContactSettings:
+    """A contact without cohesion whose constants are 0, and with words for other adhesion or plasticity."""
+    settings = contact.settings
+    model, cohesion = (
+        settings["model"].words[0],
+        (settings["cohesion"].words if "cohesion" in settings else ("off",))[0],
+    )
+    if model in STICKY_MODELS:
+        return replace(contact, adhesion=f"plastic deformation or adhesion ({model})")
+    constants = [settings.get(name) for name in COHESION.get(cohesion, ())]
+    if cohesion == "off" or (
+        constants and all(one is not None and is_zero(one.words[0]) for one in constants)
+    ):
+        return replace(contact, settings={name: one for name, one in settings.items() if name != "cohesion"})
+    return replace(contact, adhesion=f"cohesion ({cohesion})")
+
+
 class Liggghts(State):
     """A script or log of LIGGGHTS."""
 
@@ -102,15 +126,8 @@ class Liggghts(State):
     def words(self, statement: Statement, words: Sequence[str]) -> Settings:
         """The settings of a model; what is special about it is noted."""
         parsed = granular_words.gran_model(statement, words, True)
-        name = parsed.settings["model"][0]
         for what in parsed.beside:
             self.ignore(what, statement)
-        if parsed.adhesion:
-            self.invalidate(f"cohesion ({parsed.adhesion})", statement)
-        if name in STICKY_MODELS:
-            self.invalidate(f"plastic deformation or adhesion ({name})", statement)
-        elif name not in MODELS:
-            self.unknown[statement.quote] = None
         return self.resolve(statement, settings(statement, parsed.settings))
 
     def own_fix(self, fix: Fix) -> bool:
@@ -123,7 +140,7 @@ class Liggghts(State):
             "insert": self.insert,
             "mesh/surface": self.mesh,
             "move/mesh": self.moving_mesh,
-            "pour": self.refuse_pour,
+            "pour": self.pour,
         }
         for style, read in readers.items():
             if fix.style.startswith(style):
@@ -164,9 +181,44 @@ class Liggghts(State):
         """A mesh that moves."""
         self.ignore(f"a moving wall ({fix.style})", fix.statement)
 
-    def refuse_pour(self, fix: Fix) -> None:
-        """Pouring as before LIGGGHTS 3."""
-        raise refused(fix.statement, "be fix insert")
+    def pour(self, fix: Fix) -> None:
+        """Pouring as before LIGGGHTS 3: ``pour`` and ``pour/legacy``, with ``diam`` and ``dens`` STYLE LO HI."""
+        kind = self.type_of((*fix.words, "", "")[1])
+        if fix.style not in ("pour", "pour/legacy") or not 1 <= kind <= MAX_TYPES:
+            raise refused(fix.statement, "be fix pour/legacy with a type, or fix insert")
+        found: dict[str, Range | None] = {"diam": (1.0, 1.0), "dens": (1.0, 1.0)}
+        found |= self.random(fix, tuple(found))
+        diameters, densities = found.values()
+        radii = None if diameters is None else (0.5 * diameters[0], 0.5 * diameters[1])
+        self.population.add(kind, Batch(radii, densities))
+
+    def random(self, fix: Fix, names: Sequence[str]) -> dict[str, Range | None]:
+        """Smallest and largest value after each of these words; None for a distribution without them, quoted."""
+        found: dict[str, Range | None] = {}
+        words = fix.words
+        for k, name in enumerate(words):
+            if name in names:
+                style, *rest = (*words[k + 1 :], "")
+                if style in ("uniform", "gaussian") and rest[0] in ("number", "mass"):
+                    del rest[0]
+                if NUMBER.fullmatch(style):  # LO HI
+                    style, rest = "uniform", [style, *rest]
+                found[name] = self.ends(fix, style, [one for one in rest if one])
+                if found[name] is None:
+                    self.unknown[fix.statement.quote] = None
+        if any(one and not 0.0 < one[0] <= one[1] for one in found.values()):
+            raise refused(fix.statement, "have positive sizes and densities")
+        return found
+
+    def ends(self, fix: Fix, style: str, words: Sequence[str]) -> Range | None:
+        """Smallest and largest value of a distribution; LIGGGHTS draws a Gaussian one again beyond 3σ."""
+        count = {"constant": 1, "uniform": 2, "discrete": 2, "gaussian": 2}.get(style)
+        if count is None:
+            return None
+        if len(words) < count:
+            raise refused(fix.statement, f"have {count} number{'s' * (count > 1)} after {style}")
+        first, last = (self.number(fix.statement, word) for word in (words[0], words[count - 1]))
+        return (first - 3.0 * last, first + 3.0 * last) if style == "gaussian" else (first, last)
 
     def option(self, fix: Fix, name: str) -> str:
         """The word after a keyword of a fix; empty if it is missing."""
@@ -202,27 +254,56 @@ class Liggghts(State):
             self.ignore("a moving wall (shear)", fix.statement)
 
     def contacts(self) -> Iterator[ContactSettings]:
-        """Pairs of types, then walls."""
+        """Pairs of types, then walls; cohesion whose constants are 0 is left out."""
+        return map(sticky, self.all_contacts())
+
+    def all_contacts(self) -> Iterator[ContactSettings]:
+        """The contacts with their settings as given."""
         kinds = self.present()
         if self.model is not None:
             model, quote = self.model
             for i in kinds:
                 for j in kinds[kinds.index(i) :]:
                     found, quotes = self.between(i, j)
-                    yield ContactSettings((str(i), str(j)), None, {**model, **found}, (quote, *quotes))
+                    yield ContactSettings(
+                        (str(i), str(j)),
+                        None,
+                        {**model, **found},
+                        (quote, *quotes),
+                        friction=self.friction(model, i, j),
+                        motion=motion.strongest([motion.of_grains(self, k) for k in (i, j)]),
+                    )
         for name, fix in self.fixes.items():
             if fix.style.startswith("wall/gran"):
                 parsed, ends = self.parsed_wall(fix)
                 model = settings(fix.statement, parsed.settings)
                 shapes = [granular_words.pushes(word) for word in parsed.rest]
                 pushes = next((one for one in shapes if one is not None), None)
+                moves = motion.strongest([motion.of_mesh(self, word) for word in parsed.rest], self.down())
                 for kind in kinds:
                     for end in ends:
                         found, quotes = self.between(kind, end)
                         wall = name if len(ends) == 1 else f"{name} (type {end})"
+                        friction = self.friction(model, kind, end)
+                        moving = motion.of_wall(self, parsed.rest, 0, friction != 0.0) or moves
                         yield self.wall_contact(
-                            kind, wall, {**model, **found}, (fix.statement.quote, *quotes), pushes
+                            kind,
+                            wall,
+                            {**model, **found},
+                            (fix.statement.quote, *quotes),
+                            pushes,
+                            friction,
+                            moving,
                         )
+
+    def friction(self, model: Settings, i: int, j: int) -> float | None:
+        """The coefficient of friction of two types; 0 if the model has no tangential forces."""
+        tangential = model.get("tangential")
+        if tangential is None or tangential.words[0] == "off":
+            return 0.0
+        given = self.properties.get("coefficientFriction")
+        pair = None if given is None else given.between(i, j)
+        return None if pair is None else self.coefficient(pair[0])
 
     def between(self, i: int, j: int) -> tuple[Settings, tuple[Quote, ...]]:
         """The properties of a pair of types. Two materials are replaced by one with the same effective modulus."""
@@ -249,22 +330,11 @@ class Liggghts(State):
 
     def template(self, fix: Fix) -> None:
         """Radius and density of a particle template."""
-        words = fix.words
         kind = self.type_of(self.option(fix, "atom_type") or "1")
-        found: dict[str, Range | None] = {}
-        for k, word in enumerate(words[:-2]):
-            if word in ("radius", "density"):
-                style, low, *more = words[k + 1 : k + 4]
-                if style == "constant":
-                    found[word] = (self.number(fix.statement, low),) * 2
-                elif style == "uniform" and more:
-                    found[word] = (self.number(fix.statement, low), self.number(fix.statement, more[0]))
-                else:
-                    found[word] = None  # such as gaussian, which has no largest value
-                    self.unknown[fix.statement.quote] = None
+        found = self.random(fix, ("radius", "density"))
         radii = found.get("radius")
-        if not 1 <= kind <= MAX_TYPES or any(one and not 0.0 < one[0] <= one[1] for one in found.values()):
-            raise refused(fix.statement, "have a type, a radius and a density")
+        if not 1 <= kind <= MAX_TYPES:
+            raise refused(fix.statement, "have a type")
         if radii is not None:
             radii = (radii[0] * self.coarse, radii[1] * self.coarse)
         self.templates[fix.statement.words[1]] = (kind, Batch(radii, found.get("density")))

@@ -14,18 +14,29 @@ from .state import HARMLESS, State
 from .statements import LONGEST_QUOTE, Statement, scan, split
 
 HEADER: Final = re.compile(r"\s*(LAMMPS|LIGGGHTS) \((?:Version )?((?:[^()]|\([^()]*\))*)\)?", re.ASCII)
+#: What the codes print during a run.
+OUTPUT: Final = re.compile(
+    r"^(?:Loop time of \S+ on \d+ procs|Per MPI rank memory allocation|Memory usage per processor"
+    r"|Created orthogonal box =|Setting up (?:run|minimization)\b|\s+\d+ by \d+ by \d+ MPI processor grid)",
+    re.MULTILINE,
+)
 #: Lines before the header, such as messages of MPI or a shell.
 MAX_BEFORE: Final = 50
 FLOW: Final = frozenset(("variable", "include", "if", "jump", "next", "label", "quit"))
 
 
 def header(text: str) -> tuple[str, str] | None:
-    """Code and version if a text is a log."""
-    for line in text[:20_000].splitlines()[:MAX_BEFORE]:
+    """Code and version if a text is a log; both are empty in a log that begins after them.
+
+    That is one which the command ``log`` begins. A capture of the screen may have other lines before.
+    """
+    lines = text.splitlines()
+    printed = OUTPUT.search(text) is not None
+    for line in lines if printed else lines[:MAX_BEFORE]:
         found = HEADER.match(line)
         if found:
             return found[1].lower(), found[2].strip()
-    return None
+    return ("", "") if printed else None
 
 
 def commands(text: str, file: str, variables: Variables, state: type[State]) -> Iterator[Statement]:

@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
+import copy
 import math
+import re
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
 from pathlib import Path
-from typing import Final
+from typing import Final, Self
 
-from . import population
+from ..support.formatting import listed
+from . import conditions, motion, population
 from .commands import SILENT, UNRESOLVED, USE_LOG, Variables, text_of
-from .description import WALL, ContactSettings, Description, Direction, Note, Quote, Settings, Stage
+from .description import WALL, ContactSettings, Description, Direction, Motion, Note, Quote, Settings, Stage
 from .formulas import NUMBER
 from .granular_words import unaccelerated
 from .population import Batch, Population
-from .statements import Statement, refused
+from .statements import Branch, Place, Refusal, Statement, Undefined, refused
 
 #: Default time step of each system of units.
 TIME_STEPS: Final = {
@@ -32,6 +35,7 @@ TIME_STEPS: Final = {
 CREATED: Final = Batch((0.5, 0.5), (1.0, 1.0))
 MAX_TYPES: Final = 100
 MAX_NUMBER: Final = 10**9  #: of a grain
+MAX_FORKS: Final = 3  #: states at a label with which a new one is compared
 ZEROS: Final = {"0", "0.0", "0."}
 #: Logical operators of ``group … type``.
 COMPARISONS: Final[dict[str, Callable[[int, int, int], bool]]] = {
@@ -43,16 +47,34 @@ COMPARISONS: Final[dict[str, Callable[[int, int, int], bool]]] = {
     "!=": lambda k, a, _: k != a,
     "<>": lambda k, a, b: a <= k <= b,
 }
-#: Keywords of ``set`` that change sizes or masses.
+#: Keywords of ``set`` that change sizes or masses, and types.
 SET_KEYWORDS: Final = ("diameter", "density", "density/disc", "mass", "shape")
+TYPE_KEYWORDS: Final = ("type", "type/fraction", "type/ratio", "type/subset")
+#: Keywords of ``set`` in LAMMPS and LIGGGHTS, by the number of their values.
+SET_WORDS: Final = {
+    1: """
+type diameter density density/disc mass mol x y z vx vy vz omegax omegay omegaz inertiax inertiay inertiaz charge
+quat/random length tri theta theta/random volume temperature bond angle dihedral improper rheo/rho rheo/status
+sph/e sph/cv sph/rho meso/e meso/cv meso/rho epsilon dpd/theta edpd/temp edpd/cv
+meso_e meso_cv meso_rho sphkernel add until
+""",
+    2: "dipole/random spin/random spin/atom/random cc blockiness roundness aspect_ratio",
+    3: "type/fraction type/ratio type/subset shape dipole angmom omega image spin",
+    4: "quat quat_direct spin/atom",
+}
+SET_COUNTS: Final = {word: count for count, words in SET_WORDS.items() for word in words.split()}
+#: Section of a data file with contacts.
+COEFFICIENTS: Final = re.compile(r"^\s*Pair(?:IJ)? Coeffs\b", re.MULTILINE)
+#: Properties that ``fix property/atom`` defines.
+CUSTOM: Final = re.compile(r"[id]2?_\w+")
 #: Commands that are read below, or that affect neither contacts nor grains.
 HARMLESS_NAMES: Final = """
 angle_coeff angle_style atom_modify balance boundary box change_box comm_modify comm_style communicate create_bonds
-delete_atoms delete_bonds dihedral_coeff dihedral_style displace_atoms improper_coeff improper_style kspace_modify
-label lattice log mass min_modify min_style minimize modify_timing neb neigh_modify neighbor newton package partition
+delete_bonds dihedral_coeff dihedral_style displace_atoms improper_coeff improper_style kspace_modify
+label lattice log mass min_modify min_style minimize modify_timing neb neighbor newton package partition
 processors replicate rerun reset_atom_ids reset_atoms reset_ids reset_mol_ids reset_timestep shell thermo_log
 special_bonds suffix velocity hard_particles soft_particles next jump fix_modify bond_coeff pair_modify pair_write
-group2ndx ndx2group quit
+group2ndx ndx2group quit partitioner_style extract_surface extrude_surface
 """
 HARMLESS: Final = SILENT | frozenset(HARMLESS_NAMES.split())
 #: Fixes that only observe, or affect how the program runs.
@@ -62,6 +84,14 @@ mesh/surface mesh/volume particledistribution contacthistory particletemplate/sp
 neigh_history NEIGH_HISTORY momentum nve/noforce diam/max calculate/ contactproperty/ contactcounter/ pair
 """
 HARMLESS_FIXES: Final = tuple(HARMLESS_FIX_NAMES.split())
+#: Fixes whose effect is not in their own words, or has none.
+ELSEWHERE: Final = (*HARMLESS_FIXES, "pour", "deposit", "insert")
+#: What the settings of contacts do not depend on.
+NO_SETTINGS_NAMES: Final = """
+variables folder version code types_seen ignored invalidates unknown stages last granular changed_since undefined
+forks unclear steps_done regions fixes time_step
+"""
+NO_SETTINGS: Final = frozenset(NO_SETTINGS_NAMES.split())
 #: Fixes that move grains whatever forces act on them.
 PRESCRIBED: Final = ("nve/noforce", "move")
 INTEGRATORS: Final = ("nve", "nvt", "npt", "nph", "rigid", "poems", "multisphere", "brownian", "move")
@@ -129,6 +159,8 @@ class State:
         self.last: Statement | None = None
         self.granular = False  #: whether there are granular contacts, understood or not
         self.changed_since = True  #: whether settings may differ from those of the last stage
+        self.undefined: dict[str, Statement] = {}  #: variables without a value, and where they matter
+        self.forks: dict[Place, list[tuple[Statement, State]]] = {}  #: states that go on at a later label
         self.reset()
 
     def reset(self) -> None:
@@ -142,6 +174,10 @@ class State:
         self.steps_done, self.atom_style = 0, ""
         self.molecules: dict[str, list[tuple[int, Batch]]] = {}
         self.regions: dict[str, tuple[str, ...]] = {}
+        self.excluded: dict[tuple[str, str], None] = {}  #: pairs of types that do not meet
+        self.unclear: dict[conditions.Part, None] = {}  #: what depends on a condition that only a run knows
+        self.edges: dict[str, float] = {}  #: of the box
+        self.squeezed: list[Note] = []  #: commands that shrank the box
         self.variables.keywords["dt"] = TIME_STEPS[self.units]
 
     # --- what subclasses provide --------------------------------------------------------------------------------
@@ -158,8 +194,18 @@ class State:
 
     def read(self, statements: Iterator[Statement]) -> Description:
         """Read all statements."""
-        for statement in statements:
-            self.statement(statement)
+        try:
+            for statement in statements:
+                self.statement(statement)
+        except Undefined as error:  # the file that comes next
+            self.missing(error.statement)
+        except Refusal:
+            if not self.undefined:
+                raise
+        if self.undefined:
+            raise self.without_values()
+        for (condition, _), *_ in self.forks.values():
+            raise refused(condition, f"have a condition that is known without running; {USE_LOG}")
         if not self.stages and self.last is not None:
             self.stage(self.last.quote, None)
         if not self.granular or not self.stages:
@@ -167,13 +213,18 @@ class State:
         return Description(
             self.code,
             self.version,
-            self.units,
-            self.units_given,
-            self.dimension,
             tuple(self.stages),
             tuple(self.ignored),
             tuple(self.invalidates),
             tuple(self.unknown),
+        )
+
+    def without_values(self) -> ValueError:
+        """The error that names all variables whose values are missing."""
+        names = listed([name for name in self.undefined if name])
+        what = f"values for {names}" if names else "variables that are known"
+        return refused(
+            next(iter(self.undefined.values())), f"have {what}: give them with --var, or {USE_LOG}"
         )
 
     def statement(self, statement: Statement) -> None:
@@ -182,20 +233,28 @@ class State:
         self.changed_since = self.changed_since or (command != "run" and command not in HARMLESS)
         own = getattr(self, f"command_{command}", None)
         if own is not None:
-            own(statement)
+            try:
+                own(statement)
+            except Undefined as error:
+                self.missing(error.statement)
         elif command not in HARMLESS:
             self.unknown[statement.quote] = None
+
+    def missing(self, statement: Statement) -> None:
+        """Note the variables of a statement that have no value."""
+        for name in list(self.variables.missing(statement.text)) or [""]:
+            self.undefined.setdefault(name, statement)
 
     def understood(self, statement: Statement, read: Callable[[], object]) -> bool:
         """Whether a statement is understood. If not, it is quoted, or refused if a variable in it is not known."""
         try:
             read()
-        except ValueError:
+        except ValueError as error:
             if UNRESOLVED.search(statement.text):
-                raise refused(
-                    statement, f"have variables that are known: give them with --var, or {USE_LOG}"
-                ) from None
-            self.unknown[statement.quote] = None
+                raise Undefined(statement) from None
+            part = getattr(error, "part", "")
+            whole = part == " ".join(statement.text.split())
+            self.unknown[replace(statement.quote, part="" if whole else part)] = None
             return False
         return True
 
@@ -218,8 +277,112 @@ class State:
 
     def no_number(self, statement: Statement, what: str, word: str) -> ValueError:
         """The error for a word that is no number, or a variable without a known value."""
-        advice = f": give it with --var, or {USE_LOG}" if is_variable(word) else ""
-        return refused(statement, f"have {what}, not {word}{advice}")
+        return Undefined(statement) if is_variable(word) else refused(statement, f"have {what}, not {word}")
+
+    # --- conditions that only a run knows -----------------------------------------------------------------------
+
+    def command_if(self, statement: Statement) -> None:
+        """Read all branches that may run. What all leave alike stays; the rest is not known from then on."""
+        if not any(
+            one.words[0] not in HARMLESS for branch in statement.branches for one in branch.statements
+        ):
+            for branch in statement.branches:
+                self.fork(statement, branch, self)
+            return
+        ends = [(branch, self.after(branch)) for branch in statement.branches]
+        going = [end for branch, end in ends if not branch.ends and not branch.place]
+        leading = [end for branch, end in ends if branch.place]
+        for branch, end in ends:
+            self.fork(statement, branch, end)
+        before = self.stages
+        vars(self).update(vars((going or leading or [self])[0].copied()))
+        for _, end in ends:
+            self.ignored |= end.ignored
+            self.unknown |= end.unknown
+            self.undefined |= end.undefined
+        self.stages = self.joined(before, [end.stages for _, end in ends])
+        self.variables.keywords["dt"] = self.time_step or TIME_STEPS[self.units]
+        for end in going[1:]:
+            self.compare(statement, end)
+
+    def fork(self, condition: Statement, branch: Branch, end: State) -> None:
+        """Keep the state with which a branch goes on at a later label."""
+        if branch.place:
+            known = self.forks.setdefault(branch.place, [])
+            if not any(end.as_well(one) for _, one in known[-MAX_FORKS:]):
+                known.append((condition, end.copied()))
+
+    def command_label(self, statement: Statement) -> None:
+        """A label to which branches lead that leave out what was read since."""
+        if statement.place:
+            for condition, end in self.forks.pop(statement.place, ()):
+                self.compare(condition, end)
+
+    def after(self, branch: Branch) -> Self:
+        """The state after the commands of a branch."""
+        keywords, end = dict(self.variables.keywords), self.copied()
+        for statement in branch.statements:
+            end.statement(statement)
+        self.variables.keywords = keywords
+        return end
+
+    def copied(self) -> Self:
+        """A copy that changes on its own."""
+        new = copy.copy(self)
+        for name, value in vars(self).items():
+            if name == "population":
+                batches = {kind: list(each) for kind, each in value.batches.items()}
+                new.population = replace(value, batches=batches)
+            elif isinstance(value, list | dict) and name != "forks":
+                setattr(new, name, copy.copy(value))
+        return new
+
+    def joined(self, before: Sequence[Stage], ends: Sequence[Sequence[Stage]]) -> list[Stage]:
+        """The stages before a condition, and those of all its branches."""
+        found = list(before)
+        for stage in (one for end in ends for one in end[len(before) :]):
+            if not any(conditions.settings_of(one) == conditions.settings_of(stage) for one in found):
+                found.append(stage)
+        if found and any(list(end) != list(before) for end in ends):
+            k = max(0, len(before) - 1)
+            found[k:] = [replace(one, steps=None) for one in found[k:]]
+        return found
+
+    def as_well(self, other: State) -> bool:
+        """Whether all settings on which contacts depend now or later are those of another state."""
+        fixes, others = (
+            {name: fix for name, fix in one.fixes.items() if not fix.style.startswith(ELSEWHERE)}
+            for one in (self, other)
+        )
+        values = [
+            (value, getattr(other, name)) for name, value in vars(self).items() if name not in NO_SETTINGS
+        ]
+        values += [(fixes, others), (self.step_now(), other.step_now())]
+        return all(a == b or conditions.plain(a) == conditions.plain(b) for a, b in values)
+
+    def compare(self, condition: Statement, other: State) -> None:
+        """Note what a branch leaves in another state, and quote its condition."""
+        forces = [note for note in self.invalidates if note not in other.invalidates]
+        differ = list(forces or set(other.invalidates) - set(self.invalidates))
+        for note in forces:
+            del self.invalidates[note]
+        what = [f"{note.what}" for note in differ]
+        if not self.as_well(other):
+            quote = condition.quote
+            parts = list(conditions.differences(self.now(quote, None), other.now(quote, None)))
+            self.unclear |= dict.fromkeys(parts)
+            what += [str(part[0]) for part in parts] or ["what follows"]
+        if what:
+            words = listed(list(dict.fromkeys(what)))
+            self.quote_with(condition, f"only a run knows the condition; branches differ in {words}")
+            if any(name not in self.variables.known for name in self.variables.missing(condition.text)):
+                self.missing(condition)
+
+    def quote_with(self, statement: Statement, reason: str = "") -> None:
+        """Quote a statement that is not understood, with the reason."""
+        quote = statement.quote
+        if not any((one.file, one.line) == (quote.file, quote.line) for one in self.unknown):
+            self.unknown[replace(quote, text=f"{quote.text} ({reason})" if reason else quote.text)] = None
 
     # --- types and groups ---------------------------------------------------------------------------------------
 
@@ -338,7 +501,7 @@ class State:
     def command_units(self, statement: Statement) -> None:
         if len(statement.words) != 2 or statement.words[1] not in TIME_STEPS:
             raise refused(statement, f"be units {', '.join(TIME_STEPS)}")
-        self.units, self.units_given = statement.words[1], True
+        self.units, self.units_given, self.time_step = statement.words[1], True, None  # also in LAMMPS
         self.variables.keywords["dt"] = TIME_STEPS[self.units]
 
     def command_dimension(self, statement: Statement) -> None:
@@ -373,6 +536,39 @@ class State:
         if statement.words[1:2] != ("none",):
             self.invalidate("long-range forces", statement)
 
+    def command_partition(self, statement: Statement) -> None:
+        """A command for some partitions only."""
+        if not set(statement.words[3:4]) <= HARMLESS:
+            self.unknown[statement.quote] = None
+
+    def command_run_style(self, statement: Statement) -> None:
+        if statement.words[1:2] not in (("verlet",), ("verlet/split",)):
+            self.unknown[statement.quote] = None
+
+    def command_neigh_modify(self, statement: Statement) -> None:
+        """Pairs of types that do not meet: ``exclude type I J`` or ``exclude group A B``."""
+        words = statement.words
+        for k, word in enumerate(words[:-1]):
+            if word == "exclude" and words[k + 1] == "none":
+                self.excluded = {}
+            elif word == "exclude" and words[k + 1] in ("type", "group"):
+                typed = words[k + 1] == "type"
+                ends = [
+                    Group(frozenset(self.types_of(one)), True) if typed else self.members(one)
+                    for one in words[k + 2 : k + 4]
+                ]
+                if len(ends) == 2 and all(one.whole for one in ends):
+                    pairs = [(i, j) for i in self.within(ends[0]) for j in self.within(ends[1])]
+                    self.excluded |= dict.fromkeys((str(min(pair)), str(max(pair))) for pair in pairs)
+
+    def command_delete_atoms(self, statement: Statement) -> None:
+        """Grains of whole types may be deleted; of others, some may be left."""
+        words = statement.words
+        group = self.members(words[2]) if words[1:2] == ("group",) and len(words) > 2 else Group(None, False)
+        if group.whole:
+            for kind in self.within(group):
+                self.population.batches.pop(kind, None)
+
     def command_clear(self, statement: Statement) -> None:
         self.reset()
 
@@ -400,30 +596,49 @@ class State:
             self.longer(steps)
             return
         self.changed_since = False
-        kinds = self.present()
+        new = conditions.without(self.now(quote, steps), self.unclear)
+        self.note_adhesion(new.contacts)
+        if self.stages and replace(self.stages[-1], quote=quote, steps=steps) == new:
+            self.longer(steps)
+        else:
+            self.stages.append(new)
+
+    def now(self, quote: Quote, steps: int | None) -> Stage:
+        """What holds now."""
         disks = self.code == "liggghts" and self.dimension == 2
         grains = {}
-        for kind in kinds:
+        for kind in self.present():
             frozen, freezes = self.frozen(kind), self.stopped("freeze", kind)
             partly = [one for one in ("freeze", "setforce") if not frozen and self.stopped(one, kind, False)]
             grains[str(kind)] = self.population.grains(
                 kind, str(kind), frozen, not freezes and "freeze" not in partly, disks, bool(partly)
             )
-        new = Stage(
+        return Stage(
             quote,
             self.step_now(),
             self.time_step is not None,
             steps,
-            tuple(self.contacts()),
+            tuple(one for one in self.contacts() if one.types not in self.excluded),
             grains,
             self.gravity(),
             None,
             self.down(),
+            *motion.driven(self),
+            self.units,
+            self.units_given,
+            self.dimension,
         )
-        if self.stages and replace(self.stages[-1], quote=quote, steps=steps) == new:
-            self.longer(steps)
-        else:
-            self.stages.append(new)
+
+    def note_adhesion(self, contacts: Sequence[ContactSettings]) -> None:
+        """Note the statements that make contacts adhesive or plastic, each with all types that it concerns."""
+        for one in contacts:
+            if one.adhesion:
+                same = [n for n in self.invalidates if (n.what, n.quote) == (one.adhesion, one.quotes[0])]
+                types = {*one.types, *(name for note in same for name in note.types or ())} - {WALL}
+                for note in same:
+                    del self.invalidates[note]
+                note = Note(one.adhesion, tuple(sorted(types, key=int)), one.quotes[0])
+                self.invalidates[note] = None
 
     def step_now(self) -> float | None:
         """The time step; None if a fix changes it."""
@@ -441,6 +656,17 @@ class State:
 
     def command_create_box(self, statement: Statement) -> None:
         self.types = max(self.types, min(self.type_of((*statement.words, "")[1]), MAX_TYPES))
+        shape, *ends = (*self.regions.get((*statement.words, "", "")[2], ()), "")
+        numbers = [self.coefficient(word) for word in ends[:6]] if shape in ("block", "prism") else []
+        for axis, low, high in zip("xyz", numbers[::2], numbers[1::2], strict=False):
+            if low is not None and high is not None and high > low:
+                self.edges[axis] = high - low
+
+    def command_change_box(self, statement: Statement) -> None:
+        kind, _ = motion.deformation(self, statement.words[2:])
+        self.edges = {}
+        if kind == "pressed":
+            self.squeezed.append(Note("change_box", None, statement.quote))
 
     def command_region(self, statement: Statement) -> None:
         if len(statement.words) > 2:
@@ -502,21 +728,28 @@ class State:
             if len(found) > 1:
                 self.invalidate("molecules of several grains", statement)
 
-    def elsewhere(self, statement: Statement) -> None:
+    def elsewhere(self, statement: Statement, reason: str = "") -> None:
         """Grains whose sizes are not in the script."""
         self.population.elsewhere = True
-        self.unknown[statement.quote] = None
+        self.quote_with(statement, reason)
 
     def command_read_data(self, statement: Statement) -> None:
         words = statement.words
         name = (*words, "")[1]
         text = None if self.folder is None else text_of(self.folder / name)
         if text is None:
-            self.elsewhere(statement)
+            why = "cannot be opened" if self.folder else "give the script as a file, to which it is relative"
+            self.elsewhere(statement, why)
             return
         more = words[words.index("extra/atom/types") + 1 :][:1] if "extra/atom/types" in words else []
-        types = population.header(text, "atom types") + (self.type_of(more[0]) if more else 0)
+        shift = words[words.index("offset") + 1 :][:1] if "offset" in words else []
+        offset = self.type_of(shift[0]) if shift else 0
+        types = population.header(text, "atom types") + (self.type_of(more[0]) if more else 0) + offset
         self.types = min(max(self.types, types), MAX_TYPES)
+        for name in words[words.index("group") + 1 :][:1] if "group" in words else ():
+            self.groups.setdefault(name, Group(None, False))
+        if COEFFICIENTS.search(text):
+            self.quote_with(statement, "its pair coefficients are not read")
         if population.header(text, "bonds"):
             self.invalidate("bonds between grains", statement)
         try:
@@ -524,13 +757,13 @@ class State:
         except (ValueError, IndexError):
             found = {}
         if not found:
-            self.elsewhere(statement)
+            self.elsewhere(statement, "only atom style sphere is read")
         for kind, batch in found.items():
-            if 1 <= kind <= MAX_TYPES:
-                self.population.add(kind, batch)
+            if 1 <= kind + offset <= MAX_TYPES:
+                self.population.add(kind + offset, batch)
 
     def command_read_restart(self, statement: Statement) -> None:
-        self.elsewhere(statement)
+        self.elsewhere(statement, "such files are not read")
 
     command_read_dump = command_read_restart
 
@@ -548,15 +781,23 @@ class State:
             chosen = Group(None, style == "atom" and name == "*")
         atoms = atoms_of(name) if style == "atom" else None
         changes: list[Callable[[Batch], Batch]] = []
-        for k, word in enumerate(words[3:-1], 3):
-            if word in ("type", "type/fraction", "type/ratio", "type/subset"):
-                self.set_type(statement, chosen, word == "type", words[k + 1], atoms)
+        k = 3
+        while k < len(words):
+            word, values = words[k], words[k + 1 :]
+            if word.startswith("property/atom"):  # a property of its own with all its values
+                break
+            if not (count := SET_COUNTS.get(word, 1 if CUSTOM.match(word) else 0)) or len(values) < count:
+                self.quote_with(statement, f"{word} is not understood")
+                break
+            if word in TYPE_KEYWORDS:
+                self.set_type(statement, chosen, word, values[:count], atoms)
             elif word in SET_KEYWORDS:
-                value = None if word == "shape" else self.set_number(statement, words[k + 1])
+                value = None if word == "shape" else self.set_number(statement, values[0])
                 if value is None or value < 0.0:
                     self.unknown[statement.quote] = None
                     value = None
                 changes.append(self.changed(word, value))
+            k += 1 + count
         self.last = statement
         self.population.change(
             self.within(chosen),
@@ -566,16 +807,22 @@ class State:
         )
 
     def set_type(
-        self, statement: Statement, chosen: Group, whole: bool, word: str, atoms: range | None
+        self, statement: Statement, chosen: Group, word: str, values: Sequence[str], atoms: range | None
     ) -> None:
-        """Another type for some grains."""
-        kind = self.type_of(word)
-        if 1 <= kind <= MAX_TYPES:
+        """Another type for grains: ``type T``, ``type/fraction T share seed``, or a number of grains."""
+        kind = self.type_of(values[0])
+        share = 1.0 if word == "type" else None
+        if word == "type/subset":
+            share = 0.0 if values[1] == "0" else None
+        elif word != "type":
+            share = self.number(statement, values[1])
+        if not 1 <= kind <= MAX_TYPES or not 0.0 <= (0.5 if share is None else share) <= 1.0:
+            self.elsewhere(statement)
+        elif share != 0.0:
+            whole = share == 1.0
             self.population.convert(
                 self.within(chosen), chosen.whole and whole, kind, atoms if whole else None
             )
-        else:
-            self.elsewhere(statement)
 
     def set_number(self, statement: Statement, word: str) -> float | None:
         """A number of ``set``; None if it differs from grain to grain."""
@@ -604,6 +851,8 @@ class State:
         if len(words) < 4:
             self.unknown[statement.quote] = None
             return
+        if words[2] not in self.groups and not self.population.elsewhere:
+            self.quote_with(statement, f"the group {words[2]} is not defined")
         fix = Fix(statement, words[2], unaccelerated(words[3]), words[4:])
         self.fixes[words[1]] = fix
         if not self.own_fix(fix):
@@ -623,6 +872,8 @@ class State:
             self.ignore(f"heat ({style})", fix.statement, types)
         elif style.startswith(("move", "deform")):
             self.ignore(f"prescribed motion ({style})", fix.statement, types)
+        elif style.startswith("langevin") and motion.bath(self, fix) is not None:
+            self.ignore(f"a thermostat ({style})", fix.statement, types)
         elif style == "adapt" and ("diameter" in fix.words or "diameter/disc" in fix.words):
             self.elsewhere(fix.statement)
         elif style.startswith("dt/reset"):
@@ -708,9 +959,18 @@ class State:
         settings: Settings,
         quotes: tuple[Quote, ...],
         pushes: tuple[Direction, ...] | None,
+        friction: float | None,
+        motion: Motion | None,
     ) -> ContactSettings:
         """A contact with a wall."""
-        return ContactSettings((str(kind), WALL), name, settings, quotes, pushes=pushes)
+        return ContactSettings(
+            (str(kind), WALL), name, settings, quotes, pushes=pushes, friction=friction, motion=motion
+        )
+
+    def coefficient(self, word: str) -> float | None:
+        """A number that need not be known."""
+        found = float(word) if NUMBER.fullmatch(word) else None
+        return self.variables.of(word[2:]) if word.startswith("v_") else found
 
 
 def atoms_of(word: str) -> range | None:

@@ -22,6 +22,8 @@ WORD: Final = re.compile(r'"""(.*?)"""(?!\S)|"([^"]*)"(?!\S)|\'([^\']*)\'(?!\S)|
 class Refusal(ValueError):
     """What a script says is not understood, although contacts depend on it."""
 
+    part = ""  #: the words that were not understood
+
 
 @dataclass(frozen=True)
 class Statement:
@@ -32,11 +34,34 @@ class Statement:
     text: str
     owner: str = ""  #: object of a call or bodies of an element
     file: str = ""
+    branches: tuple[Branch, ...] = ()  #: of ``if`` whose condition only a run knows
+    place: Place | None = None  #: of a label to which a branch leads
 
     @property
     def quote(self) -> Quote:
         """The statement as messages quote it."""
         return quoted(self.file, self.line, self.text)
+
+
+class Undefined(Refusal):
+    """Contacts depend on variables without a value in a statement."""
+
+    def __init__(self, statement: Statement) -> None:
+        super().__init__(str(refused(statement, "have values for its variables")))
+        self.statement = statement
+
+
+#: A file that is being read, by its number, and one of its lines.
+Place = tuple[int, int]
+
+
+@dataclass(frozen=True)
+class Branch:
+    """What may happen at ``if``: commands, and where the script then goes on."""
+
+    statements: tuple[Statement, ...]
+    place: Place | None = None  #: a later label; None for the next line
+    ends: bool = False  #: whether the script ends
 
 
 def quoted(file: str, line: int, text: str) -> Quote:
@@ -47,8 +72,12 @@ def quoted(file: str, line: int, text: str) -> Quote:
 
 def refusal(line: int, text: str, must: str, file: str = "") -> ValueError:
     """The error for a part of an input, with its line and text."""
-    shown = validation.shown(" ".join(text.split()))
-    return Refusal(f"{' '.join(file.split()) or 'input'}: line {line}: got {shown}, must {must}")
+    part = " ".join(text.split())
+    found = Refusal(
+        f"{' '.join(file.split()) or 'input'}: line {line}: got {validation.shown(part)}, must {must}"
+    )
+    found.part = part
+    return found
 
 
 def refused(statement: Statement, must: str) -> ValueError:
@@ -125,6 +154,7 @@ def open_quote(line: str) -> str:
     return scan(line)[1]
 
 
+@lru_cache(4096)
 def split(code: str) -> tuple[str, ...]:
     """Words of a command without its comment."""
     return tuple(next((g for g in found.groups() if g is not None), "") for found in WORD.finditer(code))

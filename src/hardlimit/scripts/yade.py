@@ -12,7 +12,9 @@ from .description import (
     WALL,
     ContactSettings,
     Description,
+    Direction,
     Grains,
+    Motion,
     Note,
     Quote,
     Range,
@@ -22,6 +24,7 @@ from .description import (
 )
 from .formulas import NUMBER
 from .materials import one_material
+from .motion import STEADY, UNKNOWN, strongest
 from .population import union
 from .python import Evaluator, Instance, Unknown, flat
 from .statements import quoted, refusal
@@ -35,6 +38,7 @@ MATERIALS: Final[dict[str, dict[str, float]]] = {
     "FrictMat": {"young": 1e9, "poisson": 0.25, "density": 1000.0},
     "ViscElMat": {"young": 1e9, "poisson": 0.25, "density": 1000.0},
 }
+FRICTION_ANGLE: Final = 0.5  #: default of these materials
 DEFAULT_MATERIAL: Final = {"young": 1e7, "poisson": 0.3, "density": 1000.0, "label": "defaultMat"}
 #: Functors that create contacts, with the material that they need.
 PHYSICS: Final = {
@@ -73,6 +77,16 @@ StepDisplacer ServoPIDController TriaxialStressController TriaxialCompressionEng
 PeriIsoCompressor Peri3dController CombinedKinematicEngine UniaxialStrainer KinemCTDEngine KinemSimpleShearBox
 """
 MOTION: Final = frozenset(MOTION_NAMES.split())
+#: Those that prescribe a stress or a strain of all grains.
+PRESSING_NAMES: Final = """
+TriaxialStressController TriaxialCompressionEngine PeriTriaxController PeriIsoCompressor Peri3dController
+UniaxialStrainer ServoPIDController KinemCTDEngine KinemSimpleShearBox
+"""
+PRESSING: Final = frozenset(PRESSING_NAMES.split())
+#: Those that move walls or grains steadily.
+STEADY_MOTION: Final = ("TranslationEngine", "RotationEngine", "HelixEngine")
+#: Amplitude and frequency of ``HarmonicMotionEngine``, with their defaults.
+HARMONIC: Final = (("A", (0.0, 0.0, 0.0)), ("f", (0.0, 0.0, 0.0)))
 #: Engines that change neither contacts nor grains.
 ENGINE_NAMES: Final = """
 ForceResetter InsertionSortCollider SpatialQuickSortCollider FlatGridCollider InteractionLoop NewtonIntegrator PyRunner
@@ -157,6 +171,7 @@ class Yade(Evaluator):
         self.table: dict[str, Any] = {}
         self.time_step: float | None = None
         self.time_step_given = self.elsewhere = False
+        self.strain: tuple[Any, Quote] | None = None  #: of the periodic cell, as velGrad
         self.stages: list[Stage] = []
         self.ignored: dict[Note, None] = {}
         self.invalidates: dict[Note, None] = {}
@@ -216,6 +231,8 @@ class Yade(Evaluator):
         elif is_scene(owner) and name == "engines":
             self.engines = [one for one in flat([value]) if isinstance(one, Instance)]
             self.label(self.engines)
+        elif name == "velGrad":
+            self.strain = value, self.quote(line, text)
         elif isinstance(owner, Instance):
             owner.attributes[name] = value
         elif name in CHANGING:
@@ -390,7 +407,7 @@ class Yade(Evaluator):
             if isinstance(one, Instance):
                 self.bodies += [body for body in one.made if isinstance(body, Body)]
                 if clumped:
-                    self.clumps(one)
+                    self.clumps(replace(one, name="appendClumped"))
             elif isinstance(one, Unknown):
                 self.elsewhere = True
 
@@ -465,6 +482,8 @@ class Yade(Evaluator):
             self.grains(),
             self.gravity(integrators),
             self.damping(integrators),
+            self.down(integrators),
+            *self.driven(),
         )
         if self.stages and replace(self.stages[-1], quote=quote, steps=steps) == new:
             old = self.stages[-1].steps
@@ -497,6 +516,56 @@ class Yade(Evaluator):
             if found is not None:
                 self.unknown[self.quote(one.line, one.text)] = None
         return None
+
+    def down(self, integrators: list[Instance]) -> Direction | None:
+        """The direction of gravity."""
+        for one in [*integrators, *self.used("GravityEngine")]:
+            found = one.attributes.get("gravity")
+            if isinstance(found, tuple | list) and all(isinstance(x, int | float) for x in found):
+                size = math.hypot(*found)
+                return tuple(x / size for x in found) if size else None
+        return None
+
+    def driven(self) -> tuple[tuple[Note, ...], tuple[Note, ...], float | None]:
+        """What presses the grains, what else drives them, and the shear rate."""
+        pressed = [
+            Note(one.name, None, self.quote(one.line, one.text))
+            for one in self.used("")
+            if one.name in PRESSING
+        ]
+        if self.strain is None:
+            return tuple(pressed), (), None
+        value, quote = self.strain
+        rates = flat([value.arguments]) if isinstance(value, Instance) else []
+        if "Zero" in (value.text if isinstance(value, Unknown) else str(value)):
+            return tuple(pressed), (), None  # Matrix3.Zero
+        if len(rates) != 9 or not all(isinstance(x, int | float) for x in rates):
+            return tuple(pressed), (Note("O.cell.velGrad", None, quote),), None
+        sheared = [abs(x) for k, x in enumerate(rates) if k % 4 and x]
+        growth, largest = rates[0] + rates[4] + rates[8], max(map(abs, rates))
+        if growth < -1e-9 * largest:
+            pressed.append(Note("a cell that shrinks (velGrad)", None, quote))
+        other = (Note("O.cell.velGrad", None, quote),) if any(rates[::4]) or len(sheared) > 1 else ()
+        return tuple(pressed), other, sheared[0] if len(sheared) == 1 and not other else None
+
+    def motion(self) -> Motion | None:
+        """The fastest motion of walls and of fixed spheres; which of them move is not read."""
+        found: list[Motion | None] = []
+        for one in self.used(""):
+            if one.name == "HarmonicMotionEngine":
+                sizes, rates = (one.attributes.get(name, default) for name, default in HARMONIC)
+                vectors = all(
+                    isinstance(each, list | tuple) and all(isinstance(x, int | float) for x in each)
+                    for each in (sizes, rates)
+                )
+                waves = [
+                    Motion(tuple(a * (k == axis) for k in range(3)), 2.0 * math.pi * f)
+                    for axis, (a, f) in enumerate(zip(sizes, rates, strict=False) if vectors else ())
+                ]
+                found += waves or [UNKNOWN]
+            elif one.name in MOTION and one.name not in PRESSING:
+                found.append(STEADY if one.name in STEADY_MOTION else UNKNOWN)
+        return strongest(found, self.down(self.used("NewtonIntegrator")))
 
     def name(self, k: int) -> str:
         """The name of a material: its label, or its number."""
@@ -539,6 +608,7 @@ class Yade(Evaluator):
     def contacts(self) -> Iterator[ContactSettings]:
         """Pairs of materials, then walls, without damping if the law leaves it out."""
         undamped = [one for one in self.used("Law2_ScGeom_MindlinPhys_") if one.name in UNDAMPED_LAWS]
+        moves = self.motion()
         for contact in self.all_contacts():
             settings = contact.settings
             if undamped and settings["physics"].words[0] == "MindlinPhys":
@@ -547,7 +617,7 @@ class Yade(Evaluator):
                 zero = Setting(("0.0",), law.line, law.text)
                 asked = None if en is None else float(en.words[0])
                 contact = replace(contact, settings={**kept, "betan": zero}, asked=asked)
-            yield contact
+            yield replace(contact, motion=moves)
 
     def all_contacts(self) -> Iterator[ContactSettings]:
         """The contacts, whose damping is that of the functor."""
@@ -557,7 +627,8 @@ class Yade(Evaluator):
             for j in kinds[kinds.index(i) :]:
                 found = self.between(functors, i, j)
                 if found is not None:
-                    yield ContactSettings((self.name(i), self.name(j)), None, *found)
+                    types, friction = (self.name(i), self.name(j)), self.friction(functors, i, j)
+                    yield ContactSettings(types, None, *found, friction=friction)
         walls = {(one.kind, one.material, one.mass): one.quote for one in self.bodies if one.kind != "sphere"}
         several = len({material for _, material, _ in walls}) > 1
         for i in kinds:
@@ -579,7 +650,23 @@ class Yade(Evaluator):
                     *found,
                     mass if counted else None,
                     FACET_RADIUS if facets else 1.0,
+                    friction=self.friction(functors, i, j),
                 )
+
+    def friction(self, functors: Mapping[str, Instance], i: int, j: int) -> float | None:
+        """tan of the smaller angle of friction, or of the functor's; None if it is not known."""
+        pair = self.materials[i], self.materials[j]
+        functor = functors.get("ViscElMat") if {one.name for one in pair} == {"ViscElMat"} else None
+        functor = functor or functors.get("FrictMat")
+        if functor is not None and "frictAngle" in functor.attributes:
+            try:
+                angle = self.matched(functor, "frictAngle", (i, j))
+            except ValueError:
+                angle = None
+            return None if angle is None else math.tan(angle)
+        angles = [one.attributes.get("frictionAngle", FRICTION_ANGLE) for one in pair]
+        known = all(isinstance(one, int | float) and not isinstance(one, bool) for one in angles)
+        return math.tan(min(angles)) if known and not any("**" in one.attributes for one in pair) else None
 
     def between(
         self, functors: Mapping[str, Instance], i: int, j: int
@@ -692,9 +779,6 @@ class Yade(Evaluator):
         found = Description(
             "yade",
             None,
-            "si",
-            True,
-            3,
             tuple(self.stages),
             tuple(self.ignored),
             tuple(self.invalidates),

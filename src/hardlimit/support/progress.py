@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 import time as clock
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
@@ -15,6 +16,8 @@ if TYPE_CHECKING:
 
 #: Time until the first line in a log, and longest time between two lines [s].
 FIRST_INTERVAL, LONGEST_INTERVAL = 10.0, 600.0
+#: Time until a computation without reports is shown, and between two changes of what is shown [s].
+SILENT, SHOWN_EVERY = 1.0, 0.2
 
 Report = Callable[[int, int], object]  #: called with (done, total)
 
@@ -81,9 +84,34 @@ def bar(title: str, rate: str | None = None, console: Console | None = None) -> 
 
         def tell(done: int, total: int, note: str) -> None:
             shown_bar.note = note
-            shown_bar.update(task, completed=done, total=total)
+            shown_bar.update(task, completed=done, total=total or None)
 
         yield Shown(tell)
+
+
+@contextmanager
+def waiting(title: str, console: Console | None = None) -> Iterator[None]:
+    """Show from the second second on that a computation without reports is under way, and since when.
+
+    A thread shows it; the computation must release the interpreter lock.
+    """
+    ended, begun = threading.Event(), clock.monotonic()
+
+    def show() -> None:
+        if ended.wait(SILENT):
+            return
+        with bar(title, console=console) as report:
+            while not ended.wait(SHOWN_EVERY):
+                report.note = f"{formatting.duration(clock.monotonic() - begun)}; Ctrl-C stops it"
+                report(0, 0)
+
+    thread = threading.Thread(target=show, daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        thread.join()
 
 
 class Lines:

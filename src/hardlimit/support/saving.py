@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import errno
+import io
+import json
 import os
 import secrets
 import shutil
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO, Final
+from typing import TYPE_CHECKING, Any, BinaryIO, Final, NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
+from . import validation
 from .formatting import listed
-from .validation import shown
 
 try:
     import fcntl
@@ -22,6 +27,11 @@ except ImportError:  # Windows
 if TYPE_CHECKING:
     import xarray as xr
 
+#: Attribute at the root of a saved result: its kind and the version of the format. Files of another one are refused.
+RESULT: Final = "hardlimit_result"
+FORMAT: Final = 1
+#: Group from which :func:`hardlimit.load` makes the result, and the array in it with what JSON can hold.
+STATE, HEADER = "state", "header"
 #: Time to wait for a lock [s]; the process that holds it may just have been killed.
 PATIENCE: Final = 2.0
 
@@ -63,17 +73,14 @@ def checked(name: str, path: Any, endings: Sequence[str] = ()) -> Path:
     Raises a ValueError unless the system accepts the name, its folder exists, the file can be written, and it ends in
     one of ``endings`` if given. A device is written in place and may have any name.
     """
-    got = f"{name}: got {shown(str(path) if isinstance(path, os.PathLike) else path)}"
-    if not isinstance(path, str | os.PathLike):
-        raise ValueError(f"{got}, must be a path")
-    target = Path(path)
+    target = validation.path(name, path)
+    got = f"{name}: got {validation.shown(os.fspath(path))}"
     try:
         with suppress(FileNotFoundError, NotADirectoryError):
             target.stat()
         in_folder = target.parent.is_dir()
-    except (OSError, ValueError) as error:  # too long, or with a null character
-        reason = error.strerror if isinstance(error, OSError) else "embedded null character"
-        raise ValueError(f"{got}, must be the name of a file: {reason}") from None
+    except OSError as error:  # too long
+        raise ValueError(f"{got}, must be the name of a file: {error.strerror}") from None
     if not target.name:
         raise ValueError(f"{got}, must be the name of a file")
     if not in_folder:
@@ -93,7 +100,7 @@ def whole(path: str | Path) -> Iterator[Path]:
     If the block fails, the temporary file is removed and ``path`` stays as it was. If the process is killed, the next
     one that writes ``path`` takes over its temporary file. Devices and pipes are written directly.
     """
-    target = Path(os.path.realpath(path))
+    target = Path(os.path.realpath(validation.path("path", path)))
     with naming(path):
         if target.exists() and not target.is_file():
             yield target
@@ -204,8 +211,97 @@ def dataset(
 
 
 def groups(data: Mapping[str, xr.Dataset], path: str | Path) -> Path:
-    """Write Datasets as groups of one NetCDF file, by name such as ``newton/contacts``; ``/`` is the root."""
+    """Write Datasets as groups of one NetCDF file, by name such as ``newton/contacts``; ``/`` is the root.
+
+    A DataTree would leave out the coordinates that a group shares with the root, and with them the ``time`` of a log.
+    """
+    content = io.BytesIO()
+    for name in sorted(data):  # the root first
+        data[name].to_netcdf(content, "a" if content.tell() else "w", group=name, engine="h5netcdf")
+        content.seek(0, io.SEEK_END)
+    return write(path, content.getbuffer())
+
+
+# --- results ------------------------------------------------------------------------------------------------
+
+
+def result(
+    path: Any,
+    kind: str,
+    datasets: Mapping[str, xr.Dataset],
+    header: Mapping[str, Any],
+    arrays: Mapping[str, NDArray[Any]],
+) -> Path:
+    """Write a result, which :func:`read` reads: its Datasets as in :func:`groups`, and its state.
+
+    The state is ``header``, which JSON can hold, and ``arrays``.
+    """
     import xarray as xr
 
-    content = xr.DataTree.from_dict(dict(data)).to_netcdf(None, engine="h5netcdf")
-    return _write_and_release(path, content)
+    target = checked("path", path, [".nc"])
+    text = json.dumps(header, default=lambda value: value.item()).encode()
+    parts = {**arrays, HEADER: np.frombuffer(text, np.uint8)}
+    dims = {name: [f"{name}_{i}" for i in range(np.ndim(array))] for name, array in parts.items()}
+    state = xr.Dataset({name: (dims[name], np.asarray(array)) for name, array in parts.items()})
+    return groups({**datasets, "/": mark(datasets["/"], kind), STATE: state}, target)
+
+
+def mark(root: xr.Dataset, kind: str) -> xr.Dataset:
+    """The root of a file with the kind of the result."""
+    return root.assign_attrs({RESULT: f"{kind} {FORMAT}"})
+
+
+class Saved(NamedTuple):
+    """A NetCDF file of this package."""
+
+    path: Path
+    kind: str  #: of a result; empty if the file is a Dataset
+
+    def root(self, group: str | None = None) -> xr.Dataset:
+        """The Dataset at the root or in a group, in memory."""
+        import xarray as xr
+
+        with xr.open_dataset(self.path, engine="h5netcdf", group=group) as found:
+            return found.load()
+
+    def tree(self) -> xr.DataTree:
+        """All groups, in memory."""
+        import xarray as xr
+
+        with xr.open_datatree(self.path, engine="h5netcdf") as found:
+            return found.load()
+
+    def state(self) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
+        """The header and the arrays of the state."""
+        arrays = {str(name): variable.values for name, variable in self.root(STATE).data_vars.items()}
+        header: dict[str, Any] = json.loads(arrays.pop(HEADER).tobytes())
+        return header, arrays
+
+
+def read(path: Path) -> Saved:
+    """A file of this package.
+
+    Raises a ValueError in one line for any other file, and a FileNotFoundError if there is none.
+    """
+    import xarray as xr
+
+    try:
+        os.stat(path)
+        with xr.open_dataset(path, engine="h5netcdf") as root:
+            attributes, empty = dict(root.attrs), not root.data_vars
+        kind, _, version = attributes.pop(RESULT, f" {FORMAT}").partition(" ")
+    except OSError as error:
+        if error.strerror and error.errno:
+            raise validation.unreadable(path, error) from None
+        raise ValueError(f"{path}: not a NetCDF file, or damaged") from None
+    except Exception:  # h5py and xarray raise many kinds of exceptions for a damaged file
+        raise ValueError(f"{path}: not a NetCDF file of hardlimit, or damaged") from None
+    if version != str(FORMAT):
+        raise ValueError(
+            f"{path}: got format {version}, must be {FORMAT}; xarray can read its root and its groups"
+        )
+    if not kind and empty:  # of a run of a version before this format, for example
+        raise ValueError(f"{path}: has no data at its root; xarray.open_groups reads its groups")
+    if not kind and not any("hardlimit" in name for name in (*attributes, *map(str, attributes.values()))):
+        raise ValueError(f"{path}: must be a file of hardlimit: its attributes do not name it")
+    return Saved(path, kind)

@@ -23,12 +23,10 @@ MAX_BYTES: Final = 10_000_000
 def read(path: str | Path) -> dict[str, Any]:
     """The content of a TOML file."""
     try:
-        with open(path, "rb") as file:
+        with open(validation.path("file", path), "rb") as file:
             content = file.read(MAX_BYTES + 1)
     except OSError as error:
-        raise ValueError(f"{path}: cannot be read: {error.strerror or error}") from None
-    except ValueError as error:  # a null character in the name
-        raise ValueError(f"{validation.shown(str(path))}: cannot be read: {error}") from None
+        raise validation.unreadable(path, error) from None
     if len(content) > MAX_BYTES:
         raise ValueError(f"{path}: not valid TOML: more than {MAX_BYTES // 1_000_000} MB")
     try:

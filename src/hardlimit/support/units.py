@@ -44,6 +44,14 @@ KINDS: Final = {
     "1": ("without unit", "0.7"),
 }
 
+#: Units of mass [kg], length [m] and time [s] in LAMMPS and LIGGGHTS, by the word after ``units``.
+SYSTEMS: Final = {
+    "si": (1.0, 1.0, 1.0),
+    "cgs": (1e-3, 1e-2, 1.0),
+    "micro": (1e-15, 1e-6, 1e-6),
+    "nano": (1e-21, 1e-9, 1e-9),
+}
+
 _NUMBER: Final = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,6})?"
 _FACTOR: Final = r"[A-Za-zµμ%]{1,12}(?:(?:\^|\*\*)?-?\d(?:\.\d)?|[²³])?"
 _QUANTITY: Final = re.compile(rf"({_NUMBER})\s*(/?{_FACTOR}(?:\s?[ */·]\s?{_FACTOR}){{0,5}})", re.ASCII)

@@ -7,10 +7,12 @@ to a float, because that is rarely what the user meant.
 
 from __future__ import annotations
 
+import errno
 import math
 import operator
 import os
-from collections.abc import Sequence
+import re
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from numbers import Real
@@ -280,11 +282,24 @@ def path(name: str, value: Any) -> Path:
     Raises
     ------
     ValueError
-        If it is neither a text nor a path.
+        If it is neither a text nor a path, or has a control character such as a line break.
     """
-    if not isinstance(value, str | os.PathLike):
+    text = os.fspath(value) if isinstance(value, str | os.PathLike) else None
+    if not isinstance(text, str):
         raise ValueError(f"{name}: got {shown(value)}, must be a path")
-    return Path(value)
+    if re.search(r"[\x00-\x1f\x7f]", text):
+        raise ValueError(f"{name}: got {shown(text)}, must be a path without control characters")
+    return Path(text)
+
+
+def unreadable(file: Any, error: OSError, parameter: str = "") -> OSError | ValueError:
+    """The error of one line for a file that cannot be read: a FileNotFoundError if there is none."""
+    subject = f"{parameter}: {file}" if parameter else file
+    if not isinstance(error, FileNotFoundError | NotADirectoryError):
+        return ValueError(f"{subject}: cannot be read: {error.strerror or error}")
+    missing = FileNotFoundError(f"{subject}: no such file")
+    missing.errno = errno.ENOENT
+    return missing
 
 
 def flag(name: str, value: Any) -> bool:
@@ -302,6 +317,24 @@ def instances(name: str, values: Any, kind: type[T], what: str) -> tuple[T, ...]
         if not isinstance(member, kind):
             raise ValueError(f"{name}[{i}]: got {shown(member)}, must be a {what}")
     return tuple(values)
+
+
+def sealed(instead: str) -> Callable[[type[T]], type[T]]:
+    """A decorator of a class whose values the core and files read: they would ignore the methods of a subclass.
+
+    The definition of a subclass raises a TypeError that says what to do ``instead``.
+    """
+
+    def refuse(cls: type[Any], /, **keywords: Any) -> None:
+        raise TypeError(
+            f"{cls.__name__}: got a subclass of {cls.__mro__[1].__name__}, whose methods are ignored; {instead}"
+        )
+
+    def decorate(base: type[T]) -> type[T]:
+        base.__init_subclass__ = classmethod(refuse)  # type: ignore[assignment]
+        return base
+
+    return decorate
 
 
 def exactly_one(**given: Any) -> str:

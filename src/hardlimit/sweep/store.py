@@ -260,9 +260,10 @@ def _require_zarr(path: Path) -> None:
 
 
 def _local(path: str | Path) -> Path:
-    if not isinstance(path, str | os.PathLike) or "://" in str(path) or not Path(path).name:
+    target = validation.path("store", path)
+    if "://" in str(path) or not target.name:
         raise ValueError(f"store: got {validation.shown(path)}, must be the path of a local folder")
-    return Path(path).absolute()
+    return target.absolute()
 
 
 def _is_new(path: Path) -> bool:
@@ -281,7 +282,7 @@ def _require_same(path: Path, computation: Computation, expected: dict[str, Any]
     """Refuse a store of any other computation, and say what differs."""
     wanted, found = expected["attributes"], _attributes_on_disk(path)
     if "fingerprint" not in found:
-        need = f"must be a store of hl.sweep with its {GROUP}, an empty folder, or missing"
+        need = f"must be the store of a sweep with its {GROUP}, an empty folder, or missing"
         raise ValueError(f"store: {path} has other contents, {need}")
     if found["fingerprint"] == wanted["fingerprint"]:
         return

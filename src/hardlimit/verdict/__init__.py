@@ -29,6 +29,7 @@ def check(
     dimension: int | None = None,
     power: float | None = None,
     shear_rate: float | None = None,
+    restitution_error: float | None = None,
 ) -> Verdict:
     """Check what the contacts of a simulation really do, and whether an event-driven simulation may replace it.
 
@@ -61,17 +62,22 @@ def check(
     shear_rate : float [1/s], optional
         Rate of simple shear, instead of ``speed``. The speed is that of the steady state, in which collisions dissipate
         the work of the shear stress. Spheres with ε of at least 0.5.
+    restitution_error : float, optional
+        Error of ε that a time step may cause, 0.001 by default: that of the corrected lines.
 
     Returns
     -------
     Verdict
-        ``.admissible`` is True if event-driven cooling is right within 1 %, False if it is not or if something cannot
-        be simulated by events, such as cohesion or grains at rest, and None if it cannot be said.
+        ``.admissible`` is True if event-driven cooling (of a heated gas, the temperature; of a sheared one, the shear
+        stress) is right within 1 %, False if it is not or if something cannot be simulated by events, such as cohesion
+        or grains at rest or under pressure, and None if it cannot be said, as for grains with friction.
 
     Raises
     ------
     ValueError
         If the script is not granular or cannot be resolved, the dump cannot be read, or a value is outside its range.
+    FileNotFoundError
+        If there is no script or dump of this name.
 
     Notes
     -----
@@ -89,10 +95,21 @@ def check(
     >>> soft = hl.LinearDashpot(stiffness=1e3, restitution=0.9)
     >>> print(hl.check(bead, law=soft, speed=0.3, packing_fraction=0.3))
     No: event-driven cools 9.6 ± 0.3 % too fast at t_c ν = 0.19, δ/d = 0.01 (grains
-    1–1); 1 % takes a stiffness of 9.9e4 instead of 1e3.
+    1–1); 1 % takes a stiffness of 9.9e4 N/m instead of 1e3.
     """
     from .checking import checked
 
     return checked(
-        source, code, dump, speed, variables, packing_fraction, law, time_step, dimension, power, shear_rate
+        source,
+        code,
+        dump,
+        speed,
+        variables,
+        packing_fraction,
+        law,
+        time_step,
+        dimension,
+        power,
+        shear_rate,
+        restitution_error,
     )

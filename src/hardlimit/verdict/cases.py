@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
 from itertools import permutations
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
@@ -17,16 +18,18 @@ from ..contact.balls import Ball
 from ..contact.contact import Law
 from ..convert import texts
 from ..convert.codes import Code, Model, Pair, Written, code
-from ..convert.force import Force
+from ..convert.force import AdhesiveForce, ContactArea, Force
 from ..convert.formulas import DEFAULT_POISSON_RATIO, Numbers
 from ..convert.wanted import LAWS
-from ..scripts import ContactSettings, Description, Grains, Stage
-from ..support.formatting import listed
-from .contacts import Body, Case, KnownBody
+from ..scripts import ContactSettings, Description, Grains, Quote, Stage
+from ..support.formatting import digits, listed, quantity
+from .contacts import Body, Case, CheckedContact, KnownBody
 
 WALL = "wall"
 #: In place of the name of a wall: the second grain is one of those of its type that do not move.
 FIXED = "fixed"
+#: Most differences in a remark, and the smallest relative one.
+MOST, DIFFERENT = 4, 0.02
 
 
 @dataclass(frozen=True)
@@ -37,6 +40,8 @@ class ModelForce:
     numbers: Numbers
     attraction: bool
     contact: ContactSettings
+    #: The force before versions of the code that changed it, if the version is not known.
+    others: tuple[tuple[str, ModelForce], ...] = ()
 
     def written(self, first: KnownBody, second: KnownBody | None, speed: float) -> Written:
         """The model applied to two bodies."""
@@ -48,7 +53,14 @@ class ModelForce:
         return Written(self.model, pair, speed, self.attraction, nu)
 
     def __call__(self, first: KnownBody, second: KnownBody | None, speed: float) -> Force:
-        return self.written(first, second, speed).force(self.numbers)
+        force = self.written(first, second, speed).force(self.numbers)
+        cohesion = energy_density(self.contact)
+        if cohesion is None:
+            return force
+        area = ContactArea(cohesion[0], first.radius, math.inf if second is None else second.radius)
+        return AdhesiveForce(
+            force.powers, force.stiffness, force.damping, force.effective_mass, cohesion[1], area
+        )
 
     @property
     def spring(self) -> tuple[str, float, float] | None:
@@ -57,8 +69,24 @@ class ModelForce:
         return _spring(self.numbers, power)
 
 
+def energy_density(contact: ContactSettings) -> tuple[Any, float] | None:
+    """LIGGGHTS' model of cohesion and its energy density [J/m³]; None without one, or if that is not known."""
+    model, density = (contact.settings.get(name) for name in ("cohesion", "cohesionEnergyDensity"))
+    if model is None or model.words[0] not in ("sjkr", "sjkr2") or density is None:
+        return None
+    return model.words[0], float(density.words[0])
+
+
+#: Powers of mass, length and time in the parameters of our laws.
+SPRING_POWERS: Final = {
+    "stiffness": (1.0, 0.0, -2.0),
+    "youngs_modulus": (1.0, -1.0, -2.0),
+    "elastic_prefactor": (1.0, -0.5, -2.0),
+}
+
+
 def _spring(numbers: Mapping[str, float], power: float) -> tuple[str, float, float] | None:
-    name = next((one for one in ("stiffness", "youngs_modulus", "elastic_prefactor") if one in numbers), None)
+    name = next((one for one in SPRING_POWERS if one in numbers), None)
     return None if name is None else (name, numbers[name], power)
 
 
@@ -88,14 +116,20 @@ class LawForce:
 # --- scripts ------------------------------------------------------------------------------------------------
 
 
+class NotModelled(NamedTuple):
+    """A contact that no model describes."""
+
+    types: tuple[str, str]
+    why: str
+    quote: Quote | None
+
+
 @dataclass(frozen=True)
 class Remarks:
     """What the contacts of a script add to its lists."""
 
-    versions: tuple[str, ...]  #: differences between versions of the code
-    not_modelled: tuple[
-        tuple[tuple[str, str], str], ...
-    ]  #: types of contacts that no model describes, and why
+    versions: tuple[str, ...]  #: what holds only since a version of the code
+    not_modelled: tuple[NotModelled, ...]
 
 
 def of_script(description: Description) -> tuple[list[Case], Remarks]:
@@ -105,7 +139,7 @@ def of_script(description: Description) -> tuple[list[Case], Remarks]:
     """
     found = code(description.code)
     cases: list[Case] = []
-    versions, failed = dict[str, dict[str, None]](), dict[tuple[tuple[str, str], str], None]()
+    since, failed = dict[str, dict[str, None]](), dict[NotModelled, None]()
     before: Stage | None = None
     for number, stage in enumerate(description.stages, 1):
         if before is not None and _state(stage) == _state(before):
@@ -113,22 +147,48 @@ def of_script(description: Description) -> tuple[list[Case], Remarks]:
         before = stage
         forces: list[tuple[ContactSettings, ModelForce | None]] = []
         for contact in stage.contacts:
+            if contact.adhesion and energy_density(contact) is None:
+                forces.append((contact, None))
+                continue
             try:
-                force, limit = _force(found, contact, description.version)
-                if limit:
-                    versions.setdefault(limit, {})[force.model.name] = None
-                forces.append((contact, force))
+                forces.append((contact, _force(found, contact, description.version)))
+                if contact.since and description.version is None:
+                    since.setdefault(contact.since, {})["–".join(contact.types)] = None
             except ValueError as error:
-                failed[contact.types, str(error).removeprefix("input: ")] = None
+                why = str(error).removeprefix("input: ")
+                failed[NotModelled(contact.types, why, contact.quotes[0] if contact.quotes else None)] = None
                 forces.append((contact, None))
         materials = _materials(forces)
         for contact, known in forces:
             cases += _ends(number, stage, contact, known, materials)
     said = [
-        f"{listed(list(names))} as in {found.title} since {limit}; before, another ε."
-        for limit, names in versions.items()
+        f"{listed(list(names))}: mixed as {found.title} does since {limit}; before, their numbers do not determine ε."
+        for limit, names in since.items()
     ]
     return cases, Remarks(tuple(said), tuple(failed))
+
+
+def of_other_versions(
+    title: str, rows: Sequence[CheckedContact], plain: Callable[[CheckedContact], bool]
+) -> Iterator[str]:
+    """What contacts are in other versions of the code, for rows in SI units or, if ``plain(row)``, in ``lj`` units."""
+    found: dict[str, dict[str, dict[str, None]]] = {}
+    for row in rows:
+        for before, *values in row.other_versions:
+            parts = found.setdefault(before, {})
+            for name, old, new in zip(("ε", "t_c"), values, (row.restitution, row.duration), strict=True):
+                if old is not None and new is not None and not math.isclose(old, new, rel_tol=DIFFERENT):
+                    shown = [
+                        digits(x, 3) if plain(row) or name == "ε" else quantity(x, "s", 3) for x in (old, new)
+                    ]
+                    parts.setdefault(f"{name} {shown[0]} instead of {shown[1]}", {})["–".join(row.types)] = (
+                        None
+                    )
+    for before, parts in found.items():
+        texts = [f"{text} ({', '.join(pairs)})" for text, pairs in parts.items()]
+        more = len(texts) - MOST
+        if texts:
+            yield f"{title} before {before}: {'; '.join(texts[:MOST])}{f'; and {more} more' if more > 0 else ''}."
 
 
 def _materials(
@@ -150,33 +210,57 @@ def _state(stage: Stage) -> object:
             one.wall,
             one.wall_mass,
             one.wall_radius,
+            one.friction,
             {name: setting.words for name, setting in one.settings.items()},
         )
         for one in stage.contacts
     ]
-    return contacts, stage.grains, stage.time_step, stage.numerical_damping
+    return contacts, stage.grains, stage.time_step, stage.numerical_damping, stage.units, stage.dimension
 
 
-def _force(found: Code, contact: ContactSettings, version: str | None) -> tuple[ModelForce, str]:
-    """The force of a contact, and the version before which it may be another one, empty if there is none."""
-    wall = contact.types[1] == WALL
-    read = texts.interpreted(found, found.models, contact.settings, wall)
-    model, limit = _of_version(read.model, version)
-    attracts = {"always": True, "never": False}.get(model.attracts, read.attracts)
-    return ModelForce(model, read.numbers, attracts, contact), limit
-
-
-def _of_version(model: Model, version: str | None) -> tuple[Model, str]:
-    """The model as in this version of the code, by default the newest; then also the version that changed it."""
-    other = model.difference
-    if other is None:
-        return model, ""
-    changed = replace(model, damping=other.damping, attracts=other.attracts or model.attracts)
-    limit = other.since or other.before
+def _force(found: Code, contact: ContactSettings, version: str | None) -> ModelForce:
+    """The force of a contact as in this version of the code, by default the newest."""
+    read = texts.interpreted(found, found.models, contact.settings, contact.types[1] == WALL)
     known = None if version is None else _date(version)
-    newer = known is None or known >= (_date(limit) or known)
-    chosen = changed if newer == bool(other.since) else model
-    return chosen, "" if version is not None else limit or ""
+    if contact.since and known is not None and known < (_date(contact.since) or known):
+        raise ValueError(f"not mixed before {contact.since}")
+
+    def force(version: tuple[int, ...] | None) -> ModelForce:
+        model = _as_of(read.model, version, contact.types[1] == WALL)
+        attracts = {"always": True, "never": False}.get(model.attracts, read.attracts)
+        return ModelForce(model, read.numbers, attracts, contact)
+
+    examined = [one for one in read.model.difference if not one.unknown and known is None]
+    limits = {one.since or one.before for one in examined}
+    older: list[tuple[str, ModelForce]] = []
+    newest = later = force(known)
+    for limit in sorted(limits, key=_just_before, reverse=True):
+        before = force(_just_before(limit))
+        if before.model != later.model:
+            older.append((limit, before))
+        later = before
+    return replace(newest, others=tuple(older))
+
+
+def _as_of(model: Model, version: tuple[int, ...] | None, wall: bool) -> Model:
+    """The model in a version of the code, by default the newest."""
+    for one in model.difference:
+        since = not one.since or version is None or version >= (_date(one.since) or version)
+        before = not one.before or (version is not None and version < (_date(one.before) or version))
+        if since and before and (wall or not one.walls):
+            if one.unknown:
+                raise ValueError(
+                    f"{model.name}: another force from {one.since} to {one.before}, which is not known"
+                )
+            damping, spring = one.damping or model.damping, one.spring or model.spring
+            model = replace(model, damping=damping, spring=spring, attracts=one.attracts or model.attracts)
+    return model
+
+
+def _just_before(limit: str) -> tuple[int, ...]:
+    """A version older than this one, and not older than those before."""
+    *first, last = _date(limit) or (0,)
+    return (*first, last - 1)
 
 
 def _date(version: str) -> tuple[int, ...] | None:
@@ -237,6 +321,9 @@ def _between(
             stage.numerical_damping,
             (materials.get(grains[0].type), materials.get(grains[-1].type)),
             None if force is None else force.spring,
+            () if force is None else force.others,
+            contact.friction,
+            None if force is None or force.spring is None else force.model.unit(force.spring[0]),
         )
 
 
@@ -280,6 +367,7 @@ def of_law(balls: Sequence[Ball], law: Law, walls: bool, time_step: float | None
             time_step,
             materials=(material, material),
             spring=_spring(law.parameters, 1.0),
+            spring_powers=next((powers for name, powers in SPRING_POWERS.items() if name in p), None),
         )
 
     pairs = [case(one, other) for i, one in enumerate(bodies) for other in bodies[i:]]

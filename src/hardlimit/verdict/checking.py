@@ -3,31 +3,37 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
 from ..boxes.system import ParticleSystem
+from ..boxes.time_step import DEFAULT_ERROR, accepted_error
 from ..contact.balls import Ball
 from ..contact.contact import Law
+from ..convert.codes import code
 from ..convert.force import MAX_SPEED, MIN_SPEED
-from ..convert.readers import UNITS
-from ..scripts import ContactSettings, Description, Grains, Note, Quote, Stage
+from ..scripts import Description, Grains, Note, Quote, Stage
 from ..scripts import read as read_script
 from ..support import validation
-from ..support.formatting import percent
+from ..support.formatting import digits, listed, percent
+from ..support.units import SYSTEMS
 from . import answer, cases, corrections, drive, dumps
 from .contacts import Case, CheckedContact, Surroundings, examine
 from .expectation import checked_packing_fraction
 from .result import CheckedStage, Finding, Verdict
 
 #: Units of mass, length and time in SI; ``lj`` stays as it is.
-SCALES: Final = {**UNITS, "lj": (1.0, 1.0, 1.0)}
+SCALES: Final = {**SYSTEMS, "lj": (1.0, 1.0, 1.0)}
 NO_RUN: Final = Stage(Quote("", 0, ""), None, False, None, (), {}, None, None)
 #: Largest overlap over the radius that contact laws describe.
 COMPRESSED: Final = 0.05
+#: Impact speeds [m/s] at which contacts are shown if no speed is given and they depend on it.
+CHOSEN_SPEEDS: Final = (0.01, 0.1, 1.0)
+#: Units of force and length of each system of units.
+UNIT_NAMES: Final = {"si": ("N", "m"), "cgs": ("dyn", "cm"), "micro": ("nN", "µm"), "nano": ("pN", "nm")}
 #: Powers of mass, length and time in the numbers of a contact.
 POWERS: Final = {
     "radius": (0, 1, 0),
@@ -50,6 +56,7 @@ class Given:
     packing_fraction: float | None
     variables: Mapping[str, str]
     drive: drive.Drive | None = None
+    restitution_error: float = DEFAULT_ERROR
 
 
 def checked(
@@ -64,6 +71,7 @@ def checked(
     dimension: Any,
     power: Any,
     shear_rate: Any,
+    restitution_error: Any,
 ) -> Verdict:
     """As :func:`hardlimit.check`."""
     if not isinstance(source, str | Path | ParticleSystem | Ball):
@@ -74,11 +82,12 @@ def checked(
         raise ValueError(f"variables: got {validation.shown(variables)}, must be values by name")
     speeds = _speeds(speed)
     given = Given(
-        None if dump is None else Path(dump),
+        None if dump is None else validation.path("dump", dump),
         speeds,
         packing_fraction,
         {str(name): str(value) for name, value in variables.items()},
         drive.checked_drive(power, shear_rate, speeds),
+        accepted_error(restitution_error),
     )
     if isinstance(source, str | Path):
         for name, value in (("law", law), ("time_step", time_step), ("dimension", dimension)):
@@ -154,48 +163,201 @@ def _surroundings(
         phi,
         state.mean_speed if measured and state else None,
         state.mean_diameter if measured and state else None,
+        restitution_error=given.restitution_error,
     )
     return gas, given.speeds or (state.speeds if state and given.drive is None else ())
 
 
 def _examined(
-    found: Sequence[Case], gas: Surroundings, speeds: Sequence[float], driven: drive.Drive | None
+    found: Sequence[Case],
+    gas: Surroundings,
+    speeds: Sequence[float],
+    driven: drive.Drive | None,
+    purpose: drive.Drive | None,
+    chosen: Sequence[float] = (),
 ) -> list[tuple[Case, CheckedContact]]:
-    """Each contact at each speed. Normal impact speeds at a wall are 1/√2 of those of grains in a gas."""
+    """Each contact at each speed. Normal impact speeds at a wall are 1/√2 of those of grains in a gas.
+
+    ``driven``: what determines the speed. ``purpose``: what the box is run for. ``chosen``: speeds for contacts that
+    depend on the speed if there is none.
+    """
     share = math.sqrt(0.5) if gas.mean_speed is not None or driven is not None else 1.0
+    gas = replace(gas, rubs=any(one.friction != 0.0 for one in found if one.second is not None))
     rows = []
     for case in found:
         at, where = speeds, gas
+        one = None if purpose is None else purpose.gas(case, gas.dimension, gas.packing_fraction)
+        if purpose is not None and purpose.bath is not None and one is not None:
+            where = replace(gas, heat_share=partial(purpose.heat_share, one))
         if driven is not None:
             steady = driven.speed(case, gas.dimension, gas.packing_fraction)
-            at, where = () if steady is None else (steady,), replace(gas, mean_speed=steady)
+            at, where = () if steady is None else (steady,), replace(where, mean_speed=steady)
         values = [v * (share if case.second is None else 1.0) for v in at]
-        rows += [(case, row) for row in examine(case, values or [None], where)]
+        each = examine(case, values or [None], where)
+        if not values and (each[0].duration is None or each[0].restitution is None):
+            each = examine(case, chosen, where) if chosen else each
+        rows += [(case, row) for row in each]
     return rows
 
 
 # --- scripts --------------------------------------------------------------------------------------------------
 
 
+@dataclass(frozen=True)
+class System:
+    """The contacts of all runs with the same units and dimension, in these units."""
+
+    last: Stage  #: its last run
+    asked: drive.Drive | None  #: what determines the speed, in SI units
+    given: Given
+    gas: Surroundings
+    speeds: tuple[float, ...]
+    examined: Sequence[tuple[Case, CheckedContact]]
+    question: answer.Question
+
+    @property
+    def rows(self) -> list[CheckedContact]:
+        """The contacts in SI units."""
+        return [_in_si(case, row, self.last.units) for case, row in self.examined]
+
+    @property
+    def at(self) -> str:
+        """The chosen speed of the largest numbers; empty if speeds are given, or nothing depends on them."""
+        known = self.speeds or self.given.drive or all(row.speed is None for _, row in self.examined)
+        return "" if known else " at 1 m/s"
+
+    def missing(self, states: Sequence[dumps.State]) -> tuple[str, ...]:
+        """What is not known, in words."""
+        rows = [row for _, row in self.examined]
+        return _missing(rows, self.gas, _known_speeds(rows, self.speeds, self.given.drive), states)
+
+    def remarks(self, several: bool) -> Iterator[str]:
+        """Remarks on the contacts, which name their units if the script has several."""
+        plain = self.last.units == "lj"
+        for note in _remarks(self.examined, self.given, self.gas, self.speeds, self.at, plain):
+            yield f"In {self.last.units} units: {note}" if several else note
+
+    def corrected(self, code: str, several: bool) -> Iterator[str]:
+        """Corrected lines, which name their units if the script has several."""
+        for line in corrections.lines(code, self.examined, self.given.restitution_error, not self.at):
+            yield f"{line}{';' if '#' in line else '  #'} {self.last.units} units" if several else line
+
+
+def _kind(stage: Stage) -> tuple[str, int]:
+    """What the runs of a system share."""
+    return stage.units, stage.dimension
+
+
+def _systems(
+    script: Description, found: Sequence[Case], given: Given, states: Sequence[dumps.State]
+) -> Iterator[System]:
+    """The systems of a script. A dump is one of the last."""
+    stages = script.stages or (NO_RUN,)
+    for kind, last in {_kind(stage): stage for stage in stages}.items():
+        own = [case for case in found if _kind(stages[case.stage - 1]) == kind]
+        yield _system(last, own, given, states if kind == _kind(stages[-1]) else ())
+
+
+def _system(last: Stage, found: Sequence[Case], given: Given, states: Sequence[dumps.State]) -> System:
+    """The system that ends with a run."""
+    scales = _, length, time = SCALES[last.units]
+    plain = last.units == "lj"
+    purpose = given.drive or drive.of_stage(last, *scales)
+    measured = given.speeds or any(one.temperature for one in states)
+    asked = given.drive if measured else purpose
+    driven, purpose = (one and one.in_units(*scales) for one in (asked, purpose))
+    given = replace(given, speeds=tuple(v * time / length for v in given.speeds), drive=driven)
+    gas, speeds = _surroundings(given, states, last.dimension)
+    gas = replace(gas, quantity="cooling" if purpose is None else purpose.quantity)
+    chosen = () if plain or speeds or driven else tuple(v * time / length for v in CHOSEN_SPEEDS)
+    examined = _examined(found, gas, speeds, driven, purpose, chosen)
+    held = drive.support(last)
+    option = "" if plain else drive.option_of(held, length, time)
+    question = answer.Question(gas.quantity, bool(states), drive.words_of(last, held), option)
+    return System(last, asked, given, gas, speeds, examined, question)
+
+
+def _answer(
+    systems: Sequence[System],
+    invalidates: Sequence[Finding],
+    unknown: Sequence[Finding],
+    states: Sequence[dumps.State],
+) -> tuple[bool | None, str]:
+    """The answer for all systems: no if it is for one, yes if it is for all."""
+    answers = []
+    for question in dict.fromkeys(one.question for one in systems):
+        same = [one for one in systems if one.question == question]
+        rows = [row for one in same for row in one.rows]
+        missing = tuple(dict.fromkeys(what for one in same for what in one.missing(states)))
+        answers.append(answer.answer(rows, invalidates, unknown, missing, question))
+    return min(answers, key=lambda one: (False, None, True).index(one[0]))
+
+
 def _of_script(script: Description, given: Given, frames: Sequence[dumps.Frame] = ()) -> Verdict:
-    if script.units not in SCALES:
-        raise ValueError(f"units: got {validation.shown(script.units)}, must be one of {', '.join(SCALES)}")
+    for stage in script.stages:
+        if stage.units not in SCALES:
+            raise ValueError(
+                f"units: got {validation.shown(stage.units)}, must be one of {', '.join(SCALES)}"
+            )
     if not script.unknown and not any(stage.contacts for stage in script.stages):
         others = "".join(f"; it has {note.what}" for note in script.invalidates[:1])
         raise ValueError(f"script: it has no run with granular contacts{others}")
-    mass, length, time = SCALES[script.units]
-    asked = given.drive
-    driven = None if asked is None else asked.in_units(mass, length, time)
-    given = replace(given, speeds=tuple(v * time / length for v in given.speeds), drive=driven)
     script = _with_sizes(script, frames)
     found, remarks = cases.of_script(script)
     last = script.stages[-1] if script.stages else NO_RUN
-    states = _states(frames, _radii(last), script.dimension, _densities(last))
-    gas, speeds = _surroundings(given, states, script.dimension)
-    examined = _examined(found, gas, speeds, driven)
-    rows = [row for _, row in examined]
+    states = _states(frames, _radii(last), last.dimension, _densities(last))
+    systems = list(_systems(script, found, given, states))
+    rows = sorted((row for one in systems for row in one.rows), key=lambda row: row.stage)
+    held = [drive.support(stage) for stage in script.stages]
+    chosen = any(one.at for one in systems)
     invalidates = [_finding(note) for note in script.invalidates]
-    invalidates += _lasting(script.stages, rows, states)
+    invalidates += _lasting(script.stages, held, rows, states, chosen)
+    unknown = _not_understood(script, last, frames, remarks, invalidates)
+    admissible, sentence = _answer(systems, invalidates, unknown, states)
+    final = next(one for one in systems if _kind(one.last) == _kind(last))
+    _, length, time = SCALES[last.units]
+
+    def plain(row: CheckedContact) -> bool:
+        return script.stages[row.stage - 1].units == "lj"
+
+    return Verdict(
+        admissible,
+        sentence + answer.steady(final.rows, final.asked, last.units == "lj"),
+        script.code,
+        script.version,
+        last.units,
+        last.units_given,
+        None if last.time_step is None else last.time_step * time,
+        last.numerical_damping,
+        tuple(rows),
+        tuple(_stage(k, *pair) for k, pair in enumerate(zip(script.stages, held, strict=True), 1)),
+        tuple(_state_in_si(one, length, time) for one in states),
+        tuple(_checked(rows, any(stage.gravity for stage in script.stages), states)),
+        tuple(_finding(note) for note in script.ignored),
+        tuple(invalidates),
+        tuple(unknown),
+        tuple(dict.fromkeys(what for one in systems for what in one.missing(states))),
+        (
+            *cases.of_other_versions(code(script.code).title, rows, plain),
+            *remarks.versions,
+            *dict.fromkeys(note for one in systems for note in one.remarks(len(systems) > 1)),
+            *_numerically_damped(last.numerical_damping, final.examined),
+        ),
+        tuple(line for one in systems for line in one.corrected(script.code, len(systems) > 1)),
+        None if final.question.driven else final.question.quantity,
+        given.restitution_error,
+        chosen,
+    )
+
+
+def _not_understood(
+    script: Description,
+    last: Stage,
+    frames: Sequence[dumps.Frame],
+    remarks: cases.Remarks,
+    invalidates: Sequence[Finding],
+) -> list[Finding]:
+    """Statements, types of a dump and contacts that are not understood."""
     taken = {types for one in invalidates if (types := one.types)}
     unknown = [Finding(quote.text.strip(), None, _where(quote)) for quote in script.unknown]
     unknown += [
@@ -203,42 +365,11 @@ def _of_script(script: Description, given: Given, frames: Sequence[dumps.Frame] 
         for name in sorted({name for frame in frames for name in frame.types or () if name.isdecimal()})
         if name not in last.grains
     ]
-    unknown += [
-        Finding(why, types, f"{'–'.join(types)}: {why}")
-        for types, why in remarks.not_modelled
-        if not any(set(types) & set(one) for one in taken)
-        and not any(one.types is None for one in invalidates)
-    ]
-    notes = [
-        *remarks.versions,
-        *dict.fromkeys(_notes(examined)),
-        *_numerically_damped(last.numerical_damping),
-        *_no_speed(driven, rows, gas),
-    ]
-    missing = _missing(rows, gas, _known_speeds(rows, speeds, driven), states)
-    rubs = any(re.search(r"tangential|friction|rolling|twisting", note.what) for note in script.ignored)
-    admissible, sentence = answer.answer(rows, invalidates, unknown, missing, rubs, bool(states))
-    rows = [_in_si(row, (mass, length, time)) for row in rows]
-    return Verdict(
-        admissible,
-        sentence + answer.steady(rows, asked, script.units == "lj"),
-        script.code,
-        script.version,
-        script.units,
-        script.units_given,
-        None if last.time_step is None else last.time_step * time,
-        last.numerical_damping,
-        tuple(rows),
-        tuple(_stage(number, stage, (mass, length, time)) for number, stage in enumerate(script.stages, 1)),
-        tuple(_state_in_si(one, length, time) for one in states),
-        tuple(_checked(rows, last.gravity, states)),
-        tuple(_finding(note) for note in script.ignored),
-        tuple(invalidates),
-        tuple(unknown),
-        missing,
-        tuple(notes),
-        tuple(corrections.lines(script.code, examined, 1.0)),
-    )
+    if all(one.types is not None for one in invalidates):
+        unknown += _not_modelled(
+            [one for one in remarks.not_modelled if not any({*one.types} & {*t} for t in taken)]
+        )
+    return unknown
 
 
 def _with_sizes(script: Description, frames: Sequence[dumps.Frame]) -> Description:
@@ -259,6 +390,8 @@ def _with_sizes(script: Description, frames: Sequence[dumps.Frame]) -> Descripti
 
     stages = [
         replace(stage, grains={name: grains(one) for name, one in stage.grains.items()})
+        if _kind(stage) == _kind(script.stages[-1])
+        else stage
         for stage in script.stages
     ]
     unknown = [
@@ -287,38 +420,53 @@ def _densities(stage: Stage) -> dict[str, float]:
 
 
 def _lasting(
-    stages: Sequence[Stage], rows: Sequence[CheckedContact], states: Sequence[dumps.State]
+    stages: Sequence[Stage],
+    held: Sequence[drive.Support],
+    rows: Sequence[CheckedContact],
+    states: Sequence[dumps.State],
+    chosen: bool = False,
 ) -> Iterator[Finding]:
-    """Contacts that last: grains that rest under gravity or are packed, and grains that do not separate."""
-    last = states[-1] if states else None
-    known = last is not None and last.coordination is not None
-    if known and last is not None and last.coordination is not None:
+    """Contacts that last: grains that rest under gravity or are pressed, and grains that do not separate.
+
+    ``chosen``: speeds are not given; a contact is then overdamped if it is at all speeds.
+    """
+    coordination = states[-1].coordination if states else None
+    if coordination is not None:
         allowed = 0.1 + 2.0 * max((row.tc_nu or 0.0 for row in rows), default=0.0)
-        if last.coordination > allowed:
-            yield Finding(
-                f"grains have {last.coordination:.2g} contacts on average in the dump, so contacts last"
-            )
+        if coordination > allowed:
+            yield Finding(f"grains have {coordination:.2g} contacts on average in the dump, so contacts last")
     else:
-        for stage in stages:
-            if stage.gravity and any(_holds(stage, one) for one in stage.contacts):
-                yield Finding("grains rest on each other under gravity", None, _where(stage.quote))
-                break
-    for types in dict.fromkeys(row.types for row in rows if row.restitution == 0.0):
-        yield Finding("overdamped contacts", types)
+        pressed = [note for stage in stages for note in stage.pressed]
+        if pressed:
+            what = f"grains are pressed together ({pressed[0].what})"
+            yield _finding(pressed[0])._replace(what=what)
+        # What is at rest before it is shaken does not decide.
+        shaken = bool(held) and held[-1].moves and not held[-1].rests
+        resting = [(stage, one) for stage, one in zip(stages, held, strict=True) if one.rests]
+        for stage, one in () if shaken else resting[:1]:
+            yield Finding(_rest(one), None, _where(stage.quote))
+    overdamped: dict[tuple[str, str], list[bool]] = {}
+    for row in rows:
+        overdamped.setdefault(row.types, []).append(row.restitution == 0.0 and not row.adhesive)
+    for types, each in overdamped.items():
+        if all(each) if chosen else any(each):
+            yield Finding("overdamped contacts", types)
 
 
-def _holds(stage: Stage, contact: ContactSettings) -> bool:
-    """Whether a wall, or grains that do not move, may stop the fall of grains; true if the directions are not known."""
-    if contact.types[1] != cases.WALL:
-        return _fixed(stage, contact.types)
-    if stage.down is None or contact.pushes is None:
-        return True
-    return any(sum(p * g for p, g in zip(push, stage.down, strict=True)) < -1e-12 for push in contact.pushes)
+def _rest(held: drive.Support) -> str:
+    """That grains rest, and how strongly their support is shaken."""
+    shaking = "" if held.shaking is None else f" (Γ = A ω²/g = {digits(held.shaking, 3)})"
+    return f"grains rest on each other under gravity{shaking}"
 
 
-def _fixed(stage: Stage, types: Sequence[str]) -> bool:
-    grains = [stage.grains[name] for name in types if name in stage.grains]
-    return any(one.frozen or one.partly_frozen for one in grains)
+def _not_modelled(contacts: Sequence[cases.NotModelled]) -> Iterator[Finding]:
+    """Each statement that no model describes, with the types of its contacts."""
+    for why, quote in dict.fromkeys((one.why, one.quote) for one in contacts):
+        same = [one.types for one in contacts if (one.why, one.quote) == (why, quote)]
+        pairs = ["–".join(types) for types in same]
+        text = f"{', '.join(pairs[:3])}{' …' * (len(pairs) > 3)}: {why}"
+        kinds = tuple(dict.fromkeys(name for types in same for name in types))
+        yield Finding(why, kinds, text if quote is None else f"{_where(quote)} ({text})")
 
 
 def _finding(note: Note) -> Finding:
@@ -328,11 +476,12 @@ def _finding(note: Note) -> Finding:
 def _where(quote: Quote) -> str:
     """A statement with its line."""
     file = f"{Path(quote.file).name}, " if quote.file else ""
-    return f"{file}line {quote.line}: {' '.join(quote.text.split())}"
+    part = f" ({quote.part} is not known)" if quote.part else ""
+    return f"{file}line {quote.line}: {' '.join(quote.text.split())}{part}"
 
 
 def _checked(
-    rows: Sequence[CheckedContact], gravity: float | None, states: Sequence[dumps.State]
+    rows: Sequence[CheckedContact], gravity: bool, states: Sequence[dumps.State]
 ) -> Iterator[Finding]:
     if any(row.restitution is not None and row.types[1] != cases.WALL for row in rows):
         yield Finding("normal contact")
@@ -356,7 +505,21 @@ def _known_speeds(
     return found if len(found) == len(rows) else ()
 
 
-def _no_speed(driven: drive.Drive | None, rows: Sequence[CheckedContact], gas: Surroundings) -> Iterator[str]:
+def _speeds_chosen(
+    rows: Sequence[CheckedContact], speeds: Sequence[float], driven: drive.Drive | None, plain: bool
+) -> Iterator[str]:
+    """That speeds are not given but chosen, or why none are."""
+    if speeds or driven:
+        return
+    if any(row.speed is not None for row in rows):
+        yield f"No speed is given: {listed([digits(v) for v in CHOSEN_SPEEDS])} m/s were chosen."
+    elif plain and any(row.radius is not None and row.model and row.duration is None for row in rows):
+        yield "No speed is given, and lj units have no usual one."
+
+
+def _no_speed(
+    driven: drive.Drive | None, rows: Sequence[CheckedContact], gas: Surroundings, plain: bool
+) -> Iterator[str]:
     """Why there is no speed of a steady state."""
     if driven is None or all(row.speed is not None for row in rows):
         return
@@ -366,7 +529,7 @@ def _no_speed(driven: drive.Drive | None, rows: Sequence[CheckedContact], gas: S
     reason = (
         reason or "sizes or masses are not known, or the restitution is outside the range of kinetic theory"
     )
-    yield f"No speed from {driven.words(False)}: {reason}."
+    yield f"No speed from {driven.words(plain)}: {reason}."
 
 
 def _missing(
@@ -386,8 +549,23 @@ def _missing(
     return tuple(found)
 
 
-def _notes(examined: Sequence[tuple[Case, CheckedContact]]) -> Iterator[str]:
-    """Remarks on numbers that do not mean what they seem to."""
+def _remarks(
+    examined: Sequence[tuple[Case, CheckedContact]],
+    given: Given,
+    gas: Surroundings,
+    speeds: Sequence[float],
+    at: str,
+    plain: bool,
+) -> Iterator[str]:
+    """All remarks on contacts and their speeds."""
+    rows = [row for _, row in examined]
+    yield from dict.fromkeys(_notes(examined, given.restitution_error, at))
+    yield from _no_speed(given.drive, rows, gas, plain)
+    yield from _speeds_chosen(rows, speeds, given.drive, plain)
+
+
+def _notes(examined: Sequence[tuple[Case, CheckedContact]], accepted: float, at: str = "") -> Iterator[str]:
+    """Remarks on numbers that do not mean what they seem to; ``at``: the chosen speed of the largest ones."""
     groups: dict[tuple[Any, ...], list[tuple[Case, CheckedContact]]] = {}
     for case, row in examined:
         groups.setdefault((case.stage, case.model), []).append((case, row))
@@ -412,24 +590,41 @@ def _notes(examined: Sequence[tuple[Case, CheckedContact]]) -> Iterator[str]:
     if any(row.error and row.radius != row.other_radius for row in rows):
         yield "Unequal grains: the error is that of equal ones of their mean size, with a wider bar."
     if overlap > COMPRESSED:
-        yield f"Overlaps reach {percent(overlap)} of the radius; contact laws hold up to {percent(COMPRESSED)}."
+        yield f"Overlaps reach {percent(overlap)} of the radius{at}; contact laws hold up to {percent(COMPRESSED)}."
     if endless or error > 1.0:
         yield "The time step is too long: contacts do not end, or gain energy."
-    elif error > corrections.ENOUGH:
-        yield f"The time step changes ε by up to {error:.2g}."
+    elif error > corrections.ENOUGH * accepted:
+        yield f"The time step changes ε by up to {error:.2g}{at}."
 
 
-def _numerically_damped(damping: float | None) -> Iterator[str]:
+def _numerically_damped(
+    damping: float | None, examined: Sequence[tuple[Case, CheckedContact]]
+) -> Iterator[str]:
     if damping:
-        yield f"ε includes NewtonIntegrator's damping of {damping:g} (centre of mass at rest)."
+        without = corrections.undamped(examined)
+        then = "" if without is None else f"; without it, ε is {without}"
+        yield f"ε includes NewtonIntegrator's damping of {damping:g} (centre of mass at rest{then})."
 
 
-def _in_si(row: CheckedContact, scales: tuple[float, float, float]) -> CheckedContact:
-    changed = {}
+def _in_si(case: Case, row: CheckedContact, units: str) -> CheckedContact:
+    scales = SCALES[units]
+    changed: dict[str, Any] = {"stiffness_unit": _unit(case.spring_powers, units)}
     for name, powers in POWERS.items():
         if (value := getattr(row, name)) is not None:
             changed[name] = value * math.prod(s**p for s, p in zip(scales, powers, strict=True))
-    return replace(row, **changed)
+    others = [one._replace(duration=one.duration and one.duration * scales[2]) for one in row.other_versions]
+    return replace(row, **changed, other_versions=tuple(others))
+
+
+def _unit(powers: tuple[float, float, float] | None, units: str) -> str:
+    """The unit of a stiffness or a modulus; empty in lj units."""
+    if powers is None or units not in UNIT_NAMES or (powers[0], powers[2]) != (1.0, -2.0):
+        return ""
+    force, length = UNIT_NAMES[units]
+    power = 1.0 - powers[1]
+    if units == "si" and power == 2.0:
+        return "Pa"
+    return f"{force}/{length}{'' if power == 1.0 else f'^{power:g}'}"
 
 
 def _state_in_si(state: dumps.State, length: float, time: float) -> dumps.State:
@@ -441,8 +636,8 @@ def _state_in_si(state: dumps.State, length: float, time: float) -> dumps.State:
     )
 
 
-def _stage(number: int, stage: Stage, scales: tuple[float, float, float]) -> CheckedStage:
-    _, length, time = scales
+def _stage(number: int, stage: Stage, held: drive.Support) -> CheckedStage:
+    _, length, time = SCALES[stage.units]
     step, gravity = stage.time_step, stage.gravity
     return CheckedStage(
         number,
@@ -450,6 +645,8 @@ def _stage(number: int, stage: Stage, scales: tuple[float, float, float]) -> Che
         None if step is None else step * time,
         stage.steps,
         None if gravity is None else gravity * length / time**2,
+        stage.units,
+        held.shaking,
     )
 
 
@@ -462,13 +659,18 @@ def _of_system(system: ParticleSystem, law: Law, given: Given, step: float | Non
     state = dumps.State(
         0, system.n, system.packing_fraction, temperature, 2.0 * float(system.radius.mean()), None, None, None
     )
-    supported = system.gravity - system.domain.common_fall  # by walls
-    rests = bool(supported.any()) and not system.driven
-    resting = [Finding("grains rest on each other under gravity")] * rests
+    held = drive.support_of_system(system)
+    resting = [Finding(_rest(held))] * held.rests
+    in_system = drive.of_system(system)
     if given.drive is None and not given.speeds and not system._walls_move:
-        given = replace(given, drive=drive.of_system(system))
-    shaken = system._walls_move and given.drive is None
-    return _of_law(cases.sizes(system), law, given, step, system.dimension, walls, (state,), resting, shaken)
+        given = replace(given, drive=in_system)
+    purpose = given.drive or in_system
+    driven = drive.words_of(None, held) if given.drive is None else ""
+    quantity = "cooling" if purpose is None else purpose.quantity
+    question = answer.Question(quantity, False, driven, drive.option_of(held, 1.0, 1.0), purpose)
+    return _of_law(
+        cases.sizes(system), law, given, step, system.dimension, walls, (state,), resting, question
+    )
 
 
 def _of_law(
@@ -480,18 +682,24 @@ def _of_law(
     walls: bool,
     states: tuple[dumps.State, ...] = (),
     resting: Sequence[Finding] = (),
-    shaken: bool = False,
+    question: answer.Question | None = None,
 ) -> Verdict:
+    if question is None:
+        question = answer.Question("cooling" if given.drive is None else given.drive.quantity)
     found = cases.of_law(balls, law, walls, step)
     radii = {str(k): ball.radius for k, ball in enumerate(balls, 1)}
     densities = {str(k): ball.density for k, ball in enumerate(balls, 1)}
     dumped = _states(_frames(given), radii, dimension, densities)
+    question = replace(question, dumped=bool(dumped))
     gas, speeds = _surroundings(given, dumped or states, dimension)
-    examined = _examined(found, gas, speeds, given.drive)
-    rows = [row for _, row in examined]
-    invalidates = [*resting, *_lasting((), rows, dumped)]
+    gas = replace(gas, quantity=question.quantity)
+    chosen = () if speeds or given.drive else CHOSEN_SPEEDS
+    examined = _examined(found, gas, speeds, given.drive, given.drive or question.purpose, chosen)
+    rows = [_in_si(*pair, "si") for pair in examined]
+    at = "" if speeds or given.drive or all(row.speed is None for row in rows) else " at 1 m/s"
+    invalidates = [*resting, *_lasting((), (), rows, dumped, bool(at))]
     missing = _missing(rows, gas, _known_speeds(rows, speeds, given.drive), dumped)
-    admissible, sentence = answer.answer(rows, invalidates, (), missing, dumped=bool(dumped), shaken=shaken)
+    admissible, sentence = answer.answer(rows, invalidates, (), missing, question)
     return Verdict(
         admissible,
         sentence + answer.steady(rows, given.drive, False),
@@ -504,11 +712,14 @@ def _of_law(
         tuple(rows),
         (),
         dumped or states,
-        tuple(_checked(rows, None, dumped)),
+        tuple(_checked(rows, False, dumped)),
         (),
         tuple(invalidates),
         (),
         missing,
-        (*_notes(examined), *_no_speed(given.drive, rows, gas)),
+        tuple(_remarks(examined, given, gas, speeds, at, False)),
         (),
+        None if question.driven else question.quantity,
+        given.restitution_error,
+        bool(at),
     )

@@ -14,7 +14,7 @@ import scipy
 
 from ..boxes.theory import Gas
 from ..boxes.time_step import DEFAULT_ERROR
-from ..convert.force import Collision, Force, Powers
+from ..convert.force import AdhesiveForce, Collision, Force
 from .error_law import MEASURED_TC_NU
 from .expectation import ACCEPTED, RULES, Expected, expected
 
@@ -24,6 +24,7 @@ TRIALS: Final = {
     "mass": (1e-6, 5e-6, 1e30, 1e-30),
     "speed": (1.0, 0.3, 30.0, 1e-4),
 }
+FIXED_POINT_STEPS: Final = 20  #: of the largest t_c ν
 AGREEMENT: Final = 1e-6  #: relative difference of results that count as equal
 
 
@@ -60,6 +61,11 @@ class Surroundings:
     #: Mean impact speed √(πT) and mean diameter, if measured in a dump; else those of each contact.
     mean_speed: float | None = None
     diameter: float | None = None
+    quantity: str = "cooling"  #: that the gas is judged by: a field of ``Expected``
+    #: Error of the temperature over that at equal heating power, at a mean impact speed; None: no bath.
+    heat_share: Callable[[float], float] | None = None
+    restitution_error: float = DEFAULT_ERROR  #: that a time step may cause
+    rubs: bool = False  #: whether there is friction between some of its grains
 
     def collision_rate(self, speed: float, diameter: float) -> float:
         """Enskog's collision rate of one grain, where ``speed`` is the mean impact speed √(πT)."""
@@ -93,6 +99,19 @@ class Case:
     materials: tuple[tuple[float, float] | None, ...] = (None, None)
     #: Number that sets the stiffness, its value in the units of the script, and the power with which it does.
     spring: tuple[str, float, float] | None = None
+    #: The force before versions of the code that changed it.
+    others: tuple[tuple[str, MakeForce], ...] = ()
+    friction: float | None = 0.0  #: coefficient of sliding friction; None if not known
+    #: Powers of mass, length and time in the unit of the number that sets the stiffness.
+    spring_powers: tuple[float, float, float] | None = None
+
+
+class OtherVersion(NamedTuple):
+    """A contact in older versions of its code; returned by :func:`hardlimit.check`. None: not known."""
+
+    before: str  #: the version that changed the force
+    restitution: float | None  #: ε before it
+    duration: float | None  #: [s]
 
 
 #: The error of cooling and its error bar, by rule of collision.
@@ -113,11 +132,12 @@ class CheckedContact:
     restitution_asked: float | None  #: ε in the script
     clipped: bool | None  #: whether the force never attracts
     speed: float | None  #: impact speed [m/s]
+    adhesive: bool = False  #: whether the bodies attract each other beside the damping
     restitution: float | None = None  #: ε that the code really gives
     duration: float | None = None  #: [s]
     steps_per_contact: int | None = None  #: whole time steps in a contact
     restitution_error_of_step: float | None = None  #: error of ε by the time step
-    time_step: float | None = None  #: [s], with an error of ε of 0.001
+    time_step: float | None = None  #: [s], with the error of ε that is accepted, by default 0.001
     rayleigh_time: float | None = None  #: πR√(ρ/G)/(0.1631 ν + 0.8766) [s], G = Y/(2 + 2ν); the shorter
     p_wave_time: float | None = None  #: R√(ρ/Y) [s]; the shorter of both grains
     largest_overlap: float | None = None  #: over the smaller radius
@@ -125,16 +145,22 @@ class CheckedContact:
     delta_over_d: float | None = None  #: greatest overlap at the mean impact speed, over the diameter
     error: Errors = field(default_factory=dict)  #: of event-driven cooling
     rule: str = "constant"  #: of the event-driven simulation that the answer is about: "law" if ε depends on the speed
-    heated_error: float | None = None  #: of the temperature of an event-driven gas at equal heating power
+    heated_error: float | None = None  #: of the temperature of an event-driven gas at equal heating
+    heated_error_bar: float | None = None  #: its standard error
     sheared_error: float | None = None  #: of the shear stress of event-driven spheres at equal shear rate
-    softening: float | None = None  #: factor of the stiffness at an error of cooling of 1 %, with its bar
+    sheared_error_bar: float | None = None  #: its standard error
+    friction: float | None = 0.0  #: coefficient of sliding friction; with friction, no error is known
+    frictionless_error: float | None = None  #: of the quantity asked for, without friction
+    softening: float | None = None  #: factor of the stiffness at an error of 1 %, with its bar
     spring: tuple[str, float, float] | None = None  #: name of the stiffness, value, value after this change
+    other_versions: tuple[OtherVersion, ...] = ()  #: of the code, if the script does not state its version
+    stiffness_unit: str = ""  #: in which these values are; empty in lj units
 
 
 def examine(case: Case, speeds: Sequence[float | None], gas: Surroundings) -> list[CheckedContact]:
     """The contact at each speed, None if no speed is known; one without a speed if nothing depends on it."""
     rows = [_at(case, speed, gas) for speed in speeds]
-    if rows[0].largest_overlap is None:  # known, it depends on the speed
+    if rows[0].largest_overlap is None and list(speeds) != [None]:  # known, it depends on the speed
         anywhere = _at(case, None, gas)
         if all(replace(row, speed=None) == anywhere for row in rows):
             return [anywhere]
@@ -153,21 +179,21 @@ def _at(case: Case, speed: float | None, gas: Surroundings) -> CheckedContact:
         case.restitution_asked,
         case.clipped,
         speed,
+        friction=case.friction,
     )
     if case.force is None:
         return row
     bodies = (case.first, case.second or case.first)
     known = speed is not None and all(body.radius is not None and body.mass is not None for body in bodies)
-    found = [
-        _results(
-            case,
+    tried = [
+        (
             case.first.tried(k),
             None if case.second is None else case.second.tried(k),
             TRIALS["speed"][k] if speed is None else speed,
-            gas,
         )
         for k in range(1 if known else len(TRIALS["speed"]))
     ]
+    found = [_results(case, *one, gas) for one in tried]
     kept: dict[str, Any] = {name: _agreed([one.get(name) for one in found]) for name in found[0]}
     errors = {str(rule): (kept.pop(rule), kept.pop(f"{rule}±")) for rule in RULES if rule in kept}
     if (steps := kept.get("steps_per_contact")) is not None:
@@ -175,7 +201,15 @@ def _at(case: Case, speed: float | None, gas: Surroundings) -> CheckedContact:
     if case.spring is not None and kept.get("softening") is not None:
         name, value, power = case.spring
         kept["spring"] = name, value, value * kept["softening"] ** (1.0 / power)
+    kept["other_versions"] = tuple(_other_version(case, *one, tried) for one in case.others)
     return replace(row, **kept, error={rule: pair for rule, pair in errors.items() if None not in pair})
+
+
+def _other_version(
+    case: Case, before: str, make: MakeForce, tried: Sequence[tuple[KnownBody, KnownBody | None, float]]
+) -> OtherVersion:
+    found = [_collision(make(*one), one[2], case.numerical_damping) for one in tried]
+    return OtherVersion(before, _agreed([c.restitution for c in found]), _agreed([c.duration for c in found]))
 
 
 def _agreed(values: Sequence[Any]) -> Any:
@@ -198,10 +232,11 @@ def _results(
     collision = _collision(force, speed, case.numerical_damping)
     smaller = first.radius if second is None else min(first.radius, second.radius)
     found: dict[str, Any] = {
-        "rule": usual_rule(force.powers),
+        "rule": usual_rule(force),
+        "adhesive": isinstance(force, AdhesiveForce),
         "restitution": collision.restitution,
         "duration": collision.duration,
-        "time_step": force.longest_step(speed, DEFAULT_ERROR),
+        "time_step": force.longest_step(speed, gas.restitution_error),
         "largest_overlap": collision.compression / smaller,
     }
     waves = [
@@ -246,7 +281,7 @@ def _in_gas(
         return found
     rate = gas.collision_rate(gas.mean_speed or speed, gas.diameter or diameter)
     tc_nu = found["tc_nu"] = mean.duration * rate
-    if second is None:
+    if second is None or isinstance(force, AdhesiveForce):
         return found
     exponent = 0.25 * force.powers.elastic + 1.0
     clipped = replace(force, powers=replace(force.powers, attracts=False))
@@ -255,26 +290,47 @@ def _in_gas(
     radii = first.radius, second.radius
     unequal = min(max(radii) / min(radii) - 1.0, 1.0)
 
-    def with_bar(rule: str, tc_nu: float) -> tuple[Expected, float] | None:
+    def with_bar(rule: str, tc_nu: float) -> Expected | None:
         assert gas.packing_fraction is not None
         one = expected(rule, gas.dimension, gas.packing_fraction, mean.restitution, force.powers, tc_nu)
         # Measured for forces that never attract; attraction prolongs the contact.
-        return one and (one, math.hypot(one.bar, one.error * prolonged, one.error * unequal))
+        if one is not None and one.temperature is not None and gas.heat_share is not None:
+            share = gas.heat_share(gas.mean_speed or speed)
+            one = one._replace(temperature=(one.temperature[0] * share, one.temperature[1] * share))
+        return one and one.wider(math.hypot(prolonged, unequal))
 
-    usual = usual_rule(force.powers)
+    usual = usual_rule(force)
+    known = with_bar(usual, tc_nu)
+    if case.friction != 0.0 or gas.rubs:
+        asked = None if known is None else getattr(known, gas.quantity)
+        return found | {"frictionless_error": None if asked is None else asked[0]}
     for rule in RULES:
         if rule == "constant" != usual:
             continue  # its error has another cause as well, the ε that depends on the speed
-        if (known := with_bar(rule, tc_nu)) is None:
-            continue
-        found[rule], found[f"{rule}±"] = known[0].error, known[1]
-        if rule == usual:
-            found |= {"heated_error": known[0].heated, "sheared_error": known[0].sheared}
-    within = min(tc_nu, MEASURED_TC_NU)  # up to which error and bar are in proportion to t_c ν
-    if (known := with_bar(usual, within)) is not None:
-        largest = within * ACCEPTED / (abs(known[0].error) + known[1])
-        found["softening"] = (tc_nu / min(largest, MEASURED_TC_NU)) ** exponent
+        if (one := with_bar(rule, tc_nu)) is not None:
+            found[rule], found[f"{rule}±"] = one.cooling
+    if known is not None:
+        found["heated_error"], found["heated_error_bar"] = known.temperature or (None, None)
+        found["sheared_error"], found["sheared_error_bar"] = known.stress or (None, None)
+        largest = _largest_tc_nu(lambda x: getattr(with_bar(usual, x), gas.quantity))
+        found["softening"] = None if largest is None else (tc_nu / largest) ** exponent
     return found
+
+
+def _largest_tc_nu(error: Callable[[float], tuple[float, float] | None]) -> float | None:
+    """t_c ν at which error and bar make 1 %, at most the largest measured; None if the error is not known.
+
+    Both are nearly in proportion to t_c ν, so that a few steps of a fixed point suffice.
+    """
+    x = MEASURED_TC_NU
+    for _ in range(FIXED_POINT_STEPS):
+        if (one := error(x)) is None:
+            return None
+        size, before = abs(one[0]) + one[1], x
+        x = MEASURED_TC_NU if size == 0.0 else min(x * ACCEPTED / size, MEASURED_TC_NU)
+        if math.isclose(x, before, rel_tol=1e-12):
+            break
+    return x
 
 
 def restitution_of(case: Case, speed: float) -> float:
@@ -286,9 +342,10 @@ def restitution_of(case: Case, speed: float) -> float:
     ).restitution
 
 
-def usual_rule(powers: Powers) -> str:
+def usual_rule(force: Force) -> str:
     """The rule for this force in an event-driven simulation: "law" if ε depends on the speed, else "constant"."""
-    return "constant" if 2 * powers.damping == powers.elastic - 4 else "law"
+    constant = 2 * force.powers.damping == force.powers.elastic - 4 and not isinstance(force, AdhesiveForce)
+    return "constant" if constant else "law"
 
 
 def _collision(force: Force, speed: float, damping: float | None) -> Collision:

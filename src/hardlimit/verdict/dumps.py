@@ -92,6 +92,8 @@ def read(path: str | Path) -> list[Frame]:
         chosen = {round(k) for k in np.linspace(0, count - 1, min(count, MAX_FRAMES))}
         with _opened(path) as lines:
             return [_frame(*block) for k, block in enumerate(_blocks(lines)) if k in chosen]
+    except FileNotFoundError as error:
+        raise validation.unreadable(path, error, "dump") from None
     except (OSError, EOFError, UnicodeDecodeError) as error:
         because = getattr(error, "strerror", None) or str(error)
         raise ValueError(f"dump: got {name}, cannot be read: {because}") from None

@@ -22,18 +22,28 @@ SAME_POWERS: Final[dict[tuple[int, int], Law]] = {
     (6, 1): LAWS["tsuji"](elastic_prefactor=1e9, restitution=0.9),
     (6, 2): LAWS["viscoelastic"](youngs_modulus=1e10, poisson_ratio=0.3, dissipative_time=1e-7),
 }
+#: Standard error of temperature and stress under shear that theory leaves, over t_c ν: from docs/sheared_gas.md.
+SHEAR_BAR: Final = 0.08
 #: Relative error bar for a force with other powers, whose law of the error is that of the nearest ones.
 OTHER_POWERS: Final = 0.1
 
 
 class Expected(NamedTuple):
-    """Relative error of the rate of cooling, its error bar, the error of the temperature of a heated gas, and that of
-    the stress of a sheared one, None if unknown."""
+    """Relative errors with their error bars: of the rate of cooling, of the temperature of a heated gas, and of the
+    stress of a sheared one; None if unknown."""
 
-    error: float
-    bar: float
-    heated: float | None
-    sheared: float | None
+    cooling: tuple[float, float]
+    temperature: tuple[float, float] | None
+    stress: tuple[float, float] | None
+
+    def wider(self, relative: float) -> Expected:
+        """With a further relative error."""
+
+        def wide(error: tuple[float, float]) -> tuple[float, float]:
+            return error[0], math.hypot(error[1], error[0] * relative)
+
+        temperature = None if self.temperature is None else wide(self.temperature)
+        return Expected(wide(self.cooling), temperature, None if self.stress is None else wide(self.stress))
 
 
 def expected(
@@ -46,10 +56,15 @@ def expected(
     nearest = given if given in SAME_POWERS else {4: (4, 0), 6: (6, 1)}[powers.elastic]
     law = _law(rule, dimension, packing_fraction, restitution, nearest)
     error, bar = law.error(tc_nu), law.error_bar(tc_nu)
-    if nearest != given:
-        bar = math.hypot(bar, OTHER_POWERS * error)
-    driven = law.heated_error(tc_nu), math.nan if law.no_shear() else law.sheared_errors(tc_nu).stress
-    return Expected(error, bar, *(None if math.isnan(one) else one for one in driven))
+    heated = law.heated_error(tc_nu)
+    stress = math.nan if law.no_shear() else law.sheared_errors(tc_nu).stress
+    # Temperatures go as the power −2/3 of the rate of cooling, stresses as −1/2.
+    errors = Expected(
+        (error, bar),
+        None if math.isnan(heated) else (heated, 2.0 / 3.0 * (1.0 + heated) * bar),
+        None if math.isnan(stress) else (stress, (1.0 + stress) * math.hypot(0.5 * bar, SHEAR_BAR * tc_nu)),
+    )
+    return errors if nearest == given else errors.wider(OTHER_POWERS)
 
 
 @cache

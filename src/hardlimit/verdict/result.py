@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from ..boxes.time_step import DEFAULT_ERROR
 from ..support import html
 from ..support.formatting import digits
 from .contacts import CheckedContact
@@ -35,7 +36,11 @@ NUMBERS = {
     "tc_nu": "1",
     "delta_over_d": "1",
     "heated_error": "1",
+    "heated_error_bar": "1",
     "sheared_error": "1",
+    "sheared_error_bar": "1",
+    "friction": "1",
+    "frictionless_error": "1",
     "softening": "1",
 }
 
@@ -63,20 +68,22 @@ class CheckedStage(NamedTuple):
     time_step: float | None  #: [s]
     steps: int | None  #: number of steps
     gravity: float | None  #: [m/s²]
+    units: str  #: in which the script gives its numbers
+    shaking: float | None  #: Γ = A ω²/g of what holds the grains
 
 
 @dataclass(frozen=True)
 class Verdict:
     """Whether an event-driven simulation may replace a simulation, and what that one does; returned by :func:`check`.
 
-    Numbers are in SI units, those of a script in ``lj`` units as they are there. None stands for what is not known.
+    Numbers are in SI units, those of runs in ``lj`` units as they are there. None stands for what is not known.
     """
 
     admissible: bool | None  #: None if it cannot be said
     sentence: str  #: the answer, with the number that decides
     code: str | None  #: None without a script
     version: str | None  #: as a log states it
-    units: str  #: of the script
+    units: str  #: of the last run
     units_given: bool  #: False if they are the code's default
     time_step: float | None  #: of the last run [s]
     numerical_damping: float | None  #: of the last run
@@ -90,6 +97,9 @@ class Verdict:
     missing: tuple[str, ...]  #: what would have to be known for an answer
     remarks: tuple[str, ...]  #: on ε, the time step and versions of the code
     corrected: tuple[str, ...]  #: lines for the script, ready to paste
+    quantity: str | None = "cooling"  #: whose error decides: also "temperature", "stress"; None without law
+    restitution_error: float = DEFAULT_ERROR  #: of ε, that the corrected time step causes
+    speeds_chosen: bool = False  #: whether the speeds of the contacts are examples, because none is given
 
     @cached_property
     def contacts(self) -> xr.Dataset:
@@ -100,7 +110,11 @@ class Verdict:
             values = (getattr(row, name) for row in self.rows)
             return [math.nan if value is None else float(value) for value in values]
 
-        unit = (lambda u: "1") if self.units == "lj" else (lambda u: u)
+        plain = [self.has_plain(row) for row in self.rows]
+
+        def unit(name: str) -> str:
+            return "1" if all(plain) else f"{name}, 1 where units are lj" if any(plain) else name
+
         variables = {name: ("contact", column(name), {"units": unit(u)}) for name, u in NUMBERS.items()}
         pairs = [[row.error.get(rule, (math.nan, math.nan)) for rule in RULES] for row in self.rows]
         texts = {
@@ -121,6 +135,13 @@ class Verdict:
             coords={**{name: ("contact", text) for name, text in texts.items()}, "rule": list(RULES)},
             attrs={"sentence": self.sentence, "code": self.code or "", "units": self.units},
         )
+
+    def has_plain(self, row: CheckedContact) -> bool:
+        """Whether the numbers of a contact are in ``lj`` units.
+
+        :meta private:
+        """
+        return bool(self.stages) and self.stages[row.stage - 1].units == "lj"
 
     def to_dict(self) -> dict[str, Any]:
         """Everything as plain values, as ``hardlimit check --json`` prints it.
@@ -145,6 +166,9 @@ class Verdict:
             "missing": list(self.missing),
             "remarks": list(self.remarks),
             "corrected": list(self.corrected),
+            "quantity": self.quantity,
+            "restitution_error": self.restitution_error,
+            "speeds_chosen": self.speeds_chosen,
             "admissible": self.admissible,
             "sentence": self.sentence,
         }
@@ -183,6 +207,7 @@ def _contact(row: CheckedContact) -> dict[str, Any]:
         "clipped": row.clipped,
         **plain,
         "rule": row.rule,
+        "other_versions": [one._asdict() for one in row.other_versions],
         "error": {rule: list(pair) for rule, pair in row.error.items()},
     }
 

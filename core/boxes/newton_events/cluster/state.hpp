@@ -13,8 +13,7 @@ double Cluster<Law>::end_of_pieces(double until) {
     for (const ContactPair<Law>& q : pairs) {
         if (q.second >= 0) continue;
         WallPiece& p = wall_pieces[q.wall_id.index()];
-        while (p.ends_at(time, base + time)) {
-            p = p.next();
+        if (p.follow(time, base + time)) {
             known_ = false;
             if (p.amplitude == 0.0) {
                 h_ = 0.0;

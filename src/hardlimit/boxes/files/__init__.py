@@ -35,11 +35,12 @@ def read(path: str | Path, frame: int = -1) -> Found:
     target, kind = format_of(path)
     which = validation.whole("frame", frame, -(2**31), 2**31 - 1)
     try:
+        target.stat()
         if not target.is_file():
-            raise ValueError("cannot be read: no such file")
+            raise ValueError("cannot be read: not a file")
         found: Found = kind.read(target, which)
     except OSError as error:
-        raise ValueError(f"{path}: cannot be read: {error.strerror or error}") from None
+        raise validation.unreadable(path, error) from None
     except MemoryError:
         raise ValueError(f"{path}: cannot be read: larger than the memory") from None
     except ValueError as error:

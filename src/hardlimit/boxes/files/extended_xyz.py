@@ -19,7 +19,7 @@ from ...support import validation
 from ...support.saving import write_all
 from ..thermostats import as_entry, from_entry
 from ..walls import as_entries, from_entries
-from .frame import Append, Floats, Found, Frame, boundary_of, read_table, three, write_rows
+from .frame import Append, Floats, Found, Frame, boundary_of, check_frame, read_table, three, write_rows
 
 COLUMNS: Final = "species:S:1:pos:R:3:velo:R:3:radius:R:1:mass:R:1"
 NAMES: Final = {
@@ -105,8 +105,7 @@ def _comment(frame: Frame) -> str:
 def read(path: Path, frame: int) -> Found:
     with open(path, "rb") as file:
         starts = list(_frames(file))
-        if not -len(starts) <= frame < len(starts):
-            raise ValueError(f"frame: got {frame}, must be in [{-len(starts)}, {len(starts) - 1}]")
+        check_frame(frame, len(starts))
         file.seek(starts[frame])
         n = int(file.readline())
         entries = _entries(_text(file.readline()))

@@ -77,3 +77,11 @@ def boundary_of(periodic: Any, shear: Any = None) -> dict[str, Any]:
         raise ValueError(f"shear: got axis {axis:g}, must be a whole number in [1, {len(sides) - 1}]")
     sides[int(axis)] = "lees-edwards"
     return {"boundary": tuple(sides), "shear_rate": rate, "shear_displacement": displacement}
+
+
+def check_frame(frame: int, count: int) -> None:
+    """Refuse the index of a frame that a file with ``count`` frames does not have."""
+    if not count:
+        raise ValueError("is empty, must have one frame or more")
+    if not -count <= frame < count:
+        raise ValueError(f"frame: got {frame}, must be in [{-count}, {count - 1}]")

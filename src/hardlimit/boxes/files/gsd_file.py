@@ -18,7 +18,7 @@ import numpy as np
 from ...support import saving
 from ..thermostats import as_entry, from_entry
 from ..walls import as_entries, from_entries
-from .frame import Append, Floats, Found, Frame, boundary_of, three
+from .frame import Append, Floats, Found, Frame, boundary_of, check_frame, three
 
 #: Names under ``log`` of the values in double precision.
 OF_PARTICLES: Final = {
@@ -117,8 +117,7 @@ def read(path: Path, frame: int) -> Found:
     try:
         with library.open(str(path), "r") as file:
             count = len(file)
-            if not -count <= frame < count:
-                raise ValueError(f"frame: got {frame}, must be in [{-count}, {count - 1}]")
+            check_frame(frame, count)
             for index in {0, frame % count}:  # a frame omits values that equal those of the first frame
                 _check_counts(file.file, index, path.stat().st_size)
             found = file[frame % count]

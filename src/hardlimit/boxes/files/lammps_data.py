@@ -1,7 +1,8 @@
-"""LAMMPS data files with ``atom_style sphere``, in SI units. No library reads or writes this style.
+"""LAMMPS data files with ``atom_style sphere``. No library reads or writes this style.
 
-The format has diameters and densities. Walls, gravity and shear belong to the input script of LAMMPS; we write them
-in the first line, which LAMMPS skips. A sheared box is tilted by the displacement of its images.
+Numbers are in SI units, unless the first line names others, as that of LAMMPS' ``write_data`` does. The format has
+diameters and densities. Walls, gravity and shear belong to the input script of LAMMPS; we write them in the first line,
+which LAMMPS skips. A sheared box is tilted by the displacement of its images.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ import math
 import re
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from decimal import Decimal
 from pathlib import Path
 from typing import Any, BinaryIO, Final
 
@@ -18,6 +20,8 @@ from numpy.typing import NDArray
 
 from ...contact.balls import ball_masses
 from ...support import validation
+from ...support.formatting import listed
+from ...support.units import SYSTEMS
 from .frame import Append, Floats, Found, Frame, boundary_of, read_table, three, write_rows
 
 _MARK: Final = re.compile(
@@ -108,6 +112,7 @@ def read(path: Path, frame: int) -> Found:
         raise ValueError("not UTF-8 text") from None
     header, sections = _parts(lines)
     mark = _MARK.match(lines[0]) if lines else None
+    mass, length, time = _units(lines[0] if lines else "")
     d = int(mark[1]) if mark else 3
     n = _count(header)
     limits = _limits(header, sheared=bool(mark and mark[4]))
@@ -116,13 +121,27 @@ def read(path: Path, frame: int) -> Found:
     if np.any(atoms[:, 4 + d : 7]) or np.any(speeds[:, 1 + d : 4]):
         raise ValueError("dimension: got 2, must be 3 for particles with z ≠ 0")
     arguments = {
-        "positions": atoms[:, 4 : 4 + d] - limits[:d, 0],
-        "velocities": speeds[:, 1 : 1 + d],
-        "radius": 0.5 * atoms[:, 2],
-        "density": atoms[:, 3],
-        "box": limits[:d, 1] - limits[:d, 0],
+        "positions": _scaled(atoms[:, 4 : 4 + d] - limits[:d, 0], length),
+        "velocities": _scaled(speeds[:, 1 : 1 + d], length / time),
+        "radius": _scaled(0.5 * atoms[:, 2], length),
+        "density": _scaled(atoms[:, 3], mass / length**3),
+        "box": _scaled(limits[:d, 1] - limits[:d, 0], length),
     }
     return arguments | _from_mark(mark, d), 0.0
+
+
+def _units(first: str) -> list[Decimal]:
+    """Units of mass, length and time that the first line names, in SI; ``lj`` numbers stay as they are."""
+    named = re.search(r"\bunits = (\w+)", first)
+    known = {"lj": (1.0, 1.0, 1.0), **SYSTEMS}
+    if named and named[1] not in known:
+        raise ValueError(f"units: got {validation.shown(named[1])}, must be {listed([*known], 'or')}")
+    return [Decimal(repr(one)) for one in known[named[1] if named else "si"]]
+
+
+def _scaled(values: Floats, unit: Decimal) -> Floats:
+    """Values times a power of ten, rounded once."""
+    return values / float(1 / unit) if unit < 1 else values * float(unit)
 
 
 def _parts(lines: list[str]) -> tuple[list[str], dict[str, tuple[str, list[str]]]]:

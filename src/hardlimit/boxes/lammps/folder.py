@@ -87,6 +87,8 @@ def lammps_result(folder: str | Path) -> ContactResult:
     ------
     ValueError
         If the folder has no such run, or the run has not ended; names the file.
+    FileNotFoundError
+        If there is no such file.
     """
     target = _checked_folder(folder)
     job = jobs.read(target)
@@ -97,7 +99,7 @@ def lammps_result(folder: str | Path) -> ContactResult:
                 reader.read(lines)
         return engine.result(job, target, list(readers.values()))
     except OSError as error:
-        raise ValueError(f"{error.filename}: cannot be read: {error.strerror or error}") from None
+        raise validation.unreadable(error.filename, error) from None
     except (KeyError, ValueError) as error:
         raise ValueError(f"{folder}: must contain the output of a run that ended: {error}") from None
 
@@ -137,7 +139,7 @@ def _checked_folder(folder: Any) -> Path:
         good = stat.S_ISDIR(target.stat().st_mode)
     except FileNotFoundError:
         good = True
-    except (OSError, ValueError):  # the name is too long or has a null character
+    except OSError:  # the name is too long
         good = False
     if not good or not str(folder):
         raise ValueError(f"folder: got {validation.shown(str(folder))}, must be a folder")

@@ -11,8 +11,8 @@ from typing import Any, Final
 from ... import _core
 from ...contact.laws import LAWS
 from ...support import saving, validation
-from ..engines import law_entry
 from ..files import lammps_data
+from ..rules import law_entry
 from ..system import ParticleSystem
 from .forces import Types, between, types_of
 from .script import Plan, script
@@ -80,7 +80,7 @@ def read(folder: Path) -> Job:
         name, parameters = settings["law"]
         law, plan = LAWS[name](**parameters), Plan(**settings["plan"])
     except OSError as error:
-        raise ValueError(f"{path}: cannot be read: {error.strerror or error}") from None
+        raise validation.unreadable(path, error) from None
     except (KeyError, TypeError, ValueError) as error:
         raise ValueError(f"{path}: damaged: {validation.shown(str(error))}") from None
     return Job(ParticleSystem.read(folder / START, allowed_overlap=1.0 - 1e-9), law, plan)

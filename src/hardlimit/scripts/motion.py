@@ -1,0 +1,280 @@
+"""What moves, presses, shears or heats the grains in a script of LAMMPS or LIGGGHTS.
+
+Formats: docs.lammps.org, pages fix_deform, fix_move, fix_wall_gran, region, change_box and fix_langevin; LIGGGHTS'
+fix_move_mesh and fix_mesh_surface_stress_servo.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Final
+
+from .description import Direction, Motion, Note
+from .formulas import NUMBER
+
+if TYPE_CHECKING:
+    from .state import Fix, State
+
+#: A motion without oscillation, such as that of a belt or of a rotating drum.
+STEADY: Final = Motion((0.0, 0.0, 0.0), 0.0)
+UNKNOWN: Final = Motion()
+AXES: Final = ("x", "y", "z")
+TILTS: Final = ("xy", "xz", "yz")
+#: Styles of ``fix deform`` and ``change_box`` with their numbers of values.
+STYLES: Final = {
+    **{"final": 2, "delta": 2, "scale": 1, "vel": 1, "erate": 1, "trate": 1, "volume": 0, "wiggle": 2},
+    **{"variable": 2, "pressure": 2, "pressure/mean": 2, "erate/rescale": 1},
+}
+TILT_STYLES: Final = {**STYLES, "final": 1, "delta": 1}
+#: Boltzmann's constant of each system of units.
+BOLTZMANN: Final = {
+    "lj": 1.0,
+    "si": 1.380649e-23,
+    "cgs": 1.380649e-16,
+    "micro": 1.380649e-8,
+    "nano": 0.01380649,
+}
+WIGGLE: Final = re.compile(r"\s*[sc]wiggle\(([^,]*),([^,]*),([^,]*)\)\s*")
+#: A reference to what the simulation computes, such as a force.
+MEASURED: Final = re.compile(r"\b[cf]_\w+")
+
+Driven = tuple[tuple[Note, ...], tuple[Note, ...], float | None, tuple[float, float] | None]
+
+
+def driven(state: State) -> Driven:
+    """What presses the grains, what else drives them, the shear rate, and the thermostat that hold now."""
+    pressed, others = list(state.squeezed), list[Note]()
+    rates, baths = list[float](), list[tuple[float, float]]()
+    for fix in state.fixes.values():
+        if fix.style.startswith("deform"):
+            kind, rate = deformation(state, fix.words)
+            changes = [" ".join([axis, style, *values]) for axis, style, values in deformed(fix.words)]
+            note = Note(f"fix {fix.style} {' '.join(changes)}", None, fix.statement.quote)
+            pressed += [note] * (kind == "pressed")
+            others += [note] * (kind == "other")
+            rates += [] if rate is None else [rate]
+        elif "servo" in fix.style and "torque" in fix.words:
+            others.append(Note(f"a servo ({fix.style})", None, fix.statement.quote))
+        elif "servo" in fix.style or (fix.style.startswith("wall/gran") and measured(state, fix.words)):
+            pressed.append(Note(f"a servo ({fix.style})", None, fix.statement.quote))
+        elif fix.style.startswith("langevin") and (found := bath(state, fix)) is not None:
+            baths.append(found)
+    if len(rates) + len(baths) > 1:
+        others.append(Note("several drives"))
+    return tuple(pressed), tuple(others), rates[0] if rates else None, baths[0] if baths else None
+
+
+def measured(state: State, words: Sequence[str]) -> bool:
+    """Whether a wall stands where a variable that depends on measured forces says."""
+    known = state.variables.known
+    moved = [word for part in words for region in state.parts_of(part).values() for word in region]
+    names = [word[2:] for word in (*words, *moved) if word.startswith("v_")]
+    return any(MEASURED.search(value) for name in names if name in known for value in known[name].values)
+
+
+def bath(state: State, fix: Fix) -> tuple[float, float] | None:
+    """k_B T and 2/damp of ``fix langevin`` on all grains at a constant temperature; None for other ones."""
+    group, numbers = state.members(fix.group), [state.coefficient(word) for word in fix.words[:3]]
+    if len(numbers) < 3 or None in numbers or not group.whole:
+        return None
+    start, stop, damp = (float(one) for one in numbers if one is not None)
+    every = group.types is None or group.types >= {k for k in state.present() if not state.frozen(k)}
+    if not every or start != stop or not (start > 0.0 and damp > 0.0) or state.units not in BOLTZMANN:
+        return None
+    return BOLTZMANN[state.units] * start, 2.0 / damp
+
+
+# --- the box ------------------------------------------------------------------------------------------------
+
+
+def deformation(state: State, words: Sequence[str]) -> tuple[str, float | None]:
+    """What ``fix deform`` does: "pressed", "other" or nothing, and the rate of a steady shear."""
+    growth: dict[str, list[float | None]] = {}
+    rates, kept, other = list[float | None](), False, False
+    for axis, style, values in deformed(words):
+        numbers = [state.coefficient(word) for word in values]
+        if style.startswith("pressure"):
+            return "pressed", None
+        if axis in TILTS:
+            rates.append(_rate(state, axis, style, numbers))
+        elif style == "volume":
+            kept = True
+        elif style in ("wiggle", "variable"):
+            other = True
+        else:
+            growth.setdefault(style, []).append(_growth(state, axis, style, numbers))
+    changes = [change for one in growth.values() for change in one]
+    if shrinks(growth) and not kept:
+        return "pressed", None
+    if other or None in rates or len(rates) > 1 or (changes and any(one != 0.0 for one in changes)):
+        return "other", None
+    return "", rates[0] if rates else None
+
+
+def shrinks(growth: dict[str, list[float | None]]) -> bool:
+    """Whether the volume falls: the sum of relative changes of one style, or any change if there are several."""
+    known = [[one for one in each if one is not None] for each in growth.values()]
+    if len(growth) == 1:
+        return sum(known[0]) < -1e-9 * max(map(abs, known[0]), default=0.0)
+    return any(one < 0.0 for each in known for one in each)
+
+
+def deformed(words: Sequence[str]) -> Iterator[tuple[str, str, list[str]]]:
+    """Each axis or tilt that changes, its style and its values, from ``x erate -1 xy wiggle 2 3``."""
+    k = 0
+    while k < len(words) - 1:
+        table = STYLES if words[k] in AXES else TILT_STYLES if words[k] in TILTS else {}
+        style = words[k + 1]
+        if style in table:
+            yield words[k], style, list(words[k + 2 : k + 2 + table[style]])
+            k += 2 + table[style]
+        else:
+            k += 1
+
+
+def _growth(state: State, axis: str, style: str, numbers: Sequence[float | None]) -> float | None:
+    """A relative change of an edge, or its rate: its sign counts, and among those of one style its size."""
+    known = [one for one in numbers if one is not None]
+    edge = state.edges.get(axis)
+    if not known or len(known) < len(numbers):
+        return None
+    if style == "scale":
+        return math.log(known[0]) if known[0] > 0.0 else None
+    if style in ("erate", "trate", "erate/rescale"):
+        return known[0]
+    change = known[0] if style == "vel" else known[1] - known[0]
+    if style == "final":
+        return None if edge is None or change <= 0.0 else math.log(change / edge)
+    return change if edge is None else change / edge
+
+
+def _rate(state: State, axis: str, style: str, numbers: Sequence[float | None]) -> float | None:
+    """The rate of a steady shear; None if it is not one, or not known."""
+    edge = state.edges.get(axis[1])
+    if len(numbers) != 1 or numbers[0] is None or style not in ("erate", "erate/rescale", "vel"):
+        return None
+    if style == "vel":
+        return None if edge is None else abs(numbers[0]) / edge or None
+    return abs(numbers[0]) or None
+
+
+# --- walls and grains -----------------------------------------------------------------------------------------
+
+
+def of_wall(state: State, rest: Sequence[str], ends: int, rubs: bool) -> Motion | None:
+    """The motion of a wall from its shape on, with so many words for its place; None if it stands still.
+
+    A plane without friction that slides along itself counts as one that stands still.
+    """
+    options = list(rest[1 + ends :])
+    if "wiggle" in options:
+        axis, amplitude, period = (*options[options.index("wiggle") + 1 :], "", "", "")[:3]
+        return oscillation(state, [amplitude if axis == one else "0" for one in AXES], period)
+    regions = state.parts_of(rest[1]).values() if rest[0] == "region" and len(rest) > 1 else ()
+    for words in regions:
+        if "move" in words:
+            at = words.index("move")
+            return by_variables(state, words[at + 1 : at + 4])
+    places = [word for word in rest[1 : 1 + ends] if word.startswith("v_")]
+    if any(state.coefficient(word) is None for word in places):
+        axis = rest[0][:1]
+        return by_variables(state, [places[0] if one == axis else "NULL" for one in AXES])
+    slides = "shear" in options or any("rotate" in words for words in regions)
+    return STEADY if slides and rubs else None
+
+
+def by_variables(state: State, words: Sequence[str]) -> Motion | None:
+    """The motion of what variables displace along each axis; an oscillation if they are ``swiggle`` or ``cwiggle``."""
+    parts = dict[str, tuple[str, str]]()
+    for axis, word in zip(AXES, words, strict=False):
+        if not word.startswith("v_") or state.coefficient(word) is not None:
+            continue
+        variable = state.variables.known.get(word[2:])
+        found = WIGGLE.fullmatch(state.variables.substitute(variable.values[0])) if variable else None
+        if found is None:
+            return UNKNOWN
+        parts[axis] = str(state.variables.number(found[2])), str(state.variables.number(found[3]))
+    periods = {period for _, period in parts.values()}
+    if not parts:
+        return None
+    if len(periods) > 1:
+        return UNKNOWN
+    return oscillation(state, [parts.get(one, ("0", ""))[0] for one in AXES], periods.pop())
+
+
+def oscillation(state: State, amplitudes: Sequence[str], period: str) -> Motion:
+    """The motion of what oscillates with these amplitudes; its numbers may be unknown."""
+    sizes = [0.0 if word == "NULL" else state.coefficient(word) for word in amplitudes]
+    time = state.coefficient(period)
+    known = [one for one in sizes if one is not None]
+    if len(known) < 3 or not time or not math.isfinite(time):
+        return UNKNOWN
+    return Motion(tuple(known), 2.0 * math.pi / abs(time))
+
+
+def of_grains(state: State, kind: int) -> Motion | None:
+    """The motion of grains that ``fix move`` displaces."""
+    for fix in state.fixes.values():
+        if fix.style == "move" and kind in state.within(state.members(fix.group)):
+            style, *words = (*fix.words, "")
+            if style == "wiggle":
+                return oscillation(state, words[:3], (*words[3:], "")[0])
+            return UNKNOWN if style == "variable" else STEADY
+    return None
+
+
+def of_mesh(state: State, name: str) -> Motion | None:
+    """The motion of a mesh of LIGGGHTS, the fastest if there are several."""
+    found = [
+        _of_mesh(state, fix.words)
+        for fix in state.fixes.values()
+        if fix.style.startswith("move/mesh") and "mesh" in fix.words[:-1]
+        if fix.words[fix.words.index("mesh") + 1] == name
+    ]
+    return strongest(found, state.down())
+
+
+def strongest(motions: Sequence[Motion | None], down: Direction | None = None) -> Motion | None:
+    """An unknown motion, or that of the greatest acceleration along gravity, then along any direction."""
+    moving = [one for one in motions if one is not None]
+    return max(moving, key=lambda one: (acceleration(one, down), acceleration(one)), default=None)
+
+
+def acceleration(motion: Motion, down: Direction | None = None) -> float:
+    """Greatest acceleration A ω² of an oscillation, along a direction if it is given; infinite if it is not known."""
+    if motion.amplitude is None or motion.frequency is None:
+        return math.inf
+    if down is None:
+        size = math.hypot(*motion.amplitude)
+    else:
+        size = abs(sum(a * b for a, b in zip(motion.amplitude, down, strict=True)))
+    return size * motion.frequency**2
+
+
+def _of_mesh(state: State, words: Sequence[str]) -> Motion:
+    """The words of ``fix move/mesh``."""
+
+    def after(name: str, count: int) -> list[str]:
+        at = words.index(name) + 1 if name in words else len(words)
+        return [*words[at : at + count], *[""] * count][:count]
+
+    if "wiggle" in words:
+        return oscillation(state, after("amplitude", 3), after("period", 1)[0])
+    if "viblin" in words:
+        order = after("order", 1)[0]
+        count = int(order) if order.isdecimal() and len(order) < 3 else 0
+        axis = [state.coefficient(word) for word in after("axis", 3)]
+        size = math.hypot(*(one or 0.0 for one in axis))
+        parts = list(zip(after("amplitude", count), after("period", count), strict=True))
+        if None in axis or not size or not parts:
+            return UNKNOWN
+        waves = [
+            oscillation(state, [repr(float(amount) * (a or 0.0) / size) for a in axis], period)
+            for amount, period in parts
+            if NUMBER.fullmatch(amount)
+        ]
+        return strongest(waves) or UNKNOWN
+    steady = ("linear", "rotate") if "linear/variable" not in words else ()
+    return STEADY if any(one in words for one in steady) else UNKNOWN
