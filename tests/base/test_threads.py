@@ -1,10 +1,16 @@
 """Threads: failure to start, Ctrl-C during a computation, and interpreter shutdown."""
 
+import random
+import signal
 import subprocess
 import sys
 import threading
+import time
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -103,6 +109,52 @@ except KeyboardInterrupt:
 """
     )
     assert (done.returncode, done.stdout) == (0, "interrupted\n"), done.stderr
+
+
+GAS = hl.ParticleSystem.random(300, 0.4, 1e-3, 2500.0, 0.3, thermostat=hl.RandomKicks(1e-3, 1e-4))
+SOFT = hl.LinearDashpot(stiffness=1e5, restitution=0.8)
+TALL = hl.Column(
+    [hl.Ball(0.01, mass=1.0)] * 6, [0.01] * 5, 0.5, hl.LinearDashpot(stiffness=1e6, restitution=0.9)
+)
+#: Calls that take tenths of a second: of each kind of function that looks for signals, with a function of the user.
+LONG: dict[str, Callable[[Callable[..., Any]], object]] = {
+    "random start": lambda f: hl.ParticleSystem.random(4000, 0.6, 1e-3, 2500.0, 0.3, progress=f),
+    "random disks": lambda f: hl.ParticleSystem.random(
+        4000, 0.8, (1e-3, 2e-3), 2500.0, 0.3, dimension=2, progress=f
+    ),
+    "hard spheres": lambda f: hl.event_driven(GAS, restitution=0.9, until=0.1, log=True, progress=f),
+    "events": lambda f: hl.molecular_dynamics(GAS, law=SOFT, until=0.05, engine="events", progress=f),
+    "steps": lambda f: hl.molecular_dynamics(GAS, law=SOFT, until=0.05, engine="steps", progress=f),
+    "sweep": lambda f: hl.sweep(TALL, restitution=np.linspace(0.5, 0.9, 8), progress=f),
+    "column": lambda f: hl.newton(TALL, until=200.0, method="general"),
+    "fidelity": lambda f: hl.fidelity(
+        GAS.replace(thermostat=None), law=SOFT, until=0.01, samples=4, replicas=2, progress=f
+    ),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("which", LONG)
+def test_ctrl_c_at_random_moments_is_a_keyboard_interrupt(which: str) -> None:
+    """Nothing else comes out, such as a SystemError: no Python code runs while an exception is pending."""
+    call, chance = partial(LONG[which], lambda *told: sum(told)), random.Random(which)
+    call()  # imports modules
+    begun = time.monotonic()
+    call()
+    duration, ended = time.monotonic() - begun, 0
+    former = signal.signal(signal.SIGALRM, signal.default_int_handler)
+    try:
+        for _ in range(5):
+            try:
+                signal.setitimer(signal.ITIMER_REAL, max(1e-3, 0.9 * chance.random() * duration))
+                call()
+                signal.setitimer(signal.ITIMER_REAL, 0.0)
+            except KeyboardInterrupt:
+                ended += 1
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, former)
+    assert ended > 0
 
 
 def test_the_interpreter_ends_while_daemon_threads_solve() -> None:

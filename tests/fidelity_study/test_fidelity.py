@@ -613,6 +613,50 @@ def test_a_process_that_ends_leaves_its_replicas_and_no_workers(tmp_path: Path, 
     assert resumed is None or same(resumed, hl.fidelity(gas(), **arguments))
 
 
+@pytest.mark.slow
+def test_the_end_of_a_job_leaves_replicas_and_no_workers(tmp_path: Path) -> None:
+    """A scheduler sends SIGTERM to all processes: the workers leave it to their parent, which prints one line."""
+    store = tmp_path / "replicas"
+    options = [
+        "--n",
+        "60",
+        "--packing-fraction",
+        "0.2",
+        "--until",
+        "20ms",
+        "--samples",
+        "10",
+        "--replicas",
+        "12",
+    ]
+    process = subprocess.Popen(
+        [
+            sys.executable,
+            "-m",
+            "hardlimit",
+            "gas",
+            "compare",
+            *options,
+            "--workers",
+            "2",
+            "--store",
+            str(store),
+        ],
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    wait_until(lambda: (store.exists() and Store(store, {}).replicas) or process.poll() is not None)
+    os.killpg(process.pid, signal.SIGTERM)
+    complaint = process.communicate()[1].strip()
+    assert "Traceback" not in complaint
+    assert complaint.splitlines()[-1] == (
+        f"interrupted by SIGTERM (replicas that are finished are in {store}; the same command goes on)"
+    )
+    assert process.returncode == 143
+    wait_until(lambda: not group_lives(process.pid))
+
+
 HASTE = """
 import os
 import re

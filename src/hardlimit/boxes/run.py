@@ -143,7 +143,11 @@ class Run:
         """
         for _ in self.steps(report):
             pass
-        found = self.result()
+        try:
+            found = self.result()
+        except (KeyboardInterrupt, Exception) as error:  # the user's functions see the end
+            error.add_note(self._progress())
+            raise
         compression.warn(found.largest_compression)
         return found
 

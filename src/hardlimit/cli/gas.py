@@ -5,12 +5,12 @@ from __future__ import annotations
 import difflib
 import math
 import shlex
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from functools import partial
 from itertools import chain
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import click
 import numpy as np
@@ -36,9 +36,6 @@ from .job import Entry, entry_options
 from .options import dpi_option, json_option, law_options, law_text, options, output_option, spelled
 from .printing import console, plain, print_json, print_outcome, sentence, show, table
 from .program import Command, in_options, no_such_command, notes, raise_all, write_files
-
-#: Call of a solver, whose keyword is ``observe``.
-Solve = Callable[..., Any]
 
 #: Options of Newton's equations that are arguments of ``hl.molecular_dynamics``.
 SOLVER = (
@@ -137,24 +134,12 @@ def gas(file: str | None, resume: str | None, dpi: float | None, as_json: bool, 
 
     hardlimit gas compare solves one start under Newton's equations and each collision rule.
     """
-    if resume is not None:
-        start, (solve, outputs, before) = None, resumed(file, resume, given)
-        checkpoint, end = resume, {name: given[name] for name in ENDS}
-    else:
-        newton = {name: given.pop(name) for name in ("engine", "write_input", *(e.name for e in SOLVER))}
-        job = make_job(file, given)
-        outputs = job.outputs
-        if newton["write_input"] is not None and newton["engine"] is not None:
-            click.echo(f"written to {write_lammps_input(job, newton)}")
-            return
-        if newton["engine"] is None:
-            refuse(newton, "without --engine")
-        start, solve = run_hard_spheres(job) if newton["engine"] is None else run_newton(job, newton)
-        checkpoint, end, before = job.run.get("checkpoint", ""), {}, []
-    frames = Frames(outputs, bool(checkpoint), before)
-    more = {**end, "out": outputs["out"], "save": outputs["save"], "plot": outputs["plot"], "dpi": dpi}
-    with what_is_kept(checkpoint, frames, more | {"json": as_json}):
-        result = frames.of(solve)
+    run = new_run(file, given) if resume is None else resumed(file, resume, given)
+    if run is None:
+        return
+    outputs, frames = run.outputs, Frames(run)
+    with what_is_kept(run, frames, {"dpi": dpi, "json": as_json}):
+        result = frames.of(run.solve)
     written, failures = write_files(
         (outputs["out"], frames.check),
         (outputs["animate"], partial(frames.film, result)),
@@ -164,11 +149,38 @@ def gas(file: str | None, resume: str | None, dpi: float | None, as_json: bool, 
     if as_json:
         print_json(as_mapping(result, written))
     else:
-        print_report(start, result, written)
+        print_report(run.start, result, written)
     raise_all(failures)
 
 
 # --- runs ---------------------------------------------------------------------------------------------------
+
+#: Call of a solver, whose keyword is ``observe``.
+Solve = Callable[..., Any]
+
+
+class GasRun(NamedTuple):
+    """A run that is ready to begin or to go on."""
+
+    start: hl.ParticleSystem | None  #: None if it goes on
+    solve: Solve
+    outputs: dict[str, Path | None]
+    checkpoint: Any
+    end: Mapping[str, Any] = {}  #: new end of a run that goes on
+    before: Sequence[float] = ()  #: times of its samples so far [s]
+
+
+def new_run(file: str | None, given: dict[str, Any]) -> GasRun | None:
+    """The run of a job file and options; None if only the input of LAMMPS is written."""
+    newton = {name: given.pop(name) for name in ("engine", "write_input", *(e.name for e in SOLVER))}
+    job = make_job(file, given)
+    if newton["write_input"] is not None and newton["engine"] is not None:
+        click.echo(f"written to {write_lammps_input(job, newton)}")
+        return None
+    if newton["engine"] is None:
+        refuse(newton, "without --engine")
+    start, solve = run_hard_spheres(job) if newton["engine"] is None else run_newton(job, newton)
+    return GasRun(start, solve, job.outputs, job.run.get("checkpoint"))
 
 
 def run_hard_spheres(job: GasJob) -> tuple[hl.ParticleSystem, Solve]:
@@ -187,17 +199,16 @@ def run_hard_spheres(job: GasJob) -> tuple[hl.ParticleSystem, Solve]:
     return start, partial(hl.event_driven, start, **arguments)
 
 
-def resumed(
-    file: str | None, checkpoint: str, given: dict[str, Any]
-) -> tuple[Solve, dict[str, Path | None], list[float]]:
-    """The call that continues a run from its checkpoint, to a new end if one is given, the files to write, and the
-    times of the samples so far."""
+def resumed(file: str | None, checkpoint: str, given: dict[str, Any]) -> GasRun:
+    """The rest of a run from its checkpoint, to a new end if one is given."""
     outputs = checked_outputs({entry.name: given[entry.name] for entry in OUTPUT})
     end = {name: given[name] for name in ENDS}
     rest = {name: value for name, value in given.items() if name not in (*outputs, *end)}
     refuse({"FILE": file, **rest}, "with --resume: the checkpoint holds it")
     before = check_resumed(checkpoint, end, outputs)
-    return partial(hl.resume, checkpoint, **end, progress=True), outputs, before
+    return GasRun(
+        None, partial(hl.resume, checkpoint, **end, progress=True), outputs, checkpoint, end, before
+    )
 
 
 def check_resumed(checkpoint: str, end: dict[str, Any], outputs: dict[str, Path | None]) -> list[float]:
@@ -226,13 +237,13 @@ class Frames:
     """The frames of a run, one at each sample: those of the trajectory, which are in its file at once, and those of the
     film, which is written at the end."""
 
-    def __init__(self, outputs: dict[str, Path | None], goes_on: bool, before: list[float]) -> None:
-        self._path, self._film = outputs["out"], outputs["animate"]
-        self._goes_on, self._before = goes_on, before
+    def __init__(self, run: GasRun) -> None:
+        self._path, self._film = run.outputs["out"], run.outputs["animate"]
+        self._goes_on, self._before = run.checkpoint is not None, run.before
         self._append: Callable[[Any], None] | None = None
         self._snapshots: list[Any] = []
         self._open = ExitStack()
-        self.begun = bool(before)  #: whether the trajectory has frames
+        self.begun = bool(run.before)  #: whether the trajectory has frames
         self.failure: OSError | None = None  #: why the trajectory ends early
 
     def of(self, solve: Solve) -> Any:
@@ -278,21 +289,22 @@ class Frames:
 
 
 @contextmanager
-def what_is_kept(checkpoint: str, frames: Frames, more: dict[str, Any]) -> Iterator[None]:
+def what_is_kept(run: GasRun, frames: Frames, more: dict[str, Any]) -> Iterator[None]:
     """An error or Ctrl-C during a run says what is kept and which command goes on, with the options ``more``."""
+    outputs = {name: path for name, path in run.outputs.items() if name != "animate"}
     try:
         yield
     except (KeyboardInterrupt, OSError, RuntimeError, MemoryError) as error:
-        if frames.begun and more["out"]:
-            error.add_note(f"kept {more['out']}")
-        if checkpoint and any("; kept " in note for note in notes(error)):
-            given = {"resume": checkpoint, **more}
+        if frames.begun and outputs["out"]:
+            error.add_note(f"kept {outputs['out']}")
+        if run.checkpoint is not None and any("; kept " in note for note in notes(error)):
+            given = {"resume": run.checkpoint, **run.end, **outputs, **more}
             typed = [(name, value) for name, value in given.items() if value]
             words = chain(
                 *((spelled(name), *([] if value is True else [str(value)])) for name, value in typed)
             )
             error.add_note(f"go on with: {shlex.join(['hardlimit', 'gas', *words])}")
-        elif notes(error):
+        elif run.checkpoint is None and notes(error):
             error.add_note("a run goes on only from a --checkpoint")
         raise
 

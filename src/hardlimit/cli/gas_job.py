@@ -94,7 +94,11 @@ RUN: Final = (
 )
 #: Entries of the table [output].
 OUTPUT: Final = (
-    Entry("out", "Trajectory (xyz; gsd with the extra hardlimit[files]).", metavar="FILE"),
+    Entry(
+        "out",
+        "Trajectory (xyz; gsd with the extra hardlimit[files]); with --resume, the same file goes on.",
+        metavar="FILE",
+    ),
     Entry("save", "Series, collisions or contacts, and final state as NetCDF.", metavar="FILE.nc"),
     Entry("plot", "Temperature, rate and pressure over time, with theory (png, pdf, …).", metavar="FILE"),
     Entry(

@@ -162,12 +162,15 @@ def naming(path: str | Path) -> Iterator[None]:
 @contextmanager
 def exclusive(path: Path) -> Iterator[None]:
     """Keep other processes from writing a file in place. Raises a ValueError if one does."""
+    if path.exists() and not path.is_file():
+        yield
+        return
     with open(path, "ab") as file:
         try:
             _lock(file.fileno())
         except BlockingIOError:
             raise ValueError(f"{path} is being written by another process") from None
-        except OSError:  # a pipe, or a file system without locks
+        except OSError:  # a file system without locks
             pass
         yield
 
