@@ -75,8 +75,8 @@ inline double nearly_elastic(const Fluid& gas, const LawShape& law) {
 // of it for q = 2.
 //
 // (3/4 − bx)/D + {(D − 1)(2/π)c + f[(1 − 2/π)s + Dφχ'/χ]}/(D 2^D φ χ). c is the effect of damping on the turn of
-// the normal, a fit to isolated contacts. b and f contain third particles that touch one of a pair in contact. b is 0.87
-// for the linear law; for Hertz' laws, q = 5/2, it is a fit: 0.35 ± 0.03 from 44 measured values of 16 gases.
+// the normal, a fit to isolated contacts. b and f contain third particles that touch one of a pair in contact. b is
+// 0.87 for the linear law; for Hertz' laws, q = 5/2, it is a fit: 0.35 ± 0.03 from 44 measured values of 16 gases.
 inline double inelastic(const Fluid& gas, double x, double q = 2.0) {
     const double m = LawShape{}.mean_compression, dimension = gas.dimension, cube = x * x * x;
     const double turn = 1.0 - 0.05 * x - 0.08 * cube;
