@@ -531,8 +531,8 @@ private:
             // Rounding must not make a cell shorter than a diameter.
             if (g.cells[k] > 1 && box.edge[k] / g.cells[k] < least) --g.cells[k];
             g.edge[k] = box.edge[k] / g.cells[k];
-            // In a low box a single column may be more than the largest tilt. It is then |τ| = ½ g.edge/Ly, and the cell
-            // long enough from edge/√(1 − (½ edge/Ly)²) on.
+            // In a low box a single column may be more than the largest tilt. With |τ| = ½ g.edge/Ly, cells are long
+            // enough from edge/√(1 − (½ edge/Ly)²) on.
             const auto short_of_tilt = [&] {
                 return k == 0 && g.cells[k] > 1 && g.edge[k] < stretched(edge, tilt_limit(box, g));
             };

@@ -68,7 +68,8 @@ inline bool meets_oscillating_wall(const Wall& wall, double now, double x, doubl
 }
 
 // First time after `now` at which the gap to an oscillating wall falls to zero; a lower bound on it if it is far away
-// or the time there does not resolve the phase, and any later time if it is beyond `horizon`. With the gap D(τ) = inward·(x + vτ + gτ²/2 − W(now + τ)) − reach,
+// or the time there does not resolve the phase, and any later time if it is beyond `horizon`. With the gap
+//   D(τ) = inward·(x + vτ + gτ²/2 − W(now + τ)) − reach,
 //   D(t + s) ≥ D + Ḋ s + m s²/2,   m = min D̈ on [t, t + s],
 // where m is the smaller of the two values at the ends, since the acceleration of the wall is monotonic in a quarter of
 // the period. The first zero of the right-hand side is never beyond that of D. Steps to it converge quadratically
