@@ -277,6 +277,10 @@ Parting parting(SharedColumn<Law> c, Model model, const SolveOptions& o, const S
         last = k.end;
         latest = static_cast<std::ptrdiff_t>(i);
     });
+    if (!all_met() && run->sequence.outcome == Outcome::unresolved) {  // what is missing is unknown
+        std::fill(found.velocity.begin(), found.velocity.end(), math::nan);
+        return found;
+    }
     if (latest >= 0) run->sample_after(static_cast<std::size_t>(latest), after);
     for (std::size_t j = 1; j < balls; ++j) {
         found.velocity[j] = after.velocity[j - 1] + c->gravity * (at + last);

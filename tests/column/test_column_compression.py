@@ -323,7 +323,7 @@ def test_the_command_names_a_sufficient_stiffness() -> None:
     assert "Contacts were compressed by up to 16 % of the smaller" in text_of("drop", "--stiffness", 1e5)
     assert "compressed by up to" not in text_of("drop")
     said = refused("stack", "--balls", 2, "--stiffness", 1)
-    assert "law: got LinearDashpot(stiffness=1.0, restitution=0.7), must be stiffer" in said
+    assert "--law: got linear --stiffness 1.0 --restitution 0.7, must be stiffer" in said
 
 
 def test_the_command_in_json() -> None:
