@@ -55,10 +55,11 @@ def test_shear_has_no_scale_but_its_rate(phi: float, e: float, radius: float, ra
 
 
 @pytest.mark.parametrize(
-    ("phi", "e", "tolerance"), [(0.2, 0.7, 0.06), slow(0.05, 0.9, 0.06), slow(0.4, 0.9, 0.06)]
+    ("phi", "e", "tolerance"), [(0.2, 0.7, 0.09), slow(0.05, 0.9, 0.06), slow(0.4, 0.9, 0.06)]
 )
 def test_hard_spheres_reach_the_temperature(phi: float, e: float, tolerance: float) -> None:
-    """Heated hard spheres, 300 of them over 100 collisions each: 6 %, of which sampling 2 %."""
+    """Heated hard spheres, 300 of them over 100 collisions each: sampling gives 2 %; at ε = 0.7 the theory, without
+    correlations of velocities, is 5.4 ± 0.5 % low (12 seeds)."""
     start = hl.ParticleSystem.random(300, phi, 1e-3, 2500.0, 0.5, seed=4)
     one = Gas(300, 1e-3, float(start.mass[0]), start.domain.volume, 3)
     power = 0.01

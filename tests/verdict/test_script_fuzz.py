@@ -44,6 +44,7 @@ HARMLESS = re.compile(
             # YADE: places and numbers of bodies, words of the command line, what only a run shows
             r"makeCloud\([^r]*«|geom\.facet\w+\(.*«|«?gap»?=|in range\(«|sys\.argv.*«",
             r"^«(O\.saveTmp|O\.periodic|plot\.)|etaRoll»?=|\(1e7, «4e7»\)|materialId=\w+, .*«(radius|0)",
+            r"radians\(«20»\), label='steel'",  # the smaller angle counts
         )
     )
 )

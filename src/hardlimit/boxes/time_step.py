@@ -53,7 +53,8 @@ def chosen(
         error = accepted_error(restitution_error)
         return _longest_at_walls(system, law, error, _longest(system, law, error, longest_step))
     step = validation.number("time_step", time_step, 0.0)
-    limit = _longest(system, law, LARGEST_ERROR, longest_step)
+    # Shear may end before it has heated the grains.
+    limit = _longest(system, law, LARGEST_ERROR, longest_step, shear_heats=False)
     if step > limit:
         raise ValueError(
             f"time_step: got {step:.6g} s, must be <= {validation.at_most(limit)} s, "
@@ -69,9 +70,11 @@ def accepted_error(value: Any) -> float:
     return validation.number("restitution_error", wanted, SMALLEST_ERROR, LARGEST_ERROR, **limits)
 
 
-def _longest(system: ParticleSystem, law: Law, error: float, longest_step: LongestStep) -> float:
+def _longest(
+    system: ParticleSystem, law: Law, error: float, longest_step: LongestStep, shear_heats: bool = True
+) -> float:
     """The longest step with this error in all expected contacts in which no particle can pass through another."""
-    top = max(largest_speed(system), 2.0 * heated_speed(system, law))
+    top = max(largest_speed(system), 2.0 * heated_speed(system, law, shear_heats))
     # Without motion and gravity only initial overlaps drive contacts; their speed does not matter here.
     tried = top if top > 0.0 else 1.0
     found = FARTHEST * float(system.radius.min()) / tried if top > 0.0 else math.inf
@@ -147,12 +150,13 @@ def largest_speed(system: ParticleSystem) -> float:
     return 2.0 * (fastest + system.domain.fastest_wall) + math.sqrt(2.0 * fall)
 
 
-def heated_speed(system: ParticleSystem, law: Law) -> float:
+def heated_speed(system: ParticleSystem, law: Law, shear_heats: bool = True) -> float:
     """The largest expected speed of a particle in the steady state of a thermostat or of shear [m/s]; 0 without."""
+    rate = system.shear_rate if shear_heats else 0.0
     heat, mean = system.thermostat, float(system.mass.mean())
     temperature = heat.temperature if isinstance(heat, Andersen) else 0.0
     power = 0.0 if heat is None or isinstance(heat, Andersen) else heat.power
-    if power or system.shear_rate:  # a gas of mean particles, whose ε depends on its temperature
+    if power or rate:  # a gas of mean particles, whose ε depends on its temperature
         size, volume, d = float(system.radius.mean()), float(np.prod(system.box)), system.dimension
         gas = Gas(system.n, size, mean, volume, d)
         for _ in range(10):
@@ -161,7 +165,7 @@ def heated_speed(system: ParticleSystem, law: Law) -> float:
                 float(one.restitution(np.array([speed]))[0]) for one in contacts.of_kinds(system, law)
             )
             e = min(found, LARGEST_RESTITUTION)
-            temperature = gas.heated_temperature(power, e) + _sheared_temperature(gas, system.shear_rate, e)
+            temperature = gas.heated_temperature(power, e) + _sheared_temperature(gas, rate, e)
     # The fastest of N particles with Maxwell's distribution.
     highest = system.dimension + 2.0 * math.log(system.n)
     return math.sqrt(temperature * mean / float(system.mass.min()) * highest)
