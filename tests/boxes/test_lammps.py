@@ -508,7 +508,7 @@ def test_a_folder_taken_elsewhere_comes_back(tmp_path):
 def test_lost_particles_are_said_in_the_words_of_lammps(monkeypatch):
     """With the check of the time step disabled, the step is too long and particles pass through the walls."""
     system = mixed(7, 3, "wall", 0.0)
-    monkeypatch.setattr(time_step, "_longest", lambda *rest: 1.0)
+    monkeypatch.setattr(time_step, "_longest", lambda *rest, **more: 1.0)
     with pytest.raises(
         RuntimeError, match=r"\Aengine: LAMMPS failed: Lost atoms: original 40 current \d+[^\n]*\Z"
     ):
