@@ -151,7 +151,7 @@ def test_the_raw_series_are_those_of_the_runs(make: object) -> None:
 def test_the_report_has_the_numbers_of_the_raw_series(make: object, replicas: int) -> None:
     source = make if make is shaken else make()
     rule = "tc" if make is shaken else "constant"  # others would end at a wall
-    until = 0.3 if make is shaken or replicas == 1 else 0.1
+    until = 0.1 if make is bathed else 0.3
     f = study(source, replicas, until=until, samples=180, models=("newton", rule))
     assert f.steady.reason == "", f.steady
     k = int(np.searchsorted(f.plan.times, f.steady.start))
