@@ -40,6 +40,7 @@ QUANTITIES: Final = {
     "t_floor_end": ("end of the floor contact", "s"),
 }
 
+MAX_LABEL: Final = 50  #: longest meaning [characters] that an axis shows; beyond it the name
 PREFIXED: Final = ("m", "s", "Pa")  #: units that take a prefix on an axis
 
 
@@ -55,9 +56,13 @@ def scaled(largest: float, unit: str) -> tuple[float, str]:
 def axis_label(name: str, attrs: dict[str, Any] | None = None, largest: float | None = None) -> str:
     """Label of a parameter or a variable with its unit: ``initial gap Δh [m]``.
 
-    With ``largest``, the unit is that of :func:`axis_scale`.
+    A long name that does not fit beside an axis is replaced by the name. With ``largest``, the unit is that of
+    :func:`axis_scale`.
     """
-    label = QUANTITIES.get(name, (str((attrs or {}).get("long_name", name)), ""))[0]
+    long_name = str((attrs or {}).get("long_name", name))
+    label = QUANTITIES.get(name, (long_name if len(long_name) <= MAX_LABEL else name.replace("_", " "), ""))[
+        0
+    ]
     unit = _unit(name, attrs)
     if largest is not None:
         unit = axis_scale(name, attrs, largest)[1]

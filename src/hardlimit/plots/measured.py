@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 
 PANEL_HEIGHT: Final = 1.5  #: [inch] of a variable of a Dataset
 LABELLED: Final = ("axis", "component", "wall")  #: dimensions with a line for each of their names
-MAX_LABEL: Final = 50  #: longest meaning [characters] that an axis shows; beyond it the name
 
 
 def measured(one: Any) -> Figure:
@@ -79,8 +78,6 @@ def _scale(one: xr.DataArray) -> tuple[float, str]:
     finite = np.abs(one.values[np.isfinite(one.values)])
     largest = float(finite.max()) if finite.size else 0.0
     name, attrs = str(one.name), dict(one.attrs)
-    if len(attrs.get("long_name", "")) > MAX_LABEL:
-        attrs["long_name"] = name.replace("_", " ")
     label = axis_label(name, attrs, largest).replace("m2/s²", "m²/s²")
     return axis_scale(name, attrs, largest)[0], label
 
