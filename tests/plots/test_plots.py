@@ -304,7 +304,9 @@ def test_maps() -> None:
 def test_a_map_of_one_ball_names_it(swept: dict[str, list[float]]) -> None:
     ds = hl.sweep(hl.Column.paper(), variables=["rebound_height"], restitution=[0.5, 0.7, 0.9], **swept)
     for ball in (1, 2):
-        assert plots.sweep_map(ds.sel(ball=ball), "rebound_height").axes[0].get_title() == f"ball {ball}"
+        figure = plots.sweep_map(ds.sel(ball=ball), "rebound_height")
+        assert figure.axes[0].get_title() == f"ball {ball}"
+        assert_legible(figure)
 
 
 def test_maps_are_legible() -> None:
