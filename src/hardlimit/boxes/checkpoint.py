@@ -5,6 +5,7 @@ A checkpoint is an uncompressed ZIP of NumPy arrays (``numpy.load`` opens it). I
 
 from __future__ import annotations
 
+import io
 import json
 import os
 from collections.abc import Mapping
@@ -41,8 +42,10 @@ def checked_path(path: Any, parameter: str = "checkpoint") -> Path:
 def write(path: Path, header: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> None:
     facts = {"format": FORMAT, "hardlimit_version": _core.version, "arrays": sorted(arrays), **header}
     content: dict[str, Any] = {HEADER: np.frombuffer(json.dumps(facts).encode(), np.uint8), **arrays}
+    archive = io.BytesIO()  # stays open, so that an archive that Ctrl-C interrupts can end itself
+    np.savez(archive, **content)
     with saving.whole(path) as unfinished, open(unfinished, "wb") as file:
-        np.savez(file, **content)
+        file.write(archive.getbuffer())
         file.flush()
         os.fsync(file.fileno())  # before the file replaces the previous checkpoint
 

@@ -140,16 +140,17 @@ def gas(file: str | None, resume: str | None, dpi: float | None, as_json: bool, 
     outputs, frames = run.outputs, Frames(run)
     with what_is_kept(run, frames, {"dpi": dpi, "json": as_json}):
         result = frames.of(run.solve)
-    written, failures = write_files(
-        (outputs["out"], frames.check),
-        (outputs["animate"], partial(frames.film, result)),
-        (outputs["save"], partial(save, result)),
-        (outputs["plot"], partial(draw, result, dpi)),
-    )
-    if as_json:
-        print_json(as_mapping(result, written))
-    else:
-        print_report(run.start, result, written)
+    with what_is_kept_at_the_end(run, frames):
+        written, failures = write_files(
+            (outputs["out"], frames.check),
+            (outputs["animate"], partial(frames.film, result)),
+            (outputs["save"], partial(save, result)),
+            (outputs["plot"], partial(draw, result, dpi)),
+        )
+        if as_json:
+            print_json(as_mapping(result, written))
+        else:
+            print_report(run.start, result, written)
     raise_all(failures)
 
 
@@ -306,6 +307,21 @@ def what_is_kept(run: GasRun, frames: Frames, more: dict[str, Any]) -> Iterator[
             error.add_note(f"go on with: {shlex.join(['hardlimit', 'gas', *words])}")
         elif run.checkpoint is None and notes(error):
             error.add_note("a run goes on only from a --checkpoint")
+        raise
+
+
+@contextmanager
+def what_is_kept_at_the_end(run: GasRun, frames: Frames) -> Iterator[None]:
+    """Ctrl-C while the results of a run that is over are written says what is kept."""
+    try:
+        yield
+    except KeyboardInterrupt as error:
+        error.add_note("after the end of the run")
+        if run.checkpoint is not None:
+            summary = shlex.join(["hardlimit", "gas", "--resume", str(run.checkpoint)])
+            error.add_note(f"kept {run.checkpoint}, whose summary is printed by: {summary}")
+        if frames.begun and run.outputs["out"]:
+            error.add_note(f"kept {run.outputs['out']}")
         raise
 
 
