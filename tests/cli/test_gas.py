@@ -399,7 +399,7 @@ def test_without_a_checkpoint_a_full_disk_costs_frames_only(
 def test_files_that_cannot_be_written_at_the_end(
     start: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The summary and the other files are there; each failure is told."""
+    """The summary is printed, the other files are written, and each failure has its message."""
 
     def fail(*_: object, **__: object) -> None:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))

@@ -617,7 +617,7 @@ def test_a_numerical_damping_is_left_out_only_where_an_restitution_remains():
 
 
 def test_no_corrected_line_contradicts_itself():
-    """One statement for several contacts: each contact is on one side, told apart by its sizes if needed."""
+    """Where contacts need different numbers in one statement, each stands once, named with its sizes if they differ."""
     physics = "ViscElMat_ViscElMat_ViscElPhys"
     text = COLUMN.replace("FrictMat(young=1e7, poisson=0.3", "ViscElMat(tc=1e-3, en=0.6, et=0.6").replace(
         "FrictMat(young=1e9, poisson=0.3", "ViscElMat(tc=1e-3, en=0.6, et=0.6"

@@ -121,8 +121,8 @@ def whole(path: str | Path) -> Iterator[Path]:
 def _temporary(target: Path) -> tuple[Path, int]:
     """A temporary file beside ``target``, and a descriptor that is open, and locked if possible, while it is written.
 
-    The one of a killed process has this name as well, and nobody locks it. A second process that writes ``target`` at
-    the same time takes a random name.
+    Its name follows from that of ``target``, so that the next process finds and reuses the file of a killed one, which
+    is not locked. If another process holds the lock, the name is random.
     """
     temporary = target.with_name(f".{target.stem[:40]}-unfinished{target.suffix[-16:]}")
     with suppress(OSError):
