@@ -219,6 +219,37 @@ def test_numerical_damping_is_part_of_the_restitution():
     assert found.duration == pytest.approx(sum(halves), rel=1e-6)
 
 
+SYSTEM = """units si
+atom_style sphere
+region box block 0 0.1 0 0.1 0 0.1
+create_box 1 box
+create_atoms 1 random 100 1 box
+set type 1 diameter 2e-3 density 2500
+pair_style granular
+pair_coeff * * hooke {} 0.9 damping coeff_restitution tangential linear_nohistory 0 0
+fix move all nve/sphere
+{}
+timestep 1e-7
+run 1000
+"""
+
+
+@pytest.mark.parametrize("first, second, answer", [(1e3, 1e8, False), (1e8, 1e3, False), (1e8, 1e8, True)])
+def test_systems_with_different_questions_have_one_answer(first, second, answer):
+    """A cooling gas, then a sheared one in other units: no if it is for one of them, yes if it is for both."""
+    sheared = SYSTEM.format(1e3 * second, "fix shear all deform 1 xy erate 100 remap v")
+    sheared = sheared.replace("units si", "units cgs").replace("2e-3 density 2500", "0.2 density 2.5")
+    texts = [SYSTEM.format(first, ""), sheared.replace("0.1", "10")]
+    options = {"speed": 0.5, "packing_fraction": 0.3}
+    alone = [hl.check(text, **options) for text in texts]
+    assert [one.quantity for one in alone] == ["cooling", "stress"]
+    assert [one.admissible for one in alone] == [first > 1e4, second > 1e4]
+    both = hl.check("clear\n".join(texts), **options)
+    assert both.admissible is answer
+    # Of two systems with the same answer, either sentence holds.
+    assert both.sentence in [one.sentence for one in alone if one.admissible is answer]
+
+
 def test_versions_of_a_code_differ():
     """LAMMPS' tsuji before and since 2 Sep 2026: a log's version decides, else the newest, and the other is named."""
     quote = Quote("", 1, "run 1")
