@@ -14,7 +14,7 @@ from ..contact.balls import Ball
 from ..convert.codes import code as code_of
 from ..support.formatting import digits, length, listed, percent, percent_with_error, quantity
 from ..verdict import check as checked
-from ..verdict.answer import NAMES, Question, given_by, judged
+from ..verdict.answer import Question, given_by, judged, stiffness
 from ..verdict.contacts import CheckedContact
 from ..verdict.error_law import MEASURED_TC_NU
 from ..verdict.expectation import ACCEPTED
@@ -484,7 +484,7 @@ def detail(row: CheckedContact, plain: bool, accepted: float) -> str:
         "friction": None if row.friction == 0.0 else number(row.friction) or "not known",
         "error 1 % at": None
         if spring is None
-        else f"{NAMES[spring[0]]} of {digits(spring[2], 3)} {row.stiffness_unit}".rstrip(),
+        else f"{stiffness(spring[0])} of {digits(spring[2], 3)} {row.stiffness_unit}".rstrip(),
         "cools faster by": ", ".join(f"{cools(*e)} (rule {rule})" for rule, e in row.error.items()) or None,
     }
     unit = "" if plain else " m/s"
