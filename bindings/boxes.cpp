@@ -194,9 +194,12 @@ nb::tuple rule_records() {
     };
     return nb::tuple(list_of(box::rule_records, [&](const box::RuleRecord& r) {
         const auto n = static_cast<std::size_t>(r.n_parameters);
+        const auto counts =
+            list_of(r.counts, static_cast<std::size_t>(r.n_counts), [](const char* c) { return c; });
         return dict_of("name", r.name, "meaning", r.meaning, "assumes", r.assumes, "source", r.source,
-                       "restitution", r.takes_restitution, "law", r.takes_law, "parameters",
-                       nb::tuple(list_of(r.parameters, n, parameter)));
+                       "restitution", r.takes_restitution, "law", r.takes_law, "knows_duration",
+                       r.knows_duration, "error", r.error, "counts", nb::tuple(counts), "share", r.share,
+                       "parameters", nb::tuple(list_of(r.parameters, n, parameter)));
     }));
 }
 
