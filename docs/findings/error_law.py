@@ -31,13 +31,12 @@ from matplotlib.figure import Figure
 
 import hardlimit as hl
 from hardlimit import plots
-from hardlimit.boxes import theory
+from hardlimit.boxes import error_law, theory
 from hardlimit.fidelity_study import statistics
 from hardlimit.fidelity_study.starts import equilibrated
 from hardlimit.plots.style import GREY, PAGE_WIDTH, PALETTE, style
 from hardlimit.support import saving
 from hardlimit.support.estimate import Estimate
-from hardlimit.verdict import error_law
 
 HERE = Path(__file__).parent
 DATA = HERE / "error_law.nc"

@@ -30,9 +30,9 @@ from matplotlib.figure import Figure
 import hardlimit as hl
 from hardlimit import plots
 from hardlimit.boxes import theory
+from hardlimit.boxes.error_law import viscosity_error
 from hardlimit.fidelity_study.starts import equilibrated
 from hardlimit.plots.style import PAGE_WIDTH, PALETTE, style
-from hardlimit.verdict.error_law import viscosity_error
 
 HERE = Path(__file__).parent
 DATA = HERE / "sheared_gas.nc"

@@ -5,7 +5,7 @@ import math
 import pytest
 
 import hardlimit as hl
-from hardlimit.scripts import read
+from hardlimit.checking.scripts import read
 
 LOOP = """O.engines = [
     ForceResetter(),

@@ -5,7 +5,7 @@ import math
 import pytest
 
 import hardlimit as hl
-from hardlimit.scripts import read
+from hardlimit.checking.scripts import read
 
 HEAD = "units si\natom_style granular\nregion box block 0 1 0 1 0 1 units box\ncreate_box 2 box\n"
 PROPERTIES = """

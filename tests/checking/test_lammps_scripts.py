@@ -5,7 +5,7 @@ import math
 
 import pytest
 
-from hardlimit.scripts import read
+from hardlimit.checking.scripts import read
 
 BOX = "region box block 0 1 0 1 0 1\ncreate_box 2 box\n"
 PAIR = "pair_style granular\npair_coeff * * hooke 1e5 0.5 damping coeff_restitution tangential linear_nohistory 0 0\n"

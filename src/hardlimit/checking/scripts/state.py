@@ -11,7 +11,7 @@ from functools import reduce
 from pathlib import Path
 from typing import Final, Self
 
-from ..support.formatting import listed
+from ...support.formatting import listed
 from . import conditions, motion, population
 from .commands import SILENT, UNRESOLVED, USE_LOG, Variables, text_of
 from .description import WALL, ContactSettings, Description, Direction, Motion, Note, Quote, Settings, Stage

@@ -6,11 +6,11 @@ import math
 from functools import cache
 from typing import Final, NamedTuple
 
+from ..boxes.error_law import DENSEST, ErrorLaw, error_law
 from ..contact.contact import Law
 from ..contact.laws import LAWS
 from ..convert.force import Powers
 from ..support import validation
-from .error_law import DENSEST, ErrorLaw, error_law
 
 #: Error of event-driven cooling up to which the answer is yes.
 ACCEPTED: Final = 0.01

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Final
 
-from ..support import validation
+from ...support import validation
 from .description import Quote, Setting, Settings
 
 #: Longest quotation.

@@ -12,12 +12,12 @@ import numpy as np
 from ..boxes.system import ParticleSystem
 from ..boxes.theory import FLUID, Gas
 from ..boxes.thermostats import Andersen, RandomKicks
-from ..scripts import ContactSettings, Stage
-from ..scripts.description import WALL, Motion
-from ..scripts.motion import acceleration
 from ..support import validation
 from ..support.formatting import digits, quantity
 from .contacts import Case, restitution_of
+from .scripts import ContactSettings, Stage
+from .scripts.description import WALL, Motion
+from .scripts.motion import acceleration
 
 #: Number of steps in which ε and the speed, on which it may depend, become consistent.
 STEPS: Final = 40

@@ -17,11 +17,11 @@ import hardlimit as hl
 from command_line import printed, refused, run
 from conftest import draws, log_floats
 from hardlimit.boxes import theory
+from hardlimit.boxes.error_law import error_law
+from hardlimit.checking import checking
+from hardlimit.checking.scripts import ContactSettings, Description, Grains, Note, Quote, Setting, Stage
 from hardlimit.cli.check import cells, corrections
-from hardlimit.scripts import ContactSettings, Description, Grains, Note, Quote, Setting, Stage
 from hardlimit.support.formatting import listed
-from hardlimit.verdict import checking
-from hardlimit.verdict.error_law import error_law
 
 BEAD = hl.Ball(1e-3, density=2500.0)
 NUMBERS = (

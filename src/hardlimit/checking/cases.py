@@ -21,9 +21,9 @@ from ..convert.codes import Code, Model, Pair, Written, code
 from ..convert.force import AdhesiveForce, ContactArea, Force
 from ..convert.formulas import DEFAULT_POISSON_RATIO, Numbers
 from ..convert.wanted import LAWS
-from ..scripts import ContactSettings, Description, Grains, Quote, Stage
 from ..support.formatting import digits, listed, quantity
 from .contacts import Body, Case, CheckedContact, KnownBody
+from .scripts import ContactSettings, Description, Grains, Quote, Stage
 
 WALL = "wall"
 #: In place of the name of a wall: the second grain is one of those of its type that do not move.

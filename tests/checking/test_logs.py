@@ -4,7 +4,7 @@ import dataclasses
 
 import pytest
 
-from hardlimit.scripts import read
+from hardlimit.checking.scripts import read
 
 SCRIPT = """# three stiffnesses
 variable k index 1e5 2e5

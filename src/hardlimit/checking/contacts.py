@@ -12,10 +12,10 @@ from typing import Any, Final, NamedTuple
 
 import scipy
 
+from ..boxes.error_law import MEASURED_TC_NU
 from ..boxes.theory import Gas
 from ..boxes.time_step import DEFAULT_ERROR
 from ..convert.force import AdhesiveForce, Collision, Force
-from .error_law import MEASURED_TC_NU
 from .expectation import ACCEPTED, RULES, Expected, expected
 
 #: Values tried for an unknown radius, mass and speed, far apart: a contact may be overdamped at two of them only.

@@ -15,8 +15,6 @@ from ..contact.balls import Ball
 from ..contact.contact import Law
 from ..convert.codes import code
 from ..convert.force import MAX_SPEED, MIN_SPEED
-from ..scripts import Description, Grains, Note, Quote, Stage
-from ..scripts import read as read_script
 from ..support import validation
 from ..support.formatting import digits, listed, percent
 from ..support.units import SYSTEMS
@@ -24,6 +22,8 @@ from . import answer, cases, corrections, drive, dumps
 from .contacts import Case, CheckedContact, Surroundings, examine
 from .expectation import checked_packing_fraction
 from .result import CheckedStage, Finding, Verdict
+from .scripts import Description, Grains, Note, Quote, Stage
+from .scripts import read as read_script
 
 #: Units of mass, length and time in SI; ``lj`` stays as it is.
 SCALES: Final = {**SYSTEMS, "lj": (1.0, 1.0, 1.0)}

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import ROUND_CEILING, Context
 
+from ..boxes.error_law import MEASURED_TC_NU
 from ..support.formatting import digits, listed, percent, percent_with_error
 from .contacts import CheckedContact
 from .drive import Drive
-from .error_law import MEASURED_TC_NU
 from .expectation import ACCEPTED
 from .result import Finding
 

@@ -13,10 +13,10 @@ from hypothesis import strategies as st
 import hardlimit as hl
 from conftest import draws, law_of, refusal
 from hardlimit import _core
+from hardlimit.boxes import error_law as module
 from hardlimit.boxes import theory
 from hardlimit.boxes.rules import RULES
 from hardlimit.fidelity_study.starts import equilibrated
-from hardlimit.verdict import error_law as module
 
 FINDINGS = Path(__file__).parents[2] / "docs/findings"
 VISCOELASTIC = hl.Viscoelastic(youngs_modulus=1e9, poisson_ratio=0.3, restitution=0.9, impact_speed=1.0)

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from conftest import draws
-from hardlimit.scripts import Description, read
+from hardlimit.checking.scripts import Description, read
 
 MODELS = ("hooke {k} {e}", "hertz {k} {e}", "hertz/material {k} {e} 0.3")
 DAMPING = ("velocity", "mass_velocity", "viscoelastic", "tsuji", "coeff_restitution")

@@ -14,13 +14,13 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 
 from .. import _core
-from ..boxes.contacts import mean_contact
-from ..boxes.rules import RULES
-from ..boxes.system import ParticleSystem
-from ..boxes.theory import FLUID
 from ..contact.balls import Ball
 from ..contact.contact import Law
 from ..support import validation
+from .contacts import mean_contact
+from .rules import RULES
+from .system import ParticleSystem
+from .theory import FLUID
 
 #: Largest packing fraction of disordered particles, by dimension.
 DENSEST: Final = {2: 0.84, 3: 0.64}

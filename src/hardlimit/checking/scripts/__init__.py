@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
-from ..support import validation
+from ...support import validation
 from .commands import Commands, given, text_of
 from .description import ContactSettings, Description, Grains, Note, Quote, Setting, Settings, Stage
 from .statements import quoted

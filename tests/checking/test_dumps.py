@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import hardlimit as hl
-from hardlimit.verdict import dumps
+from hardlimit.checking import dumps
 
 GAS = hl.ParticleSystem.random(400, packing_fraction=0.2, radius=1e-3, density=2500.0, rms_speed=0.3, seed=1)
 LAW = hl.LinearDashpot(stiffness=1e5, restitution=0.9)

@@ -9,11 +9,11 @@ from dataclasses import replace
 from typing import Final, NamedTuple
 
 from ..convert import texts
-from ..scripts import Setting
-from ..scripts.formulas import NUMBER
 from ..support.formatting import digits
 from .cases import FIXED, WALL, ModelForce
 from .contacts import Case, CheckedContact, Surroundings, examine
+from .scripts import Setting
+from .scripts.formulas import NUMBER
 
 #: Differences of ε from the one asked for, and errors of ε by the time step, that need no correction.
 TOLERATED: Final = 5e-3

@@ -12,8 +12,8 @@ import test_two_grains_in_lammps as in_lammps
 
 import hardlimit as hl
 from conftest import slow
-from hardlimit.scripts import Description, read
-from hardlimit.scripts.statements import logical_lines
+from hardlimit.checking.scripts import Description, read
+from hardlimit.checking.scripts.statements import logical_lines
 
 DATA = Path(__file__).parent / "data"
 NUMBER = re.compile(r"(?<![\w.])(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?(?![\w.])")
