@@ -18,7 +18,7 @@ from hardlimit.boxes import theory
 from hardlimit.boxes.rules import RULES
 from hardlimit.fidelity_study.starts import equilibrated
 
-FINDINGS = Path(__file__).parents[2] / "docs/findings"
+STUDIES = Path(__file__).parents[2] / "studies"
 VISCOELASTIC = hl.Viscoelastic(youngs_modulus=1e9, poisson_ratio=0.3, restitution=0.9, impact_speed=1.0)
 TSUJI = hl.LAWS["tsuji"](elastic_prefactor=1e7, restitution=0.9)
 
@@ -56,7 +56,7 @@ def test_inelastic_spheres(phi, epsilon):
 
 
 #: (dimension, law, φ): ε, a of Hertz' laws (and of the linear law, where it was low) and its standard error, measured
-#: at an initial t_c ν of 0.3 (0.1 at φ = 0.1) as in docs/findings/error_law.py with 8000 particles.
+#: at an initial t_c ν of 0.3 (0.1 at φ = 0.1) as in studies/error_law.py with 8000 particles.
 HERTZ = {
     (3, "tsuji", 0.1): [(0.95, 1.036, 0.064), (0.8, 0.969, 0.084), (0.6, 1.066, 0.085)],
     (3, "tsuji", 0.2): [(0.95, 0.672, 0.024), (0.8, 0.612, 0.047), (0.6, 0.589, 0.028)],
@@ -272,9 +272,9 @@ def mean(values):
 
 
 def test_the_heated_gas_agrees_with_its_measurement():
-    """docs/findings/heated_gas.nc: 22 points of constant ε within 3 standard errors of measurement and law, and 11 of
+    """studies/heated_gas.nc: 22 points of constant ε within 3 standard errors of measurement and law, and 11 of
     tc at ε = 0.9 within 4. (tc at ε = 0.7 is hotter in dense gases, as docs/heated_gas.md says.)"""
-    with xr.open_dataset(FINDINGS / "heated_gas.nc") as file:
+    with xr.open_dataset(STUDIES / "heated_gas.nc") as file:
         ds = file.load()
 
     compared = 0
@@ -377,9 +377,9 @@ def test_shear_is_known_for_linear_spheres_with_constant_restitution():
 
 
 def test_the_sheared_gas_agrees_with_its_measurement():
-    """docs/findings/sheared_gas.nc: viscosity at equal temperature, and the stress at equal shear rate, within 3
+    """studies/sheared_gas.nc: viscosity at equal temperature, and the stress at equal shear rate, within 3
     standard errors of the measurement plus 0.1 t_c ν for what first order and ε → 1 leave out."""
-    with xr.open_dataset(FINDINGS / "sheared_gas.nc") as file:
+    with xr.open_dataset(STUDIES / "sheared_gas.nc") as file:
         ds = file.load()
 
     compared = 0

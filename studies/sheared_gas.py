@@ -1,11 +1,5 @@
-"""Measurement of the steady state of a sheared gas: hard spheres beside Newton's equations at equal shear rate.
-
-    python docs/findings/sheared_gas.py measure STORE [--replicas 6]
-    python docs/findings/sheared_gas.py collect STORE
-    python docs/findings/sheared_gas.py draw
-
-``measure`` appends one line for each run to the file STORE and skips runs that are in it. ``collect`` gathers them in
-sheared_gas.nc beside this file. ``draw`` makes the figure and the tables of docs/sheared_gas.md from that file.
+"""Measurement of the steady state of a sheared gas: hard spheres beside Newton's equations at equal shear rate
+(see driver.py).
 
 A run starts from an elastic equilibrium at the temperature that kinetic theory predicts, with the mean flow of the
 shear. It is sheared for 60 collisions per particle and then measured for 1000. In this time the work of the shear
@@ -16,27 +10,22 @@ shear rate.
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import driven_gas
+import driver
 import numpy as np
 import xarray as xr
-from driven_gas import BERZI_JENKINS, DENSITY, RADIUS, RESTITUTION, TEMPERATURE, Point, linear_law, real_tc_nu
+from driven_gas import BERZI_JENKINS, DENSITY, RADIUS, RESTITUTION, TEMPERATURE, real_tc_nu
+from driver import Point
 from matplotlib.figure import Figure
 
 import hardlimit as hl
-from hardlimit import plots
 from hardlimit.boxes import theory
 from hardlimit.boxes.error_law import viscosity_error
 from hardlimit.fidelity_study.starts import equilibrated
 from hardlimit.plots.style import PAGE_WIDTH, PALETTE, style
-
-HERE = Path(__file__).parent
-DATA = HERE / "sheared_gas.nc"
-IMAGES = HERE.parent / "images"
 
 N = 500
 #: t_c ν by Enskog's theory at this temperature. Softer particles would be compressed too much.
@@ -60,11 +49,11 @@ VALUES = {
 SIDES = ("periodic", "lees-edwards", "periodic")
 
 
-def points() -> Iterator[Point]:
+def points(_: int) -> Iterator[Point]:
     """Hard spheres with a constant ε do not depend on t_c ν."""
     for phi, values in TC_NU.items():
         for epsilon in RESTITUTION:
-            yield phi, epsilon, "constant", 0.0
+            yield phi, epsilon, "constant", None
             for tc_nu in values:
                 yield phi, epsilon, "newton", tc_nu
 
@@ -81,23 +70,21 @@ def run(point: Point, replica: int) -> dict[str, float]:
     start = equilibrated(start.replace(shear_rate=rate), 1000 + replica, collisions=100)
     total = SHEARED + MEASURED
     options: dict[str, Any] = {"until": total / enskog, "samples": 4 * total}
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", hl.CompressionWarning)
-        if model == "newton":
-            law = linear_law(epsilon, start, tc_nu / enskog)
-            done: Any = hl.molecular_dynamics(start, law=law, engine="events", **options)
-        else:
-            done = hl.event_driven(start, restitution=epsilon, **options)
-    if done.outcome != "ok":
+    if model == "newton":
+        law = driven_gas.law(epsilon, start, tc_nu / enskog)
+        result: Any = hl.molecular_dynamics(start, law=law, engine="events", **options)
+    else:
+        result = hl.event_driven(start, restitution=epsilon, **options)
+    if result.outcome != "ok":
         return {}
-    series = done.series.isel(time=slice(4 * SHEARED, None))
+    series = result.series.isel(time=slice(4 * SHEARED, None))
     t = series.granular_temperature.values
     duration = float(series.time[-1] - series.time[0])
     lost, work = (
         float(series[name][-1] - series[name][0]) / duration for name in ("dissipated_energy", "shear_work")
     )
     tensor = series.pressure_tensor[1:].mean("time")
-    xx, yy, zz, xy = (float(tensor.sel(component=one)) for one in ("xx", "yy", "zz", "xy"))
+    xx, yy, zz, xy = (float(tensor.sel(component=name)) for name in ("xx", "yy", "zz", "xy"))
     pressure = float(series.pressure[1:].mean())
     by_theory = 0.5 * (1.0 - epsilon**2) * enskog * float(start.mass.sum()) * TEMPERATURE
     roots = float(np.mean(np.sqrt(t / TEMPERATURE)))
@@ -111,8 +98,8 @@ def run(point: Point, replica: int) -> dict[str, float]:
         "second_normal": (yy - zz) / pressure,
         "pressure": pressure / (gas.n * gas.mass / gas.volume * float(t.mean())),
         "collision_rate": float(series.collision_rate[1:].mean()) / (enskog * roots),
-        "profile": profile(done.system),
-        "largest_compression": float(getattr(done, "largest_compression", 0.0) or 0.0),
+        "profile": profile(result.system),
+        "largest_compression": float(getattr(result, "largest_compression", 0.0) or 0.0),
     }
 
 
@@ -127,24 +114,12 @@ def profile(system: hl.ParticleSystem) -> float:
     return float(np.sum(count * mean**2)) / ((LAYERS - 1) * float(flow.var()))
 
 
-# --- store ----------------------------------------------------------------------------------------------------
-
-
-def measure(store: Path, replicas: int) -> None:
-    driven_gas.measure(store, [(point, k) for k in range(replicas) for point in points()], run)
-
-
-def collect(store: Path) -> None:
-    title = "Steady states of a sheared gas of hard spheres and of soft ones"
-    driven_gas.collect(store, DATA, VALUES, TC_NU, ("newton", "constant"), title=title, n=N)
-
-
 # --- results --------------------------------------------------------------------------------------------------
 
 
 def ratio(ds: xr.Dataset, name: str) -> tuple[float, float]:
     """Hard spheres over Newton's equations, less 1, with its standard error over replicas."""
-    return driven_gas.ratio(ds[name].sel(model="constant"), ds[name].sel(model="newton"))
+    return driver.ratio(ds[name].sel(model="constant"), ds[name].sel(model="newton"))
 
 
 def stress_error(ds: xr.Dataset) -> tuple[float, float]:
@@ -153,56 +128,41 @@ def stress_error(ds: xr.Dataset) -> tuple[float, float]:
     return ratio(ds.assign(stress=stress), "stress")
 
 
-def draw() -> None:
-    with xr.open_dataset(DATA) as file:
-        ds = file.load()
-    _figure(ds)
-    print(
-        "| φ | ε | t_c ν | temperature | stress | Berzi & Jenkins | viscosity at equal T | dissipation at equal T |"
-    )
-    print("|---|---|---|---|---|---|---|---|")
-    for phi, epsilon, tc_nu, here in _measured(ds):
+def tables(ds: xr.Dataset) -> str:
+    errors, normal = [], []
+    for phi, epsilon, tc_nu, here in driven_gas.cases(TC_NU, ds):
         x = real_tc_nu(here, tc_nu)
         law = hl.error_law(packing_fraction=phi, restitution=epsilon)
         predicted = law.sheared_errors(x)
-        dissipation = (1.0 + law.heated_error(x)) ** -1.5 - 1.0
         cells = [
             _cell(*ratio(here, "temperature"), predicted.temperature),
             _cell(*stress_error(here), predicted.stress),
             f"{100.0 * BERZI_JENKINS * x:.1f}",
             _cell(*ratio(here, "viscosity"), x * viscosity_error(phi)),
-            _cell(*ratio(here, "dissipation"), dissipation),
+            _cell(*ratio(here, "dissipation"), (1.0 + law.heated_error(x)) ** -1.5 - 1.0),
         ]
-        print(f"| {phi} | {epsilon} | {tc_nu} | {' | '.join(cells)} |")
-    print(
-        "\n| φ | ε | t_c ν | (P_xx − P_yy)/p: hard, Newton | (P_yy − P_zz)/p: hard, Newton |\n|---|---|---|---|---|"
-    )
-    for phi, epsilon, tc_nu, here in _measured(ds):
+        errors.append((phi, epsilon, tc_nu, *cells))
         if tc_nu == TC_NU[phi][-1]:
             cells = [
                 ", ".join(_value(here[name].sel(model=model)) for model in ("constant", "newton"))
                 for name in ("first_normal", "second_normal")
             ]
-            print(f"| {phi} | {epsilon} | {tc_nu} | {' | '.join(cells)} |")
-
-
-def _measured(ds: xr.Dataset) -> Iterator[tuple[float, float, float, xr.Dataset]]:
-    for phi, values in TC_NU.items():
-        for epsilon in RESTITUTION:
-            for tc_nu in values:
-                yield phi, epsilon, tc_nu, ds.sel(packing_fraction=phi, restitution=epsilon, tc_nu=tc_nu)
+            normal.append((phi, epsilon, tc_nu, *cells))
+    head = "temperature | stress | Berzi & Jenkins | viscosity at equal T | dissipation at equal T"
+    steady = driver.table(f"φ | ε | t_c ν | {head}", errors)
+    head = "(P_xx − P_yy)/p: hard, Newton | (P_yy − P_zz)/p: hard, Newton"
+    return f"{steady}\n\n{driver.table(f'φ | ε | t_c ν | {head}', normal)}"
 
 
 def _value(values: xr.DataArray) -> str:
-    value, error = driven_gas.mean(values)
-    return f"{value:.3f}±{error:.3f}".replace("-", "−")
+    return "{:.3f}±{:.3f}".format(*driver.mean(values))
 
 
 def _cell(value: float, error: float, law: float) -> str:
     return driven_gas.percent(value, error, law, 1)
 
 
-def _figure(ds: xr.Dataset) -> None:
+def draw(ds: xr.Dataset) -> dict[str, Figure]:
     colors = {0.9: PALETTE["blue"], 0.7: PALETTE["vermillion"]}
     with style():
         figure = Figure(figsize=(PAGE_WIDTH, 5.2), layout="constrained")
@@ -212,8 +172,8 @@ def _figure(ds: xr.Dataset) -> None:
             x = np.linspace(0.0, 1.15 * values[-1], 60)
             for epsilon, color in colors.items():
                 law = hl.error_law(packing_fraction=phi, restitution=epsilon)
-                top.plot(x, [100.0 * law.sheared_errors(one).temperature for one in x], color=color)
-                below.plot(x, [100.0 * law.sheared_errors(one).stress for one in x], color=color)
+                top.plot(x, [100.0 * law.sheared_errors(at).temperature for at in x], color=color)
+                below.plot(x, [100.0 * law.sheared_errors(at).stress for at in x], color=color)
                 for tc_nu in values:
                     here = ds.sel(packing_fraction=phi, restitution=epsilon, tc_nu=tc_nu)
                     at = real_tc_nu(here, tc_nu)
@@ -231,8 +191,25 @@ def _figure(ds: xr.Dataset) -> None:
         axes[0, 0].set(ylabel="error of the temperature [%]")
         axes[1, 0].set(ylabel="error of the shear stress [%]")
         axes[1, 1].legend(loc="upper left", fontsize="small")
-        plots.save(figure, IMAGES / "sheared_gas.png")
+    return {"sheared_gas.png": figure}
 
+
+STUDY = driver.Study(
+    file=__file__,
+    points=points,
+    run=run,
+    replicas=6,
+    values=driven_gas.meanings(VALUES),
+    axes=lambda: driven_gas.axes(TC_NU, ("newton", "constant")),
+    about={
+        "title": "Steady states of a sheared gas of hard spheres and of soft ones",
+        "n": N,
+        **driven_gas.ABOUT,
+    },
+    draw=draw,
+    tables=tables,
+    dpi=200,
+)
 
 if __name__ == "__main__":
-    driven_gas.command_line(__doc__, "sheared_gas.jsonl", 6, measure, collect, draw)
+    driver.main(STUDY, __doc__)

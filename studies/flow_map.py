@@ -1,14 +1,9 @@
-"""Flow map of sheared grains: where hard spheres hold, where contacts overlap in time, where the flow stops.
-
-    python docs/findings/flow_map.py measure STORE [--replicas 2]
-    python docs/findings/flow_map.py collect STORE
-    python docs/findings/flow_map.py draw
+"""Flow map of sheared grains: where hard spheres hold, where contacts overlap in time, where the flow
+stops (see driver.py).
 
 The axes are those of Campbell, J. Fluid Mech. 465, 261 (2002): stiffness k/(ρ d³ γ̇²) over packing fraction. ρ is the
 density of the solid and d the mean diameter. Grains are smooth spheres of ± 15 % in radius, so that they do not
-crystallize, with linear springs; Campbell's had friction. ``measure`` appends one line for each run to the file STORE
-and skips runs that are in it. ``collect`` gathers them in flow_map.nc beside this file; ``draw`` makes the figure and
-the table of docs/sheared_gas.md from it.
+crystallize, with linear springs; Campbell's had friction.
 
 Hard spheres are sheared from a random start. Newton's runs start from their last state.
 """
@@ -16,25 +11,19 @@ Hard spheres are sheared from a random start. Newton's runs start from their las
 from __future__ import annotations
 
 import math
-import warnings
-from pathlib import Path
+from collections.abc import Iterator
+from functools import lru_cache
 from typing import Any, Final
 
+import driver
 import numpy as np
 import xarray as xr
-from driven_gas import append, command_line, lines_of
 from matplotlib.figure import Figure
 
 import hardlimit as hl
-from hardlimit import plots
 from hardlimit.boxes.theory import Gas
 from hardlimit.fidelity_study.starts import equilibrated
 from hardlimit.plots.style import PAGE_WIDTH, style
-from hardlimit.support import saving
-
-HERE = Path(__file__).parent
-DATA = HERE / "flow_map.nc"
-IMAGES = HERE.parent / "images"
 
 N = 300
 RADII, DENSITY = (0.85e-3, 1.15e-3), 2500.0  #: [m], [kg/m³]
@@ -61,6 +50,20 @@ VALUES = {
 }
 
 
+def points(_: int) -> Iterator[driver.Point]:
+    """An infinite stiffness is that of hard spheres."""
+    for phi in PACKING:
+        for stiffness in (math.inf, *reversed(STIFFNESS)):
+            yield phi, stiffness
+
+
+def run(point: driver.Point, replica: int) -> dict[str, float]:
+    phi, stiffness = point
+    values, start = hard(phi, replica)
+    return values if math.isinf(stiffness) else soft(start, phi, stiffness)
+
+
+@lru_cache(maxsize=1)
 def hard(phi: float, replica: int) -> tuple[dict[str, float], hl.ParticleSystem]:
     """Values of hard spheres, and their last state; above the densest random start none, and that start compressed."""
     sides = ("periodic", "lees-edwards", "periodic")
@@ -69,10 +72,10 @@ def hard(phi: float, replica: int) -> tuple[dict[str, float], hl.ParticleSystem]
     start = equilibrated(start.replace(shear_rate=RATE), 100 + replica, collisions=1 if phi > LOOSE else 20)
     if phi > LOOSE:
         return {}, compressed(start, (loose / phi) ** (1.0 / 3.0))
-    run = hl.event_driven(start, restitution=RESTITUTION, **window(phi))
-    if run.outcome != "ok":
+    result = hl.event_driven(start, restitution=RESTITUTION, **window(phi))
+    if result.outcome != "ok":
         return {}, start
-    return averages(run.series), run.system
+    return averages(result.series), result.system
 
 
 def window(phi: float) -> dict[str, Any]:
@@ -101,23 +104,21 @@ def soft(start: hl.ParticleSystem, phi: float, stiffness: float) -> dict[str, fl
     k = stiffness * DENSITY * DIAMETER**3 * RATE**2
     law = hl.LinearDashpot(stiffness=k, restitution=RESTITUTION)
     engine = "steps" if phi > CROWDED else "auto"
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", hl.CompressionWarning)
-        run = hl.molecular_dynamics(start, law=law, engine=engine, log=True, **window(phi))
-    if run.outcome != "ok":
+    result = hl.molecular_dynamics(start, law=law, engine=engine, log=True, **window(phi))
+    if result.outcome != "ok":
         return {}
-    contacts = run.contacts
+    contacts = result.contacts
     mass = start.mass[contacts.first.values], start.mass[contacts.second.values]
     reduced = mass[0] * mass[1] / (mass[0] + mass[1])
     ball = hl.Ball(1e-3, mass=2.0)  # two of them have a reduced mass of 1 kg
     alone = float(law.between(ball, ball).duration(1.0)) * np.sqrt(reduced)
     ratio = (contacts.end.values - contacts.begin.values) / alone
     late = (contacts.begin.values > SHEARED / RATE) & np.isfinite(ratio)
-    found = averages(run.series)
-    return found | {
+    means = averages(result.series)
+    return means | {
         "overlapped": float(contacts.overlapped.values[late].mean()),
         "duration": float(ratio[late].mean()),
-        "tc_nu": found["collision_rate"] * RATE * float(alone[late].mean()),
+        "tc_nu": means["collision_rate"] * RATE * float(alone[late].mean()),
     }
 
 
@@ -133,95 +134,57 @@ def averages(series: xr.Dataset) -> dict[str, float]:
     }
 
 
-# --- store ----------------------------------------------------------------------------------------------------
-
-
-def measure(store: Path, replicas: int) -> None:
-    known = {(one["phi"], one["stiffness"], one["replica"]) for one in lines_of(store)}
-    for replica in range(replicas):
-        for phi in PACKING:
-            wanted = [k for k in (math.inf, *STIFFNESS) if (phi, k, replica) not in known]
-            if not wanted:
-                continue
-            values, start = hard(phi, replica)
-            for k in sorted(wanted, reverse=True):
-                line = {"phi": phi, "stiffness": k, "replica": replica}
-                line["values"] = values if math.isinf(k) else soft(start, phi, k)
-                append(store, line)
-
-
-def collect(store: Path) -> None:
-    """All replicas as NetCDF; an infinite stiffness is that of hard spheres. NaN where a run ended early."""
-    lines, levels = lines_of(store), [*STIFFNESS, math.inf]
-    data = {
-        name: np.full((len(PACKING), len(levels), 1 + max(one["replica"] for one in lines)), math.nan)
-        for name in VALUES
-    }
-    for line in lines:
-        where = PACKING.index(line["phi"]), levels.index(line["stiffness"]), line["replica"]
-        for name, value in line["values"].items():
-            data[name][where] = value
-    dims = ("packing_fraction", "stiffness", "replica")
-    found = xr.Dataset(
-        {name: (dims, data[name], {"units": "1", "long_name": VALUES[name]}) for name in VALUES},
-        {"packing_fraction": list(PACKING), "stiffness": ("stiffness", levels, {"long_name": "k/(ρ d³ γ̇²)"})},
-        {
-            "title": "Flow map of sheared smooth spheres",
-            "source": f"hardlimit {hl.__version__}, docs/findings/flow_map.py",
-            "n": N,
-            "restitution": RESTITUTION,
-        },
-    )
-    saving.groups({"/": found}, DATA)
-
-
 # --- results --------------------------------------------------------------------------------------------------
 
 
-def draw() -> None:
-    with xr.open_dataset(DATA) as file:
-        ds = file.load().mean("replica")
-    _figure(ds)
-    print("| φ | k/(ρd³γ̇²) | t_c ν | overlapping | duration | stress: Newton | error of hard spheres |")
-    print("|---|---|---|---|---|---|---|")
+def tables(ds: xr.Dataset) -> str:
+    rows, means = [], ds.mean("replica")
+    for phi, k, here in cases(means):
+        error = stress_error(means, phi, k)
+        rows.append(
+            (
+                f"{phi:g}",
+                f"10^{round(math.log10(k))}",
+                f"{float(here.tc_nu):.2g}",
+                f"{100.0 * float(here.overlapped):.0f} %",
+                f"{float(here.duration):.2f}",
+                f"{float(here.stress):.3g}",
+                "no flow" if math.isnan(error) else f"{100.0 * error:+.0f} %",
+            )
+        )
+    head = "φ | k/(ρd³γ̇²) | t_c ν | overlapping | duration | stress: Newton | error of hard spheres"
+    return driver.table(head, rows)
+
+
+def cases(means: xr.Dataset) -> Iterator[tuple[float, float, xr.Dataset]]:
+    """φ, stiffness and the values there, where Newton's run did not end early."""
     for phi in PACKING:
         for k in STIFFNESS:
-            here = ds.sel(packing_fraction=phi, stiffness=k)
-            if math.isnan(float(here.overlapped)):
-                continue
-            error = stress_error(ds, phi, k)
-            shown = "no flow" if math.isnan(error) else f"{100.0 * error:+.0f} %".replace("-", "−")
-            print(
-                f"| {phi:g} | 10^{round(math.log10(k))} | {float(here.tc_nu):.2g} | "
-                f"{100.0 * float(here.overlapped):.0f} % | "
-                f"{float(here.duration):.2f} | {float(here.stress):.3g} | {shown} |"
-            )
+            here = means.sel(packing_fraction=phi, stiffness=k)
+            if not math.isnan(float(here.overlapped)):
+                yield phi, k, here
 
 
 def stress_error(ds: xr.Dataset, phi: float, k: float) -> float:
     """Error of the shear stress of hard spheres; NaN where they do not flow."""
-    hard, soft = (float(ds.stress.sel(packing_fraction=phi, stiffness=one)) for one in (math.inf, k))
-    return hard / soft - 1.0
+    stress = ds.stress.sel(packing_fraction=phi)
+    return float(stress.sel(stiffness=math.inf) / stress.sel(stiffness=k)) - 1.0
 
 
-def _figure(ds: xr.Dataset) -> None:
-    fraction = np.linspace(0.15, 0.49, 50)
+def draw(ds: xr.Dataset) -> dict[str, Figure]:
+    fraction, means = np.linspace(0.15, 0.49, 50), ds.mean("replica")
     with style():
         figure = Figure(figsize=(PAGE_WIDTH, 3.9), layout="constrained")
         ax = figure.subplots()
-        for phi in PACKING:
-            for k in STIFFNESS:
-                here, error = ds.sel(packing_fraction=phi, stiffness=k), stress_error(ds, phi, k)
-                if math.isnan(float(here.overlapped)):
-                    continue
-                good = abs(error) <= TOLERANCE
-                marker = "X" if math.isnan(error) else "o" if good else "s"
-                shade = ax.scatter(
-                    phi, k, c=float(here.overlapped), vmin=0.0, vmax=1.0, cmap="viridis", marker=marker, s=90,
-                    edgecolors="k", linewidths=0.6,
-                )  # fmt: skip
-                text = "" if math.isnan(error) else f"{100.0 * error:+.0f} %".replace("-", "−")
-                ax.annotate(text, (phi, k), (8, 5), textcoords="offset points", fontsize=7)
+        for phi, k, here in cases(means):
+            error = stress_error(means, phi, k)
+            marker = "X" if math.isnan(error) else "o" if abs(error) <= TOLERANCE else "s"
+            shade = ax.scatter(
+                phi, k, c=float(here.overlapped), vmin=0.0, vmax=1.0, cmap="viridis", marker=marker, s=90,
+                edgecolors="k", linewidths=0.6,
+            )  # fmt: skip
+            text = "" if math.isnan(error) else f"{100.0 * error:+.0f} %".replace("-", "−")
+            ax.annotate(text, (phi, k), (8, 5), textcoords="offset points", fontsize=7)
         for tc_nu in (0.01, 0.1):
             ax.plot(fraction, [stiffness_of(phi, tc_nu) for phi in fraction], "k:", lw=1.0)
             ax.annotate(rf"$t_c\nu$ = {tc_nu:g}", (0.16, 1.5 * stiffness_of(0.16, tc_nu)), fontsize=7)
@@ -235,7 +198,7 @@ def _figure(ds: xr.Dataset) -> None:
             ylim=(5e2, 3e6),
         )
         figure.colorbar(shade, ax=ax, label="share of contacts that overlap another one")
-        plots.save(figure, IMAGES / "flow_map.png")
+    return {"flow_map.png": figure}
 
 
 def stiffness_of(phi: float, tc_nu: float) -> float:
@@ -247,5 +210,18 @@ def stiffness_of(phi: float, tc_nu: float) -> float:
     return float(unit * nu / tc_nu) ** 2
 
 
+STUDY = driver.Study(
+    file=__file__,
+    points=points,
+    run=run,
+    replicas=2,
+    values={name: ("1", text) for name, text in VALUES.items()},
+    axes=lambda: {"packing_fraction": PACKING, "stiffness": (*STIFFNESS, math.inf)},
+    about={"title": "Flow map of sheared smooth spheres", "n": N, "restitution": RESTITUTION},
+    draw=draw,
+    tables=tables,
+    dpi=200,
+)
+
 if __name__ == "__main__":
-    command_line(__doc__, "flow_map.jsonl", 2, measure, collect, draw)
+    driver.main(STUDY, __doc__)

@@ -1,11 +1,5 @@
-"""Measurement of the steady state of a heated gas: hard spheres beside Newton's equations at equal power.
-
-    python docs/findings/heated_gas.py measure STORE [--replicas 6]
-    python docs/findings/heated_gas.py collect STORE
-    python docs/findings/heated_gas.py draw
-
-``measure`` appends one line for each run to the file STORE and skips runs that are in it. ``collect`` gathers them in
-heated_gas.nc beside this file. ``draw`` makes the figure and the tables of docs/heated_gas.md from that file.
+"""Measurement of the steady state of a heated gas: hard spheres beside Newton's equations at equal power
+(see driver.py).
 
 A run starts from an elastic equilibrium at the temperature that kinetic theory predicts, is heated by random kicks for
 25 collisions per particle, and is then measured for 120. Temperature and power fluctuate together. Measured are
@@ -16,37 +10,22 @@ little. At equal power, the ratio of temperatures is that of the dissipations ov
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import driven_gas
+import driver
 import numpy as np
 import xarray as xr
-from driven_gas import (
-    BERZI_JENKINS,
-    DENSITY,
-    RADIUS,
-    RESTITUTION,
-    TEMPERATURE,
-    Point,
-    linear_law,
-    ratio,
-    real_tc_nu,
-)
+from driven_gas import BERZI_JENKINS, DENSITY, RADIUS, RESTITUTION, TEMPERATURE, real_tc_nu
+from driver import Point, ratio
 from matplotlib.figure import Figure
 
 import hardlimit as hl
-from hardlimit import plots
 from hardlimit.boxes import theory
 from hardlimit.boxes.error_law import fluid
 from hardlimit.fidelity_study.starts import equilibrated
 from hardlimit.plots.style import PAGE_WIDTH, PALETTE, style
-
-HERE = Path(__file__).parent
-DATA = HERE / "heated_gas.nc"
-IMAGES = HERE.parent / "images"
 
 N = 1000
 #: t_c ν by Enskog's theory at this temperature. Softer particles would be compressed too much.
@@ -54,6 +33,7 @@ TC_NU = {0.1: (0.01, 0.03, 0.1), 0.3: (0.01, 0.03, 0.1, 0.3), 0.5: (0.01, 0.03, 
 HEATED, MEASURED = 25, 120  #: collisions per particle before and in the window
 KICKS = 0.1 * math.sqrt(1.1)  #: interval over the mean free time; samples are at other phases
 SAMPLES_PER_COLLISION = 3
+FEWER = 3  #: replicas of the rules tc and soft
 #: Values of a run: meaning.
 VALUES = {
     "dissipation": "dissipation over T^(3/2), over that of Enskog's theory",
@@ -65,13 +45,13 @@ VALUES = {
 }
 
 
-def points() -> Iterator[Point]:
+def points(replica: int) -> Iterator[Point]:
     """Hard spheres with a constant ε do not depend on t_c ν."""
     for phi, values in TC_NU.items():
         for epsilon in RESTITUTION:
-            yield phi, epsilon, "constant", 0.0
+            yield phi, epsilon, "constant", None
             for tc_nu in values:
-                for model in ("newton", "tc", "soft"):
+                for model in ("newton", "tc", "soft")[: 3 if replica < FEWER else 1]:
                     yield phi, epsilon, model, tc_nu
 
 
@@ -84,23 +64,21 @@ def run(point: Point, replica: int) -> dict[str, float]:
     unit_power = gas.heated_temperature(1.0, epsilon)
     power = (TEMPERATURE / unit_power) ** 1.5
     start = equilibrated(start, 1000 + replica, collisions=200 if phi > 0.4 else 30)
-    seed = 10_000 * replica + round(1e3 * tc_nu) + 17 * len(model)
+    seed = 10_000 * replica + round(1e3 * (tc_nu or 0.0)) + 17 * len(model)
     start = start.replace(thermostat=hl.RandomKicks(power, KICKS / rate, seed=seed))
-    law = linear_law(epsilon, start, tc_nu / rate) if tc_nu else None
+    law = driven_gas.law(epsilon, start, tc_nu / rate) if tc_nu else None
     total = HEATED + MEASURED
     options: dict[str, Any] = {"until": total / rate, "samples": total * SAMPLES_PER_COLLISION}
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", hl.CompressionWarning)
-        if model == "newton":
-            done: Any = hl.molecular_dynamics(start, law=law, engine="auto", **options)
-        elif model == "soft":
-            done = hl.event_driven(start, law=law, rule="soft", **options)
-        else:
-            more = {"rule": "tc", "contact_duration": tc_nu / rate} if model == "tc" else {}
-            done = hl.event_driven(start, restitution=epsilon, **more, **options)
-    if done.outcome != "ok":
+    if model == "newton":
+        result: Any = hl.molecular_dynamics(start, law=law, engine="auto", **options)
+    elif model == "soft":
+        result = hl.event_driven(start, law=law, rule="soft", **options)
+    else:
+        more = {"rule": "tc", "contact_duration": tc_nu / rate} if model == "tc" else {}
+        result = hl.event_driven(start, restitution=epsilon, **more, **options)
+    if result.outcome != "ok":
         return {}
-    series = done.series.isel(time=slice(HEATED * SAMPLES_PER_COLLISION, None))
+    series = result.series.isel(time=slice(HEATED * SAMPLES_PER_COLLISION, None))
     t = series.granular_temperature.values
     lost = series.dissipated_energy.values
     duration = float(series.time[-1] - series.time[0])
@@ -114,32 +92,13 @@ def run(point: Point, replica: int) -> dict[str, float]:
         / (rate * float(np.mean(np.sqrt(t / TEMPERATURE)))),
         "temperature": float(t.mean()) / TEMPERATURE,
         "power": dissipation / power,
-        "largest_compression": float(getattr(done, "largest_compression", 0.0) or 0.0),
+        "largest_compression": float(getattr(result, "largest_compression", 0.0) or 0.0),
     }
 
 
 def _dense(system: hl.ParticleSystem) -> theory.Gas:
     """The gas of a packing fraction at which spheres may freeze; random ones stay fluid in such a time."""
     return theory.Gas(system.n, RADIUS, float(system.mass[0]), system.domain.volume, 3)
-
-
-# --- store ----------------------------------------------------------------------------------------------------
-
-
-def measure(store: Path, replicas: int) -> None:
-    """Measure what is not in the store; the rules tc and soft in half of the replicas."""
-    wanted = [
-        (point, replica)
-        for replica in range(replicas)
-        for point in points()
-        if point[2] in ("newton", "constant") or replica < replicas // 2
-    ]
-    driven_gas.measure(store, wanted, run)
-
-
-def collect(store: Path) -> None:
-    title = "Steady states of a heated gas of hard spheres and of soft ones"
-    driven_gas.collect(store, DATA, VALUES, TC_NU, ("newton", "constant", "tc", "soft"), title=title, n=N)
 
 
 # --- results --------------------------------------------------------------------------------------------------
@@ -152,51 +111,38 @@ def temperature_error(ds: xr.Dataset, model: str) -> tuple[float, float]:
 
 def at_equal_temperature(phi: float, epsilon: float) -> dict[str, float]:
     """Errors over t_c ν of pressure and collision rate at equal kinetic temperature, theory for ε → 1."""
-    one = fluid(3, phi)
-    chi_slope = one.growth * one.contact_value / (3.0 * phi)  # dχ/dφ
+    gas = fluid(3, phi)
+    chi_slope = gas.growth * gas.contact_value / (3.0 * phi)  # dχ/dφ
     collisional = 2.0 * (1.0 + epsilon)
-    z = 1.0 + collisional * phi * one.contact_value
+    z = 1.0 + collisional * phi * gas.contact_value
     return {
-        "pressure": collisional * (one.contact_value + phi * chi_slope) / (8.0 * one.contact_value * z),
-        "collision_rate": (one.slope + one.growth) / one.density,
+        "pressure": collisional * (gas.contact_value + phi * chi_slope) / (8.0 * gas.contact_value * z),
+        "collision_rate": (gas.slope + gas.growth) / gas.density,
     }
 
 
-def draw() -> None:
-    with xr.open_dataset(DATA) as file:
-        ds = file.load()
-    _figure(ds)
-    print(
-        "| φ | ε | t_c ν | constant: measured / law | Berzi & Jenkins | tc: measured / law | soft: measured / law |"
-    )
-    print("|---|---|---|---|---|---|---|")
-    for phi, values in TC_NU.items():
-        for epsilon in RESTITUTION:
-            for tc_nu in values:
-                here = ds.sel(packing_fraction=phi, restitution=epsilon, tc_nu=tc_nu)
-                x = real_tc_nu(here, tc_nu)
-                cells = []
-                for rule in ("constant", "tc", "soft"):
-                    value, error = temperature_error(here, rule)
-                    law = hl.error_law(packing_fraction=phi, restitution=epsilon, rule=rule).heated_error(x)
-                    cells.append(driven_gas.percent(value, error, law, 2))
-                other = (1.0 + BERZI_JENKINS * x) ** (-2.0 / 3.0) - 1.0
-                cells.insert(1, f"{100.0 * other:.2f}".replace("-", "−"))
-                print(f"| {phi} | {epsilon} | {tc_nu} | {' | '.join(cells)} |")
-    print("\n| φ | ε | pressure: measured / theory | collision rate: measured / theory |\n|---|---|---|---|")
-    for phi, values in TC_NU.items():
-        for epsilon in RESTITUTION:
-            tc_nu = values[-1]
-            here = ds.sel(packing_fraction=phi, restitution=epsilon, tc_nu=tc_nu)
-            x, theory_of = real_tc_nu(here, tc_nu), at_equal_temperature(phi, epsilon)
+def tables(ds: xr.Dataset) -> str:
+    errors, equal = [], []
+    for phi, epsilon, tc_nu, here in driven_gas.cases(TC_NU, ds):
+        x, cells = real_tc_nu(here, tc_nu), []
+        for rule in ("constant", "tc", "soft"):
+            law = hl.error_law(packing_fraction=phi, restitution=epsilon, rule=rule).heated_error(x)
+            cells.append(driven_gas.percent(*temperature_error(here, rule), law, 2))
+        cells.insert(1, f"{100.0 * (1.0 + BERZI_JENKINS * x) ** (-2.0 / 3.0) - 100.0:.2f}")
+        errors.append((phi, epsilon, tc_nu, *cells))
+        if tc_nu == TC_NU[phi][-1]:
             cells = []
-            for name, slope in theory_of.items():
+            for name, slope in at_equal_temperature(phi, epsilon).items():
                 value, error = ratio(here[name].sel(model="constant"), here[name].sel(model="newton"))
                 cells.append(f"{value / x:.3f}±{error / x:.3f} / {slope:.3f}")
-            print(f"| {phi} | {epsilon} | {' | '.join(cells)} |")
+            equal.append((phi, epsilon, *cells))
+    head = "constant: measured / law | Berzi & Jenkins | tc: measured / law | soft: measured / law"
+    temperatures = driver.table(f"φ | ε | t_c ν | {head}", errors)
+    head = "pressure: measured / theory | collision rate: measured / theory"
+    return f"{temperatures}\n\n{driver.table(f'φ | ε | {head}', equal)}"
 
 
-def _figure(ds: xr.Dataset) -> None:
+def draw(ds: xr.Dataset) -> dict[str, Figure]:
     colors = {0.9: PALETTE["blue"], 0.7: PALETTE["vermillion"]}
     with style():
         figure = Figure(figsize=(PAGE_WIDTH, 5.2), layout="constrained")
@@ -206,7 +152,7 @@ def _figure(ds: xr.Dataset) -> None:
             x = np.geomspace(0.008, 1.3 * values[-1], 60)
             for epsilon, color in colors.items():
                 law = hl.error_law(packing_fraction=phi, restitution=epsilon)
-                top.loglog(x, [-100.0 * law.heated_error(one) for one in x], color=color)
+                top.loglog(x, [-100.0 * law.heated_error(at) for at in x], color=color)
                 below.loglog(x, 100.0 * at_equal_temperature(phi, epsilon)["pressure"] * x, color=color)
                 for tc_nu in values:
                     here = ds.sel(packing_fraction=phi, restitution=epsilon, tc_nu=tc_nu)
@@ -225,8 +171,25 @@ def _figure(ds: xr.Dataset) -> None:
         axes[0, 0].set(ylim=(0.03, 12.0), ylabel="too cold by [%]")
         axes[1, 0].set(ylim=(0.03, 12.0), ylabel="pressure too high\nat equal temperature [%]")
         axes[1, 0].legend(loc="upper left", fontsize="small")
-        plots.save(figure, IMAGES / "heated_gas.png")
+    return {"heated_gas.png": figure}
 
+
+STUDY = driver.Study(
+    file=__file__,
+    points=points,
+    run=run,
+    replicas=6,
+    values=driven_gas.meanings(VALUES),
+    axes=lambda: driven_gas.axes(TC_NU, ("newton", "constant", "tc", "soft")),
+    about={
+        "title": "Steady states of a heated gas of hard spheres and of soft ones",
+        "n": N,
+        **driven_gas.ABOUT,
+    },
+    draw=draw,
+    tables=tables,
+    dpi=200,
+)
 
 if __name__ == "__main__":
-    driven_gas.command_line(__doc__, "heated_gas.jsonl", 6, measure, collect, draw)
+    driver.main(STUDY, __doc__)

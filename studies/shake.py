@@ -1,10 +1,10 @@
-"""Draws docs/images/shake.png: bounces of a ball on a shaken floor, and the profile of a shaken box by both models."""
+"""Bounces of a ball on a shaken floor, and the profile of a shaken box by both models."""
 
 import math
-from pathlib import Path
 
-import matplotlib.pyplot as plt
+import driver
 import numpy as np
+from matplotlib.figure import Figure
 
 import hardlimit as hl
 
@@ -66,8 +66,9 @@ def profile(soft: bool) -> tuple[np.ndarray, np.ndarray]:
     return 0.5 * (bins[1:] + bins[:-1]), np.mean(seen, axis=0) * solid / volume
 
 
-def main() -> None:
-    figure, (left, right) = plt.subplots(1, 2, figsize=(10.0, 4.2), layout="constrained")
+def draw() -> dict[str, Figure]:
+    figure = Figure(figsize=(10.0, 4.2), layout="constrained")
+    left, right = figure.subplots(1, 2)
     e = 0.6
     lower = math.pi * (1.0 - e) / (1.0 + e)
     upper = math.hypot(lower, 2.0 * (1.0 + e * e) / (1.0 + e) ** 2)
@@ -82,8 +83,8 @@ def main() -> None:
         right.plot(1e3 * height, fraction, style, ms=4, label=name)
     right.set(xlabel="height [mm]", ylabel="packing fraction", title="500 spheres, 1 mm at 50 Hz, ε = 0.9")
     right.legend()
-    figure.savefig(Path(__file__).parents[1] / "images" / "shake.png", dpi=110)
+    return {"shake.png": figure}
 
 
 if __name__ == "__main__":
-    main()
+    driver.main(driver.Study(file=__file__, draw=draw, dpi=110), __doc__)

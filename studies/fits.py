@@ -1,14 +1,9 @@
 """Fits: impacts computed from a law with noise, rebounds of two balls, and a published relation for ice.
 
-    python docs/findings/fits.py [--folder docs/images]
-
-Draws fit_impacts.png, fit_rebounds.png and fit_ice.png. The data of the first two are computed, not measured. The
-data of the last are points of a published fit to measurements.
+The data of the first two are computed, not measured. Those of the last are points of a published fit to measurements.
 """
 
-import argparse
-from pathlib import Path
-
+import driver
 import numpy as np
 
 import hardlimit as hl
@@ -47,16 +42,12 @@ def ice():
     return hl.fit(hl.Impacts.of_restitution(1e-2 * speed, 0.32 * speed**-0.234, 0.02))
 
 
-def main():
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--folder", type=Path, default=Path("docs/images"))
-    folder = parser.parse_args().folder
-    for name, found in (("impacts", impacts()), ("rebounds", rebounds()), ("ice", ice())):
-        print(found)
-        plots.save(plots.fit(found), folder / f"fit_{name}.png", dpi=110)
+def draw():
+    fits = {"impacts": impacts(), "rebounds": rebounds(), "ice": ice()}
+    for fit in fits.values():
+        print(fit)
+    return {f"fit_{name}.png": plots.fit(fit) for name, fit in fits.items()}
 
 
 if __name__ == "__main__":
-    main()
+    driver.main(driver.Study(file=__file__, draw=draw, dpi=110), __doc__)

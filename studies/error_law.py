@@ -1,11 +1,5 @@
-"""Measurement of the law of the error: the error of each hard-sphere rule in a cooling gas, divided by t_c ν.
-
-    python docs/findings/error_law.py measure STORE [--replicas 32]
-    python docs/findings/error_law.py collect STORE
-    python docs/findings/error_law.py draw
-
-``measure`` appends one line for each run to the file STORE and skips runs that are in it. ``collect`` gathers them in
-error_law.nc beside this file. ``draw`` makes the figures and tables of docs/error_law.md from that file.
+"""Measurement of the law of the error: the error of each hard-sphere rule in a cooling gas, divided by t_c ν
+(see driver.py).
 
 Every replica starts from an elastic equilibrium of equal spheres or disks in a periodic box. A run is measured while
 its energy E falls from y = 3 to 9 collisions per particle by Haff's law, y = √(E(0)/E) = exp((1 − ε²) n/(2D)). E is the
@@ -15,32 +9,23 @@ the transient of the start.
 
 from __future__ import annotations
 
-import argparse
 import itertools
-import json
 import math
-import warnings
-from collections.abc import Iterator
-from pathlib import Path
+from collections.abc import Iterator, Mapping
+from functools import cache, lru_cache
 from typing import Any, NamedTuple
 
+import driver
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import hardlimit as hl
-from hardlimit import plots
 from hardlimit.boxes import error_law, theory
-from hardlimit.fidelity_study import statistics
 from hardlimit.fidelity_study.starts import equilibrated
 from hardlimit.plots.style import GREY, PAGE_WIDTH, PALETTE, style
-from hardlimit.support import saving
 from hardlimit.support.estimate import Estimate
-
-HERE = Path(__file__).parent
-DATA = HERE / "error_law.nc"
-IMAGES = HERE.parent / "images"
 
 MODELS = ("newton", "law", "tc", "soft")
 #: What is measured in the window: unit and meaning.
@@ -59,8 +44,6 @@ SAMPLES = 120
 #: Elastic collisions per particle after the random start, before the 20 of each replica. At φ = 0.5 a random start
 #: relaxes slowly: after 20 collisions it still cools 3 % faster than Enskog's theory.
 RELAXATION = 400
-#: Replicas that are computed at all points before any point gets more.
-PASS = 4
 #: Initial t_c ν by dimension and packing fraction. Softer particles would be compressed beyond the laws' range.
 TC_NU = {
     3: {
@@ -95,7 +78,7 @@ class Point(NamedTuple):
         return math.exp(lost * WINDOW[0]), math.exp(lost * WINDOW[1])
 
 
-def points() -> Iterator[Point]:
+def gases() -> Iterator[Point]:
     for dimension, grid in TC_NU.items():
         for phi, values in grid.items():
             for epsilon in RESTITUTION[dimension]:
@@ -104,6 +87,16 @@ def points() -> Iterator[Point]:
             for epsilon in VISCOELASTIC_RESTITUTION:
                 for tc_nu in VISCOELASTIC[dimension].get(phi, ()):
                     yield Point(dimension, phi, "viscoelastic", epsilon, tc_nu)
+
+
+def points(_: int) -> Iterator[driver.Point]:
+    """The rules constant and law do not depend on t_c ν: they run at the first one only."""
+    for _, group in itertools.groupby(gases(), lambda point: point[:4]):
+        for k, point in enumerate(group):
+            if k == 0:
+                yield *point, "constant" if point.law == "linear" else "law"
+            for model in ("newton", "tc", "soft"):
+                yield *point, model
 
 
 # --- runs ---------------------------------------------------------------------------------------------------
@@ -121,8 +114,7 @@ def law_of(point: Point, system: hl.ParticleSystem) -> hl.Law:
     speed = math.sqrt(math.pi * system.granular_temperature)
     ball = hl.Ball(RADIUS, density=DENSITY)
     if point.law == "linear":
-        law = hl.LinearDashpot(stiffness=1.0, restitution=point.restitution)
-        return law.replace(stiffness=(law.between(ball, ball).duration() / wanted) ** 2)
+        return driver.linear_law(point.restitution, ball, wanted)
     material = {"youngs_modulus": 1e7, "poisson_ratio": 0.3, "restitution": point.restitution}
     tsuji = point.law == "tsuji"
     law = hl.Tsuji(**material) if tsuji else hl.Viscoelastic(**material, impact_speed=speed)
@@ -135,11 +127,11 @@ def until(point: Point, system: hl.ParticleSystem, slower: float) -> float:
     return slower * (point.energies[1] - 1.0) / rate
 
 
-def measured(point: Point, system: hl.ParticleSystem, run: Any) -> dict[str, Any]:
+def measured(point: Point, system: hl.ParticleSystem, result: Any) -> dict[str, Any]:
     """Time, collisions and means over the window; empty if the run ended before."""
-    series, start = run.series, system.granular_temperature
+    series, begin = result.series, system.granular_temperature
     time = series["time"].values
-    total = 0.5 * point.dimension * float(system.mass.sum()) * start
+    total = 0.5 * point.dimension * float(system.mass.sum()) * begin
     y = np.sqrt(total / (total - series["dissipated_energy"].values))
     if not y[-1] >= point.energies[1]:
         return {}
@@ -152,122 +144,74 @@ def measured(point: Point, system: hl.ParticleSystem, run: Any) -> dict[str, Any
 
     rate, pressure = (series[name].values[1:] for name in ("collision_rate", "pressure"))
     temperature = series["granular_temperature"].values
-    ideal = float(system.mass.sum()) / float(np.prod(system.box)) * start
+    ideal = float(system.mass.sum()) / float(np.prod(system.box)) * begin
     hits = np.concatenate([[0.0], np.cumsum(rate * lasted)])
     return {
         "duration": float(ended - began),
         "collisions": float(np.diff(np.interp([began, ended], time, hits))[0]),
         "collision_rate": mean(rate * middle),  # at E(0)
         "pressure": mean(pressure * middle**2) / ideal,
-        "temperature": mean(0.5 * (temperature[1:] + temperature[:-1]) * middle**2) / start,
-        "largest_compression": run.largest_compression,
-        "share": run.overlapped_share if isinstance(run, hl.ContactResult) else None,
+        "temperature": mean(0.5 * (temperature[1:] + temperature[:-1]) * middle**2) / begin,
+        "largest_compression": result.largest_compression,
     }
 
 
-def solve(point: Point, model: str, system: hl.ParticleSystem) -> dict[str, Any]:
+@cache
+def relaxed(dimension: int, phi: float) -> hl.ParticleSystem:
+    random = hl.ParticleSystem.random(N, phi, RADIUS, DENSITY, RMS_SPEED, dimension=dimension)
+    return equilibrated(random, 0, collisions=RELAXATION)
+
+
+@lru_cache(maxsize=1)
+def start(dimension: int, phi: float, replica: int) -> hl.ParticleSystem:
+    return equilibrated(relaxed(dimension, phi), replica)
+
+
+def run(of: driver.Point, replica: int) -> dict[str, Any]:
     """One run, longer if the window has not ended."""
+    point, model = Point(*of[:-1]), of[-1]
+    system = start(point.dimension, point.packing_fraction, replica)
     law = law_of(point, system)
     for slower in (1.12, 1.5, 2.5):
         end = until(point, system, slower)
         if model == "newton":
-            run: Any = hl.molecular_dynamics(system, law=law, until=end, engine="events", samples=SAMPLES)
+            result: Any = hl.molecular_dynamics(system, law=law, until=end, engine="events", samples=SAMPLES)
         else:
             rule: dict[str, Any] = {"law": law, "rule": model}
             if point.law == "linear" and model in ("constant", "tc"):
                 rule = {"restitution": point.restitution, "rule": model}
             if model == "tc":
                 rule["contact_duration"] = point.tc_nu / enskog(system)
-            run = hl.event_driven(system, until=end, samples=SAMPLES, **rule)
-        found = measured(point, system, run)
-        if found or run.outcome_name != "ok":
+            result = hl.event_driven(system, until=end, samples=SAMPLES, **rule)
+        values = measured(point, system, result)
+        if values or result.outcome_name != "ok":
             break
-    return found | {"outcome": run.outcome_name}
-
-
-def models(point: Point, first: bool) -> Iterator[str]:
-    """The models of a point. The rules constant and law do not depend on t_c ν: they run at the first one only."""
-    if first:
-        yield "constant" if point.law == "linear" else "law"
-    yield from ("newton", "tc", "soft")
-
-
-def measure(arguments: argparse.Namespace) -> None:
-    warnings.simplefilter("ignore", hl.CompressionWarning)
-    done = set()
-    if arguments.store.exists():
-        for line in arguments.store.read_text().splitlines():
-            one = json.loads(line)
-            done.add((*one["point"], one["model"], one["replica"]))
-    with arguments.store.open("a", buffering=1) as out:
-        for first in range(0, arguments.replicas, PASS):
-            of_pass(range(first, min(first + PASS, arguments.replicas)), done, out)
-
-
-def of_pass(replicas: range, done: set[Any], out: Any) -> None:
-    gas, starts, before = None, {}, None
-    for point in points():
-        if gas != point[:2]:
-            gas, starts = point[:2], {}
-            random = hl.ParticleSystem.random(
-                N, point.packing_fraction, RADIUS, DENSITY, RMS_SPEED, dimension=point.dimension
-            )
-            relaxed = equilibrated(random, 0, collisions=RELAXATION)
-        for model in models(point, before is None or before[:4] != point[:4]):
-            for k in replicas:
-                if (*point, model, k) in done:
-                    continue
-                if k not in starts:
-                    starts[k] = equilibrated(relaxed, k)
-                found = solve(point, model, starts[k])
-                out.write(json.dumps({"point": point, "model": model, "replica": k} | found) + "\n")
-        before = point
-    print("replicas", replicas, flush=True)
+    return values
 
 
 # --- results ------------------------------------------------------------------------------------------------
 
 
-def collect(arguments: argparse.Namespace) -> None:
-    """Store every replica of every point, NaN where a run ended early.
+def gather(runs: list[driver.Run]) -> xr.Dataset:
+    """Every replica of every point, NaN where a run ended early.
 
-    The rules constant and law do not depend on t_c ν; their runs, of a point's rule law, are repeated at each t_c ν.
+    The runs of the rules constant and law, which do not depend on t_c ν, are those of the rule law at each t_c ν.
     """
-    runs: dict[tuple[Point, str], dict[int, dict[str, Any]]] = {}
-    for line in arguments.store.read_text().splitlines():
-        one = json.loads(line)
-        runs.setdefault((Point(*one["point"]), one["model"]), {})[one["replica"]] = one
-    found = sorted({point for point, model in runs if model == "newton"})
-    for point in found:
-        for other, model in list(runs):
-            if model in ("constant", "law") and other[:4] == point[:4]:
-                runs[point, "law"] = runs[other, model]
-    replicas = 1 + max(k for of_point in runs.values() for k in of_point)
-    shape = (len(found), len(MODELS), replicas)
+    known = sorted({Point(*run["point"][:-1]) for run in runs if run["point"][-1] == "newton"})
+    shape = len(known), len(MODELS), 1 + max(run["replica"] for run in runs)
     data = {name: np.full(shape, math.nan, np.float32) for name in MEASURED}
-    for (i, point), (j, model) in itertools.product(enumerate(found), enumerate(MODELS)):
-        for k, one in runs.get((point, model), {}).items():
-            for name in MEASURED:
-                value = one.get(name)
-                data[name][i, j, k] = math.nan if value is None else value
-    coordinates: dict[str, Any] = {
-        name: ("point", [getattr(point, name) for point in found]) for name in Point._fields
-    }
-    ds = xr.Dataset(
-        {
-            name: (("point", "model", "replica"), values, {"units": unit, "long_name": meaning})
-            for (name, values), (unit, meaning) in zip(data.items(), MEASURED.values(), strict=True)
-        },
-        coordinates | {"model": list(MODELS)},
-        {
-            "title": "Cooling, collision rate, pressure and temperature at given energy, hard-sphere rules and "
-            "Newton’s equations",
-            "source": f"hardlimit {hl.__version__}, docs/findings/error_law.py",
-            "n": N,
-            "window": WINDOW,
-        },
-    )
-    saving.dataset(ds, DATA)
+    for run in runs:
+        *of, model = run["point"]
+        common = model in ("constant", "law")
+        j = MODELS.index("law" if common else model)
+        for i, point in enumerate(known):
+            if point[:4] == tuple(of[:4]) and (common or point.tc_nu == of[4]):
+                for name in data:
+                    value = run["values"].get(name)
+                    data[name][i, j, run["replica"]] = math.nan if value is None else value
+    columns = {name: ("point", [getattr(point, name) for point in known]) for name in Point._fields}
+    ds = driver.labelled(MEASURED, ("point", "model", "replica"), data)
+    return ds.assign_coords(columns | {"model": list(MODELS)})
 
 
 def mean_tc_nu(point: Point) -> float:
@@ -284,41 +228,17 @@ def all_points(ds: xr.Dataset) -> list[Point]:
 
 
 def ratio(ds: xr.Dataset, i: int, name: str, above: str, below: str) -> Estimate[float]:
-    """Relative difference of two models at a point, paired by replica; NaN with fewer than three replicas."""
+    """Relative difference of two models at a point."""
     values = ds[name].isel(point=i)
-    pair = np.array([values.sel(model=model).values for model in (above, below)], float)
-    pair = pair[:, np.isfinite(pair).all(axis=0)]
-    if pair.shape[1] < 3:
-        return Estimate(*(math.nan,) * 4)
-    return Estimate(*(float(part) for part in statistics.relative_difference(*pair)))
+    return driver.paired(values.sel(model=above), values.sel(model=below))
 
 
 def error_of_cooling(ds: xr.Dataset, i: int, rule: str) -> Estimate[float]:
     """(rate of the rule)/(rate of Newton's equations) − 1: the ratio of the times for the same loss of energy."""
-    found = ratio(ds, i, "duration", "newton", rule)
+    difference = ratio(ds, i, "duration", "newton", rule)
     both = np.isfinite(ds["duration"].isel(point=i).sel(model=["newton", rule]).values).all(axis=0).sum()
     error = ds.attrs[f"scatter_{int(ds['dimension'][i])}_{rule}"] / math.sqrt(max(both, 1))
-    return found._replace(error=error if math.isfinite(found.value) else math.nan)
-
-
-def hard_over_enskog(ds: xr.Dataset, i: int, point: Point) -> Estimate[float]:
-    """h: cooling of hard spheres over Enskog's, both over the window."""
-    taken = ds["duration"].isel(point=i).sel(model="law").values
-    taken = taken[np.isfinite(taken)].astype(float)
-    if len(taken) < 3:
-        return Estimate(*(math.nan,) * 4)
-    first, last = point.energies
-    lost = (1.0 - point.restitution**2) / (2.0 * point.dimension)
-    expected = (last - first) / (lost * rate_of(point))
-    value, error = expected / taken.mean(), taken.std(ddof=1) / math.sqrt(len(taken)) / taken.mean()
-    return Estimate(value, error * value, math.nan, math.nan)
-
-
-def rate_of(point: Point) -> float:
-    """Enskog's rate of the start [1/s]; ⟨v²⟩ = D T is RMS_SPEED²."""
-    gas = error_law.fluid(point.dimension, point.packing_fraction)
-    temperature = RMS_SPEED**2 / point.dimension
-    return gas.density * math.sqrt(temperature / math.pi) / (2.0 * RADIUS)
+    return difference._replace(error=error if math.isfinite(difference.value) else math.nan)
 
 
 # --- pictures and tables ------------------------------------------------------------------------------------
@@ -342,12 +262,12 @@ def luding_goldshtein(tc_nu: Any) -> Any:
     return np.exp(-1.268 * x + 0.01682 * x**2 - 0.0005783 * x**3 + 6.48e-6 * x**4)
 
 
-def opened() -> xr.Dataset:
+def with_scatter(ds: xr.Dataset) -> xr.Dataset:
     """The data, with the :func:`scatter` of each dimension and rule as attributes."""
-    ds = xr.open_dataset(DATA).load()
-    for dimension, rule in itertools.product((2, 3), MODELS[1:]):
-        ds.attrs[f"scatter_{dimension}_{rule}"] = scatter(ds, dimension, rule)
-    return ds
+    every = itertools.product((2, 3), MODELS[1:])
+    return ds.assign_attrs(
+        {f"scatter_{dimension}_{rule}": scatter(ds, dimension, rule) for dimension, rule in every}
+    )
 
 
 def scatter(ds: xr.Dataset, dimension: int, rule: str) -> float:
@@ -368,27 +288,29 @@ def scatter(ds: xr.Dataset, dimension: int, rule: str) -> float:
 
 def coefficients(ds: xr.Dataset, rule: str) -> dict[tuple[int, str, float, float], Estimate[float]]:
     """a over (dimension, law, φ, ε): mean of all t_c ν, weighted by the inverse squares of the errors."""
-    found: dict[tuple[int, str, float, float], list[tuple[float, float]]] = {}
+    slopes: dict[tuple[int, str, float, float], list[tuple[float, float]]] = {}
     for i, point in enumerate(all_points(ds)):
-        one, tc_nu = error_of_cooling(ds, i, rule), mean_tc_nu(point)
-        if one.error > 0.0:
+        error, tc_nu = error_of_cooling(ds, i, rule), mean_tc_nu(point)
+        if error.error > 0.0:
             key = (point.dimension, point.law, point.packing_fraction, point.restitution)
-            found.setdefault(key, []).append((one.value / tc_nu, one.error / tc_nu))
+            slopes.setdefault(key, []).append((error.value / tc_nu, error.error / tc_nu))
     means = {}
-    for key, values in found.items():
-        a, error = np.array(values).T
-        weight = error**-2.0
+    for key, values in slopes.items():
+        a, sigmas = np.array(values).T
+        weight = sigmas**-2.0
         sigma = float(weight.sum() ** -0.5)
         means[key] = Estimate(float((a * weight).sum() / weight.sum()), sigma, math.nan, math.nan)
     return means
 
 
-def draw(_: argparse.Namespace) -> None:
-    ds = opened()
-    print(plots.save(of_packing(ds), IMAGES / "error_law.png", 150))
-    print(plots.save(of_rules(ds), IMAGES / "error_law_rules.png", 150))
-    for text in (table(ds), beside(ds), other_rules(ds), agreement(ds)):
-        print(f"\n{text}")
+def draw(ds: xr.Dataset) -> Mapping[str, Figure]:
+    ds = with_scatter(ds)
+    return {"error_law.png": of_packing(ds), "error_law_rules.png": of_rules(ds)}
+
+
+def tables(ds: xr.Dataset) -> str:
+    ds = with_scatter(ds)
+    return "\n\n".join((table(ds), beside(ds), other_rules(ds), agreement(ds)))
 
 
 def of_packing(ds: xr.Dataset) -> Figure:
@@ -407,7 +329,7 @@ def of_packing(ds: xr.Dataset) -> Figure:
                     hl.error_law(packing_fraction=float(x), restitution=epsilon, dimension=dimension)
                     for x in phi
                 ]
-                ax.plot(phi, [one.coefficient for one in law], c=colour, lw=1.0)
+                ax.plot(phi, [gas.coefficient for gas in law], c=colour, lw=1.0)
                 at = [key for key in measured if (key[0], key[1], key[3]) == (dimension, "linear", epsilon)]
                 x = np.array([key[2] for key in at]) * 1.025 ** (shift - 2)
                 y, error = np.reshape([measured[key][:2] for key in at], (-1, 2)).T
@@ -544,41 +466,36 @@ def agreement(ds: xr.Dataset) -> str:
     for rule in MODELS[1:]:
         deviations = []
         for i, point in enumerate(all_points(ds)):
-            found, law, at = error_of_cooling(ds, i, rule), by_law(point, rule), mean_tc_nu(point)
-            if found.error > 0.0:
-                deviations.append((found.value - law.error(at)) / math.hypot(found.error, law.error_bar(at)))
+            error, law, at = error_of_cooling(ds, i, rule), by_law(point, rule), mean_tc_nu(point)
+            if error.error > 0.0:
+                deviations.append((error.value - law.error(at)) / math.hypot(error.error, law.error_bar(at)))
         lines.append(f"{rule}: χ² = {np.square(deviations).sum():.0f} of {len(deviations)} values")
     return "\n".join(lines)
 
 
-def _cell(found: Estimate[float] | None, law: float) -> str:
-    if found is None or not math.isfinite(found.value):
+def _cell(error: Estimate[float], law: float, scale: float = 1.0) -> str:
+    if not math.isfinite(error.value):
         return "–"
-    return f"{found.value:.3f}±{found.error:.3f} / {law:.3f}".replace("-", "−")
+    return f"{error.value / scale:.3f}±{error.error / scale:.3f} / {law:.3f}"
 
 
 def table(ds: xr.Dataset) -> str:
     """a measured / by the law over φ and ε, as Markdown: spheres, disks, and the viscoelastic law."""
-    measured, lines = coefficients(ds, "law"), []
+    measured, parts = coefficients(ds, "law"), []
     for dimension, law_name in ((3, "linear"), (2, "linear"), (3, "viscoelastic"), (2, "viscoelastic")):
         keys = [key for key in measured if key[:2] == (dimension, law_name)]
         every = sorted({key[3] for key in keys}, reverse=True)
-        what = f"{'spheres' if dimension == 3 else 'disks'}, {law_name}"
-        lines += [
-            f"| {what}: φ | " + " | ".join(f"ε = {e:g}" for e in every) + " |",
-            "|" + "---|" * (1 + len(every)),
-        ]
+        rows = []
         for phi in sorted({key[2] for key in keys}):
             cells = []
             for e in every:
-                law = law_object(law_name)
-                expected = hl.error_law(
-                    packing_fraction=phi, restitution=e, dimension=dimension, rule="law", law=law
-                )
-                cells.append(_cell(measured.get((dimension, law_name, phi, e)), expected.coefficient))
-            lines.append(f"| {phi:g} | " + " | ".join(cells) + " |")
-        lines.append("")
-    return "\n".join(lines)
+                law = by_law(Point(dimension, phi, law_name, e, 0.0), "law")
+                a = measured.get((dimension, law_name, phi, e), driver.UNKNOWN)
+                cells.append(_cell(a, law.coefficient))
+            rows.append((f"{phi:g}", *cells))
+        what = f"{'spheres' if dimension == 3 else 'disks'}, {law_name}: φ"
+        parts.append(driver.table(" | ".join([what, *(f"ε = {e:g}" for e in every)]), rows))
+    return "\n\n".join(parts)
 
 
 def law_object(name: str) -> hl.Law | None:
@@ -591,32 +508,22 @@ def law_object(name: str) -> hl.Law | None:
 
 def beside(ds: xr.Dataset) -> str:
     """Collision rate, pressure and temperature at given energy, per t_c ν: measured / theory for ε → 1."""
-    lines = [
-        "| D | φ | ε | t_c ν | collision rate | pressure | temperature |",
-        "|---|---|---|---|---|---|---|",
-    ]
+    rows = []
     for i, point in enumerate(all_points(ds)):
-        found = ratio(ds, i, "collision_rate", "law", "newton")
-        known = found.error < 0.05 * mean_tc_nu(point)
+        tc_nu, gas = mean_tc_nu(point), error_law.fluid(point.dimension, point.packing_fraction)
+        known = ratio(ds, i, "collision_rate", "law", "newton").error < 0.05 * tc_nu
         if point.law != "linear" or point.restitution < 0.99 or not known:
             continue
-        tc_nu, gas = mean_tc_nu(point), error_law.fluid(point.dimension, point.packing_fraction)
-        pairs = {
-            "collision_rate": ("law", "newton"),
-            "pressure": ("law", "newton"),
-            "temperature": ("newton", "law"),
-        }
         cells = []
         for name, theory_of in BESIDE.items():
-            found = ratio(ds, i, name, *pairs[name])
-            scaled = Estimate(found.value / tc_nu, found.error / tc_nu, math.nan, math.nan)
-            cells.append(_cell(scaled, theory_of(gas)))
-        lines.append(
-            f"| {point.dimension} | {point.packing_fraction:g} | {point.restitution:g} | {tc_nu:.3f} | "
-            + " | ".join(cells)
-            + " |"
-        )
-    return "\n".join(lines)
+            pair = ("newton", "law") if name == "temperature" else ("law", "newton")
+            cells.append(_cell(ratio(ds, i, name, *pair), theory_of(gas), tc_nu))
+        rows.append((*_gas(point), f"{point.restitution:g}", f"{tc_nu:.3f}", *cells))
+    return driver.table("D | φ | ε | t_c ν | collision rate | pressure | temperature", rows)
+
+
+def _gas(point: Point) -> tuple[str, str]:
+    return str(point.dimension), f"{point.packing_fraction:g}"
 
 
 def _excess_pressure(gas: error_law.Fluid) -> float:
@@ -636,35 +543,35 @@ BESIDE = {
 
 def other_rules(ds: xr.Dataset) -> str:
     """Error per t_c ν of the rules tc and soft: measured / by the law, as Markdown."""
-    lines = ["| D | φ | law | ε | t_c ν | tc | soft |", "|---|---|---|---|---|---|---|"]
+    rows = []
     for i, point in enumerate(all_points(ds)):
-        tc_nu, cells = mean_tc_nu(point), []
-        for rule in ("tc", "soft"):
-            found = error_of_cooling(ds, i, rule)
-            law = by_law(point, rule)
-            scaled = Estimate(found.value / tc_nu, found.error / tc_nu, math.nan, math.nan)
-            cells.append(_cell(scaled, law.error(tc_nu) / tc_nu))
-        if not error_of_cooling(ds, i, "tc").error < 0.1 * tc_nu:
-            continue
-        gas = f"| {point.dimension} | {point.packing_fraction:g} | {point.law} | {point.restitution:g}"
-        lines.append(f"{gas} | {tc_nu:.3f} | {cells[0]} | {cells[1]} |")
-    return "\n".join(lines)
+        tc_nu = mean_tc_nu(point)
+        errors = {rule: error_of_cooling(ds, i, rule) for rule in ("tc", "soft")}
+        if errors["tc"].error < 0.1 * tc_nu:
+            cells = [
+                _cell(error, by_law(point, rule).error(tc_nu) / tc_nu, tc_nu)
+                for rule, error in errors.items()
+            ]
+            rows.append((*_gas(point), point.law, f"{point.restitution:g}", f"{tc_nu:.3f}", *cells))
+    return driver.table("D | φ | law | ε | t_c ν | tc | soft", rows)
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description="Measure the law of the error.")
-    commands = parser.add_subparsers(required=True)
-    command = commands.add_parser("measure")
-    command.set_defaults(run=measure)
-    command.add_argument("store", type=Path, help="file of the finished runs")
-    command.add_argument("--replicas", type=int, default=32, help="[32]")
-    command = commands.add_parser("collect")
-    command.set_defaults(run=collect)
-    command.add_argument("store", type=Path)
-    commands.add_parser("draw").set_defaults(run=draw)
-    arguments = parser.parse_args()
-    arguments.run(arguments)
-
+STUDY = driver.Study(
+    file=__file__,
+    points=points,
+    run=run,
+    replicas=32,
+    values=MEASURED,
+    gather=gather,
+    about={
+        "title": "Cooling, collision rate, pressure and temperature at given energy, hard-sphere rules and "
+        "Newton’s equations",
+        "n": N,
+        "window": WINDOW,
+    },
+    draw=draw,
+    tables=tables,
+)
 
 if __name__ == "__main__":
-    main()
+    driver.main(STUDY, __doc__)

@@ -1,28 +1,22 @@
 """Figures of the validation: results beside reference values, theory, a second engine and other codes.
 
-    python docs/findings/validation.py [--rows 100000] [--spheres 2000] [--folder docs/images]
-
-Draws validation_columns.png, validation_contacts.png and validation_grains.png from tests/data and its own runs, and
-fig3.png, Fig. 3 of the paper without a caption. This takes about half a minute. docs/validation.md names the tests that
-check these results.
+They come from tests/data and from runs of half a minute. docs/validation.md names the tests that check these results.
 """
 
-import argparse
 import csv
 import json
 from pathlib import Path
 
+import driver
 import matplotlib.pyplot as plt
 import numpy as np
 
 import hardlimit as hl
 from hardlimit.boxes import theory
 from hardlimit.convert.codes import Pair, Written, code
-from hardlimit.paper import figure3
-from hardlimit.paper.setup import Paper
 from hardlimit.plots.style import PALETTE, style
 
-DATA = Path(__file__).resolve().parents[2] / "tests" / "data"
+DATA = Path(__file__).resolve().parents[1] / "tests" / "data"
 COLOURS = [PALETTE[name] for name in ("blue", "orange", "green", "purple", "vermillion", "sky")]
 
 #: Z of elastic spheres: Kolafa, Labík & Malijevský, Phys. Chem. Chem. Phys. 6, 2335 (2004).
@@ -49,13 +43,13 @@ def linear_column(row):
 
 
 def viscoelastic_column(row):
-    given = (
+    damping = (
         {"restitution": float(row["restitution"]), "impact_speed": 3.0}
         if row["restitution"]
         else {"dissipative_time": float(row["dissipative_time_s"])}
     )
     law = hl.Viscoelastic(
-        youngs_modulus=float(row["youngs_modulus_Pa"]), poisson_ratio=float(row["poisson_ratio"]), **given
+        youngs_modulus=float(row["youngs_modulus_Pa"]), poisson_ratio=float(row["poisson_ratio"]), **damping
     )
     both = balls(row)
     height = both[0].radius + float(row["impact_speed_m_s"]) ** 2 / (2.0 * 9.81)
@@ -64,15 +58,15 @@ def viscoelastic_column(row):
 
 def deviations(rows, column_of, **method):
     """|v'_r − reference|/V of each row with a reference value; the number of contacts must be equal."""
-    found = []
+    offsets = []
     for row in rows:
         column = column_of(row)
         result = hl.newton(column, **method)
         assert result.n_contacts == int(row["n_contacts"])
         if row["relative_velocity_end_m_s"]:
             off = result.relative_velocity - float(row["relative_velocity_end_m_s"])
-            found.append(abs(off) / column.impact_speed)
-    return np.sort(found)
+            offsets.append(abs(off) / column.impact_speed)
+    return np.sort(offsets)
 
 
 def columns(rows):
@@ -85,11 +79,13 @@ def columns(rows):
             ("linear, general solver", deviations(linear, linear_column, method="general"), 1e-9),
             ("viscoelastic", deviations(table("two_ball_viscoelastic", rows), viscoelastic_column), 1e-8),
         )
-        for (name, found, tolerance), colour in zip(sets, COLOURS, strict=False):
-            share = (np.arange(found.size) + 1.0) / found.size
-            ax.semilogx(np.maximum(found, 1e-18), share, color=colour, label=f"{name}: {found.size} columns")
+        for (name, offsets, tolerance), colour in zip(sets, COLOURS, strict=False):
+            share = (np.arange(offsets.size) + 1.0) / offsets.size
+            ax.semilogx(
+                np.maximum(offsets, 1e-18), share, color=colour, label=f"{name}: {offsets.size} columns"
+            )
             ax.axvline(tolerance, color=colour, ls="--", lw=1.0)
-            print(f"{name}: {found.size} columns, largest deviation {found.max():.1e} V")
+            print(f"{name}: {offsets.size} columns, largest deviation {offsets.max():.1e} V")
         ax.set(
             xlabel=r"$|v_r^{\,\prime} - \mathrm{reference}|/V$ (dashed: tolerance of the tests)",
             ylabel="share of the columns",
@@ -126,7 +122,7 @@ def restitution(ax):
 
 def predicted_and_measured(row):
     """ε that this package predicts for a row of numbers, and ε obtained from the code."""
-    found, wall = code(row["code"]), row["contact"].endswith("wall")
+    particle_code, wall = code(row["code"]), row["contact"].endswith("wall")
     sizes = [int(digit) * 5e-4 for digit in row["contact"] if digit.isdigit()] or [5e-4]  # of a bed, or one
     first, second = ([hl.Ball(radius, density=7850.0) for radius in sizes] * 2)[:2]
     inverse = [
@@ -134,7 +130,7 @@ def predicted_and_measured(row):
         for x, y in ((first.mass, second.mass), (first.radius, second.radius))
     ]
     pair = Pair("", 1.0 / inverse[0], 1.0 / inverse[1], wall)
-    written = Written(found.model(row["model"]), pair, float(row["speed"]), row["attraction"] == "1")
+    written = Written(particle_code.model(row["model"]), pair, float(row["speed"]), row["attraction"] == "1")
     force = written.force(json.loads(row["numbers"]))
     return force.collision(float(row["speed"])).restitution, float(row["restitution"])
 
@@ -173,11 +169,11 @@ def contacts(rows):
     return figure
 
 
-def gas(n, phi, seed, **given):
+def gas(n, phi, seed, **settings):
     """An equilibrium of elastic spheres, and a run that starts from it."""
     start = hl.ParticleSystem.random(n, phi, 1e-3, 2500.0, 1.0, seed=seed)
     mixed = hl.event_driven(start, restitution=1.0, max_collisions=20 * n, samples=1).system
-    return mixed, hl.event_driven(mixed, **given)
+    return mixed, hl.event_driven(mixed, **settings)
 
 
 def pressure(ax, n):
@@ -198,9 +194,9 @@ def pressure(ax, n):
         mean = np.average(
             run.series.pressure[1:], weights=np.diff(run.series.time)
         )  # each is a mean since the previous sample
-        found = mean / ideal
-        ax.plot(fraction, found, "x", color=PALETTE["black"], label=None if k else "this package")
-        print(f"φ = {fraction}: Z = {found:.4f}, known {known}")
+        z = mean / ideal
+        ax.plot(fraction, z, "x", color=PALETTE["black"], label=None if k else "this package")
+        print(f"φ = {fraction}: Z = {z:.4f}, known {known}")
     ax.set(xlabel=r"$\phi$", ylabel=r"$Z = pV/NmT$")
     ax.legend()
 
@@ -263,29 +259,11 @@ def grains(n):
     return figure
 
 
-def fig3():
-    """Fig. 3 as `hardlimit paper` draws it, without the caption; pages that show it have their own."""
-    with style():
-        return figure3.draw(figure3.compute(Paper()))
-
-
-def main():
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--rows", type=int, default=100_000, help="of each table at most")
-    parser.add_argument("--spheres", type=int, default=2000)
-    parser.add_argument("--folder", type=Path, default=Path("docs/images"))
-    given = parser.parse_args()
-    for name, figure in (
-        ("columns", columns(given.rows)),
-        ("contacts", contacts(given.rows)),
-        ("grains", grains(given.spheres)),
-    ):
-        figure.savefig(given.folder / f"validation_{name}.png", dpi=110)
-    with style():
-        fig3().savefig(given.folder / "fig3.png", dpi=200)
+def draw(rows=100_000, spheres=2000):
+    """Of at most so many rows of each table, and with so many spheres."""
+    figures = {"columns": columns(rows), "contacts": contacts(rows), "grains": grains(spheres)}
+    return {f"validation_{name}.png": figure for name, figure in figures.items()}
 
 
 if __name__ == "__main__":
-    main()
+    driver.main(driver.Study(file=__file__, draw=draw, dpi=110), __doc__)

@@ -1,13 +1,10 @@
-"""A column of N equal beads hits a floor: hard spheres collapse where beads under Newton's equations fly apart.
-
-    python docs/findings/beads.py [--points 41] [--sizes 2 5 10 20 50] [--out docs/images/beads.png]
+"""A column of N equal beads hits a floor: hard spheres collapse where Newton's equations let them fly apart.
 
 After Luding, Clément, Blumen, Rajchenbach & Duran, Phys. Rev. E 50, 4113 (1994). The two-ball problem is the limiting
 case.
 """
 
-import argparse
-
+import driver
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -16,6 +13,7 @@ import hardlimit as hl
 SPEED = 1.0  # m/s, of all beads initially; there is no gravity, so beads move freely at the end
 BEAD = hl.Ball(1e-3, density=2500.0)
 LOSSES = 5.0  # largest N(1 − ε)
+SIZES = (2, 5, 10, 20, 50)
 GAPS = (0.1, 1.0, 10.0)  # in units of SPEED times the duration of a contact with the floor
 
 
@@ -46,8 +44,8 @@ def curve(model, n, gap, points):
     """Bounce and expansion over N(1 − ε)."""
     losses = np.linspace(0.0, min(LOSSES, 0.95 * n), points)
     long = 1e5 * BEAD.radius / SPEED
-    found = [bounce(model(column(n, 1.0 - x / n, gap), until=long)) for x in losses]
-    return losses, *np.array(found).T
+    bounces = [bounce(model(column(n, 1.0 - x / n, gap), until=long)) for x in losses]
+    return losses, *np.array(bounces).T
 
 
 def two_balls(points):
@@ -58,8 +56,8 @@ def two_balls(points):
         np.sqrt(2.0 * paper.gravity * (paper.height - lower.radius)) * paper.laws[0].between(lower).duration()
     )
     gaps = np.geomspace(0.03, 30.0, points)
-    found = [hl.newton(paper.replace(gaps=g * distance)).restitution_ratio_at_separation for g in gaps]
-    return gaps, np.array(found)
+    ratios = [hl.newton(paper.replace(gaps=g * distance)).restitution_ratio_at_separation for g in gaps]
+    return gaps, np.array(ratios)
 
 
 def critical(n):
@@ -67,7 +65,7 @@ def critical(n):
     return n * (1.0 - np.tan(0.25 * np.pi * (1.0 - 1.0 / n)) ** 2)
 
 
-def draw(sizes, points):
+def draw(sizes=SIZES, points=41):
     figure, ((energy, expansion), (spacing, pair)) = plt.subplots(
         2, 2, figsize=(9.0, 7.2), layout="constrained"
     )
@@ -91,7 +89,7 @@ def draw(sizes, points):
     pair.semilogx(gaps, ratio, "k")
     pair.axhline(1.0, ls="--", color="k", lw=1.0)
     dress(energy, expansion, spacing, pair, middle)
-    return figure
+    return {"beads.png": figure}
 
 
 def dress(energy, expansion, spacing, pair, middle):
@@ -118,16 +116,5 @@ def dress(energy, expansion, spacing, pair, middle):
     pair.annotate("collisions", (0.04, 1.02), fontsize=8)
 
 
-def main():
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--points", type=int, default=41)
-    parser.add_argument("--sizes", type=int, nargs="+", default=[2, 5, 10, 20, 50])
-    parser.add_argument("--out", default="docs/images/beads.png")
-    given = parser.parse_args()
-    draw(given.sizes, given.points).savefig(given.out, dpi=110)
-
-
 if __name__ == "__main__":
-    main()
+    driver.main(driver.Study(file=__file__, draw=draw, dpi=110), __doc__)

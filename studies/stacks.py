@@ -1,13 +1,6 @@
-"""Stacks whose top ball leaves fastest, and oblique drops of two balls.
+"""Stacks whose top ball leaves fastest, and oblique drops of two balls."""
 
-    python docs/findings/stacks.py [--sizes 2 3 4 5 6 8 12 16 20] [--points 60] [--folder docs/images]
-
-Draws stacks.png and oblique.png.
-"""
-
-import argparse
-from pathlib import Path
-
+import driver
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.ticker import MaxNLocator
@@ -19,6 +12,7 @@ ELASTIC = hl.LinearDashpot(stiffness=1e7, restitution=1.0)
 TOP_MASS = 0.01  # of the bottom mass
 STIFFNESS_RATIOS = (0.2, 0.5, 1.0, 2.0, 5.0)  # of the pair over the floor
 GAPS = (0.0, 0.03, 0.1, 0.3)  # in units of V t_c
+SIZES = (2, 3, 4, 5, 6, 8, 12, 16, 20)
 MOST_DRAWN = 8  # balls of the stacks whose masses are drawn
 COLOURS = [PALETTE[name] for name in ("blue", "sky", "green", "orange", "vermillion", "purple", "black")]
 
@@ -45,10 +39,10 @@ def two_balls(ax, points):
 def best_masses(ax, sizes):
     """Masses of the best touching stacks between the same ends."""
     for n, colour in zip(sizes, COLOURS, strict=False):
-        found = hl.stack(n, ELASTIC, bottom_mass=1.0, top_mass=TOP_MASS)
+        best = hl.stack(n, ELASTIC, bottom_mass=1.0, top_mass=TOP_MASS)
         place = np.linspace(0.0, 1.0, n)
-        ax.semilogy(place, found.masses, "o-", ms=3.5, color=colour, label=f"{n}")
-        print(f"N = {n}: {found}; collisions' masses {collisions(n).speed_under('newton'):.4f} V")
+        ax.semilogy(place, best.masses, "o-", ms=3.5, color=colour, label=f"{n}")
+        print(f"N = {n}: {best}; collisions' masses {collisions(n).speed_under('newton'):.4f} V")
     ax.semilogy([0.0, 1.0], [1.0, TOP_MASS], "k--", lw=1.0)
     ax.annotate("collisions, any N (dashed)", (0.02, 0.013), fontsize=9)
     ax.set(xlabel="place in the stack, bottom to top", ylabel="$m/m_1$")
@@ -80,12 +74,12 @@ def speeds_over_size(ax, sizes):
 def over_gaps(ax, points):
     """Five balls over the gap, with the masses that are best when touching and with those best for collisions."""
     touching = hl.stack(5, ELASTIC, bottom_mass=1.0, top_mass=TOP_MASS)
-    for found, colour, name in (
+    for stack, colour, name in (
         (touching, PALETTE["blue"], "touch"),
         (collisions(5), PALETTE["vermillion"], "collisions"),
     ):
         gaps = np.geomspace(1e-4, 10.0, points)
-        over = found.over_gaps(gaps * found.contact_way)
+        over = stack.over_gaps(gaps * stack.contact_way)
         ax.semilogx(gaps, over.newton, color=colour, label=f"masses best for {name}")
         ax.semilogx(gaps, over.independent, "--", color=colour, lw=1.0)
     ax.set(xlabel="gap / $V t_c$", ylabel="speed of the top ball / $V$", title="N = 5")
@@ -115,14 +109,14 @@ def oblique(points):
         sideways, landing = figure.subplots(1, 2)
         for (name, column), colour in zip(cases.items(), COLOURS[::2], strict=False):
             offsets = np.geomspace(1e-3, 0.5, points) * column.balls[0].radius
-            found = [hl.oblique_drop(column, d) for d in offsets]
+            drops = [hl.oblique_drop(column, d) for d in offsets]
             x = 100.0 * offsets / column.balls[0].radius
-            sideways.loglog(x, [f.sideways_velocity for f in found], color=colour, label=name)
-            sideways.loglog(x, [f.estimate for f in found], ":", color=colour, lw=1.2)
-            landing.loglog(x, [distance(f) for f in found], color=colour)
-            one = hl.oblique_drop(column, 0.01 * column.balls[0].radius)
+            sideways.loglog(x, [f.sideways_velocity for f in drops], color=colour, label=name)
+            sideways.loglog(x, [f.estimate for f in drops], ":", color=colour, lw=1.2)
+            landing.loglog(x, [distance(f) for f in drops], color=colour)
+            near = hl.oblique_drop(column, 0.01 * column.balls[0].radius)
             print(
-                f"{name}: 1 % of R1 gives {one.sideways_velocity:.4g} m/s (estimate {one.estimate:.4g}), {one}"
+                f"{name}: 1 % of R1 gives {near.sideways_velocity:.4g} m/s (estimate {near.estimate:.4g}), {near}"
             )
         sideways.set(xlabel="offset / $R_1$ [%]", ylabel="sideways velocity [m/s]")
         landing.set(xlabel="offset / $R_1$ [%]", ylabel="comes down aside by [m]")
@@ -132,22 +126,14 @@ def oblique(points):
     return figure
 
 
-def distance(found):
+def distance(drop):
     """Lateral distance [m] of the upper ball when it is back at the height at which it left."""
-    return 2.0 * found.sideways_velocity * found.velocities[1, 1] / found.column.gravity
+    return 2.0 * drop.sideways_velocity * drop.velocities[1, 1] / drop.column.gravity
 
 
-def main():
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--sizes", type=int, nargs="+", default=[2, 3, 4, 5, 6, 8, 12, 16, 20])
-    parser.add_argument("--points", type=int, default=60)
-    parser.add_argument("--folder", type=Path, default=Path("docs/images"))
-    given = parser.parse_args()
-    oblique(given.points).savefig(given.folder / "oblique.png", dpi=110)
-    stacks(given.sizes, given.points).savefig(given.folder / "stacks.png", dpi=110)
+def draw():
+    return {"oblique.png": oblique(60), "stacks.png": stacks(SIZES, 60)}
 
 
 if __name__ == "__main__":
-    main()
+    driver.main(driver.Study(file=__file__, draw=draw, dpi=110), __doc__)
