@@ -7,13 +7,33 @@ const out = process.argv[2] ?? "../src/hardlimit/explorer/page";
 mkdirSync(out, { recursive: true });
 
 const define = { TABLES: tables(`${out}/core.wasm`) };
-const common = { define, bundle: true, format: "esm", target: "es2022", minify: true, charset: "utf8", legalComments: "eof" };
+const common = {
+  define,
+  bundle: true,
+  format: "esm",
+  target: "es2022",
+  minify: true,
+  charset: "utf8",
+  legalComments: "eof",
+};
 await build({ ...common, entryPoints: ["src/app/main.ts"], outfile: `${out}/main.js` });
 await build({ ...common, entryPoints: ["src/core/first.ts"], format: "iife", outfile: `${out}/first.js` });
 await build({ ...common, entryPoints: ["src/core/worker.ts"], outfile: `${out}/worker.js` });
 await build({ ...common, entryPoints: ["src/gas/main.ts"], outfile: `${out}/gas.js` });
 await build({ ...common, entryPoints: ["src/gas/worker.ts"], outfile: `${out}/gas_worker.js` });
-await build({ entryPoints: ["src/gas/gas.css"], bundle: true, outfile: `${out}/gas.css`, minify: true, charset: "utf8" });
-await build({ entryPoints: ["src/style/page.css"], bundle: true, outfile: `${out}/style.css`, minify: true, charset: "utf8" });
+await build({
+  entryPoints: ["src/gas/gas.css"],
+  bundle: true,
+  outfile: `${out}/gas.css`,
+  minify: true,
+  charset: "utf8",
+});
+await build({
+  entryPoints: ["src/style/page.css"],
+  bundle: true,
+  outfile: `${out}/style.css`,
+  minify: true,
+  charset: "utf8",
+});
 for (const file of ["index.html", "icon.svg"]) copyFileSync(`src/${file}`, `${out}/${file}`);
 copyFileSync("src/gas/gas.html", `${out}/gas.html`);

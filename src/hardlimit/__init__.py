@@ -55,9 +55,9 @@ _LATER = {
     "boxes.thermostats": ("Andersen", "RandomKicks"),
     "boxes.walls": ("MovingWall",),
     "stacks": ("Stack", "stack"),
-    "verdict": ("check",),
-    "verdict.error_law": ("ErrorLaw", "error_law"),
-    "verdict.result": ("Verdict",),
+    "checking": ("check",),
+    "boxes.error_law": ("ErrorLaw", "error_law"),
+    "checking.result": ("Verdict",),
 }
 
 #: Modules that are imported at first use.

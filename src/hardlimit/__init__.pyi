@@ -50,8 +50,8 @@ from .boxes.thermostats import RandomKicks as RandomKicks
 from .boxes.walls import MovingWall as MovingWall
 from .stacks import Stack as Stack
 from .stacks import stack as stack
-from .verdict import check as check
-from .verdict.error_law import ErrorLaw as ErrorLaw
-from .verdict.error_law import error_law as error_law
-from .verdict.result import Verdict as Verdict
+from .checking import check as check
+from .boxes.error_law import ErrorLaw as ErrorLaw
+from .boxes.error_law import error_law as error_law
+from .checking.result import Verdict as Verdict
 from . import measure as measure

@@ -13,11 +13,11 @@ from hypothesis import strategies as st
 import hardlimit as hl
 from conftest import draws, log_floats, slow
 from hardlimit.boxes.lammps import integration_error
+from hardlimit.checking.scripts.formulas import NUMBER
 from hardlimit.cli import main
 from hardlimit.convert import texts
 from hardlimit.convert.codes import Pair, code, names
 from hardlimit.convert.force import Force, Powers, damping_for
-from hardlimit.scripts.formulas import NUMBER
 
 BALL = hl.Ball(radius=5e-4, density=7850.0)
 BED = [hl.Ball(radius=r, density=2500.0) for r in (5e-4, 1e-3)]

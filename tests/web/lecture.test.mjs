@@ -13,19 +13,28 @@ const open = (...args) => site.open(...args);
 const steps = ["watch", "predict", "slow", "count", "gap", "map"];
 const phone = { viewport: { width: 360, height: 740 }, deviceScaleFactor: 2, isMobile: true, hasTouch: true };
 const say = (step) => `.chapter[data-step="${step}"] .say`;
-const says = (page, step, pattern, options) => page.waitForFunction(([selector, pattern]) => new RegExp(pattern).test(document.querySelector(selector).textContent), [say(step), pattern.source], options);
-const frames = (page) => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+const says = (page, step, pattern, options) =>
+  page.waitForFunction(
+    ([selector, pattern]) => new RegExp(pattern).test(document.querySelector(selector).textContent),
+    [say(step), pattern.source],
+    options,
+  );
+const frames = (page) =>
+  page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
 const goTo = async (page, step) => {
   await page.evaluate((step) => document.querySelector(`.chapter[data-step="${step}"]`).scrollIntoView(), step);
   await frames(page);
 };
-const at = (page, step) => page.waitForFunction((step) => {
-  const q = new URL(location.href).searchParams;
-  return (q.get("story") ?? (q.has("page") || q.has("panel") ? null : "watch")) === step;
-}, step);
+const at = (page, step) =>
+  page.waitForFunction((step) => {
+    const q = new URL(location.href).searchParams;
+    return (q.get("story") ?? (q.has("page") || q.has("panel") ? null : "watch")) === step;
+  }, step);
 const tooHigh = (page) => page.evaluate(() => document.documentElement.scrollHeight - innerHeight); // pixels
-const curveDone = (page) => page.waitForFunction(() => document.getElementById("rebound").dataset.done === "true", null, { timeout: 120_000 });
-const reading = (page, part) => page.waitForFunction((part) => document.getElementById("rebound-reading").textContent.includes(part), part);
+const curveDone = (page) =>
+  page.waitForFunction(() => document.getElementById("rebound").dataset.done === "true", null, { timeout: 120_000 });
+const reading = (page, part) =>
+  page.waitForFunction((part) => document.getElementById("rebound-reading").textContent.includes(part), part);
 
 // What Python says of the column in a file at gaps: heights of the top ball, Newton and independent collisions.
 function heights(toml, gaps) {
@@ -41,22 +50,37 @@ for i, gap in enumerate(json.loads(sys.argv[2])):
         file.write(re.sub(r"gaps = \\[.*\\]", f"gaps = [{float(gap)}]", text))
     out.append([float(solve(read(path)).rebound_heights[-1]) for solve in (hl.newton, hl.independent)])
 print(json.dumps(out))`;
-  return JSON.parse(execFileSync(process.env.PYTHON ?? "python3", ["-c", program, toml, JSON.stringify(gaps)], { encoding: "utf8" }));
+  return JSON.parse(
+    execFileSync(process.env.PYTHON ?? "python3", ["-c", program, toml, JSON.stringify(gaps)], { encoding: "utf8" }),
+  );
 }
 
 test("the page opens with basketball and tennis ball, and says why", async (t) => {
   const page = await open(t);
   assert.equal(await page.inputValue("#preset"), "basketball");
   assert.equal(new URL(page.url()).search, "?page=lab");
-  assert.match(await page.textContent("#why"), /^The floor pushes for 12\.2 ms; the collision model lets the balls meet at the very instant of the floor touch/);
+  assert.match(
+    await page.textContent("#why"),
+    /^The floor pushes for 12\.2 ms; the collision model lets the balls meet at the very instant of the floor touch/,
+  );
   await page.fill("#gap1-value", "5 cm");
   await page.keyboard.press("Tab");
   await page.waitForFunction(() => /has let go when the balls meet/.test(document.getElementById("why").textContent));
   await page.goto(site.base + laboratory("?example=fig2"));
   await solved(page);
-  assert.match(await page.textContent("#why"), /^The floor pushes for 775 µs; the collision model lets the balls meet after 18\.8 µs, while the floor is still pushing\./);
+  assert.match(
+    await page.textContent("#why"),
+    /^The floor pushes for 775 µs; the collision model lets the balls meet after 18\.8 µs, while the floor is still pushing\./,
+  );
   const balls = await page.textContent("#balls");
-  for (const text of ["567 g to 650 g", "ITF, Rules of Tennis", "FIBA", "0.73 to 0.76", "Sports Engineering 2, 23 (1999)"]) assert.ok(balls.includes(text), text);
+  for (const text of [
+    "567 g to 650 g",
+    "ITF, Rules of Tennis",
+    "FIBA",
+    "0.73 to 0.76",
+    "Sports Engineering 2, 23 (1999)",
+  ])
+    assert.ok(balls.includes(text), text);
   assert.match(await page.textContent("#experiments"), /Proc\. R\. Soc\. A 471, 20150286 \(2015\)/);
 });
 
@@ -72,7 +96,11 @@ test("links: what the page opens with, an example by name, own values", async (t
   assert.equal(await linkOf(), "?page=lab");
   await page.goto(site.base + laboratory("?e=0.8"));
   await solved(page);
-  assert.equal(await page.inputValue("#radius1-value"), "10 cm", "a link without a name starts from the paper’s Fig. 2");
+  assert.equal(
+    await page.inputValue("#radius1-value"),
+    "10 cm",
+    "a link without a name starts from the paper’s Fig. 2",
+  );
 });
 
 test("the story: scrolling, chapters, links, history", async (t) => {
@@ -97,12 +125,18 @@ test("the story: scrolling, chapters, links, history", async (t) => {
   await at(page, "slow");
   await page.goBack();
   await at(page, "gap");
-  const titles = await page.$$eval(".chapter h2", (list) => list.filter((x) => x.checkVisibility()).map((x) => x.textContent));
+  const titles = await page.$$eval(".chapter h2", (list) =>
+    list.filter((x) => x.checkVisibility()).map((x) => x.textContent),
+  );
   assert.equal(new Set(titles).size, steps.length);
   await page.click("#leave");
   await page.waitForFunction(() => new URL(location.href).searchParams.get("page") === "lab");
   assert.equal(await page.isVisible("#controls"), true);
-  assert.deepEqual(await page.$$eval("main > .panel", (list) => list.slice(0, 3).map((x) => x.classList[1])), ["film", "controls", "numbers"], "the panels are back in their places");
+  assert.deepEqual(
+    await page.$$eval("main > .panel", (list) => list.slice(0, 3).map((x) => x.classList[1])),
+    ["film", "controls", "numbers"],
+    "the panels are back in their places",
+  );
   await page.goto(site.base + laboratory("?story=nonsense"));
   await solved(page);
   assert.match(await page.textContent("#notes"), /story = “nonsense”/);
@@ -110,7 +144,10 @@ test("the story: scrolling, chapters, links, history", async (t) => {
     await page.goto(`${site.base}?story=${step}`);
     await solved(page);
     await at(page, step);
-    const top = await page.evaluate((step) => document.querySelector(`.chapter[data-step="${step}"]`).getBoundingClientRect().top, step);
+    const top = await page.evaluate(
+      (step) => document.querySelector(`.chapter[data-step="${step}"]`).getBoundingClientRect().top,
+      step,
+    );
     assert.ok(top >= -1 && top < 140, `${step} begins at ${top}`);
   }
   await page.goto(`${site.base}?story=drop`); // a link of an older page
@@ -119,11 +156,12 @@ test("the story: scrolling, chapters, links, history", async (t) => {
 
 test("the story: only drawings in view are drawn again", async (t) => {
   const page = await open(t, "?page=story", { reducedMotion: "no-preference" });
-  const moving = () => page.evaluate(async () => {
-    const before = Object.fromEntries(["duel", "stage"].map((id) => [id, document.getElementById(id).toDataURL()]));
-    await new Promise((done) => setTimeout(done, 500));
-    return Object.keys(before).filter((id) => document.getElementById(id).toDataURL() !== before[id]);
-  });
+  const moving = () =>
+    page.evaluate(async () => {
+      const before = Object.fromEntries(["duel", "stage"].map((id) => [id, document.getElementById(id).toDataURL()]));
+      await new Promise((done) => setTimeout(done, 500));
+      return Object.keys(before).filter((id) => document.getElementById(id).toDataURL() !== before[id]);
+    });
   await page.waitForFunction(() => window.hardlimit.report()?.time);
   assert.deepEqual(await moving(), ["duel"]);
   await goTo(page, "slow");
@@ -158,7 +196,10 @@ test("the story: guess, drop, compare", async (t) => {
   await says(page, "predict", /rises to/, { timeout: 20_000 });
   const told = await page.textContent(say("predict"));
   assert.ok(told.includes(`You said ${guess} m`), told);
-  assert.match(told, /^The tennis ball rises to 1\.6\d m, 1\.3 times as high as where it was let go\..* promises 3\.6\d m\.$/);
+  assert.match(
+    told,
+    /^The tennis ball rises to 1\.6\d m, 1\.3 times as high as where it was let go\..* promises 3\.6\d m\.$/,
+  );
   await page.click("#let-go");
   await says(page, "predict", /Drag the line there/);
   const again = await open(t, new URL(page.url()).search);
@@ -167,7 +208,11 @@ test("the story: guess, drop, compare", async (t) => {
 
 test("the story: counts, curve and map belong to the setting", async (t) => {
   const page = await open(t, "?story=count");
-  await says(page, "count", /touch once, as often as in the collision model; but here the contact overlaps another one in time\./);
+  await says(
+    page,
+    "count",
+    /touch once, as often as in the collision model; but here the contact overlaps another one in time\./,
+  );
   await page.click("#count-other");
   await says(page, "count", /touch four times/);
   assert.equal(await page.textContent("#count-other"), "Count on the basketball");
@@ -175,8 +220,13 @@ test("the story: counts, curve and map belong to the setting", async (t) => {
   await says(page, "count", /touch once/);
   await goTo(page, "gap");
   await at(page, "gap");
-  await says(page, "gap", /Let go touching, the tennis ball reaches 1\.6\d m; [\d.]+ cm apart, 3\.6\d m/, { timeout: 120_000 });
-  assert.match(await page.textContent(".chapter .beside"), /^Of these balls together we know no published heights as numbers; .* the tennis ball would come back to 0\.694 m to 0\.753 m, by the bounce that the rules of the ITF ask of it\.$/);
+  await says(page, "gap", /Let go touching, the tennis ball reaches 1\.6\d m; [\d.]+ cm apart, 3\.6\d m/, {
+    timeout: 120_000,
+  });
+  assert.match(
+    await page.textContent(".chapter .beside"),
+    /^Of these balls together we know no published heights as numbers; .* the tennis ball would come back to 0\.694 m to 0\.753 m, by the bounce that the rules of the ITF ask of it\.$/,
+  );
   await goTo(page, "map");
   await at(page, "map");
   await says(page, "map", /agree to 1 % at no gap of this map/, { timeout: 120_000 });
@@ -212,7 +262,8 @@ test("the story on a phone: a finger scrolls, and drags a ball or the guess", as
   const page = await open(t, "?page=story", { ...phone, reducedMotion: "no-preference" });
   const fingers = await page.context().newCDPSession(page);
   const drag = async (x, y, dy) => {
-    const touch = (type, at) => fingers.send("Input.dispatchTouchEvent", { type, touchPoints: type === "touchEnd" ? [] : [{ x, y: at }] });
+    const touch = (type, at) =>
+      fingers.send("Input.dispatchTouchEvent", { type, touchPoints: type === "touchEnd" ? [] : [{ x, y: at }] });
     await touch("touchStart", y);
     for (let i = 1; i <= 10; i++) await touch("touchMove", y + (i * dy) / 10);
     await touch("touchEnd");
@@ -235,15 +286,23 @@ test("the story on a phone: a finger scrolls, and drags a ball or the guess", as
 test("the balls are sliders: mouse, keys, undo", async (t) => {
   const page = await open(t, "?page=story");
   const setting = () => page.evaluate(() => window.hardlimit.report().setting);
-  const becomes = (what, low, high = low) => page.waitForFunction(([what, low, high]) => {
-    const { current, setting } = window.hardlimit.report();
-    const x = what === "gap" ? setting.gaps[0] : setting.height;
-    return current && x >= low && x <= high;
-  }, [what, low, high]);
+  const becomes = (what, low, high = low) =>
+    page.waitForFunction(
+      ([what, low, high]) => {
+        const { current, setting } = window.hardlimit.report();
+        const x = what === "gap" ? setting.gaps[0] : setting.height;
+        return current && x >= low && x <= high;
+      },
+      [what, low, high],
+    );
   const before = await setting();
   const pause = () => page.waitForTimeout(750); // changes that follow each other more quickly are one step of undo
   const [gap, height] = ["Gap", "Height"].map((name) => page.locator(`#duel-box .handle[aria-label^=${name}]`));
-  assert.deepEqual(await gap.evaluate((x) => [x.role, x.tabIndex, x.getAttribute("aria-valuetext")]), ["slider", 0, "touching"]);
+  assert.deepEqual(await gap.evaluate((x) => [x.role, x.tabIndex, x.getAttribute("aria-valuetext")]), [
+    "slider",
+    0,
+    "touching",
+  ]);
   await gap.focus();
   await page.keyboard.press("ArrowUp");
   await becomes("gap", 0.0005);
@@ -278,7 +337,9 @@ test("one panel: each by itself, with text that grows with the window", async (t
     await page.setViewportSize({ width: 1280, height: 720 });
     await page.goto(`${site.base}?panel=${panel}&gap=0.03&example=basketball`);
     await solved(page);
-    const shown = await page.$$eval("main > .panel", (list) => list.filter((x) => getComputedStyle(x).display !== "none").map((x) => x.className.split(" ")[1]));
+    const shown = await page.$$eval("main > .panel", (list) =>
+      list.filter((x) => getComputedStyle(x).display !== "none").map((x) => x.className.split(" ")[1]),
+    );
     assert.deepEqual(shown, [panel]);
     const size = () => page.evaluate(() => parseFloat(getComputedStyle(document.documentElement).fontSize));
     const small = await size();
@@ -318,7 +379,11 @@ test("from the story: one panel, and the laboratory from there", async (t) => {
 
 // A page on this machine that frames the explorer.
 async function framing(t, source) {
-  const outer = createServer((_, reply) => reply.writeHead(200, { "content-type": "text/html" }).end(`<!doctype html><iframe src="${source}" width="900" height="500"></iframe>`));
+  const outer = createServer((_, reply) =>
+    reply
+      .writeHead(200, { "content-type": "text/html" })
+      .end(`<!doctype html><iframe src="${source}" width="900" height="500"></iframe>`),
+  );
   await new Promise((done) => outer.listen(0, "127.0.0.1", done));
   t.after(() => outer.close());
   const context = await site.browser.newContext({ reducedMotion: "reduce" });
@@ -331,7 +396,9 @@ async function framing(t, source) {
 test("a single panel can be framed, the whole page cannot", async (t) => {
   const page = await framing(t, `${site.base}?panel=rebound&gap=0.03&example=basketball`);
   const frame = page.frames()[1];
-  await frame.waitForFunction(() => document.getElementById("rebound").dataset.done === "true", null, { timeout: 120_000 });
+  await frame.waitForFunction(() => document.getElementById("rebound").dataset.done === "true", null, {
+    timeout: 120_000,
+  });
   assert.equal(await frame.isVisible("#panel-tools"), false);
   const whole = new URL(await frame.getAttribute("#panel-whole", "href"));
   assert.equal(whole.searchParams.get("gap"), "0.03");
@@ -356,12 +423,20 @@ test("rebound heights over the gap are Python's, and a place in the plot chooses
   const seen = [];
   for (const share of [0.35, 0.55, 0.7, 0.85]) {
     await page.mouse.move(box.x + share * box.width, box.y + 0.5 * box.height);
-    await page.waitForFunction((seen) => /^Δh = /.test(document.getElementById("rebound-reading").textContent) && !seen.includes(document.getElementById("rebound-reading").textContent), seen);
+    await page.waitForFunction(
+      (seen) =>
+        /^Δh = /.test(document.getElementById("rebound-reading").textContent) &&
+        !seen.includes(document.getElementById("rebound-reading").textContent),
+      seen,
+    );
     seen.push(await page.textContent("#rebound-reading"));
   }
-  const metre = { "µm": 1e-6, mm: 1e-3, cm: 1e-2, m: 1 };
+  const metre = { µm: 1e-6, mm: 1e-3, cm: 1e-2, m: 1 };
   const told = seen.map((text) => /^Δh = ([\d.]+) (\S+): Newton ([\d.]+) m, ICM ([\d.]+) m$/.exec(text).slice(1));
-  const python = heights(await download.path(), told.map(([x, unit]) => Number(x) * metre[unit]));
+  const python = heights(
+    await download.path(),
+    told.map(([x, unit]) => Number(x) * metre[unit]),
+  );
   told.forEach(([, , newton, icm], i) => {
     assert.ok(Math.abs(Number(newton) / python[i][0] - 1) < 0.02, `${seen[i]}, Python ${python[i]}`); // the gap has three digits
     assert.ok(Math.abs(Number(icm) / python[i][1] - 1) < 0.003, `${seen[i]}, Python ${python[i]}`);
@@ -378,32 +453,52 @@ test("rebound heights over the gap are Python's, and a place in the plot chooses
 
 test("rebound heights over ε and over R₁/R₂, and for every kind of column", async (t) => {
   const page = await open(t);
-  for (const [axis, begin] of [["e", "ε = 0.76"], ["ratio", "R₁/R₂ = 3.63"]]) {
+  for (const [axis, begin] of [
+    ["e", "ε = 0.76"],
+    ["ratio", "R₁/R₂ = 3.63"],
+  ]) {
     await page.selectOption("#rebound-axis", axis);
     await curveDone(page);
     await reading(page, `${begin}`);
     await page.waitForFunction((axis) => new URL(location.href).searchParams.get("curve") === axis, axis);
     assert.match(await page.textContent("#rebound-reading"), /Newton [\d.]+ (?:m|cm), ICM [\d.]+ (?:m|cm)$/);
   }
-  for (const query of ["?example=astro", "?example=cradle", "?example=steel", "?law=tsuji", "?example=cradle&curve=ratio"]) {
+  for (const query of [
+    "?example=astro",
+    "?example=cradle",
+    "?example=steel",
+    "?law=tsuji",
+    "?example=cradle&curve=ratio",
+  ]) {
     await page.goto(site.base + laboratory(query));
     await solved(page);
     await curveDone(page);
-    assert.match(await page.textContent("#rebound-reading"), /Newton [−\d.]+ (?:m|cm|m\/s), ICM (?:[−\d.]+ (?:m|cm|m\/s)|none)$/, query);
+    assert.match(
+      await page.textContent("#rebound-reading"),
+      /Newton [−\d.]+ (?:m|cm|m\/s), ICM (?:[−\d.]+ (?:m|cm|m\/s)|none)$/,
+      query,
+    );
   }
 });
 
 test("measured heights beside both models", async (t) => {
   const page = await open(t);
   await curveDone(page);
-  const load = (name, text) => page.setInputFiles("#measured-file", { name, mimeType: "text/csv", buffer: Buffer.from(text) });
+  const load = (name, text) =>
+    page.setInputFiles("#measured-file", { name, mimeType: "text/csv", buffer: Buffer.from(text) });
   const picture = () => page.evaluate(() => document.getElementById("rebound").toDataURL());
   const empty = await picture();
   await load("bounces.csv", "gap (cm); height (m); uncertainty (m)\n0; 1,02; 0,05\n1; 1,9; 0,1\n5; 3,4\n");
-  await page.waitForFunction(() => document.getElementById("measured-note").textContent.startsWith("bounces.csv: 3 measured heights"));
+  await page.waitForFunction(() =>
+    document.getElementById("measured-note").textContent.startsWith("bounces.csv: 3 measured heights"),
+  );
   await page.waitForFunction((empty) => document.getElementById("rebound").toDataURL() !== empty, empty);
   await load("bad.csv", "gap (mm), height (m)\n1, high\n");
-  await page.waitForFunction(() => document.getElementById("measured-note").textContent === "bad.csv: line 2, height: got “high”, must be a number above 0");
+  await page.waitForFunction(
+    () =>
+      document.getElementById("measured-note").textContent ===
+      "bad.csv: line 2, height: got “high”, must be a number above 0",
+  );
   assert.equal(await page.getAttribute("#measured-note", "role"), "alert");
   await load("restitution.csv", "restitution, height\n0.7, 0.9\n");
   await page.waitForFunction(() => document.getElementById("rebound-axis").value === "e");
@@ -419,25 +514,52 @@ test("A beside B, in one link", async (t) => {
   await page.keyboard.press("Tab");
   await page.fill("#restitution-value", "0.8");
   await page.keyboard.press("Tab");
-  const rows = () => page.$$eval("#compare-table tbody tr", (list) => list.map((tr) => [...tr.children].map((c) => c.textContent)));
-  const told = [["ε", "0.7600", "0.8000"], ["Gap between neighbouring balls Δh", "touching", "5 cm"]];
-  await page.waitForFunction((all) => document.getElementById("compare").dataset.ready === "true" && all.every((text) => document.getElementById("compare-table").textContent.includes(text)), [told[0][2], told[1][2]]);
+  const rows = () =>
+    page.$$eval("#compare-table tbody tr", (list) => list.map((tr) => [...tr.children].map((c) => c.textContent)));
+  const told = [
+    ["ε", "0.7600", "0.8000"],
+    ["Gap between neighbouring balls Δh", "touching", "5 cm"],
+  ];
+  await page.waitForFunction(
+    (all) =>
+      document.getElementById("compare").dataset.ready === "true" &&
+      all.every((text) => document.getElementById("compare-table").textContent.includes(text)),
+    [told[0][2], told[1][2]],
+  );
   const before = await rows();
-  assert.deepEqual(before.slice(0, 2).map((r) => r[0]), told.map((r) => r[0]));
+  assert.deepEqual(
+    before.slice(0, 2).map((r) => r[0]),
+    told.map((r) => r[0]),
+  );
   assert.deepEqual(before[1], told[1]);
   const newton = before.find((r) => r[0] === "Top ball rises to, Newton");
   assert.match(newton[1], /^1\.6\d m$/);
   assert.match(newton[2], /^4\.\d\d m$/);
   const inLink = { "a.example": "basketball", gap: "0.05", e: "0.8" };
-  await page.waitForFunction((wanted) => Object.entries(wanted).every(([name, value]) => new URL(location.href).searchParams.get(name) === value), inLink);
+  await page.waitForFunction(
+    (wanted) =>
+      Object.entries(wanted).every(([name, value]) => new URL(location.href).searchParams.get(name) === value),
+    inLink,
+  );
   const other = await open(t, new URL(page.url()).search);
   await other.waitForFunction(() => document.getElementById("compare").dataset.ready === "true");
-  assert.deepEqual(await other.$$eval("#compare-table tbody tr", (list) => list.map((tr) => [...tr.children].map((c) => c.textContent))), before);
+  assert.deepEqual(
+    await other.$$eval("#compare-table tbody tr", (list) =>
+      list.map((tr) => [...tr.children].map((c) => c.textContent)),
+    ),
+    before,
+  );
   await other.click("#swap");
-  await other.waitForFunction(() => document.getElementById("gap1-value").value === "touching" && document.getElementById("compare-table").textContent.includes("5 cm"));
+  await other.waitForFunction(
+    () =>
+      document.getElementById("gap1-value").value === "touching" &&
+      document.getElementById("compare-table").textContent.includes("5 cm"),
+  );
   await other.click("#unpin");
   assert.equal(await other.isVisible("#compare"), false);
-  await other.waitForFunction(() => ![...new URL(location.href).searchParams.keys()].some((key) => key.startsWith("a.")));
+  await other.waitForFunction(
+    () => ![...new URL(location.href).searchParams.keys()].some((key) => key.startsWith("a.")),
+  );
   const alone = await open(t, "?panel=compare&a.e=0.8");
   await alone.click("#unpin");
   assert.match(await alone.innerText("#compare"), /^A beside B\s+No setting is pinned as A\. [^\n]*$/);
@@ -457,22 +579,40 @@ test("on a phone what comes out stays in sight", async (t) => {
   await page.waitForSelector("#mini", { state: "hidden" });
 });
 
-const views = [...steps.map((step) => `?story=${step}&guess=2.5`), "?panel=film", "?panel=numbers", "?panel=compare&a.example=basketball&gap=0.03&example=basketball", "?a.example=fig2"];
+const views = [
+  ...steps.map((step) => `?story=${step}&guess=2.5`),
+  "?panel=film",
+  "?panel=numbers",
+  "?panel=compare&a.example=basketball&gap=0.03&example=basketball",
+  "?a.example=fig2",
+];
 
 // For screenshots: what is computed in the background is there.
 async function shootWhole(page, name, view) {
   if (!process.env.SHOTS) return;
   if (await page.isVisible("#map")) await mapDone(page);
   if (await page.isVisible("#rebound")) await curveDone(page);
-  await page.waitForFunction(() => document.getElementById("timeline").dataset.computed !== "false" || !document.getElementById("timeline").checkVisibility(), null, { timeout: 120_000 });
-  await shoot(page, `lecture-${name}-${view.replace(/^\?(\w+)=(\w+).*$/, "$1-$2").replace(/^\?.*/, "pinned")}`, { fullPage: view.startsWith("?a") });
+  await page.waitForFunction(
+    () =>
+      document.getElementById("timeline").dataset.computed !== "false" ||
+      !document.getElementById("timeline").checkVisibility(),
+    null,
+    { timeout: 120_000 },
+  );
+  await shoot(page, `lecture-${name}-${view.replace(/^\?(\w+)=(\w+).*$/, "$1-$2").replace(/^\?.*/, "pinned")}`, {
+    fullPage: view.startsWith("?a"),
+  });
 }
 
 // Each view once, in three windows: the colours of both themes, and nothing outside the window.
 for (const view of views)
   test(`accessible, and within the window: ${view}`, async (t) => {
     const page = await open(t, view, { viewport: { width: 1280, height: 720 }, colorScheme: "light" });
-    for (const [name, width, height, colorScheme] of [["light", 1280, 720, "light"], ["dark", 1440, 900, "dark"], ["large", 2560, 1440, "light"]]) {
+    for (const [name, width, height, colorScheme] of [
+      ["light", 1280, 720, "light"],
+      ["dark", 1440, 900, "dark"],
+      ["large", 2560, 1440, "light"],
+    ]) {
       await page.emulateMedia({ colorScheme });
       await page.setViewportSize({ width, height });
       await page.waitForFunction((theme) => document.documentElement.dataset.theme === theme, colorScheme);
@@ -488,7 +628,9 @@ test("accessible, and no wider than a phone", async (t) => {
     await page.goto(site.base + laboratory(view));
     await solved(page);
     await accessible(page, view);
-    const parted = await page.$$eval(".whole", (list) => list.filter((x) => x.checkVisibility() && x.getClientRects().length > 1).map((x) => x.textContent));
+    const parted = await page.$$eval(".whole", (list) =>
+      list.filter((x) => x.checkVisibility() && x.getClientRects().length > 1).map((x) => x.textContent),
+    );
     assert.deepEqual(parted, [], `${view}: numbers that part from their units`);
     assert.ok((await page.locator(".say .whole, .told .whole").count()) > 0, view);
     await shootWhole(page, "phone", view);
@@ -498,14 +640,33 @@ test("accessible, and no wider than a phone", async (t) => {
 // 640 × 360 is a window of 1280 × 720 at 200 %.
 test("the story in windows of every kind: accessible, and nothing over anything else", async (t) => {
   const page = await open(t, "?page=story");
-  for (const [width, height] of [[390, 844], [844, 390], [640, 360], [1280, 720], [1920, 1080]]) {
+  for (const [width, height] of [
+    [390, 844],
+    [844, 390],
+    [640, 360],
+    [1280, 720],
+    [1920, 1080],
+  ]) {
     await page.setViewportSize({ width, height });
     await frames(page);
     await accessible(page, `${width} × ${height}`);
-    const over = await page.$$eval(".chapter", (chapters) => chapters.flatMap((chapter) => {
-      const parts = [...chapter.children].filter((x) => x.checkVisibility()).map((x) => [x, x.getBoundingClientRect()]);
-      return parts.flatMap(([a, r], i) => parts.slice(i + 1).filter(([, q]) => Math.min(r.right, q.right) - Math.max(r.left, q.left) > 1 && Math.min(r.bottom, q.bottom) - Math.max(r.top, q.top) > 1).map(([b]) => `${a.className || a.tagName} over ${b.className || b.tagName}`));
-    }));
+    const over = await page.$$eval(".chapter", (chapters) =>
+      chapters.flatMap((chapter) => {
+        const parts = [...chapter.children]
+          .filter((x) => x.checkVisibility())
+          .map((x) => [x, x.getBoundingClientRect()]);
+        return parts.flatMap(([a, r], i) =>
+          parts
+            .slice(i + 1)
+            .filter(
+              ([, q]) =>
+                Math.min(r.right, q.right) - Math.max(r.left, q.left) > 1 &&
+                Math.min(r.bottom, q.bottom) - Math.max(r.top, q.top) > 1,
+            )
+            .map(([b]) => `${a.className || a.tagName} over ${b.className || b.tagName}`),
+        );
+      }),
+    );
     assert.deepEqual(over, [], `${width} × ${height}`);
     const bar = await page.$$eval(".top, .menu", (list) => list.map((x) => x.getBoundingClientRect().bottom));
     assert.ok(Math.max(...bar) < 80, `${width} × ${height}: the bar is one line`);
@@ -515,16 +676,30 @@ test("the story in windows of every kind: accessible, and nothing over anything 
 test("the page opens with both worlds playing, and its slider changes the gap", async (t) => {
   const page = await open(t, "?page=story", { reducedMotion: "no-preference" });
   await page.waitForFunction(() => document.documentElement.dataset.ready);
-  await says(page, "watch", /^By Newton’s equations the tennis ball rises to 1\.66 m; the textbook, one collision after the other, promises 3\.62 m\.$/);
+  await says(
+    page,
+    "watch",
+    /^By Newton’s equations the tennis ball rises to 1\.66 m; the textbook, one collision after the other, promises 3\.62 m\.$/,
+  );
   const time = () => page.evaluate(() => window.hardlimit.report().time);
   const before = await time();
   await page.waitForFunction((before) => window.hardlimit.report().time !== before, before);
   await page.locator("#watch-gap").fill("900");
-  await page.waitForFunction(() => /m/.test(document.getElementById("watch-gap-said").textContent) && window.hardlimit.report().current && window.hardlimit.report().setting.gaps[0] > 0.01);
-  await page.waitForFunction((say) => document.querySelector(say).textContent === window.hardlimit.report().story[0].text, say("watch")); // soon after
+  await page.waitForFunction(
+    () =>
+      /m/.test(document.getElementById("watch-gap-said").textContent) &&
+      window.hardlimit.report().current &&
+      window.hardlimit.report().setting.gaps[0] > 0.01,
+  );
+  await page.waitForFunction(
+    (say) => document.querySelector(say).textContent === window.hardlimit.report().story[0].text,
+    say("watch"),
+  ); // soon after
   assert.equal(await page.evaluate(() => window.hardlimit.report().verdict.numbers.tolerance), 0.01);
   await page.keyboard.press("Control+z");
-  await page.waitForFunction(() => window.hardlimit.report().current && window.hardlimit.report().setting.gaps[0] === 0);
+  await page.waitForFunction(
+    () => window.hardlimit.report().current && window.hardlimit.report().setting.gaps[0] === 0,
+  );
 });
 
 test("a TOML file that the page has written is read again; a wrong one is refused in one line", async (t) => {
@@ -538,6 +713,12 @@ test("a TOML file that the page has written is read again; a wrong one is refuse
   await page.waitForFunction(() => window.hardlimit.report().setting.law === "linear");
   const { own, gaps, balls } = await page.evaluate(() => window.hardlimit.report().setting);
   assert.deepEqual({ own, gaps, balls }, { own: before.own, gaps: before.gaps, balls: before.balls });
-  await page.setInputFiles("#open-file", { name: "bad.toml", mimeType: "text/plain", buffer: Buffer.from("height = high") });
-  await page.waitForFunction(() => /bad\.toml: not valid TOML: .* \(at line 1, column 10\)/.test(document.getElementById("notes").textContent));
+  await page.setInputFiles("#open-file", {
+    name: "bad.toml",
+    mimeType: "text/plain",
+    buffer: Buffer.from("height = high"),
+  });
+  await page.waitForFunction(() =>
+    /bad\.toml: not valid TOML: .* \(at line 1, column 10\)/.test(document.getElementById("notes").textContent),
+  );
 });

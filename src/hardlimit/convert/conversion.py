@@ -9,8 +9,8 @@ from typing import Any, Final
 
 from .. import _core
 from ..boxes.time_step import accepted_error
+from ..checking.scripts.yade import NUMERICAL_DAMPING
 from ..contact.balls import FLOOR, Ball, Floor
-from ..scripts.yade import NUMERICAL_DAMPING
 from ..support import validation
 from . import texts
 from .codes import Code, Model, Pair, Written, code, names

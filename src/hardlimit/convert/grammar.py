@@ -11,8 +11,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from ..scripts import formulas
-from ..scripts.statements import Statement
+from ..checking.scripts import formulas
+from ..checking.scripts.statements import Statement
 
 # --- C++, namelists, JSON, XML --------------------------------------------------------------------------------
 

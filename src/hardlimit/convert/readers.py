@@ -11,14 +11,14 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
-from ..scripts import granular_words
-from ..scripts.commands import JUMP, NESTING, Commands
-from ..scripts.description import WALL, Quote, Setting, Settings
-from ..scripts.granular_words import NORMAL, PROPERTIES, ordered, unaccelerated
-from ..scripts.liggghts import Property
-from ..scripts.python import Instance, Unknown
-from ..scripts.statements import Statement, refusal, same_word, settings
-from ..scripts.yade import LAWS, NUMERICAL_DAMPING, Yade, entries
+from ..checking.scripts import granular_words
+from ..checking.scripts.commands import JUMP, NESTING, Commands
+from ..checking.scripts.description import WALL, Quote, Setting, Settings
+from ..checking.scripts.granular_words import NORMAL, PROPERTIES, ordered, unaccelerated
+from ..checking.scripts.liggghts import Property
+from ..checking.scripts.python import Instance, Unknown
+from ..checking.scripts.statements import Statement, refusal, same_word, settings
+from ..checking.scripts.yade import LAWS, NUMERICAL_DAMPING, Yade, entries
 from ..support.units import SYSTEMS
 from . import grammar
 

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import ROUND_FLOOR, Context
 
-from ..scripts.description import Setting, Settings
-from ..scripts.formulas import NUMBER
-from ..scripts.statements import refusal
+from ..checking.scripts.description import Setting, Settings
+from ..checking.scripts.formulas import NUMBER
+from ..checking.scripts.statements import refusal
 from ..support import validation
 from ..support.units import SYSTEMS
 from .codes import Code, Model, Pair, listed

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from ..boxes import theory
+from ..boxes.error_law import MEASURED_TC_NU, ErrorLaw, error_law, exponents, softness
 from ..boxes.rules import RULES
 from ..boxes.thermostats import RandomKicks
+from ..checking.expectation import SHEAR_BAR
 from ..support.estimate import Estimate
-from ..verdict.error_law import MEASURED_TC_NU, ErrorLaw, error_law, exponents, softness
-from ..verdict.expectation import SHEAR_BAR
 from .replica import NEWTON
 
 if TYPE_CHECKING:

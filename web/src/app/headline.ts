@@ -8,7 +8,12 @@ export class Headline {
   private readonly announcer = new Announcer();
   private readonly changing = [...document.querySelectorAll<HTMLElement>(".told, .numbers")];
   private readonly heights = new ResizeObserver((entries) => {
-    if (Sheet.moving) for (const { target, borderBoxSize: [{ blockSize }] } of entries) (target as HTMLElement).style.minHeight = `${blockSize}px`;
+    if (Sheet.moving)
+      for (const {
+        target,
+        borderBoxSize: [{ blockSize }],
+      } of entries)
+        (target as HTMLElement).style.minHeight = `${blockSize}px`;
   });
 
   say(newton: string, icm: string, verdict: string): void {
@@ -25,7 +30,8 @@ export class Headline {
   keepHeights(on: boolean): void {
     if (!on) this.heights.disconnect();
     for (const part of this.changing) {
-      if (on) this.heights.observe(part); // reports the height now, too
+      if (on)
+        this.heights.observe(part); // reports the height now, too
       else part.style.minHeight = "";
     }
   }

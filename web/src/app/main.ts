@@ -74,11 +74,21 @@ class Page {
     this.forces = new ForcesPanel(state, this.forcesSheet, this.film);
     this.timeline = new TimelinePanel(state, new Sheet("timeline", resized), this.pool);
     this.map = new MapPanel(state, new Sheet("map", resized), this.pool);
-    this.lecture = new Lecture(state, this.film, this.map, this.pool, moves, (id) => this.load(presets.find((p) => p.id === id)!), resized);
-    find("notes").querySelector("button")!.addEventListener("click", () => {
-      this.note([]);
-      refocus();
-    });
+    this.lecture = new Lecture(
+      state,
+      this.film,
+      this.map,
+      this.pool,
+      moves,
+      (id) => this.load(presets.find((p) => p.id === id)!),
+      resized,
+    );
+    find("notes")
+      .querySelector("button")!
+      .addEventListener("click", () => {
+        this.note([]);
+        refocus();
+      });
     addEventListener("popstate", () => this.goBack());
     addEventListener("resize", () => this.headline.keepHeights(false));
     listenMenu(state, this.pool, this.map, this.timeline.timeline, {
@@ -218,7 +228,8 @@ class Page {
           this.early = window.setTimeout(() => this.tellNumbers(known), state.drop ? shortly : patience);
         },
         done: (result) => this.solved(result),
-        failed: (error) => this.solved({ scenario: ask.scenario, reason: `This setting could not be computed: ${error}` }),
+        failed: (error) =>
+          this.solved({ scenario: ask.scenario, reason: `This setting could not be computed: ${error}` }),
       }),
     );
     return state.lecture.step === null && this.controls.set(state.scenario, this.about, !Sheet.moving);
@@ -242,7 +253,8 @@ class Page {
     state.drop = dropOf(result);
     if (state.view.time !== null) {
       const kept = Math.min(Math.max(state.view.time, result.start), result.stop);
-      if (Math.abs(kept - state.view.time) > 1e-6) this.note([`t = ${state.view.time} s is outside the film: ${digits(kept)} s used`]);
+      if (Math.abs(kept - state.view.time) > 1e-6)
+        this.note([`t = ${state.view.time} s is outside the film: ${digits(kept)} s used`]);
       this.film.seek(kept);
       state.view.time = null;
     } else state.screen = Math.min(share, 1) * state.clock().length;
@@ -295,7 +307,11 @@ class Page {
     const { report, dirty, lecture, drop } = this.state;
     if (!report) return;
     dirty.said = false;
-    this.headline.say(joined(report.newton), report.icm.length > 0 ? joined(report.icm) : "Independent collisions are still being computed.", report.verdict?.text ?? "");
+    this.headline.say(
+      joined(report.newton),
+      report.icm.length > 0 ? joined(report.icm) : "Independent collisions are still being computed.",
+      report.verdict?.text ?? "",
+    );
     this.lecture.told(report);
     root.dataset.answer = report.verdict?.answer ?? "";
     if (lecture.step === null) this.fillLaboratory(report);
@@ -335,8 +351,22 @@ class Page {
     const { report, scenario, view, lecture } = this.state;
     if (!report) return null;
     const { read, all } = this.lecture.sentences();
-    const sentences: Sentence[] = [...report.newton, ...report.icm, ...report.why, ...(report.verdict ? [report.verdict] : []), ...all];
-    return { ...report, current: JSON.stringify(report.setting) === JSON.stringify(scenario), step: lecture.step, story: read, sentences, time: this.state.time(), tolerance: view.tolerance };
+    const sentences: Sentence[] = [
+      ...report.newton,
+      ...report.icm,
+      ...report.why,
+      ...(report.verdict ? [report.verdict] : []),
+      ...all,
+    ];
+    return {
+      ...report,
+      current: JSON.stringify(report.setting) === JSON.stringify(scenario),
+      step: lecture.step,
+      story: read,
+      sentences,
+      time: this.state.time(),
+      tolerance: view.tolerance,
+    };
   };
 
   private fillTolerances(): void {
@@ -365,7 +395,8 @@ class Page {
       state.dirty.solve = false;
       if (this.solve()) return;
     }
-    if ((state.dirty.said || (state.dirty.laboratory && state.lecture.step === null)) && now - this.told >= Sheet.often) this.tellReport();
+    if ((state.dirty.said || (state.dirty.laboratory && state.lecture.step === null)) && now - this.told >= Sheet.often)
+      this.tellReport();
     if (state.drop && state.playing && this.lecture.plays) this.film.advance(passed);
     const plots = this.drawPlots(now);
     const film = state.dirty.stage && state.drop !== null;

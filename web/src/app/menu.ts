@@ -27,7 +27,10 @@ export function listenMenu(state: State, pool: Pool, map: MapPanel, timeline: Ti
   find("copy").addEventListener("click", () => {
     history.replaceState(null, "", state.link());
     const done = navigator.clipboard?.writeText(state.link()) ?? Promise.reject(new Error("no clipboard"));
-    done.then(() => say("copy", "Copied"), () => say("copy", "In address bar"));
+    done.then(
+      () => say("copy", "Copied"),
+      () => say("copy", "In address bar"),
+    );
   });
   const menu = find<HTMLDetailsElement>("menu");
   addEventListener("pointerdown", (e) => {
@@ -40,11 +43,19 @@ export function listenMenu(state: State, pool: Pool, map: MapPanel, timeline: Ti
   });
   find("undo").addEventListener("click", () => act.undo());
   addEventListener("keydown", (e) => {
-    if (e.key !== "z" || !(e.ctrlKey || e.metaKey) || e.shiftKey || (e.target as HTMLElement).closest("input[type=text]")) return;
+    if (
+      e.key !== "z" ||
+      !(e.ctrlKey || e.metaKey) ||
+      e.shiftKey ||
+      (e.target as HTMLElement).closest("input[type=text]")
+    )
+      return;
     e.preventDefault();
     act.undo();
   });
-  find("toml").addEventListener("click", () => save("drop.toml", new Blob([toToml(state.scenario)], { type: "application/toml" })));
+  find("toml").addEventListener("click", () =>
+    save("drop.toml", new Blob([toToml(state.scenario)], { type: "application/toml" })),
+  );
   const file = find<HTMLInputElement>("open-file");
   find("open").addEventListener("click", () => file.click());
   file.addEventListener("change", () => {
@@ -72,8 +83,10 @@ async function open(file: File, act: MenuActions): Promise<void> {
 // Waits briefly for the map.
 function savePicture(state: State, panel: MapPanel, timeline: Timeline, asked: number): void {
   const { map } = panel;
-  if (map.elapsed === null && performance.now() - asked < 3000) setTimeout(() => savePicture(state, panel, timeline, asked), 50);
-  else if (state.drop) picture(state, timeline, map, panel.marked()).toBlob((blob) => blob && save("drop.png", blob), "image/png");
+  if (map.elapsed === null && performance.now() - asked < 3000)
+    setTimeout(() => savePicture(state, panel, timeline, asked), 50);
+  else if (state.drop)
+    picture(state, timeline, map, panel.marked()).toBlob((blob) => blob && save("drop.png", blob), "image/png");
 }
 
 function save(name: string, content: Blob): void {

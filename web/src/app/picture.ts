@@ -8,7 +8,12 @@ import { constantAt, constants, constantsOf, type Scenario } from "../scenario/s
 import type { State } from "../state/state";
 import type { Timeline } from "../views/timeline";
 
-export function picture(state: State, timeline: Timeline, map: ContactMap, marked: [number, number]): HTMLCanvasElement {
+export function picture(
+  state: State,
+  timeline: Timeline,
+  map: ContactMap,
+  marked: [number, number],
+): HTMLCanvasElement {
   const [width, height] = [1600, 1200];
   const [canvas, g] = sharpCanvas(width, height);
   const { theme } = state;
@@ -50,6 +55,11 @@ function sharpCanvas(width: number, height: number): [HTMLCanvasElement, CanvasR
 function parameters(s: Scenario): string {
   const radii = s.balls.map((b) => withUnit(b.radius, "m")).join(", ");
   const gaps = s.gaps.map((x) => withUnit(x, "m")).join(", ");
-  const law = constantsOf(s).map((name) => `${constants[name].symbol} = ${[...new Set(s.balls.map((_, i) => withUnit(constantAt(s, name, i), constants[name].range.unit)))].join(" and ")}`).join(", ");
+  const law = constantsOf(s)
+    .map(
+      (name) =>
+        `${constants[name].symbol} = ${[...new Set(s.balls.map((_, i) => withUnit(constantAt(s, name, i), constants[name].range.unit)))].join(" and ")}`,
+    )
+    .join(", ");
   return `ε = ${s.restitution}, radii ${radii}, gaps ${gaps}, ${s.cradle ? "cradle" : `height ${withUnit(s.height, "m")}`}, ${law}`;
 }

@@ -61,7 +61,8 @@ export class ContactMap {
     this.resolution = this.sent = this.perPoint = 0;
     this.computing = this.computed = 0;
     this.began = NaN;
-    for (const stride of strides) for (let column = 0; column < SIDE; column += stride) this.queue.push({ stride, column, from: 0 });
+    for (const stride of strides)
+      for (let column = 0; column < SIDE; column += stride) this.queue.push({ stride, column, from: 0 });
     this.column = columnOf(scenario);
     this.axis = axis;
     this.pool.wake();
@@ -109,7 +110,9 @@ export class ContactMap {
     this.computed += n;
     const perPoint = Math.max(ms / n, 1e-4);
     this.perPoint = this.perPoint > 0 ? 0.5 * (this.perPoint + perPoint) : perPoint;
-    batch.at.forEach((place, k) => this.raster.take(place, batch.stride, values.subarray(MAP_VALUES * k, MAP_VALUES * (k + 1))));
+    batch.at.forEach((place, k) =>
+      this.raster.take(place, batch.stride, values.subarray(MAP_VALUES * k, MAP_VALUES * (k + 1))),
+    );
     const level = this.levelDone();
     const over = this.queue.length === 0 && this.sent === 0;
     if (over) this.elapsed = performance.now() - this.began;
@@ -146,7 +149,16 @@ export class ContactMap {
     this.raster.setShow(show);
   }
 
-  draw(g: CanvasRenderingContext2D, w: number, h: number, axis: MapAxis, mark: [number, number], theme: Theme, agreement: Agreement | null, view: Box = this.box): MapLayout {
+  draw(
+    g: CanvasRenderingContext2D,
+    w: number,
+    h: number,
+    axis: MapAxis,
+    mark: [number, number],
+    theme: Theme,
+    agreement: Agreement | null,
+    view: Box = this.box,
+  ): MapLayout {
     if (this.elapsed !== null) this.before = null;
     const { show, greatest } = this.raster;
     const layers = [...(this.before ? [this.before] : []), { sheet: this.raster.picture(), box: this.box }];

@@ -60,7 +60,10 @@ export class MapPanel {
     }
     if (axis.value !== view.map.axis) axis.value = view.map.axis;
     if (show.value !== view.map.show) show.value = view.map.show;
-    setText(find("map-title"), view.map.axis === "gap" ? "Every ε and every gap" : "Every ε and every size of the lower ball");
+    setText(
+      find("map-title"),
+      view.map.axis === "gap" ? "Every ε and every gap" : "Every ε and every size of the lower ball",
+    );
   }
 
   // The map of ε_eff/ε over the gap, if available.
@@ -86,7 +89,9 @@ export class MapPanel {
     if (view.map.show === "count" || view.map.axis !== "gap") return null;
     const { points } = this.agreement;
     if (points.length === 0) return null;
-    return points.reduce((a, b) => (Math.abs(b.restitution - scenario.restitution) < Math.abs(a.restitution - scenario.restitution) ? b : a)).gap;
+    return points.reduce((a, b) =>
+      Math.abs(b.restitution - scenario.restitution) < Math.abs(a.restitution - scenario.restitution) ? b : a,
+    ).gap;
   }
 
   // Restarts if the map does not show this scenario.
@@ -139,7 +144,8 @@ export class MapPanel {
   // Where the models agree, once the map is complete.
   private findAgreement(): void {
     const { scenario, view } = this.state;
-    if (this.map.elapsed !== null && view.map.axis === "gap" && view.map.show !== "count") this.agreement.refresh(scenario, this.box(), view.tolerance);
+    if (this.map.elapsed !== null && view.map.axis === "gap" && view.map.show !== "count")
+      this.agreement.refresh(scenario, this.box(), view.tolerance);
   }
 
   private draw(): void {
@@ -159,7 +165,12 @@ export class MapPanel {
 
   private tellState(): void {
     const { elapsed, progress, resolution } = this.map;
-    setText(find("map-state"), elapsed === null ? `${Math.floor(100 * progress)} % computed` : `${resolution} × ${resolution} points in ${digits(elapsed / 1000, 2)} s`);
+    setText(
+      find("map-state"),
+      elapsed === null
+        ? `${Math.floor(100 * progress)} % computed`
+        : `${resolution} × ${resolution} points in ${digits(elapsed / 1000, 2)} s`,
+    );
   }
 
   // ---- changes ----------------------------------------------------------------------------------------

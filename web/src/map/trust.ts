@@ -33,18 +33,31 @@ export class Agreement {
     this.points = [];
     this.tolerance = tolerance;
     const restitution = Array.from({ length: columns }, (_, i) => x[0] + ((x[1] - x[0]) * i) / (columns - 1));
-    void this.pool.ask("agreement", { column: columnOf(scenario), restitution, low: y[0], high: y[1], tolerance }).then((gaps) => {
-      if (key !== this.key) return;
-      this.points = restitution.map((e, i) => ({ restitution: e, gap: gaps[i] }));
-      this.changed();
-    });
+    void this.pool
+      .ask("agreement", { column: columnOf(scenario), restitution, low: y[0], high: y[1], tolerance })
+      .then((gaps) => {
+        if (key !== this.key) return;
+        this.points = restitution.map((e, i) => ({ restitution: e, gap: gaps[i] }));
+        this.changed();
+      });
   }
 }
 
-export function drawTrust(g: CanvasRenderingContext2D, { points, tolerance }: Agreement, x: Scale, y: Scale, f: Frame, theme: Theme, size: number): void {
+export function drawTrust(
+  g: CanvasRenderingContext2D,
+  { points, tolerance }: Agreement,
+  x: Scale,
+  y: Scale,
+  f: Frame,
+  theme: Theme,
+  size: number,
+): void {
   const shown = points.filter((p) => Number.isFinite(p.gap) && p.restitution >= x.low && p.restitution <= x.high);
   if (shown.length < 2) return;
-  for (const [color, width] of [["#14161a", 6], ["#ffffff", 3]] as const) {
+  for (const [color, width] of [
+    ["#14161a", 6],
+    ["#ffffff", 3],
+  ] as const) {
     g.strokeStyle = color;
     g.lineWidth = width * grown(size);
     g.lineJoin = "round";
@@ -67,7 +80,10 @@ export function drawTrust(g: CanvasRenderingContext2D, { points, tolerance }: Ag
   g.lineJoin = "round";
   g.strokeStyle = "#14161a";
   g.fillStyle = "#ffffff";
-  const at: [number, number] = [f.left + 0.5 * f.width, Math.max(Math.min(...shown.map((p) => y.at(p.gap))) - 0.4 * size, f.top + 1.5 * size)];
+  const at: [number, number] = [
+    f.left + 0.5 * f.width,
+    Math.max(Math.min(...shown.map((p) => y.at(p.gap))) - 0.4 * size, f.top + 1.5 * size),
+  ];
   const long = `models agree to ${inPercent(tolerance)} above this line`;
   const said = g.measureText(long).width < 0.9 * f.width ? long : "models agree above";
   g.strokeText(said, ...at);

@@ -22,6 +22,7 @@ export function chosen<F>(cases: readonly Case<F>[], facts: F): Sentence | null 
 }
 
 // All rows whose condition holds, in order.
-export const allOf = <F>(cases: readonly Case<F>[], facts: F): Sentence[] => cases.filter((c) => c.when(facts)).map((c) => chosen([c], facts)!);
+export const allOf = <F>(cases: readonly Case<F>[], facts: F): Sentence[] =>
+  cases.filter((c) => c.when(facts)).map((c) => chosen([c], facts)!);
 
 export const joined = (sentences: Sentence[]): string => sentences.map((s) => s.text).join(" ");

@@ -14,31 +14,79 @@ const before = (f: VerdictFacts): string => (f.floor ? " before the second floor
 const outcome = (run: Track["run"]): string => run.message.split(":")[0];
 
 export const verdictCases: Case<VerdictFacts>[] = [
-  { id: "newton-unclear", when: (f) => f.ground === "newton-unclear", say: (f) => `No verdict: the outcome of Newton’s equations is “${outcome(f.newtonRun)}”.` },
-  { id: "independent-unclear", when: (f) => f.ground === "independent-unclear", say: (f) => `No verdict: the outcome of the event-driven model is “${outcome(f.icmRun)}”.` },
-  { id: "no-contact", when: (f) => f.ground === "no-contact", say: () => "No verdict: the balls do not meet before the second floor contact." },
-  { id: "newton-at-rest", when: (f) => f.ground === "newton-at-rest", say: () => "No: under Newton’s equations a contact never ends, but event-driven collisions are instantaneous." },
   {
-    id: "collapse", when: (f) => f.ground === "collapse",
-    say: () => "No: the event-driven sequence ends in an inelastic collapse, infinitely many collisions in a finite time; that of Newton’s equations does not.",
+    id: "newton-unclear",
+    when: (f) => f.ground === "newton-unclear",
+    say: (f) => `No verdict: the outcome of Newton’s equations is “${outcome(f.newtonRun)}”.`,
   },
   {
-    id: "independent-at-rest", when: (f) => f.ground === "independent-at-rest",
-    say: () => "No: the event-driven sequence comes to rest by infinitely many collisions in a finite time; that of Newton’s equations does not.",
+    id: "independent-unclear",
+    when: (f) => f.ground === "independent-unclear",
+    say: (f) => `No verdict: the outcome of the event-driven model is “${outcome(f.icmRun)}”.`,
   },
-  { id: "only-newton-meets", when: (f) => f.ground === "only-newton-meets", say: (f) => `No: the balls meet under Newton’s equations but not in the event-driven model${before(f)}.` },
-  { id: "only-independent-meets", when: (f) => f.ground === "only-independent-meets", say: (f) => `No: the balls meet in the event-driven model but not under Newton’s equations${before(f)}.` },
-  { id: "by-luck", when: (f) => f.answer === "by luck", say: (f) => `Only by luck: ${contacts(f)}, yet ${difference(f)}.`, numbers },
+  {
+    id: "no-contact",
+    when: (f) => f.ground === "no-contact",
+    say: () => "No verdict: the balls do not meet before the second floor contact.",
+  },
+  {
+    id: "newton-at-rest",
+    when: (f) => f.ground === "newton-at-rest",
+    say: () => "No: under Newton’s equations a contact never ends, but event-driven collisions are instantaneous.",
+  },
+  {
+    id: "collapse",
+    when: (f) => f.ground === "collapse",
+    say: () =>
+      "No: the event-driven sequence ends in an inelastic collapse, infinitely many collisions in a finite time; that of Newton’s equations does not.",
+  },
+  {
+    id: "independent-at-rest",
+    when: (f) => f.ground === "independent-at-rest",
+    say: () =>
+      "No: the event-driven sequence comes to rest by infinitely many collisions in a finite time; that of Newton’s equations does not.",
+  },
+  {
+    id: "only-newton-meets",
+    when: (f) => f.ground === "only-newton-meets",
+    say: (f) => `No: the balls meet under Newton’s equations but not in the event-driven model${before(f)}.`,
+  },
+  {
+    id: "only-independent-meets",
+    when: (f) => f.ground === "only-independent-meets",
+    say: (f) => `No: the balls meet in the event-driven model but not under Newton’s equations${before(f)}.`,
+  },
+  {
+    id: "by-luck",
+    when: (f) => f.answer === "by luck",
+    say: (f) => `Only by luck: ${contacts(f)}, yet ${difference(f)}.`,
+    numbers,
+  },
   { id: "yes", when: (f) => f.answer === "yes", say: (f) => `Yes: ${contacts(f)}, and ${difference(f)}.`, numbers },
-  { id: "no", when: () => true, say: (f) => `No: ${contacts(f)}${f.overlapping ? ";" : ", yet"} ${difference(f)}.`, numbers },
+  {
+    id: "no",
+    when: () => true,
+    say: (f) => `No: ${contacts(f)}${f.overlapping ? ";" : ", yet"} ${difference(f)}.`,
+    numbers,
+  },
 ];
 
 function numbers(f: VerdictFacts): Numbers {
-  return { overlapping: f.overlapping, contacts: f.newtonRun.nContacts, error: f.error, independent: f.independent, newton: f.newton, tolerance: f.tolerance };
+  return {
+    overlapping: f.overlapping,
+    contacts: f.newtonRun.nContacts,
+    error: f.error,
+    independent: f.independent,
+    newton: f.newton,
+    tolerance: f.tolerance,
+  };
 }
 
 function contacts(f: VerdictFacts): string {
-  return overlaps(f.overlapping, f.newtonRun.nContacts) + (f.later ? ", under one model the last one follows the second floor contact" : "");
+  return (
+    overlaps(f.overlapping, f.newtonRun.nContacts) +
+    (f.later ? ", under one model the last one follows the second floor contact" : "")
+  );
 }
 
 function overlaps(overlap: number, n: number): string {
@@ -48,10 +96,14 @@ function overlaps(overlap: number, n: number): string {
 }
 
 function difference(f: VerdictFacts): string {
-  if (f.ground === "newton-touches-again") return "under Newton’s equations the second floor contact begins before the balls separate";
-  if (f.ground === "independent-touches-again") return "in the event-driven model the second floor contact begins before the balls separate";
+  if (f.ground === "newton-touches-again")
+    return "under Newton’s equations the second floor contact begins before the balls separate";
+  if (f.ground === "independent-touches-again")
+    return "in the event-driven model the second floor contact begins before the balls separate";
   const what = f.ball < 0 ? "separation velocity" : `final velocity of ball ${f.ball + 1}`;
-  return f.error <= f.tolerance ? `the event-driven ${what} is right to ${roundedUp(f.error)}` : `the event-driven ${what} is ${both(f.independent, f.newton)}`;
+  return f.error <= f.tolerance
+    ? `the event-driven ${what} is right to ${roundedUp(f.error)}`
+    : `the event-driven ${what} is ${both(f.independent, f.newton)}`;
 }
 
 // Two velocities with as many digits as needed to differ.

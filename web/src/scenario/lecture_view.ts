@@ -19,7 +19,13 @@ export interface LectureView {
   pin: Scenario | null; // setting A
 }
 
-export const firstLectureView = (): LectureView => ({ step: "watch", guess: null, panel: null, curve: "gap", pin: null });
+export const firstLectureView = (): LectureView => ({
+  step: "watch",
+  guess: null,
+  panel: null,
+  curve: "gap",
+  pin: null,
+});
 
 export const highestGuess = 1000; // m
 
@@ -39,7 +45,8 @@ export function scenarioToQuery(s: Scenario, q: URLSearchParams): void {
   for (const [key, value] of own) q.set(key, value);
 }
 
-const scenarioKeys = (): Set<string> => new Set(presets.flatMap((p) => [...queryOf(p.scenario).keys()]).concat("u", "setup", "law"));
+const scenarioKeys = (): Set<string> =>
+  new Set(presets.flatMap((p) => [...queryOf(p.scenario).keys()]).concat("u", "setup", "law"));
 const describes = (q: URLSearchParams): boolean => [...q.keys()].some((key) => scenarioKeys().has(key));
 
 // The example that a link without a name starts from.
@@ -81,7 +88,9 @@ export function lectureFromQuery(v: LectureView, q: URLSearchParams, notes: stri
     if (x >= 0 && x <= highestGuess) v.guess = x;
     else notes.push(`guess = “${guess.slice(0, 20)}” is not a height from 0 to ${highestGuess} m: left out`);
   }
-  const own = new URLSearchParams([...q].filter(([key]) => key.startsWith(prefix)).map(([key, value]) => [key.slice(prefix.length), value]));
+  const own = new URLSearchParams(
+    [...q].filter(([key]) => key.startsWith(prefix)).map(([key, value]) => [key.slice(prefix.length), value]),
+  );
   if (own.size === 0) return;
   const named = presets.find((p) => p.id === own.get("example")) ?? presets.find((p) => p.id === baseOf(own))!;
   v.pin = copyOf(named.scenario);

@@ -37,7 +37,9 @@ export class Frames {
   }
 
   fullScreen(): void {
-    const asked = document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen?.();
+    const asked = document.fullscreenElement
+      ? document.exitFullscreen()
+      : document.documentElement.requestFullscreen?.();
     asked?.catch(() => undefined); // the browser may refuse; the page still fills its window
   }
 }
@@ -52,7 +54,9 @@ export class SinglePanel {
     private readonly state: State,
     private readonly changed: () => void,
   ) {
-    find<HTMLSelectElement>("panel-choice").addEventListener("change", (e) => this.go((e.target as HTMLSelectElement).value as PanelName));
+    find<HTMLSelectElement>("panel-choice").addEventListener("change", (e) =>
+      this.go((e.target as HTMLSelectElement).value as PanelName),
+    );
     find("panel-full").addEventListener("click", () => frames.fullScreen());
     find("panel-leave").addEventListener("click", () => this.go(null));
     find("enlarge").addEventListener("click", () => this.go("film"));

@@ -19,7 +19,16 @@ export class State {
   theme!: Theme; // given by the ThemeSwitch
   screen = 0; // time in the film [s on the screen]
   playing = false;
-  readonly dirty = { solve: true, plots: true, timeline: true, mapPicture: true, stage: true, said: true, laboratory: true, computed: false };
+  readonly dirty = {
+    solve: true,
+    plots: true,
+    timeline: true,
+    mapPicture: true,
+    stage: true,
+    said: true,
+    laboratory: true,
+    computed: false,
+  };
   private linkTimer = 0;
 
   // `edited` is called when a part of the page has changed the scenario.

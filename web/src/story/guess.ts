@@ -52,18 +52,37 @@ export class Guess {
   draw(size: number): void {
     const { state, sheet, view } = this;
     const drop = state.drop!;
-    const button = { before: drop.scenario.cradle ? "Let it go" : "Let them drop", falling: "Stop", over: "Try again" }[this.fall];
+    const button = { before: drop.scenario.cradle ? "Let it go" : "Let them drop", falling: "Stop", over: "Try again" }[
+      this.fall
+    ];
     setText(find("let-go"), button);
     if (sheet.width < 40 || !sheet.seen) return;
-    const time = this.fall === "before" ? drop.start : this.fall === "over" ? drop.stop : drop.realTime.toPhysical(this.fallen);
+    const time =
+      this.fall === "before" ? drop.start : this.fall === "over" ? drop.stop : drop.realTime.toPhysical(this.fallen);
     const balls = { newton: drop.motion.newton.at(time), icm: drop.motion.icm.at(time) };
     this.layout = null;
     if (drop.scenario.cradle) {
       sheet.g.clearRect(0, 0, sheet.width, sheet.height);
-      drawTrueScale(sheet.g, { x: 0, y: 0, w: sheet.width, h: sheet.height }, drop, { time, rate: 1, ...balls }, state.theme, "");
+      drawTrueScale(
+        sheet.g,
+        { x: 0, y: 0, w: sheet.width, h: sheet.height },
+        drop,
+        { time, rate: 1, ...balls },
+        state.theme,
+        "",
+      );
     } else {
-      const reached = [drop.newton, drop.icm].map((t) => (this.fall === "over" ? t.peaks[t.peaks.length - 1] : NaN)) as [number, number];
-      this.layout = drawTale(sheet.g, sheet.width, sheet.height, { drop, falling: this.fall !== "before", guess: view.guess, reached, ...balls }, Math.min(Math.max(size, 14), sheet.width / 22), state.theme);
+      const reached = [drop.newton, drop.icm].map((t) =>
+        this.fall === "over" ? t.peaks[t.peaks.length - 1] : NaN,
+      ) as [number, number];
+      this.layout = drawTale(
+        sheet.g,
+        sheet.width,
+        sheet.height,
+        { drop, falling: this.fall !== "before", guess: view.guess, reached, ...balls },
+        Math.min(Math.max(size, 14), sheet.width / 22),
+        state.theme,
+      );
     }
     this.placeHandle();
   }
@@ -72,7 +91,12 @@ export class Guess {
     const { layout, view, sheet } = this;
     if (!layout || this.fall !== "before") return this.handle.place(null);
     const height = view.guess ?? layout.asked;
-    this.handle.place({ x: 0.5 * (layout.left + layout.right), y: Math.max(layout.floor - height * layout.scale, 0), width: Math.min(layout.right, sheet.width) - layout.left, height: 44 });
+    this.handle.place({
+      x: 0.5 * (layout.left + layout.right),
+      y: Math.max(layout.floor - height * layout.scale, 0),
+      width: Math.min(layout.right, sheet.width) - layout.left,
+      height: 44,
+    });
     this.handle.refresh();
   }
 

@@ -53,7 +53,15 @@ export class Lecture {
       load,
     };
     const changed = (): void => void (this.story.dirty = true);
-    this.story = new Story(state, view, film, this.frames, hand, new Watch(state, film, new Sheet("duel", resized), moves), new Guess(state, view, new Sheet("tale", resized), moves, changed));
+    this.story = new Story(
+      state,
+      view,
+      film,
+      this.frames,
+      hand,
+      new Watch(state, film, new Sheet("duel", resized), moves),
+      new Guess(state, view, new Sheet("tale", resized), moves, changed),
+    );
     later(fillMeasured);
     this.placed = state.view.time !== null;
     this.show();

@@ -29,7 +29,15 @@ export class Story {
   moved = true; // the film only
   private readonly chapters = steps.map((step) => {
     const section = document.querySelector<HTMLElement>(`.chapter[data-step="${step}"]`)!;
-    return { step, section, title: section.querySelector("h2")!, text: section.querySelector<HTMLElement>(".say")!, beside: section.querySelector<HTMLElement>(".beside"), said: "", seen: true };
+    return {
+      step,
+      section,
+      title: section.querySelector("h2")!,
+      text: section.querySelector<HTMLElement>(".say")!,
+      beside: section.querySelector<HTMLElement>(".beside"),
+      said: "",
+      seen: true,
+    };
   });
   private readonly order = [...find("story").parentElement!.children]; // of the laboratory
   private readonly arrived = new Set<Step>();
@@ -54,11 +62,13 @@ export class Story {
         e.preventDefault();
         this.go(null);
       });
-    for (const button of find("chapters").querySelectorAll("button")) button.addEventListener("click", () => this.go(button.dataset.step as Step));
+    for (const button of find("chapters").querySelectorAll("button"))
+      button.addEventListener("click", () => this.go(button.dataset.step as Step));
     find("count-other").addEventListener("click", () => hand.load(find("count-other").dataset.example!));
     addEventListener("scroll", () => (this.scrolled = true), { passive: true });
     addEventListener("resize", () => (this.scrolled = true));
-    for (const act of ["wheel", "touchmove", "keydown"]) addEventListener(act, () => (this.aim = null), { passive: true });
+    for (const act of ["wheel", "touchmove", "keydown"])
+      addEventListener(act, () => (this.aim = null), { passive: true });
   }
 
   go(step: Step | null): void {
@@ -73,7 +83,9 @@ export class Story {
       this.hand.left();
     }
     history.replaceState(null, "", state.link());
-    find(step ? "chapters" : "tell").querySelector<HTMLElement>(`[data-step="${step}"]`)?.focus({ preventScroll: true });
+    find(step ? "chapters" : "tell")
+      .querySelector<HTMLElement>(`[data-step="${step}"]`)
+      ?.focus({ preventScroll: true });
     if (!step) find("tell").focus({ preventScroll: true });
   }
 
@@ -90,7 +102,8 @@ export class Story {
     find("story").hidden = step === null;
     this.kept = null;
     if (step === null) {
-      if (!find("story").parentElement!.querySelector(":scope > .film")) find("story").parentElement!.append(...this.order);
+      if (!find("story").parentElement!.querySelector(":scope > .film"))
+        find("story").parentElement!.append(...this.order);
       return;
     }
     if (step === "watch") later(() => this.gather());
@@ -121,7 +134,11 @@ export class Story {
   // Each panel into its chapter.
   private gather(): void {
     if (!this.view.step) return;
-    for (const { section, text } of this.chapters) text.after(...(section.dataset.panels?.split(" ") ?? []).map((name) => document.querySelector(`.panel.${name}`)!), ...section.querySelectorAll(".watch, .tale"));
+    for (const { section, text } of this.chapters)
+      text.after(
+        ...(section.dataset.panels?.split(" ") ?? []).map((name) => document.querySelector(`.panel.${name}`)!),
+        ...section.querySelectorAll(".watch, .tale"),
+      );
   }
 
   prepare(): void {

@@ -35,7 +35,14 @@ export function rulerTop(d: Drop, guess: number | null, falling: boolean): numbe
   return Math.max(least, seen, 1.1 * (guess ?? 0));
 }
 
-export function drawTale(g: CanvasRenderingContext2D, whole: number, h: number, t: Tale, size: number, theme: Theme): TaleLayout {
+export function drawTale(
+  g: CanvasRenderingContext2D,
+  whole: number,
+  h: number,
+  t: Tale,
+  size: number,
+  theme: Theme,
+): TaleLayout {
   g.clearRect(0, 0, whole, h);
   const room = !t.falling && whole > 39 * size; // for the balls themselves, with what is written beside them
   const w = room ? 0.52 * whole : whole;
@@ -48,7 +55,10 @@ export function drawTale(g: CanvasRenderingContext2D, whole: number, h: number, 
   drawRuler(g, left, w, floor, scale, top, size, theme);
   const lanes = t.falling ? 2 : 1;
   const lane = (w - left) / lanes;
-  const columns: ["newton" | "icm", string, Balls][] = [["newton", newton.label, t.newton], ["icm", lane > 16 * size ? capital(independent.label) : independent.short, t.icm]];
+  const columns: ["newton" | "icm", string, Balls][] = [
+    ["newton", newton.label, t.newton],
+    ["icm", lane > 16 * size ? capital(independent.label) : independent.short, t.icm],
+  ];
   const release = releaseHeight(t.drop);
   const said = t.falling && lane < 16 * size ? "" : `let go at ${metres(release)}`; // heights need the room
   drawLevel(g, left, w, floor - release * scale, said, theme.muted, [2, 5], 1.5, size, theme, "left");
@@ -85,12 +95,33 @@ export function drawTale(g: CanvasRenderingContext2D, whole: number, h: number, 
     g.textBaseline = "middle";
     halo(g, "↕ drag: my guess", left + 0.5 * (w - left), floor - asked * scale, theme.ink, theme);
   }
-  if (t.guess !== null) drawLevel(g, left, w, floor - t.guess * scale, `${t.falling ? "your guess" : "my guess"}: ${t.guess} m`, theme.ink, [], 3, size, theme, "right");
+  if (t.guess !== null)
+    drawLevel(
+      g,
+      left,
+      w,
+      floor - t.guess * scale,
+      `${t.falling ? "your guess" : "my guess"}: ${t.guess} m`,
+      theme.ink,
+      [],
+      3,
+      size,
+      theme,
+      "right",
+    );
   return { floor, scale, left, right: w, asked };
 }
 
 // The balls at a common scale, with their names.
-function drawPortrait(g: CanvasRenderingContext2D, d: Drop, x: number, w: number, h: number, size: number, theme: Theme): void {
+function drawPortrait(
+  g: CanvasRenderingContext2D,
+  d: Drop,
+  x: number,
+  w: number,
+  h: number,
+  size: number,
+  theme: Theme,
+): void {
   const { balls, gaps } = d.scenario;
   const tall = balls.reduce((sum, b) => sum + 2 * b.radius, 0);
   const wide = Math.max(...balls.map((b) => b.radius));
@@ -124,15 +155,26 @@ function drawPortrait(g: CanvasRenderingContext2D, d: Drop, x: number, w: number
   g.textBaseline = "top";
   g.textAlign = "left";
   g.fillStyle = theme.muted;
-  const apart = gaps.every((gap) => gap === 0) ? "let go touching" : `let go ${[...new Set(gaps.map((gap) => withUnit(gap, "m")))].join(", ")} apart`;
+  const apart = gaps.every((gap) => gap === 0)
+    ? "let go touching"
+    : `let go ${[...new Set(gaps.map((gap) => withUnit(gap, "m")))].join(", ")} apart`;
   g.fillText(apart, x, 0.5 * h + 0.5 * tall * scale + 0.8 * size);
 }
 
-function drawRuler(g: CanvasRenderingContext2D, left: number, w: number, floor: number, scale: number, top: number, size: number, theme: Theme): void {
+function drawRuler(
+  g: CanvasRenderingContext2D,
+  left: number,
+  w: number,
+  floor: number,
+  scale: number,
+  top: number,
+  size: number,
+  theme: Theme,
+): void {
   setFont(g, theme, size);
   g.textBaseline = "middle";
   g.textAlign = "right";
-  const ticks = niceTicks(0, top, Math.min(8, top * scale / (2.4 * size)));
+  const ticks = niceTicks(0, top, Math.min(8, (top * scale) / (2.4 * size)));
   for (const z of ticks) {
     const y = floor - z * scale;
     g.strokeStyle = theme.faint;
@@ -146,7 +188,19 @@ function drawRuler(g: CanvasRenderingContext2D, left: number, w: number, floor: 
   stroke(g, left, floor + 1.5, w, floor + 1.5);
 }
 
-function drawLevel(g: CanvasRenderingContext2D, left: number, right: number, y: number, text: string, color: string, dash: number[], width: number, size: number, theme: Theme, align: "left" | "right"): void {
+function drawLevel(
+  g: CanvasRenderingContext2D,
+  left: number,
+  right: number,
+  y: number,
+  text: string,
+  color: string,
+  dash: number[],
+  width: number,
+  size: number,
+  theme: Theme,
+  align: "left" | "right",
+): void {
   g.strokeStyle = color;
   g.lineWidth = width * Math.max(1, size / 18);
   g.setLineDash(dash);
@@ -158,7 +212,17 @@ function drawLevel(g: CanvasRenderingContext2D, left: number, right: number, y: 
   halo(g, text, align === "left" ? left + 8 : right - 8, Math.max(y - 4, 1.5 * size), color, theme);
 }
 
-function drawColumn(g: CanvasRenderingContext2D, t: Tale, balls: Balls, x: number, floor: number, scale: number, model: "newton" | "icm", size: number, theme: Theme): void {
+function drawColumn(
+  g: CanvasRenderingContext2D,
+  t: Tale,
+  balls: Balls,
+  x: number,
+  floor: number,
+  scale: number,
+  model: "newton" | "icm",
+  size: number,
+  theme: Theme,
+): void {
   t.drop.scenario.balls.forEach((b, i) => {
     const radius = Math.max(b.radius * scale, 0.25 * size);
     g.beginPath();

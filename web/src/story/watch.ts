@@ -32,8 +32,17 @@ export class Watch {
     touchable(this.slider);
     this.slider.addEventListener("input", () => this.set("gap", fromSlider(ranges.gap, Number(this.slider.value))));
     find("watch-play").addEventListener("click", () => film.play(!state.playing));
-    const pulls: Record<Held, Pull> = { gap: this.pull("gap", "Gap below the top ball"), height: this.pull("height", "Height of the lowest ball") };
-    this.handles = [0, 1].flatMap((world) => (["height", "gap"] as const).map((what) => ({ what, world, handle: new Handle(find("duel-box"), pulls[what], world === 1) })));
+    const pulls: Record<Held, Pull> = {
+      gap: this.pull("gap", "Gap below the top ball"),
+      height: this.pull("height", "Height of the lowest ball"),
+    };
+    this.handles = [0, 1].flatMap((world) =>
+      (["height", "gap"] as const).map((what) => ({
+        what,
+        world,
+        handle: new Handle(find("duel-box"), pulls[what], world === 1),
+      })),
+    );
   }
 
   get seen(): boolean {
@@ -53,23 +62,47 @@ export class Watch {
     const before = d.from - 1e-3 * (d.to - d.from);
     const time = held === "gap" ? before : held === "height" ? d.start : state.time(); // where the balls are as they are let go
     const rate = held === "gap" ? clock.rate(0.5 * (d.from + d.to)) : state.view.slow ? clock.rate(time) : 1;
-    const moment = { time, screen: clock.toScreen(time), rate, newton: d.motion.newton.at(time), icm: d.motion.icm.at(time) };
+    const moment = {
+      time,
+      screen: clock.toScreen(time),
+      rate,
+      newton: d.motion.newton.at(time),
+      icm: d.motion.icm.at(time),
+    };
     const said = held && { ball: held === "gap" ? d.scenario.balls.length - 1 : 0, text: this.say(held) };
     const letters = Math.min(size, sheet.width / 24, sheet.height / 16);
     this.layout = null;
     if (d.scenario.cradle) drawCloseUp(sheet.g, sheet.width, sheet.height, d, moment, state.theme, letters);
-    else this.layout = drawDuel(sheet.g, sheet.width, sheet.height, d, { ...moment, said }, (t) => clock.toScreen(t), state.theme, letters);
+    else
+      this.layout = drawDuel(
+        sheet.g,
+        sheet.width,
+        sheet.height,
+        d,
+        { ...moment, said },
+        (t) => clock.toScreen(t),
+        state.theme,
+        letters,
+      );
     const now = performance.now();
     const runs = state.playing && !held && state.screen < clock.length;
     if (!runs || now - this.placed > nearly) this.placeHandles(now);
     const slower = 1 / rate;
-    setText(find("watch-speed"), held ? "" : slower < 1.05 ? "real time" : `${slower < 10 ? slower.toFixed(1) : Math.round(Number(slower.toPrecision(2)))} × slower`);
+    setText(
+      find("watch-speed"),
+      held
+        ? ""
+        : slower < 1.05
+          ? "real time"
+          : `${slower < 10 ? slower.toFixed(1) : Math.round(Number(slower.toPrecision(2)))} × slower`,
+    );
     setText(find("watch-play"), state.playing ? "Pause" : "Play");
   }
 
   private placeHandles(now: number): void {
     this.placed = now;
-    for (const { what, world, handle } of this.handles) handle.place(this.layout && (what === "gap" ? this.layout.worlds[world].top : this.layout.worlds[world].lowest));
+    for (const { what, world, handle } of this.handles)
+      handle.place(this.layout && (what === "gap" ? this.layout.worlds[world].top : this.layout.worlds[world].lowest));
   }
 
   // The controls follow the setting.
@@ -96,8 +129,12 @@ export class Watch {
   private set(what: Held, value: number): void {
     const { scenario } = this.state;
     const tidy = Number(value.toPrecision(3));
-    if (what === "height") scenario.height = clampTo(ranges.height, Math.max(tidy, Number((lowestHeight(scenario) + 1e-3).toPrecision(4))));
-    else scenario.gaps = scenario.gaps.map((old, i) => (i < firstGap(scenario) ? old : tidy < ranges.gap.low ? 0 : clampTo(ranges.gap, tidy)));
+    if (what === "height")
+      scenario.height = clampTo(ranges.height, Math.max(tidy, Number((lowestHeight(scenario) + 1e-3).toPrecision(4))));
+    else
+      scenario.gaps = scenario.gaps.map((old, i) =>
+        i < firstGap(scenario) ? old : tidy < ranges.gap.low ? 0 : clampTo(ranges.gap, tidy),
+      );
     this.refresh();
     this.state.edited();
     if (!this.held) this.playFrom(what);
@@ -111,12 +148,14 @@ export class Watch {
 
   private pull(what: Held, label: string): Pull {
     return {
-      label, range: what === "gap" ? { low: 0, high: ranges.gap.high } : ranges.height,
+      label,
+      range: what === "gap" ? { low: 0, high: ranges.gap.high } : ranges.height,
       value: () => this.value(what),
       say: () => this.say(what),
       set: (value) => this.set(what, value),
       perPixel: () => 1 / (this.layout?.scale ?? Infinity),
-      size: () => (what === "gap" ? this.state.scenario.balls[this.state.scenario.balls.length - 1].radius : this.value("height")),
+      size: () =>
+        what === "gap" ? this.state.scenario.balls[this.state.scenario.balls.length - 1].radius : this.value("height"),
       held: (on) => {
         this.held = on ? what : null;
         if (!on) this.playFrom(what);

@@ -78,11 +78,22 @@ export class Handle {
   private key(e: KeyboardEvent): void {
     const { pull } = this;
     const step = niceBelow(pull.size() / 50);
-    const by: Record<string, number> = { ArrowUp: step, ArrowRight: step, ArrowDown: -step, ArrowLeft: -step, PageUp: 10 * step, PageDown: -10 * step, Home: -Infinity, End: Infinity };
+    const by: Record<string, number> = {
+      ArrowUp: step,
+      ArrowRight: step,
+      ArrowDown: -step,
+      ArrowLeft: -step,
+      PageUp: 10 * step,
+      PageDown: -10 * step,
+      Home: -Infinity,
+      End: Infinity,
+    };
     if (!(e.key in by)) return;
     e.preventDefault();
     e.stopPropagation();
     const next = pull.value() + by[e.key];
-    pull.set(Math.min(Math.max(Number.isFinite(next) ? Number(next.toPrecision(9)) : next, pull.range.low), pull.range.high));
+    pull.set(
+      Math.min(Math.max(Number.isFinite(next) ? Number(next.toPrecision(9)) : next, pull.range.low), pull.range.high),
+    );
   }
 }

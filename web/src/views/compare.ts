@@ -20,17 +20,41 @@ export function differences(a: Scenario, b: Scenario): Row[] {
   row("set-up", a.cradle ? "cradle" : "drop", b.cradle ? "cradle" : "drop");
   row("balls", String(a.balls.length), String(b.balls.length));
   row("ε", digits(a.restitution, 4), digits(b.restitution, 4));
-  if (!a.cradle || !b.cradle) row("height of the lowest centre", withUnit(a.height, "m", 4), withUnit(b.height, "m", 4));
-  for (let i = 0; i < Math.max(a.gaps.length, b.gaps.length); i++) row(a.balls.length === 2 && b.balls.length === 2 ? labelOf(parameterOfColumn("gap")) : `gap ${i + 1}–${i + 2}`, gap(a.gaps[i]), gap(b.gaps[i]));
+  if (!a.cradle || !b.cradle)
+    row("height of the lowest centre", withUnit(a.height, "m", 4), withUnit(b.height, "m", 4));
+  for (let i = 0; i < Math.max(a.gaps.length, b.gaps.length); i++)
+    row(
+      a.balls.length === 2 && b.balls.length === 2 ? labelOf(parameterOfColumn("gap")) : `gap ${i + 1}–${i + 2}`,
+      gap(a.gaps[i]),
+      gap(b.gaps[i]),
+    );
   for (const name of new Set([...constantsOf(a), ...constantsOf(b)])) {
-    const say = (s: Scenario): string => (constantsOf(s).includes(name) ? [...new Set(s.balls.map((_, i) => withUnit(constantAt(s, name, i), constants[name].range.unit, 4)))].join(", ") : "–");
+    const say = (s: Scenario): string =>
+      constantsOf(s).includes(name)
+        ? [...new Set(s.balls.map((_, i) => withUnit(constantAt(s, name, i), constants[name].range.unit, 4)))].join(
+            ", ",
+          )
+        : "–";
     row(constants[name].label, say(a), say(b));
   }
   for (let i = 0; i < Math.max(a.balls.length, b.balls.length); i++) {
     const say = (s: Scenario, f: (k: number) => string): string => (i < s.balls.length ? f(i) : "–");
-    row(`radius of ball ${i + 1}`, say(a, (k) => withUnit(a.balls[k].radius, "m", 4)), say(b, (k) => withUnit(b.balls[k].radius, "m", 4)));
-    row(`mass of ball ${i + 1}`, say(a, (k) => withUnit(massOf(a.balls[k]), "kg", 4)), say(b, (k) => withUnit(massOf(b.balls[k]), "kg", 4)));
-    if (a.cradle || b.cradle) row(`velocity of ball ${i + 1}`, say(a, (k) => withUnit(a.velocities[k], "m/s")), say(b, (k) => withUnit(b.velocities[k], "m/s")));
+    row(
+      `radius of ball ${i + 1}`,
+      say(a, (k) => withUnit(a.balls[k].radius, "m", 4)),
+      say(b, (k) => withUnit(b.balls[k].radius, "m", 4)),
+    );
+    row(
+      `mass of ball ${i + 1}`,
+      say(a, (k) => withUnit(massOf(a.balls[k]), "kg", 4)),
+      say(b, (k) => withUnit(massOf(b.balls[k]), "kg", 4)),
+    );
+    if (a.cradle || b.cradle)
+      row(
+        `velocity of ball ${i + 1}`,
+        say(a, (k) => withUnit(a.velocities[k], "m/s")),
+        say(b, (k) => withUnit(b.velocities[k], "m/s")),
+      );
   }
   return rows;
 }
@@ -41,11 +65,20 @@ function results(a: Drop, b: Drop): { name: string; model: "newton" | "icm"; val
   const models = ["newton", "icm"] as const;
   if (a.scenario.cradle || b.scenario.cradle)
     return models.map((model) => ({
-      name: `Last ball leaves with, ${namesOf[model].short}`, model,
+      name: `Last ball leaves with, ${namesOf[model].short}`,
+      model,
       values: [a, b].map((d) => withUnit(d[model].leaves[top(d)], "m/s", 3, true)) as [string, string],
     }));
-  const rises = models.map((model) => ({ name: `Top ball rises to, ${namesOf[model].short}`, model, values: lengths(a[model].peaks[top(a)], b[model].peaks[top(b)]) }));
-  const counts = models.map((model) => ({ name: `Ball–ball contacts, ${namesOf[model].short}`, model, values: [String(a[model].run.nContacts), String(b[model].run.nContacts)] as [string, string] }));
+  const rises = models.map((model) => ({
+    name: `Top ball rises to, ${namesOf[model].short}`,
+    model,
+    values: lengths(a[model].peaks[top(a)], b[model].peaks[top(b)]),
+  }));
+  const counts = models.map((model) => ({
+    name: `Ball–ball contacts, ${namesOf[model].short}`,
+    model,
+    values: [String(a[model].run.nContacts), String(b[model].run.nContacts)] as [string, string],
+  }));
   return [...rises, ...counts];
 }
 
@@ -90,7 +123,12 @@ export class Compare {
     find("pin").setAttribute("aria-pressed", String(pin !== null));
     setHidden(find("compare"), pin === null);
     document.documentElement.toggleAttribute("data-pinned", pin !== null);
-    setText(find("compare-said"), pin ? "A is pinned, B is the present setting." : "No setting is pinned as A. “Pin as A” is in the menu of the laboratory.");
+    setText(
+      find("compare-said"),
+      pin
+        ? "A is pinned, B is the present setting."
+        : "No setting is pinned as A. “Pin as A” is in the menu of the laboratory.",
+    );
     const key = pin ? JSON.stringify(pin) : "";
     if (key !== this.key) {
       this.key = key;
@@ -121,12 +159,20 @@ export class Compare {
       const th = document.createElement("th");
       th.scope = "row";
       th.textContent = name;
-      tr.append(th, ...values.map((text) => Object.assign(document.createElement("td"), { textContent: text, className: kind })));
+      tr.append(
+        th,
+        ...values.map((text) => Object.assign(document.createElement("td"), { textContent: text, className: kind })),
+      );
       rows.push(tr);
     };
     const changed = differences(pin, b.scenario);
     if (changed.length === 0) add("Settings", ["the same", "the same"], "");
-    for (const [name, x, y] of changed) add(name.replace(/^[a-z]/, (c) => c.toUpperCase()), [x, y], "");
+    for (const [name, x, y] of changed)
+      add(
+        name.replace(/^[a-z]/, (c) => c.toUpperCase()),
+        [x, y],
+        "",
+      );
     if (this.drop) for (const r of results(this.drop, b)) add(r.name, r.values, r.model);
     else add("A", [this.fault || "computing …", ""], "");
     body.replaceChildren(...rows);
@@ -146,7 +192,14 @@ export class Compare {
       if (!d) return;
       const shared = d.scenario.cradle ? d : { ...d, top: Math.max(...tops) }; // one scale for both
       const moment = { time, rate: 1, newton: d.motion.newton.at(time), icm: d.motion.icm.at(time) };
-      drawTrueScale(g, { x: k * half + 4, y: 0, w: half - 12, h: height }, shared, moment, state.theme, k === 0 ? "A" : "B");
+      drawTrueScale(
+        g,
+        { x: k * half + 4, y: 0, w: half - 12, h: height },
+        shared,
+        moment,
+        state.theme,
+        k === 0 ? "A" : "B",
+      );
     });
   }
 }

@@ -31,7 +31,16 @@ export interface DuelLayout {
 
 const flash = 0.45; // s on the screen for which a collision is shown
 
-export function drawDuel(g: CanvasRenderingContext2D, w: number, h: number, d: Drop, m: DuelMoment, toScreen: (t: number) => number, theme: Theme, size: number): DuelLayout {
+export function drawDuel(
+  g: CanvasRenderingContext2D,
+  w: number,
+  h: number,
+  d: Drop,
+  m: DuelMoment,
+  toScreen: (t: number) => number,
+  theme: Theme,
+  size: number,
+): DuelLayout {
   g.clearRect(0, 0, w, h);
   const floor = h - 2.2 * size;
   const room = floor - 3.4 * size;
@@ -43,7 +52,18 @@ export function drawDuel(g: CanvasRenderingContext2D, w: number, h: number, d: D
     [d.icm, m.icm, theme.icm, half > 18 * size ? capital(independent.label) : independent.short],
   ];
   const places = worlds.map(([track, balls, color, name], k) => {
-    const world = new World(g, d, m, theme, size, k * half + 0.5 * half + (k === 0 ? 1 : -0.4) * size, floor, scale, color, (k + 1) * half);
+    const world = new World(
+      g,
+      d,
+      m,
+      theme,
+      size,
+      k * half + 0.5 * half + (k === 0 ? 1 : -0.4) * size,
+      floor,
+      scale,
+      color,
+      (k + 1) * half,
+    );
     world.shadow(balls);
     world.balls(balls);
     if (k === 0) {
@@ -86,7 +106,15 @@ function scaleAt(d: Drop, m: DuelMoment, room: number, width: number): number {
   return far * (near / far) ** eased;
 }
 
-function drawRuler(g: CanvasRenderingContext2D, w: number, floor: number, scale: number, room: number, size: number, theme: Theme): void {
+function drawRuler(
+  g: CanvasRenderingContext2D,
+  w: number,
+  floor: number,
+  scale: number,
+  room: number,
+  size: number,
+  theme: Theme,
+): void {
   setFont(g, theme, 0.9 * size);
   g.textAlign = "left";
   g.textBaseline = "bottom";
@@ -129,8 +157,16 @@ class World {
     const [high, low] = [this.y(balls.position[n]), this.y(balls.position[0])];
     const [above, below] = [Math.max(this.radius(n), 22), Math.max(this.radius(0), 22)];
     const middle = 0.5 * (high + this.radius(n) + low - this.radius(0));
-    const between = (from: number, to: number, width: number): Place => ({ x: this.x, y: 0.5 * (from + to), width, height: to - from });
-    return { top: between(high - above, Math.min(high + above, middle), 2 * above), lowest: between(Math.max(low - below, middle), low + below, 2 * below) };
+    const between = (from: number, to: number, width: number): Place => ({
+      x: this.x,
+      y: 0.5 * (from + to),
+      width,
+      height: to - from,
+    });
+    return {
+      top: between(high - above, Math.min(high + above, middle), 2 * above),
+      lowest: between(Math.max(low - below, middle), low + below, 2 * below),
+    };
   }
 
   note(balls: Balls, i: number, text: string): void {
@@ -163,7 +199,8 @@ class World {
   balls(balls: Balls): void {
     const { g, d } = this;
     d.scenario.balls.forEach((b, i) => {
-      const pressed = (pair: number): number => (pair < d.scenario.balls.length ? Math.max(-balls.gap[pair], 0) * (pair === 0 ? 1 : 0.5) : 0);
+      const pressed = (pair: number): number =>
+        pair < d.scenario.balls.length ? Math.max(-balls.gap[pair], 0) * (pair === 0 ? 1 : 0.5) : 0;
       const [low, high] = [balls.position[i] - b.radius + pressed(i), balls.position[i] + b.radius - pressed(i + 1)];
       const ry = Math.max(0.5 * (high - low) * this.scale, 0.3 * this.radius(i), 3);
       const rx = this.radius(i) * Math.sqrt(Math.max(this.radius(i) / ry, 0.5));
@@ -203,7 +240,8 @@ class World {
       g.textAlign = way > 0 ? "left" : "right";
       const said = withUnit(force, "N", 2);
       const end = side + way * (0.7 * size + g.measureText(said).width);
-      if (end < this.right && end > this.right - 2 * this.x) g.fillText(said, side + way * 0.7 * size, y - 0.5 * length);
+      if (end < this.right && end > this.right - 2 * this.x)
+        g.fillText(said, side + way * 0.7 * size, y - 0.5 * length);
     }
   }
 

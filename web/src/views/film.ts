@@ -131,11 +131,23 @@ export class Film {
     const told = clockText(time, d);
     setText(find("time"), `t = ${told}`);
     const slower = 1 / rate;
-    const speed = slower < 1.05 ? "real time" : `${slower < 10 ? slower.toFixed(1) : Math.round(Number(slower.toPrecision(2))).toLocaleString("en").replaceAll(",", " ")} × slower than real`;
+    const speed =
+      slower < 1.05
+        ? "real time"
+        : `${
+            slower < 10
+              ? slower.toFixed(1)
+              : Math.round(Number(slower.toPrecision(2)))
+                  .toLocaleString("en")
+                  .replaceAll(",", " ")
+          } × slower than real`;
     setText(find("speed"), speed);
     scrubber.setAttribute("aria-valuetext", `${told}, ${speed}`);
     if (!state.playing || sheet.canvas.getAttribute("aria-label") === "Animation")
-      sheet.canvas.setAttribute("aria-label", `Animation at ${told}: balls of ${newton.label} beside those of ${independent.label}`);
+      sheet.canvas.setAttribute(
+        "aria-label",
+        `Animation at ${told}: balls of ${newton.label} beside those of ${independent.label}`,
+      );
   }
 }
 
@@ -155,7 +167,15 @@ export function clockText(time: number, d: Drop): string {
   const span = d.to - d.from;
   const near = time > d.from - 2 * span && time < d.to + 2 * span;
   const short = Math.abs(time - d.origin) < 0.01;
-  const [factor, unit] = !near ? (short ? [1e3, "ms"] : [1, "s"]) : span < 2e-6 ? [1e9, "ns"] : span < 2e-3 ? [1e6, "µs"] : [1e3, "ms"];
+  const [factor, unit] = !near
+    ? short
+      ? [1e3, "ms"]
+      : [1, "s"]
+    : span < 2e-6
+      ? [1e9, "ns"]
+      : span < 2e-3
+        ? [1e6, "µs"]
+        : [1e3, "ms"];
   const places = !near ? 3 : span * factor < 10 ? 3 : span * factor < 100 ? 2 : 1;
   return `${((time - d.origin) * factor).toFixed(places).replace("-", "−")} ${unit}`;
 }

@@ -95,7 +95,16 @@ export class TimelinePanel {
     this.timeline = new Timeline(pool, () => (state.dirty.timeline = true), sheet.wanted);
     dragged(sheet.canvas, (_, y) => this.layout && this.choose(this.layout.y.value(y)));
     sheet.canvas.addEventListener("keydown", (e) => {
-      const by: Record<string, number> = { ArrowUp: 0.005, ArrowRight: 0.005, ArrowDown: -0.005, ArrowLeft: -0.005, PageUp: 0.05, PageDown: -0.05, Home: -1, End: 1 };
+      const by: Record<string, number> = {
+        ArrowUp: 0.005,
+        ArrowRight: 0.005,
+        ArrowDown: -0.005,
+        ArrowLeft: -0.005,
+        PageUp: 0.05,
+        PageDown: -0.05,
+        Home: -1,
+        End: 1,
+      };
       if (!(e.key in by)) return;
       e.preventDefault();
       this.choose(this.state.scenario.restitution + by[e.key]);
@@ -114,7 +123,13 @@ export class TimelinePanel {
 
   // Whether to redraw: less often while rows arrive.
   due(now: number): boolean {
-    if (!this.state.dirty.timeline || !this.state.drop || !this.sheet.shown() || (!this.timeline.done && (!this.sheet.seen || now - this.drawn < 120))) return false;
+    if (
+      !this.state.dirty.timeline ||
+      !this.state.drop ||
+      !this.sheet.shown() ||
+      (!this.timeline.done && (!this.sheet.seen || now - this.drawn < 120))
+    )
+      return false;
     this.drawn = now;
     return true;
   }
@@ -129,13 +144,15 @@ export class TimelinePanel {
     const { done, progress, goesOn } = this.timeline;
     const hint =
       (done ? "" : `${Math.floor(100 * progress)} % computed. `) +
-      (exact ? "Dotted edges: the same with the lower ball unaffected by the upper one. " : "") + (s.cradle ? "" : "Dashed: the floor contact ends. ") +
+      (exact ? "Dotted edges: the same with the lower ball unaffected by the upper one. " : "") +
+      (s.cradle ? "" : "Dashed: the floor contact ends. ") +
       (done && goesOn && !s.cradle ? "Some contacts come later than shown. " : "");
     setText(find("timeline-hint"), hint);
   }
 
   mark(): void {
-    if (this.layout && this.sheet.seen) placeCursors(this.cursors, this.state.time(), this.layout.x, [this.layout.frame]);
+    if (this.layout && this.sheet.seen)
+      placeCursors(this.cursors, this.state.time(), this.layout.x, [this.layout.frame]);
   }
 
   private choose(restitution: number): void {

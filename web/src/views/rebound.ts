@@ -112,7 +112,11 @@ export class Curve {
       return null;
     }
     this.sent++;
-    return piece<"curve">({ kind: "curve", ask: { columns }, done: (values, ms) => this.receive(job, places, values, ms) });
+    return piece<"curve">({
+      kind: "curve",
+      ask: { columns },
+      done: (values, ms) => this.receive(job, places, values, ms),
+    });
   }
 
   private receive(job: number, places: number[], values: Float64Array, ms: number): void {

@@ -90,17 +90,28 @@ export class ReboundPanel {
   private picture(): CurvePicture {
     const { state, view, curve } = this;
     const { scenario } = state;
-    const top = scenario.height + scenario.balls.reduce((sum, b, i) => sum + (i > 0 ? 2 * b.radius : 0), 0) + scenario.gaps.reduce((a, b) => a + b, 0) +
-      scenario.balls[0].radius - scenario.balls[scenario.balls.length - 1].radius;
+    const top =
+      scenario.height +
+      scenario.balls.reduce((sum, b, i) => sum + (i > 0 ? 2 * b.radius : 0), 0) +
+      scenario.gaps.reduce((a, b) => a + b, 0) +
+      scenario.balls[0].radius -
+      scenario.balls[scenario.balls.length - 1].radius;
     const pinned = this.pinnedKey !== "";
     const released = scenario.cradle || view.curve === "ratio" ? NaN : top;
     return {
-      axis: view.curve, span: curve.span, points: curve.points, touching: curve.touching,
-      pinned: pinned ? this.pinned.points : [], pinnedTouching: pinned ? this.pinned.touching : null,
+      axis: view.curve,
+      span: curve.span,
+      points: curve.points,
+      touching: curve.touching,
+      pinned: pinned ? this.pinned.points : [],
+      pinnedTouching: pinned ? this.pinned.touching : null,
       pinnedAt: pinned ? valueOn(view.pin!, view.curve) : null,
-      released, alone: Number.isFinite(released) ? aloneRise(scenario.balls[scenario.balls.length - 1], released) : null,
+      released,
+      alone: Number.isFinite(released) ? aloneRise(scenario.balls[scenario.balls.length - 1], released) : null,
       measured: scenario.cradle ? null : this.measured,
-      marked: this.marked(), hovered: this.hovered, cradle: scenario.cradle,
+      marked: this.marked(),
+      hovered: this.hovered,
+      cradle: scenario.cradle,
     };
   }
 
@@ -124,7 +135,8 @@ export class ReboundPanel {
   }
 
   private told(p: CurvePoint): string {
-    const say = (x: number): string => (!Number.isFinite(x) ? "none" : this.state.scenario.cradle ? withUnit(x, "m/s") : metres(x));
+    const say = (x: number): string =>
+      !Number.isFinite(x) ? "none" : this.state.scenario.cradle ? withUnit(x, "m/s") : metres(x);
     return `${newton.short} ${say(p.newton)}, ${independent.short} ${say(p.icm)}`;
   }
 
@@ -139,7 +151,8 @@ export class ReboundPanel {
   private choose(x: number): void {
     const { scenario: s } = this.state;
     if (this.view.curve === "e") s.restitution = clampTo(ranges.restitution, Number(x.toFixed(3)));
-    else if (this.view.curve === "gap") s.gaps = s.gaps.map((gap, i) => (i < firstGap(s) ? gap : clampTo(ranges.gap, Number(x.toPrecision(3)))));
+    else if (this.view.curve === "gap")
+      s.gaps = s.gaps.map((gap, i) => (i < firstGap(s) ? gap : clampTo(ranges.gap, Number(x.toPrecision(3)))));
     else {
       const before = s.balls[0].radius;
       s.balls[0].radius = clampTo(ranges.radius, Number((x * s.balls[1].radius).toPrecision(4)));
@@ -163,7 +176,9 @@ export class ReboundPanel {
       this.dirty = true;
     });
     canvas.addEventListener("keydown", (e) => this.press(e));
-    find<HTMLSelectElement>("rebound-axis").addEventListener("change", (e) => this.setAxis((e.target as HTMLSelectElement).value as CurveAxis));
+    find<HTMLSelectElement>("rebound-axis").addEventListener("change", (e) =>
+      this.setAxis((e.target as HTMLSelectElement).value as CurveAxis),
+    );
     const file = find<HTMLInputElement>("measured-file");
     find("measured").addEventListener("click", () => (this.measured ? this.setMeasured(null, "") : file.click()));
     file.addEventListener("change", () => {
@@ -189,8 +204,14 @@ export class ReboundPanel {
       return this.view.curve === "gap" && next < 0.999 * low && share < 0 ? 0 : next;
     };
     const to: Record<string, number> = {
-      ArrowRight: by(0.01), ArrowUp: by(0.01), ArrowLeft: by(-0.01), ArrowDown: by(-0.01),
-      PageUp: by(0.1), PageDown: by(-0.1), Home: this.view.curve === "gap" ? 0 : low, End: high,
+      ArrowRight: by(0.01),
+      ArrowUp: by(0.01),
+      ArrowLeft: by(-0.01),
+      ArrowDown: by(-0.01),
+      PageUp: by(0.1),
+      PageDown: by(-0.1),
+      Home: this.view.curve === "gap" ? 0 : low,
+      End: high,
     };
     if (!(e.key in to)) return;
     e.preventDefault();
@@ -201,13 +222,17 @@ export class ReboundPanel {
   // ---- measured heights -------------------------------------------------------------------------------
 
   async load(file: File): Promise<void> {
-    if (file.size > largestFile) return this.setMeasured(null, `${file.name}: got ${file.size} bytes, must be at most ${largestFile}`);
+    if (file.size > largestFile)
+      return this.setMeasured(null, `${file.name}: got ${file.size} bytes, must be at most ${largestFile}`);
     try {
       const found = readMeasurements(await file.text());
       this.setMeasured(found, "");
       if (found.axis !== this.view.curve) this.setAxis(found.axis);
       const [low, high] = [Math.min(...found.list.map((m) => m.height)), Math.max(...found.list.map((m) => m.height))];
-      this.say(`${file.name}: ${found.list.length} measured height${found.list.length === 1 ? "" : "s"}, ${digits(low)} to ${digits(high)} m.`, false);
+      this.say(
+        `${file.name}: ${found.list.length} measured height${found.list.length === 1 ? "" : "s"}, ${digits(low)} to ${digits(high)} m.`,
+        false,
+      );
     } catch (error) {
       this.setMeasured(null, `${file.name}: ${(error as Error).message}`);
     }

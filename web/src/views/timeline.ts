@@ -74,7 +74,8 @@ export class Timeline {
     this.sent--;
     this.answered += rows.newton.length;
     this.perRow = 0.5 * (this.perRow || ms) + (0.5 * ms) / rows.newton.length;
-    const merge = (old: TimelineRow[], more: TimelineRow[]): TimelineRow[] => [...old, ...more].sort((a, b) => a.restitution - b.restitution);
+    const merge = (old: TimelineRow[], more: TimelineRow[]): TimelineRow[] =>
+      [...old, ...more].sort((a, b) => a.restitution - b.restitution);
     this.rows = merge(this.rows, rows.newton);
     this.adiabatic = merge(this.adiabatic, rows.adiabatic);
     if (this.done) this.refine();
@@ -100,7 +101,10 @@ export class Timeline {
   // Range of times: the whole floor contact and, for nearly all rows, the last contact between balls. If that is so late that it
   // would compress the floor contact to a strip, the first contact between balls.
   private span(): number {
-    const floor = this.rows.reduce((most, { tFloorEnd }) => (tFloorEnd < Infinity ? Math.max(most, tFloorEnd) : most), 0);
+    const floor = this.rows.reduce(
+      (most, { tFloorEnd }) => (tFloorEnd < Infinity ? Math.max(most, tFloorEnd) : most),
+      0,
+    );
     const last = mostOf(this.rows.map((row) => row.tEnd));
     const first = mostOf(this.rows.map((row) => row.contacts.find((c) => c.pair > 0)?.end ?? 0));
     const room = floor > 0 ? Math.max(longest * floor, 1.3 * first) : Infinity;
@@ -126,7 +130,13 @@ function mostOf(times: number[]): number {
 
 // Whether a line between the rows a and b would miss what is shown of the times between them, judged by the curvature
 // that a third row on either side shows. A curve with the second difference quotient q strays q h²/4 from its chord over h.
-function bends(before: TimelineRow | undefined, a: TimelineRow, b: TimelineRow, after: TimelineRow | undefined, shown: number): boolean {
+function bends(
+  before: TimelineRow | undefined,
+  a: TimelineRow,
+  b: TimelineRow,
+  after: TimelineRow | undefined,
+  shown: number,
+): boolean {
   if (!alike(a, b)) return false;
   const h = b.restitution - a.restitution;
   return [before, after].some((third) => {

@@ -7,7 +7,14 @@ import { Line, Painter, type Moment, type Rect } from "./painter";
 import type { Theme } from "../style/theme";
 
 // The balls at true scale alone, with a title unless that is empty.
-export function drawTrueScale(g: CanvasRenderingContext2D, r: Rect, d: Drop, m: Moment, theme: Theme, title: string): void {
+export function drawTrueScale(
+  g: CanvasRenderingContext2D,
+  r: Rect,
+  d: Drop,
+  m: Moment,
+  theme: Theme,
+  title: string,
+): void {
   const size = Math.min(Math.max(r.w / 34, lettering.least), r.w / 12, Math.max(lettering.least, 18));
   new TrueScale(g, d, m, theme, size).draw(r, title);
 }
@@ -89,8 +96,11 @@ export class TrueScale extends Painter {
     const top = r.y + 2.2 * size;
     const bottom = r.y + r.h - 2.2 * size;
     const row = (bottom - top) / 2;
-    const scale = Math.min((right - left) / (1.02 * (d.top - d.bottom)), (0.8 * row) / (2 * Math.max(...d.scenario.balls.map((b) => b.radius))));
-    const origin = left - d.bottom * scale + ((right - left) - (d.top - d.bottom) * scale) / 2;
+    const scale = Math.min(
+      (right - left) / (1.02 * (d.top - d.bottom)),
+      (0.8 * row) / (2 * Math.max(...d.scenario.balls.map((b) => b.radius))),
+    );
+    const origin = left - d.bottom * scale + (right - left - (d.top - d.bottom) * scale) / 2;
     this.font(0.88);
     const ticks = niceTicks(d.bottom, d.top, Math.min(6, ((d.top - d.bottom) * scale) / (4 * size)));
     for (const z of ticks) {
@@ -104,7 +114,13 @@ export class TrueScale extends Painter {
       this.font(1, 600);
       this.text(name, r.x, line.center, color);
       d.scenario.balls.forEach((b, i) =>
-        line.ball(state.position[i] * scale, Math.max(b.radius * scale, 3), -1e4, 1e4, this.style(ghost, i, b.radius * scale)),
+        line.ball(
+          state.position[i] * scale,
+          Math.max(b.radius * scale, 3),
+          -1e4,
+          1e4,
+          this.style(ghost, i, b.radius * scale),
+        ),
       );
     });
   }
