@@ -1,7 +1,6 @@
 """Walls with a constant velocity: exact collisions, Galilean invariance and the energy balance, in all engines."""
 
 import itertools
-import math
 from typing import Any
 
 import numpy as np
@@ -225,16 +224,11 @@ def test_a_ball_rests_on_a_piston_that_rises() -> None:
 @pytest.mark.parametrize(
     ("motion", "message"),
     [
-        ((-1, 0.0, math.nan, 0.0, 0.0, 0.0, "none"), "moving_walls: got nan, must be finite"),
         ((-3, 0.0, 1.0, 0.0, 0.0, 0.0, "none"), "moving_walls: got the number -3, must be that of a wall"),
-        (
-            (-1, 0.0, 0.0, 1.0, 0.0, 0.0, "sine"),
-            "moving_walls: got 1 and 0, must be an amplitude and a frequency > 0",
-        ),
-        ((-1, 0.0, 0.0, 1.0, 1.0, 0.0, "saw"), "moving_walls: got saw, must be a waveform"),
+        ((-1, 0.0, 0.0, 1.0, 1.0, 0.0, "saw"), "moving_walls: got saw, must be a known word"),
     ],
 )
-def test_a_motion_out_of_range_is_refused(motion: tuple[Any, ...], message: str) -> None:
+def test_a_motion_of_no_wall_or_waveform_is_refused(motion: tuple[Any, ...], message: str) -> None:
     with pytest.raises(ValueError, match=f"^{message}$"):
         _core.Box([1.0, 1.0], ["wall", "periodic"], None, [motion])
 

@@ -552,13 +552,6 @@ def test_refusals(changed: dict[str, Any], message: str) -> None:
     assert refusal(lambda: gas(**{"n": 100} | changed)).startswith(message)
 
 
-def test_the_flow_is_along_the_first_axis() -> None:
-    edges, kinds = [0.1, 0.1], ["periodic", "lees-edwards"]
-    assert _core.Box(edges, kinds, shear_rate=2.0).boundary == tuple(kinds)
-    with pytest.raises(ValueError, match="boundary: got lees-edwards along axis 0"):
-        _core.Box(edges, kinds[::-1])
-
-
 @pytest.mark.parametrize("height", [5e-3, 6e-3, 7.3e-3])
 @pytest.mark.parametrize("engine", ["hard", "events"])
 def test_a_low_and_long_box_starts_at_once(engine: str, height: float) -> None:

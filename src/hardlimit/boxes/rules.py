@@ -34,12 +34,11 @@ class Rule(NamedTuple):
 
 
 def _rule(record: Mapping[str, Any]) -> Rule:
+    same = ("name", "meaning", "assumes", "source", "counts", "share", "knows_duration", "error")
     return Rule(
-        record["name"],
-        tuple(argument for argument in ("restitution", "law") if record[argument]),
-        record["meaning"],
-        *(record[name] for name in ("assumes", "source", "counts", "share", "knows_duration", "error")),
-        any(parameter["name"] == "contact_duration" for parameter in record["parameters"]),
+        **{name: record[name] for name in same},
+        takes=tuple(argument for argument in ("restitution", "law") if record[argument]),
+        has_contact_duration=any(one["name"] == "contact_duration" for one in record["parameters"]),
     )
 
 

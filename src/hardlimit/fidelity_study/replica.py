@@ -188,8 +188,10 @@ def _start(plan: Plan, model: str, system: ParticleSystem) -> Run:
         return newton.start(plan.engine, system, NewtonSettings(plan.law), plan.until, output, step)
     rule = RULES[model]
     duration = plan.contact_duration if rule.has_contact_duration else None
-    given = (plan.restitution, None) if "restitution" in rule.takes else (None, plan.law)
-    settings = Settings(model, *given, duration)
+    constant = "restitution" in rule.takes
+    settings = Settings(
+        model, plan.restitution if constant else None, None if constant else plan.law, duration
+    )
     return hard_spheres.start(system, settings, hard_spheres.End(plan.until, None), output)
 
 
