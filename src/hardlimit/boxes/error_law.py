@@ -401,13 +401,29 @@ def error_law(
 def of_exponents(dim: int, phi: float, epsilon: float, name: str, powers: Exponents) -> ErrorLaw:
     """The law of the error for a contact force with these exponents, from checked arguments."""
     same = RULES[name].error
-    found = _core.error_law(dim, phi, epsilon, same, *powers, powers.mean_compression, powers.mean_duration)
+    found = _core.error_law(
+        dimension=dim,
+        packing_fraction=phi,
+        restitution=epsilon,
+        rule=same,
+        **powers._asdict(),
+        mean_compression=powers.mean_compression,
+        mean_duration=powers.mean_duration,
+    )
     source = "measured" if same == "soft" else "theory" if epsilon >= NEARLY_ELASTIC else "both"
-    beyond = _outside(dim, phi, epsilon, powers)
     delay = powers.mean_duration / dim
-    values = found.coefficient, found.coefficient_error
     return ErrorLaw(
-        phi, epsilon, dim, name, *values, source, beyond, found.decay, delay / powers.energy, delay
+        packing_fraction=phi,
+        restitution=epsilon,
+        dimension=dim,
+        rule=name,
+        coefficient=found.coefficient,
+        coefficient_error=found.coefficient_error,
+        source=source,
+        extrapolated=_outside(dim, phi, epsilon, powers),
+        decay=found.decay,
+        stored=delay / powers.energy,
+        delay=delay,
     )
 
 

@@ -27,7 +27,16 @@ from .scripts import read as read_script
 
 #: Units of mass, length and time in SI; ``lj`` stays as it is.
 SCALES: Final = {**SYSTEMS, "lj": (1.0, 1.0, 1.0)}
-NO_RUN: Final = Stage(Quote("", 0, ""), None, False, None, (), {}, None, None)
+NO_RUN: Final = Stage(
+    quote=Quote("", 0, ""),
+    time_step=None,
+    time_step_given=False,
+    steps=None,
+    contacts=(),
+    grains={},
+    gravity=None,
+    numerical_damping=None,
+)
 #: Largest overlap over the radius that contact laws describe.
 COMPRESSED: Final = 0.05
 #: Impact speeds [m/s] at which contacts are shown if no speed is given and they depend on it.
@@ -276,7 +285,9 @@ def _system(last: Stage, found: Sequence[Case], given: Given, states: Sequence[d
     held = drive.support(last)
     option = "" if plain else drive.option_of(held, length, time)
     question = answer.Question(gas.quantity, bool(states), drive.words_of(last, held), option)
-    return System(last, asked, given, gas, speeds, examined, question)
+    return System(
+        last=last, asked=asked, given=given, gas=gas, speeds=speeds, examined=examined, question=question
+    )
 
 
 def _answer(
@@ -323,32 +334,32 @@ def _of_script(script: Description, given: Given, frames: Sequence[dumps.Frame] 
         return script.stages[row.stage - 1].units == "lj"
 
     return Verdict(
-        admissible,
-        sentence + answer.steady(final.rows, final.asked, last.units == "lj"),
-        script.code,
-        script.version,
-        last.units,
-        last.units_given,
-        None if last.time_step is None else last.time_step * time,
-        last.numerical_damping,
-        tuple(rows),
-        tuple(_stage(k, *pair) for k, pair in enumerate(zip(script.stages, held, strict=True), 1)),
-        tuple(_state_in_si(one, length, time) for one in states),
-        tuple(_checked(rows, any(stage.gravity for stage in script.stages), states)),
-        tuple(_finding(note) for note in script.ignored),
-        tuple(invalidates),
-        tuple(unknown),
-        tuple(dict.fromkeys(what for one in systems for what in one.missing(states))),
-        (
+        admissible=admissible,
+        sentence=sentence + answer.steady(final.rows, final.asked, last.units == "lj"),
+        code=script.code,
+        version=script.version,
+        units=last.units,
+        units_given=last.units_given,
+        time_step=None if last.time_step is None else last.time_step * time,
+        numerical_damping=last.numerical_damping,
+        rows=tuple(rows),
+        stages=tuple(_stage(k, *pair) for k, pair in enumerate(zip(script.stages, held, strict=True), 1)),
+        states=tuple(_state_in_si(one, length, time) for one in states),
+        checked=tuple(_checked(rows, any(stage.gravity for stage in script.stages), states)),
+        ignored=tuple(_finding(note) for note in script.ignored),
+        invalidates=tuple(invalidates),
+        unknown=tuple(unknown),
+        missing=tuple(dict.fromkeys(what for one in systems for what in one.missing(states))),
+        remarks=(
             *cases.of_other_versions(code(script.code).title, rows, plain),
             *remarks.versions,
             *dict.fromkeys(note for one in systems for note in one.remarks(len(systems) > 1)),
             *_numerically_damped(last.numerical_damping, final.examined),
         ),
-        tuple(line for one in systems for line in one.corrected(script.code, len(systems) > 1)),
-        None if final.question.driven else final.question.quantity,
-        given.restitution_error,
-        chosen,
+        corrected=tuple(line for one in systems for line in one.corrected(script.code, len(systems) > 1)),
+        quantity=None if final.question.driven else final.question.quantity,
+        restitution_error=given.restitution_error,
+        speeds_chosen=chosen,
     )
 
 
@@ -642,13 +653,13 @@ def _stage(number: int, stage: Stage, held: drive.Support) -> CheckedStage:
     _, length, time = SCALES[stage.units]
     step, gravity = stage.time_step, stage.gravity
     return CheckedStage(
-        number,
-        _where(stage.quote),
-        None if step is None else step * time,
-        stage.steps,
-        None if gravity is None else gravity * length / time**2,
-        stage.units,
-        held.shaking,
+        number=number,
+        command=_where(stage.quote),
+        time_step=None if step is None else step * time,
+        steps=stage.steps,
+        gravity=None if gravity is None else gravity * length / time**2,
+        units=stage.units,
+        shaking=held.shaking,
     )
 
 
@@ -659,7 +670,14 @@ def _of_system(system: ParticleSystem, law: Law, given: Given, step: float | Non
     walls = "wall" in system.boundary
     temperature = system.granular_temperature
     state = dumps.State(
-        0, system.n, system.packing_fraction, temperature, 2.0 * float(system.radius.mean()), None, None, None
+        step=0,
+        grains=system.n,
+        packing_fraction=system.packing_fraction,
+        temperature=temperature,
+        mean_diameter=2.0 * float(system.radius.mean()),
+        largest_overlap=None,
+        coordination=None,
+        in_several_contacts=None,
     )
     held = drive.support_of_system(system)
     resting = [Finding(_rest(held))] * held.rests
@@ -671,7 +689,15 @@ def _of_system(system: ParticleSystem, law: Law, given: Given, step: float | Non
     quantity = "cooling" if purpose is None else purpose.quantity
     question = answer.Question(quantity, False, driven, drive.option_of(held, 1.0, 1.0), purpose)
     return _of_law(
-        cases.sizes(system), law, given, step, system.dimension, walls, (state,), resting, question
+        balls=cases.sizes(system),
+        law=law,
+        given=given,
+        step=step,
+        dimension=system.dimension,
+        walls=walls,
+        states=(state,),
+        resting=resting,
+        question=question,
     )
 
 
@@ -703,25 +729,25 @@ def _of_law(
     missing = _missing(rows, gas, _known_speeds(rows, speeds, given.drive), dumped)
     admissible, sentence = answer.answer(rows, invalidates, (), missing, question)
     return Verdict(
-        admissible,
-        sentence + answer.steady(rows, given.drive, False),
-        None,
-        None,
-        "si",
-        True,
-        step,
-        None,
-        tuple(rows),
-        (),
-        dumped or states,
-        tuple(_checked(rows, False, dumped)),
-        (),
-        tuple(invalidates),
-        (),
-        missing,
-        tuple(_remarks(examined, given, gas, speeds, at, False)),
-        (),
-        None if question.driven else question.quantity,
-        given.restitution_error,
-        bool(at),
+        admissible=admissible,
+        sentence=sentence + answer.steady(rows, given.drive, False),
+        code=None,
+        version=None,
+        units="si",
+        units_given=True,
+        time_step=step,
+        numerical_damping=None,
+        rows=tuple(rows),
+        stages=(),
+        states=dumped or states,
+        checked=tuple(_checked(rows, False, dumped)),
+        ignored=(),
+        invalidates=tuple(invalidates),
+        unknown=(),
+        missing=missing,
+        remarks=tuple(_remarks(examined, given, gas, speeds, at, False)),
+        corrected=(),
+        quantity=None if question.driven else question.quantity,
+        restitution_error=given.restitution_error,
+        speeds_chosen=bool(at),
     )

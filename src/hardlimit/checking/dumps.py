@@ -149,7 +149,9 @@ def _frame(items: Mapping[str, tuple[list[str], list[str]]], rows: list[str]) ->
         raise ValueError(f"has missing numbers in the frame of step {step}")
     periodic = tuple(side.startswith("p") for side in sides) if len(sides) == 3 else (True,) * 3
     types = table["type"].astype(str).tolist() if "type" in names else None
-    return Frame(step, low, high, periodic, columns, types, len(rows))
+    return Frame(
+        step=step, low=low, high=high, periodic=periodic, columns=columns, types=types, count=len(rows)
+    )
 
 
 # --- the state ------------------------------------------------------------------------------------------------
@@ -182,7 +184,16 @@ def state(
         about = velocity - np.average(velocity, axis=0, weights=mass)
         temperature = float(np.average((about**2).sum(axis=1), weights=mass) / dimension)
     diameter = None if radius is None else 2.0 * float(radius.mean())
-    return State(frame.step, frame.count, packing, temperature, diameter, overlap, coordination, several)
+    return State(
+        step=frame.step,
+        grains=frame.count,
+        packing_fraction=packing,
+        temperature=temperature,
+        mean_diameter=diameter,
+        largest_overlap=overlap,
+        coordination=coordination,
+        in_several_contacts=several,
+    )
 
 
 def sizes(frames: Sequence[Frame]) -> dict[str, tuple[tuple[float, float], tuple[float, float] | None]]:

@@ -142,7 +142,16 @@ def candidate(
     variables = tuple(_variable(known[name]) for name in wanted)
     constant = [name for name, one in LAWS.items() if _has_constant_restitution(one)]
     alike = tuple(constant) if kind == "impacts" and _has_constant_restitution(chosen) else ()
-    return Candidate(chosen, model, variables, held, notes, ball or ANY_BALL, other, alike)
+    return Candidate(
+        law=chosen,
+        model=model,
+        free=variables,
+        held=held,
+        notes=notes,
+        ball=ball or ANY_BALL,
+        other=other,
+        alike=alike,
+    )
 
 
 def _has_constant_restitution(law: type[Law]) -> bool:
@@ -236,8 +245,29 @@ def rivals(
             continue
         common = {p["name"] for p in law.record["common"]}
         shared = {k: v for k, v in fixed.items() if k == POISSON_RATIO and k in common}
-        found.append(candidate(law, kind, reference_speed, shared, None, chosen.ball, chosen.other))
+        found.append(
+            candidate(
+                law=law,
+                kind=kind,
+                reference_speed=reference_speed,
+                fixed=shared,
+                free=None,
+                ball=chosen.ball,
+                other=chosen.other,
+            )
+        )
     if kind == "rebounds":
         linear, held = LAWS["linear"], {"stiffness": NEUTRAL["N/m"]}
-        found.append(candidate(linear, kind, reference_speed, held, None, chosen.ball, FLOOR, "independent"))
+        found.append(
+            candidate(
+                law=linear,
+                kind=kind,
+                reference_speed=reference_speed,
+                fixed=held,
+                free=None,
+                ball=chosen.ball,
+                other=FLOOR,
+                model="independent",
+            )
+        )
     return found

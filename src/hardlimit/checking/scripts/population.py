@@ -123,7 +123,15 @@ class Population:
         if densities is None:
             masses = union([one.with_mass_of(3).masses for one in held])
         radii = union([one.radii for one in held])
-        return Grains(name, radii, densities, masses, frozen, counted, partly_frozen)
+        return Grains(
+            type=name,
+            radii=radii,
+            densities=densities,
+            masses=masses,
+            frozen=frozen,
+            counted=counted,
+            partly_frozen=partly_frozen,
+        )
 
 
 def atoms(text: str, style: str) -> Iterator[tuple[int, Batch]]:
