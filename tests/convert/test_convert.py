@@ -431,7 +431,7 @@ def test_the_time_step_makes_the_error_that_is_said(name):
         ({"stiffness": None, "duration": 1e-300}, "duration: got 1e-300, must give contacts with"),
         ({"stiffness": None, "duration": 1e154}, "duration: got 1e+154, must give contacts with"),
         ({"stiffness": None, "youngs_modulus": 1e-308, "poisson_ratio": 0.3}, "youngs_modulus: got 1e-308"),
-        ({"law": "hooke"}, "law: got 'hooke', must be one of linear, tsuji, viscoelastic"),
+        ({"law": "hooke"}, "law: got 'hooke', must be one of linear, viscoelastic, tsuji"),
         (
             {"law": "tsuji"},
             "stiffness: got it with the law tsuji, must be youngs_modulus, duration or compression",

@@ -14,7 +14,6 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 
 from .. import _core
-from ..contact.balls import Ball
 from ..contact.contact import Law
 from ..support import validation
 from .contacts import mean_contact
@@ -59,6 +58,11 @@ class Exponents(NamedTuple):
     energy: float  #: q
     damping: float  #: c
 
+    @classmethod
+    def of(cls, powers: tuple[int, int]) -> Exponents:
+        """Those of a force K ξ^p + C ξ^q dξ/dt, from 4p and 4q."""
+        return cls(0.25 * powers[0] + 1.0, 0.25 * powers[1])
+
     @property
     def mean_compression(self) -> float:
         """M, the mean of ξ over C e^{−U/mT}, over the range of the repulsion ∫ e^{−U/mT} dξ; 2/π for linear springs."""
@@ -76,25 +80,14 @@ class Exponents(NamedTuple):
         return math.gamma(1.0 + 0.5 * p) / float((0.25 * math.pi) ** (0.5 * p))
 
 
-LINEAR: Final = Exponents(2.0, 0.0)
-#: Exponents of the laws of Hertz type that were measured: Tsuji's and viscoelastic.
-HERTZ: Final = (Exponents(2.5, 0.25), Exponents(2.5, 0.5))
-#: Parameters that damp, and their values without damping.
-UNDAMPED: Final = {"restitution": 1.0, "dissipative_time": 0.0, "damping": 0.0, "damping_coefficient": 0.0}
+#: Powers of the contact forces that were measured (``Exponents.of``): linear, Tsuji's and viscoelastic.
+MEASURED_POWERS: Final = ((4, 0), (6, 1), (6, 2))
+LINEAR, *HERTZ = map(Exponents.of, MEASURED_POWERS)
 
 
 def exponents(law: Law) -> Exponents:
-    """The exponents of a law, from its elastic energy and its damping at two small compressions.
-
-    A law without damping gets those of the same law with damping.
-    """
-    law = law.replace(**{name: 0.5 for name, value in UNDAMPED.items() if law.parameters.get(name) == value})
-    contact = law.between(Ball(1e-2, density=2500.0), Ball(1e-2, density=2500.0))
-    depths, rate = (1e-6, 2e-6), 1e3
-    low, high = (float(contact.energy(depth)) for depth in depths)
-    q = math.log2(high / low)
-    low, high = (float(contact.force(depth, rate)) - float(contact.force(depth)) for depth in depths)
-    return Exponents(q, math.log2(high / low))
+    """The exponents of a law; without damping, those of the same law with damping."""
+    return Exponents.of(law.record["powers"])
 
 
 class Softness(NamedTuple):
@@ -400,7 +393,11 @@ def error_law(
     name = validation.one_of("rule", rule, tuple(RULES))
     if law is not None and not isinstance(law, Law):
         raise ValueError(f"law: got {validation.shown(law)}, must be a contact law such as LinearDashpot")
-    powers = LINEAR if law is None else exponents(law)
+    return of_exponents(dim, phi, epsilon, name, LINEAR if law is None else exponents(law))
+
+
+def of_exponents(dim: int, phi: float, epsilon: float, name: str, powers: Exponents) -> ErrorLaw:
+    """The law of the error for a contact force with these exponents, from checked arguments."""
     found = _core.error_law(dim, phi, epsilon, name, *powers, powers.mean_compression, powers.mean_duration)
     source = "measured" if name == "soft" else "theory" if epsilon >= NEARLY_ELASTIC else "both"
     beyond = _outside(dim, phi, epsilon, powers)

@@ -37,11 +37,6 @@ WAYS = {
     "stress": ("too high", "too low"),
 }
 HOMOGENEOUS = "the law of the error is that of a homogeneous gas"
-NAMES = {
-    "stiffness": "a stiffness",
-    "youngs_modulus": "a Young's modulus",
-    "elastic_prefactor": "an elastic prefactor",
-}
 
 
 @dataclass(frozen=True)
@@ -232,7 +227,7 @@ def _needs(row: CheckedContact) -> str:
             else f"; {percent(ACCEPTED)} takes {_at_least(row.softening)} times the stiffness"
         )
     name, value, needed = row.spring
-    return f"; {percent(ACCEPTED)} takes {NAMES[name]} of {_with_unit(row, needed)} instead of {digits(value, 3)}"
+    return f"; {percent(ACCEPTED)} takes {stiffness(name)} of {_with_unit(row, needed)} instead of {digits(value, 3)}"
 
 
 def _may(row: CheckedContact) -> str:
@@ -241,7 +236,13 @@ def _may(row: CheckedContact) -> str:
     if row.spring is None or softer >= 1.0:
         return f"{percent(ACCEPTED)} allows {_at_least(softer)} times the stiffness"
     name, value, needed = row.spring
-    return f"you may soften to {NAMES[name]} of {_with_unit(row, needed)} from {digits(value, 3)}"
+    return f"you may soften to {stiffness(name)} of {_with_unit(row, needed)} from {digits(value, 3)}"
+
+
+def stiffness(name: str) -> str:
+    """The parameter that sets the stiffness, in words."""
+    words = name.replace("_", " ").replace("youngs", "Young's")
+    return f"{'an' if words[0] in 'aeiou' else 'a'} {words}"
 
 
 def _with_unit(row: CheckedContact, value: float) -> str:

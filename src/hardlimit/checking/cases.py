@@ -15,7 +15,7 @@ import numpy as np
 from .. import _core
 from ..boxes.system import ParticleSystem
 from ..contact.balls import Ball
-from ..contact.contact import Law
+from ..contact.contact import Law, law_parameters
 from ..convert import texts
 from ..convert.codes import Code, Model, Pair, Written, code
 from ..convert.force import AdhesiveForce, ContactArea, Force
@@ -66,7 +66,8 @@ class ModelForce:
     def spring(self) -> tuple[str, float, float] | None:
         """The number that sets the stiffness, its value, and the power with which it does."""
         power = 0.8 if self.model.spring.given == "impact" else 1.0
-        return _spring(self.numbers, power)
+        name = next((name for name in SPRINGS if name in self.numbers), None)
+        return None if name is None else (name, self.numbers[name], power)
 
 
 def energy_density(contact: ContactSettings) -> tuple[Any, float] | None:
@@ -77,17 +78,20 @@ def energy_density(contact: ContactSettings) -> tuple[Any, float] | None:
     return model.words[0], float(density.words[0])
 
 
-#: Powers of mass, length and time in the parameters of our laws.
-SPRING_POWERS: Final = {
-    "stiffness": (1.0, 0.0, -2.0),
-    "youngs_modulus": (1.0, -1.0, -2.0),
-    "elastic_prefactor": (1.0, -0.5, -2.0),
-}
+#: The numbers of codes that set a stiffness.
+SPRINGS: Final = ("stiffness", "youngs_modulus")
+#: Unit of a stiffness or a modulus, with the power of length.
+STIFFNESS_UNIT: Final = re.compile(r"Pa|N/m(?:\^([\d.]+))?")
 
 
-def _spring(numbers: Mapping[str, float], power: float) -> tuple[str, float, float] | None:
-    name = next((one for one in SPRING_POWERS if one in numbers), None)
-    return None if name is None else (name, numbers[name], power)
+def _spring_of(law: Law) -> tuple[str, tuple[float, float, float]] | None:
+    """The parameter that sets the stiffness, and the powers of mass, length and time in its unit."""
+    known = law_parameters(type(law))
+    for name in law.parameters:
+        if unit := STIFFNESS_UNIT.fullmatch(known[name]["unit"]):
+            power = 2.0 if unit[0] == "Pa" else float(unit[1] or 1.0)
+            return name, (1.0, 1.0 - power, -2.0)
+    return None
 
 
 @dataclass(frozen=True)
@@ -101,16 +105,9 @@ class LawForce:
         contact = self.law.between(
             *[ball] if second is None else [ball, Ball(second.radius, mass=second.mass)]
         )
-        name, mass = self.law.record["name"], contact.effective_mass
-        if name == "linear":
-            return Force(LAWS[name], contact.stiffness, contact.damping, mass)
-        k = contact.elastic_prefactor
-        c = (
-            contact.damping_coefficient * math.sqrt(mass * k)
-            if name == "tsuji"
-            else 1.5 * k * contact.dissipative_time
-        )
-        return Force(LAWS[name], k, c, mass)
+        coefficients = contact.core.coefficients
+        assert coefficients is not None  # check accepts no other law
+        return Force(LAWS[self.law.record["name"]], *coefficients, contact.effective_mass)
 
 
 # --- scripts ------------------------------------------------------------------------------------------------
@@ -350,7 +347,7 @@ def body(grains: Grains, end: int) -> Body:
 def of_law(balls: Sequence[Ball], law: Law, walls: bool, time_step: float | None) -> list[Case]:
     """The contacts of the smallest and the largest ball under one of our laws, and with a wall."""
     bodies = [Body(ball.radius, ball.mass, ball.density) for ball in balls]
-    force, p = LawForce(law), law.parameters
+    force, p, spring = LawForce(law), law.parameters, _spring_of(law)
     material = (p["youngs_modulus"], p["poisson_ratio"]) if "youngs_modulus" in p else None
 
     def case(first: Body, second: Body | None) -> Case:
@@ -367,8 +364,8 @@ def of_law(balls: Sequence[Ball], law: Law, walls: bool, time_step: float | None
             True,
             time_step,
             materials=(material, material),
-            spring=_spring(law.parameters, 1.0),
-            spring_powers=next((powers for name, powers in SPRING_POWERS.items() if name in p), None),
+            spring=spring and (spring[0], p[spring[0]], 1.0),
+            spring_powers=spring and spring[1],
         )
 
     pairs = [case(one, other) for i, one in enumerate(bodies) for other in bodies[i:]]

@@ -105,6 +105,8 @@ def checked(
             raise ValueError(f"{name}: got {validation.shown(value)}, must be left out without a script")
     if not isinstance(law, Law):
         raise ValueError(f"law: got {validation.shown(law)}, must be the contact law, such as LinearDashpot")
+    if not law.record["power_law"]:
+        raise ValueError(f"law: got {law!r}, must be one whose force is K ξ^p + C ξ^q dξ/dt")
     step = None if time_step is None else validation.number("time_step", time_step, 0.0)
     if isinstance(source, ParticleSystem):
         if dimension not in (None, source.dimension):

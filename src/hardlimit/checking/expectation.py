@@ -6,9 +6,7 @@ import math
 from functools import cache
 from typing import Final, NamedTuple
 
-from ..boxes.error_law import DENSEST, ErrorLaw, error_law
-from ..contact.contact import Law
-from ..contact.laws import LAWS
+from ..boxes.error_law import DENSEST, MEASURED_POWERS, ErrorLaw, Exponents, of_exponents
 from ..convert.force import Powers
 from ..support import validation
 
@@ -16,15 +14,10 @@ from ..support import validation
 ACCEPTED: Final = 0.01
 #: Rules of collision of an event-driven simulation.
 RULES: Final = ("constant", "law", "tc", "soft")
-#: Our law with the powers of a force: only they matter for the error.
-SAME_POWERS: Final[dict[tuple[int, int], Law]] = {
-    (4, 0): LAWS["linear"](stiffness=1e6, restitution=0.9),
-    (6, 1): LAWS["tsuji"](elastic_prefactor=1e9, restitution=0.9),
-    (6, 2): LAWS["viscoelastic"](youngs_modulus=1e10, poisson_ratio=0.3, dissipative_time=1e-7),
-}
 #: Standard error of temperature and stress under shear that theory leaves, over t_c ν: from docs/sheared_gas.md.
 SHEAR_BAR: Final = 0.08
-#: Relative error bar for a force with other powers, whose law of the error is that of the nearest ones.
+#: Relative error bar for a force with other powers than those measured: of these, the nearest with the same elastic
+#: force are taken, if there are any.
 OTHER_POWERS: Final = 0.1
 
 
@@ -53,7 +46,8 @@ def expected(
     if packing_fraction > DENSEST[dimension]:
         return None
     given = (powers.elastic, powers.damping)
-    nearest = given if given in SAME_POWERS else {4: (4, 0), 6: (6, 1)}[powers.elastic]
+    same_elastic = [one for one in MEASURED_POWERS if one[0] == powers.elastic]
+    nearest = given if given in same_elastic or not same_elastic else same_elastic[0]
     law = _law(rule, dimension, packing_fraction, restitution, nearest)
     error, bar = law.error(tc_nu), law.error_bar(tc_nu)
     heated = law.heated_error(tc_nu)
@@ -64,20 +58,14 @@ def expected(
         None if math.isnan(heated) else (heated, 2.0 / 3.0 * (1.0 + heated) * bar),
         None if math.isnan(stress) else (stress, (1.0 + stress) * math.hypot(0.5 * bar, SHEAR_BAR * tc_nu)),
     )
-    return errors if nearest == given else errors.wider(OTHER_POWERS)
+    return errors if given in MEASURED_POWERS else errors.wider(OTHER_POWERS)
 
 
 @cache
 def _law(
     rule: str, dimension: int, packing_fraction: float, restitution: float, powers: tuple[int, int]
 ) -> ErrorLaw:
-    return error_law(
-        packing_fraction=packing_fraction,
-        restitution=restitution,
-        dimension=dimension,
-        rule=rule,
-        law=SAME_POWERS[powers],
-    )
+    return of_exponents(dimension, packing_fraction, restitution, rule, Exponents.of(powers))
 
 
 def checked_packing_fraction(value: float, dimension: int) -> float:

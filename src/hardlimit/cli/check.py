@@ -11,7 +11,7 @@ import click
 
 from ..boxes.error_law import MEASURED_TC_NU
 from ..checking import check as checked
-from ..checking.answer import NAMES, Question, given_by, judged
+from ..checking.answer import Question, given_by, judged, stiffness
 from ..checking.contacts import CheckedContact
 from ..checking.expectation import ACCEPTED
 from ..checking.result import Finding, Verdict
@@ -484,7 +484,7 @@ def detail(row: CheckedContact, plain: bool, accepted: float) -> str:
         "friction": None if row.friction == 0.0 else number(row.friction) or "not known",
         "error 1 % at": None
         if spring is None
-        else f"{NAMES[spring[0]]} of {digits(spring[2], 3)} {row.stiffness_unit}".rstrip(),
+        else f"{stiffness(spring[0])} of {digits(spring[2], 3)} {row.stiffness_unit}".rstrip(),
         "cools faster by": ", ".join(f"{cools(*e)} (rule {rule})" for rule, e in row.error.items()) or None,
     }
     unit = "" if plain else " m/s"

@@ -33,8 +33,6 @@ USUAL = (
     "Usual ε: that of the usual input, which is the desired ε itself or the damping of the usual formula. Input: that "
     "for the desired ε; --code NAME prints it to paste."
 )
-#: Units of damping and stiffness for each law.
-DAMPING_UNITS = {"linear": "N s/m", "tsuji": "N s/m^1.25", "viscoelastic": "N s/m^1.5"}
 #: Short names of numbers in the heads of columns.
 SHORT = {
     "youngs_modulus": "Y [Pa]",
@@ -42,7 +40,6 @@ SHORT = {
     "characteristic_speed": "speed",
     "contact_time": "time [s]",
 }
-STIFFNESS_UNITS = {"linear": "N/m", "tsuji": "N/m^1.5", "viscoelastic": "N/m^1.5"}
 
 bed = options(
     quantity_option(
@@ -224,13 +221,14 @@ def print_conversion(found: Conversion, balls: list[Ball], one_code: bool) -> No
         f"{i + 1}: {length(b.radius)}, {quantity(b.mass * 1e3, 'g', 4)}" for i, b in enumerate(balls)
     )
     asked = f"ε = {digits(wanted.restitution)} at {digits(wanted.speed)} m/s, {wanted.law} law"
-    units = f"Stiffness in {STIFFNESS_UNITS[wanted.law]}, damping in {DAMPING_UNITS[wanted.law]}."
+    stiffness, damping = LAWS[wanted.law].units
+    units = f"Stiffness in {stiffness}, damping in {damping}."
     below = f"Balls (radius, mass): {sizes}. {units} {step_sentence(found.contacts)}"
     show(out, asked, contact_table(found), below)
     if one_code:
         for model in found.models:
             print_model(out, model)
-    else:
+    elif found.models:
         rows = [row for model in found.models for row in overview_rows(model)]
         head = ["code and model", "contact", "usual ε", "input", "ε"]
         show(out, "Input of the codes", table(head, rows), USUAL)

@@ -14,7 +14,7 @@ from ..contact.balls import FLOOR, Ball, Floor
 from ..support import validation
 from . import texts
 from .codes import Code, Model, Pair, Written, code, names
-from .force import MAX_SPEED, MIN_SPEED, Force, Powers
+from .force import MAX_SPEED, MIN_SPEED, Force
 from .formulas import DEFAULT_POISSON_RATIO, Numbers
 from .wanted import LAWS, Wanted
 
@@ -170,7 +170,7 @@ def converted(
     attracts = validation.flag("attraction", attraction)
     stepping = _stepping(restitution_error, time_step)
     forces = [asked.force(pair.mass, pair.radius) for pair in pairs]
-    chosen = _chosen(named, model, LAWS[asked.law])
+    chosen = _chosen(named, model, asked.law)
     listed = (balls,) if isinstance(balls, Ball) else tuple(balls)
     if named is not None:
         for ball in listed:
@@ -295,8 +295,9 @@ def _stepping(error: Any, time_step: Any) -> Stepping:
     return Stepping(accepted_error(error), None)
 
 
-def _chosen(name: Any, model: Any, powers: Powers) -> list[tuple[Code, Model]]:
-    """The selected models: one by its name, or those with the powers of the law."""
+def _chosen(name: Any, model: Any, law: str) -> list[tuple[Code, Model]]:
+    """The selected models: one by its name, or those with the powers of the law, of which there may be none."""
+    powers = LAWS[law]
     if name is None and model is not None:
         raise ValueError("code: missing, must be given beside model")
     if name is not None and model is not None:
@@ -316,7 +317,9 @@ def _chosen(name: Any, model: Any, powers: Powers) -> list[tuple[Code, Model]]:
         if (m.powers(False).elastic, m.powers(False).damping) == fitting and m.damping.formula != "none"
     ]
     chosen = [(one, m) for one, m in matching if only in (None, one)]
-    if not chosen:
+    if name is not None and not chosen:
+        if not matching:
+            raise ValueError(f"law: got {law!r}, which no code has, must be another law, or code left out")
         known = ", ".join(dict.fromkeys(one.name for one, _ in matching))
         raise ValueError(f"code: got {name!r}, which has no model of this law, must be one of {known}")
     return chosen
