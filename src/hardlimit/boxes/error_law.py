@@ -21,6 +21,8 @@ from .rules import RULES
 from .system import ParticleSystem
 from .theory import FLUID
 
+#: Rules of collision whose error is known.
+KNOWN_RULES: Final = tuple(rule.name for rule in RULES.values() if rule.error)
 #: Largest packing fraction of disordered particles, by dimension.
 DENSEST: Final = {2: 0.84, 3: 0.64}
 #: Ranges in which the law was measured, by dimension.
@@ -164,7 +166,7 @@ class ErrorLaw:
     packing_fraction: float  #: φ
     restitution: float  #: ε
     dimension: int  #: 2 or 3
-    rule: str  #: "constant", "law", "tc" or "soft"
+    rule: str  #: name of the rule
     coefficient: float  #: a, the error over t_c ν for t_c ν → 0
     coefficient_error: float  #: its standard error
     source: str  #: "theory", "measured" or "both"
@@ -283,7 +285,7 @@ class ErrorLaw:
         """
         if self.dimension != 3:
             return "disks"
-        if self.rule in ("tc", "soft"):
+        if RULES[self.rule].error != "constant":
             return f"the rule {self.rule}"
         linear = LINEAR.mean_duration / 3.0
         if not np.allclose((self.stored, self.delay), (linear / LINEAR.energy, linear), rtol=1e-6):
@@ -390,7 +392,7 @@ def error_law(
     epsilon = validation.number(
         "restitution", restitution, 0.0, 1.0, lowest_allowed=True, highest_allowed=True
     )
-    name = validation.one_of("rule", rule, tuple(RULES))
+    name = validation.one_of("rule", rule, KNOWN_RULES)
     if law is not None and not isinstance(law, Law):
         raise ValueError(f"law: got {validation.shown(law)}, must be a contact law such as LinearDashpot")
     return of_exponents(dim, phi, epsilon, name, LINEAR if law is None else exponents(law))
@@ -398,8 +400,9 @@ def error_law(
 
 def of_exponents(dim: int, phi: float, epsilon: float, name: str, powers: Exponents) -> ErrorLaw:
     """The law of the error for a contact force with these exponents, from checked arguments."""
-    found = _core.error_law(dim, phi, epsilon, name, *powers, powers.mean_compression, powers.mean_duration)
-    source = "measured" if name == "soft" else "theory" if epsilon >= NEARLY_ELASTIC else "both"
+    same = RULES[name].error
+    found = _core.error_law(dim, phi, epsilon, same, *powers, powers.mean_compression, powers.mean_duration)
+    source = "measured" if same == "soft" else "theory" if epsilon >= NEARLY_ELASTIC else "both"
     beyond = _outside(dim, phi, epsilon, powers)
     delay = powers.mean_duration / dim
     values = found.coefficient, found.coefficient_error

@@ -12,11 +12,12 @@ from typing import Any, Final, NamedTuple
 
 import scipy
 
-from ..boxes.error_law import MEASURED_TC_NU
+from ..boxes.error_law import KNOWN_RULES, MEASURED_TC_NU
+from ..boxes.rules import DEFAULTS, RULES
 from ..boxes.theory import Gas
 from ..boxes.time_step import DEFAULT_ERROR
 from ..convert.force import AdhesiveForce, Collision, Force
-from .expectation import ACCEPTED, RULES, Expected, expected
+from .expectation import ACCEPTED, Expected, expected
 
 #: Values tried for an unknown radius, mass and speed, far apart: a contact may be overdamped at two of them only.
 TRIALS: Final = {
@@ -195,7 +196,7 @@ def _at(case: Case, speed: float | None, gas: Surroundings) -> CheckedContact:
     ]
     found = [_results(case, *one, gas) for one in tried]
     kept: dict[str, Any] = {name: _agreed([one.get(name) for one in found]) for name in found[0]}
-    errors = {str(rule): (kept.pop(rule), kept.pop(f"{rule}±")) for rule in RULES if rule in kept}
+    errors = {str(rule): (kept.pop(rule), kept.pop(f"{rule}±")) for rule in KNOWN_RULES if rule in kept}
     if (steps := kept.get("steps_per_contact")) is not None:
         kept["steps_per_contact"] = math.floor(steps)
     if case.spring is not None and kept.get("softening") is not None:
@@ -304,8 +305,8 @@ def _in_gas(
     if case.friction != 0.0 or gas.rubs:
         asked = None if known is None else getattr(known, gas.quantity)
         return found | {"frictionless_error": None if asked is None else asked[0]}
-    for rule in RULES:
-        if rule == "constant" != usual:
+    for rule in KNOWN_RULES:
+        if RULES[rule].has_constant_restitution and usual == DEFAULTS["law"]:
             continue  # its error has another cause as well, the ε that depends on the speed
         if (one := with_bar(rule, tc_nu)) is not None:
             found[rule], found[f"{rule}±"] = one.cooling
@@ -345,7 +346,7 @@ def restitution_of(case: Case, speed: float) -> float:
 def usual_rule(force: Force) -> str:
     """The rule for this force in an event-driven simulation: "law" if ε depends on the speed, else "constant"."""
     constant = 2 * force.powers.damping == force.powers.elastic - 4 and not isinstance(force, AdhesiveForce)
-    return "constant" if constant else "law"
+    return DEFAULTS["restitution" if constant else "law"]
 
 
 def _collision(force: Force, speed: float, damping: float | None) -> Collision:

@@ -12,8 +12,6 @@ from ..support import validation
 
 #: Error of event-driven cooling up to which the answer is yes.
 ACCEPTED: Final = 0.01
-#: Rules of collision of an event-driven simulation.
-RULES: Final = ("constant", "law", "tc", "soft")
 #: Standard error of temperature and stress under shear that theory leaves, over t_c ν: from docs/sheared_gas.md.
 SHEAR_BAR: Final = 0.08
 #: Relative error bar for a force with other powers than those measured: of these, the nearest with the same elastic

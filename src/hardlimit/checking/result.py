@@ -13,7 +13,7 @@ from ..support import html
 from ..support.formatting import digits
 from .contacts import CheckedContact
 from .dumps import State
-from .expectation import RULES
+from .error_law import KNOWN_RULES
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -116,7 +116,7 @@ class Verdict:
             return "1" if all(plain) else f"{name}, 1 where units are lj" if any(plain) else name
 
         variables = {name: ("contact", column(name), {"units": unit(u)}) for name, u in NUMBERS.items()}
-        pairs = [[row.error.get(rule, (math.nan, math.nan)) for rule in RULES] for row in self.rows]
+        pairs = [[row.error.get(rule, (math.nan, math.nan)) for rule in KNOWN_RULES] for row in self.rows]
         texts = {
             "types": ["–".join(row.types) for row in self.rows],
             "wall": [row.wall or "" for row in self.rows],
@@ -132,7 +132,7 @@ class Verdict:
             }
             if self.rows
             else {},
-            coords={**{name: ("contact", text) for name, text in texts.items()}, "rule": list(RULES)},
+            coords={**{name: ("contact", text) for name, text in texts.items()}, "rule": list(KNOWN_RULES)},
             attrs={"sentence": self.sentence, "code": self.code or "", "units": self.units},
         )
 
