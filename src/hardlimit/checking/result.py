@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from ..boxes.error_law import KNOWN_RULES
 from ..boxes.time_step import DEFAULT_ERROR
 from ..support import html
 from ..support.formatting import digits
 from .contacts import CheckedContact
 from .dumps import State
-from .error_law import KNOWN_RULES
 
 if TYPE_CHECKING:
     import xarray as xr
