@@ -22,7 +22,7 @@ SAME_POWERS: Final[dict[tuple[int, int], Law]] = {
     (6, 1): LAWS["tsuji"](elastic_prefactor=1e9, restitution=0.9),
     (6, 2): LAWS["viscoelastic"](youngs_modulus=1e10, poisson_ratio=0.3, dissipative_time=1e-7),
 }
-#: Standard error of temperature and stress under shear that theory leaves, over t_c ν: from docs/sheared_gas.md.
+#: Standard error of temperature and stress under shear that theory leaves, over t_c ν: from studies/sheared_gas.nc.
 SHEAR_BAR: Final = 0.08
 #: Relative error bar for a force with other powers, whose law of the error is that of the nearest ones.
 OTHER_POWERS: Final = 0.1
