@@ -25,7 +25,8 @@ EXAMPLES = """\b
 Example:
   hardlimit convert --restitution 0.7 --radius 0.5mm --density 7850 --youngs-modulus 210GPa \\
       --poisson-ratio 0.3 --code lammps
-  hardlimit convert --restitution 0.7 --radius 0.5mm --radius 1mm --density 2500 --stiffness 1e5
+  hardlimit convert --restitution 0.7 --radius 0.5mm --radius 1mm --density 2500 \\
+      --stiffness 1e5
   hardlimit convert --radius 0.5mm --density 2500 --code lammps \\
       --input 'hooke 1e5 0.7 damping coeff_restitution limit_damping'"""
 
