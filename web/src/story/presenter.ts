@@ -1,10 +1,10 @@
 // Lecture mode: the explaining sentence, the story, single panels, setting A, the curves.
 import { Compare } from "../views/compare";
-import { find, Sheet, tell } from "../support/dom";
+import { find, setSentence, Sheet } from "../support/dom";
 import { later } from "../support/later";
 import type { Film } from "../views/film";
 import { Frames, SinglePanel } from "../state/frames";
-import type { Step } from "../scenario/lecture_view";
+import type { Step } from "../scenario/story_view";
 import type { MapPanel } from "../map/map_panel";
 import { fillMeasured } from "../views/measured_table";
 import { Mini } from "../views/mini";
@@ -12,20 +12,19 @@ import type { Pool } from "../core/pool";
 import { ReboundPanel } from "../views/rebound_panel";
 import type { State } from "../state/state";
 import type { View } from "../scenario/view";
-import { Guess } from "./guess";
+import { Prediction } from "./prediction";
 import { Story } from "./story";
-import { Watch } from "./watch";
+import { Observation } from "./observation";
 import type { Report } from "../report/report";
-import { joined, type Sentence } from "../report/sentence";
+import { joined, type Sentence } from "../support/sentence";
 
-export class Lecture {
+export class Presenter {
   private readonly frames = new Frames();
   private readonly single: SinglePanel;
   private readonly story: Story;
   private readonly rebound: ReboundPanel;
   private readonly compare: Compare;
   private readonly mini: Mini;
-  private trusted: number | null = null; // what the story has reported of the map
   private placed: boolean; // the link gives the time of the film
 
   constructor(
@@ -37,7 +36,7 @@ export class Lecture {
     load: (example: string) => void,
     resized: () => void,
   ) {
-    const view = state.lecture;
+    const view = state.story;
     this.rebound = new ReboundPanel(state, view, new Sheet("rebound", resized), pool);
     this.compare = new Compare(state, view, new Sheet("compare-stage", resized), pool, () => this.settingsChanged());
     this.mini = new Mini(state);
@@ -45,22 +44,22 @@ export class Lecture {
       this.story.leave();
       this.show();
     });
-    const hand = {
-      told: () => ({ gaps: this.rebound.extremes(), trusted: this.map.trusted() }),
+    const textSize = (): number => this.frames.textSize();
+    const host = {
+      fromPlots: () => ({ gaps: this.rebound.extremes(), trusted: this.map.trusted() }),
       arrived: (step: Step) => this.arrive(step),
       showMap: (view: View["map"] | null) => (view ? this.map.showAs(view) : this.map.showTrusted()),
       left: () => this.show(),
       load,
     };
-    const changed = (): void => void (this.story.dirty = true);
     this.story = new Story(
       state,
       view,
       film,
       this.frames,
-      hand,
-      new Watch(state, film, new Sheet("duel", resized), moves),
-      new Guess(state, view, new Sheet("tale", resized), moves, changed),
+      host,
+      new Observation(state, film, new Sheet("duel", resized), moves, textSize),
+      new Prediction(state, view, new Sheet("prediction", resized), moves, textSize),
     );
     later(fillMeasured);
     this.placed = state.view.time !== null;
@@ -69,7 +68,7 @@ export class Lecture {
 
   // Shows what the link or the user selects: the whole page, the story or one panel.
   show(): void {
-    const { step, panel } = this.state.lecture;
+    const { step, panel } = this.state.story;
     this.story.show();
     if (!step && !panel) this.frames.show(null, []);
     this.single.show();
@@ -84,13 +83,15 @@ export class Lecture {
 
   // Of the chapter that is read, and of all.
   sentences(): { read: Sentence[]; all: Sentence[] } {
-    const said = this.story.sentences();
-    return said ? { read: said[this.state.lecture.step!], all: Object.values(said).flat() } : { read: [], all: [] };
+    const chapters = this.story.sentences();
+    return chapters
+      ? { read: chapters[this.state.story.step!], all: Object.values(chapters).flat() }
+      : { read: [], all: [] };
   }
 
   // The first picture of the story, if the first chapter is read.
   open(): void {
-    if (this.state.lecture.step === "watch") this.story.open();
+    if (this.state.story.step === "watch") this.story.open();
   }
 
   get plays(): boolean {
@@ -98,10 +99,10 @@ export class Lecture {
   }
 
   // The report has changed, perhaps before the drop is solved to its end.
-  told(report: Report): void {
+  write(report: Report): void {
     const text = joined(report.why);
-    if (find("why").textContent !== text) tell(find("why"), text);
-    tell(find("mini-verdict"), joined([...report.newton, ...report.icm]));
+    if (find("why").textContent !== text) setSentence(find("why"), text);
+    setSentence(find("mini-verdict"), joined([...report.newton, ...report.icm]));
   }
 
   // ---- what follows from a change -----------------------------------------------------------------------
@@ -115,19 +116,10 @@ export class Lecture {
     this.single.refreshLink();
   }
 
-  // Called once per frame; says whether the plots of the drop and the film were redrawn.
-  frame(plots: boolean, film: boolean, now: number): void {
-    if (plots) this.rebound.dirty = true;
-    if (plots) this.story.dirty = true;
-    if (plots || film) {
-      this.story.moved = true;
-      this.compare.draw();
-      this.mini.draw();
-    }
-    const trusted = this.map.trusted();
-    if (this.rebound.news || trusted !== this.trusted) this.story.dirty = true;
-    this.rebound.news = false;
-    this.trusted = trusted;
+  // Called once per frame.
+  frame(now: number): void {
+    this.compare.picture.refresh();
+    this.mini.picture.refresh();
     this.rebound.drawIfDue(now);
     this.story.frame(now);
   }
@@ -136,7 +128,7 @@ export class Lecture {
 
   // Computes the chapters that the reader has not come to, so that the story can be printed.
   prepare(): void {
-    if (this.state.lecture.step && this.state.drop) this.story.prepare();
+    if (this.state.story.step && this.state.drop) this.story.prepare();
   }
 
   // Sets what a chapter shows as it comes into view.

@@ -1,36 +1,41 @@
 // The second chapter: the viewer sets a height on the ruler, lets the balls drop, and sees. It has a clock of its own.
 import { find, setText, type Sheet } from "../support/dom";
 import { Handle } from "../support/handle";
-import type { LectureView } from "../scenario/lecture_view";
+import type { StoryView } from "../scenario/story_view";
+import { observed, type Drawing } from "../state/signals";
 import type { State } from "../state/state";
-import { highestGuess } from "../scenario/lecture_view";
-import { releaseHeight, type Fall } from "./story_text";
+import { highestPrediction } from "../scenario/story_view";
+import type { Fall } from "../report/facts";
+import { releaseHeight } from "../scenario/scenario";
 import { drawTrueScale } from "../views/true_scale";
-import { drawTale, rulerTop, type TaleLayout } from "./tale";
+import { drawPrediction, rulerTop, type PredictionLayout } from "./prediction_drawing";
 
-export class Guess {
+export class Prediction {
   fall: Fall = "before";
   private fallen = 0; // s in real time since they were let go
+  readonly picture: Drawing;
   private last = 0; // ms
-  private layout: TaleLayout | null = null;
+  private layout: PredictionLayout | null = null;
   private readonly handle: Handle;
 
   constructor(
     private readonly state: State,
-    private readonly view: LectureView,
+    private readonly view: StoryView,
     private readonly sheet: Sheet,
     private readonly moves: () => boolean,
-    private readonly changed: () => void,
+    private readonly textSize: () => number,
   ) {
+    observed(this, ["fall", "fallen"]);
+    this.picture = state.drawing(() => this.draw());
     find("let-go").addEventListener("click", () => this.letGo());
-    this.handle = new Handle(find("tale-box"), {
+    this.handle = new Handle(find("prediction-box"), {
       label: "Height that I expect",
-      range: { low: 0, high: highestGuess },
+      range: { low: 0, high: highestPrediction },
       value: () => view.guess ?? this.layout?.asked ?? 0,
-      say: () => (view.guess === null ? "no guess yet" : `${view.guess} m`),
+      text: () => (view.guess === null ? "no guess yet" : `${view.guess} m`),
       set: (height) => this.set(height),
       perPixel: () => 1 / (this.layout?.scale ?? Infinity),
-      size: () => (state.drop ? 5 * releaseHeight(state.drop) : 1),
+      size: () => (state.drop ? 5 * releaseHeight(state.drop.scenario) : 1),
     });
     // A press anywhere on the ruler.
     sheet.canvas.addEventListener("click", (e) => {
@@ -38,18 +43,17 @@ export class Guess {
     });
   }
 
-  // Moves the balls; returns whether there is something new to draw.
-  advance(now: number): boolean {
+  // Moves the balls.
+  advance(now: number): void {
     const { state } = this;
     const passed = Math.min((now - this.last) / 1000, 0.1);
     this.last = now;
-    if (this.fall !== "falling" || !state.drop || !this.sheet.seen) return false;
+    if (this.fall !== "falling" || !state.drop || !this.sheet.seen) return;
     this.fallen += this.moves() ? passed : Infinity;
     if (this.fallen > 0.97 * state.drop.realTime.length) this.fall = "over";
-    return true;
   }
 
-  draw(size: number): void {
+  private draw(): void {
     const { state, sheet, view } = this;
     const drop = state.drop!;
     const button = { before: drop.scenario.cradle ? "Let it go" : "Let them drop", falling: "Stop", over: "Try again" }[
@@ -75,12 +79,12 @@ export class Guess {
       const reached = [drop.newton, drop.icm].map((t) =>
         this.fall === "over" ? t.peaks[t.peaks.length - 1] : NaN,
       ) as [number, number];
-      this.layout = drawTale(
+      this.layout = drawPrediction(
         sheet.g,
         sheet.width,
         sheet.height,
         { drop, falling: this.fall !== "before", guess: view.guess, reached, ...balls },
-        Math.min(Math.max(size, 14), sheet.width / 22),
+        Math.min(Math.max(this.textSize(), 14), sheet.width / 22),
         state.theme,
       );
     }
@@ -101,15 +105,13 @@ export class Guess {
   }
 
   private set(height: number): void {
-    const top = this.state.drop ? rulerTop(this.state.drop, this.view.guess, false) : highestGuess;
+    const top = this.state.drop ? rulerTop(this.state.drop, this.view.guess, false) : highestPrediction;
     this.view.guess = Number(Math.min(Math.max(height, 0), top).toPrecision(2));
     this.state.writeLink();
-    this.changed();
   }
 
   private letGo(): void {
     this.fall = this.fall === "before" ? "falling" : "before";
     this.fallen = 0;
-    this.changed();
   }
 }

@@ -1,4 +1,4 @@
-// The parts of the lecture that need no browser: sentences, curves, measured balls and heights, links.
+// The parts of the story and of the panels that need no browser: sentences, curves, measured balls and heights, links.
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
@@ -6,13 +6,12 @@ import { load, random as randomness } from "./modules.mjs";
 import { randomScenario } from "./scenarios.mjs";
 
 const lib = await load(
-  "why",
   "measurements",
   "measured",
   "report",
   "sentence",
-  "story_text",
-  "lecture_view",
+  "sentences",
+  "story_view",
   "map_box",
   "presets",
   "toml",
@@ -244,7 +243,7 @@ test("the story: well formed for every step and setting", () => {
   assert.ok(told > 40);
 });
 
-test("the link keeps the lecture", () => {
+test("the link keeps the story", () => {
   const random = randomness(5);
   const pick = (list) => list[Math.floor(random() * list.length)];
   for (let i = 0; i < 300; i++) {
@@ -257,10 +256,10 @@ test("the link keeps the lecture", () => {
       pin: pick([null, lib.presets[0].scenario, lib.paper(), randomScenario(random, lib)]),
     };
     const q = new URLSearchParams();
-    lib.lectureToQuery(view, q);
-    const read = lib.firstLectureView();
+    lib.storyToQuery(view, q);
+    const read = lib.firstStoryView();
     const notes = [];
-    lib.lectureFromQuery(read, new URLSearchParams(q.toString()), notes);
+    lib.storyFromQuery(read, new URLSearchParams(q.toString()), notes);
     assert.deepEqual({ ...read, pin: null }, { ...view, pin: null });
     assert.equal(read.pin === null, view.pin === null);
     if (view.pin && notes.length === 0) assert.ok(lib.sameScenario(read.pin, view.pin), q.toString());
@@ -306,7 +305,7 @@ test("the documentation names every parameter of a link, and what it may be", ()
     { map: { axis: "ratio", show: "effective", zoom: { x: [0.1, 1], y: [1, 2] } }, slow: false, time: 1 },
     q,
   );
-  lib.lectureToQuery({ step: "slow", guess: 1, panel: "film", curve: "e", pin: lib.paper() }, q);
+  lib.storyToQuery({ step: "slow", guess: 1, panel: "film", curve: "e", pin: lib.paper() }, q);
   assert.ok(q.size > 20);
   for (const key of q.keys()) assert.ok(told.has(key.replace(/^a\..*/, "a.…")), key);
   const steps = lib.steps.filter((step) => step !== "predict");

@@ -11,7 +11,7 @@ export type PanelName = (typeof panels)[number];
 export const curveAxes = ["gap", "e", "ratio"] as const; // what the rebound height is drawn over
 export type CurveAxis = (typeof curveAxes)[number];
 
-export interface LectureView {
+export interface StoryView {
   step: Step | null; // chapter that is read; null: the laboratory or a single panel
   guess: number | null; // height the viewer expects [m]
   panel: PanelName | null; // shown alone
@@ -19,7 +19,7 @@ export interface LectureView {
   pin: Scenario | null; // setting A
 }
 
-export const firstLectureView = (): LectureView => ({
+export const firstStoryView = (): StoryView => ({
   step: "watch",
   guess: null,
   panel: null,
@@ -27,7 +27,7 @@ export const firstLectureView = (): LectureView => ({
   pin: null,
 });
 
-export const highestGuess = 1000; // m
+export const highestPrediction = 1000; // m
 
 const queryOf = (s: Scenario): URLSearchParams => {
   const q = new URLSearchParams();
@@ -54,7 +54,7 @@ export const baseOf = (q: URLSearchParams): string => (describes(q) ? "fig2" : p
 
 const prefix = "a."; // of the parameters of setting A
 
-export function lectureToQuery(v: LectureView, q: URLSearchParams): void {
+export function storyToQuery(v: StoryView, q: URLSearchParams): void {
   if (v.step && v.step !== "watch") q.set("story", v.step);
   if (!v.step && !v.panel && !v.pin) q.set("page", "lab");
   if (v.step === "watch" && v.pin) q.set("page", "story"); // a link with a setting A opens the laboratory
@@ -68,7 +68,7 @@ export function lectureToQuery(v: LectureView, q: URLSearchParams): void {
   for (const [key, value] of own) q.set(prefix + key, value);
 }
 
-export function lectureFromQuery(v: LectureView, q: URLSearchParams, notes: string[]): void {
+export function storyFromQuery(v: StoryView, q: URLSearchParams, notes: string[]): void {
   const choice = <T extends string>(key: string, options: readonly T[]): T | null => {
     const text = q.get(key);
     if (text === null || (options as readonly string[]).includes(text)) return text as T | null;
@@ -85,8 +85,8 @@ export function lectureFromQuery(v: LectureView, q: URLSearchParams, notes: stri
   const guess = q.get("guess");
   if (guess !== null) {
     const x = guess.trim() === "" ? NaN : Number(guess);
-    if (x >= 0 && x <= highestGuess) v.guess = x;
-    else notes.push(`guess = “${guess.slice(0, 20)}” is not a height from 0 to ${highestGuess} m: left out`);
+    if (x >= 0 && x <= highestPrediction) v.guess = x;
+    else notes.push(`guess = “${guess.slice(0, 20)}” is not a height from 0 to ${highestPrediction} m: left out`);
   }
   const own = new URLSearchParams(
     [...q].filter(([key]) => key.startsWith(prefix)).map(([key, value]) => [key.slice(prefix.length), value]),
@@ -94,7 +94,7 @@ export function lectureFromQuery(v: LectureView, q: URLSearchParams, notes: stri
   if (own.size === 0) return;
   const named = presets.find((p) => p.id === own.get("example")) ?? presets.find((p) => p.id === baseOf(own))!;
   v.pin = copyOf(named.scenario);
-  const said: string[] = [];
-  fromQuery(v.pin, own, said);
-  notes.push(...said.map((text) => `A: ${text}`));
+  const pinNotes: string[] = [];
+  fromQuery(v.pin, own, pinNotes);
+  notes.push(...pinNotes.map((text) => `A: ${text}`));
 }

@@ -1,4 +1,4 @@
-// The lecture in Chromium: the story, single panels, frames, the curves, measured heights, A beside B, the strip on a phone.
+// In Chromium: the story, single panels, frames, the curves, measured heights, A beside B, the strip on a phone.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { createServer } from "node:http";
@@ -12,11 +12,11 @@ const open = (...args) => site.open(...args);
 
 const steps = ["watch", "predict", "slow", "count", "gap", "map"];
 const phone = { viewport: { width: 360, height: 740 }, deviceScaleFactor: 2, isMobile: true, hasTouch: true };
-const say = (step) => `.chapter[data-step="${step}"] .say`;
+const textOf = (step) => `.chapter[data-step="${step}"] .text`;
 const says = (page, step, pattern, options) =>
   page.waitForFunction(
     ([selector, pattern]) => new RegExp(pattern).test(document.querySelector(selector).textContent),
-    [say(step), pattern.source],
+    [textOf(step), pattern.source],
     options,
   );
 const frames = (page) =>
@@ -105,7 +105,7 @@ test("links: what the page opens with, an example by name, own values", async (t
 
 test("the story: scrolling, chapters, links, history", async (t) => {
   const page = await open(t);
-  await page.click("#tell");
+  await page.click("#open-story");
   await at(page, "watch");
   assert.equal(await page.isVisible("#controls"), false);
   await page.evaluate(() => document.activeElement.blur());
@@ -174,7 +174,7 @@ test("the story: only drawings in view are drawn again", async (t) => {
 
 test("the story: guess, drop, compare", async (t) => {
   const page = await open(t, "?story=predict", { reducedMotion: "no-preference" });
-  const handle = page.locator("#tale-box .handle");
+  const handle = page.locator("#prediction-box .handle");
   const box = await handle.boundingBox();
   await page.mouse.move(box.x + 0.3 * box.width, box.y + 0.5 * box.height);
   await page.mouse.down();
@@ -194,7 +194,7 @@ test("the story: guess, drop, compare", async (t) => {
   await says(page, "predict", /Watch/);
   assert.equal(await handle.isVisible(), false);
   await says(page, "predict", /rises to/, { timeout: 20_000 });
-  const told = await page.textContent(say("predict"));
+  const told = await page.textContent(textOf("predict"));
   assert.ok(told.includes(`You said ${guess} m`), told);
   assert.match(
     told,
@@ -203,7 +203,7 @@ test("the story: guess, drop, compare", async (t) => {
   await page.click("#let-go");
   await says(page, "predict", /Drag the line there/);
   const again = await open(t, new URL(page.url()).search);
-  assert.equal(Number(await again.getAttribute("#tale-box .handle", "aria-valuenow")), guess);
+  assert.equal(Number(await again.getAttribute("#prediction-box .handle", "aria-valuenow")), guess);
 });
 
 test("the story: counts, curve and map belong to the setting", async (t) => {
@@ -238,7 +238,7 @@ test("the story: counts, curve and map belong to the setting", async (t) => {
   await says(page, "map", /agree to 2 %; at the present ε that takes a gap above \d[\d.]* cm/, { timeout: 120_000 });
 });
 
-// Its texts for every example and many settings: lecture_units.test.mjs.
+// Its texts for every example and many settings: story_units.test.mjs.
 test("the story is told of two balls, of several and of a cradle", async (t) => {
   const page = await open(t);
   for (const example of ["fig7", "astro", "cradle"]) {
@@ -247,7 +247,7 @@ test("the story is told of two balls, of several and of a cradle", async (t) => 
     for (const step of steps) {
       await goTo(page, step);
       await says(page, step, /./);
-      const text = await page.textContent(say(step));
+      const text = await page.textContent(textOf(step));
       assert.doesNotMatch(text, /NaN|undefined|Infinity|null/, `${example} ${step}`);
       assert.match(text, /^[A-Z].*[.…?]$/, `${example} ${step}: ${text}`);
     }
@@ -279,7 +279,7 @@ test("the story on a phone: a finger scrolls, and drags a ball or the guess", as
   await drag(duel.x + 8, duel.y + 0.6 * duel.height, -200);
   await page.waitForFunction((scrolled) => scrollY > scrolled + 50, scrolled);
   await goTo(page, "predict");
-  await page.locator("#tale").tap({ position: { x: 150, y: 280 } });
+  await page.locator("#prediction").tap({ position: { x: 150, y: 280 } });
   await page.waitForFunction(() => new URL(location.href).searchParams.has("guess"));
 });
 
@@ -599,7 +599,7 @@ async function shootWhole(page, name, view) {
     null,
     { timeout: 120_000 },
   );
-  await shoot(page, `lecture-${name}-${view.replace(/^\?(\w+)=(\w+).*$/, "$1-$2").replace(/^\?.*/, "pinned")}`, {
+  await shoot(page, `story-${name}-${view.replace(/^\?(\w+)=(\w+).*$/, "$1-$2").replace(/^\?.*/, "pinned")}`, {
     fullPage: view.startsWith("?a"),
   });
 }
@@ -632,7 +632,7 @@ test("accessible, and no wider than a phone", async (t) => {
       list.filter((x) => x.checkVisibility() && x.getClientRects().length > 1).map((x) => x.textContent),
     );
     assert.deepEqual(parted, [], `${view}: numbers that part from their units`);
-    assert.ok((await page.locator(".say .whole, .told .whole").count()) > 0, view);
+    assert.ok((await page.locator(".chapter .text .whole, .answers .whole").count()) > 0, view);
     await shootWhole(page, "phone", view);
   }
 });
@@ -687,13 +687,13 @@ test("the page opens with both worlds playing, and its slider changes the gap", 
   await page.locator("#watch-gap").fill("900");
   await page.waitForFunction(
     () =>
-      /m/.test(document.getElementById("watch-gap-said").textContent) &&
+      /m/.test(document.getElementById("watch-gap-value").textContent) &&
       window.hardlimit.report().current &&
       window.hardlimit.report().setting.gaps[0] > 0.01,
   );
   await page.waitForFunction(
     (say) => document.querySelector(say).textContent === window.hardlimit.report().story[0].text,
-    say("watch"),
+    textOf("watch"),
   ); // soon after
   assert.equal(await page.evaluate(() => window.hardlimit.report().verdict.numbers.tolerance), 0.01);
   await page.keyboard.press("Control+z");

@@ -4,14 +4,15 @@ import type { State as Balls } from "../core/core";
 import type { Drop } from "../core/drop";
 import { Sheet } from "../support/dom";
 import { metres, niceTicks, withUnit } from "../support/format";
+import { drawBall, filled, Line, outlined } from "../views/ball";
 import { halo } from "../support/labels";
 import { setFont, stroke } from "../support/plot";
-import { massOf } from "../scenario/scenario";
-import { nameOfBall, releaseHeight } from "./story_text";
+import { nameOfBall } from "../scenario/measured";
+import { massOf, releaseHeight } from "../scenario/scenario";
 import { capital, independent, newton } from "../scenario/tables";
 import type { Theme } from "../style/theme";
 
-export interface Tale {
+export interface PredictionPicture {
   drop: Drop;
   newton: Balls;
   icm: Balls;
@@ -20,7 +21,7 @@ export interface Tale {
   reached: [number, number]; // heights to mark for Newton and independent collisions [m]; NaN: not yet
 }
 
-export interface TaleLayout {
+export interface PredictionLayout {
   floor: number; // pixel
   scale: number; // pixels per metre
   left: number; // pixels between which the ruler lies
@@ -30,19 +31,19 @@ export interface TaleLayout {
 
 // The ruler covers every possible guess and does not reveal the result.
 export function rulerTop(d: Drop, guess: number | null, falling: boolean): number {
-  const least = 5 * releaseHeight(d);
-  const seen = falling ? Math.min(1.05 * d.top, 20 * releaseHeight(d)) : 0;
+  const least = 5 * releaseHeight(d.scenario);
+  const seen = falling ? Math.min(1.05 * d.top, 20 * releaseHeight(d.scenario)) : 0;
   return Math.max(least, seen, 1.1 * (guess ?? 0));
 }
 
-export function drawTale(
+export function drawPrediction(
   g: CanvasRenderingContext2D,
   whole: number,
   h: number,
-  t: Tale,
+  t: PredictionPicture,
   size: number,
   theme: Theme,
-): TaleLayout {
+): PredictionLayout {
   g.clearRect(0, 0, whole, h);
   const room = !t.falling && whole > 39 * size; // for the balls themselves, with what is written beside them
   const w = room ? 0.52 * whole : whole;
@@ -59,9 +60,9 @@ export function drawTale(
     ["newton", newton.label, t.newton],
     ["icm", lane > 16 * size ? capital(independent.label) : independent.short, t.icm],
   ];
-  const release = releaseHeight(t.drop);
-  const said = t.falling && lane < 16 * size ? "" : `let go at ${metres(release)}`; // heights need the room
-  drawLevel(g, left, w, floor - release * scale, said, theme.muted, [2, 5], 1.5, size, theme, "left");
+  const release = releaseHeight(t.drop.scenario);
+  const label = t.falling && lane < 16 * size ? "" : `let go at ${metres(release)}`; // heights need the room
+  drawLevel(g, left, w, floor - release * scale, label, theme.muted, [2, 5], 1.5, size, theme, "left");
   columns.slice(0, lanes).forEach(([model, name, balls], k) => {
     const middle = left + (k + 0.5) * lane;
     if (t.falling) {
@@ -71,7 +72,10 @@ export function drawTale(
       g.fillStyle = theme[model];
       g.fillText(name, middle, floor + 1.3 * size);
     }
-    drawColumn(g, t, balls, middle, floor, scale, model, size, theme);
+    const line = new Line(g, false, floor, middle);
+    line.balls(t.drop.scenario.balls, balls.position, scale, 0.25 * size, (i) =>
+      model === "icm" ? outlined(theme, Math.max(3, size / 7)) : filled(theme, i, 1),
+    );
     const z = t.reached[k];
     if (t.falling && Number.isFinite(z)) {
       g.strokeStyle = theme[model];
@@ -131,13 +135,7 @@ function drawPortrait(
   balls.forEach((b, i) => {
     const radius = b.radius * scale;
     const center = bottom - radius;
-    g.beginPath();
-    g.arc(middle, center, radius, 0, 2 * Math.PI);
-    g.fillStyle = theme.balls[i];
-    g.fill();
-    g.lineWidth = 1.5;
-    g.strokeStyle = theme.ink;
-    g.stroke();
+    drawBall(g, middle, center, radius, filled(theme, i, 1.5));
     const name = nameOfBall(b, i === 0 ? "lowest ball" : i === balls.length - 1 ? "top ball" : `ball ${i + 1}`);
     const left = middle + wide * scale + 1.2 * size;
     setFont(g, theme, 1.15 * size, 650);
@@ -210,27 +208,4 @@ function drawLevel(
   g.textAlign = align;
   g.textBaseline = "bottom";
   halo(g, text, align === "left" ? left + 8 : right - 8, Math.max(y - 4, 1.5 * size), color, theme);
-}
-
-function drawColumn(
-  g: CanvasRenderingContext2D,
-  t: Tale,
-  balls: Balls,
-  x: number,
-  floor: number,
-  scale: number,
-  model: "newton" | "icm",
-  size: number,
-  theme: Theme,
-): void {
-  t.drop.scenario.balls.forEach((b, i) => {
-    const radius = Math.max(b.radius * scale, 0.25 * size);
-    g.beginPath();
-    g.arc(x, floor - Math.max(balls.position[i] * scale, radius), radius, 0, 2 * Math.PI);
-    g.fillStyle = model === "icm" ? theme.ground : theme.balls[i];
-    g.fill();
-    g.lineWidth = model === "icm" ? Math.max(3, size / 7) : 1;
-    g.strokeStyle = model === "icm" ? theme.icm : theme.ink;
-    g.stroke();
-  });
 }
