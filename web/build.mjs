@@ -1,6 +1,6 @@
 // Bundles the page into ../src/hardlimit/explorer/page. Deterministic: the same sources give the same bytes.
 import { build } from "esbuild";
-import { copyFileSync, mkdirSync } from "node:fs";
+import { copyFileSync, mkdirSync, readFileSync } from "node:fs";
 import { tables } from "./tables.mjs";
 
 const out = process.argv[2] ?? "../src/hardlimit/explorer/page";
@@ -16,7 +16,10 @@ const common = {
   charset: "utf8",
   legalComments: "eof",
 };
-await build({ ...common, entryPoints: ["src/app/main.ts"], outfile: `${out}/main.js` });
+// The licence of smol-toml stands in its code, that of the signals does not.
+const licence = readFileSync("node_modules/@preact/signals-core/LICENSE", "utf8").trim();
+const footer = { js: `/*! @preact/signals-core\n${licence}\n*/` };
+await build({ ...common, footer, entryPoints: ["src/app/main.ts"], outfile: `${out}/main.js` });
 await build({ ...common, entryPoints: ["src/core/first.ts"], format: "iife", outfile: `${out}/first.js` });
 await build({ ...common, entryPoints: ["src/core/worker.ts"], outfile: `${out}/worker.js` });
 await build({ ...common, entryPoints: ["src/gas/main.ts"], outfile: `${out}/gas.js` });

@@ -97,6 +97,20 @@ function faultsOfWidth() {
   return [`${excess} px wider than a screen of ${innerWidth} px: ${wide?.outerHTML.slice(0, 80)}`];
 }
 
+// In the page: code that is cut at the right, and panels of the explorer that are higher or wider than their frame.
+async function faultsOfBlocks() {
+  const faults = [...document.querySelectorAll("article pre")].filter((e) => e.scrollWidth > e.clientWidth + 1)
+    .map((e) => "a block of code is cut: " + e.innerText.slice(0, 60));
+  for (const frame of document.querySelectorAll("article iframe")) {
+    frame.loading = "eager";
+    for (let k = 0; k < 600 && !frame.contentDocument?.querySelector("svg, canvas"); k++) await new Promise(requestAnimationFrame);
+    const inside = frame.contentDocument.scrollingElement;
+    const excess = Math.max(inside.scrollWidth - frame.clientWidth, inside.scrollHeight - frame.clientHeight);
+    if (excess > 0) faults.push(`${frame.title}: ${excess} px larger than its frame`);
+  }
+  return faults;
+}
+
 async function picture(page, name, view) {
   if (!process.env.SHOTS) return;
   mkdirSync(process.env.SHOTS, { recursive: true });
@@ -118,6 +132,7 @@ for (const name of pages) {
   formulas += count;
   found.forEach(note);
   (await page.evaluate(faultsOfWidth)).forEach(note);
+  (await page.evaluate(faultsOfBlocks)).forEach(note);
   await picture(page, name, "wide");
   await page.setViewportSize({ width: 390, height: 844 });
   (await page.evaluate(faultsOfWidth)).forEach(note);

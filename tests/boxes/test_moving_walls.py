@@ -150,21 +150,6 @@ def test_compression_and_expansion(name: str, gravity: float) -> None:
     assert run.observe()["wall_work"] != 0.0
 
 
-@each_engine
-def test_a_run_that_is_loaded_continues_with_the_same_bits(name: str) -> None:
-    x, v = lattice(4, 2, 0.03, seed=5)
-    walls = [(0.5, -0.8), (0.0, 0.4)]
-    whole, part = (engine(name, x, v, 0.12, walls, gravity=[0.0, -9.81]) for _ in range(2))
-    for time in (0.006, 0.012):
-        whole.advance(time)
-    part.advance(0.006)
-    loaded = _core.load_engine(part.kind, part.save())
-    loaded.advance(0.012)
-    for a, b in zip(whole.state(), loaded.state(), strict=True):
-        assert (a == b).all()
-    assert whole.observe()["wall_work"] == loaded.observe()["wall_work"] != 0.0
-
-
 @pytest.mark.parametrize("name", ["constant", "events, linear", "steps, linear"])
 def test_slow_compression_is_adiabatic(name: str) -> None:
     """A dilute gas in d dimensions has E ∝ V^(−2/d) if the piston is slow; all its energy is work of the piston."""

@@ -44,7 +44,7 @@ test("the laboratory works without network once it is loaded", async (t) => {
     Object.assign(document.getElementById("restitution"), { value: "600" }).dispatchEvent(new Event("input")),
   );
   await solved(page);
-  await page.click("#tell");
+  await page.click("#open-story");
   await page.waitForFunction(() => document.documentElement.dataset.mode === "story");
   assert.deepEqual(asked, []);
 });
@@ -253,11 +253,11 @@ test("story: what the reader has not come to is printed too, each drawing in its
       return done;
     });
   await page.waitForFunction(
-    () => !/The line will show/.test(document.querySelector('[data-step="map"] .say').textContent),
+    () => !/The line will show/.test(document.querySelector('[data-step="map"] .text').textContent),
     null,
     { timeout: 120_000 },
   );
-  assert.match(await page.textContent('[data-step="gap"] .say'), /^Let go touching, the tennis ball reaches/);
+  assert.match(await page.textContent('[data-step="gap"] .text'), /^Let go touching, the tennis ball reaches/);
   for (let k = 0; k < 60 && (await printed(page)) !== "true,true,true"; k++) await page.waitForTimeout(500);
   assert.equal(await printed(page), "true,true,true");
   assert.ok(!/show=|zoom=/.test(page.url()), page.url());
@@ -273,7 +273,7 @@ test("story: what the reader has not come to is printed too, each drawing in its
     "what a click does is not printed",
   );
   const places = await page.evaluate(() =>
-    [...document.querySelectorAll(".chapter h2, .chapter .say, .chapter canvas")]
+    [...document.querySelectorAll(".chapter h2, .chapter .text, .chapter canvas")]
       .map((element) => {
         const { top, bottom, height } = element.getBoundingClientRect();
         return { what: element.id || element.textContent, top, bottom, height };

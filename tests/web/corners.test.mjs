@@ -366,10 +366,10 @@ test("entries: what is made of them is said; a plus sign in a link is one", asyn
   await page.fill("#height-value", "120");
   await page.keyboard.press("Tab");
   await settled(page);
-  assert.match(await page.textContent(".said"), /120 m is outside 1 cm … 10 m: 10 m used/);
+  assert.match(await page.textContent(".correction"), /120 m is outside 1 cm … 10 m: 10 m used/);
   await page.fill("#mass1-value", "5 furlongs");
   await page.keyboard.press("Tab");
-  assert.match(await page.textContent(".said"), /^Mass m₁: “5 furlongs” is not a value in kg; 3\.519 kg stays$/);
+  assert.match(await page.textContent(".correction"), /^Mass m₁: “5 furlongs” is not a value in kg; 3\.519 kg stays$/);
   assert.equal(await page.getAttribute("#mass1-value", "aria-invalid"), "true");
   assert.match(await page.textContent("#controls"), /Density 840 kg\/m³: stays when R₁ changes, so m₁ follows/);
 });

@@ -14,7 +14,7 @@ const lib = await load(
   "presets",
   "rebound_plot",
   "stage",
-  "tale",
+  "prediction_drawing",
   "timeline",
   "true_scale",
 );
@@ -183,7 +183,7 @@ test("forces and the story’s ruler: every number told to the canvas is finite"
       if (d.scenario.cradle) continue;
       const tale = new Canvas();
       for (const falling of [false, true])
-        lib.drawTale(
+        lib.drawPrediction(
           tale,
           w,
           h,

@@ -60,7 +60,7 @@ test("the story is scrolled with the keys, and its pictures are drawn", async (t
       step,
     );
     await page.waitForFunction(
-      (step) => document.querySelector(`.chapter[data-step="${step}"] .say`).textContent !== "",
+      (step) => document.querySelector(`.chapter[data-step="${step}"] .text`).textContent !== "",
       step,
     );
     if (step === "gap")

@@ -425,7 +425,7 @@ test("a film that stands at its start does so again", async (t) => {
 
 test("the story leaves the film as it is: its time, in real time", async (t) => {
   const page = await open(t, "?film=real&t=0.005");
-  await page.click("#tell");
+  await page.click("#open-story");
   await page.click("#leave");
   assert.equal(await page.getAttribute("#slow", "aria-pressed"), "false");
   assert.match(page.url(), /film=real&t=0\.005&/);

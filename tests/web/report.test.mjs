@@ -5,7 +5,7 @@ import { test } from "node:test";
 import { fromPython, load, random } from "./modules.mjs";
 
 const count = 300;
-const lib = await load("report", "presets", "story_text", "lecture_view");
+const lib = await load("report", "presets", "sentences", "story_view");
 const { core, solve, dropOf, reportOf, fromQuery, paper, columnOf } = lib;
 
 // ---- settings -----------------------------------------------------------------------------------------------

@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { load } from "./modules.mjs";
 
-const lib = await load("compare", "tables", "why");
+const lib = await load("compare", "tables");
 const { constants, constantsOf, labelOf, laws, models, parameterOfColumn, paper, ranges, symbolOf, unitOf } = lib;
 
 test("labels, symbols and units are those of the core", () => {

@@ -216,7 +216,8 @@ class Engine:
         now = system_at(self.system, self.time, self.compiled.state())
         if now.thermostat is None:
             return now
-        return now._of(**now._values() | {"thermostat": now.thermostat.after(self.kicks)})
+        values = now._values() | {"thermostat": now.thermostat.after(self.kicks)}
+        return now._of(**values, _unfolded=now._unfolded)
 
     def sample(self) -> dict[str, Any]:
         """The quantities at a sample in the falling frame; :meth:`result` converts those of all samples at once."""

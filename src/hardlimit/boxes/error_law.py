@@ -127,7 +127,7 @@ def viscosity_error(phi: float) -> float:
 
     Enskog's viscosity, in units of that of a thin gas, is (1 + P)²/χ + M with P = 8φχ/5 and M = 768φ²χ/(25π). To first
     order in w/d = t_c ν/(24φχ), the kinetic stress of soft spheres relaxes more slowly by R w/d, their coupling P is
-    less by C w/d, and M, of collisions between layers of the flow, by L w/d: docs/sheared_gas.md.
+    less by C w/d, and M, of collisions between layers of the flow, by L w/d: docs/driven_gases.md.
     """
     one = fluid(3, phi)
     chi, s, growth = one.contact_value, one.slope, one.growth
@@ -205,7 +205,7 @@ class ErrorLaw:
         """Relative error of the granular temperature in the steady state at equal heating power.
 
         T of the hard spheres over that under Newton's equations, less 1; NaN where t_c ν is so large that the expansion
-        leaves no kinetic energy. :doc:`/heated_gas` derives and measures it.
+        leaves no kinetic energy. :doc:`/driven_gases` derives it and :doc:`/results` measures it.
 
         Notes
         -----
@@ -231,7 +231,7 @@ class ErrorLaw:
         """Relative errors of granular temperature and shear stress in steady shear at equal shear rate.
 
         Hard spheres over Newton's equations, less 1, for spheres with linear springs and a constant ε.
-        :doc:`/sheared_gas` derives and measures them.
+        :doc:`/driven_gases` derives them and :doc:`/results` measures them.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""How far an event-driven simulation can be trusted: the law of the error, and the check of other codes' scripts."""
+"""Scripts of other codes: whether an event-driven simulation may replace theirs, and the restitution of a contact."""
 
 from __future__ import annotations
 
@@ -7,13 +7,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..boxes.system import ParticleSystem
-from ..contact.balls import Ball
+from ..contact.balls import Ball, Floor
 from ..contact.contact import Law
 
 if TYPE_CHECKING:
+    from .reading_back import Obtained
     from .result import Verdict
 
-__all__ = ["check"]
+__all__ = ["check", "convert_back"]
 
 
 def check(
@@ -113,3 +114,66 @@ def check(
         shear_rate,
         restitution_error,
     )
+
+
+def convert_back(
+    text: str,
+    ball: Ball,
+    other: Ball | Floor | None = None,
+    *,
+    code: str,
+    model: str | None = None,
+    speed: float = 1.0,
+    restitution_error: float | None = None,
+    time_step: float | None = None,
+    contact: str | None = None,
+) -> Obtained:
+    """Compute the restitution that an input of a code really produces.
+
+    ``restitution_error`` and ``time_step`` are those of :func:`convert`.
+
+    Parameters
+    ----------
+    text : str
+        Lines of input, such as ``convert(…).text``.
+    ball : Ball
+    other : Ball or FLOOR, optional
+        The other body; by default another ``ball``.
+    code : str
+        "lammps", "liggghts" or "yade".
+    model : str, optional
+        Name of the contact model; by default it is found in the input.
+    speed : float [m/s]
+        Impact speed.
+    contact : str, optional
+        Selects a contact if the input has several with different forces: ``"1-2"`` or ``"1-wall"`` by types, or
+        ``"1-floor"`` by the name of a wall, as listed in the error message. Types of YADE are materials by their
+        labels, or by their numbers from 1.
+
+    Returns
+    -------
+    Obtained
+
+    Raises
+    ------
+    ValueError
+        If a value is outside its range, the input has no model of the code or several, a statement that affects a
+        contact is not understood (quoted with its line), or contacts have different forces and none is selected.
+
+    Notes
+    -----
+    A force that never attracts ends the contact early: Schwager & Pöschel, Granular Matter 9, 465 (2007). The text is
+    read as by :func:`check`, at its last run; nothing in it is executed. A part of a script is enough, such as the
+    lines that :func:`convert` writes, and is in SI units unless it sets others. YADE's numerical damping d multiplies
+    decelerating forces by 1 + d and accelerating forces by 1 − d; an elastic contact then gives √((1 − d)/(1 + d)).
+
+    Examples
+    --------
+    >>> line = "hooke 1e4 0.7 damping coeff_restitution limit_damping"
+    >>> found = hl.convert_back(line, hl.Ball(1e-3, density=2500.0), code="lammps")
+    >>> round(found.restitution, 4)
+    0.7182
+    """
+    from .reading_back import obtained
+
+    return obtained(text, ball, other, code, model, speed, restitution_error, time_step, contact)

@@ -16,13 +16,14 @@ from .. import _core
 from ..boxes.system import ParticleSystem
 from ..contact.balls import Ball
 from ..contact.contact import Law, law_parameters
-from ..convert import texts
 from ..convert.codes import Code, Model, Pair, Written, code
 from ..convert.force import AdhesiveForce, ContactArea, Force
 from ..convert.formulas import DEFAULT_POISSON_RATIO, Numbers
 from ..convert.wanted import LAWS
 from ..support.formatting import digits, listed, quantity
+from ..support.units import SYSTEMS
 from .contacts import Body, Case, CheckedContact, KnownBody
+from .models import selected
 from .scripts import ContactSettings, Description, Grains, Quote, Stage
 
 WALL = "wall"
@@ -40,6 +41,7 @@ class ModelForce:
     numbers: Numbers
     attraction: bool
     contact: ContactSettings
+    cohesion: tuple[Any, float] | None = None  #: LIGGGHTS' model and its energy density [J/m³]
     #: The force before versions of the code that changed it, if the version is not known.
     others: tuple[tuple[str, ModelForce], ...] = ()
 
@@ -54,12 +56,12 @@ class ModelForce:
 
     def __call__(self, first: KnownBody, second: KnownBody | None, speed: float) -> Force:
         force = self.written(first, second, speed).force(self.numbers)
-        cohesion = energy_density(self.contact)
-        if cohesion is None:
+        if self.cohesion is None:
             return force
-        area = ContactArea(cohesion[0], first.radius, math.inf if second is None else second.radius)
+        kind, density = self.cohesion
+        area = ContactArea(kind, first.radius, math.inf if second is None else second.radius)
         return AdhesiveForce(
-            force.powers, force.stiffness, force.damping, force.effective_mass, cohesion[1], area
+            force.powers, force.stiffness, force.damping, force.effective_mass, density, area
         )
 
     @property
@@ -70,12 +72,13 @@ class ModelForce:
         return None if name is None else (name, self.numbers[name], power)
 
 
-def energy_density(contact: ContactSettings) -> tuple[Any, float] | None:
+def energy_density(contact: ContactSettings, units: str = "si") -> tuple[Any, float] | None:
     """LIGGGHTS' model of cohesion and its energy density [J/m³]; None without one, or if that is not known."""
+    mass, length, time = SYSTEMS[units]
     model, density = (contact.settings.get(name) for name in ("cohesion", "cohesionEnergyDensity"))
     if model is None or model.words[0] not in ("sjkr", "sjkr2") or density is None:
         return None
-    return model.words[0], float(density.words[0])
+    return model.words[0], float(density.words[0]) * mass / (length * time**2)
 
 
 #: The numbers of codes that set a stiffness.
@@ -148,7 +151,7 @@ def of_script(description: Description) -> tuple[list[Case], Remarks]:
                 forces.append((contact, None))
                 continue
             try:
-                forces.append((contact, _force(found, contact, description.version)))
+                forces.append((contact, force_of(found, contact, description.version)))
                 if contact.since and description.version is None:
                     since.setdefault(contact.since, {})["–".join(contact.types)] = None
             except ValueError as error:
@@ -215,9 +218,18 @@ def _state(stage: Stage) -> object:
     return contacts, stage.grains, stage.time_step, stage.numerical_damping, stage.units, stage.dimension
 
 
-def _force(found: Code, contact: ContactSettings, version: str | None) -> ModelForce:
-    """The force of a contact as in this version of the code, by default the newest."""
-    read = texts.interpreted(found, found.models, contact.settings, contact.types[1] == WALL)
+def force_of(
+    source: Code,
+    contact: ContactSettings,
+    version: str | None,
+    models: Sequence[Model] = (),
+    units: str = "si",
+) -> ModelForce:
+    """The force of a contact as in this version of the code, by default the newest.
+
+    ``models``: those of the code by default. ``units``: of the script, to have the numbers in SI units.
+    """
+    read = selected(source, models or source.models, contact.settings, units)
     known = None if version is None else _date(version)
     if contact.since and known is not None and known < (_date(contact.since) or known):
         raise ValueError(f"not mixed before {contact.since}")
@@ -225,7 +237,7 @@ def _force(found: Code, contact: ContactSettings, version: str | None) -> ModelF
     def force(version: tuple[int, ...] | None) -> ModelForce:
         model = _as_of(read.model, version, contact.types[1] == WALL)
         attracts = {"always": True, "never": False}.get(model.attracts, read.attracts)
-        return ModelForce(model, read.numbers, attracts, contact)
+        return ModelForce(model, read.numbers, attracts, contact, energy_density(contact, units))
 
     examined = [one for one in read.model.difference if not one.unknown and known is None]
     limits = {one.since or one.before for one in examined}

@@ -209,7 +209,7 @@ def _at(case: Case, speed: float | None, gas: Surroundings) -> CheckedContact:
 def _other_version(
     case: Case, before: str, make: MakeForce, tried: Sequence[tuple[KnownBody, KnownBody | None, float]]
 ) -> OtherVersion:
-    found = [_collision(make(*one), one[2], case.numerical_damping) for one in tried]
+    found = [collision_of(make(*one), one[2], case.numerical_damping) for one in tried]
     return OtherVersion(before, _agreed([c.restitution for c in found]), _agreed([c.duration for c in found]))
 
 
@@ -230,7 +230,7 @@ def _results(
     """All results for known bodies and a known speed."""
     assert case.force is not None
     force = case.force(first, second, speed)
-    collision = _collision(force, speed, case.numerical_damping)
+    collision = collision_of(force, speed, case.numerical_damping)
     smaller = first.radius if second is None else min(first.radius, second.radius)
     found: dict[str, Any] = {
         "rule": usual_rule(force),
@@ -276,7 +276,7 @@ def _in_gas(
     mean = collision
     if gas.mean_speed is not None:
         force = case.force(first, second, gas.mean_speed) if case.force else force
-        mean = _collision(force, gas.mean_speed, case.numerical_damping)
+        mean = collision_of(force, gas.mean_speed, case.numerical_damping)
     found: dict[str, Any] = {"delta_over_d": mean.compression / diameter}
     if gas.packing_fraction is None or not math.isfinite(mean.duration):
         return found
@@ -338,7 +338,7 @@ def restitution_of(case: Case, speed: float) -> float:
     """ε of a contact whose bodies are known, at an impact speed."""
     assert case.force is not None
     second = None if case.second is None else case.second.tried(0)
-    return _collision(
+    return collision_of(
         case.force(case.first.tried(0), second, speed), speed, case.numerical_damping
     ).restitution
 
@@ -349,7 +349,7 @@ def usual_rule(force: Force) -> str:
     return DEFAULTS["restitution" if constant else "law"]
 
 
-def _collision(force: Force, speed: float, damping: float | None) -> Collision:
+def collision_of(force: Force, speed: float, damping: float | None) -> Collision:
     """The collision, with the numerical damping of the integrator if there is one."""
     if not damping:
         return force.collision(speed)

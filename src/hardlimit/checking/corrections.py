@@ -10,7 +10,7 @@ from typing import Final, NamedTuple
 
 from ..convert import texts
 from ..support.formatting import digits
-from .cases import FIXED, WALL, ModelForce
+from .cases import FIXED, ModelForce
 from .contacts import Case, CheckedContact, Surroundings, examine
 from .scripts import Setting
 from .scripts.formulas import NUMBER
@@ -85,7 +85,7 @@ def _numbers(examined: Examined) -> Iterator[str]:
             continue
         bodies = case.first.tried(0), None if case.second is None else case.second.tried(0)
         name = force.model.damping.number
-        setting, place = _place(force, name, case.types[1] == WALL)
+        setting, place = _place(force, name)
         new, line = setting.words[place], None
         made = force(*bodies, 1.0)
         if abs(made.collision(1.0).restitution - asked) > TOLERATED:
@@ -134,12 +134,11 @@ def _label(case: Case, full: bool = False, run: bool = False) -> str:
     return f"{pair}{wall}{f' R {sizes}' if sizes else ''}{f' in run {case.stage}' if run else ''}"
 
 
-def _place(force: ModelForce, name: str, wall: bool) -> tuple[Setting, int]:
+def _place(force: ModelForce, name: str) -> tuple[Setting, int]:
     """The setting that has a number, and which of its words it is."""
-    given = force.model.input
-    for setting, words in (given.reads_wall if wall and given.reads_wall else given.reads).items():
+    for setting, words in force.model.input.reads.items():
         for k, word in enumerate(words.split()):
-            if word.strip("{}").rpartition(":")[2] == name:
+            if word == f"{{{name}}}":
                 return force.contact.settings[setting], k
     raise AssertionError(name)
 

@@ -12,7 +12,7 @@ from ..support import validation
 
 #: Error of event-driven cooling up to which the answer is yes.
 ACCEPTED: Final = 0.01
-#: Standard error of temperature and stress under shear that theory leaves, over t_c ν: from docs/sheared_gas.md.
+#: Standard error of temperature and stress under shear that theory leaves, over t_c ν: from studies/sheared_gas.nc.
 SHEAR_BAR: Final = 0.08
 #: Relative error bar for a force with other powers than those measured: of these, the nearest with the same elastic
 #: force are taken, if there are any.

@@ -38,7 +38,7 @@ export class Controls {
   private edits = 0; // number of changes
   private written = -Infinity; // when the values were [ms]
   private readonly about = document.createElement("p"); // text about the example
-  private readonly said = document.createElement("p"); // how an entry was corrected
+  private readonly correction = document.createElement("p"); // how an entry was corrected
 
   constructor(
     private readonly box: HTMLElement,
@@ -47,14 +47,14 @@ export class Controls {
   ) {
     this.scenario = scenario;
     this.about.className = "about";
-    this.said.className = "said";
-    this.said.setAttribute("role", "alert");
+    this.correction.className = "correction";
+    this.correction.setAttribute("role", "alert");
   }
 
   // Returns whether the controls in the panel have changed. `fully`: the values are written even if they were a moment ago.
   set(scenario: Scenario, about: string, fully: boolean): boolean {
     if (scenario !== this.scenario) {
-      this.said.textContent = "";
+      this.correction.textContent = "";
       this.edits++;
     }
     this.scenario = scenario;
@@ -81,8 +81,8 @@ export class Controls {
   }
 
   private say(notes: string[], at: HTMLElement | null): void {
-    this.said.textContent = notes.join("; ");
-    if (notes.length > 0) (at ?? this.box.firstElementChild)?.after(this.said);
+    this.correction.textContent = notes.join("; ");
+    if (notes.length > 0) (at ?? this.box.firstElementChild)?.after(this.correction);
   }
 
   private build(): void {

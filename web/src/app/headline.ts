@@ -1,12 +1,12 @@
 // The headline of the laboratory: what both models give, and the verdict.
-import { find, Sheet, tell } from "../support/dom";
+import { find, setSentence, Sheet } from "../support/dom";
 
 export class Headline {
-  private said = "";
+  private written = "";
   private readonly newton = find("verdict").querySelector<HTMLElement>(".newton")!;
   private readonly icm = find("verdict").querySelector<HTMLElement>(".icm")!;
   private readonly announcer = new Announcer();
-  private readonly changing = [...document.querySelectorAll<HTMLElement>(".told, .numbers")];
+  private readonly changing = [...document.querySelectorAll<HTMLElement>(".answers, .numbers")];
   private readonly heights = new ResizeObserver((entries) => {
     if (Sheet.moving)
       for (const {
@@ -18,11 +18,11 @@ export class Headline {
 
   say(newton: string, icm: string, verdict: string): void {
     const all = [newton, icm, verdict].join("\n");
-    if (all === this.said) return;
-    this.said = all;
-    tell(this.newton, newton + " ");
-    tell(this.icm, icm);
-    tell(find("answer"), verdict);
+    if (all === this.written) return;
+    this.written = all;
+    setSentence(this.newton, newton + " ");
+    setSentence(this.icm, icm);
+    setSentence(find("answer"), verdict);
     this.announcer.say(`${newton} ${icm} ${verdict}`);
   }
 

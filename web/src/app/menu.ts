@@ -62,10 +62,7 @@ export function listenMenu(state: State, pool: Pool, map: MapPanel, timeline: Ti
     if (file.files?.[0]) void open(file.files[0], act);
     file.value = "";
   });
-  find("csv").addEventListener("click", async () => {
-    const text = state.drop && (await pool.ask("csv", { scenario: state.drop.scenario }));
-    if (text) save("drop.csv", new Blob([text], { type: "text/csv" }));
-  });
+  find("csv").addEventListener("click", () => void saveTrajectories(state, pool));
   find("png").addEventListener("click", () => savePicture(state, map, timeline, performance.now()));
 }
 
@@ -78,6 +75,11 @@ async function open(file: File, act: MenuActions): Promise<void> {
     notes.push((error as Error).message);
   }
   act.note(notes.map((text) => `${file.name}: ${text}`));
+}
+
+async function saveTrajectories({ drop }: State, pool: Pool): Promise<void> {
+  const text = drop && (await pool.ask("csv", { scenario: drop.scenario }));
+  if (text) save("drop.csv", new Blob([text], { type: "text/csv" }));
 }
 
 // Waits briefly for the map.

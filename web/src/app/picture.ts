@@ -3,7 +3,7 @@ import { clockText, drawMoment } from "../views/film";
 import { drawForces } from "../views/forces";
 import { withUnit } from "../support/format";
 import type { ContactMap } from "../map/map";
-import { joined } from "../report/sentence";
+import { joined } from "../support/sentence";
 import { constantAt, constants, constantsOf, type Scenario } from "../scenario/scenario";
 import type { State } from "../state/state";
 import type { Timeline } from "../views/timeline";

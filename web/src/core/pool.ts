@@ -17,7 +17,7 @@ export interface Piece<K extends Kind = Kind> {
 // Provides the next task when a worker is free; null: none until Pool.wake().
 export type Source = () => Piece | null;
 
-export const piece = <K extends Kind>(p: Piece<K>): Piece => p as unknown as Piece;
+export const piece = <K extends Kind>(p: Piece<K>): Piece => p;
 
 const script = new Script("worker.js");
 

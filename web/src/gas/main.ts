@@ -1,5 +1,5 @@
 // The page of the gas: controls, film, plots and sentences.
-import { find, Sheet, tell } from "../support/dom";
+import { find, setSentence, Sheet } from "../support/dom";
 import { touchable } from "../support/touch";
 import { themeOf } from "../style/theme";
 import { ThemeSwitch } from "../support/theme_switch";
@@ -8,17 +8,7 @@ import { thinned, type Facts } from "./facts";
 import { drawGraph, graphs } from "./graphs";
 import { reportOf, type Report } from "./report";
 import { sentences, milliseconds } from "./sentences";
-import {
-  examples,
-  filmFromQuery,
-  fromQuery,
-  ranges,
-  rules,
-  toQuery,
-  type Quantity,
-  type Rule,
-  type Setting,
-} from "./setting";
+import { examples, filmFromQuery, fromQuery, ranges, rules, toQuery, type Quantity, type Setting } from "./setting";
 import type { FrameOf } from "./simulation";
 import { WorldView, gasTheme, type GasTheme } from "./worlds";
 import type { Answer } from "./worker";
@@ -71,7 +61,7 @@ class Page {
     // The theme switch draws at once.
     new ThemeSwitch({ theme: themeOf(root), redraw: () => this.retheme() }, () => this.draw(true));
     this.connect();
-    this.restart();
+    void this.restart();
     requestAnimationFrame(() => this.tick());
     window.hardlimit = {
       report: () => (this.facts && this.current() ? reportOf(this.facts, this.playing) : null),
@@ -115,8 +105,7 @@ class Page {
         this.change({ [key]: x });
       });
     }
-    for (const rule of rules)
-      find(`rule-${rule}`).addEventListener("change", () => this.change({ rule: rule as Rule }));
+    for (const rule of rules) find(`rule-${rule}`).addEventListener("change", () => this.change({ rule }));
     const walls = find<HTMLInputElement>("walls");
     walls.addEventListener("change", () => this.change(walls.checked ? { walls: true } : { walls: false, gravity: 0 }));
     for (const example of examples)
@@ -133,7 +122,7 @@ class Page {
     this.until = 0;
     this.showSetting();
     clearTimeout(this.timer);
-    this.timer = window.setTimeout(() => this.restart(), 60);
+    this.timer = window.setTimeout(() => void this.restart(), 60);
   }
 
   private showSetting(): void {
@@ -181,7 +170,7 @@ class Page {
     addEventListener("popstate", () => {
       this.read();
       this.showSetting();
-      this.restart();
+      void this.restart();
     });
   }
 
@@ -197,12 +186,12 @@ class Page {
   private step(): void {
     this.playing = false;
     this.showPlaying();
-    this.advance(1);
+    void this.advance(1);
   }
   private again(): void {
     this.playing = true;
     this.until = 0;
-    this.restart();
+    void this.restart();
   }
 
   private link(): string {
@@ -216,12 +205,12 @@ class Page {
     history.replaceState(null, "", this.link());
   }
   private async copy(): Promise<void> {
-    const said = find("copied");
+    const note = find("copied");
     try {
       await navigator.clipboard.writeText(this.link());
-      said.textContent = "Link copied.";
+      note.textContent = "Link copied.";
     } catch {
-      said.textContent = "The link is in the address bar.";
+      note.textContent = "The link is in the address bar.";
     }
     this.writeLink();
   }
@@ -255,14 +244,14 @@ class Page {
     this.showPlaying();
     this.draw();
     this.tellAll();
-    if (this.until > 0 && start.tooSoft === 0) this.advance(1, this.until);
+    if (this.until > 0 && start.tooSoft === 0) void this.advance(1, this.until);
     else this.writeLink();
   }
 
   private fail(message: string): void {
     this.playing = false;
     this.showPlaying();
-    tell(find("verdict"), message);
+    setSentence(find("verdict"), message);
     root.dataset.settled = String(this.run);
   }
 
@@ -343,9 +332,9 @@ class Page {
 
   private tellAll(): void {
     if (!this.facts) return;
-    const said = sentences(this.facts);
+    const list = sentences(this.facts);
     const of = (...topics: string[]): string =>
-      said
+      list
         .filter(({ topic }) => topics.includes(topic))
         .map(({ text }) => text)
         .join(" ");

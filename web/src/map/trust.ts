@@ -3,6 +3,7 @@ import type { Box } from "../scenario/view";
 import type { Pool } from "../core/pool";
 import { inPercent } from "../scenario/tolerance";
 import { columnOf, copyOf, type Scenario } from "../scenario/scenario";
+import { observed } from "../state/signals";
 import type { Theme } from "../style/theme";
 import { grown, setFont, type Frame, type Scale } from "../support/plot";
 
@@ -19,10 +20,9 @@ export class Agreement {
   tolerance = NaN;
   private key = "";
 
-  constructor(
-    private readonly pool: Pool,
-    private readonly changed: () => void,
-  ) {}
+  constructor(private readonly pool: Pool) {
+    observed(this, ["points"]);
+  }
 
   refresh(scenario: Scenario, { x, y }: Box, tolerance: number): void {
     const base = copyOf(scenario);
@@ -38,7 +38,6 @@ export class Agreement {
       .then((gaps) => {
         if (key !== this.key) return;
         this.points = restitution.map((e, i) => ({ restitution: e, gap: gaps[i] }));
-        this.changed();
       });
   }
 }
@@ -85,7 +84,7 @@ export function drawTrust(
     Math.max(Math.min(...shown.map((p) => y.at(p.gap))) - 0.4 * size, f.top + 1.5 * size),
   ];
   const long = `models agree to ${inPercent(tolerance)} above this line`;
-  const said = g.measureText(long).width < 0.9 * f.width ? long : "models agree above";
-  g.strokeText(said, ...at);
-  g.fillText(said, ...at);
+  const text = g.measureText(long).width < 0.9 * f.width ? long : "models agree above";
+  g.strokeText(text, ...at);
+  g.fillText(text, ...at);
 }

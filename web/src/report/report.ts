@@ -3,12 +3,11 @@ import type { Comparison } from "../core/core";
 import type { Answered } from "../core/drop";
 import { exactNumbers } from "../core/exact_numbers";
 import { toToml, type Scenario } from "../scenario/scenario";
-import { factsOf, icmCases, newtonCases, warnings } from "./headline";
-import { allOf, chosen, type Sentence } from "./sentence";
+import { allOf, chosen, type Sentence } from "../support/sentence";
+import { factsOf } from "./facts";
+import { icmRows, newtonRows, verdictRows, warningRows, why } from "./sentences";
 import { sharesOf, tenths, type Shares } from "./shares";
 import { rowsOf, type Row } from "./table";
-import { verdictCases } from "./verdict";
-import { why } from "./why";
 
 export interface ShareRow {
   name: string;
@@ -57,13 +56,13 @@ function shareRows(newton: Shares, icm: Shares | null, s: Scenario): ShareRow[] 
 
 function verdictOf(d: Answered): Report["verdict"] {
   if (!d.icm || !d.comparison) return null;
-  const said = chosen(verdictCases, {
+  const sentence = chosen(verdictRows, {
     ...d.comparison,
     newtonRun: d.newton.run,
     icmRun: d.icm.run,
     floor: !d.scenario.cradle,
   })!;
-  return { ...said, answer: d.comparison.answer };
+  return { ...sentence, answer: d.comparison.answer };
 }
 
 export function reportOf(d: Answered, tolerance: number): Report {
@@ -74,8 +73,8 @@ export function reportOf(d: Answered, tolerance: number): Report {
     setting: d.scenario,
     toml: toToml(d.scenario),
     tolerance,
-    newton: [chosen(newtonCases, facts)!, ...allOf(warnings, facts)],
-    icm: icm ? [chosen(icmCases, { ...facts, icm })!] : [],
+    newton: [chosen(newtonRows, facts)!, ...allOf(warningRows, facts)],
+    icm: icm ? [chosen(icmRows, { ...facts, icm })!] : [],
     why: why({ balls: facts.balls, cradle: facts.cradle, newton: d.newton.run, icm: icm && icm.run }),
     verdict: verdictOf(d),
     table: rowsOf(d),

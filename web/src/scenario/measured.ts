@@ -108,6 +108,9 @@ export function measuredLike(b: Ball): MeasuredBall | undefined {
   return measuredBalls.find(({ mass, diameter }) => inside(mass, massOf(b)) && inside(diameter, 2 * b.radius));
 }
 
+// "basketball" where radius and mass are those of one, else what the place in the column says.
+export const nameOfBall = (b: Ball, place: string): string => measuredLike(b)?.short ?? place;
+
 // Heights of the centre [m] to which a measured ball that is let go alone comes back: its lowest point falls by the
 // release less the radius and rises by ε² of that, with the ε of its rules.
 export function aloneRise(b: Ball, release: number): { low: number; high: number; by: string } | null {

@@ -142,6 +142,10 @@ export const copyOf = (s: Scenario): Scenario => ({
 // A cradle's first gap only delays the first collision: maps vary the others.
 export const firstGap = (s: Scenario): number => (s.cradle && s.gaps.length > 1 ? 1 : 0);
 
+// Height of the top ball's centre at release [m].
+export const releaseHeight = ({ height, balls, gaps }: Scenario): number =>
+  balls.slice(1).reduce((z, b, i) => z + balls[i].radius + gaps[i] + b.radius, height);
+
 // The lowest ball must start above the floor.
 export const lowestHeight = (s: Scenario): number => s.balls[0].radius * 1.001 + 1e-4;
 
@@ -236,7 +240,7 @@ export function fromQuery(s: Scenario, q: URLSearchParams, notes: string[]): voi
     count: number,
     set: (i: number, x: number) => void,
     get: (i: number) => number,
-  ) => {
+  ): void => {
     const texts = q.get(key)?.split(",");
     if (!texts) return;
     if (texts.length !== count && key !== "r") notes.push(`${key}: ${texts.length} values for ${count}`);

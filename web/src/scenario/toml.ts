@@ -115,6 +115,7 @@ const lawTable =
     return { law, values };
   };
 
+// eslint-disable-next-line @typescript-eslint/explicit-function-return-type -- that of the table of checks
 const column = (notes: string[]) =>
   table({
     balls: listOf(ball(notes)),
@@ -161,7 +162,7 @@ export function fromToml(text: string, notes: string[]): Scenario {
       "the same law for all contacts on this page",
     ],
   ];
-  for (const [wrong, ...said] of rules) if (wrong) refuse(...said);
+  for (const [wrong, ...refusal] of rules) if (wrong) refuse(...refusal);
   if (!cradle && gravity !== undefined && gravity !== GRAVITY)
     notes.push(`gravity = ${gravity} m/s² is not ${GRAVITY} m/s², which this page uses`);
   const s: Scenario = {

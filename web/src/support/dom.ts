@@ -30,7 +30,7 @@ const quantity = /(\d[\d.]* (?:[cmµn]?m(?:\/s)?|[mµn]?s|%)(?![\w/]))/;
 
 // Sets the text of an element; line breaks do not separate numbers from units. Where only words and numbers have changed,
 // its parts stay, which costs less.
-export function tell(element: HTMLElement, text: string): void {
+export function setSentence(element: HTMLElement, text: string): void {
   const parts = text.split(quantity);
   const old = element.childNodes;
   if (old.length === parts.length && parts.every((_, i) => old[i] instanceof Text === (i % 2 === 0)))

@@ -35,10 +35,10 @@ export class Scale {
 
 // Scales with the plot and with the text of the page.
 // Size of text in pictures [px]: at least 13; in a lecture that of the text around them.
-export const lettering = { least: 13, lecture: false };
+export const lettering = { least: 13, story: false };
 
 export const fontSize = (w: number): number =>
-  lettering.lecture
+  lettering.story
     ? Math.min(lettering.least, Math.max(w / 26, 13))
     : Math.min(Math.max(w / 42, 13), Math.max(16, w / 50));
 

@@ -3,7 +3,8 @@ import type { State } from "../core/core";
 import type { Drop, Track } from "../core/drop";
 import { forceName, niceBelow, withUnit } from "../support/format";
 import { grown } from "../support/plot";
-import { Line, Painter, type Moment, type Rect } from "./painter";
+import { Line } from "./ball";
+import { Painter, type Moment, type Rect } from "./painter";
 import type { Theme } from "../style/theme";
 
 // Label at a contact.
@@ -76,10 +77,10 @@ export class CloseUp extends Painter {
     const { size, theme } = this;
     const begin = r.x + this.g.measureText("Close-up").width + 0.8 * size;
     this.font(0.88);
-    const said = ["sizes ∝ R⁰·⁴, gaps magnified", "sizes ∝ R⁰·⁴"].find(
+    const note = ["sizes ∝ R⁰·⁴, gaps magnified", "sizes ∝ R⁰·⁴"].find(
       (x) => begin + this.g.measureText(x).width < r.x + r.w,
     );
-    if (said) this.text(said, begin, r.y + 0.9 * size, theme.muted);
+    if (note) this.text(note, begin, r.y + 0.9 * size, theme.muted);
   }
 
   // Sizes that show all balls: ratios are compressed to their power 0.4.
@@ -156,7 +157,7 @@ export class CloseUp extends Painter {
       this.g.lineWidth = 2;
       const low = i > 0 && state.gap[i] < 0 ? cuts[i] : i === 0 && floor ? 0 : -1e4;
       const high = i + 1 < n && state.gap[i + 1] < 0 ? cuts[i + 1] : 1e4;
-      line.ball(centers[i], radii[i], low, high, this.style(ghost, i, radii[i]));
+      line.cutBall(centers[i], radii[i], low, high, this.look(ghost, i, radii[i]));
     }
     const tags: Tag[] = [];
     for (let j = first; j < n; j++) {

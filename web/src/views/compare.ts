@@ -2,10 +2,11 @@
 import { find, refocus, setHidden, setText, type Sheet } from "../support/dom";
 import { dropOf, type Drop } from "../core/drop";
 import { digits, lengths, withUnit } from "../support/format";
-import type { LectureView } from "../scenario/lecture_view";
+import type { StoryView } from "../scenario/story_view";
 import type { Pool } from "../core/pool";
 import { constantAt, constants, constantsOf, copyOf, massOf, type Scenario } from "../scenario/scenario";
 import { drawTrueScale } from "./true_scale";
+import { observed, type Drawing } from "../state/signals";
 import type { State } from "../state/state";
 import { labelOf, namesOf, parameterOfColumn } from "../scenario/tables";
 
@@ -84,16 +85,19 @@ function results(a: Drop, b: Drop): { name: string; model: "newton" | "icm"; val
 
 export class Compare {
   private drop: Drop | null = null; // of setting A
+  readonly picture: Drawing;
   private fault = "";
   private key = "";
 
   constructor(
     private readonly state: State,
-    private readonly view: LectureView,
+    private readonly view: StoryView,
     private readonly sheet: Sheet,
     private readonly pool: Pool,
     private readonly changed: () => void,
   ) {
+    observed(this, ["drop"]);
+    this.picture = state.drawing(() => this.draw());
     find("pin").addEventListener("click", () => this.set(view.pin ? null : copyOf(state.scenario)));
     find("unpin").addEventListener("click", () => {
       this.set(null);
@@ -124,7 +128,7 @@ export class Compare {
     setHidden(find("compare"), pin === null);
     document.documentElement.toggleAttribute("data-pinned", pin !== null);
     setText(
-      find("compare-said"),
+      find("compare-state"),
       pin
         ? "A is pinned, B is the present setting."
         : "No setting is pinned as A. “Pin as A” is in the menu of the laboratory.",
@@ -136,7 +140,7 @@ export class Compare {
       this.fault = "";
       if (pin) void this.solve(pin, key);
     }
-    this.tell();
+    this.fillTable();
   }
 
   private async solve(pin: Scenario, key: string): Promise<void> {
@@ -144,11 +148,10 @@ export class Compare {
     if (key !== this.key) return;
     if ("reason" in solved) this.fault = solved.reason;
     else this.drop = dropOf(solved);
-    this.tell();
-    this.state.redraw();
+    this.fillTable();
   }
 
-  private tell(): void {
+  private fillTable(): void {
     const { pin } = this.view;
     const b = this.state.drop;
     if (!pin || !b) return;
@@ -180,15 +183,16 @@ export class Compare {
   }
 
   // Both at the instant of the film.
-  draw(): void {
+  private draw(): void {
     const { sheet, state } = this;
     if (!this.view.pin || !state.drop || sheet.width < 40) return;
     const { g, width, height } = sheet;
     g.clearRect(0, 0, width, height);
     const time = state.time();
     const half = width / 2;
-    const tops = [this.drop, state.drop].map((d) => (d ? d.top : 0));
-    [this.drop, state.drop].forEach((d, k) => {
+    const drops = [this.drop, state.drop];
+    const tops = drops.map((d) => (d ? d.top : 0));
+    drops.forEach((d, k) => {
       if (!d) return;
       const shared = d.scenario.cradle ? d : { ...d, top: Math.max(...tops) }; // one scale for both
       const moment = { time, rate: 1, newton: d.motion.newton.at(time), icm: d.motion.icm.at(time) };

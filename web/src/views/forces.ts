@@ -31,8 +31,8 @@ export function drawForces(g: CanvasRenderingContext2D, w: number, h: number, d:
   shadeContacts(g, d, x, upper, floor ? lower : null, theme, size);
   drawGroup(g, d, x, upper, pairs, theme, size, !floor);
   if (floor) drawGroup(g, d, x, lower, [0], theme, size, true);
-  const said = markIndependent(g, d, x, frames, theme, size);
-  nameGroup(g, upper, pairs, right - left - said - size, theme, size);
+  const taken = markIndependent(g, d, x, frames, theme, size);
+  nameGroup(g, upper, pairs, right - left - taken - size, theme, size);
   if (floor) nameGroup(g, lower, [0], right - left, theme, size);
   return { x, frames };
 }

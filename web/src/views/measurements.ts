@@ -8,7 +8,7 @@
 // ball's centre above the floor; uncertainty, which may be left out, as may its values. Units of lengths: m, cm, mm,
 // µm or um; m where none is given. Columns are separated by commas, semicolons or tabs; with the last two a decimal
 // comma is understood. Lines that are empty or begin with # are passed over.
-import type { CurveAxis } from "../scenario/lecture_view";
+import type { CurveAxis } from "../scenario/story_view";
 
 export interface Measured {
   x: number;

@@ -32,7 +32,7 @@ export function fillTable(table: HTMLElement, { table: list }: Report): void {
     setAttribute(tr, "class", r.lead ? "lead" : "");
     setAttribute(tr, "data-id", r.id);
     [r.name, ...r.values].forEach((text, k) => {
-      const cell = tr!.children[k] as HTMLElement;
+      const cell = tr.children[k] as HTMLElement;
       if (!text.includes("_")) setText(cell, text);
       else if (cell.textContent !== text.replaceAll("_", "")) cell.replaceChildren(...subscripted(text));
     });

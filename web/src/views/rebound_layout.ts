@@ -1,6 +1,6 @@
 // What the plot of rebound heights shows, and where: values and pixels.
 import { digits, withUnit } from "../support/format";
-import type { CurveAxis } from "../scenario/lecture_view";
+import type { CurveAxis } from "../scenario/story_view";
 import type { Measurements } from "./measurements";
 import type { Frame, Scale } from "../support/plot";
 import type { CurvePoint, Span } from "./rebound";

@@ -1,14 +1,15 @@
 // The panel of rebound heights: drawing, reading values, pointer, measured heights.
 import { find, setText, type Sheet } from "../support/dom";
 import { digits, metres, withUnit } from "../support/format";
-import type { CurveAxis, LectureView } from "../scenario/lecture_view";
+import type { CurveAxis, StoryView } from "../scenario/story_view";
 import { readMeasurements, type Measurements } from "./measurements";
 import type { Pool } from "../core/pool";
 import { aloneRise } from "../scenario/measured";
 import { Curve, spanOf, valueOn, type CurvePoint } from "./rebound";
 import { nameOf, nearest, valueAt, type CurveLayout, type CurvePicture } from "./rebound_layout";
 import { drawCurves } from "./rebound_plot";
-import { clampTo, firstGap, lowestHeight, ranges, type Scenario } from "../scenario/scenario";
+import { clampTo, firstGap, lowestHeight, ranges, releaseHeight, type Scenario } from "../scenario/scenario";
+import { observed, type Drawing } from "../state/signals";
 import type { State } from "../state/state";
 import { independent, newton } from "../scenario/tables";
 import { dragged } from "../support/touch";
@@ -24,18 +25,18 @@ export class ReboundPanel {
   private hovered: number | null = null;
   private measured: Measurements | null = null;
   private drawn = 0;
-  dirty = true;
-  news = true; // there are other heights than before
+  private readonly picture: Drawing;
 
   constructor(
     private readonly state: State,
-    private readonly view: LectureView,
+    private readonly view: StoryView,
     private readonly sheet: Sheet,
     pool: Pool,
   ) {
-    const changed = (): void => void (this.dirty = this.news = true);
-    this.curve = new Curve(pool, changed, sheet.wanted);
-    this.pinned = new Curve(pool, changed, sheet.wanted);
+    observed(this, ["hovered", "measured", "pinnedKey"]);
+    this.picture = state.drawing(() => this.draw());
+    this.curve = new Curve(pool, sheet.wanted);
+    this.pinned = new Curve(pool, sheet.wanted);
     this.listen();
   }
 
@@ -61,7 +62,6 @@ export class ReboundPanel {
       if (same) this.pinned.start(view.pin!, view.curve, span);
       else this.pinned.stop();
     }
-    this.dirty = true;
   }
 
   private refreshChoices(): void {
@@ -76,28 +76,24 @@ export class ReboundPanel {
 
   // Less often while points arrive.
   drawIfDue(now: number): void {
-    if (!this.dirty || !this.state.drop || this.sheet.width < 40 || !this.sheet.shown()) return;
+    if (!this.state.drop || this.sheet.width < 40 || !this.sheet.shown()) return;
     if (!this.curve.done && (!this.sheet.seen || now - this.drawn < 80)) return;
-    this.dirty = false;
-    this.drawn = now;
+    if (this.picture.refresh()) this.drawn = now;
+  }
+
+  private draw(): void {
     const { sheet, state } = this;
-    this.layout = drawCurves(sheet.g, sheet.width, sheet.height, this.picture(), state.theme);
-    this.tell();
+    this.layout = drawCurves(sheet.g, sheet.width, sheet.height, this.contents(), state.theme);
+    this.write();
     sheet.canvas.dataset.points = String(this.curve.points.length);
     sheet.canvas.dataset.done = String(this.curve.done && (this.pinnedKey === "" || this.pinned.done));
   }
 
-  private picture(): CurvePicture {
+  private contents(): CurvePicture {
     const { state, view, curve } = this;
     const { scenario } = state;
-    const top =
-      scenario.height +
-      scenario.balls.reduce((sum, b, i) => sum + (i > 0 ? 2 * b.radius : 0), 0) +
-      scenario.gaps.reduce((a, b) => a + b, 0) +
-      scenario.balls[0].radius -
-      scenario.balls[scenario.balls.length - 1].radius;
     const pinned = this.pinnedKey !== "";
-    const released = scenario.cradle || view.curve === "ratio" ? NaN : top;
+    const released = scenario.cradle || view.curve === "ratio" ? NaN : releaseHeight(scenario);
     return {
       axis: view.curve,
       span: curve.span,
@@ -116,14 +112,17 @@ export class ReboundPanel {
   }
 
   // The value under the pointer, or that of the present setting.
-  private tell(): void {
-    const picture = this.picture();
+  private write(): void {
+    const picture = this.contents();
     const point = this.hovered === null ? picture.marked : nearest(picture, this.hovered);
-    const text = point ? `${nameOf(picture.axis, point.x)}: ${this.told(point)}` : "computing …";
+    const text = point ? `${nameOf(picture.axis, point.x)}: ${this.describe(point)}` : "computing …";
     setText(find("rebound-reading"), text);
     const { canvas } = this.sheet;
     canvas.setAttribute("aria-valuenow", String(Number(picture.marked.x.toPrecision(4))));
-    canvas.setAttribute("aria-valuetext", `${nameOf(picture.axis, picture.marked.x)}: ${this.told(picture.marked)}`);
+    canvas.setAttribute(
+      "aria-valuetext",
+      `${nameOf(picture.axis, picture.marked.x)}: ${this.describe(picture.marked)}`,
+    );
   }
 
   // The present setting: its own values, not those of the nearest point computed.
@@ -134,7 +133,7 @@ export class ReboundPanel {
     return { x: valueOn(this.state.scenario, this.view.curve), newton: value(newton), icm: value(icm) };
   }
 
-  private told(p: CurvePoint): string {
+  private describe(p: CurvePoint): string {
     const say = (x: number): string =>
       !Number.isFinite(x) ? "none" : this.state.scenario.cradle ? withUnit(x, "m/s") : metres(x);
     return `${newton.short} ${say(p.newton)}, ${independent.short} ${say(p.icm)}`;
@@ -169,12 +168,8 @@ export class ReboundPanel {
     canvas.addEventListener("pointermove", (e) => {
       if (e.pointerType === "touch" || !this.layout) return;
       this.hovered = valueAt(this.layout, e.offsetX);
-      this.dirty = true;
     });
-    canvas.addEventListener("pointerleave", () => {
-      this.hovered = null;
-      this.dirty = true;
-    });
+    canvas.addEventListener("pointerleave", () => (this.hovered = null));
     canvas.addEventListener("keydown", (e) => this.press(e));
     find<HTMLSelectElement>("rebound-axis").addEventListener("change", (e) =>
       this.setAxis((e.target as HTMLSelectElement).value as CurveAxis),
@@ -242,7 +237,6 @@ export class ReboundPanel {
     this.measured = measured;
     find("measured").textContent = measured ? "Remove measured heights" : "Load measured heights (CSV)";
     this.say(fault, true);
-    this.dirty = true;
   }
 
   private say(text: string, fault: boolean): void {

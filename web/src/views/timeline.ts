@@ -3,6 +3,7 @@ import type { TimelineRow } from "../core/core";
 import type { Drop } from "../core/drop";
 import { piece, type Piece, type Pool } from "../core/pool";
 import { columnOf, ranges, type Scenario } from "../scenario/scenario";
+import { observed } from "../state/signals";
 import type { Theme } from "../style/theme";
 import { alike, drawTimeline, type TimelineLayout } from "./timeline_drawing";
 
@@ -29,11 +30,8 @@ export class Timeline {
   private column: Float64Array = new Float64Array();
   private exact = false; // there is an adiabatic solution
 
-  constructor(
-    pool: Pool,
-    private readonly changed: () => void,
-    shown: () => boolean,
-  ) {
+  constructor(pool: Pool, shown: () => boolean) {
+    observed(this, ["rows"]);
     pool.add(() => this.nextBatch(), shown);
     this.wake = () => pool.wake();
   }
@@ -79,7 +77,6 @@ export class Timeline {
     this.rows = merge(this.rows, rows.newton);
     this.adiabatic = merge(this.adiabatic, rows.adiabatic);
     if (this.done) this.refine();
-    this.changed();
   }
 
   // Bisects the intervals in which the contacts change or their times are not linear.

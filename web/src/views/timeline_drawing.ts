@@ -83,15 +83,20 @@ function drawBands(
       const left = group.map((row, i): [number, number] => [x.at(row.contacts[k].begin), heights[i]]);
       const right = group.map((row, i): [number, number] => [end(row.contacts[k]), heights[i]]);
       const over = several && pair > 0 ? 0 : 0.5; // pixels into the next region, or a hairline shows between them
-      for (const edge of [left, right])
-        (edge.unshift([edge[0][0], bottom + over]), edge.push([edge[last + 1][0], top - over]));
+      for (const edge of [left, right]) {
+        edge.unshift([edge[0][0], bottom + over]);
+        edge.push([edge[last + 1][0], top - over]);
+      }
       g.fillStyle = g.strokeStyle = pair === 0 ? theme.faint : theme.pairs[pair];
       g.globalAlpha = several && pair > 0 ? 0.16 : 1;
       trace(g, [...left, ...right.reverse()]);
       g.fill();
       g.globalAlpha = 1;
       g.lineWidth = pair === 0 ? 0.5 : several ? 2.5 : 1; // bands of several pairs overlap: their edges tell them apart
-      for (const edge of [left, right]) (trace(g, edge), g.stroke());
+      for (const edge of [left, right]) {
+        trace(g, edge);
+        g.stroke();
+      }
     });
   }
 }

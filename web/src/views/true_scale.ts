@@ -3,7 +3,8 @@ import type { Drop, Track } from "../core/drop";
 import { digits, lengths, niceTicks, withUnit } from "../support/format";
 import { laterHeight } from "../report/table";
 import { grown, lettering } from "../support/plot";
-import { Line, Painter, type Moment, type Rect } from "./painter";
+import { Line } from "./ball";
+import { Painter, type Moment, type Rect } from "./painter";
 import type { Theme } from "../style/theme";
 
 // The balls at true scale alone, with a title unless that is empty.
@@ -53,10 +54,7 @@ export class TrueScale extends Painter {
       const line = new Line(g, false, floor, left + (k + 0.5) * lane);
       this.font(nameSize, 600);
       this.text(name, line.center + (k === 0 ? -aside : aside), floor + 1.15 * size, color, "center");
-      d.scenario.balls.forEach((b, i) => {
-        const radius = Math.max(b.radius * scale, 3);
-        line.ball(Math.max(state.position[i] * scale, radius), radius, -1e4, 1e4, this.style(ghost, i, radius));
-      });
+      line.balls(d.scenario.balls, state.position, scale, 3, (i, radius) => this.look(ghost, i, radius));
       if (this.m.time > track.known) this.label("not resolved", line.center, floor - 0.5 * (floor - top), color);
       else if (this.m.time > track.run.last) this.peaks(line, track, scale, lane, color);
     });
@@ -113,15 +111,7 @@ export class TrueScale extends Painter {
       const line = new Line(g, true, origin, top + (k + 0.5) * row);
       this.font(1, 600);
       this.text(name, r.x, line.center, color);
-      d.scenario.balls.forEach((b, i) =>
-        line.ball(
-          state.position[i] * scale,
-          Math.max(b.radius * scale, 3),
-          -1e4,
-          1e4,
-          this.style(ghost, i, b.radius * scale),
-        ),
-      );
+      line.balls(d.scenario.balls, state.position, scale, 3, (i, radius) => this.look(ghost, i, radius));
     });
   }
 }

@@ -15,6 +15,7 @@ from .description import ContactSettings, Description, Grains, Note, Quote, Sett
 from .statements import quoted
 
 __all__ = [
+    "CODES",
     "ContactSettings",
     "Description",
     "Grains",
@@ -24,6 +25,7 @@ __all__ = [
     "Settings",
     "Stage",
     "read",
+    "read_text",
 ]
 
 
@@ -52,18 +54,40 @@ SIGNS: Final = {
 def read(
     source: str | Path, *, code: str | None = None, variables: Mapping[str, str] = {}, types_seen: int = 0
 ) -> Description:
-    """Read a script or a log.
+    """Read a script or a log: the path of a file, or the text itself. The other arguments are those of `read_text`."""
+    text, file, folder = _opened(source)
+    if code is not None:
+        validation.one_of("code", code, CODES)
+    return read_text(text, file, folder, code=code, variables=variables, types_seen=types_seen)
+
+
+def read_text(
+    text: str,
+    file: str = "",
+    folder: Path | None = None,
+    *,
+    code: str | None = None,
+    variables: Mapping[str, str] = {},
+    types_seen: int = 0,
+    part: bool = False,
+) -> Description:
+    """Read the text of a script or a log, or a part of one.
 
     Parameters
     ----------
-    source : str or Path
-        Path of a file, or the text itself.
+    text : str
+    file : str
+        Name of its file.
+    folder : Path, optional
+        Folder of include files.
     code : str, optional
         "lammps", "liggghts" or "yade"; found in the text by default.
     variables : mapping of str to str
         Values of variables, as given on the code's command line.
     types_seen : int
         Largest type of grains in a dump, for scripts that read their grains from files.
+    part : bool
+        Whether it is a part of a script: its end is a run, and settings for balls and walls alike need no wall.
 
     Raises
     ------
@@ -74,18 +98,15 @@ def read(
     from .lammps import Lammps
     from .liggghts import Liggghts
 
-    text, file, folder = _opened(source)
-    if code is not None:
-        validation.one_of("code", code, CODES)
     log = logs.header(text)
-    found = code or (log[0] if log else "") or _code_of(text, folder)
-    if found == "yade":
+    name = code or (log[0] if log else "") or _code_of(text, folder)
+    if name == "yade":
         from . import yade
 
-        return yade.read(text, file, variables)
-    kind = Liggghts if found == "liggghts" else Lammps
+        return yade.read(text, file, variables, part)
+    kind = Liggghts if name == "liggghts" else Lammps
     known = given(variables)
-    state = kind(known, folder, (log[1] if log else "") or None, found, types_seen)
+    state = kind(known, folder, (log[1] if log else "") or None, name, types_seen, part)
     if log:
         read = state.read(logs.commands(text, file, known, kind))
         late = [quoted(file, 1, "units: the log begins after them")] * (

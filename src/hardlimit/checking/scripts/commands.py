@@ -24,11 +24,6 @@ VARIABLE: Final = re.compile(
 )
 FORMAT: Final = re.compile(r"%[-+ 0#]*\d{0,3}(?:\.\d{1,3})?[aefgAEFG]")
 INTEGER_FORMAT: Final = re.compile(r"%[-+ 0]*\d{0,3}[di]")
-#: Commands that contain other commands.
-NESTING: Final = ("if", "run", "python")
-#: Names that such commands change, and the label to which they jump.
-CHANGED: Final = re.compile(r"\b(?:variable\s+(\w+)|next((?:\s+\w+)+))")
-JUMP: Final = re.compile(r"\bjump\s+[^\s\"']+\s*([^\s\"']*)")
 NAMES: Final = re.compile(r"\$\{(\w+)\}|\$(\w)|\bv_(\w+)", re.ASCII)
 UNRESOLVED: Final = re.compile(r"\$(?:\{\w*\}|\(|\w)")
 #: A comparison of two words in a condition, and what is no word there.
@@ -221,13 +216,12 @@ class Frame:
 
 @dataclass
 class Commands:
-    """An input script. With ``flow``, it follows include, jump, next and if; otherwise these are plain statements."""
+    """The commands of an input script as they run: include, jump, next and if are followed."""
 
     text: str
     file: str = ""
     folder: Path | None = None
     variables: Variables = field(default_factory=Variables)
-    flow: bool = True
 
     def __post_init__(self) -> None:
         self.frames = [Frame(self.file, self.folder, logical_lines(self.text))]
@@ -236,7 +230,6 @@ class Commands:
         self.repeated: dict[Place, dict[str, Variable]] = {}  #: variables when a jump led back
         self.passed: dict[Place, dict[str, Variable]] = {}  #: variables at a label
         self.again: set[Place] = set()  #: conditions that led back
-        self.uncertain = set() if self.flow else _uncertain(self.frames[0])
 
     def __iter__(self) -> Iterator[Statement]:
         while self.frames:
@@ -270,16 +263,9 @@ class Commands:
             raise refusal(line, raw, f"be part of a shorter loop; {USE_LOG}", frame.file)
         statement = Statement(line, words, code, file=frame.file)
         if words[0] == "variable":
-            self._define(words[1:])
-        elif not self.flow:
-            yield statement
+            self.variables.define(words[1:])
         else:
             yield from self._follow(frame, statement, depth)
-
-    def _define(self, words: Sequence[str]) -> None:
-        self.variables.define(words)
-        if words[:1] and words[0] in self.uncertain and words[0] in self.variables.known:
-            self.variables.known[words[0]] = Variable("unknown", ())
 
     def _follow(self, frame: Frame, statement: Statement, depth: int) -> Iterator[Statement]:
         command, *words = statement.words
@@ -474,24 +460,6 @@ def _same_words(found: re.Match[str]) -> str:
     if any(NUMBERS.fullmatch(word) for word in words):
         return found[0]
     return f" {int((words[0] == words[1]) == (found[2] == '=='))} "
-
-
-def _uncertain(frame: Frame) -> set[str]:
-    """Variables whose value depends on loops and conditions: those that ``next`` or a command in a command changes,
-    and those that are set several times, once of them where a jump repeats or skips it."""
-    found, jumped, defined = set[str](), set[str](), list[tuple[int, str]]()
-    for k, (_, line) in enumerate(frame.lines):
-        command, *words = line.split() or [""]
-        if command == "variable":
-            defined.append((k, words[0] if words else ""))
-        elif command in ("next", *NESTING):
-            found.update(" ".join(" ".join(names) for names in CHANGED.findall(line)).split())
-    for k, (_, line) in enumerate(frame.lines):
-        for label in JUMP.findall(line):
-            first, last = sorted((k, frame.labels.get(label, 0)))
-            jumped |= {name for at, name in defined if first <= at <= last}
-    names = [name for _, name in defined]
-    return found | {name for name in jumped if names.count(name) > 1}
 
 
 def text_of(path: Path) -> str | None:

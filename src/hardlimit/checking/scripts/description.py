@@ -124,3 +124,5 @@ class Description:
         default=()
     )  #: makes contacts sticky, dissipates elsewhere, ties grains
     unknown: tuple[Quote, ...] = field(default=())  #: statements that were not understood
+    #: Messages that refuse those of them, and of what invalidates, on which the force of contacts depends.
+    refused: tuple[str, ...] = field(default=())

@@ -1,4 +1,4 @@
-"""Formulas of LAMMPS' variables and of C++: operators, parentheses, functions and names.
+"""Formulas of LAMMPS' variables: operators, parentheses, functions and names.
 
 Unary operators bind tighter than ``^``, and all operators associate to the left, as the command ``variable`` of LAMMPS
 documents.
@@ -9,29 +9,17 @@ from __future__ import annotations
 import math
 import operator
 import re
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
 from typing import Final
 
 NUMBER: Final = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 TOKEN: Final = re.compile(
-    r"\s*(?:(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)|(?P<name>[A-Za-z_](?:\w|::|\.)*)"
+    r"\s*(?:(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)|(?P<name>[A-Za-z_][\w.]*)"
     r"|(?P<sign>==|!=|<=|>=|&&|\|\||\|\^|[-+*/%^<>!(),]))",
     re.ASCII,
 )
-Operators = Mapping[str, Callable[[float, float], float]]
-
-
-@dataclass(frozen=True)
-class Language:
-    """The operators and functions of a language."""
-
-    levels: Sequence[Operators]  #: binary operators from the loosest to the tightest
-    functions: Mapping[str, Callable[..., float]]
-    integers: bool = False  #: whether a number without point and exponent is an integer
-
-
-LEVELS: Final[tuple[Operators, ...]] = (
+#: Binary operators from the loosest to the tightest.
+LEVELS: Final[tuple[Mapping[str, Callable[[float, float], float]], ...]] = (
     {
         "||": lambda a, b: float(bool(a) or bool(b)),
         "|^": lambda a, b: float(bool(a) != bool(b)),
@@ -62,41 +50,15 @@ FUNCTIONS: Final[dict[str, Callable[..., float]]] = {
     "round": lambda x: math.floor(x + 0.5),
     "ternary": lambda condition, yes, no: yes if condition else no,
 }
-LAMMPS: Final = Language(LEVELS, FUNCTIONS)
-
-
-def _quotient(a: float, b: float) -> float:
-    """a/b; that of two integers, which C++ truncates, is refused."""
-    if isinstance(a, int) and isinstance(b, int):
-        raise ValueError
-    return a / b
-
-
-C_MATH: Final = "sqrt cbrt exp log log10 log2 fabs pow sin cos tan asin acos atan atan2 ceil floor"
-C_FUNCTIONS: Final[dict[str, Callable[..., float]]] = {
-    "abs": abs,
-    **{name: getattr(math, name) for name in C_MATH.split()},
-}
-#: C++, as far as numbers of contacts need it; ``^`` is no power there.
-C: Final = Language(
-    ({"+": operator.add, "-": operator.sub}, {"*": operator.mul, "/": _quotient}),
-    {
-        **C_FUNCTIONS,
-        **{f"std::{name}": function for name, function in C_FUNCTIONS.items()},
-        **dict.fromkeys(("double", "float"), float),
-    },
-    integers=True,
-)
 #: Deepest nesting of parentheses.
 DEEPEST: Final = 100
 
 
-def value(formula: str, names: Callable[[str], float | None], language: Language = LAMMPS) -> float | None:
+def value(formula: str, names: Callable[[str], float | None]) -> float | None:
     """Value of a formula; None if it is not understood, not finite, or has a name without a value."""
     try:
-        found = _Parser(formula, names, language).parsed()
-        found = found if language.integers else float(found)
-        return found if math.isfinite(found) else None
+        number = float(_Parser(formula, names).parsed())
+        return number if math.isfinite(number) else None
     except (ValueError, TypeError, ZeroDivisionError, OverflowError):
         return None
 
@@ -104,8 +66,8 @@ def value(formula: str, names: Callable[[str], float | None], language: Language
 class _Parser:
     """Recursive descent through the levels of operators."""
 
-    def __init__(self, formula: str, names: Callable[[str], float | None], language: Language) -> None:
-        self.names, self.language, self.depth, self.at = names, language, 0, 0
+    def __init__(self, formula: str, names: Callable[[str], float | None]) -> None:
+        self.names, self.depth, self.at = names, 0, 0
         self.tokens: list[tuple[str, str]] = []
         place, text = 0, formula.strip()
         while place < len(text):
@@ -130,9 +92,9 @@ class _Parser:
         self.at += 1
 
     def level(self, k: int) -> float:
-        if k == len(self.language.levels):
+        if k == len(LEVELS):
             return self.unary()
-        found, operators = self.level(k + 1), self.language.levels[k]
+        found, operators = self.level(k + 1), LEVELS[k]
         while (sign := self.next()[1]) in operators:
             self.at += 1
             found = operators[sign](found, self.level(k + 1))
@@ -156,24 +118,23 @@ class _Parser:
         kind, text = self.next()
         self.at += 1
         if kind == "number":
-            return int(text) if self.language.integers and text.isdigit() else float(text)
+            return float(text)
         if text == "(":
             found = self.level(0)
             self.expect(")")
             return found
         if kind != "name":
             raise ValueError
-        short = re.split(r"::|\.", text)[-1]
         if self.next()[1] == "(":
             arguments: list[float] = []
             while not arguments or self.next()[1] == ",":
                 self.at += 1
                 arguments.append(self.level(0))
             self.expect(")")
-            if text not in self.language.functions:
+            if text not in FUNCTIONS:
                 raise ValueError
-            return self.language.functions[text](*arguments)
-        known = math.pi if short in ("PI", "pi") else self.names(text)
+            return FUNCTIONS[text](*arguments)
+        known = math.pi if text in ("PI", "pi") else self.names(text)
         if known is None:
             raise ValueError
         return known

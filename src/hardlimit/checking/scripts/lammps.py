@@ -9,7 +9,7 @@ from functools import partial
 from typing import Final
 
 from . import granular_words, motion
-from .description import ContactSettings, Quote, Setting, Settings
+from .description import WALL, ContactSettings, Quote, Setting, Settings
 from .formulas import NUMBER
 from .granular_words import ADHESIVE, NORMAL, PLASTIC, WALLS, Words, is_zero, ordered, unaccelerated
 from .population import Batch
@@ -46,7 +46,19 @@ class Lammps(State):
         super().reset()
         self.style, self.hybrid = "", False
         self.everywhere: dict[str, Coefficients] = {}  #: of gran/… styles, by style
+        self.alone: Statement | None = None  #: the model of a text without pair_style and pair_coeff
         self.pairs: dict[tuple[int, int], list[Coefficients]] = {}
+
+    def statement(self, statement: Statement) -> None:
+        """Read one statement. A part of a script may be a normal model alone, for all pairs and a wall."""
+        if self.style or statement.words[0] not in {**NORMAL, **ADHESIVE, **PLASTIC}:
+            super().statement(statement)
+            return
+        self.changed_since = True
+        if self.alone and self.alone.line != statement.line and self.alone.words != statement.words:
+            raise refused(statement, f"be the model on line {self.alone.line}, or part of a pair_coeff")
+        self.alone = statement
+        super().statement(replace(statement, words=("pair_coeff", "*", "*", *statement.words)))
 
     # --- pair styles --------------------------------------------------------------------------------------------
 
@@ -153,6 +165,10 @@ class Lammps(State):
                     quotes = (fix.statement.quote,)
                     for kind in self.walls_of(fix.group):
                         yield self.wall_contact(kind, name, parsed, quotes, pushes, friction, moves)
+        for kind in kinds if self.part and self.alone else ():
+            for model in self.pairs.get((kind, kind), [])[-1:]:
+                friction = self.coefficient(model.friction)
+                yield self.wall_contact(kind, WALL, model.settings, (model.quote,), None, friction, None)
 
     def between(self, i: int, j: int) -> ContactSettings | None:
         """Settings of two types: those given, those of a gran/… style, or the mixed ones."""
@@ -195,7 +211,7 @@ class Lammps(State):
                 self.fixes = {name: one for name, one in self.fixes.items() if one is not fix}
             return True
         if fix.style in ("pour", "deposit"):
-            if not self.understood(fix.statement, lambda: self.insert(fix)):
+            if not self.understood(fix.statement, lambda: self.insert(fix), contacts=False):
                 self.population.elsewhere = True
             return True
         return False

@@ -104,6 +104,13 @@ class Liggghts(State):
         self.meshes: dict[str, int] = {}
         self.coarse = 1.0
 
+    def statement(self, statement: Statement) -> None:
+        """Read one statement. A part of a script may be ``model NAME …`` alone."""
+        alone = statement.words[0] == "model"
+        super().statement(
+            replace(statement, words=("pair_style", "gran", *statement.words)) if alone else statement
+        )
+
     # --- pair style, properties, walls --------------------------------------------------------------------------
 
     def command_pair_style(self, statement: Statement) -> None:
@@ -144,7 +151,8 @@ class Liggghts(State):
         }
         for style, read in readers.items():
             if fix.style.startswith(style):
-                if not self.understood(fix.statement, lambda read=read: read(fix)):  # type: ignore[misc]
+                contacts = style in ("property/global", "wall/gran", "mesh/surface")
+                if not self.understood(fix.statement, lambda read=read: read(fix), contacts):  # type: ignore[misc]
                     self.forget(fix)
                 self.last = fix.statement
                 return True

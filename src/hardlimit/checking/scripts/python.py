@@ -130,15 +130,6 @@ class Instance:
         return self.arguments[place] if 0 <= place < len(self.arguments) else default
 
 
-@dataclass(frozen=True)
-class Assignment:
-    """An assignment to an attribute of something that is not known."""
-
-    line: int
-    name: str
-    text: str
-
-
 #: In place of the value of a call that is no arithmetic.
 NOT_COMPUTED: Final = Unknown("")
 
@@ -165,7 +156,6 @@ class Evaluator:
 
     def __post_init__(self) -> None:
         self.instances: list[Instance] = []
-        self.assignments: list[Assignment] = []
         self.functions: dict[str, ast.FunctionDef] = {}
         self.defaults: dict[ast.AST, dict[str, Any]] = {}  #: of the arguments of functions
         self.classes: dict[str, dict[str, ast.FunctionDef]] = {}  #: methods by name
@@ -216,7 +206,6 @@ class Evaluator:
         """An assignment to an attribute."""
         if isinstance(owner, Instance):
             owner.attributes[name] = value
-        self.assignments.append(Assignment(getattr(node, "lineno", 1), name, self.source(node)))
 
     def member(self, owner: Any, name: str, node: ast.Attribute) -> Any:
         """The value of an attribute."""

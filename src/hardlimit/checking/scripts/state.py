@@ -94,8 +94,8 @@ HARMLESS_FIXES: Final = tuple(HARMLESS_FIX_NAMES.split())
 ELSEWHERE: Final = (*HARMLESS_FIXES, "pour", "deposit", "insert")
 #: What the settings of contacts do not depend on.
 NO_SETTINGS_NAMES: Final = """
-variables folder version code types_seen ignored invalidates unknown stages last granular changed_since undefined
-forks unclear steps_done regions fixes time_step
+variables folder version code types_seen part ignored invalidates unknown refused stages last granular changed_since
+undefined forks unclear steps_done regions fixes time_step
 """
 NO_SETTINGS: Final = frozenset(NO_SETTINGS_NAMES.split())
 #: Fixes that move grains whatever forces act on them.
@@ -156,11 +156,13 @@ class State:
     version: str | None = None
     code: str = "lammps"
     types_seen: int = 0  #: largest type in a dump
+    part: bool = False  #: whether this is a part of a script, at whose end the settings matter
 
     def __post_init__(self) -> None:
         self.ignored: dict[Note, None] = {}
         self.invalidates: dict[Note, None] = {}
         self.unknown: dict[Quote, None] = {}
+        self.refused: dict[str, None] = {}
         self.stages: list[Stage] = []
         self.last: Statement | None = None
         self.granular = False  #: whether there are granular contacts, understood or not
@@ -212,7 +214,7 @@ class State:
             raise self.without_values()
         for (condition, _), *_ in self.forks.values():
             raise refused(condition, f"have a condition that is known without running; {USE_LOG}")
-        if not self.stages and self.last is not None:
+        if (self.part or not self.stages) and self.last is not None and self.changed_since:
             self.stage(self.last.quote, None)
         if not self.granular or not self.stages:
             raise ValueError("script: has no granular contacts")
@@ -223,12 +225,13 @@ class State:
             tuple(self.ignored),
             tuple(self.invalidates),
             tuple(self.unknown),
+            tuple(self.refused),
         )
 
     def without_values(self) -> ValueError:
         """The error that names all variables whose values are missing."""
-        names = listed([name for name in self.undefined if name])
-        what = f"values for {names}" if names else "variables that are known"
+        names = [name for name in self.undefined if name]
+        what = f"values for {listed(names)}" if names else "variables that are known"
         return refused(
             next(iter(self.undefined.values())), f"have {what}: give them with --var, or {USE_LOG}"
         )
@@ -251,13 +254,17 @@ class State:
         for name in list(self.variables.missing(statement.text)) or [""]:
             self.undefined.setdefault(name, statement)
 
-    def understood(self, statement: Statement, read: Callable[[], object]) -> bool:
-        """Whether a statement is understood. If not, it is quoted, or refused if a variable in it is not known."""
+    def understood(self, statement: Statement, read: Callable[[], object], contacts: bool = True) -> bool:
+        """Whether a statement is understood. If not, it is quoted, or refused if a variable in it is not known.
+
+        ``contacts``: whether the force of contacts depends on it.
+        """
         try:
             read()
         except ValueError as error:
             if UNRESOLVED.search(statement.text):
                 raise Undefined(statement) from None
+            self.refused |= {str(error): None} if contacts else {}
             part = getattr(error, "part", "")
             whole = part == " ".join(statement.text.split())
             self.unknown[replace(statement.quote, part="" if whole else part)] = None
@@ -305,6 +312,7 @@ class State:
         for _, end in ends:
             self.ignored |= end.ignored
             self.unknown |= end.unknown
+            self.refused |= end.refused
             self.undefined |= end.undefined
         self.stages = self.joined(before, [end.stages for _, end in ends])
         self.variables.keywords["dt"] = self.time_step or TIME_STEPS[self.units]
@@ -379,6 +387,9 @@ class State:
             self.unclear |= dict.fromkeys(parts)
             what += [str(part[0]) for part in parts] or ["what follows"]
         if what:
+            if conditions.CONTACTS in what:
+                must = f"have a condition that is known without running; {USE_LOG}"
+                self.refused[str(refused(condition, must))] = None
             words = listed(list(dict.fromkeys(what)))
             self.quote_with(condition, f"only a run knows the condition; branches differ in {words}")
             if any(name not in self.variables.known for name in self.variables.missing(condition.text)):
@@ -454,6 +465,8 @@ class State:
         for word in words:
             first, _, last = word.partition(":")
             last = last.partition(":")[0]
+            if not self.population.batches:  # a part of a script, whose types are those that it names
+                self.types = max(self.types, min(self.type_of(last or first), MAX_TYPES))
             kinds |= set(self.types_of(f"{first}*{last}" if last else first))
         return Group(frozenset(kinds), True)
 
@@ -896,6 +909,8 @@ class State:
             what = next((what for start, what in FORCES.items() if style.startswith(start)), "")
             if what:
                 self.invalidate(f"{what} ({style})", fix.statement, types)
+                if style.startswith("damping/"):
+                    self.refused[str(refused(fix.statement, f"be without {what}"))] = None
             elif not known:
                 self.unknown[fix.statement.quote] = None
 

@@ -27,12 +27,11 @@ class Refusal(ValueError):
 
 @dataclass(frozen=True)
 class Statement:
-    """A command, a call or an assignment. The first word is its name."""
+    """A command. The first word is its name."""
 
     line: int  #: first line, counted from 1
     words: tuple[str, ...]
     text: str
-    owner: str = ""  #: object of a call or bodies of an element
     file: str = ""
     branches: tuple[Branch, ...] = ()  #: of ``if`` whose condition only a run knows
     place: Place | None = None  #: of a label to which a branch leads

@@ -54,11 +54,12 @@ MATERIALS: Final[dict[str, dict[str, float]]] = {
 }
 FRICTION_ANGLE: Final = 0.5  #: default of these materials
 DEFAULT_MATERIAL: Final = {"young": 1e7, "poisson": 0.3, "density": 1000.0, "label": "defaultMat"}
+OF_VISCOELASTIC: Final = "Ip2_ViscElMat_ViscElMat_ViscElPhys"
 #: Functors that create contacts, with the material that they need.
 PHYSICS: Final = {
     "Ip2_FrictMat_FrictMat_MindlinPhys": "FrictMat",
     "Ip2_FrictMat_FrictMat_FrictPhys": "FrictMat",
-    "Ip2_ViscElMat_ViscElMat_ViscElPhys": "ViscElMat",
+    OF_VISCOELASTIC: "ViscElMat",
     "Ip2_CohFrictMat_CohFrictMat_CohFrictPhys": "CohFrictMat",
 }
 #: Attributes of each of these and of the integrator in YADE 2023.02a; others are misspelt, or of another version.
@@ -180,6 +181,10 @@ young poisson density en betan kn cn tc gravity damping radius mass mat material
 dead isCohesive normalCohesion setCohesionNow setCohesionOnNewContacts hertzian functors SPHmode
 """
 CHANGING: Final = frozenset(CHANGING_NAMES.split())
+#: Those that change the force of contacts.
+OF_CONTACTS: Final = CHANGING - {
+    *("density", "gravity", "radius", "mass", "dynamic", "blockedDOFs", "dt", "active", "dead")
+}
 #: Attributes of ``O`` that change neither contacts nor grains.
 SCENE_NAMES: Final = """
 trackEnergy timingEnabled stopAtIter stopAtTime subStepping subStep tags periodic miscParams numThreads speed iter time
@@ -248,7 +253,12 @@ class Body:
 class Yade(Evaluator):
     """A script of YADE."""
 
-    def __init__(self, text: str, file: str = "", variables: Mapping[str, str] = {}) -> None:
+    def __init__(
+        self, text: str, file: str = "", variables: Mapping[str, str] = {}, part: bool = False
+    ) -> None:
+        self.part = (
+            part  #: whether this is a part of a script: at its end, and also at a ``wall`` that it lacks
+        )
         self.given = {
             name: float(word) if NUMBER.fullmatch(word) else word for name, word in variables.items()
         }
@@ -270,6 +280,7 @@ class Yade(Evaluator):
         self.ignored: dict[Note, None] = {}
         self.invalidates: dict[Note, None] = {}
         self.unknown: dict[Quote, None] = {}
+        self.refused: dict[str, None] = {}
         self.engines: list[Any] = self.value(ast.parse(DEFAULT_ENGINES, mode="eval").body)
         self.instances.clear()
         self.label(self.engines)
@@ -331,8 +342,16 @@ class Yade(Evaluator):
                 self.not_understood(node)
             self.foreign |= {one.asname or one.name, one.name if inside else one.name.partition(".")[0]}
 
-    def not_understood(self, node: ast.AST) -> None:
-        self.unknown[self.quote(getattr(node, "lineno", 1), self.source(node).partition("\n")[0])] = None
+    def not_understood(self, node: ast.AST, attribute: str = "") -> None:
+        """Quote a statement, such as the assignment of an attribute."""
+        quote = self.quote(getattr(node, "lineno", 1), self.source(node).partition("\n")[0])
+        self.unknown[quote] = None
+        if attribute in OF_CONTACTS:
+            self.refuse(quote, "be an attribute of an object of the script, which always has this value")
+
+    def refuse(self, quote: Quote, must: str) -> None:
+        """Note a statement on which the force of contacts depends."""
+        self.refused[str(refusal(quote.line, quote.text, must, self.file))] = None
 
     def tried(self, node: ast.Try | ast.TryStar) -> None:
         """``try``; what handles an error may change the scene as well."""
@@ -391,10 +410,9 @@ class Yade(Evaluator):
                 if self.repeats or not self.body_assigned(body, name, value):
                     self.not_understood(node)
             elif self.repeats and name in CHANGING and owner.attributes.get(name) != value:
-                self.not_understood(node)
-            owner.attributes[name] = value
+                self.not_understood(node, name)
         elif name in CHANGING and not (name == "blockedDOFs" and isinstance(value, str) and not fixes(value)):
-            self.not_understood(node)
+            self.not_understood(node, name)
         super().assigned(owner, name, value, node)
 
     def scene_assigned(self, name: str, value: Any, node: ast.AST) -> None:
@@ -411,7 +429,7 @@ class Yade(Evaluator):
             parts = flat([value])
             engines = [one for one in parts if isinstance(one, Instance)]
             if len(engines) < len(parts) or (self.repeats and engines != self.engines):
-                self.not_understood(node)
+                self.not_understood(node, name)
             self.engines, self.engines_given = engines, True
             self.engines_quote = self.quote(getattr(node, "lineno", 1), self.source(node))
             self.label(self.engines)
@@ -763,24 +781,21 @@ class Yade(Evaluator):
         return float(found)
 
     @property
+    def bare(self) -> bool:
+        """Whether the script has no bodies, and no functors in ``O.engines`` that make contacts."""
+        functors = self.engines_given and any(inside(self.engines, "Ip2_"))
+        return not (functors or self.bodies or self.elsewhere)
+
+    @property
     def apart(self) -> bool:
         """Whether a script makes engines and does not enter them in ``O.engines``, as a part of a script may."""
-        parts = ("Ip2_", "Law2_", "NewtonIntegrator")
-        return not self.engines_given and any(one.name.startswith(parts) for one in self.instances)
+        parts = ("Ip2_", "Law2_", "NewtonIntegrator", *["ViscElMat"] * self.bare)
+        entered = self.engines_given and not self.bare
+        return not entered and any(one.name.startswith(parts) for one in self.instances)
 
     def used(self, start: str) -> list[Instance]:
         """Instances whose name begins so: those of ``O.engines``, or all of a script that makes them beside it."""
-        found: list[Instance] = []
-        pending: list[Any] = list(reversed(self.instances if self.apart else self.engines))
-        seen = set[int]()
-        while pending:
-            one = pending.pop()
-            if isinstance(one, Instance) and id(one) not in seen:
-                seen.add(id(one))
-                if one.name.startswith(start):
-                    found.append(one)
-                pending += reversed(flat([*one.arguments, *one.attributes.values()]))
-        return found
+        return list(inside(self.instances if self.apart else self.engines, start))
 
     def stage(self, quote: Quote, steps: int | None) -> None:
         """Note what holds now. A run with the same settings as that before continues its stage."""
@@ -788,6 +803,9 @@ class Yade(Evaluator):
             self.continue_stage(steps)
             return
         self.changed = False
+        for one in self.instances if self.bare else ():
+            if one.name in MATERIALS:
+                self.index(one)  # although the part does not append it
         integrators = self.used("NewtonIntegrator")
         new = Stage(
             quote,
@@ -823,6 +841,8 @@ class Yade(Evaluator):
         return self.time_step if self.time_step_given else DEFAULT_TIME_STEP
 
     def damping(self, integrators: list[Instance]) -> float | None:
+        # A part of a script may set that of the integrator that YADE makes.
+        integrators = integrators or [one for one in self.engines if "damping" in one.attributes]
         if not integrators:
             return None
         found = integrators[-1].argument(0, "damping", NUMERICAL_DAMPING)
@@ -959,6 +979,8 @@ class Yade(Evaluator):
     def all_contacts(self) -> Iterator[ContactSettings]:
         """The contacts, whose damping is that of the functor."""
         functors = {PHYSICS[one.name]: one for one in self.used("Ip2_") if one.name in PHYSICS}
+        if self.bare and self.apart and not functors:  # only one functor reads this material
+            functors = {one.name: replace(one, name=OF_VISCOELASTIC) for one in self.used("ViscElMat")[:1]}
         kinds, grains = self.kinds(), self.grains()
         still = {k for k in kinds if grains[self.name(k)].frozen}
         for i in kinds if self.touching("sphere") is not None else []:
@@ -971,6 +993,10 @@ class Yade(Evaluator):
                     types, friction = (self.name(i), self.name(j)), self.friction(functors, i, j)
                     yield ContactSettings(types, None, *found, friction=friction)
         walls = {(one.kind, one.material, one.mass): one.quote for one in self.bodies if one.kind != "sphere"}
+        assumed = self.part and not walls
+        if assumed:
+            materials = {k: self.materials[k] for k in kinds}
+            walls = {("walls", k, None): self.quote(one.line, one.text) for k, one in materials.items()}
         several = len({material for _, material, _ in walls}) > 1
         for i in sorted({*kinds} - still):
             for (kind, j, mass), quote in walls.items():
@@ -983,7 +1009,7 @@ class Yade(Evaluator):
                 if counted and mass is None:
                     self.unknown[quote] = None  # its mass is in the formulas
                     continue
-                name = f"{kind} of {self.name(j)}" if several else kind
+                name = self.name(j) if assumed else f"{kind} of {self.name(j)}" if several else kind
                 larger = 2.0 if math.isinf(size) else 2.0 * size / (1.0 + size)
                 types = (self.name(i), WALL)
                 # YADE takes a body without mass to have that of the sphere.
@@ -1035,7 +1061,7 @@ class Yade(Evaluator):
         if functor is None:
             return None
         laws, physics = self.used("Law2_"), functor.name.rpartition("_")[2]
-        if (laws or self.engines_given) and not any(f"_{physics}_" in one.name for one in laws):
+        if (laws or not self.apart) and not any(f"_{physics}_" in one.name for one in laws):
             self.unknown[self.quote(functor.line, f"{functor.text} without its law")] = None
             return None
         return functor
@@ -1195,7 +1221,7 @@ class Yade(Evaluator):
         """Run the script and describe it."""
         self.run()
         contacts = [one for stage in self.stages for one in stage.contacts]
-        if not self.stages or not contacts:
+        if not self.stages or not contacts or (self.part and self.changed):
             last = self.instances[-1] if self.instances else None
             self.stage(self.quote(last.line if last else 1, last.text if last else self.text[:80]), None)
         self.notes()
@@ -1207,6 +1233,7 @@ class Yade(Evaluator):
             tuple(self.ignored),
             tuple(self.invalidates),
             tuple(self.unknown),
+            tuple(self.refused),
         )
         if not any(stage.contacts for stage in found.stages) and not found.invalidates and not found.unknown:
             raise ValueError("script: has no granular contacts")
@@ -1225,8 +1252,12 @@ class Yade(Evaluator):
         known = [one for one in self.materials if one.name in MATERIALS]
         for one in dict.fromkeys([*self.used(""), *known]):
             quote, name = self.quote(one.line, one.text), one.name
-            if name in ATTRIBUTES and one.attributes.keys() - {"**"} - set(ATTRIBUTES[name].split()):
+            strange = (
+                one.attributes.keys() - {"**"} - set(ATTRIBUTES.get(name, " ".join(one.attributes)).split())
+            )
+            if strange:
                 self.unknown[quote] = None
+                self.refuse(quote, f"have known words, not {', '.join(sorted(strange))}")
             if name.startswith(("Ip2_", "Law2_")) or (name.endswith("Mat") and name[:1].isupper()):
                 self.contact_note(one, quote)
             elif name in MOTION:
@@ -1251,21 +1282,27 @@ class Yade(Evaluator):
 
     def contact_note(self, one: Instance, quote: Quote) -> None:
         name = one.name
+        law, force = name.startswith("Law2_"), ""
         if any(sign in name for sign in STICKY) and name not in (*MATERIALS, *PHYSICS, *LAWS):
-            self.invalidates[Note(f"adhesion or bonds ({name})", None, quote)] = None
-        elif name.startswith("Law2_"):
-            if name not in (*LAWS, *UNDAMPED_LAWS):
-                self.unknown[quote] = None
-            elif one.attributes.get("includeAdhesion") not in (None, False, 0):
-                self.invalidates[Note("adhesion (includeAdhesion)", None, quote)] = None
-            else:
-                self.ignored[Note(f"tangential forces ({name})", None, quote)] = None
-        elif name == "ViscElMat" and one.attributes.get("lubrication", False):
-            self.invalidates[Note("a fluid (lubrication)", None, quote)] = None
-        elif (name.startswith("Ip2_") and name not in PHYSICS) or (
-            name.endswith("Mat") and name not in MATERIALS
+            force = f"adhesion or bonds ({name})"
+        elif name in (*LAWS, *UNDAMPED_LAWS) and one.attributes.get("includeAdhesion") not in (
+            None,
+            False,
+            0,
         ):
+            force = "adhesion (includeAdhesion)"
+        elif name == "ViscElMat" and one.attributes.get("lubrication", False):
+            force = "a fluid (lubrication)"
+        if force:
+            self.invalidates[Note(force, None, quote)] = None
+            self.refuse(quote, f"be without {force}")
+        elif name not in (*MATERIALS, *PHYSICS, *LAWS, *UNDAMPED_LAWS):
             self.unknown[quote] = None
+            self.refuse(
+                quote, f"be one of {', '.join(LAWS if law else MATERIALS if 'Mat' in name[-3:] else PHYSICS)}"
+            )
+        elif law:
+            self.ignored[Note(f"tangential forces ({name})", None, quote)] = None
 
     def runner_note(self, one: Instance, quote: Quote) -> None:
         """A callback that changes contacts or grains."""
@@ -1292,6 +1329,18 @@ class Yade(Evaluator):
         for one in [*(one for name, one in self.functions.items() if name in named), *methods]:
             if one not in self.executed and touches(one):
                 self.unknown[self.quote(one.lineno, f"def {one.name}({ast.unparse(one.args)})")] = None
+
+
+def inside(instances: Iterable[Any], start: str) -> Iterator[Instance]:
+    """These instances and those in their arguments whose name begins so, each once."""
+    pending, seen = list(reversed([*instances])), set[int]()
+    while pending:
+        one = pending.pop()
+        if isinstance(one, Instance) and id(one) not in seen:
+            seen.add(id(one))
+            if one.name.startswith(start):
+                yield one
+            pending += reversed(flat([*one.arguments, *one.attributes.values()]))
 
 
 def touches(part: ast.AST) -> bool:
@@ -1347,6 +1396,6 @@ def entries(matcher: Instance) -> Iterator[tuple[int, int, float]]:
             yield int(entry[0]), int(entry[1]), float(entry[2])
 
 
-def read(text: str, file: str, variables: Mapping[str, str]) -> Description:
+def read(text: str, file: str, variables: Mapping[str, str], part: bool = False) -> Description:
     """Describe a script of YADE."""
-    return Yade(text, file, variables).description()
+    return Yade(text, file, variables, part).description()
