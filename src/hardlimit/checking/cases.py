@@ -318,22 +318,24 @@ def _between(
     ends = [[body(one, k) for one in grains] for k in (0, 1)]
     for bodies in ends if ends[0] != ends[1] else ends[:1]:
         yield Case(
-            contact.types,
-            number,
-            contact.wall,
-            bodies[0],
-            bodies[1] if len(bodies) > 1 else None,
-            force,
-            None if force is None else force.model.name,
-            None if force is None else force.numbers.get("restitution", contact.asked),
-            None if force is None else not force.attraction,
-            stage.time_step,
-            stage.numerical_damping,
-            (materials.get(grains[0].type), materials.get(grains[-1].type)),
-            None if force is None else force.spring,
-            () if force is None else force.others,
-            contact.friction,
-            None if force is None or force.spring is None else force.model.unit(force.spring[0]),
+            types=contact.types,
+            stage=number,
+            wall=contact.wall,
+            first=bodies[0],
+            second=bodies[1] if len(bodies) > 1 else None,
+            force=force,
+            model=None if force is None else force.model.name,
+            restitution_asked=None if force is None else force.numbers.get("restitution", contact.asked),
+            clipped=None if force is None else not force.attraction,
+            time_step=stage.time_step,
+            numerical_damping=stage.numerical_damping,
+            materials=(materials.get(grains[0].type), materials.get(grains[-1].type)),
+            spring=None if force is None else force.spring,
+            others=() if force is None else force.others,
+            friction=contact.friction,
+            spring_powers=None
+            if force is None or force.spring is None
+            else force.model.unit(force.spring[0]),
         )
 
 
@@ -365,16 +367,16 @@ def of_law(balls: Sequence[Ball], law: Law, walls: bool, time_step: float | None
     def case(first: Body, second: Body | None) -> Case:
         types = (str(bodies.index(first) + 1), WALL if second is None else str(bodies.index(second) + 1))
         return Case(
-            types,
-            1,
-            None,
-            first,
-            second,
-            force,
-            law.record["name"],
-            law.parameters.get("restitution"),
-            True,
-            time_step,
+            types=types,
+            stage=1,
+            wall=None,
+            first=first,
+            second=second,
+            force=force,
+            model=law.record["name"],
+            restitution_asked=law.parameters.get("restitution"),
+            clipped=True,
+            time_step=time_step,
             materials=(material, material),
             spring=spring and (spring[0], p[spring[0]], 1.0),
             spring_powers=spring and spring[1],

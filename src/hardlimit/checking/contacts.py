@@ -170,16 +170,16 @@ def examine(case: Case, speeds: Sequence[float | None], gas: Surroundings) -> li
 
 def _at(case: Case, speed: float | None, gas: Surroundings) -> CheckedContact:
     row = CheckedContact(
-        case.types,
-        case.stage,
-        case.wall,
-        case.model,
-        case.first.radius,
-        None if case.second is None else case.second.radius,
-        case.first.density,
-        case.restitution_asked,
-        case.clipped,
-        speed,
+        types=case.types,
+        stage=case.stage,
+        wall=case.wall,
+        model=case.model,
+        radius=case.first.radius,
+        other_radius=None if case.second is None else case.second.radius,
+        density=case.first.density,
+        restitution_asked=case.restitution_asked,
+        clipped=case.clipped,
+        speed=speed,
         friction=case.friction,
     )
     if case.force is None:
@@ -252,7 +252,9 @@ def _results(
             collision.duration / case.time_step if math.isfinite(collision.duration) else None
         )
         found["restitution_error_of_step"] = force.error_of_step(speed, case.time_step)
-    return found | _in_gas(case, force, first, second, speed, gas, collision)
+    return found | _in_gas(
+        case=case, force=force, first=first, second=second, speed=speed, gas=gas, collision=collision
+    )
 
 
 def _wave_times(body: KnownBody, material: tuple[float, float]) -> tuple[float, float]:

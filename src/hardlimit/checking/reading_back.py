@@ -98,18 +98,18 @@ def obtained(
             f"input: got {numbers}, must give a compression and a duration within the range of double precision"
         ) from None
     return Obtained(
-        source,
-        forms[0].model,
-        forms[0].attraction,
-        forms[0].numbers,
-        damping or 0.0,
-        collision.restitution,
-        collision.duration,
-        collision.compression,
-        collision.force,
-        step,
-        error,
-        tuple(notes),
+        code=source,
+        model=forms[0].model,
+        attraction=forms[0].attraction,
+        numbers=forms[0].numbers,
+        numerical_damping=damping or 0.0,
+        restitution=collision.restitution,
+        duration=collision.duration,
+        compression=collision.compression,
+        force=collision.force,
+        time_step=step,
+        restitution_error=error,
+        notes=tuple(notes),
     )
 
 

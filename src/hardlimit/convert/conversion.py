@@ -227,16 +227,18 @@ def _chosen(name: Any, model: Any, law: str) -> list[tuple[Code, Model]]:
 
 def _contact(pair: Pair, force: Force, asked: Wanted, stepping: Stepping) -> ContactNumbers:
     collision = force.collision(asked.speed)
+    step, error = stepping.of(force, asked.speed)
     return ContactNumbers(
-        pair.name,
-        pair.mass,
-        pair.radius,
-        force.stiffness,
-        force.damping,
-        collision.duration,
-        collision.compression,
-        collision.force,
-        *stepping.of(force, asked.speed),
+        pair=pair.name,
+        effective_mass=pair.mass,
+        effective_radius=pair.radius,
+        stiffness=force.stiffness,
+        damping=force.damping,
+        duration=collision.duration,
+        compression=collision.compression,
+        force=collision.force,
+        time_step=step,
+        restitution_error=error,
     )
 
 
@@ -255,7 +257,15 @@ def _in_model(
         try:
             row = _row(written, force.stiffness, asked, stepping)
         except (OverflowError, ZeroDivisionError):  # beyond double precision
-            row = ModelNumbers(pair.name, None, math.nan, None, math.nan, math.nan, math.nan)
+            row = ModelNumbers(
+                pair=pair.name,
+                numbers=None,
+                restitution=math.nan,
+                usual=None,
+                usual_restitution=math.nan,
+                time_step=math.nan,
+                restitution_error=math.nan,
+            )
         rows.append(row)
         if row.numbers is not None:
             writable.append((pair, row.numbers))
@@ -273,4 +283,12 @@ def _row(written: Written, stiffness: float, asked: Wanted, stepping: Stepping) 
         obtained = force.collision(asked.speed).restitution
         step, error = stepping.of(force, asked.speed)
     usually = math.nan if usual is None else written.force(usual).collision(asked.speed).restitution
-    return ModelNumbers(written.pair.name, numbers, obtained, usual, usually, step, error)
+    return ModelNumbers(
+        pair=written.pair.name,
+        numbers=numbers,
+        restitution=obtained,
+        usual=usual,
+        usual_restitution=usually,
+        time_step=step,
+        restitution_error=error,
+    )

@@ -164,11 +164,21 @@ class Lammps(State):
                     moves = motion.of_wall(self, words.rest, WALLS[shape], friction != 0.0)
                     quotes = (fix.statement.quote,)
                     for kind in self.walls_of(fix.group):
-                        yield self.wall_contact(kind, name, parsed, quotes, pushes, friction, moves)
+                        yield self.wall_contact(
+                            kind, name, parsed, quotes=quotes, pushes=pushes, friction=friction, motion=moves
+                        )
         for kind in kinds if self.part and self.alone else ():
             for model in self.pairs.get((kind, kind), [])[-1:]:
                 friction = self.coefficient(model.friction)
-                yield self.wall_contact(kind, WALL, model.settings, (model.quote,), None, friction, None)
+                yield self.wall_contact(
+                    kind,
+                    WALL,
+                    model.settings,
+                    quotes=(model.quote,),
+                    pushes=None,
+                    friction=friction,
+                    motion=None,
+                )
 
     def between(self, i: int, j: int) -> ContactSettings | None:
         """Settings of two types: those given, those of a gran/… style, or the mixed ones."""

@@ -298,10 +298,10 @@ class Liggghts(State):
                             kind,
                             wall,
                             {**model, **found},
-                            (fix.statement.quote, *quotes),
-                            pushes,
-                            friction,
-                            moving,
+                            quotes=(fix.statement.quote, *quotes),
+                            pushes=pushes,
+                            friction=friction,
+                            motion=moving,
                         )
 
     def friction(self, model: Settings, i: int, j: int) -> float | None:

@@ -219,13 +219,13 @@ class State:
         if not self.granular or not self.stages:
             raise ValueError("script: has no granular contacts")
         return Description(
-            self.code,
-            self.version,
-            tuple(self.stages),
-            tuple(self.ignored),
-            tuple(self.invalidates),
-            tuple(self.unknown),
-            tuple(self.refused),
+            code=self.code,
+            version=self.version,
+            stages=tuple(self.stages),
+            ignored=tuple(self.ignored),
+            invalidates=tuple(self.invalidates),
+            unknown=tuple(self.unknown),
+            refused=tuple(self.refused),
         )
 
     def without_values(self) -> ValueError:
@@ -634,20 +634,24 @@ class State:
             grains[str(kind)] = self.population.grains(
                 kind, str(kind), frozen, not freezes and "freeze" not in partly, disks, bool(partly)
             )
+        pressed, driven, shear_rate, bath = motion.driven(self)
         return Stage(
-            quote,
-            self.step_now(),
-            self.time_step is not None,
-            steps,
-            tuple(one for one in self.contacts() if one.types not in self.excluded),
-            grains,
-            self.gravity(),
-            None,
-            self.down(),
-            *motion.driven(self),
-            self.units,
-            self.units_given,
-            self.dimension,
+            quote=quote,
+            time_step=self.step_now(),
+            time_step_given=self.time_step is not None,
+            steps=steps,
+            contacts=tuple(one for one in self.contacts() if one.types not in self.excluded),
+            grains=grains,
+            gravity=self.gravity(),
+            numerical_damping=None,
+            down=self.down(),
+            pressed=pressed,
+            driven=driven,
+            shear_rate=shear_rate,
+            bath=bath,
+            units=self.units,
+            units_given=self.units_given,
+            dimension=self.dimension,
         )
 
     def note_adhesion(self, contacts: Sequence[ContactSettings]) -> None:
@@ -984,6 +988,7 @@ class State:
         kind: int,
         name: str,
         settings: Settings,
+        *,
         quotes: tuple[Quote, ...],
         pushes: tuple[Direction, ...] | None,
         friction: float | None,

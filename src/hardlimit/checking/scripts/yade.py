@@ -652,7 +652,9 @@ class Yade(Evaluator):
             )
             if not known:
                 self.unknown[quote] = None
-        return Body(kind, radii, material, frozen, quote, None, several)
+        return Body(
+            kind=kind, radii=radii, material=material, frozen=frozen, quote=quote, mass=None, several=several
+        )
 
     def sphere(self, instance: Instance) -> None:
         """``sphere(center, radius, …)``."""
@@ -807,17 +809,20 @@ class Yade(Evaluator):
             if one.name in MATERIALS:
                 self.index(one)  # although the part does not append it
         integrators = self.used("NewtonIntegrator")
+        pressed, driven, shear_rate = self.driven()
         new = Stage(
-            quote,
-            self.step_now(),
-            self.time_step_given,
-            steps,
-            tuple(self.contacts()),
-            self.grains(),
-            self.gravity(integrators),
-            self.damping(integrators),
-            self.down(integrators),
-            *self.driven(),
+            quote=quote,
+            time_step=self.step_now(),
+            time_step_given=self.time_step_given,
+            steps=steps,
+            contacts=tuple(self.contacts()),
+            grains=self.grains(),
+            gravity=self.gravity(integrators),
+            numerical_damping=self.damping(integrators),
+            down=self.down(integrators),
+            pressed=pressed,
+            driven=driven,
+            shear_rate=shear_rate,
         )
         if self.stages and replace(self.stages[-1], quote=quote, steps=steps) == new:
             self.continue_stage(steps)
@@ -1227,13 +1232,13 @@ class Yade(Evaluator):
         self.notes()
         self.callbacks()
         found = Description(
-            "yade",
-            None,
-            tuple(self.stages),
-            tuple(self.ignored),
-            tuple(self.invalidates),
-            tuple(self.unknown),
-            tuple(self.refused),
+            code="yade",
+            version=None,
+            stages=tuple(self.stages),
+            ignored=tuple(self.ignored),
+            invalidates=tuple(self.invalidates),
+            unknown=tuple(self.unknown),
+            refused=tuple(self.refused),
         )
         if not any(stage.contacts for stage in found.stages) and not found.invalidates and not found.unknown:
             raise ValueError("script: has no granular contacts")
