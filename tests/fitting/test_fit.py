@@ -406,7 +406,7 @@ def test_refusals_of_the_command(tmp_path: Path) -> None:
     assert refused(missing).endswith(f"fit: {missing}: no such file")
 
 
-@pytest.mark.parametrize("law", ["linear", "viscoelastic"])
+@pytest.mark.parametrize("law", ["linear", slow("viscoelastic")])
 def test_the_error_at_a_limit_is_not_too_small(law: str) -> None:
     """ε of 0.999, measured three times to 0.01: of the fits, many end at the limit 1."""
     rng = np.random.default_rng(3)
