@@ -89,8 +89,9 @@ def box_of(seed: int) -> hl.ParticleSystem:
 
 def run_of(name: str, system: hl.ParticleSystem, law: hl.Law, until: float, **options: Any) -> Any:
     settings = SOLVERS[name] | ({} if "restitution" in SOLVERS[name] else {"law": law})
-    solve: Any = hl.molecular_dynamics if "engine" in settings else hl.event_driven
-    return solve(system, until=until, **settings, **options)
+    if "engine" in settings:
+        return hl.molecular_dynamics(system, until=until, **settings, **options)
+    return hl.event_driven(system, until=until, max_collisions=200 * system.n, **settings, **options)
 
 
 @each_solver
