@@ -367,8 +367,17 @@ def test_pauses_threads_and_saving_do_not_change_a_bit(system, law, data):
     assert everything(whole) == everything(broken)
 
 
-@pytest.mark.parametrize("dimension", [2, 3])
-@pytest.mark.parametrize("boundary", ["periodic", "wall", "lees-edwards"])
+@pytest.mark.parametrize(
+    ("boundary", "dimension"),
+    [
+        slow("periodic", 3),
+        ("periodic", 2),
+        ("wall", 3),
+        slow("wall", 2),
+        ("lees-edwards", 3),
+        slow("lees-edwards", 2),
+    ],
+)
 def test_the_same_bits_with_any_number_of_threads(dimension, boundary):
     given = {"boundary": boundary, "gravity": 9.81}
     if boundary == "lees-edwards":
@@ -633,8 +642,7 @@ def test_the_step_resolves_the_oscillation_of_a_wall(frequency):
     assert float(steps.series.wall_work[-1]) == pytest.approx(float(events.series.wall_work[-1]), rel=0.02)
 
 
-@pytest.mark.parametrize("dimension", [2, 3])
-@pytest.mark.parametrize("rate", [5.0, 50.0])
+@pytest.mark.parametrize(("dimension", "rate"), [(2, 50.0), (3, 5.0), slow(2, 5.0), slow(3, 50.0)])
 def test_the_step_suits_the_heat_of_shear(dimension, rate):
     """From cold grains, whose speeds grow tenfold: the step has the accepted error at all impacts to come."""
     law = hl.Viscoelastic(youngs_modulus=1e7, poisson_ratio=0.3, restitution=0.9, impact_speed=0.3)
