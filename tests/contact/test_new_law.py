@@ -89,13 +89,13 @@ def test_the_steps_of_the_documentation_add_a_law(tmp_path):
         if "pytest" in command:
             assert int(re.search(r"(\d+) passed", done.stdout)[1]) > 30
     used = run([sys.executable, "-c", USE], cwd=tmp_path, check=True)
-    found = json.loads(used.stdout)
-    assert found["outcome"] == "ok" and found["contacts"] >= 1
-    assert found["energy_error"] < 1e-10
-    assert found["independent"] == pytest.approx(0.7, rel=1e-12)
-    assert found["read"][0][3] == pytest.approx(0.7, rel=1e-10)
-    assert found["read"][1][1] == pytest.approx(found["turn"], rel=1e-10)
-    assert found["swept"] == pytest.approx([found["velocity"]], rel=1e-9)
+    output = json.loads(used.stdout)
+    assert output["outcome"] == "ok" and output["contacts"] >= 1
+    assert output["energy_error"] < 1e-10
+    assert output["independent"] == pytest.approx(0.7, rel=1e-12)
+    assert output["read"][0][3] == pytest.approx(0.7, rel=1e-10)
+    assert output["read"][1][1] == pytest.approx(output["turn"], rel=1e-10)
+    assert output["swept"] == pytest.approx([output["velocity"]], rel=1e-9)
     stubs = tree / "src" / "hardlimit" / "contact" / "laws.pyi"
     assert "class Conical(Law)" in stubs.read_text(encoding="utf-8")
     assert "## Conical" in (tree / "docs" / "generated" / "laws.md").read_text(encoding="utf-8")
