@@ -37,9 +37,9 @@ for code, model, law in models:
         conversion = hl.convert(
             grain, **wanted, law=law, code=code, model=model, attraction=attraction
         )
-        (converted,) = conversion.models
-        name = f"{converted.code.title} {model}{', attracts' if converted.attraction else ''}"
-        restitutions[name] = [contact.usual_restitution for contact in converted.contacts]
+        (entry,) = conversion.models
+        name = f"{entry.code.title} {model}{', attracts' if entry.attraction else ''}"
+        restitutions[name] = [contact.usual_restitution for contact in entry.contacts]
 
 with plots.style(ytick__minor__visible=False):
     figure, ax = plt.subplots(figsize=(7.0, 0.8 + 0.2 * len(restitutions)))

@@ -23,8 +23,8 @@ from .program import Command
 
 EXAMPLES = """\b
 Example:
-  hardlimit convert --restitution 0.7 --radius 0.5mm --density 7850 --youngs-modulus 210GPa \\
-      --poisson-ratio 0.3 --code lammps
+  hardlimit convert --restitution 0.7 --radius 0.5mm --density 7850 \\
+      --youngs-modulus 210GPa --poisson-ratio 0.3 --code lammps
   hardlimit convert --restitution 0.7 --radius 0.5mm --radius 1mm --density 2500 \\
       --stiffness 1e5
   hardlimit convert --radius 0.5mm --density 2500 --code lammps \\
