@@ -104,10 +104,12 @@ async function faultsOfBlocks() {
     .map((e) => "a block of code is cut: " + e.innerText.slice(0, 60));
   for (const frame of document.querySelectorAll("article iframe")) {
     frame.loading = "eager";
-    for (let k = 0; k < 600 && !frame.contentDocument?.querySelector("svg, canvas"); k++) await new Promise(requestAnimationFrame);
-    const inside = frame.contentDocument.scrollingElement;
-    const excess = Math.max(inside.scrollWidth - frame.clientWidth, inside.scrollHeight - frame.clientHeight);
-    if (excess > 0) faults.push(`${frame.title}: ${excess} px larger than its frame`);
+    const excess = () => {
+      const inside = frame.contentDocument?.querySelector("svg, canvas") && frame.contentDocument.scrollingElement;
+      return inside ? Math.max(inside.scrollWidth - frame.clientWidth, inside.scrollHeight - frame.clientHeight) : Infinity;
+    };
+    for (let k = 0; k < 600 && excess() > 0; k++) await new Promise(requestAnimationFrame); // until it is laid out
+    if (excess() > 0) faults.push(`${frame.title}: ${excess()} px larger than its frame`);
   }
   return faults;
 }

@@ -365,8 +365,8 @@ def test_restitution_follows_the_law(law: tuple) -> None:
         run = engine([[1.0, 1.0], [3.0, 1.0]], [[speed, 0.0], [0.0, 0.0]], box=9.0, rule="law", law=law)
         run.advance(math.inf, 1)
         after = run.state()[1][:, 0]
-        found = (after[1] - after[0]) / speed
-        assert found == pytest.approx(contact.restitution(np.array([speed]))[0], rel=1e-13)
+        restitution = (after[1] - after[0]) / speed
+        assert restitution == pytest.approx(contact.restitution(np.array([speed]))[0], rel=1e-13)
 
 
 @pytest.mark.parametrize(

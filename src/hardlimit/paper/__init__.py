@@ -114,8 +114,8 @@ def _figures(figures: Iterable[int | str] | str | None) -> tuple[int, ...]:
     """The chosen figures in order, without repetitions."""
     if figures is None:
         return tuple(FIGURES)
-    given = figures.split(",") if isinstance(figures, str) else figures
-    names = [str(name).strip() for name in ([given] if isinstance(given, int) else given)]
+    chosen = figures.split(",") if isinstance(figures, str) else figures
+    names = [str(name).strip() for name in ([chosen] if isinstance(chosen, int) else chosen)]
     known = {str(number): number for number in FIGURES}
     for got in [name for name in names if name not in known] or ["none"] * (not names):
         shown = repr(got) if names else got
