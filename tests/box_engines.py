@@ -2,7 +2,6 @@
 
 import json
 import math
-import subprocess
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -10,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+import conftest
 import hardlimit as hl
 from conftest import DATA
 from hardlimit import _core
@@ -71,10 +71,7 @@ def linear_law(system: hl.ParticleSystem, duration: float, restitution: float) -
 
 def compiled(name: str, folder: Path) -> Path:
     """The program made from the headers and tests/boxes/NAME.cpp."""
-    root, program = Path(__file__).resolve().parents[1], folder / name
-    flags = ["-std=c++20", "-O2", "-ffp-contract=off", "-Wno-psabi", "-pthread", f"-I{root / 'core'}"]
-    subprocess.run(["g++", *flags, str(root / f"tests/boxes/{name}.cpp"), "-o", str(program)], check=True)
-    return program
+    return conftest.compiled(f"boxes/{name}.cpp", folder)
 
 
 #: Each rule of hard spheres and each engine of ours: the function and its arguments.

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from filelock import FileLock
 from hypothesis import settings
 from hypothesis import strategies as st
 
@@ -89,12 +90,32 @@ def refusal(call: Callable[[], object]) -> str:
     return str(error.value)
 
 
+def compiled(program: str, folder: Path, *flags: str) -> Path:
+    """The program made from the headers and a source such as ``contact/engagement.cpp``: once for all workers of a run.
+
+    ``folder``: a temporary folder of a test, beside which the programs are kept.
+    """
+    tests = Path(__file__).parent
+    command = [
+        "g++",
+        "-std=c++20",
+        "-O2",
+        "-ffp-contract=off",
+        "-Wno-psabi",
+        "-pthread",
+        f"-I{tests.parent / 'core'}",
+    ]
+    built = (folder.parents[1] if _worker else folder.parent) / program.replace("/", "-")
+    with FileLock(f"{built}.lock"):
+        if not built.exists():
+            subprocess.run([*command, *flags, str(tests / program), "-o", f"{built}.part"], check=True)
+            os.rename(f"{built}.part", built)
+    return built
+
+
 def output_of(program: str, folder: Path, *flags: str) -> str:
-    """Compile a program of the tests, such as ``contact/engagement.cpp``, in a folder; returns what it prints."""
-    headers = Path(__file__).parents[1] / "core"
-    common = ["-std=c++20", "-O2", "-ffp-contract=off", f"-I{headers}"]
-    built = str(folder / "program")
-    subprocess.run(["g++", *common, *flags, str(Path(__file__).parent / program), "-o", built], check=True)
+    """What a compiled program of the tests prints."""
+    built = compiled(program, folder, *flags)
     return subprocess.run([built], capture_output=True, text=True, check=True).stdout
 
 
@@ -178,9 +199,9 @@ def alternative(name: str, restitution: bool) -> list[dict]:
 
 def law_of(name: str, restitution: float, speed: float = 1.0) -> hl.Law:
     """A law of the given kind whose contacts have ``restitution`` at ``speed``."""
-    given = {"restitution": restitution, "impact_speed": speed}
+    values = {"restitution": restitution, "impact_speed": speed}
     parameters = alternative(name, restitution=True)
-    return hl.LAWS[name](**{p["name"]: given.get(p["name"], typical(p)) for p in parameters})
+    return hl.LAWS[name](**{p["name"]: values.get(p["name"], typical(p)) for p in parameters})
 
 
 def damping_name(name: str) -> str:
@@ -269,7 +290,7 @@ def free_columns(draw, law=None, least=2, most=5) -> hl.Column:
     return hl.Column.cradle(balls, velocities, draw(laws()) if law is None else draw(law), gaps)
 
 
-def lattice(n=27, dimension=3, seed=0, spread=1.0, **given) -> hl.ParticleSystem:
+def lattice(n=27, dimension=3, seed=0, spread=1.0, **changes) -> hl.ParticleSystem:
     """Grains near the points of a lattice, with random velocities; radii from 1 mm to 1 mm/spread."""
     rng = np.random.default_rng(seed)
     along = max(2, math.ceil(n ** (1.0 / dimension)))
@@ -278,4 +299,4 @@ def lattice(n=27, dimension=3, seed=0, spread=1.0, **given) -> hl.ParticleSystem
     radius = 1e-3 * spread ** -rng.random(n)
     velocities = rng.normal(size=(n, dimension))
     values = {"density": 2500.0, "box": [along * 3e-3] * dimension}
-    return hl.ParticleSystem(at, velocities, radius, **(values | given))
+    return hl.ParticleSystem(at, velocities, radius, **(values | changes))

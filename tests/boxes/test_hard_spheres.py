@@ -2,15 +2,17 @@
 
 import math
 import signal
+import subprocess
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
 
 import hardlimit as hl
-from box_engines import REFERENCE, box_of, grow_packing, logged, reference_law
+from box_engines import REFERENCE, box_of, compiled, grow_packing, logged, reference_law
 from box_engines import hard_spheres as engine
 from conftest import slow
 from hardlimit import _core
@@ -365,8 +367,8 @@ def test_restitution_follows_the_law(law: tuple) -> None:
         run = engine([[1.0, 1.0], [3.0, 1.0]], [[speed, 0.0], [0.0, 0.0]], box=9.0, rule="law", law=law)
         run.advance(math.inf, 1)
         after = run.state()[1][:, 0]
-        found = (after[1] - after[0]) / speed
-        assert found == pytest.approx(contact.restitution(np.array([speed]))[0], rel=1e-13)
+        restitution = (after[1] - after[0]) / speed
+        assert restitution == pytest.approx(contact.restitution(np.array([speed]))[0], rel=1e-13)
 
 
 @pytest.mark.parametrize(
@@ -528,3 +530,12 @@ def test_pressure_of_elastic_spheres() -> None:
     end = run.observe()
     virial, kinetic = (end[name] - begin[name] for name in ("virial_tensor", "kinetic_integral"))
     assert 1.0 + virial[:3].sum() / kinetic == pytest.approx(3.9838, rel=0.01)
+
+
+@pytest.mark.slow
+def test_cells_of_particles_that_jump_in_a_sheared_box(tmp_path: Path) -> None:
+    """The part alone: each particle is in its cell, and the boundary does the work of the crossings."""
+    printed = subprocess.check_output([compiled("cell_assignment", tmp_path)], text=True).split()
+    jumps, crossings, wrong = map(int, printed[:3])
+    assert jumps > 20_000 and crossings > 3_000 and wrong == 0
+    assert all(abs(float(error)) < 1e-12 for error in printed[3:])

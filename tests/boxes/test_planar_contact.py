@@ -12,7 +12,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import hardlimit as hl
-from conftest import DATA, draws, law_of, laws, log_floats, output_of
+from conftest import DATA, draws, law_of, laws, log_floats, output_of, slow
 from hardlimit import _core
 
 PATH = DATA / "oblique_rotation.csv"
@@ -340,9 +340,9 @@ def thermal_speeds(rng: np.random.Generator, n: int, scale: float) -> np.ndarray
     return speeds
 
 
-@pytest.mark.parametrize("restitution", [1.0, 0.9, 0.5, 0.1])
+@pytest.mark.parametrize("restitution", [1.0, 0.9, slow(0.5), 0.1])
 @pytest.mark.parametrize("name", sorted(hl.LAWS))
-@pytest.mark.parametrize("depth", [1e-6, 0.05])
+@pytest.mark.parametrize("depth", [slow(1e-6), 0.05])
 def test_polynomials_are_as_accurate_as_stated(name: str, restitution: float, depth: float) -> None:
     rng = np.random.default_rng(1)
     contact, distance = softened(law_of(name, restitution), 1.0, depth)

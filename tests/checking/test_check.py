@@ -250,6 +250,31 @@ def test_systems_with_different_questions_have_one_answer(first, second, answer)
     assert both.sentence in [one.sentence for one in alone if one.admissible is answer]
 
 
+def test_systems_of_the_same_units_have_their_own_questions():
+    """``clear`` begins another system: the cooling of the first is not judged by the stress of the second."""
+    sheared = SYSTEM.format(2e5, "fix shear all deform 1 xy erate 100 remap v")
+    for texts in ([SYSTEM.format(2e5, ""), sheared], [sheared, SYSTEM.format(2e5, "")]):
+        alone = [hl.check(text, speed=0.5, packing_fraction=0.3) for text in texts]
+        assert {found.admissible for found in alone} == {False, None}
+        both = hl.check("clear\n".join(texts), speed=0.5, packing_fraction=0.3)
+        assert both.admissible is False and "cools 1.16" in both.sentence
+        assert [row.stage for row in both.rows] == [1, 2] and both.rows[0].error == alone[0].rows[0].error
+    # A system like that before it is one with it.
+    twice = hl.check("clear\n".join([sheared, sheared]), speed=0.5, packing_fraction=0.3)
+    assert (
+        twice.sentence == hl.check(sheared, speed=0.5, packing_fraction=0.3).sentence and len(twice.rows) == 1
+    )
+
+
+def test_a_system_at_rest_decides_whatever_shakes_the_next():
+    rest = SYSTEM.format(1e8, "fix g all gravity 9.81 vector 0 0 -1\nfix floor all wall/gran granular hooke 1e8 0.9 &\n"
+                         "damping coeff_restitution zplane 0 1")  # fmt: skip
+    shaken = rest.replace("zplane 0 1", "zplane 0 1 wiggle z 0.001 0.02")
+    options = {"speed": 0.5, "packing_fraction": 0.3}
+    assert hl.check(shaken, **options).admissible is None
+    assert hl.check(f"{rest}clear\n{shaken}", **options).admissible is False
+
+
 def test_versions_of_a_code_differ():
     """LAMMPS' tsuji before and since 2 Sep 2026: a log's version decides, else the newest, and the other is named."""
     quote = Quote("", 1, "run 1")

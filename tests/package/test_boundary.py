@@ -172,7 +172,7 @@ BAD_BOXES: dict[str, dict[str, Any]] = {
 @pytest.mark.parametrize("kind", _core.engine_names)
 @pytest.mark.parametrize("name", BAD_BOXES)
 def test_no_engine_of_boxes_takes_arguments_of_another_shape(kind: str, name: str) -> None:
-    given = {
+    arguments = {
         "positions": np.array([[1.0, 1.0], [3.0, 1.0]]),
         "velocities": np.ones((2, 2)),
         "radius": np.full(2, 0.1),
@@ -181,15 +181,15 @@ def test_no_engine_of_boxes_takes_arguments_of_another_shape(kind: str, name: st
         "time_step": 1e-3,
     }
     bounds = _core.Box([5.0, 5.0], ["periodic", "wall"])
-    given |= {"rule": "law"} if kind == "hard_spheres" else {}
-    assert _core.make_engine(kind, bounds, **given).kind == kind
+    arguments |= {"rule": "law"} if kind == "hard_spheres" else {}
+    assert _core.make_engine(kind, bounds, **arguments).kind == kind
     with pytest.raises(ValueError, match=f"^{name}: got"):
-        _core.make_engine(kind, bounds, **(given | BAD_BOXES[name]))
+        _core.make_engine(kind, bounds, **(arguments | BAD_BOXES[name]))
 
 
 def test_engines_of_boxes_refuse_what_makes_no_sense() -> None:
-    bounds, one = _core.Box([5.0, 5.0], ["periodic", "wall"]), np.ones((1, 2))
-    system = (bounds, one, one, np.ones(1), np.ones(1))
+    bounds, row = _core.Box([5.0, 5.0], ["periodic", "wall"]), np.ones((1, 2))
+    system = (bounds, row, row, np.ones(1), np.ones(1))
     with pytest.raises(ValueError, match=r"^kind: got springs"):
         _core.make_engine("springs", *system)
     with pytest.raises(ValueError, match=r"^law: got None"):

@@ -78,10 +78,14 @@ def texts(figure) -> str:
 
 @pytest.mark.parametrize("name", [name if name == "cradle" else slow(name) for name in drops()])
 def test_every_result_can_be_drawn(name: str, tmp_path: Path) -> None:
-    found = compare(drops()[name])
-    both = plots.drop(found.newton, found.independent, found.adiabatic) if name != "at rest" else None
+    comparison = compare(drops()[name])
+    both = (
+        plots.drop(comparison.newton, comparison.independent, comparison.adiabatic)
+        if name != "at rest"
+        else None
+    )
     # Sampling a column at rest is slow: only its forces are drawn; the last contact does not end.
-    for figure in (both or plots.forces(found.newton), plots.forces(found.independent)):
+    for figure in (both or plots.forces(comparison.newton), plots.forces(comparison.independent)):
         figure.savefig(tmp_path / "picture.png", dpi=40)
         assert coloured(tmp_path / "picture.png") > 1e-3
 
@@ -184,10 +188,10 @@ def test_drops_can_be_read(seed: int) -> None:
 
 @pytest.mark.slow
 def test_the_papers_drop_can_be_read_and_says_how_high() -> None:
-    found = compare(hl.Column.paper())
-    figure = plots.drop(found.newton, found.independent, found.adiabatic)
+    comparison = compare(hl.Column.paper())
+    figure = plots.drop(comparison.newton, comparison.independent, comparison.adiabatic)
     assert_legible(figure)
-    top, highest = (values[-1] for values in heights.tops(found.independent))
+    top, highest = (values[-1] for values in heights.tops(comparison.independent))
     ax = next(ax for ax in figure.axes if ax.get_ylabel() == "height of the centre [m]")
     assert (top, highest) == (pytest.approx(0.6025, abs=1e-3), pytest.approx(1.99, abs=0.01))
     assert top / seconds_per_unit(ax.get_xlabel()) < ax.get_xlim()[1] and highest < ax.get_ylim()[1]
@@ -398,13 +402,13 @@ def drawn(figure: Figure) -> np.ndarray:
 @pytest.mark.parametrize("gap", [1e-5, 1e-4, 1e-3, 5e-3])
 def test_every_model_of_a_drop_is_seen(gap: float) -> None:
     """The picture of heights changes if the lines of any model are removed, even if two models coincide."""
-    found = compare(hl.Column.paper(gap=gap))
-    figure = plots.heights(*found.results)
+    comparison = compare(hl.Column.paper(gap=gap))
+    figure = plots.heights(*comparison.results)
     ax = figure.axes[0]
     whole = drawn(figure)
     lines = [line for line in ax.lines if len(line.get_xdata()) > 100]
-    assert len(lines) == 2 * len(found.results)
-    for k in range(len(found.results)):
+    assert len(lines) == 2 * len(comparison.results)
+    for k in range(len(comparison.results)):
         mine = lines[2 * k : 2 * k + 2]
         for line in mine:
             line.set_visible(False)
@@ -412,7 +416,7 @@ def test_every_model_of_a_drop_is_seen(gap: float) -> None:
         for line in mine:
             line.set_visible(True)
         # In each pixel column this is more than the antialiased edge of another line.
-        assert changed.sum() > 1.6 * ax.get_window_extent().width, found.results[k].model
+        assert changed.sum() > 1.6 * ax.get_window_extent().width, comparison.results[k].model
 
 
 @pytest.mark.parametrize("seed", SEEDS)
@@ -428,10 +432,7 @@ def test_all_lines_of_a_drop_go_to_the_same_end(seed: int) -> None:
 
 @pytest.mark.parametrize(
     ("epsilon", "law"),
-    [
-        pair if pair[0] in (0.5, 0.99) else slow(*pair)
-        for pair in zip([0.02, 0.5, 0.8, 0.99, 1.0], cycle(hl.LAWS))
-    ],
+    [pair if pair[0] == 0.99 else slow(*pair) for pair in zip([0.02, 0.5, 0.8, 0.99, 1.0], cycle(hl.LAWS))],
 )
 def test_a_restitution_fills_its_axis(law: str, epsilon: float) -> None:
     contact = law_of(law, epsilon).between(STEEL)
@@ -463,7 +464,7 @@ def test_all_counts_of_a_map_are_named() -> None:
         assert (inside == int(count)).mean() > 0.7, count
 
 
-@pytest.mark.parametrize("shape", [(1, 1), (40, 1), (3, 700), *map(slow, ((1, 40), (2, 2), (700, 3)))])
+@pytest.mark.parametrize("shape", [(3, 700), *map(slow, ((1, 1), (40, 1), (1, 40), (2, 2), (700, 3)))])
 def test_counts_of_a_small_map_are_named_where_they_are(shape: tuple[int, int]) -> None:
     values = np.random.default_rng(1).integers(0, 20, shape)
     figure = plots.count_map(sweep_of(np.sort(values, axis=1), "n_contacts"))
@@ -484,7 +485,7 @@ def test_a_prime_stands_above_its_index(name: str) -> None:
     assert ("′" in text or "prime" in text) == (name == "relative_velocity")
 
 
-@pytest.mark.parametrize(("slower", "dimension"), [(1e-9, 3), (0.0, 2), *map(slow, (1.0, 1e-3), (2, 3))])
+@pytest.mark.parametrize(("slower", "dimension"), [(1e-9, 3), *map(slow, (0.0, 1.0, 1e-3), (2, 2, 3))])
 def test_a_cooled_gas_keeps_its_colours(slower: float, dimension: int) -> None:
     system = hl.ParticleSystem.random(200, 0.2, 1e-3, 2500.0, 1.0, dimension=dimension)
     with style.style(**video.STYLE):
@@ -502,7 +503,7 @@ def test_a_cooled_gas_keeps_its_colours(slower: float, dimension: int) -> None:
     assert_legible(figure, **video.STYLE)
 
 
-@pytest.mark.parametrize("gradient", [1, 2])
+@pytest.mark.parametrize("gradient", [1, slow(2)])
 def test_film_of_a_sheared_box(gradient: int) -> None:
     """The plane of flow and gradient; the image of a sphere at a sheared side is where the images have moved to."""
     sides = tuple("lees-edwards" if axis == gradient else "periodic" for axis in range(3))

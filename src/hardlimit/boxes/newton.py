@@ -153,9 +153,9 @@ def molecular_dynamics(
     output = checked_output(samples, log, checkpoint, checkpoint_every, observe)
     with reporter(progress, record.task, record.counts) as report:
         settings = NewtonSettings(law, workers, reason)
-        found = start(name, system, settings, end, output, step).run(report)
-    assert isinstance(found, ContactResult)
-    return found
+        result = start(name, system, settings, end, output, step).run(report)
+    assert isinstance(result, ContactResult)
+    return result
 
 
 def start(
@@ -177,9 +177,9 @@ def start(
     return Run(at_work, Schedule(until, None, until, output.samples), output)
 
 
-def refuse_options(engine: str, given: dict[str, Any]) -> None:
+def refuse_options(engine: str, options: dict[str, Any]) -> None:
     """Refuse options that only other engines accept."""
-    for name, value in given.items():
+    for name, value in options.items():
         if value is not None and name not in ENGINES[engine].options:
             others = listed([repr(other) for other in NEWTON if name in ENGINES[other].options], "or")
             shown = validation.shown(value)

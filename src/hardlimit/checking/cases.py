@@ -132,19 +132,20 @@ class Remarks:
     not_modelled: tuple[NotModelled, ...]
 
 
-def of_script(description: Description) -> tuple[list[Case], Remarks]:
+def of_script(description: Description, kinds: Sequence[object]) -> tuple[list[Case], Remarks]:
     """Each contact of each stage at the smallest and the largest sizes, in the units of the script.
 
-    A stage whose contacts and time step are those of the stage before is left out, as are pairs that do not move.
+    A stage whose contacts, time step and kind of system (one of ``kinds`` for each stage) are those of the stage before
+    is left out, as are pairs that do not move.
     """
     found = code(description.code)
     cases: list[Case] = []
     since, failed = dict[str, dict[str, None]](), dict[NotModelled, None]()
-    before: Stage | None = None
-    for number, stage in enumerate(description.stages, 1):
-        if before is not None and _state(stage) == _state(before):
+    before: object = None
+    for number, (stage, kind) in enumerate(zip(description.stages, kinds, strict=True), 1):
+        if (_state(stage), kind) == before:
             continue
-        before = stage
+        before = _state(stage), kind
         forces: list[tuple[ContactSettings, ModelForce | None]] = []
         for contact in stage.contacts:
             if contact.adhesion and energy_density(contact) is None:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import islice
 from pathlib import Path
 from typing import Any, Final
 
@@ -216,7 +217,7 @@ def _examined(
 
 @dataclass(frozen=True)
 class System:
-    """The contacts of all runs with the same units and dimension, in these units."""
+    """The contacts of all runs of the same kind (see :func:`_kinds`), in the same units."""
 
     last: Stage  #: its last run
     asked: drive.Drive | None  #: what determines the speed, in SI units
@@ -254,19 +255,31 @@ class System:
             yield f"{line}{';' if '#' in line else '  #'} {self.last.units} units" if several else line
 
 
-def _kind(stage: Stage) -> tuple[str, int]:
-    """What the runs of a system share."""
-    return stage.units, stage.dimension
+#: Units, dimension, shear rate, bath, and other drives in words.
+Kind = tuple[str, int, float | None, tuple[float, float] | None, str]
+
+
+def _kinds(stages: Sequence[Stage]) -> list[Kind]:
+    """The kind of system of each stage, which decides what it is judged by: that of the last run before ``clear``."""
+    last = {stage.system: stage for stage in stages}
+    ends = (last[stage.system] for stage in stages)
+    return [
+        (end.units, end.dimension, end.shear_rate, end.bath, drive.words_of(end, drive.support(end)))
+        for end in ends
+    ]
 
 
 def _systems(
-    script: Description, found: Sequence[Case], given: Given, states: Sequence[dumps.State]
+    stages: Sequence[Stage],
+    kinds: Sequence[Kind],
+    found: Sequence[Case],
+    given: Given,
+    states: Sequence[dumps.State],
 ) -> Iterator[System]:
     """The systems of a script. A dump is one of the last."""
-    stages = script.stages or (NO_RUN,)
-    for kind, last in {_kind(stage): stage for stage in stages}.items():
-        own = [case for case in found if _kind(stages[case.stage - 1]) == kind]
-        yield _system(last, own, given, states if kind == _kind(stages[-1]) else ())
+    for kind, last in dict(zip(kinds, stages, strict=True)).items():
+        own = [case for case in found if kinds[case.stage - 1] == kind]
+        yield _system(last, own, given, states if kind == kinds[-1] else ())
 
 
 def _system(last: Stage, found: Sequence[Case], given: Given, states: Sequence[dumps.State]) -> System:
@@ -316,10 +329,11 @@ def _of_script(script: Description, given: Given, frames: Sequence[dumps.Frame] 
         others = "".join(f"; it has {note.what}" for note in script.invalidates[:1])
         raise ValueError(f"script: it has no run with granular contacts{others}")
     script = _with_sizes(script, frames)
-    found, remarks = cases.of_script(script)
-    last = script.stages[-1] if script.stages else NO_RUN
+    stages = script.stages or (NO_RUN,)
+    kinds, last = _kinds(stages), stages[-1]
+    found, remarks = cases.of_script(script, kinds[: len(script.stages)])
     states = _states(frames, _radii(last), last.dimension, _densities(last))
-    systems = list(_systems(script, found, given, states))
+    systems = list(_systems(stages, kinds, found, given, states))
     rows = sorted((row for one in systems for row in one.rows), key=lambda row: row.stage)
     held = [drive.support(stage) for stage in script.stages]
     chosen = any(one.at for one in systems)
@@ -327,7 +341,8 @@ def _of_script(script: Description, given: Given, frames: Sequence[dumps.Frame] 
     invalidates += _lasting(script.stages, held, rows, states, chosen)
     unknown = _not_understood(script, last, frames, remarks, invalidates)
     admissible, sentence = _answer(systems, invalidates, unknown, states)
-    final = next(one for one in systems if _kind(one.last) == _kind(last))
+    final = next(system for system in systems if system.last is last)
+    several = len({stage.units for stage in stages}) > 1
     _, length, time = SCALES[last.units]
 
     def plain(row: CheckedContact) -> bool:
@@ -353,10 +368,12 @@ def _of_script(script: Description, given: Given, frames: Sequence[dumps.Frame] 
         remarks=(
             *cases.of_other_versions(code(script.code).title, rows, plain),
             *remarks.versions,
-            *dict.fromkeys(note for one in systems for note in one.remarks(len(systems) > 1)),
+            *dict.fromkeys(note for one in systems for note in one.remarks(several)),
             *_numerically_damped(last.numerical_damping, final.examined),
         ),
-        corrected=tuple(line for one in systems for line in one.corrected(script.code, len(systems) > 1)),
+        corrected=tuple(
+            dict.fromkeys(line for one in systems for line in one.corrected(script.code, several))
+        ),
         quantity=None if final.question.driven else final.question.quantity,
         restitution_error=given.restitution_error,
         speeds_chosen=chosen,
@@ -403,7 +420,7 @@ def _with_sizes(script: Description, frames: Sequence[dumps.Frame]) -> Descripti
 
     stages = [
         replace(stage, grains={name: grains(one) for name, one in stage.grains.items()})
-        if _kind(stage) == _kind(script.stages[-1])
+        if (stage.units, stage.dimension) == (script.stages[-1].units, script.stages[-1].dimension)
         else stage
         for stage in script.stages
     ]
@@ -454,10 +471,15 @@ def _lasting(
             what = f"grains are pressed together ({pressed[0].what})"
             yield _finding(pressed[0])._replace(what=what)
         # What is at rest before it is shaken does not decide.
-        shaken = bool(held) and held[-1].moves and not held[-1].rests
-        resting = [(stage, one) for stage, one in zip(stages, held, strict=True) if one.rests]
-        for stage, one in () if shaken else resting[:1]:
-            yield Finding(_rest(one), None, _where(stage.quote))
+        ends = {stage.system: support for stage, support in zip(stages, held, strict=True)}
+        shaken = {system for system, end in ends.items() if end.moves and not end.rests}
+        resting = (
+            (stage, support)
+            for stage, support in zip(stages, held, strict=True)
+            if support.rests and stage.system not in shaken
+        )
+        for stage, support in islice(resting, 1):
+            yield Finding(_rest(support), None, _where(stage.quote))
     overdamped: dict[tuple[str, str], list[bool]] = {}
     for row in rows:
         overdamped.setdefault(row.types, []).append(row.restitution == 0.0 and not row.adhesive)

@@ -361,12 +361,14 @@ def _refuse_too_large(**values: float) -> None:
 def _checked_laws(law: Any, contacts: int) -> tuple[Law, ...]:
     laws = (law,) * contacts if isinstance(law, Law) else law
     listed = laws if isinstance(laws, Sequence) and not isinstance(laws, str) else [laws]
-    for one in listed:
-        if not isinstance(one, Law):
-            raise ValueError(f"law: got {validation.shown(one)}, must be a contact law such as LinearDashpot")
+    for item in listed:
+        if not isinstance(item, Law):
+            raise ValueError(
+                f"law: got {validation.shown(item)}, must be a contact law such as LinearDashpot"
+            )
     if len(laws) != contacts:
         raise ValueError(f"law: got {len(laws)} laws, must be one or {contacts}, one for each contact")
-    if len({type(one) for one in laws}) > 1:
+    if len({type(item) for item in laws}) > 1:
         raise ValueError("law: got laws of different kinds, must be of one kind")
     return tuple(laws)
 

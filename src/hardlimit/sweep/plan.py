@@ -72,8 +72,8 @@ class Plan:
     @property
     def results(self) -> dict[str, Variable]:
         """The variables, those per ball with the number of balls."""
-        found = {name: VARIABLES[name] for name in self.variables}
-        return {k: dataclasses.replace(v, shape=(self.balls,)) if v.dims else v for k, v in found.items()}
+        variables = {name: VARIABLES[name] for name in self.variables}
+        return {k: dataclasses.replace(v, shape=(self.balls,)) if v.dims else v for k, v in variables.items()}
 
     def attributes(self) -> dict[str, Any]:
         """Attributes of the Dataset."""
@@ -125,10 +125,10 @@ class Plan:
         alone = [name for name in self.variables if name in OF_BALL or self.balls != 2]
         kernel = [name for name in self.variables if name not in alone]
         passes = [p for p in ((self._through_kernel, kernel), (self._one_by_one, alone)) if p[1]]
-        found: Values = {}
+        values: Values = {}
         for i, (solve, names) in enumerate(passes):
-            found |= solve(names, first, count, threads, _part_of(progress, i, len(passes), count))
-        return {name: found[name] for name in self.variables}
+            values |= solve(names, first, count, threads, _part_of(progress, i, len(passes), count))
+        return {name: values[name] for name in self.variables}
 
     def _job(self, first: int, count: int, threads: int, progress: Report | None) -> dict[str, Any]:
         """The arguments that both passes through the core share."""
@@ -249,8 +249,8 @@ def _kept(variables: Iterable[str] | None, balls: int) -> tuple[str, ...]:
     """The requested variables."""
     if variables is None:
         return default_variables(balls)
-    one = isinstance(variables, str) or getattr(variables, "ndim", 1) == 0  # an array without dimensions
-    if one or not isinstance(variables, Iterable):
+    single = isinstance(variables, str) or getattr(variables, "ndim", 1) == 0  # an array without dimensions
+    if single or not isinstance(variables, Iterable):
         raise ValueError(f"variables: got {validation.shown(variables)}, must be a list of names")
     kept = []
     for name in variables:

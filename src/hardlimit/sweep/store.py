@@ -298,26 +298,26 @@ def _is_new(path: Path) -> bool:
 
 def _require_same(path: Path, computation: Computation, expected: dict[str, Any]) -> None:
     """Refuse a store of any other computation, and say what differs."""
-    wanted, found = expected["attributes"], _attributes_on_disk(path)
-    if "fingerprint" not in found:
+    wanted, stored = expected["attributes"], _attributes_on_disk(path)
+    if "fingerprint" not in stored:
         need = f"must be the store of a sweep with its {GROUP}, an empty folder, or missing"
         raise ValueError(f"store: {path} has other contents, {need}")
-    if found["fingerprint"] == wanted["fingerprint"]:
+    if stored["fingerprint"] == wanted["fingerprint"]:
         return
-    made = "other values of the swept parameters"
+    difference = "other values of the swept parameters"
     for name in ("variables", *computation.attributes()):  # the message names the last one that differs
-        if found.get(name) != wanted.get(name):
-            made = f"{name.replace('hardlimit_', '')} {found.get(name)}, not {wanted.get(name)}"
-    raise ValueError(f"store: {path} was made with {made}; repeat that call or choose another path")
+        if stored.get(name) != wanted.get(name):
+            difference = f"{name.replace('hardlimit_', '')} {stored.get(name)}, not {wanted.get(name)}"
+    raise ValueError(f"store: {path} was made with {difference}; repeat that call or choose another path")
 
 
 def _attributes_on_disk(path: Path) -> dict[str, Any]:
     """Attributes of the group; empty if they cannot be read."""
     try:
-        found = json.loads(_content(path / GROUP) or b"")["attributes"]
+        attributes = json.loads(_content(path / GROUP) or b"")["attributes"]
     except (ValueError, TypeError, KeyError, RecursionError):
         return {}
-    return found if isinstance(found, dict) else {}
+    return attributes if isinstance(attributes, dict) else {}
 
 
 # --- files --------------------------------------------------------------------------------------------------

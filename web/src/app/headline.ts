@@ -26,18 +26,18 @@ export class Headline {
     this.announcer.say(`${newton} ${icm} ${verdict}`);
   }
 
-  // While a slider moves, what lies below texts of changing length stays in its place.
+  // While a slider moves, texts keep their greatest height, so that the page below them does not move.
   keepHeights(on: boolean): void {
     if (!on) this.heights.disconnect();
     for (const part of this.changing) {
       if (on)
-        this.heights.observe(part); // reports the height now, too
+        this.heights.observe(part); // also reports the present height
       else part.style.minHeight = "";
     }
   }
 }
 
-// Announces the result to screen readers once a slider rests.
+// Announces the result to screen readers when a slider has stopped.
 class Announcer {
   private timer = 0;
 

@@ -14,7 +14,7 @@ export interface MenuActions {
   note(notes: string[]): void;
 }
 
-// A button says for a moment what has happened.
+// A button shows for a moment what was done.
 function say(id: string, text: string): void {
   const button = find(id);
   const before = button.dataset.name ?? button.textContent ?? "";
@@ -82,11 +82,11 @@ async function saveTrajectories({ drop }: State, pool: Pool): Promise<void> {
   if (text) save("drop.csv", new Blob([text], { type: "text/csv" }));
 }
 
-// Waits briefly for the map.
-function savePicture(state: State, panel: MapPanel, timeline: Timeline, asked: number): void {
+// Waits up to three seconds for the map.
+function savePicture(state: State, panel: MapPanel, timeline: Timeline, since: number): void {
   const { map } = panel;
-  if (map.elapsed === null && performance.now() - asked < 3000)
-    setTimeout(() => savePicture(state, panel, timeline, asked), 50);
+  if (map.elapsed === null && performance.now() - since < 3000)
+    setTimeout(() => savePicture(state, panel, timeline, since), 50);
   else if (state.drop)
     picture(state, timeline, map, panel.marked()).toBlob((blob) => blob && save("drop.png", blob), "image/png");
 }

@@ -36,8 +36,8 @@ class Page {
   private frame: FrameOf | null = null;
   private next: FrameOf | null = null;
   private playing = false;
-  private busy = false; // the worker has a question
-  private run = 0; // counts starts; late answers of earlier ones are dropped
+  private busy = false; // the worker has a request
+  private run = 0; // counts starts; answers to earlier ones are ignored
   private until = 0; // time of the link [s]
   private drawn = 0; // frames since the texts were written
   private theme!: GasTheme;
@@ -69,8 +69,8 @@ class Page {
     };
   }
 
-  // The state of the page from its link. A link with a time shows that time, paused; without motion the film stands at
-  // a time at which there is something to be seen.
+  // Reads the link. A link with a time shows that time, paused. With reduced motion the film stands at a time with
+  // visible contacts.
   private read(): void {
     const q = new URLSearchParams(location.search);
     const notes: string[] = [];
@@ -320,7 +320,7 @@ class Page {
     const begin = performance.now();
     const { start } = this.facts;
     this.worlds.forEach((world, i) => world.sheet.shown() && world.draw(start, this.frame!.worlds[i], this.theme));
-    // The plots change slowly: one of them a frame.
+    // The plots change slowly: one is drawn in each frame.
     this.plots.forEach(({ g, canvas, width, height, shown }, i) => {
       if (!shown() || !(all || this.drawn % this.plots.length === i)) return;
       // Of plots below each other only the last has numbers at the time axis.

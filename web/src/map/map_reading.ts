@@ -20,7 +20,7 @@ export class MapReading {
     private readonly marked: () => Point,
   ) {}
 
-  // Another map: what was read is not valid for it.
+  // The value that was read is not valid for another map.
   forget(): void {
     this.read.place = "";
   }
@@ -33,7 +33,9 @@ export class MapReading {
   tell(): void {
     const { view, drop } = this.state;
     const [e, y] = this.at ?? this.marked();
-    const where = `ε = ${digits(e)}, ${view.map.axis === "gap" ? `Δh = ${y > 0 ? withUnit(y, "m") : "0"}` : `R₁/R₂ = ${digits(y)}`}`;
+    const where =
+      `ε = ${digits(e)}, ` +
+      `${view.map.axis === "gap" ? `Δh = ${y > 0 ? withUnit(y, "m") : "0"}` : `R₁/R₂ = ${digits(y)}`}`;
     let what = "…";
     if (this.at) {
       this.ask(this.at);

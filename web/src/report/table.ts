@@ -13,7 +13,8 @@ export interface Row {
 }
 
 const rebound =
-  "greatest height of its centre above the floor after its first bounce. The next floor contact of the lowest ball counts no more; collisions still to come between the balls do";
+  "greatest height of its centre above the floor after its first bounce. The next floor contact of the lowest " +
+  "ball counts no more; collisions still to come between the balls do";
 const pending = "…";
 
 // Greatest height of a ball in the film if above its rebound height, else null.

@@ -1,4 +1,4 @@
-// The choice of the theme, which is kept after a reload. Print is light.
+// The choice of the theme, which is stored. Print is light.
 import { find, Sheet } from "./dom";
 import { chosenTheme, systemTheme, themeKey, themeNow } from "../style/chosen_theme";
 import { themeOf, type Theme } from "../style/theme";
@@ -6,7 +6,7 @@ import { themeOf, type Theme } from "../style/theme";
 export class ThemeSwitch {
   private chosen = chosenTheme();
 
-  // `draw` draws everything at once: no frame follows before the page is printed.
+  // `draw` draws everything at once, because no frame follows before printing.
   constructor(
     private readonly state: { theme: Theme; redraw(): void },
     draw: () => void,

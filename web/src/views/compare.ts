@@ -182,7 +182,7 @@ export class Compare {
     find("compare").dataset.ready = String(this.drop !== null);
   }
 
-  // Both at the instant of the film.
+  // Draws both settings at the time of the film.
   private draw(): void {
     const { sheet, state } = this;
     if (!this.view.pin || !state.drop || sheet.width < 40) return;
@@ -194,7 +194,7 @@ export class Compare {
     const tops = drops.map((d) => (d ? d.top : 0));
     drops.forEach((d, k) => {
       if (!d) return;
-      const shared = d.scenario.cradle ? d : { ...d, top: Math.max(...tops) }; // one scale for both
+      const shared = d.scenario.cradle ? d : { ...d, top: Math.max(...tops) }; // the same scale for both
       const moment = { time, rate: 1, newton: d.motion.newton.at(time), icm: d.motion.icm.at(time) };
       drawTrueScale(
         g,

@@ -39,7 +39,7 @@ def plain(value: Any) -> Any:
 
 def settings_of(stage: Stage) -> Any:
     """What decides on the contacts of a stage."""
-    return plain(replace(stage, quote=NOWHERE, steps=None, time_step_given=True, units_given=True))
+    return plain(replace(stage, quote=NOWHERE, steps=None, time_step_given=True, units_given=True, system=0))
 
 
 def differences(one: Stage, other: Stage) -> Iterator[Part]:

@@ -95,7 +95,7 @@ ELSEWHERE: Final = (*HARMLESS_FIXES, "pour", "deposit", "insert")
 #: What the settings of contacts do not depend on.
 NO_SETTINGS_NAMES: Final = """
 variables folder version code types_seen part ignored invalidates unknown refused stages last granular changed_since
-undefined forks unclear steps_done regions fixes time_step
+undefined forks system unclear steps_done regions fixes time_step
 """
 NO_SETTINGS: Final = frozenset(NO_SETTINGS_NAMES.split())
 #: Fixes that move grains whatever forces act on them.
@@ -169,6 +169,7 @@ class State:
         self.changed_since = True  #: whether settings may differ from those of the last stage
         self.undefined: dict[str, Statement] = {}  #: variables without a value, and where they matter
         self.forks: dict[Place, list[tuple[Statement, State]]] = {}  #: states that go on at a later label
+        self.system = 0  #: its number
         self.reset()
 
     def reset(self) -> None:
@@ -591,6 +592,7 @@ class State:
                 self.population.batches.pop(kind, None)
 
     def command_clear(self, statement: Statement) -> None:
+        self.system += 1
         self.reset()
 
     def command_reset_timestep(self, statement: Statement) -> None:
@@ -619,7 +621,7 @@ class State:
         self.changed_since = False
         new = conditions.without(self.now(quote, steps), self.unclear)
         self.note_adhesion(new.contacts)
-        if self.stages and replace(self.stages[-1], quote=quote, steps=steps) == new:
+        if self.stages and replace(self.stages[-1], quote=quote, steps=steps, system=new.system) == new:
             self.longer(steps)
         else:
             self.stages.append(new)
@@ -652,6 +654,7 @@ class State:
             units=self.units,
             units_given=self.units_given,
             dimension=self.dimension,
+            system=self.system,
         )
 
     def note_adhesion(self, contacts: Sequence[ContactSettings]) -> None:

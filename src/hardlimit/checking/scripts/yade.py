@@ -277,6 +277,7 @@ class Yade(Evaluator):
         self.time_step_given = self.elsewhere = False
         self.strain: tuple[Any, Quote] | None = None  #: of the periodic cell, as velGrad
         self.stages: list[Stage] = []
+        self.system = 0  #: number of the scene
         self.ignored: dict[Note, None] = {}
         self.invalidates: dict[Note, None] = {}
         self.unknown: dict[Quote, None] = {}
@@ -564,6 +565,7 @@ class Yade(Evaluator):
         elif self.repeats and name.startswith("reset") and name != "resetTime":
             self.unknown[self.quote(instance.line, instance.text)] = None
         elif name in ("reset", "resetThisScene", "resetCurrentScene", "resetAllScenes"):
+            self.system += 1
             self.materials.clear()
             self.bodies, self.numbered = [], 0
             self.engines, self.engines_given, self.engines_quote = [], True, None
@@ -823,8 +825,9 @@ class Yade(Evaluator):
             pressed=pressed,
             driven=driven,
             shear_rate=shear_rate,
+            system=self.system,
         )
-        if self.stages and replace(self.stages[-1], quote=quote, steps=steps) == new:
+        if self.stages and replace(self.stages[-1], quote=quote, steps=steps, system=self.system) == new:
             self.continue_stage(steps)
         else:
             self.stages.append(new)
