@@ -270,6 +270,16 @@ def test_parts_of_the_engine_alone(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+def test_parts_of_a_cluster(tmp_path: Path) -> None:
+    """Its equations create neither momentum nor energy; no two components of its state share a place."""
+    momentum, energy, components, misplaced, changed, gap = printed_by("cluster_parts", tmp_path)
+    assert float(momentum) < 1e-13 and float(energy) < 1e-13
+    assert int(components) > 5000 and int(misplaced) == 0
+    assert int(changed) == 0
+    assert float(gap) < 1e-12
+
+
+@pytest.mark.slow
 def test_distance_from_a_triangle(tmp_path: Path) -> None:
     """The distance of a triangle from the origin is that of the nearest of many of its points."""
     compared, nearer, farther = printed_by("triangle", tmp_path)
