@@ -62,7 +62,7 @@ const windows = [
 
 test("in words: the contacts, and the time of the film", () => {
   const dropOf = (id) => lib.dropOf(lib.solve(core, lib.copyOf(lib.presets.find((p) => p.id === id).scenario)));
-  assert.match(lib.forcesSummary(dropOf("basketball")), /; row contact between balls\.$/);
+  assert.match(lib.forcesSummary(dropOf("basketball")), /; one contact between balls\.$/);
   const steel = dropOf("steel");
   for (const [time, text] of [
     [-0.0004, "−0.400 ms"],
@@ -340,7 +340,7 @@ test("map: the numbers below it stand clear of each other, on a telephone too", 
 // Does the work of a pool of workers, one task at a time; `pause` is called after each.
 function timelineOf(scenario, pause = () => {}) {
   let source;
-  const timeline = new lib.Timeline({ add: (numbers) => (source = numbers), wake() {} }, () => {});
+  const timeline = new lib.Timeline({ add: (tasks) => (source = tasks), wake() {} }, () => {});
   timeline.start(lib.copyOf(scenario));
   for (let work = source(); work; work = source()) {
     const { column, restitution, adiabatic } = work.ask;
@@ -485,13 +485,13 @@ test("timeline: at any ε the bands are where the balls touch", () => {
           spans.map(([from, to]) => [from, Math.min(to, right)]).filter(([from, to]) => to - from > 2);
         const covers = (spans, x) => spans.some(([from, to]) => from - 1 <= x && x <= to + 1);
         // A line between two rows may miss narrower contacts.
-        for (const [row, other, what] of [
+        for (const [spans, others, what] of [
           [contacts, bands, "no band"],
           [bands, contacts, "no contact"],
         ])
-          for (const [from, to] of inFrame(row)) {
+          for (const [from, to] of inFrame(spans)) {
             assert.ok(
-              covers(other, 0.5 * (from + to)),
+              covers(others, 0.5 * (from + to)),
               `${what} at ${0.5 * (from + to)}, ${where}: ${JSON.stringify(contacts)}, ${JSON.stringify(bands)}`,
             );
             looked++;

@@ -89,7 +89,7 @@ test("why: far apart the models agree", () => {
   s.gaps = [0.01];
   assert.match(
     whyText(factsOf(s)),
-    /^The floor pushes for \d+ µs and has let go when the balls meet after [\d.]+ ms: text collision after the other, as the collision model has it\.$/,
+    /^The floor pushes for \d+ µs and has let go when the balls meet after [\d.]+ ms: one collision after the other, as the collision model has it\.$/,
   );
 });
 
@@ -289,11 +289,11 @@ test("the documentation names every parameter of a link, and what it may be", ()
   const text = readFileSync(new URL("../../docs/explorer.md", import.meta.url), "utf8").replace(/^```[^]*?^```/gm, "");
   const told = new Set([...text.matchAll(/`\??([^`]+)`/g)].map(([, name]) => name));
   const q = new URLSearchParams();
-  const text = lib.paper();
-  for (const name of Object.keys(text.constants)) text.constants[name] *= 1.01;
+  const changed = lib.paper();
+  for (const name of Object.keys(changed.constants)) changed.constants[name] *= 1.01;
   lib.toQuery(
     {
-      ...text,
+      ...changed,
       law: "tsuji",
       cradle: true,
       restitution: 0.5,
@@ -387,7 +387,7 @@ test("a TOML file that the page cannot show is refused in one line, with what is
     [file("height = 0.6\ngaps = [\n  1e-4, # a comment\n]\nx = y"), /^not valid TOML: .* \(at line 5, column 5\)$/],
     [file(`${drop}\nheight = 0.7`), /^not valid TOML: .* \(at line 3,/],
     [file(drop, { balls: ball("0.1").replace("[[balls]]", "[balls]") }), /^balls: got .*, must be a list$/],
-    [file("height = 0.6\ngapps = 1e-4"), /^gapps: unknown to this page, must be text of balls, .*gaps/],
+    [file("height = 0.6\ngapps = 1e-4"), /^gapps: unknown to this page, must be one of balls, .*gaps/],
     [file("height = 0.6"), /^gaps: missing, must be a list of 1$/],
     [file("gaps = 0"), /^height: missing/],
     [file("height = true\ngaps = 0"), /^height: got true, must be a number in m, or a text with .*cm$/],
@@ -403,7 +403,7 @@ test("a TOML file that the page cannot show is refused in one line, with what is
     [file(drop, { laws: law + law.replace("[law]", "[[laws]]") }), /^law \| laws: got both/],
     [file(drop, { laws: "" }), /^law \| laws: missing/],
     [file(drop, { laws: `${law}damping = 3\n` }), /^law\.damping: unknown to this page/],
-    [file(drop, { laws: law.replace("linear", "Linear") }), /^law\.name: got “Linear”, must be text of linear/],
+    [file(drop, { laws: law.replace("linear", "Linear") }), /^law\.name: got “Linear”, must be one of linear/],
     [file(drop, { laws: law.replace("restitution = 0.7", "") }), /^law\.restitution: missing/],
     [
       file(drop, { laws: law.replace("5e7", '"50 N/mm"') }),

@@ -76,11 +76,11 @@ export class Controls {
     this.edits++;
     change(this.scenario);
     settle(this.scenario, notes);
-    this.say(notes, at);
+    this.correct(notes, at);
     this.changed();
   }
 
-  private say(notes: string[], at: HTMLElement | null): void {
+  private correct(notes: string[], at: HTMLElement | null): void {
     this.correction.textContent = notes.join("; ");
     if (notes.length > 0) (at ?? this.box.firstElementChild)?.after(this.correction);
   }
@@ -278,7 +278,7 @@ export class Controls {
     slider.id = id;
     slider.min = "0";
     slider.max = String(steps(r));
-    const say = (x: number): string => (r.zero && x === 0 ? "touching" : withUnit(x, r.unit, 4));
+    const textOf = (x: number): string => (r.zero && x === 0 ? "touching" : withUnit(x, r.unit, 4));
     let shown = NaN; // the value in the field
     let refused = -1; // number of changes when an entry was refused
     slider.addEventListener("input", () => this.edit((s) => put(s, fromSlider(r, Number(slider.value))), element));
@@ -288,10 +288,10 @@ export class Controls {
       field.setAttribute("aria-invalid", String(!Number.isFinite(x)));
       if (!Number.isFinite(x)) {
         refused = this.edits;
-        this.say(
+        this.correct(
           [
             `${label}: “${field.value.slice(0, 20)}” is not a ${r.unit ? `value in ${r.unit}` : "number"}; ` +
-              `${say(get(this.scenario))} stays`,
+              `${textOf(get(this.scenario))} stays`,
           ],
           element,
         );
@@ -302,7 +302,7 @@ export class Controls {
       this.edit(
         (s) => put(s, kept),
         element,
-        kept === x ? [] : [`${label}: ${withUnit(x, r.unit, 4)} is outside ${range}: ${say(kept)} used`],
+        kept === x ? [] : [`${label}: ${withUnit(x, r.unit, 4)} is outside ${range}: ${textOf(kept)} used`],
       );
     });
     field.addEventListener("focus", () => field.select());
@@ -312,7 +312,7 @@ export class Controls {
     touchable(slider);
     const refresh = (): void => {
       const x = get(this.scenario);
-      const text = say(x);
+      const text = textOf(x);
       const place = String(toSlider(r, x));
       if (slider.value !== place) slider.value = place;
       if (slider.getAttribute("aria-valuetext") !== text) slider.setAttribute("aria-valuetext", text);

@@ -16,14 +16,14 @@ export class Headline {
         (target as HTMLElement).style.minHeight = `${blockSize}px`;
   });
 
-  say(newton: string, icm: string, verdict: string): void {
+  write(newton: string, icm: string, verdict: string): void {
     const all = [newton, icm, verdict].join("\n");
     if (all === this.written) return;
     this.written = all;
     setSentence(this.newton, newton + " ");
     setSentence(this.icm, icm);
     setSentence(find("answer"), verdict);
-    this.announcer.say(`${newton} ${icm} ${verdict}`);
+    this.announcer.announce(`${newton} ${icm} ${verdict}`);
   }
 
   // While a slider moves, texts keep their greatest height, so that the page below them does not move.
@@ -41,7 +41,7 @@ export class Headline {
 class Announcer {
   private timer = 0;
 
-  say(text: string): void {
+  announce(text: string): void {
     clearTimeout(this.timer);
     this.timer = window.setTimeout(() => (find("announcer").textContent = text), 600);
   }

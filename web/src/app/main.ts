@@ -234,7 +234,7 @@ class Page {
         kind: "solve",
         ask,
         begun: (what, share, known) => {
-          this.progress.tell(what, share);
+          this.progress.update(what, share);
           if (!known) return;
           clearTimeout(this.early);
           this.early = window.setTimeout(() => this.answered(known), state.drop ? shortly : patience);
@@ -256,7 +256,7 @@ class Page {
     if ("reason" in result) {
       state.drop = null;
       state.answer = null;
-      this.headline.say(result.reason, "", "");
+      this.headline.write(result.reason, "", "");
       if (state.story.step === null) this.controls.set(state.scenario, this.about, true);
       this.rested();
       return;
@@ -294,7 +294,7 @@ class Page {
     this.desk.giveUp();
     this.progress.end();
     delete root.dataset.busy;
-    if (!state.drop) return this.headline.say("Given up. Change a parameter to compute again.", "", "");
+    if (!state.drop) return this.headline.write("Given up. Change a parameter to compute again.", "", "");
     state.scenario = copyOf(state.drop.scenario);
     state.view.tolerance = state.drop.comparison.tolerance;
     this.fillTolerances();
@@ -329,13 +329,12 @@ class Page {
   private writeHeadline(): void {
     const { report } = this.state;
     if (!report) return;
-    this.headline.say(
+    this.headline.write(
       joined(report.newton),
       report.icm.length > 0 ? joined(report.icm) : "Independent collisions are still being computed.",
       report.verdict?.text ?? "",
     );
     this.presenter.write(report);
-    root.dataset.answer = report.verdict?.answer ?? "";
   }
 
   // Starts the computation of plots over many settings, unless they are those of this drop.

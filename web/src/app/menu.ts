@@ -14,22 +14,20 @@ export interface MenuActions {
   note(notes: string[]): void;
 }
 
-// A button shows for a moment what was done.
-function say(id: string, text: string): void {
-  const button = find(id);
-  const before = button.dataset.name ?? button.textContent ?? "";
-  button.dataset.name = before;
-  button.textContent = text;
-  setTimeout(() => (button.textContent = before), 1500);
-}
-
 export function listenMenu(state: State, pool: Pool, map: MapPanel, timeline: Timeline, act: MenuActions): void {
-  find("copy").addEventListener("click", () => {
+  const copy = find("copy");
+  const label = copy.textContent;
+  // The button shows for a moment what was done.
+  const show = (text: string): void => {
+    copy.textContent = text;
+    setTimeout(() => (copy.textContent = label), 1500);
+  };
+  copy.addEventListener("click", () => {
     history.replaceState(null, "", state.link());
     const done = navigator.clipboard?.writeText(state.link()) ?? Promise.reject(new Error("no clipboard"));
     done.then(
-      () => say("copy", "Copied"),
-      () => say("copy", "In address bar"),
+      () => show("Copied"),
+      () => show("In address bar"),
     );
   });
   const menu = find<HTMLDetailsElement>("menu");

@@ -153,7 +153,7 @@ export class MapPanel {
     const agreement = axis === "gap" && show !== "count" ? this.agreement : null;
     this.findAgreement();
     this.layout = map.draw(sheet.g, sheet.width, sheet.height, axis, this.marked(), state.theme, agreement, this.box());
-    this.reading.tell();
+    this.reading.write();
     const { dataset } = sheet.canvas;
     dataset.computing = String(Math.round(map.computing));
     dataset.resolution = String(map.resolution);

@@ -30,11 +30,11 @@ export function rowsOf(d: Answered): Row[] {
     name: string,
     title: string,
     number: (t: Track) => number,
-    say: (a: number, b: number) => [string, string],
+    texts: (a: number, b: number) => [string, string],
     lead = false,
   ): void => {
     const numbers: [number, number] = [number(newton), icm ? number(icm) : NaN];
-    const [a, b] = say(...numbers);
+    const [a, b] = texts(...numbers);
     list.push({ id, name, title, numbers, values: [a, icm ? b : pending], lead });
   };
   const each =

@@ -1,5 +1,5 @@
 // Layout: the whole page, the story, or a single panel for a talk or an embedding page.
-import { find, refocus } from "../support/dom";
+import { find, refocus, Sheet } from "../support/dom";
 import type { PanelName } from "../scenario/story_view";
 import { lettering } from "../support/plot";
 import type { State } from "./state";
@@ -17,6 +17,7 @@ export class Frames {
   // `names`: panels shown alone; mode null: the whole page.
   show(mode: Mode | null, names: PanelName[]): void {
     this.mode = mode;
+    Sheet.inStory = mode === "story";
     const root = document.documentElement;
     if (mode) root.dataset.mode = mode;
     else delete root.dataset.mode;

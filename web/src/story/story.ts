@@ -44,6 +44,7 @@ export class Story {
   private kept: View["map"] | null = null; // the laboratory's map while that of the last chapter is prepared
   private column: Scenario | null = null; // the last one that was solved; sliders change it in place
   private scrolled = true;
+  private otherExample = ""; // that the button of the chapter on counting loads
   private aim: Step | null = null; // chapter to scroll to, until the reader scrolls
 
   constructor(
@@ -64,7 +65,7 @@ export class Story {
       });
     for (const button of find("chapters").querySelectorAll("button"))
       button.addEventListener("click", () => this.go(button.dataset.step as Step));
-    find("count-other").addEventListener("click", () => host.load(find("count-other").dataset.example!));
+    find("count-other").addEventListener("click", () => host.load(this.otherExample));
     addEventListener("scroll", () => (this.scrolled = true), { passive: true });
     addEventListener("resize", () => (this.scrolled = true));
     for (const act of ["wheel", "touchmove", "keydown"])
@@ -235,6 +236,6 @@ export class Story {
     const other = find("count-other");
     const opening = sameScenario(scenario, presets[0].scenario);
     setText(other, opening ? "Count on the paper’s hard balls" : "Count on the basketball");
-    other.dataset.example = opening ? "fig2" : presets[0].id;
+    this.otherExample = opening ? "fig2" : presets[0].id;
   }
 }

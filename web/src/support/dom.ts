@@ -25,6 +25,15 @@ export function setAttribute(element: Element, name: string, value: string): voi
   if (element.getAttribute(name) !== value) element.setAttribute(name, value);
 }
 
+const contents = new WeakMap<Element, string>();
+
+// Whether an element had other contents until now; `key` stands for the new ones.
+export function changes(element: Element, key: string): boolean {
+  if (contents.get(element) === key) return false;
+  contents.set(element, key);
+  return true;
+}
+
 // A number and its unit, "1.28 m", with a no-break space.
 const quantity = /(\d[\d.]* (?:[cmµn]?m(?:\/s)?|[mµn]?s|%)(?![\w/]))/;
 
@@ -50,6 +59,7 @@ export class Sheet {
   width = 0;
   height = 0;
   static printing = false;
+  static inStory = false;
   private inWindow = false;
   private near = false; // within one window of it
   constructor(id: string, resized: () => void) {
@@ -95,9 +105,7 @@ export class Sheet {
     Sheet.often = Math.min(Math.max(20 * took, 100), 300);
   }
   // Whether the canvas is displayed, even out of the window; in the story only near the window.
-  readonly shown = (): boolean =>
-    this.width > 0 &&
-    (this.seen || (!Sheet.moving && (this.near || document.documentElement.dataset.mode !== "story")));
+  readonly shown = (): boolean => this.width > 0 && (this.seen || (!Sheet.moving && (this.near || !Sheet.inStory)));
 
   // Whether its contents are computed. Some time after the last change this is so also far from the window, for
   // scrolling and printing.

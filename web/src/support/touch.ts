@@ -31,17 +31,17 @@ const works = (canvas: HTMLElement, e: PointerEvent): boolean =>
 
 // Calls `move` with the position of a pressed pointer.
 export function dragged(canvas: HTMLCanvasElement, move: Place): void {
+  let dragging = false;
   canvas.addEventListener("pointerdown", (e) => {
     if (!works(canvas, e)) return;
     canvas.setPointerCapture(e.pointerId);
-    canvas.dataset.dragging = "";
+    dragging = true;
     move(e.offsetX, e.offsetY);
   });
   canvas.addEventListener("pointermove", (e) => {
-    if (canvas.dataset.dragging !== undefined && canvas.hasPointerCapture(e.pointerId)) move(e.offsetX, e.offsetY);
+    if (dragging && canvas.hasPointerCapture(e.pointerId)) move(e.offsetX, e.offsetY);
   });
-  for (const type of ["pointerup", "pointercancel"] as const)
-    canvas.addEventListener(type, () => delete canvas.dataset.dragging);
+  for (const type of ["pointerup", "pointercancel"] as const) canvas.addEventListener(type, () => (dragging = false));
   livens(canvas, move);
 }
 

@@ -30,31 +30,31 @@ export function differences(a: Scenario, b: Scenario): Row[] {
       gap(b.gaps[i]),
     );
   for (const name of new Set([...constantsOf(a), ...constantsOf(b)])) {
-    const say = (s: Scenario): string =>
+    const text = (s: Scenario): string =>
       constantsOf(s).includes(name)
         ? [...new Set(s.balls.map((_, i) => withUnit(constantAt(s, name, i), constants[name].range.unit, 4)))].join(
             ", ",
           )
         : "–";
-    row(constants[name].label, say(a), say(b));
+    row(constants[name].label, text(a), text(b));
   }
   for (let i = 0; i < Math.max(a.balls.length, b.balls.length); i++) {
-    const say = (s: Scenario, f: (k: number) => string): string => (i < s.balls.length ? f(i) : "–");
+    const text = (s: Scenario, f: (k: number) => string): string => (i < s.balls.length ? f(i) : "–");
     row(
       `radius of ball ${i + 1}`,
-      say(a, (k) => withUnit(a.balls[k].radius, "m", 4)),
-      say(b, (k) => withUnit(b.balls[k].radius, "m", 4)),
+      text(a, (k) => withUnit(a.balls[k].radius, "m", 4)),
+      text(b, (k) => withUnit(b.balls[k].radius, "m", 4)),
     );
     row(
       `mass of ball ${i + 1}`,
-      say(a, (k) => withUnit(massOf(a.balls[k]), "kg", 4)),
-      say(b, (k) => withUnit(massOf(b.balls[k]), "kg", 4)),
+      text(a, (k) => withUnit(massOf(a.balls[k]), "kg", 4)),
+      text(b, (k) => withUnit(massOf(b.balls[k]), "kg", 4)),
     );
     if (a.cradle || b.cradle)
       row(
         `velocity of ball ${i + 1}`,
-        say(a, (k) => withUnit(a.velocities[k], "m/s")),
-        say(b, (k) => withUnit(b.velocities[k], "m/s")),
+        text(a, (k) => withUnit(a.velocities[k], "m/s")),
+        text(b, (k) => withUnit(b.velocities[k], "m/s")),
       );
   }
   return rows;

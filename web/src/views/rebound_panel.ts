@@ -85,7 +85,6 @@ export class ReboundPanel {
     const { sheet, state } = this;
     this.layout = drawCurves(sheet.g, sheet.width, sheet.height, this.contents(), state.theme);
     this.write();
-    sheet.canvas.dataset.points = String(this.curve.points.length);
     sheet.canvas.dataset.done = String(this.curve.done && (this.pinnedKey === "" || this.pinned.done));
   }
 
@@ -134,9 +133,9 @@ export class ReboundPanel {
   }
 
   private describe(p: CurvePoint): string {
-    const say = (x: number): string =>
+    const text = (x: number): string =>
       !Number.isFinite(x) ? "none" : this.state.scenario.cradle ? withUnit(x, "m/s") : metres(x);
-    return `${newton.short} ${say(p.newton)}, ${independent.short} ${say(p.icm)}`;
+    return `${newton.short} ${text(p.newton)}, ${independent.short} ${text(p.icm)}`;
   }
 
   // Newton's height at gap 0 and the greatest one over all gaps; null until the curve is complete.
@@ -227,7 +226,7 @@ export class ReboundPanel {
         Math.min(...measurements.list.map((m) => m.height)),
         Math.max(...measurements.list.map((m) => m.height)),
       ];
-      this.say(
+      this.note(
         `${file.name}: ${measurements.list.length} measured height${measurements.list.length === 1 ? "" : "s"}, ` +
           `${digits(low)} to ${digits(high)} m.`,
         false,
@@ -240,10 +239,10 @@ export class ReboundPanel {
   private setMeasured(measured: Measurements | null, fault: string): void {
     this.measured = measured;
     find("measured").textContent = measured ? "Remove measured heights" : "Load measured heights (CSV)";
-    this.say(fault, true);
+    this.note(fault, true);
   }
 
-  private say(text: string, fault: boolean): void {
+  private note(text: string, fault: boolean): void {
     const box = find("measured-note");
     box.textContent = text;
     box.hidden = text === "";

@@ -92,7 +92,7 @@ function drawBands(
       trace(g, [...left, ...right.reverse()]);
       g.fill();
       g.globalAlpha = 1;
-      g.lineWidth = pair === 0 ? 0.5 : several ? 2.5 : 1; // bands of several pairs overlap: their edges tell them apart
+      g.lineWidth = pair === 0 ? 0.5 : several ? 2.5 : 1; // bands of several pairs overlap: edges distinguish them
       for (const edge of [left, right]) {
         trace(g, edge);
         g.stroke();
