@@ -22,11 +22,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import hardlimit as hl
-from hardlimit.boxes import theory
+from hardlimit.boxes import error_law, theory
 from hardlimit.fidelity_study.starts import equilibrated
 from hardlimit.plots.style import GREY, PAGE_WIDTH, PALETTE, style
 from hardlimit.support.estimate import Estimate
-from hardlimit.verdict import error_law
 
 MODELS = ("newton", "law", "tc", "soft")
 #: What is measured in the window: unit and meaning.

@@ -23,9 +23,9 @@ from matplotlib.figure import Figure
 
 import hardlimit as hl
 from hardlimit.boxes import theory
+from hardlimit.boxes.error_law import fluid
 from hardlimit.fidelity_study.starts import equilibrated
 from hardlimit.plots.style import PAGE_WIDTH, PALETTE, style
-from hardlimit.verdict.error_law import fluid
 
 N = 1000
 #: t_c ν by Enskog's theory at this temperature. Softer particles would be compressed too much.

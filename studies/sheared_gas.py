@@ -23,9 +23,9 @@ from matplotlib.figure import Figure
 
 import hardlimit as hl
 from hardlimit.boxes import theory
+from hardlimit.boxes.error_law import viscosity_error
 from hardlimit.fidelity_study.starts import equilibrated
 from hardlimit.plots.style import PAGE_WIDTH, PALETTE, style
-from hardlimit.verdict.error_law import viscosity_error
 
 N = 500
 #: t_c ν by Enskog's theory at this temperature. Softer particles would be compressed too much.

@@ -2,7 +2,6 @@
 
 import json
 import math
-import subprocess
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -10,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+import conftest
 import hardlimit as hl
 from conftest import DATA
 from hardlimit import _core
@@ -71,10 +71,7 @@ def linear_law(system: hl.ParticleSystem, duration: float, restitution: float) -
 
 def compiled(name: str, folder: Path) -> Path:
     """The program made from the headers and tests/boxes/NAME.cpp."""
-    root, program = Path(__file__).resolve().parents[1], folder / name
-    flags = ["-std=c++20", "-O2", "-ffp-contract=off", "-Wno-psabi", "-pthread", f"-I{root / 'core'}"]
-    subprocess.run(["g++", *flags, str(root / f"tests/boxes/{name}.cpp"), "-o", str(program)], check=True)
-    return program
+    return conftest.compiled(f"boxes/{name}.cpp", folder)
 
 
 #: Each rule of hard spheres and each engine of ours: the function and its arguments.
@@ -94,6 +91,44 @@ def run(name: str, system: hl.ParticleSystem, until: float = 0.2, **options: Any
     """The result of one of ``RUNS``."""
     function, settings = RUNS[name]
     return function(system, until=until, **settings, **options)
+
+
+#: Rules and engines of ours, with a law, for grains of about a millimetre: arguments of ``solved``.
+LINEAR = hl.LinearDashpot(stiffness=1e4, restitution=0.8)
+VISCOELASTIC = hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, restitution=0.8, impact_speed=0.3)
+RULES: dict[str, dict[str, Any]] = {
+    "constant": {"restitution": 0.9},
+    "tc": {"restitution": 0.9, "rule": "tc", "contact_duration": 1e-5},
+    "law": {"law": VISCOELASTIC},
+    "soft": {"law": LINEAR, "rule": "soft"},
+}
+NEWTON: dict[str, dict[str, Any]] = {
+    f"{engine}, {name}": {"engine": engine, "law": law}
+    for engine in ("events", "steps")
+    for name, law in (("linear", LINEAR), ("viscoelastic", VISCOELASTIC))
+}
+SOLVERS = [*RULES, *NEWTON]
+
+
+def solved(name: str, system: hl.ParticleSystem, until: float, **options: Any) -> Any:
+    """The result by one of ``SOLVERS``; of ten samples unless ``options`` say otherwise."""
+    options = {"samples": 10} | options
+    if name in RULES:
+        return hl.event_driven(system, until=until, **RULES[name], **options)
+    return hl.molecular_dynamics(system, until=until, **NEWTON[name], **options)
+
+
+def energies(run: Any) -> np.ndarray[Any, Any]:
+    """The energies at each sample [J], work and heat with a minus sign: their sum is constant."""
+    gained = ("kinetic_energy", "potential_energy", "contact_energy", "dissipated_energy")
+    parts = [run.series[name].values for name in gained if name in run.series]
+    return np.array(parts + [-run.series[name].values for name in ("wall_work", "shear_work", "heat")])
+
+
+def energy_error(run: Any) -> float:
+    """Largest change of the sum of energies, over the largest one."""
+    total = energies(run).sum(axis=0)
+    return float(np.abs(total - total[0]).max() / np.abs(energies(run)).max())
 
 
 def interrupt_at(call: int) -> Callable[[int, int], None]:

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from filelock import FileLock
 from hypothesis import settings
 from hypothesis import strategies as st
 
@@ -89,12 +90,32 @@ def refusal(call: Callable[[], object]) -> str:
     return str(error.value)
 
 
+def compiled(program: str, folder: Path, *flags: str) -> Path:
+    """The program made from the headers and a source such as ``contact/engagement.cpp``: once for all workers of a run.
+
+    ``folder``: a temporary folder of a test, beside which the programs are kept.
+    """
+    tests = Path(__file__).parent
+    command = [
+        "g++",
+        "-std=c++20",
+        "-O2",
+        "-ffp-contract=off",
+        "-Wno-psabi",
+        "-pthread",
+        f"-I{tests.parent / 'core'}",
+    ]
+    built = (folder.parents[1] if _worker else folder.parent) / program.replace("/", "-")
+    with FileLock(f"{built}.lock"):
+        if not built.exists():
+            subprocess.run([*command, *flags, str(tests / program), "-o", f"{built}.part"], check=True)
+            os.rename(f"{built}.part", built)
+    return built
+
+
 def output_of(program: str, folder: Path, *flags: str) -> str:
-    """Compile a program of the tests, such as ``contact/engagement.cpp``, in a folder; returns what it prints."""
-    headers = Path(__file__).parents[1] / "core"
-    common = ["-std=c++20", "-O2", "-ffp-contract=off", f"-I{headers}"]
-    built = str(folder / "program")
-    subprocess.run(["g++", *common, *flags, str(Path(__file__).parent / program), "-o", built], check=True)
+    """What a compiled program of the tests prints."""
+    built = compiled(program, folder, *flags)
     return subprocess.run([built], capture_output=True, text=True, check=True).stdout
 
 

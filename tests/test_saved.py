@@ -61,7 +61,11 @@ RUNS: dict[str, Callable[[], Any]] = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", RUNS)
+#: The fast tests have each engine, walls, shear, heat, a log and values of ``observe``.
+FAST = {"constant, log, observe", "events, log", "auto, sheared", "steps"}
+
+
+@pytest.mark.parametrize("name", [name if name in FAST else slow(name) for name in RUNS])
 def test_a_run_comes_back(name: str, tmp_path: Path) -> None:
     """All of it with ``hl.load``; series, log and final state also with xarray, the series from the root."""
     kept = RUNS[name]()
@@ -141,7 +145,9 @@ COMMANDS: dict[str, tuple[list[str], type]] = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", [slow(name) if name == "paper" else name for name in COMMANDS])
+@pytest.mark.parametrize(
+    "name", [name if name in ("gas", "sweep", "sweep, store", "drop") else slow(name) for name in COMMANDS]
+)
 def test_what_a_command_saves_is_loaded(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """And is not empty for programs that read the root only."""
     monkeypatch.chdir(tmp_path)

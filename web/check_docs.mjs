@@ -1,7 +1,7 @@
-// The built documentation in Chromium, without a network: node check_docs.mjs FOLDER
-// Every page asks for nothing outside itself, sets all of its formulas, complains of nothing and fits a phone; the search
-// works. Prints a line for each fault. Pages named after FOLDER are looked at instead of all. CHROMIUM: the browser. SHOTS:
-// a folder for a picture of each page, light and dark, wide and on a phone.
+// The built documentation in Chromium, without a network: node check_docs.mjs FOLDER Every page asks for nothing
+// outside itself, sets all of its formulas, complains of nothing and fits a phone; the search works. Prints a line for
+// each fault. Pages named after FOLDER are looked at instead of all. CHROMIUM: the browser. SHOTS: a folder for a
+// picture of each page, light and dark, wide and on a phone.
 import { createServer } from "node:http";
 import { mkdirSync, readdirSync, readFileSync } from "node:fs";
 import { extname, join, normalize } from "node:path";
@@ -9,19 +9,33 @@ import { chromium } from "playwright-core";
 
 const root = process.argv[2];
 const types = {
-  ".html": "text/html; charset=utf-8", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml",
-  ".png": "image/png", ".gif": "image/gif", ".wasm": "application/wasm", ".woff": "font/woff", ".json": "application/json",
+  ".html": "text/html; charset=utf-8",
+  ".js": "text/javascript",
+  ".css": "text/css",
+  ".svg": "image/svg+xml",
+  ".png": "image/png",
+  ".gif": "image/gif",
+  ".wasm": "application/wasm",
+  ".woff": "font/woff",
+  ".json": "application/json",
 };
 const only = process.argv.slice(3); // pages, instead of all
-const pages = readdirSync(root, { recursive: true }).map(String)
+const pages = readdirSync(root, { recursive: true })
+  .map(String)
   .filter((name) => name.endsWith(".html") && !name.startsWith("explorer-page") && !name.startsWith("_static"))
-  .filter((name) => !only.length || only.includes(name)).sort();
+  .filter((name) => !only.length || only.includes(name))
+  .sort();
 
 const server = createServer((request, response) => {
   const path = normalize(decodeURIComponent(new URL(request.url, "http://localhost").pathname));
   try {
     const bytes = readFileSync(join(root, path));
-    response.writeHead(200, { "content-type": types[extname(path)] ?? "application/octet-stream", "cache-control": "max-age=3600" }).end(bytes);
+    response
+      .writeHead(200, {
+        "content-type": types[extname(path)] ?? "application/octet-stream",
+        "cache-control": "max-age=3600",
+      })
+      .end(bytes);
   } catch {
     response.writeHead(404).end();
   }
@@ -30,14 +44,25 @@ await new Promise((ready) => server.listen(0, "127.0.0.1", ready));
 const base = `http://127.0.0.1:${server.address().port}/`;
 const browser = await chromium.launch({
   executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
-  args: ["--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync",
-    "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1"], // no network; a route of Playwright would turn off the cache
+  args: [
+    "--no-sandbox",
+    "--disable-gpu",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1",
+  ], // no network; a route of Playwright would turn off the cache
 });
 
 // A page of the site that notes what it should not do.
 async function watched(context, note) {
   const page = await context.newPage();
-  page.on("request", (asked) => !/^(data|blob):/.test(asked.url()) && !asked.url().startsWith(base) && note("asks for " + asked.url()));
+  page.on(
+    "request",
+    (request) =>
+      !/^(data|blob):/.test(request.url()) && !request.url().startsWith(base) && note("asks for " + request.url()),
+  );
   page.on("console", (message) => message.type() === "error" && note(message.text()));
   page.on("pageerror", (error) => note(String(error)));
   page.on("response", (answer) => answer.status() >= 400 && note(`${answer.status()} for ${answer.url()}`));
@@ -55,7 +80,8 @@ async function faultsOfContent() {
     const bare = formulas.filter((f) => !(f.querySelector("mjx-container")?.getBoundingClientRect().width > 0));
     if (bare.length) faults.push(`${bare.length} of ${formulas.length} formulas are not set`);
     if (document.querySelector("mjx-merror, [data-mjx-error]")) faults.push("a formula with a fault in it");
-    if (![...document.fonts].some((f) => /MJX/.test(f.family) && f.status === "loaded")) faults.push("no font of MathJax");
+    if (![...document.fonts].some((f) => /MJX/.test(f.family) && f.status === "loaded"))
+      faults.push("no font of MathJax");
   }
   for (const picture of document.images) {
     picture.loading = "eager";
@@ -105,9 +131,9 @@ for (const name of pages) {
   const page = await watched(context, note);
   await page.setViewportSize({ width: 1280, height: 900 });
   await page.goto(base + name, { waitUntil: "load" });
-  const [count, ...found] = await page.evaluate(faultsOfContent);
+  const [count, ...match] = await page.evaluate(faultsOfContent);
   formulas += count;
-  found.forEach(note);
+  match.forEach(note);
   (await page.evaluate(faultsOfWidth)).forEach(note);
   (await page.evaluate(faultsOfBlocks)).forEach(note);
   await picture(page, name, "wide");

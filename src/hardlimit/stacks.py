@@ -222,7 +222,17 @@ def stack(
     rho = validation.numbers("density", density, count, lowest=0.0)
     speed = validation.number("impact_speed", impact_speed, 0.0)
     total = None if top is None else math.log(top / bottom)
-    search = _Search(count, law, bottom, limits, model, gaps, rho, speed, total)
+    search = _Search(
+        n=count,
+        law=law,
+        bottom=bottom,
+        limits=limits,
+        model=model,
+        gaps=gaps,
+        density=rho,
+        speed=speed,
+        total=total,
+    )
     with reporter(progress, "stack", "searches") as report:
         logarithms = search.best(report)
     column = search.column(logarithms)

@@ -17,9 +17,7 @@ import pytest
 from numpy.typing import NDArray
 
 import hardlimit as hl
-from conftest import slow
-
-ROOT = Path(__file__).resolve().parents[2]
+from conftest import output_of, slow
 
 
 def run(program: str) -> subprocess.CompletedProcess[str]:
@@ -202,8 +200,5 @@ def test_threads_may_share_a_fresh_result() -> None:
 @pytest.mark.slow
 def test_a_point_of_a_map_and_the_first_sum_of_energies_can_be_given_up(tmp_path: Path) -> None:
     """Each computation stops at the third check of its Stop and makes no fourth one."""
-    program, source = tmp_path / "stop", ROOT / "tests" / "base" / "stop.cpp"
-    flags = ["-std=c++20", "-ffp-contract=off", f"-I{ROOT / 'core'}"]
-    subprocess.run(["g++", *flags, str(source), "-o", str(program)], check=True)
-    said = subprocess.run([str(program)], capture_output=True, text=True, check=True).stdout
+    said = output_of("base/stop.cpp", tmp_path)
     assert said.split("\n") == ["exact passed", "general passed", "dissipated passed", ""]

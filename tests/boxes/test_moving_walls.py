@@ -1,7 +1,6 @@
 """Walls with a constant velocity: exact collisions, Galilean invariance and the energy balance, in all engines."""
 
 import itertools
-import math
 from typing import Any
 
 import numpy as np
@@ -151,21 +150,6 @@ def test_compression_and_expansion(name: str, gravity: float) -> None:
     assert run.observe()["wall_work"] != 0.0
 
 
-@each_engine
-def test_a_run_that_is_loaded_continues_with_the_same_bits(name: str) -> None:
-    x, v = lattice(4, 2, 0.03, seed=5)
-    walls = [(0.5, -0.8), (0.0, 0.4)]
-    whole, part = (engine(name, x, v, 0.12, walls, gravity=[0.0, -9.81]) for _ in range(2))
-    for time in (0.006, 0.012):
-        whole.advance(time)
-    part.advance(0.006)
-    loaded = _core.load_engine(part.kind, part.save())
-    loaded.advance(0.012)
-    for a, b in zip(whole.state(), loaded.state(), strict=True):
-        assert (a == b).all()
-    assert whole.observe()["wall_work"] == loaded.observe()["wall_work"] != 0.0
-
-
 @pytest.mark.parametrize("name", ["constant", "events, linear", "steps, linear"])
 def test_slow_compression_is_adiabatic(name: str) -> None:
     """A dilute gas in d dimensions has E ∝ V^(−2/d) if the piston is slow; all its energy is work of the piston."""
@@ -225,16 +209,11 @@ def test_a_ball_rests_on_a_piston_that_rises() -> None:
 @pytest.mark.parametrize(
     ("motion", "message"),
     [
-        ((-1, 0.0, math.nan, 0.0, 0.0, 0.0, "none"), "moving_walls: got nan, must be finite"),
         ((-3, 0.0, 1.0, 0.0, 0.0, 0.0, "none"), "moving_walls: got the number -3, must be that of a wall"),
-        (
-            (-1, 0.0, 0.0, 1.0, 0.0, 0.0, "sine"),
-            "moving_walls: got 1 and 0, must be an amplitude and a frequency > 0",
-        ),
-        ((-1, 0.0, 0.0, 1.0, 1.0, 0.0, "saw"), "moving_walls: got saw, must be a waveform"),
+        ((-1, 0.0, 0.0, 1.0, 1.0, 0.0, "saw"), "moving_walls: got saw, must be a known word"),
     ],
 )
-def test_a_motion_out_of_range_is_refused(motion: tuple[Any, ...], message: str) -> None:
+def test_a_motion_of_no_wall_or_waveform_is_refused(motion: tuple[Any, ...], message: str) -> None:
     with pytest.raises(ValueError, match=f"^{message}$"):
         _core.Box([1.0, 1.0], ["wall", "periodic"], None, [motion])
 

@@ -111,37 +111,6 @@ def test_a_column_in_a_box_is_that_of_the_column_solver(law: hl.Law, count: int)
         assert row[1:] == pytest.approx(solved[1:], abs=1e-8 * 0.03, nan_ok=True)
 
 
-@draws(40, few=3)
-@given(
-    seed=st.integers(0, 10_000), law=st.sampled_from(LAWS), d=st.sampled_from([2, 3]), mixed=st.booleans(),
-    boundary=st.sampled_from(["periodic", "wall"]), phi=st.floats(0.1, 0.45),
-)  # fmt: skip
-def test_balances_of_random_boxes(
-    seed: int, law: hl.Law, d: int, mixed: bool, boundary: str, phi: float
-) -> None:
-    """Energy is balanced, and momentum in periodic systems; no body leaves the box or stays inside another one."""
-    system = random_system(seed, n=40, phi=phi, d=d, boundary=boundary, mixed=mixed)
-    run = by_events(system, law=law, until=5e-3, samples=5, log=True)
-    assert run.outcome == "ok" and run.n_contacts > 5
-    assert run.energy_error < 1e-9
-    if boundary == "periodic":
-        scale = float((system.mass * np.linalg.norm(system.velocities, axis=1)).sum())
-        assert np.abs(run.system.momentum).max() < 1e-12 * scale
-    begins = run.contacts.begin.values
-    ends = run.contacts.end.values
-    assert np.all(np.diff(begins) >= 0.0) and np.all(ends[~np.isnan(ends)] > begins[~np.isnan(ends)])
-    # Only an overlapping pair that others press together can re-engage while it separates.
-    again = run.contacts.impact_speed.values <= 0.0
-    assert np.all(run.contacts.overlapped.values[again])
-    seen: set[tuple[int, int]] = set()
-    for pair, late in zip(
-        zip(run.contacts["first"].values, run.contacts["second"].values, strict=True), again, strict=True
-    ):
-        assert not late or pair in seen
-        seen.add(pair)
-    assert _overlapped(run) == run.contacts.overlapped.values.tolist()
-
-
 def _overlapped(run: Any) -> list[bool]:
     """Contacts that share a particle with another contact at the same time, from the log rows."""
     known = rows(run)
@@ -291,6 +260,15 @@ def test_the_queue_of_contact_ends(tmp_path: Path) -> None:
     assert wrong == 0
 
 
+def test_parts_of_the_engine_alone(tmp_path: Path) -> None:
+    """Bodies that fly through the cells of a sheared box follow straight lines, and gain what the boundary works.
+    Pairs split bodies into the parts that a slow search finds."""
+    crossings, off, unbalanced, parts, wrong = printed_by("newton_parts", tmp_path)
+    assert int(crossings) > 500 and int(parts) > 1000
+    assert float(off) < 1e-12 and float(unbalanced) < 1e-12
+    assert int(wrong) == 0
+
+
 @pytest.mark.slow
 def test_distance_from_a_triangle(tmp_path: Path) -> None:
     """The distance of a triangle from the origin is that of the nearest of many of its points."""
@@ -299,7 +277,7 @@ def test_distance_from_a_triangle(tmp_path: Path) -> None:
     assert float(nearer) < 1e-12 and float(farther) < 0.01
 
 
-@pytest.mark.parametrize("seed", [*range(12), *map(slow, range(12, 60))])
+@pytest.mark.parametrize("seed", [*range(6), *map(slow, range(6, 60))])
 def test_no_wall_is_missed(seed: int) -> None:
     """Bodies in slow contact that fly or fall together meet a wall that is far compared with their relative motion."""
     rng = np.random.default_rng(seed)
@@ -534,13 +512,13 @@ def test_contact_energy_is_that_of_all_overlaps(name: str, restitution: float) -
     assert without_force > 0
 
 
-@pytest.mark.parametrize("d", [2, 3])
-def test_pairs_in_contact_at_the_start(d: int) -> None:
+@pytest.mark.parametrize(("d", "count"), [(2, 100), (3, 100), slow(2, 400), slow(3, 400)])
+def test_pairs_in_contact_at_the_start(d: int, count: int) -> None:
     """A pair that overlaps by more than 1e-9 of its distance, whatever its sizes, place and velocity. One that nearly
     touches is in contact once its gap is closed."""
     random = np.random.default_rng(d)
     law = hl.LinearDashpot(stiffness=1e6, restitution=1.0)
-    for digits in np.append(random.uniform(-11.0, -2.0, 400), random.uniform(-9.1, -8.6, 400)):
+    for digits in np.append(random.uniform(-11.0, -2.0, count), random.uniform(-9.1, -8.6, count)):
         radius = 1e-3 * np.array([1.0, 10.0 ** random.uniform(-1.7, 0.0)])
         sign, edge, speed = (
             random.choice([-1.0, 1.0]),

@@ -11,14 +11,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import hardlimit as hl
+from box_engines import LINEAR, RULES, SOLVERS, solved
 from conftest import draws, refusal, slow
 from hardlimit import _core
 from hardlimit.boxes.walls import least_widening
 
 WAVEFORMS = ("sine", "triangle", "parabola")
 each_waveform = pytest.mark.parametrize("waveform", WAVEFORMS)
-LINEAR = hl.LinearDashpot(stiffness=1e4, restitution=0.8)
-VISCOELASTIC = hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, restitution=0.8, impact_speed=0.3)
 G, R = 9.81, 0.01
 
 
@@ -114,10 +113,16 @@ def test_a_grazing_flight(waveform: str, beyond: float) -> None:
     """A ball without gravity moves so that the least gap in two periods is `beyond` amplitudes."""
     wall = hl.MovingWall(1e-3, 40.0, waveform, phase=0.3)
     quarters = (0.25 * np.arange(1, 8) - wall.phase / (2.0 * math.pi)) / wall.frequency
-    times = np.sort([*np.linspace(0.0, 0.05, 2_000_001), *quarters[(quarters > 0.0) & (quarters < 0.05)]])
-    w = waves(waveform, wall.frequency * times + wall.phase / (2.0 * math.pi))
     v = 0.02
-    least = float((v * times - wall.amplitude * w).min())
+
+    def gaps(times: Any) -> Any:
+        return v * times - wall.amplitude * waves(
+            waveform, wall.frequency * times + wall.phase / (2.0 * math.pi)
+        )
+
+    times = np.sort([*np.linspace(0.0, 0.05, 2001), *quarters[(quarters > 0.0) & (quarters < 0.05)]])
+    nearest = times[gaps(times).argmin()] + np.linspace(-2.5e-5, 2.5e-5, 20_001)
+    least = float(min(gaps(times).min(), gaps(nearest[nearest > 0.0]).min()))
     x = R - least + beyond * wall.amplitude
     run = hl.event_driven(
         ball(wall, x, v, gravity=0.0), restitution=0.9, until=0.05, max_collisions=1, log=True
@@ -220,32 +225,6 @@ def test_newtons_equations_converge_to_the_hard_sphere(waveform: str) -> None:
     assert error[2] == pytest.approx(error[1] / 10.0, rel=0.5)
 
 
-RULES: dict[str, dict[str, Any]] = {
-    "constant": {"restitution": 0.9},
-    "tc": {"restitution": 0.9, "rule": "tc", "contact_duration": 1e-4},
-    "law": {"law": VISCOELASTIC},
-    "soft": {"law": LINEAR, "rule": "soft"},
-}
-NEWTON = {"linear": LINEAR, "viscoelastic": VISCOELASTIC}
-SOLVERS = [*RULES, *(f"{engine}, {law}" for engine in ("events", "steps") for law in NEWTON)]
-
-
-def solved(name: str, system: hl.ParticleSystem, until: float, **more: Any) -> Any:
-    if name in RULES:
-        return hl.event_driven(system, until=until, samples=10, **RULES[name], **more)
-    engine, law = name.split(", ")
-    return hl.molecular_dynamics(system, until=until, engine=engine, law=NEWTON[law], samples=10, **more)
-
-
-def balance(run: Any) -> float:
-    """Largest change of the energies less the work of the walls, over the largest kinetic energy."""
-    kept = run.series
-    total = kept.kinetic_energy + kept.potential_energy + kept.dissipated_energy - kept.wall_work
-    if "contact_energy" in kept:
-        total = total + kept.contact_energy
-    return float(abs(total - total[0]).max() / kept.kinetic_energy.max())
-
-
 def shaken(seed: int, n: int = 60) -> hl.ParticleSystem:
     """A random box: dimension, gravity, waveforms, walls, radii."""
     random = np.random.default_rng(seed)
@@ -319,18 +298,6 @@ def test_a_contact_with_a_sine_is_that_of_the_forced_oscillator(speed_of_floor: 
 
 
 @pytest.mark.parametrize("name", SOLVERS)
-@pytest.mark.parametrize("seed", [2, *map(slow, (0, 1, 3))])
-def test_energies_account_for_the_work_of_the_walls(name: str, seed: int) -> None:
-    run = solved(name, shaken(seed), 0.03)
-    assert float(run.series.wall_work[-1]) != 0.0
-    assert balance(run) < (5e-3 if "steps" in name else 1e-10)
-    low, high = run.system.domain.limits(run.system.dimension - 1)
-    inside = 0.5 * run.system.radius.min() if name != "soft" else -run.system.radius.max()
-    assert (run.system.positions[:, -1] > low + inside).all()
-    assert (run.system.positions[:, -1] < high - inside).all()
-
-
-@pytest.mark.parametrize("name", SOLVERS)
 def test_a_shaken_box_that_drifts(name: str) -> None:
     """All walls of an axis drift alike in addition: the Galilean transform of the box that does not."""
     system = hl.ParticleSystem.random(
@@ -353,7 +320,7 @@ def test_a_shaken_box_that_drifts(name: str) -> None:
     np.testing.assert_allclose(moving.system.velocities - drift, rest.system.velocities, atol=1e3 * atol)
 
 
-@pytest.mark.parametrize("law", NEWTON)
+@pytest.mark.parametrize("law", ["linear", "viscoelastic"])
 def test_events_and_small_steps_agree(law: str) -> None:
     """The difference of positions falls as h², over a time before chaos takes over."""
     system = shaken(1, 12)
@@ -363,26 +330,6 @@ def test_events_and_small_steps_agree(law: str) -> None:
         for h in (4e-6, 1e-6)
     ]
     assert error[1] < 0.15 * error[0] < 1e-6
-
-
-@pytest.mark.parametrize("name", SOLVERS)
-def test_a_resumed_run_has_the_same_bits(name: str, tmp_path: Path) -> None:
-    system = shaken(3)
-    whole = solved(name, system, 0.02)
-    path = tmp_path / "run.ckpt"
-    if name in RULES:
-        hl.event_driven(system, until=0.02, max_collisions=80, samples=10, checkpoint=path, **RULES[name])
-        resumed = hl.resume(path, until=0.02, max_collisions=2**60)
-    else:
-        run = 0.008
-        engine, law = name.split(", ")
-        hl.molecular_dynamics(system, until=run, engine=engine, law=NEWTON[law], samples=4, checkpoint=path)
-        resumed = hl.resume(path, until=0.02)
-    if "steps" in name:  # equal steps between other samples
-        assert resumed.system.walls == whole.system.walls
-        return
-    assert resumed.system == whole.system
-    assert float(resumed.series.wall_work[-1]) == float(whole.series.wall_work[-1])
 
 
 @pytest.mark.parametrize("threads", [2, 3])
@@ -571,12 +518,13 @@ def test_the_least_distance_of_two_walls(
     assert sampled - 1e-3 < least < sampled + 1e-12
 
 
-def test_a_wall_that_turns_round_meets_a_ball_that_has_just_let_go() -> None:
+@pytest.mark.parametrize("every", [3, slow(1)])
+def test_a_wall_that_turns_round_meets_a_ball_that_has_just_let_go(every: int) -> None:
     """Its force has ended before the overlap. If the wall jumps in between, a force acts again while they separate."""
     law = hl.LinearDashpot(stiffness=1e4, restitution=0.1)
     wall = hl.MovingWall(5e-6, 1000.0, "triangle", math.pi)
     again = 0
-    for height in np.linspace(1.1e-3, 1.25e-3, 16):
+    for height in np.linspace(1.1e-3, 1.25e-3, 16)[::every]:
         system = hl.ParticleSystem(
             [[0.01, height]], [[0.0, -1.0]], 1e-3, 2500.0, box=0.02, boundary="wall", walls={"y-": wall}
         )
@@ -587,7 +535,7 @@ def test_a_wall_that_turns_round_meets_a_ball_that_has_just_let_go() -> None:
         assert events.system.velocities[0, 1] == pytest.approx(steps.system.velocities[0, 1], abs=3e-6)
         assert len(events.contacts.contact) == len(steps.contacts.contact)
         again += bool((events.contacts.impact_speed < 0.0).any())
-    assert again > 2
+    assert again > 2 / every
 
 
 # --- slow drifts, late times, large phases ----------------------------------------------------------------------------

@@ -11,20 +11,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import hardlimit as hl
+from box_engines import RULES, energy_error
 from conftest import draws, refusal, slow
 from hardlimit import _core
 from hardlimit.boxes.falling_frame import engine_arguments
 from hardlimit.boxes.theory import Gas
 from sheared_boxes import closest, collisions, contact_value, displaced, lun
 
-LINEAR = hl.LinearDashpot(stiffness=1e5, restitution=0.8)
-VISCOELASTIC = hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, restitution=0.8, impact_speed=0.3)
-RULES: dict[str, dict[str, Any]] = {
-    "constant": {"restitution": 0.9},
-    "tc": {"restitution": 0.9, "rule": "tc", "contact_duration": 1e-5},
-    "law": {"law": VISCOELASTIC},
-    "soft": {"law": LINEAR, "rule": "soft"},
-}
 each_rule = pytest.mark.parametrize("rule", RULES)
 SIZES = [1e-3, (0.3e-3, 1e-3)]
 
@@ -53,15 +46,6 @@ def assert_same(obtained: Any, expected: Any, tolerance: float) -> None:
     for column in (0, 3):
         values = [[row[column] for row in rows] for rows in (obtained, expected)]
         np.testing.assert_allclose(*values, rtol=tolerance)
-
-
-def energy_error(run: Any) -> float:
-    """Largest deviation from the balance of energies, over the largest energy."""
-    kept = run.series
-    balance = kept.kinetic_energy + kept.potential_energy + kept.dissipated_energy
-    balance = balance - kept.shear_work - kept.wall_work - kept.heat
-    scale = max(float(kept.kinetic_energy.max()), float(kept.dissipated_energy.max()))
-    return float(abs(balance - balance[0]).max()) / scale
 
 
 @pytest.mark.parametrize(
@@ -200,29 +184,6 @@ def test_who_collides_has_not_overlapped(
         assert closest(start, run.state()[0], run.time) > -1e-9
 
 
-@each_rule
-@pytest.mark.parametrize("radius", SIZES)
-@pytest.mark.parametrize(("d", "gradient"), [(2, 1), slow(3, 1), (3, 2)])
-def test_balances(rule: str, radius: Any, d: int, gradient: int) -> None:
-    """The energy changes by the work of the boundary; the momentum by −m γ̇ L at each crossing of the far side."""
-    start = gas(200, d, gradient, radius=radius)
-    run = hl.event_driven(start, until=0.3, samples=20, **RULES[rule])
-    assert run.outcome == "ok"
-    assert energy_error(run) < 1e-10
-    now, edge = run.system, start.box[gradient]
-    crossed = np.floor(now.unfolded_positions[:, gradient] / edge)
-    assert np.ptp(crossed) >= 2
-    lost = start.shear_rate * edge * float(now.mass @ crossed)
-    scale = float(now.mass @ np.abs(now.velocities[:, 0]))
-    assert abs(now.momentum[0] - (start.momentum[0] - lost)) < 1e-12 * scale
-    assert np.abs(now.momentum - start.momentum)[1:].max() < 1e-12 * scale
-    np.testing.assert_allclose(run.series.momentum[-1], now.momentum, atol=1e-12 * scale)
-    assert float(run.series.granular_temperature[-1]) == pytest.approx(now.granular_temperature, rel=1e-10)
-    assert float(run.series.kinetic_energy[-1]) == pytest.approx(now.kinetic_energy, rel=1e-12)
-    if rule != "soft":
-        assert now._deepest_relative_overlap < 1e-9
-
-
 @pytest.mark.parametrize("rule", ["constant", "soft"])
 def test_stress_does_the_work(rule: str) -> None:
     """Thermal energy and losses grow by −γ̇ V ∫P_xy dt (exactly, but for the trapezoidal rule of the kinetic part)."""
@@ -324,19 +285,6 @@ def test_a_new_run_goes_on_from_the_state(rule: str) -> None:
     assert_same(rows[:same], whole[:same], 1e-6)
 
 
-@each_rule
-def test_resumed_run_has_the_same_bits(rule: str, tmp_path: Path) -> None:
-    start = gas(300, 3, 2, radius=(0.5e-3, 1e-3))
-    whole = hl.event_driven(start, until=0.1, samples=10, log=True, **RULES[rule])
-    path = tmp_path / "run.hl"
-    hl.event_driven(start, until=0.04, samples=4, log=True, checkpoint=path, **RULES[rule])
-    resumed = hl.resume(path, until=0.1)
-    assert resumed.system == whole.system
-    assert np.array_equal(resumed.system.unfolded_positions, whole.system.unfolded_positions)
-    assert resumed.collisions.equals(whole.collisions)
-    assert np.array_equal(resumed.series.shear_work[:5], whole.series.shear_work[:5])
-
-
 def test_unfolded_paths_are_continuous() -> None:
     """Between two samples a path is as long as the velocity of its layer allows, also across the sides."""
     start = gas(100)
@@ -352,33 +300,6 @@ def test_unfolded_paths_are_continuous() -> None:
     steps = [np.abs(b - a).max() for (_, a), (_, b) in itertools.pairwise(seen)]
     assert layers > 1.5 * start.box[1]
     assert max(steps) < fastest * 1e-4 < 0.25 * start.box[0]
-
-
-def test_walls_across_and_gravity() -> None:
-    """A sheared box between walls along z, under gravity, one of them shaken."""
-    wall = hl.MovingWall(amplitude=2e-4, frequency=50.0)
-    start = gas(
-        200, boundary=("periodic", "lees-edwards", "wall"), gravity=(0.0, 0.0, -9.81), walls={"z-": wall}
-    )
-    run = hl.event_driven(start, restitution=0.9, until=0.2)
-    assert run.outcome == "ok"
-    assert energy_error(run) < 1e-10
-    assert float(run.series.wall_work[-1]) != 0.0
-
-
-@pytest.mark.parametrize("solver", [*RULES, "events", "steps"])
-def test_kicks(solver: str) -> None:
-    """Random kicks heat a sheared box; the balance has both."""
-    start = gas(200, thermostat=hl.RandomKicks(power=1e-4, interval=1e-3))
-    if solver in RULES:
-        run = hl.event_driven(start, until=0.1, **RULES[solver])
-    else:
-        accuracy = {"restitution_error": 1e-4} if solver == "steps" else {}
-        run = hl.molecular_dynamics(start, law=LINEAR, until=0.1, engine=solver, **accuracy)
-    error = energy_error(run) if solver in RULES else run.energy_error
-    assert error < (1e-3 if solver == "steps" else 1e-10)
-    assert float(run.series.heat[-1]) > 0.0
-    assert abs(float(run.series.shear_work[-1])) > 0.0
 
 
 def test_profile_is_linear() -> None:
@@ -550,13 +471,6 @@ def test_granular_temperature_is_without_the_flow() -> None:
 )
 def test_refusals(changed: dict[str, Any], message: str) -> None:
     assert refusal(lambda: gas(**{"n": 100} | changed)).startswith(message)
-
-
-def test_the_flow_is_along_the_first_axis() -> None:
-    edges, kinds = [0.1, 0.1], ["periodic", "lees-edwards"]
-    assert _core.Box(edges, kinds, shear_rate=2.0).boundary == tuple(kinds)
-    with pytest.raises(ValueError, match="boundary: got lees-edwards along axis 0"):
-        _core.Box(edges, kinds[::-1])
 
 
 @pytest.mark.parametrize("height", [5e-3, 6e-3, 7.3e-3])

@@ -7,12 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy
-from hypothesis import given
-from hypothesis import strategies as st
 
 import hardlimit as hl
 from box_engines import LAWS, core_engine
-from conftest import draws, slow
+from conftest import slow
 from hardlimit import _core
 from hardlimit.boxes import time_step
 from hardlimit.boxes.theory import Gas
@@ -115,9 +113,9 @@ def few_bodies(seed: int, count: int, d: int, gradient: int, rate: float) -> hl.
 
 
 @each_kind
-@pytest.mark.parametrize("law", LAWS, ids=repr)
+@pytest.mark.parametrize("law", [LAWS[0], *map(slow, LAWS[1:3]), *LAWS[3:]], ids=repr)
 @pytest.mark.parametrize("count", [2, 3])
-@pytest.mark.parametrize(("d", "gradient"), [(2, 1), (3, 1), (3, 2)])
+@pytest.mark.parametrize(("d", "gradient"), [(2, 1), slow(3, 1), (3, 2)])
 @pytest.mark.parametrize("seeds", [1, slow(3)])
 def test_a_contact_across_the_side_is_that_in_the_middle(
     kind: str, law: hl.Law, count: int, d: int, gradient: int, seeds: int
@@ -152,7 +150,7 @@ def test_a_contact_across_the_side_is_that_in_the_middle(
 @pytest.mark.parametrize(
     ("d", "gradient", "rate"), [(2, 1, 60.0), (2, 1, -200.0), (3, 1, 90.0), (3, 2, -90.0)]
 )
-@pytest.mark.parametrize("phi", [0.1, 0.45])
+@pytest.mark.parametrize("phi", [slow(0.1), 0.45])
 def test_the_origin_does_not_matter(kind: str, d: int, gradient: int, rate: float, phi: float) -> None:
     """The first hundred contacts of a hundred bodies for another origin along the gradient. Rounding grows with each
     contact."""
@@ -257,71 +255,6 @@ def balance(seen: dict[str, Any]) -> float:
         seen[name] for name in ("kinetic_energy", "potential_energy", "contact_energy", "dissipated_energy")
     )
     return float(gained - seen["shear_work"] - seen["wall_work"])
-
-
-@draws(120)
-@given(
-    kind=st.sampled_from(KINDS),
-    seed=st.integers(0, 10_000), law=st.sampled_from(LAWS), gradient=st.sampled_from([(2, 1), (3, 1), (3, 2)]),
-    mixed=st.booleans(), walls=st.booleans(), phi=st.floats(0.05, 0.5), n=st.sampled_from([10, 40, 100]),
-    rate=st.floats(0.1, 500.0), back=st.booleans(), slid=st.floats(0.0, 1.0),
-)  # fmt: skip
-def test_balances_of_random_boxes(
-    kind: str, seed: int, law: hl.Law, gradient: tuple[int, int], mixed: bool, walls: bool, phi: float, n: int,
-    rate: float, back: bool, slid: float,
-) -> None:  # fmt: skip
-    """The energy balance with the work of the shear, unfolded momentum, safety radii, and the bits of a saved run, at
-    samples with bodies in contact."""
-    d, axis = gradient
-    rate = -rate if back else rate
-    try:
-        system = random_system(seed, n=n, phi=phi, d=d, rate=rate, gradient=axis, walls=walls, mixed=mixed)
-    except ValueError as error:  # too few for this box
-        assert "must be more" in str(error) or "must be >=" in str(error)
-        return
-    system = displaced(system, slid)
-    run = engine_of(kind, system, law)
-    error = 1e-10 if kind == "newton_events" else 5e-3
-    start = run.observe()
-    scale = start["kinetic_energy"]
-    saved = b""
-    for k in range(1, 9):
-        run.advance(3e-4 * k)
-        if run.outcome == "too_deep":
-            return
-        seen = run.observe()
-        scale = max(scale, seen["kinetic_energy"], abs(seen["shear_work"]))
-        assert run.outcome == "ok" and abs(balance(seen) - balance(start)) < error * scale
-        assert run.largest_safety_use(5) <= 1.0
-        if k == 7:
-            saved = run.save()
-    loaded = _core.load_engine(kind, saved)
-    loaded.advance(run.time)
-    for left, other in zip(run.state(), loaded.state(), strict=True):
-        assert np.array_equal(left, other)
-    again = loaded.observe()
-    for name in ("shear_work", "kinetic_energy", "dissipated_energy", "flow_momentum", "n_contacts"):
-        assert again[name] == seen[name]
-    # Unfolded momenta are kept: forces across the side act on images with a constant velocity.
-    total = system.mass @ (run.state()[1] - system.velocities)
-    kept = [k for k, side in enumerate(system.boundary) if side != "wall"]
-    assert np.abs(total[kept]).max() < 1e-11 * float(system.mass @ np.linalg.norm(system.velocities, axis=1))
-
-
-@pytest.mark.slow
-def test_a_stopped_run_goes_on_with_the_same_bits(tmp_path: Any) -> None:
-    system = random_system(5, n=100, phi=0.35, d=3, rate=100.0, mixed=True)
-    options: dict[str, Any] = {"engine": "events", "law": LAWS[3], "log": True, "samples": 8}
-    whole = hl.molecular_dynamics(system, until=2e-3, **options)
-    path = tmp_path / "run"
-    hl.molecular_dynamics(system, until=0.3e-3, **options, checkpoint=path)
-    for until in (0.31e-3, 0.9e-3, 2e-3):
-        resumed = hl.resume(path, until=until)
-    assert whole.outcome == resumed.outcome == "ok"
-    assert np.array_equal(whole.system.positions, resumed.system.positions)
-    assert np.array_equal(whole.system.velocities, resumed.system.velocities)
-    assert whole.contacts.equals(resumed.contacts)
-    assert whole.energy_error < 1e-10
 
 
 def two_disks(heights: tuple[float, float], **more: Any) -> hl.ParticleSystem:

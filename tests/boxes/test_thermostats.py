@@ -13,32 +13,14 @@ import numpy as np
 import pytest
 
 import hardlimit as hl
+from box_engines import LINEAR, SOLVERS, solved
 from conftest import refusal, slow
 from hardlimit.boxes import checkpoint, engines, observe, thermostats
 from hardlimit.boxes import run as running
 from hardlimit.boxes.engines import Engine
 from hardlimit.support import saving
 
-LINEAR = hl.LinearDashpot(stiffness=1e5, restitution=0.8)
-VISCOELASTIC = hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, restitution=0.8, impact_speed=0.3)
 KICKS = hl.RandomKicks(power=1e-3, interval=5e-4, seed=3)
-RULES: dict[str, dict[str, Any]] = {
-    "constant": {"restitution": 0.9},
-    "tc": {"restitution": 0.9, "rule": "tc", "contact_duration": 1e-5},
-    "law": {"law": VISCOELASTIC},
-    "soft": {"law": LINEAR, "rule": "soft"},
-}
-LAWS = {"linear": LINEAR, "viscoelastic": VISCOELASTIC}
-SOLVERS = [*RULES, *(f"{engine}, {law}" for engine in ("events", "steps") for law in LAWS)]
-each_solver = pytest.mark.parametrize("name", SOLVERS)
-
-
-def solved(name: str, system: hl.ParticleSystem, until: float, **more: Any) -> Any:
-    more = {"samples": 10} | more
-    if name in RULES:
-        return hl.event_driven(system, until=until, **RULES[name], **more)
-    engine, law = name.split(", ")
-    return hl.molecular_dynamics(system, until=until, engine=engine, law=LAWS[law], **more)
 
 
 def gas(n: int = 100, thermostat: Any = KICKS, **changed: Any) -> hl.ParticleSystem:
@@ -47,22 +29,6 @@ def gas(n: int = 100, thermostat: Any = KICKS, **changed: Any) -> hl.ParticleSys
         "thermostat": thermostat,
     }  # fmt: skip
     return hl.ParticleSystem.random(n, **arguments | changed)
-
-
-@each_solver
-@pytest.mark.parametrize("radius", [1e-3, (0.8e-3, 1.6e-3)])
-def test_energy_and_momentum(name: str, radius: Any) -> None:
-    """The energies change by the heat, to 1e-10 (steps: the error of its time step); the momentum stays."""
-    run = solved(name, gas(radius=radius), 0.02)
-    kept = run.series
-    total = kept.kinetic_energy + kept.dissipated_energy - kept.heat
-    if "contact_energy" in kept:
-        total = total + kept.contact_energy
-    scale = float(kept.kinetic_energy.max())
-    assert float(abs(total - total[0]).max()) < (5e-3 if "steps" in name else 1e-10) * scale
-    assert run.system.thermostat.kicks == 40
-    size = float((run.system.mass @ np.abs(run.system.velocities)).max())
-    assert np.abs(run.system.momentum).max() < 1e-13 * size
 
 
 def test_all_engines_get_the_same_kicks() -> None:
@@ -207,31 +173,6 @@ def test_kicks_without_collisions_are_checkpointed_and_told(name: str, tmp_path:
     assert sum(0.1 < done / total < 0.9 for done, total, _ in told) > 1
 
 
-class Stopped(Exception):
-    pass
-
-
-def stops_at(last: float) -> Callable[[float, hl.ParticleSystem], dict[str, float]]:
-    def observe(time: float, _: hl.ParticleSystem) -> dict[str, float]:
-        if time >= last:
-            raise Stopped
-        return {"time_again": time}
-
-    return observe
-
-
-@each_solver
-@pytest.mark.parametrize("thermostat", [KICKS, hl.Andersen(0.03, 300.0, interval=7e-4)])
-def test_a_resumed_run_has_the_same_bits(name: str, thermostat: Any, tmp_path: Path) -> None:
-    system = gas(60, thermostat)
-    whole = solved(name, system, 0.01, observe=stops_at(math.inf))
-    with pytest.raises(Stopped):
-        solved(name, system, 0.01, observe=stops_at(0.0045), checkpoint=tmp_path / "run.ckpt")
-    resumed = hl.resume(tmp_path / "run.ckpt", observe=stops_at(math.inf))
-    assert resumed.system == whole.system
-    assert resumed.series.identical(whole.series)
-
-
 class Instructions:
     """Raises KeyboardInterrupt, as Ctrl-C does, at the instruction with this number in these functions or files."""
 
@@ -306,7 +247,7 @@ def test_steps_have_the_same_bits_with_any_number_of_threads(threads: int) -> No
     assert single.series.identical(several.series)
 
 
-@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("law", ["linear", "viscoelastic"])
 def test_events_and_small_steps_agree(law: str) -> None:
     system = gas(30, packing_fraction=0.3)
     exact = solved(f"events, {law}", system, 0.006).system.positions
@@ -325,10 +266,11 @@ def test_events_and_small_steps_agree(law: str) -> None:
         hl.Tsuji(elastic_prefactor=1e6, restitution=0.1),
     ],
 )
-def test_a_kick_presses_grains_that_have_just_let_go(law: hl.Law) -> None:
+@pytest.mark.parametrize("seeds", [range(10, 14), slow(range(24))])
+def test_a_kick_presses_grains_that_have_just_let_go(law: hl.Law, seeds: range) -> None:
     """Their force has ended before their overlap. It acts again at once if the kick makes it repulsive."""
     again = 0
-    for seed in range(24):
+    for seed in seeds:
         kicks = hl.RandomKicks(power=2e-3, interval=1e-4, seed=seed)
         system = hl.ParticleSystem(
             [[0.005, 0.01], [0.00701, 0.0101]],
@@ -347,18 +289,13 @@ def test_a_kick_presses_grains_that_have_just_let_go(law: hl.Law) -> None:
 
 
 def test_results_continue_with_new_kicks() -> None:
-    """Two halves, and a shaken and heated box."""
+    """Two halves are the whole."""
     system = gas(40)
     half = hl.event_driven(system, restitution=0.9, until=0.005)
     again = hl.event_driven(half.system, restitution=0.9, until=0.005)
     whole = hl.event_driven(system, restitution=0.9, until=0.01)
     assert again.system.thermostat == whole.system.thermostat
     np.testing.assert_allclose(again.system.positions, whole.system.positions, atol=1e-9)
-    shaken = system.replace(boundary="wall", positions=0.5 * system.box + 0.8 * (system.positions - 0.5 * system.box),
-                            radius=0.5e-3, walls={"z-": hl.MovingWall(1e-4, 100.0)})  # fmt: skip
-    kept = hl.event_driven(shaken, restitution=0.9, until=0.02).series
-    total = kept.kinetic_energy + kept.dissipated_energy - kept.heat - kept.wall_work
-    assert float(abs(total - total[0]).max()) < 1e-12 * float(kept.kinetic_energy.max())
 
 
 @pytest.mark.parametrize("ending", ["xyz", "gsd"])
@@ -401,7 +338,7 @@ def test_andersen_in_a_common_fall_is_refused() -> None:
     assert hl.event_driven(falling.replace(thermostat=KICKS), restitution=0.9, until=0.01).outcome == "ok"
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", [0, 1, *map(slow, range(2, 6))])
 def test_no_energy_is_dissipated_backwards(seed: int) -> None:
     """Rule soft: a kick ends contacts with walls, and the grain that it lifts takes its energy from the heat.
 

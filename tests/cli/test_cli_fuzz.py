@@ -2,7 +2,6 @@
 
 import contextlib
 import copy
-import datetime
 import json
 import tomllib
 from collections.abc import Iterator
@@ -19,6 +18,7 @@ from hypothesis import strategies as st
 import hardlimit as hl
 import hardlimit.cli.compare
 import hardlimit.cli.gas_job  # reads the signatures of solvers, which the tests replace
+from bad_values import TYPED, keys, tables, texts
 from command_line import assert_words_of_the_command_line
 from conftest import columns, draws, free_columns
 from hardlimit.cli import COMMANDS, main
@@ -69,28 +69,6 @@ def one_line_or_success(*args: str) -> bool:
 
 # --- files --------------------------------------------------------------------------------------------------
 
-WORDS = [
-    *("", "self", "name", "radius", "mass", "law", "laws", "balls", "axes", "sweep", "cradle"),
-    *("gap", "a.b", "`", "ü"),
-]
-TEXTS = [
-    *("1 mm", "10 us", "1 s", "3.2e9Pa", "linear", "viscoelastic", "0:1:3", "1:2", "1:2:0:log"),
-    *("1mm:1cm:3:log", "a,b"),
-]
-numbers = st.one_of(
-    st.floats(),
-    st.integers(),
-    st.sampled_from([0, -1, 1, 1e200, -1e308, 5e-324, 10**400, -(10**400), 10**30, 1e16, True, False]),
-)
-texts = st.one_of(st.text(max_size=20), st.sampled_from(TEXTS))
-leaves = st.one_of(numbers, texts, st.just(datetime.date(1979, 5, 27)), st.just(datetime.time(7, 32)))
-keys = st.one_of(st.sampled_from(WORDS), st.text(max_size=8))
-anything = st.recursive(
-    leaves,
-    lambda inner: st.one_of(st.lists(inner, max_size=3), st.dictionaries(keys, inner, max_size=3)),
-    max_leaves=5,
-)
-
 
 def places(content: Any, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
     """Every place in nested tables and lists."""
@@ -112,16 +90,16 @@ def spoiled(draw: st.DrawFn) -> dict[str, Any]:
             at = at[key]
         change = draw(st.sampled_from(["replace", "remove", "add", "rename", "repeat"]))
         if change == "replace":
-            at[last] = draw(anything)
+            at[last] = draw(tables)
         elif change == "remove":
             del at[last]
         elif isinstance(at, list):
-            new = copy.deepcopy(at[last]) if change == "repeat" else draw(anything)
+            new = copy.deepcopy(at[last]) if change == "repeat" else draw(tables)
             at.insert(draw(st.integers(0, len(at))), new)
         elif change == "rename":
             at[draw(keys)] = at.pop(last)
         else:
-            at[draw(keys)] = draw(anything)
+            at[draw(keys)] = draw(tables)
     return content
 
 
@@ -151,7 +129,7 @@ def test_spoiled_tables(examples: int) -> None:
 
 @of_examples(25, 150)
 def test_arbitrary_tables(examples: int) -> None:
-    check_tables(examples, st.dictionaries(keys, anything, max_size=6))
+    check_tables(examples, st.dictionaries(keys, tables, max_size=6))
 
 
 @of_examples(30, 300)
@@ -187,14 +165,6 @@ def test_columns_are_accepted(tmp_path_factory: pytest.TempPathFactory, column: 
 
 # --- command lines ------------------------------------------------------------------------------------------
 
-VALUES = [
-    *("0", "-1", "1", "0.5", "1e-4", "nan", "inf", "-inf", "1e308", "1e-320", "1e400", "1_0"),
-    *("1mm", "10us", "0x10", "½", "--", "-", "[1]", "9" * 400, "", " ", "1 mm", "3 kg", "7 g/cm^3"),
-    *("1e999999 mm", "9**9**9 m", "\0", "\udcff", "0.5:0.9:3", "1:2:3:log", "1::3", ":::"),
-    *("0:1:1e3", "1mm:2mm:3", "1,2", "1,,2", "1:2:99999999999", "-1e308:1e308:3", "linear"),
-    *("viscoelastic", "newton", "independent", "cpu", "dask", "t_end", "outcome", "no/a.nc"),
-    *("/dev/full", "a.zarr"),
-]
 #: Options that would write, or show help, whatever else is wrong.
 SKIPPED = {"resume", "help", "open_browser"}
 
@@ -228,9 +198,9 @@ def command_lines(draw: st.DrawFn) -> list[str]:
         option = draw(st.sampled_from(options))
         line.append(option.opts[0])
         if not option.is_flag:
-            line.append(draw(st.one_of(st.sampled_from(VALUES), texts, st.floats().map(repr))))
+            line.append(draw(st.one_of(st.sampled_from(TYPED), texts, st.floats().map(repr))))
     if draw(st.booleans()):
-        line += draw(st.lists(st.sampled_from([*map(str, EXAMPLES), *VALUES]), max_size=2))
+        line += draw(st.lists(st.sampled_from([*map(str, EXAMPLES), *TYPED]), max_size=2))
     return line
 
 

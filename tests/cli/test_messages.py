@@ -13,6 +13,7 @@ from PIL import Image
 from test_cli import COMMANDS, command, every_option
 
 import hardlimit as hl
+from bad_values import NO_QUANTITY
 from command_line import printed, refused, run
 from conftest import lattice, refusal, slow, typical
 from hardlimit.cli.options import Quantity
@@ -166,7 +167,7 @@ def test_messages_name_the_option_that_was_typed(
     """For each option that takes a quantity: text that is no number, and nan, which no parameter accepts."""
     monkeypatch.chdir(folder_of_measurements(tmp_path))
     for typed in [o.opts[0] for of, o in every_option() if of == name and isinstance(o.type, Quantity)]:
-        for value in ("much", "nan"):
+        for value in NO_QUANTITY:
             message = refused(*name.split(), *beside(name, typed), f"{typed}={value}")
             named = message.removeprefix(f"hardlimit {name}: ").partition(": got")[0]
             assert typed in re.split(r" \| |\[", named), message

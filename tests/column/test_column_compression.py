@@ -168,7 +168,8 @@ def test_a_ball_alone(restitution: float, stiffness: float) -> None:
     column = hl.Column([ball], [], 0.3, law)
     result = hl.newton(column)
     k, c, g = stiffness, law.between(ball).damping, column.gravity
-    t = np.linspace(0.0, 20.0, 2_000_001)
+    until = 20.0 if restitution < 0.01 else 4.0  # overdamped, or deepest in the first contact
+    t = np.linspace(0.0, until, int(1e5 * until) + 1)
     beta = 0.5 * c
     root = np.emath.sqrt(k - beta**2) + 0j
     y0, dy0 = g / k, -column.impact_speed  # about the equilibrium, upwards

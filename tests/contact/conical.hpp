@@ -1,4 +1,4 @@
-// Contact law for test_new_law.py: the elastic force of a cone pressed on a plane, F ~ ξ² (I. N. Sneddon, Proc. Camb.
+// Contact law for test_recipes.py: the elastic force of a cone pressed on a plane, F ~ ξ² (I. N. Sneddon, Proc. Camb.
 // Philos. Soc. 44, 492 (1948)), with the damping that makes the restitution independent of the speed:
 //   F = max(0, k ξ² + c √ξ ξ̇) while ξ > 0, the case q = 1/2 of linear_map.hpp. It ends at ξ^{3/2} + (c/k) ξ̇ = 0.
 #pragma once
@@ -23,12 +23,14 @@ struct Conical {
         {{{"restitution", "1", 0.0, 1.0, false, true, "coefficient of restitution ε"}},
          {{"cone_damping", "N s/m^1.5", 0.0, math::infinity, true, false, "damping c"}}},
         2,
-        {{"cone_stiffness", "N/m^2", "k"}, {"cone_damping", "N s/m^1.5", "c"}}};
+        {{"cone_stiffness", "N/m^2", "k"}, {"cone_damping", "N s/m^1.5", "c"}},
+        {8, 2}};
 
     void values(double* out) const {
         out[0] = stiffness;
         out[1] = damping;
     }
+    Coefficients coefficients() const { return {stiffness, damping}; }
     static Conical from_parameters(int alternative, const double* p, PairGeometry pair) {
         if (alternative == 1) return {p[0], p[1]};
         const double b = linear_damping_ratio(-math::log(p[1]));

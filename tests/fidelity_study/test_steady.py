@@ -288,9 +288,14 @@ def test_a_sheared_box_is_driven() -> None:
     assert not f.driven and "shear_stress" not in f.quantities
 
 
-@pytest.mark.parametrize("rate", [250.0, -250.0])
 @pytest.mark.parametrize(
-    "sides", [("periodic", "lees-edwards", "periodic"), ("periodic", "periodic", "lees-edwards")]
+    ("rate", "sides"),
+    [
+        (250.0, ("periodic", "lees-edwards", "periodic")),
+        (-250.0, ("periodic", "periodic", "lees-edwards")),
+        slow(-250.0, ("periodic", "lees-edwards", "periodic")),
+        slow(250.0, ("periodic", "periodic", "lees-edwards")),
+    ],
 )
 def test_stresses_of_a_sheared_box_are_those_of_its_runs(rate: float, sides: tuple[str, ...]) -> None:
     """Each interval, and the mean since the start; the shear stress has the sign of the rate."""

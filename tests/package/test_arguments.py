@@ -3,7 +3,6 @@
 Each value is refused with one line that names the parameter, or its acceptance is documented.
 """
 
-import math
 import re
 from collections.abc import Callable, Iterator
 from contextlib import chdir
@@ -20,131 +19,20 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from matplotlib.figure import Figure
 
+import bad_values
 import hardlimit as hl
+from bad_values import BAD, Refuses, anything
 from conftest import law_of, slow, typical
 from hardlimit import plots
 from hardlimit.boxes.theory import Gas
 from hardlimit.column import files as column_files
 from hardlimit.support import validation
 
-
-class Refuses:
-    """An object whose methods all raise."""
-
-    def __float__(self):
-        raise RuntimeError("no")
-
-    def __array__(self, *args, **options):
-        raise ZeroDivisionError("no")
-
-    def __repr__(self):
-        raise OSError("no")
-
-
-class Quantity:
-    """A number with a unit, as in unit libraries."""
-
-    units = "mm"
-
-    def __array__(self, *args, **options):
-        return np.array(3.0)
-
-
-ITSELF: list[Any] = []
-ITSELF.append(ITSELF)
-
-BALL, LAW = hl.Ball(0.05, density=840.0), law_of("linear", 0.7)
-
-#: Label → function that makes the value; a new one for each call, because a generator can be exhausted.
-BAD: dict[str, Callable[[], Any]] = {
-    "None": lambda: None,
-    "True": lambda: True,
-    "False": lambda: False,
-    "text": lambda: "1",
-    "empty text": lambda: "",
-    "bytes": lambda: b"1",
-    "bytearray": lambda: bytearray(b"1"),
-    "memoryview": lambda: memoryview(b"1"),
-    "NaN": lambda: math.nan,
-    "infinity": lambda: math.inf,
-    "-infinity": lambda: -math.inf,
-    "-1": lambda: -1,
-    "0": lambda: 0,
-    "400 digits": lambda: 10**400,
-    "-400 digits": lambda: -(10**400),
-    "5000 digits": lambda: 10**5000,
-    "largest float + 1": lambda: 2**1024 - 1,
-    "complex": lambda: 1 + 2j,
-    "complex without imaginary part": lambda: 1 + 0j,
-    "NumPy complex": lambda: np.complex128(1.0),
-    "Decimal NaN": lambda: Decimal("NaN"),
-    "Decimal signalling NaN": lambda: Decimal("sNaN"),
-    "Decimal infinity": lambda: Decimal("Infinity"),
-    "Decimal of 400 digits": lambda: Decimal("1e400"),
-    "Fraction of 400 digits": lambda: Fraction(10**400),
-    "NumPy bool": lambda: np.True_,
-    "NumPy text": lambda: np.str_("1"),
-    "NumPy bytes": lambda: np.bytes_(b"1"),
-    "NumPy NaN": lambda: np.float32("nan"),
-    "long double": lambda: np.longdouble("1e4000"),
-    "date": lambda: np.datetime64("2011-04-01"),
-    "duration": lambda: np.timedelta64(1, "s"),
-    "structured": lambda: np.zeros(1, dtype=[("a", float)])[0],
-    "masked": lambda: np.ma.masked,
-    "array with a masked entry": lambda: np.ma.array([1.0, 2.0], mask=[False, True]),
-    "array without dimensions, masked": lambda: np.ma.array(1.0, mask=True),
-    "two dimensions": lambda: np.ones((2, 2)),
-    "array of NaN": lambda: np.array([1.0, math.nan]),
-    "array of objects": lambda: np.array([1.0, None], dtype=object),
-    "array of numbers as objects": lambda: np.array([1.0, 2.0], dtype=object),
-    "array of text": lambda: np.array(["1", "2"]),
-    "array of bools": lambda: np.array([True, False]),
-    "array of dates": lambda: np.array(["2011-04-01"], dtype="M8[D]"),
-    "array of durations": lambda: np.array([1, 2], dtype="m8[s]"),
-    "array of complex": lambda: np.array([1.0 + 0.0j, 2.0]),
-    "empty list": lambda: [],
-    "empty tuple": lambda: (),
-    "empty array": lambda: np.array([]),
-    "empty range": lambda: range(0),
-    "generator": lambda: (x for x in (1.0, 2.0)),
-    "iterator": lambda: iter([1.0]),
-    "dict": lambda: {1.0: 2.0},
-    "set": lambda: {1.0},
-    "list of text": lambda: ["1", "2"],
-    "list with a bool": lambda: [1.0, True],
-    "list with None": lambda: [1.0, None],
-    "list with NaN": lambda: [1.0, math.nan],
-    "list with 400 digits": lambda: [1, 10**400],
-    "list with a complex": lambda: [1.0, 1j],
-    "nested list": lambda: [[1.0, 2.0], [3.0, 4.0]],
-    "ragged list": lambda: [[1.0], [2.0, 3.0]],
-    "list that holds itself": lambda: ITSELF,
-    "DataArray of text": lambda: xr.DataArray(["a"]),
-    "DataArray of two dimensions": lambda: xr.DataArray(np.ones((2, 2))),
-    "Dataset": lambda: xr.Dataset({"a": 1.0}),
-    "pandas NA": lambda: pd.NA,
-    "pandas NaT": lambda: pd.NaT,
-    "pandas Timestamp": lambda: pd.Timestamp("2011-04-01"),
-    "Series with NA": lambda: pd.Series([1, None], dtype="Int64"),
-    "DataFrame": lambda: pd.DataFrame({"a": [1.0, 2.0]}),
-    "quantity": Quantity,
-    "list of quantities": lambda: [Quantity(), Quantity()],
-    "Ball": lambda: BALL,
-    "list of a Ball and a number": lambda: [BALL, 1.0],
-    "FLOOR": lambda: hl.FLOOR,
-    "law": lambda: LAW,
-    "class Ball": lambda: hl.Ball,
-    "class of a law": lambda: hl.LinearDashpot,
-    "class float": lambda: float,
-    "function": lambda: math.sqrt,
-    "module": lambda: math,
-    "object": object,
-    "Ellipsis": lambda: ...,
-    "raises when converted": Refuses,
-    "list of what raises": lambda: [Refuses()],
-}  # fmt: skip
+BALL, LAW = bad_values.BALL, bad_values.LAW
 
 EMPTY = {"empty list", "empty tuple", "empty array", "empty range"}
 SIGNED = {"-1", "0"}
@@ -509,7 +397,7 @@ def arguments_of_conversions() -> list[Argument]:
         Argument("convert_back", "ball", "ball", hl.convert_back, BALL, written),
         Argument("convert_back", "other", "optional body", hl.convert_back, BALL, written),
         Argument("convert_back", "code", "word", hl.convert_back, "lammps", written),
-        Argument("convert_back", "contact", "optional word", hl.convert_back, "line 1", written),
+        Argument("convert_back", "contact", "optional word", hl.convert_back, "1-1", written),
         Argument("convert_back", "speed", n, hl.convert_back, 1.0, written),
         Argument("convert_back", "restitution_error", o, hl.convert_back, 1e-3, written),
         Argument("convert_back", "time_step", o, hl.convert_back, 1e-7, written),
@@ -662,28 +550,53 @@ def arguments_of_law(kind: str) -> list[Argument]:
 
 
 ARGUMENTS = arguments()
-every_argument = pytest.mark.parametrize(
+
+
+def labels_of(argument: Argument, step: int) -> list[str]:
+    """One of ``step`` bad values, so that each is given to some argument of this kind."""
+    alike = [each for each in ARGUMENTS if each.kind == argument.kind]
+    step = min(step, len(alike))
+    return [*BAD][alike.index(argument) % step :: step]
+
+
+def refusal_of(argument: Argument, value: object) -> str | None:
+    """The message with which a value is refused: one line; None if it is accepted."""
+    try:
+        argument(value)
+    except ValueError as error:
+        assert "\n" not in str(error) and len(str(error)) < 300, str(error)
+        return str(error)
+    return None
+
+
+@pytest.mark.parametrize("step", [5, slow(1)])
+@pytest.mark.parametrize(
     # An accepted value makes a film.
     "argument",
     [slow(a) if a.function == "Result.animate" else a for a in ARGUMENTS],
     ids=str,
 )
-
-
-@every_argument
-def test_bad_values_are_refused_or_documented(argument):
+def test_bad_values_are_refused_or_documented(argument, step):
     assert argument(argument.good) is not None
-    for label, make in BAD.items():
+    for label in labels_of(argument, step):
         try:
-            argument(make())
-        except ValueError as error:
-            named = str(error).partition(": ")[0]
-            assert re.search(rf"\b{argument.told or argument.name}\b", named), (label, str(error))
-            assert "\n" not in str(error) and len(str(error)) < 300, (label, str(error))
+            message = refusal_of(argument, BAD[label]())
         except Exception as error:
             pytest.fail(f"{label}: {type(error).__name__}: {error}")
-        else:
+        if message is None:
             assert label in ACCEPTED[argument.kind], f"{label} was taken"
+        else:
+            named = message.partition(": ")[0]
+            assert re.search(rf"\b{argument.told or argument.name}\b", named), (label, message)
+
+
+@pytest.mark.slow
+@settings(max_examples=200)
+@given(st.sampled_from(ARGUMENTS), anything)
+def test_any_object_is_taken_or_refused_in_one_line(argument, value):
+    """The message names the parameter, or one that it makes invalid, such as the height for a ball's radius."""
+    message = refusal_of(argument, value)
+    assert message is None or re.match(r"[^:\n]+: \S", message), message
 
 
 SPELLINGS: dict[str, Callable[[float], Any]] = {

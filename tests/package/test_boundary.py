@@ -60,10 +60,8 @@ def test_a_sweep_writes_only_where_it_fits(which: str) -> None:
 
 
 BAD_MAPS: dict[str, dict[str, Any]] = {
-    "model": {"model": 3},
     "alternative": {"alternative": 2},
     "restitution_at": {"restitution_at": 4},
-    "threads": {"threads": 0},
     "law": {"law": "glue"},
     "values": {"values": [np.empty(0)] * _core.law_place(2, 2)},
     "strides": {"strides": [0] * _core.law_place(2, 2)},
@@ -196,15 +194,6 @@ def test_engines_of_boxes_refuse_what_makes_no_sense() -> None:
         _core.make_engine("springs", *system)
     with pytest.raises(ValueError, match=r"^law: got None"):
         _core.make_engine("newton_events", *system)
-    with pytest.raises(ValueError, match=r"^time_step: got 0, must be > 0"):
-        _core.make_engine("newton_steps", *system, law=("linear", 0, [1.0, 0.5]))
     engine = _core.make_engine("hard_spheres", *system, restitution=1.0)
-    for wrong, message in (
-        ({"until": math.nan}, "until: got nan"),
-        ({"until": 1.0, "max_work": 0}, "max_work: got 0"),
-        ({"until": 1.0, "threads": 0}, "threads: got 0"),
-    ):
-        with pytest.raises(ValueError, match=f"^{message}"):
-            engine.advance(**wrong)
     with pytest.raises(ValueError, match=r"^saved: got"):
         _core.load_engine("newton_steps", engine.save())

@@ -43,7 +43,7 @@ def data():
     """The figures at the paper's density, with coarser maps of Fig. 4 than those of the command. Figs. 2, 4, 5 and 6
     take little time; tests of the others and of all statements are slow."""
     before, figure4.POINTS = figure4.POINTS, 120
-    yield Paper()  # computes a figure at its first use
+    yield Paper(modules=paper.FIGURES)  # computes a figure at its first use
     figure4.POINTS = before
 
 
@@ -195,7 +195,7 @@ def test_statements_name_their_numbers(rows):
 @pytest.mark.slow
 def test_verdicts_follow_the_numbers():
     """With another density the stated facts do not hold, and the verdicts are ``no``."""
-    other = Paper(1140.0)
+    other = Paper(1140.0, modules=paper.FIGURES)
     table = {row.statement: row for row in STATEMENTS.rows(other, (3, 6))}
     (spikes,) = (row for text, row in table.items() if text.startswith("Spikes"))
     assert spikes.agrees == "no" and "0.852" in spikes.result

@@ -432,10 +432,7 @@ def test_all_lines_of_a_drop_go_to_the_same_end(seed: int) -> None:
 
 @pytest.mark.parametrize(
     ("epsilon", "law"),
-    [
-        pair if pair[0] in (0.5, 0.99) else slow(*pair)
-        for pair in zip([0.02, 0.5, 0.8, 0.99, 1.0], cycle(hl.LAWS))
-    ],
+    [pair if pair[0] == 0.99 else slow(*pair) for pair in zip([0.02, 0.5, 0.8, 0.99, 1.0], cycle(hl.LAWS))],
 )
 def test_a_restitution_fills_its_axis(law: str, epsilon: float) -> None:
     contact = law_of(law, epsilon).between(STEEL)
@@ -467,7 +464,7 @@ def test_all_counts_of_a_map_are_named() -> None:
         assert (inside == int(count)).mean() > 0.7, count
 
 
-@pytest.mark.parametrize("shape", [(1, 1), (40, 1), (3, 700), *map(slow, ((1, 40), (2, 2), (700, 3)))])
+@pytest.mark.parametrize("shape", [(3, 700), *map(slow, ((1, 1), (40, 1), (1, 40), (2, 2), (700, 3)))])
 def test_counts_of_a_small_map_are_named_where_they_are(shape: tuple[int, int]) -> None:
     values = np.random.default_rng(1).integers(0, 20, shape)
     figure = plots.count_map(sweep_of(np.sort(values, axis=1), "n_contacts"))
@@ -488,7 +485,7 @@ def test_a_prime_stands_above_its_index(name: str) -> None:
     assert ("′" in text or "prime" in text) == (name == "relative_velocity")
 
 
-@pytest.mark.parametrize(("slower", "dimension"), [(1e-9, 3), (0.0, 2), *map(slow, (1.0, 1e-3), (2, 3))])
+@pytest.mark.parametrize(("slower", "dimension"), [(1e-9, 3), *map(slow, (0.0, 1.0, 1e-3), (2, 2, 3))])
 def test_a_cooled_gas_keeps_its_colours(slower: float, dimension: int) -> None:
     system = hl.ParticleSystem.random(200, 0.2, 1e-3, 2500.0, 1.0, dimension=dimension)
     with style.style(**video.STYLE):
@@ -506,7 +503,7 @@ def test_a_cooled_gas_keeps_its_colours(slower: float, dimension: int) -> None:
     assert_legible(figure, **video.STYLE)
 
 
-@pytest.mark.parametrize("gradient", [1, 2])
+@pytest.mark.parametrize("gradient", [1, slow(2)])
 def test_film_of_a_sheared_box(gradient: int) -> None:
     """The plane of flow and gradient; the image of a sphere at a sheared side is where the images have moved to."""
     sides = tuple("lees-edwards" if axis == gradient else "periodic" for axis in range(3))

@@ -1,8 +1,8 @@
-// The gas of the page beside Python: both engines from the same start until the same time, and the law of the error.
+// Comparison of the gas with Python: both engines from the same state to the same time, and the law of the error.
 import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
 
-// Reads cases, runs them with hardlimit, prints for each what differs and what the page should say.
+// Reads cases, runs them with hardlimit, and prints the differences and the expected sentences of each.
 const program = String.raw`
 import json, math, sys, warnings
 import numpy as np
@@ -136,14 +136,16 @@ export class Python {
     });
     this.process.on("exit", () => this.waiting.forEach(({ fail }) => fail(new Error("Python has ended"))));
   }
-  // What differs, and what Python says of the setting.
+  // The differences, and Python's results for the setting.
   compare(report, { logs, states }) {
     const worlds = logs.map((log, i) => {
       const [log_, state] = [log, states[i]].map((x) => Array.from(x));
       const half = state.length / 2;
       return { log: log_, positions: state.slice(0, half), velocities: state.slice(half) };
     });
-    const text = JSON.stringify({ ...report, worlds }, (_, x) => (typeof x === "number" && !Number.isFinite(x) ? null : x));
+    const text = JSON.stringify({ ...report, worlds }, (_, x) =>
+      typeof x === "number" && !Number.isFinite(x) ? null : x,
+    );
     this.process.stdin.write(`${text}\n`);
     return new Promise((done, fail) => this.waiting.push({ done, fail }));
   }
@@ -152,7 +154,7 @@ export class Python {
   }
 }
 
-// The page says of a setting what Python says.
+// The statements of the page agree with Python.
 export async function agrees(python, report, worlds) {
   const what = report.link;
   const [faults, answer] = await python.compare(report, worlds);
@@ -164,9 +166,17 @@ export async function agrees(python, report, worlds) {
   }
   const { setting, hard, newton, law } = report;
   const stopped = answer.outcomes[0] !== "ok";
-  const verdict = answer.gas && stopped ? "stopped" : setting.restitution === 1 ? "elastic" : !answer.gas ? "elsewhere" : answer.verdict;
+  const verdict =
+    answer.gas && stopped
+      ? "stopped"
+      : setting.restitution === 1
+        ? "elastic"
+        : !answer.gas
+          ? "elsewhere"
+          : answer.verdict;
   assert.equal(said.verdict, verdict, what);
-  assert.equal(said.range, setting.restitution < 1 ? answer.outside[0] : undefined, what); // at ε = 1 nothing is said by the law
+  // The law makes no statement at ε = 1.
+  assert.equal(said.range, setting.restitution < 1 ? answer.outside[0] : undefined, what);
   assert.equal(said.hard, stopped ? (answer.outcomes[0] === "collapse" ? "collapse" : "stopped") : undefined, what);
   assert.equal(said.newton, answer.outcomes[1] === "ok" ? undefined : "stopped", what);
   assert.equal(said.contacts, newton.ended > 0 ? "overlapping" : "none", what);
@@ -175,10 +185,19 @@ export async function agrees(python, report, worlds) {
   for (const { topic, text, numbers } of report.sentences) {
     const has = (...shown) => shown.forEach((x) => assert.ok(text.includes(x), `${what}: ${text}: ${x}`));
     assert.ok(!/NaN|undefined|null|Infinity/.test(text), `${what}: ${text}`);
-    if (topic === "verdict" && "error" in numbers) assert.deepEqual([numbers.error, numbers.bar, numbers.trusted], [Math.abs(law.error), law.errorBar, law.trusted], what);
+    if (topic === "verdict" && "error" in numbers)
+      assert.deepEqual(
+        [numbers.error, numbers.bar, numbers.trusted],
+        [Math.abs(law.error), law.errorBar, law.trusted],
+        what,
+      );
     if (topic === "contacts" && newton.ended > 0) has(`(${newton.overlapped} of ${newton.ended})`);
     if (topic === "distance" && answer.grows)
-      for (const [name, x] of Object.entries(answer.grows)) assert.ok(Math.abs(numbers[name] / x - 1) < 1e-8 || numbers[name] === x, `${what}: ${name}: ${numbers[name]}, ${x}`);
+      for (const [name, x] of Object.entries(answer.grows))
+        assert.ok(
+          Math.abs(numbers[name] / x - 1) < 1e-8 || numbers[name] === x,
+          `${what}: ${name}: ${numbers[name]}, ${x}`,
+        );
     if (topic === "hard") assert.equal(numbers.time, hard.time, what);
     if (topic === "measured") assert.deepEqual([numbers.hard, numbers.newton], report.samples.at(-1).energy, what);
   }

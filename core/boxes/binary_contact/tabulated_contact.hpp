@@ -2,10 +2,10 @@
 // the accuracy stated below. A contact takes about 0.2 µs.
 //
 // Scaling: let v_l be the speed at which an elastic impact would be l deep, v_l² = 2E(l)/m, and D the damping force at
-// the compression l and the rate v_l, in units of m v_l²/l. For a law that is `similar` (law.hpp) the contact, in units
+// the compression l and the rate v_l, in units of m v_l²/l. For a PowerLaw (law.hpp) the contact, in units
 // of its own speed and depth, depends only on v_n/v_l, D and v_t/v_n, for any bodies. If D is the same for all pairs
-// (equal bodies, or a law whose restitution is given) there are two variables, otherwise three. A law that is not
-// similar has polynomials for one kind of pair only.
+// (equal bodies, or a law whose restitution is given) there are two variables, otherwise three. Any other law has
+// polynomials for one kind of pair only.
 //
 // Variables: ln(v_n/v_l)², ln D, and for the direction y = (1 + κ/b)^{−1/p}, p = Law::onset_power, which runs from 1
 // (head-on) to 0 (grazing: the path leaves before any force acts). Here κ = λ v_t²/v_n² is the centrifugal acceleration
@@ -113,7 +113,7 @@ public:
 
 private:
     static constexpr int p = Law::onset_power;
-    static constexpr bool similar = requires { Law::similar; };
+    static constexpr bool similar = PowerLaw<Law>;
     static constexpr int speeds = 128, slants = 16, dampings = 48;
     static constexpr double highest = -2.0;                               // ln(v_n/v_l)² where the cells end
     static constexpr double damping_width = 0.5, lowest_damping = -18.0;  // in ln D
@@ -148,10 +148,10 @@ private:
         double width, per_width;  // of a cell, in ln v_n² or in λ
         int cells;                // number of cells
         double error;             // tolerated at the test points, in units of the accuracy
-        bool of_depths;           // the variable is λ = v_n/v_l
-        std::vector<Depth> depths;
-        std::vector<double> bends;     // b [cells or cells × dampings]; 0 if not yet known
-        std::vector<Slot<Flat>> flat;  // if D is the same for all pairs
+        bool of_depths = false;   // the variable is λ = v_n/v_l
+        std::vector<Depth> depths = {};
+        std::vector<double> bends = {};     // b [cells or cells × dampings]; 0 if not yet known
+        std::vector<Slot<Flat>> flat = {};  // if D is the same for all pairs
     };
 
     Law law_;
@@ -164,7 +164,7 @@ private:
     std::vector<Slot<Deep>> deep_;
 
     Level level(double width, int cells, double error) const {
-        Level made{width, 1.0 / width, cells, error, false, {}, {}, {}};
+        Level made{.width = width, .per_width = 1.0 / width, .cells = cells, .error = error};
         made.bends.resize(cells * (varies_ ? dampings : 1), 0.0);
         made.flat.resize(varies_ ? 0 : cells * slants);
         for (int i = 0; i < cells; ++i) {
@@ -174,7 +174,8 @@ private:
         return made;
     }
     Level level_of_depths(double width, int cells, double error) const {
-        Level made{width, 1.0 / width, cells, error, true, {}, {}, {}};
+        Level made{
+            .width = width, .per_width = 1.0 / width, .cells = cells, .error = error, .of_depths = true};
         made.bends.resize(cells, 0.0);
         made.flat.resize(cells * slants);
         return made;
@@ -295,8 +296,13 @@ private:
         const double lost = f[2] * a.normal_speed;
         const double turn = a.tangential_speed / a.distance * duration * (1.0 + part * f[3]);
         const double across = tangential_speed(a, left);
-        PlanarContact end{Outcome::ok, duration, turn,      left,     a.normal_speed - lost,
-                          across,      lost,     math::nan, math::nan};
+        PlanarContact end{.outcome = Outcome::ok,
+                          .duration = duration,
+                          .turn = turn,
+                          .compression = left,
+                          .radial_speed = a.normal_speed - lost,
+                          .tangential_speed = across,
+                          .speed_loss = lost};
         if constexpr (virial) {
             end.rate_square = f[4] * (a.normal_speed * a.normal_speed * duration);
             end.greatest = f[5] * unit;

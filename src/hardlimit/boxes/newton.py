@@ -133,7 +133,15 @@ def molecular_dynamics(
     refuse_options(name, options)
     record = ENGINES[name]
     if name == "lammps":
-        job = make_job(system, law, end, restitution_error, time_step, samples, log)
+        job = make_job(
+            system=system,
+            law=law,
+            until=end,
+            restitution_error=restitution_error,
+            time_step=time_step,
+            samples=samples,
+            log=log,
+        )
         with reporter(progress, record.task, record.counts) as report:
             return lammps_engine.run(job, lammps_engine.checked_ranks(ranks), report)
     step, workers = None, 1

@@ -54,7 +54,15 @@ def _repeated(values: tuple[float, ...], count: int) -> list[float]:
 def of_column(column: Column) -> Scenario:
     """The parameters of a column."""
     c = column
-    return Scenario(c.balls, c.gaps, c.laws, c.height, c.velocities, c.gravity, not c.floor)
+    return Scenario(
+        balls=c.balls,
+        gaps=c.gaps,
+        laws=c.laws,
+        height=c.height,
+        velocities=c.velocities,
+        gravity=c.gravity,
+        cradle=not c.floor,
+    )
 
 
 # --- TOML ---------------------------------------------------------------------------------------------------

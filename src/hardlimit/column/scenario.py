@@ -321,7 +321,15 @@ class Column:
             contacts.insert(0, contacts[0])  # pair 0 of the core, which never closes in a cradle
         masses, radii = [b.mass for b in self.balls], [b.radius for b in self.balls]
         gaps, velocities = [self.drop_height, *self.gaps], list(self.velocities)
-        return _core.make_column(self.floor, self.gravity, masses, radii, contacts, gaps, velocities)
+        return _core.make_column(
+            floor=self.floor,
+            gravity=self.gravity,
+            mass=masses,
+            radius=radii,
+            contacts=contacts,
+            gaps=gaps,
+            velocity=velocities,
+        )
 
     @property
     def initial_positions(self) -> NDArray[np.float64]:

@@ -155,7 +155,16 @@ def fidelity(
         _refuse_endless_heating(first, plan.restitution, law)
         kept = Store(store, facts_of(plan, digest(first).tobytes().hex(), starts.seed))
         wanted = [k for k in range(count) if k not in kept.replicas]
-        _compute(starts, plan, kept, wanted, count, many if elsewhere else 1, scheduler, report)
+        _compute(
+            starts=starts,
+            plan=plan,
+            kept=kept,
+            wanted=wanted,
+            count=count,
+            workers=many if elsewhere else 1,
+            scheduler=scheduler,
+            report=report,
+        )
     _refuse_equal_starts(kept, count)
     result = Fidelity(
         plan=plan,

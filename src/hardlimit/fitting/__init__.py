@@ -96,7 +96,15 @@ def fit(
     if not isinstance(other, Ball | Floor):
         raise ValueError(f"other: got {validation.shown(other)}, must be a Ball or FLOOR")
     constants = _mapping(fixed)
-    chosen = candidate(law, data.kind, data.reference_speed, constants, _names(free), ball, other)
+    chosen = candidate(
+        law=law,
+        kind=data.kind,
+        reference_speed=data.reference_speed,
+        fixed=constants,
+        free=_names(free),
+        ball=ball,
+        other=other,
+    )
     if data.n < len(chosen.free) + scatter:
         raise ValueError(f"data: got {data.n} values, must be {len(chosen.free) + scatter} or more")
     others = rivals(chosen, data.kind, data.reference_speed, constants) if compare else []

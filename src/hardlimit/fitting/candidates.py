@@ -144,7 +144,16 @@ def candidate(
     variables = tuple(_variable(known[name]) for name in wanted)
     constant = [name for name, law_class in LAWS.items() if _has_constant_restitution(law_class)]
     alike = tuple(constant) if kind == "impacts" and _has_constant_restitution(chosen) else ()
-    return Candidate(chosen, model, variables, constants, notes, ball or ANY_BALL, other, alike)
+    return Candidate(
+        law=chosen,
+        model=model,
+        free=variables,
+        constants=constants,
+        notes=notes,
+        ball=ball or ANY_BALL,
+        other=other,
+        alike=alike,
+    )
 
 
 def _has_constant_restitution(law: type[Law]) -> bool:
@@ -238,10 +247,29 @@ def rivals(
             continue
         common = {p["name"] for p in law.record["common"]}
         shared = {k: v for k, v in fixed.items() if k == POISSON_RATIO and k in common}
-        candidates.append(candidate(law, kind, reference_speed, shared, None, chosen.ball, chosen.other))
+        candidates.append(
+            candidate(
+                law=law,
+                kind=kind,
+                reference_speed=reference_speed,
+                fixed=shared,
+                free=None,
+                ball=chosen.ball,
+                other=chosen.other,
+            )
+        )
     if kind == "rebounds":
         linear, constants = LAWS["linear"], {"stiffness": NEUTRAL["N/m"]}
         candidates.append(
-            candidate(linear, kind, reference_speed, constants, None, chosen.ball, FLOOR, "independent")
+            candidate(
+                law=linear,
+                kind=kind,
+                reference_speed=reference_speed,
+                fixed=constants,
+                free=None,
+                ball=chosen.ball,
+                other=FLOOR,
+                model="independent",
+            )
         )
     return candidates

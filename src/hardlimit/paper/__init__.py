@@ -67,7 +67,7 @@ def run(
     weights = {f"Fig. {number}": FIGURES[number].WEIGHT for number in chosen}
     weights |= {"statements of the text": 2.0, "density": 4.0 * infer_density}
     track = _Track(weights, progress or (lambda part, text: None))
-    paper = Paper(validation.number("density", density, 0.0), track.within)
+    paper = Paper(validation.number("density", density, 0.0), track.within, FIGURES)
     if format not in FORMATS:
         raise ValueError(f"format: got {format!r}, must be one of {', '.join(FORMATS)}")
     resolution = checked_resolution(dpi)

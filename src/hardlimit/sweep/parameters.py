@@ -40,7 +40,15 @@ def _named(row: dict[str, Any], balls: int) -> Iterator[Parameter]:
     if name == "radius_ratio":
         if balls == 2:
             lower = next(r["first"] for r in _core.swept_parameters(balls) if r["name"] == "radius")
-            yield Parameter(name, name, indices, unit, meaning, limits, (lower,))
+            yield Parameter(
+                name=name,
+                kind=name,
+                indices=indices,
+                unit=unit,
+                meaning=meaning,
+                limits=limits,
+                overrides=(lower,),
+            )
         return
     if not indices:
         return

@@ -187,7 +187,16 @@ def _make_arrays(store: Any, computation: Computation, chunks: Chunks) -> None:
         values = np.asarray(values)
         dims = (dims,) if isinstance(dims, str) else dims
         files = tuple(min(n, LABELS_OF_FILE) for n in values.shape)
-        array = _make_array(group, name, dims, values.shape, files, str(values.dtype), 0, attributes)
+        array = _make_array(
+            group=group,
+            name=name,
+            dims=dims,
+            shape=values.shape,
+            files=files,
+            dtype=str(values.dtype),
+            fill=0,
+            attributes=attributes,
+        )
         array[...] = values
     for name, variable in computation.results.items():
         attributes = variable.attributes()
@@ -196,7 +205,16 @@ def _make_arrays(store: Any, computation: Computation, chunks: Chunks) -> None:
             attributes["flag_meanings"] += " not_computed"
         dims, shape = (*computation.dims, *variable.dims), (*computation.shape, *variable.shape)
         box, dtype = (*chunks.box_shape, *variable.shape), variable.stored or variable.dtype
-        _make_array(group, name, dims, shape, box, dtype, variable.not_computed, attributes)
+        _make_array(
+            group=group,
+            name=name,
+            dims=dims,
+            shape=shape,
+            files=box,
+            dtype=dtype,
+            fill=variable.not_computed,
+            attributes=attributes,
+        )
     with warnings.catch_warnings():  # xarray needs consolidated metadata, for which Zarr's format 3 warns
         warnings.simplefilter("ignore")
         zarr.consolidate_metadata(store)

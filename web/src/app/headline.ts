@@ -1,37 +1,43 @@
 // The headline of the laboratory: what both models give, and the verdict.
-import { find, Sheet, tell } from "../support/dom";
+import { find, setSentence, Sheet } from "../support/dom";
 
 export class Headline {
-  private said = "";
+  private written = "";
   private readonly newton = find("verdict").querySelector<HTMLElement>(".newton")!;
   private readonly icm = find("verdict").querySelector<HTMLElement>(".icm")!;
   private readonly announcer = new Announcer();
-  private readonly changing = [...document.querySelectorAll<HTMLElement>(".told, .numbers")];
+  private readonly changing = [...document.querySelectorAll<HTMLElement>(".answers, .numbers")];
   private readonly heights = new ResizeObserver((entries) => {
-    if (Sheet.moving) for (const { target, borderBoxSize: [{ blockSize }] } of entries) (target as HTMLElement).style.minHeight = `${blockSize}px`;
+    if (Sheet.moving)
+      for (const {
+        target,
+        borderBoxSize: [{ blockSize }],
+      } of entries)
+        (target as HTMLElement).style.minHeight = `${blockSize}px`;
   });
 
   say(newton: string, icm: string, verdict: string): void {
     const all = [newton, icm, verdict].join("\n");
-    if (all === this.said) return;
-    this.said = all;
-    tell(this.newton, newton + " ");
-    tell(this.icm, icm);
-    tell(find("answer"), verdict);
+    if (all === this.written) return;
+    this.written = all;
+    setSentence(this.newton, newton + " ");
+    setSentence(this.icm, icm);
+    setSentence(find("answer"), verdict);
     this.announcer.say(`${newton} ${icm} ${verdict}`);
   }
 
-  // While a slider moves, what lies below texts of changing length stays in its place.
+  // While a slider moves, texts keep their greatest height, so that the page below them does not move.
   keepHeights(on: boolean): void {
     if (!on) this.heights.disconnect();
     for (const part of this.changing) {
-      if (on) this.heights.observe(part); // reports the height now, too
+      if (on)
+        this.heights.observe(part); // also reports the present height
       else part.style.minHeight = "";
     }
   }
 }
 
-// Announces the result to screen readers once a slider rests.
+// Announces the result to screen readers when a slider has stopped.
 class Announcer {
   private timer = 0;
 

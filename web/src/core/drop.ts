@@ -9,12 +9,12 @@ import { independent as independentNames, newton as newtonNames } from "../scena
 
 export interface Track {
   run: Run; // the sequence of contacts
-  shown: Contact[]; // contacts while the film runs
+  shown: Contact[]; // contacts during the film
   final: State; // when the sequence is over
   leaves: number[]; // [n] velocities after the last contact [m/s]; NaN: at rest, or not known
   peaks: number[]; // [n] rebound heights of the centres; NaN: no bounce, or not resolved
   later: number[]; // [n] greatest heights after the first bounce while the film runs
-  known: number; // the film knows the motion up to then [s]
+  known: number; // end of the known motion [s]
   samples: Samples;
 }
 
@@ -37,7 +37,7 @@ export interface Solved {
   top: number;
 }
 
-// What is known before the film is: Newton's answer first.
+// Results before the film is computed; those of Newton's equations come first.
 export interface Answered {
   scenario: Scenario;
   newton: Track;
@@ -57,7 +57,7 @@ export interface Drop extends Solved {
 }
 
 export function dropOf(s: Solved): Drop {
-  let real: Clock | null = null; // most films are slow in the contacts
+  let real: Clock | null = null; // created on demand: most films are slow in the contacts
   return {
     ...s,
     clock: new Clock(s.start, s.stop, s.windows),
@@ -78,13 +78,24 @@ const greatest = (values: Iterable<number>, least: number): number => {
 
 function sequence(core: Core, model: Model): Track | null {
   const run = core.solve(model);
-  if (!run || !Number.isFinite(run.last) || run.outcome === outcomes.invalid || run.outcome === outcomes.neverLands) return null;
+  if (!run || !Number.isFinite(run.last) || run.outcome === outcomes.invalid || run.outcome === outcomes.neverLands)
+    return null;
   const [final] = core.sample(model, [run.last]);
   const samples = { times: new Float64Array(), rows: new Float64Array(), balls: final.position.length };
-  return { run, shown: run.contacts, final, leaves: core.finalVelocities(model), peaks: core.reboundHeights(model), later: [], known: run.last, samples };
+  return {
+    run,
+    shown: run.contacts,
+    final,
+    leaves: core.finalVelocities(model),
+    peaks: core.reboundHeights(model),
+    later: [],
+    known: run.last,
+    samples,
+  };
 }
 
-// When every ball has been at its rebound height, or has gone far enough on a cradle; three seconds at most.
+// Time at which every ball has reached its rebound height, on a cradle a distance; at most three seconds after the
+// sequence.
 function endOfFilm(s: Scenario, t: Track): number {
   const { position, velocity } = t.final;
   if (s.cradle) return t.run.last + (6 * s.balls[0].radius) / greatest(velocity.map(Math.abs), 1e-3);
@@ -92,8 +103,8 @@ function endOfFilm(s: Scenario, t: Track): number {
   return t.run.last + Math.min(greatest([...flights, ...velocity.map((v) => v / GRAVITY)], 0.15), 3);
 }
 
-// Continues after the sequence to the end of the film, or as far as the model goes. Independent collisions can
-// accumulate repeatedly; a film shows at most this many.
+// Continues a run after the sequence to the end of the film, or as far as the model goes. Independent collisions can
+// accumulate repeatedly; a film shows at most this number.
 const mostEvents = 10_000;
 
 function goOn(core: Core, model: Model, t: Track, stop: number): void {
@@ -103,7 +114,7 @@ function goOn(core: Core, model: Model, t: Track, stop: number): void {
   t.known = longer.last;
 }
 
-// Greatest heights after the first bounce that the samples show; between two of them a ball that turns is in flight.
+// Greatest heights after the first bounce in the samples. A ball that turns between two samples is in flight.
 function laterHeights(t: Track): number[] {
   const { times, rows, balls: n } = t.samples;
   const size = rows.length / times.length;
@@ -120,13 +131,19 @@ function laterHeights(t: Track): number[] {
   });
 }
 
-const quick = 30; // ms: of a drop solved that soon the page hears Newton's answer, as the other may take long, and the whole
+const quick = 30; // within this time [ms] only Newton's result and the complete one are reported
 
 // `report` receives the name of each stage, its share of the work and what is known by then.
 type Report = (what: string, share: number, known: Answered | null) => void;
-export function solve(core: Core, scenario: Scenario, tolerance = usualTolerance, report: Report = () => {}): Solved | Unsolved {
+export function solve(
+  core: Core,
+  scenario: Scenario,
+  tolerance = usualTolerance,
+  report: Report = () => {},
+): Solved | Unsolved {
   const begin = performance.now();
-  const later = (what: string, share: number, known: Answered | null): void => void (performance.now() - begin > quick && report(what, share, known));
+  const later = (what: string, share: number, known: Answered | null): void =>
+    void (performance.now() - begin > quick && report(what, share, known));
   core.set(scenario);
   const newton = sequence(core, Model.newton);
   const known = newton && { scenario, newton, icm: null, comparison: null };
@@ -149,12 +166,22 @@ export function solve(core: Core, scenario: Scenario, tolerance = usualTolerance
   // Independent collisions that come much later are left out: they would compress Newton's contacts to a line.
   const instants = icm.run.contacts.filter((c) => c.begin <= from + 1.5 * span);
   const solved: Solved = {
-    scenario, newton, icm, comparison, stop, from,
+    scenario,
+    newton,
+    icm,
+    comparison,
+    stop,
+    from,
     start: newton.run.first,
     origin: scenario.cradle ? first : 0,
     to: instants.reduce((a, c) => Math.max(a, c.begin), from + span),
     windows: windowsOf(contacts, newton.run.last).filter((w) => w.begin < stop),
-    times: new Float64Array(), forces: [], peakForce: [], compression: [], bottom: 0, top: 0,
+    times: new Float64Array(),
+    forces: [],
+    peakForce: [],
+    compression: [],
+    bottom: 0,
+    top: 0,
   };
   sampleForces(core, solved, contacts);
   sampleFilm(core, solved);
@@ -180,7 +207,9 @@ function sampleForces(core: Core, d: Solved, contacts: Contact[]): void {
     for (const t of edges(c, 1e-9 * span, d.to)) times.add(t);
     for (let i = 1; i < inside; i++) times.add(c.begin + ((end - c.begin) * i) / inside);
   }
-  d.times = Float64Array.from(times).filter((t) => t >= low && t <= high).sort();
+  d.times = Float64Array.from(times)
+    .filter((t) => t >= low && t <= high)
+    .sort();
   const rows = core.rows(Model.newton, d.times);
   const size = rows.length / d.times.length;
   for (let j = 0; j < n; j++) {
@@ -201,14 +230,20 @@ function sampleFilm(core: Core, d: Solved): void {
   const count = Math.min(Math.ceil(60 * clock.length), mostPictures);
   const even = Array.from({ length: count + 1 }, (_, i) => clock.toPhysical((i / count) * clock.length));
   const inside = Math.max(Math.floor(1200 / Math.max(d.newton.run.contacts.length, 100)), 2);
-  for (const [model, t] of [[Model.newton, d.newton], [Model.independent, d.icm]] as const) {
+  for (const [model, t] of [
+    [Model.newton, d.newton],
+    [Model.independent, d.icm],
+  ] as const) {
     const times = new Set<number>([...even, t.known]);
     for (const c of t.shown.slice(0, mostEdges)) {
       const edge = 4 * Number.EPSILON * Math.max(Math.abs(c.begin), Math.abs(d.start));
       for (const time of edges(c, edge, t.known)) times.add(time);
-      if (model === Model.newton && c.begin <= t.run.last) for (let i = 1; i < inside; i++) times.add(c.begin + ((c.end - c.begin) * i) / inside);
+      if (model === Model.newton && c.begin <= t.run.last)
+        for (let i = 1; i < inside; i++) times.add(c.begin + ((c.end - c.begin) * i) / inside);
     }
-    const sorted = Float64Array.from(times).filter((time) => time >= d.start && time <= Math.min(t.known, d.stop)).sort();
+    const sorted = Float64Array.from(times)
+      .filter((time) => time >= d.start && time <= Math.min(t.known, d.stop))
+      .sort();
     t.samples = { times: sorted, rows: core.rows(model, sorted), balls: d.scenario.balls.length };
     t.later = d.scenario.cradle ? [] : laterHeights(t);
   }
@@ -218,7 +253,9 @@ function sampleFilm(core: Core, d: Solved): void {
 function findExtent(d: Solved): void {
   const { balls, cradle } = d.scenario;
   d.bottom = cradle ? Infinity : 0;
-  for (const { samples: { rows, times } } of [d.newton, d.icm]) {
+  for (const {
+    samples: { rows, times },
+  } of [d.newton, d.icm]) {
     const size = rows.length / times.length;
     for (let at = 0; at < rows.length; at += size) {
       if (cradle) d.bottom = Math.min(d.bottom, rows[at] - balls[0].radius);

@@ -59,7 +59,23 @@ export interface Observed {
   third: number; // soft contacts with a third body
   events: number;
 }
-const observed = ["time", "outcome", "contacts", "pairs", "ended", "overlapped", "kinetic", "potential", "stored", "dissipated", "compression", "elastic", "soft", "third", "events"] as const;
+const observed = [
+  "time",
+  "outcome",
+  "contacts",
+  "pairs",
+  "ended",
+  "overlapped",
+  "kinetic",
+  "potential",
+  "stored",
+  "dissipated",
+  "compression",
+  "elastic",
+  "soft",
+  "third",
+  "events",
+] as const;
 
 // Columns of the log: begin, end, first, second, impact speed, separation speed, overlapped.
 export const LOG_COLUMNS = 7;
@@ -83,7 +99,8 @@ export class GasCore {
 
   constructor(module: WebAssembly.Module) {
     this.wasm = new WebAssembly.Instance(module, {}).exports as unknown as Exports;
-    for (let at = this.wasm.gas_rule(0); at !== 0; at = this.wasm.gas_rule(this.rules.length)) this.rules.push(this.text(at));
+    for (let at = this.wasm.gas_rule(0); at !== 0; at = this.wasm.gas_rule(this.rules.length))
+      this.rules.push(this.text(at));
   }
 
   private values(at: number, n: number): Float64Array {
@@ -98,14 +115,28 @@ export class GasCore {
     const at = this.wasm.gas_setting(input.number);
     const { number, radius, mass, edge, gravity, restitution, stiffness, contactDuration } = input;
     const periodic = input.periodic ? 1 : 0;
-    this.values(at, this.wasm.gas_fields()).set([number, radius, mass, edge, edge, periodic, periodic, 0, gravity, this.rules.indexOf(input.rule), restitution, stiffness, contactDuration]);
+    this.values(at, this.wasm.gas_fields()).set([
+      number,
+      radius,
+      mass,
+      edge,
+      edge,
+      periodic,
+      periodic,
+      0,
+      gravity,
+      this.rules.indexOf(input.rule),
+      restitution,
+      stiffness,
+      contactDuration,
+    ]);
     this.setting = at;
     this.number = number;
   }
   private setting = 0;
   private number = 0;
 
-  // Random positions without overlap; false if none were found.
+  // Random positions without overlap; false if the search fails.
   place(seed: number): boolean {
     return this.wasm.gas_place(seed) !== 0;
   }
@@ -130,7 +161,7 @@ export class GasCore {
   begin(): number {
     return this.wasm.gas_start();
   }
-  // By at most `work` events; whether the time is reached or the world has ended.
+  // Processes at most `work` events. Returns whether the time is reached or the simulation has ended.
   advance(world: World, until: number, work: number): boolean {
     return this.wasm.gas_advance(world, until, work) !== 0;
   }
@@ -142,7 +173,7 @@ export class GasCore {
   state(world: World): Float64Array {
     return this.values(this.wasm.gas_state(world), 4 * this.number).slice();
   }
-  // Rows since the last call, or of open contacts.
+  // Rows since the last call, or those of contacts that have not ended.
   log(world: World, open = false): Float64Array {
     const rows = this.wasm.gas_take_log(world, open ? 1 : 0);
     return rows === 0 ? new Float64Array(0) : this.values(this.wasm.gas_log(), LOG_COLUMNS * rows).slice();
@@ -156,7 +187,10 @@ export class GasCore {
     return this.wasm.law_rate(phi, diameter, temperature);
   }
   law(phi: number, restitution: number, rule: string): ErrorLaw {
-    const [coefficient, coefficientError, decay] = this.values(this.wasm.law_of_error(phi, restitution, lawRules.indexOf(rule)), 3);
+    const [coefficient, coefficientError, decay] = this.values(
+      this.wasm.law_of_error(phi, restitution, lawRules.indexOf(rule)),
+      3,
+    );
     return { coefficient, coefficientError, decay };
   }
   // Relative error of the cooling, and its standard error.

@@ -1,4 +1,5 @@
-// The plots over time: energy, its difference between the worlds, their distance, share of contacts that overlap.
+// The plots over time: energy, its difference between both simulations, their distance, fraction of overlapping
+// contacts.
 import { divergenceOf } from "./divergence";
 import { digits, logTicks, minus, niceTicks } from "../support/format";
 import { drawAxes, fontSize, grown, Scale, setFont, timeTicks, timeUnit, type Frame } from "../support/plot";
@@ -25,7 +26,14 @@ interface Plot {
   band?: [number, number][];
 }
 
-const curve = (samples: readonly Sample[], y: (s: Sample) => number, color: string, width = 2, dash: number[] = [], x: (s: Sample) => number = (s) => s.time): Curve => ({
+const curve = (
+  samples: readonly Sample[],
+  y: (s: Sample) => number,
+  color: string,
+  width = 2,
+  dash: number[] = [],
+  x: (s: Sample) => number = (s) => s.time,
+): Curve => ({
   points: samples.map((s) => [x(s), y(s)]),
   color,
   width,
@@ -36,7 +44,8 @@ const decades = (y: Scale): number[] => {
   const every = Math.ceil(all.length / 4);
   return all.filter((_, i) => i % every === 0);
 };
-const power = (tick: number): string => (tick >= 0.001 && tick <= 1000 ? String(Number(tick.toPrecision(3))) : digits(tick, 1));
+const power = (tick: number): string =>
+  tick >= 0.001 && tick <= 1000 ? String(Number(tick.toPrecision(3))) : digits(tick, 1);
 
 function energyPlot({ samples, start }: Facts, theme: GasTheme): Plot {
   const lowest = Math.min(...samples.flatMap((s) => s.energy).filter((e) => e > 0), 1);
@@ -54,11 +63,12 @@ function energyPlot({ samples, start }: Facts, theme: GasTheme): Plot {
   };
 }
 
-// Mean over a thirtieth of the run: both energies fall in small jumps.
+// Moving average over a thirtieth of the run, because both energies decrease in small steps.
 function smoothed(of: Curve): Curve {
   const { points } = of;
   const half = Math.floor(points.length / 60);
-  const [sums, known] = [new Float64Array(points.length + 1), new Uint32Array(points.length + 1)]; // of all points before
+  // Cumulative sums and numbers of all points before.
+  const [sums, known] = [new Float64Array(points.length + 1), new Uint32Array(points.length + 1)];
   points.forEach(([, y], i) => {
     const counts = Number.isFinite(y);
     sums[i + 1] = sums[i] + (counts ? y : 0);
@@ -71,26 +81,30 @@ function smoothed(of: Curve): Curve {
   return { ...of, points: points.map(([t, y], i) => [t, Number.isFinite(y) ? mean(i) : NaN]) };
 }
 
-// Newton's energy over that of the event-driven world, less one: measured, and by the law.
+// Ratio of Newton's energy to that of the event-driven simulation, minus one: measured, and by the law.
 function differencePlot({ samples, start }: Facts, theme: GasTheme): Plot {
   const over = (s: Sample, energy: number): number => (s.energy[0] > 0 ? energy / s.energy[0] - 1 : NaN);
   const law = start.setting.restitution < 1 && !start.setting.walls;
   const measured = smoothed(curve(samples, (s) => over(s, s.energy[1]), theme.newton, 2.5));
   const expected = smoothed(curve(samples, (s) => over(s, s.predicted[0]), theme.ink, 2, [6, 4]));
-  const bound = (i: number): [number, number][] => smoothed(curve(samples, (s) => over(s, s.predicted[i]), "")).points.filter(([, y]) => Number.isFinite(y));
+  const bound = (i: number): [number, number][] =>
+    smoothed(curve(samples, (s) => over(s, s.predicted[i]), "")).points.filter(([, y]) => Number.isFinite(y));
   const all = [measured, expected].flatMap(({ points }) => points.map(([, y]) => y)).filter(Number.isFinite);
-  const step = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 100].find((x) => Math.max(...all.map(Math.abs), 0) <= 2 * x) ?? 1e4;
-  const [low, high] = [Math.min(...all, 0) < -0.02 * step ? -step * Math.ceil(-Math.min(...all) / step) : 0, step * Math.max(1, Math.ceil((1.5 * Math.max(...all, 0)) / step))];
+  const step =
+    [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 100].find(
+      (x) => Math.max(...all.map(Math.abs), 0) <= 2 * x,
+    ) ?? 1e4;
+  const [low, high] = [
+    Math.min(...all, 0) < -0.02 * step ? -step * Math.ceil(-Math.min(...all) / step) : 0,
+    step * Math.max(1, Math.ceil((1.5 * Math.max(...all, 0)) / step)),
+  ];
   return {
     title: "Newton’s surplus of energy, %",
     y: (to, from) => new Scale(low, high, from, to),
     ticks: () => niceTicks(low, high, 4),
     name: (tick) => minus(String(Number((100 * tick).toPrecision(3)))),
     band: law ? [...bound(1), ...bound(2).reverse()] : [],
-    curves: [
-      { ...measured, name: "this run" },
-      ...(law ? [{ ...expected, name: "law of the error" }] : []),
-    ],
+    curves: [{ ...measured, name: "this run" }, ...(law ? [{ ...expected, name: "law of the error" }] : [])],
   };
 }
 
@@ -106,7 +120,23 @@ function distancePlot({ samples }: Facts, theme: GasTheme): Plot {
     name: power,
     curves: [
       { ...curve(samples, (s) => (s.distance > 0 ? s.distance : NaN), theme.muted, 2.5), name: "this run" },
-      ...(grows ? [{ ...curve(samples, (s) => (s.collisions >= grows.from && s.collisions <= grows.to ? grows.low * Math.exp(grows.rate * (s.collisions - grows.from)) : NaN), theme.ink, 2, [6, 4]), name: `${digits(grows.rate, 2)} per collision` }] : []),
+      ...(grows
+        ? [
+            {
+              ...curve(
+                samples,
+                (s) =>
+                  s.collisions >= grows.from && s.collisions <= grows.to
+                    ? grows.low * Math.exp(grows.rate * (s.collisions - grows.from))
+                    : NaN,
+                theme.ink,
+                2,
+                [6, 4],
+              ),
+              name: `${digits(grows.rate, 2)} per collision`,
+            },
+          ]
+        : []),
     ],
   };
 }
@@ -123,20 +153,47 @@ function sharePlot({ samples }: Facts, theme: GasTheme): Plot {
   };
 }
 
-const plots: { [G in Graph]: (facts: Facts, theme: GasTheme) => Plot } = { energy: energyPlot, difference: differencePlot, distance: distancePlot, share: sharePlot };
+const plots: { [G in Graph]: (facts: Facts, theme: GasTheme) => Plot } = {
+  energy: energyPlot,
+  difference: differencePlot,
+  distance: distancePlot,
+  share: sharePlot,
+};
 
 // `timed`: with numbers below the time axis.
-export function drawGraph(g: CanvasRenderingContext2D, width: number, height: number, graph: Graph, facts: Facts, theme: GasTheme, timed: boolean): void {
+export function drawGraph(
+  g: CanvasRenderingContext2D,
+  width: number,
+  height: number,
+  graph: Graph,
+  facts: Facts,
+  theme: GasTheme,
+  timed: boolean,
+): void {
   const plot = plots[graph](facts, theme);
   const size = fontSize(width);
-  const frame: Frame = { left: 3.7 * size, top: 2.1 * size, width: width - 4.7 * size, height: height - (timed ? 5.1 : 3) * size };
+  const frame: Frame = {
+    left: 3.7 * size,
+    top: 2.1 * size,
+    width: width - 4.7 * size,
+    height: height - (timed ? 5.1 : 3) * size,
+  };
   g.clearRect(0, 0, width, height);
   if (frame.width < 20 || frame.height < 20) return;
   const end = Math.max(facts.sample.time, 60 * facts.start.base);
   const x = new Scale(0, end, frame.left, frame.left + frame.width);
   const y = plot.y(frame.top, frame.top + frame.height);
   const [factor, unit] = timeUnit(end);
-  drawAxes(g, frame, x, y, timed ? { ...timeTicks(x, 0, factor, frame.width / (5 * size)), title: `time, ${unit}` } : null, { ticks: plot.ticks(y), name: plot.name, title: plot.title }, theme, size);
+  drawAxes(
+    g,
+    frame,
+    x,
+    y,
+    timed ? { ...timeTicks(x, 0, factor, frame.width / (5 * size)), title: `time, ${unit}` } : null,
+    { ticks: plot.ticks(y), name: plot.name, title: plot.title },
+    theme,
+    size,
+  );
   g.save();
   g.beginPath();
   g.rect(frame.left, frame.top, frame.width, frame.height);
@@ -173,8 +230,15 @@ export function drawGraph(g: CanvasRenderingContext2D, width: number, height: nu
   named(g, plot, frame, theme, size, drawn);
 }
 
-// Names of the curves with a piece of line, in the corner with the fewest of the drawn points.
-function named(g: CanvasRenderingContext2D, plot: Plot, frame: Frame, theme: GasTheme, size: number, drawn: number[][]): void {
+// Legend in the corner with the fewest drawn points.
+function named(
+  g: CanvasRenderingContext2D,
+  plot: Plot,
+  frame: Frame,
+  theme: GasTheme,
+  size: number,
+  drawn: number[][],
+): void {
   const curves = plot.curves.filter(({ name }) => name);
   const dash = 1.9 * size;
   const room = frame.width - dash - 1.9 * size;
@@ -185,8 +249,12 @@ function named(g: CanvasRenderingContext2D, plot: Plot, frame: Frame, theme: Gas
   g.textBaseline = "middle";
   const widest = width() + dash + 0.5 * size;
   const height = (1.3 * curves.length + 0.3) * size;
-  const corners = [frame.left + frame.width - widest - 0.6 * size, frame.left + 0.8 * size].flatMap((left) => [frame.top, frame.top + frame.height - height].map((top) => ({ left, top })));
-  const crossed = corners.map(({ left, top }) => drawn.filter(([u, v]) => u > left && u < left + widest && v > top && v < top + height).length);
+  const corners = [frame.left + frame.width - widest - 0.6 * size, frame.left + 0.8 * size].flatMap((left) =>
+    [frame.top, frame.top + frame.height - height].map((top) => ({ left, top })),
+  );
+  const crossed = corners.map(
+    ({ left, top }) => drawn.filter(([u, v]) => u > left && u < left + widest && v > top && v < top + height).length,
+  );
   const { left, top } = corners[crossed.indexOf(Math.min(...crossed))];
   curves.forEach(({ name, color, dash: pattern, width }, i) => {
     const at = top + (0.8 + 1.3 * i) * size;

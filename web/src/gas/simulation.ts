@@ -1,8 +1,8 @@
-// Both worlds from one start, advanced in step, and what the page draws of them. Runs in the worker.
+// Both simulations from the same initial state, advanced together, and their frames for the page. Runs in the worker.
 import { GasCore, World, LOG_COLUMNS, type ErrorLaw, type Input, type Measured, type Observed } from "./core";
 import { MASS, RADIUS, RMS_SPEED, type Setting } from "./setting";
 
-// What is fixed by the setting before anything moves.
+// Values that the setting determines.
 export interface Start {
   setting: Setting;
   input: Input; // both engines start from it
@@ -15,43 +15,45 @@ export interface Start {
   errorBar: number;
   trusted: number; // the largest t_c ν at which the error is at most TOLERANCE
   measured: Measured;
-  tooSoft: number; // 0, or the largest t_c ν that is not too soft: then nothing runs
+  tooSoft: number; // 0; if the disks are too soft to run, the largest t_c ν that is not
   compression: number; // of an impact at the mean speed, in radii
   base: number; // shortest time between frames [s]
 }
-// Relative error of the cooling up to which the worlds are said to agree.
+// Largest relative error of the cooling that counts as agreement.
 export const TOLERANCE = 0.01;
 
-// One world at one instant.
+// One simulation at one time.
 export interface Seen {
   positions: Float32Array; // in the box [m]
   touched: Uint8Array; // 0: no contact since the last frame, 1: one, 2: contacts that overlap in time
-  links: Int32Array; // pairs of disks of contacts that overlap
+  links: Int32Array; // pairs of disks whose contacts overlap
   observed: Observed;
-  energy: number; // not yet dissipated, over that at the start
+  energy: number; // energy that is not dissipated, relative to the initial energy
 }
 export interface Sample {
   time: number; // [s]
   collisions: number; // of each disk in the event-driven world
-  energy: [number, number]; // NaN after the end of a world
-  predicted: [number, number, number]; // Newton's energy by the law of the error; lowest, highest; NaN without one
-  distance: number; // of the two worlds, in diameters
-  share: number; // of the contacts under Newton's equations that overlap in time; NaN before the first
+  energy: [number, number]; // NaN after the end of a simulation
+  // Newton's energy by the law of the error, its lowest and its highest value; NaN if the law does not apply.
+  predicted: [number, number, number];
+  distance: number; // between both simulations [diameters]
+  share: number; // fraction of Newton's contacts that overlap in time; NaN before the first contact has ended
 }
 export interface FrameOf {
   worlds: [Seen, Seen];
   sample: Sample;
   done: boolean;
-  atRest: boolean; // a heap in Newton's world: the reason why it is done
+  atRest: boolean; // the run has ended because Newton's disks are at rest
 }
 
 const most = 200; // collisions of each disk at which the film ends
-const least = 1e-6; // energy at which it ends, over that at the start
-const rest = 1e-3; // kinetic energy at which a heap is at rest, over all energy at the start
+const least = 1e-6; // energy at which the film ends, relative to the initial energy
+const rest = 1e-3; // kinetic energy of disks at rest, relative to the initial energy
 
-// Base time between frames. In 60 frames a disk collides 0.6 times or moves by half a diameter; it falls through the
-// box in 400.
-const baseOf = (rate: number, { edge, gravity }: Input): number => Math.max(0.6 / rate / 60, RADIUS / RMS_SPEED / 60, gravity < 0 ? Math.sqrt((2 * edge) / -gravity) / 400 : 0);
+// Base time between frames: in 60 frames a disk collides 0.6 times or moves by half a diameter; in 400 frames it falls
+// through the box.
+const baseOf = (rate: number, { edge, gravity }: Input): number =>
+  Math.max(0.6 / rate / 60, RADIUS / RMS_SPEED / 60, gravity < 0 ? Math.sqrt((2 * edge) / -gravity) / 400 : 0);
 
 function inputOf(core: GasCore, setting: Setting, rate: number): Input {
   const { number, phi, restitution, tcNu, rule } = setting;
@@ -72,11 +74,11 @@ function inputOf(core: GasCore, setting: Setting, rate: number): Input {
   return { ...input, stiffness: (core.duration / contactDuration) ** 2 };
 }
 
-// y = √(E(0)/E) over a stretched time; the last straight piece goes on.
+// y = √(E(0)/E) over a rescaled time, extrapolated linearly.
 class Stretched {
   private readonly times = [0];
   private readonly values = [1];
-  private last = 1; // first time that is not before the last one asked for
+  private last = 1; // index of the first time that is not before the last requested one
 
   extend(by: number, y: number): void {
     this.times.push(this.times[this.times.length - 1] + by);
@@ -114,8 +116,11 @@ export class Simulation {
     core.heat(seed, RMS_SPEED);
     const [error, errorBar] = core.error(phi, restitution, rule, tcNu);
     const speed = Math.sqrt(Math.PI * temperature);
-    // As Python's check: of a pair in radii; of a wall in diameters.
-    const compression = Math.min(core.compression(speed, false), walls ? 0.5 * core.compression(speed, true) : Infinity);
+    // As in Python's check: compression of a pair in radii, of a wall contact in diameters.
+    const compression = Math.min(
+      core.compression(speed, false),
+      walls ? 0.5 * core.compression(speed, true) : Infinity,
+    );
     this.start = {
       setting,
       input,
@@ -142,8 +147,8 @@ export class Simulation {
     return this.time;
   }
 
-  // Advances both worlds by a number of base times, at most to `until` if that is still to come, or for so many
-  // milliseconds; false if the time was not reached.
+  // Advances both simulations by a number of base times, but not beyond a later time `until`, and for at most `budget`
+  // milliseconds. Returns whether the time was reached.
   // The film runs faster as the gas cools: by a factor of two for each factor of four in the energy.
   advance(steps: number, budget: number, until = 0): boolean {
     const begin = performance.now();
@@ -161,7 +166,8 @@ export class Simulation {
     const hard = this.see(World.hard);
     const newton = this.see(World.newton);
     const { setting, base } = this.start;
-    if (setting.gravity === 0) this.pace = 2 ** Math.min(Math.floor(Math.log2(Math.sqrt(1 / Math.max(newton.energy, 1e-12)))), 10);
+    if (setting.gravity === 0)
+      this.pace = 2 ** Math.min(Math.floor(Math.log2(Math.sqrt(1 / Math.max(newton.energy, 1e-12)))), 10);
     const ended = [hard, newton].map(({ observed }) => observed.outcome !== 0 && observed.time < this.time);
     const sample: Sample = {
       time: this.time,
@@ -173,32 +179,47 @@ export class Simulation {
     };
     this.before = this.time;
     const atRest = setting.gravity > 0 && newton.observed.kinetic < rest * this.initial && newton.energy < 1 - rest;
-    const done = atRest || sample.collisions >= most || newton.energy < least || (ended[0] && ended[1]) || this.time > 40_000 * base;
+    const done =
+      atRest ||
+      sample.collisions >= most ||
+      newton.energy < least ||
+      (ended[0] && ended[1]) ||
+      this.time > 40_000 * base;
     return { worlds: [hard, newton], sample, done, atRest };
   }
 
-  // The law gives e = (rate of the rule)/(rate of Newton's equations) − 1 of y = √(E(0)/E) at equal energies. So Newton's
-  // world reaches an energy later by the factor 1 + e, and by half a contact, as no disks touch at the start.
+  // The law gives e = (rate of the rule)/(rate of Newton's equations) − 1 for y = √(E(0)/E) at equal energies. Newton's
+  // simulation therefore reaches an energy later by the factor 1 + e, and by half a contact duration, because no disks
+  // touch initially.
   private predict(hard: Seen, ended: boolean): [number, number, number] {
     const { setting, contactDuration } = this.start;
     if (ended || setting.walls) return [NaN, NaN, NaN];
     const y = 1 / Math.sqrt(hard.energy);
     const [from, before] = this.stretchedAt;
     if (this.time > from) {
-      const [error, bar] = this.core.error(setting.phi, setting.restitution, setting.rule, (2 * setting.tcNu) / (y + before));
+      const [error, bar] = this.core.error(
+        setting.phi,
+        setting.restitution,
+        setting.rule,
+        (2 * setting.tcNu) / (y + before),
+      );
       this.curves.forEach((curve, i) => curve.extend((1 + error + [0, -bar, bar][i]) * (this.time - from), y));
     }
     this.stretchedAt = [this.time, y];
-    return this.curves.map((curve, i) => curve.at(this.time - [0.5, 0.25, 0.75][i] * contactDuration) ** -2) as [number, number, number];
+    return this.curves.map((curve, i) => curve.at(this.time - [0.5, 0.25, 0.75][i] * contactDuration) ** -2) as [
+      number,
+      number,
+      number,
+    ];
   }
   private readonly curves = [new Stretched(), new Stretched(), new Stretched()];
 
   private distance(): number {
     const n = 2 * this.start.setting.number;
-    const one = this.unwrapped[World.hard];
-    const other = this.unwrapped[World.newton];
+    const hard = this.unwrapped[World.hard];
+    const newton = this.unwrapped[World.newton];
     let sum = 0;
-    for (let i = 0; i < n; i++) sum += (one[i] - other[i]) ** 2;
+    for (let i = 0; i < n; i++) sum += (hard[i] - newton[i]) ** 2;
     return Math.sqrt((2 * sum) / n) / (2 * RADIUS);
   }
   private readonly unwrapped: Float64Array[] = [];
@@ -209,7 +230,8 @@ export class Simulation {
     const state = this.core.state(world);
     this.unwrapped[world] = state;
     const positions = new Float32Array(2 * number);
-    for (let i = 0; i < positions.length; i++) positions[i] = walls ? state[i] : state[i] - edge * Math.floor(state[i] / edge);
+    for (let i = 0; i < positions.length; i++)
+      positions[i] = walls ? state[i] : state[i] - edge * Math.floor(state[i] / edge);
     const rows = this.core.log(world);
     if (rows.length > 0) this.logs[world].push(rows);
     const touched = new Uint8Array(number);
@@ -217,10 +239,17 @@ export class Simulation {
     if (world === World.hard) this.markCollisions(rows, touched, links);
     else for (const list of [rows, this.core.log(world, true)]) markContacts(list, touched, links);
     const observed = this.core.observe(world);
-    return { positions, touched, links: Int32Array.from(links), observed, energy: 1 - observed.dissipated / this.initial };
+    return {
+      positions,
+      touched,
+      links: Int32Array.from(links),
+      observed,
+      energy: 1 - observed.dissipated / this.initial,
+    };
   }
 
-  // A collision takes no time. To compare, a disk lights up for t_c after it, and brightly if it collided again within.
+  // Collisions are instantaneous. For comparison a disk is coloured for t_c after a collision, differently if it has
+  // collided again within this time.
   private markCollisions(rows: Float64Array, touched: Uint8Array, links: number[]): void {
     const [last, previous] = this.last;
     const tc = this.start.contactDuration;

@@ -1,4 +1,4 @@
-// Draws the disks of one world.
+// Draws the disks of one simulation.
 import { colorOf, type Theme } from "../style/theme";
 import type { Sheet } from "../support/dom";
 import { Disks } from "./disks";
@@ -42,7 +42,7 @@ export class WorldView {
     g.setLineDash([]);
   }
 
-  // Those that touch lie on top of those that do not.
+  // Disks in contact are drawn over the others.
   private drawDisks(start: Start, { positions, touched }: Seen, pixels: number, theme: GasTheme): void {
     const { disks } = this;
     const { walls, number } = start.setting;
@@ -56,7 +56,7 @@ export class WorldView {
         const [x, y] = [scale * positions[2 * i], pixels - scale * positions[2 * i + 1]];
         disks.put(kind, x, y);
         if (walls) continue;
-        // Images of a disk that crosses an edge.
+        // Periodic images of a disk that crosses an edge.
         const dx = x < r ? pixels : x > pixels - r ? -pixels : 0;
         const dy = y < r ? pixels : y > pixels - r ? -pixels : 0;
         if (dx !== 0) disks.put(kind, x + dx, y);
@@ -68,11 +68,22 @@ export class WorldView {
 }
 
 // Lines between the centres of disks whose contacts overlap in time.
-function drawLinks(g: CanvasRenderingContext2D, start: Start, { positions, links }: Seen, left: number, top: number, side: number, theme: GasTheme): void {
+function drawLinks(
+  g: CanvasRenderingContext2D,
+  start: Start,
+  { positions, links }: Seen,
+  left: number,
+  top: number,
+  side: number,
+  theme: GasTheme,
+): void {
   const { walls } = start.setting;
   const scale = side / start.input.edge;
   const r = RADIUS * scale;
-  const place = (i: number): [number, number] => [left + scale * positions[2 * i], top + side - scale * positions[2 * i + 1]];
+  const place = (i: number): [number, number] => [
+    left + scale * positions[2 * i],
+    top + side - scale * positions[2 * i + 1],
+  ];
   g.save();
   g.beginPath();
   g.rect(left, top, side, side);
@@ -87,7 +98,7 @@ function drawLinks(g: CanvasRenderingContext2D, start: Start, { positions, links
       x1 -= side * Math.round((x1 - x0) / side);
       y1 -= side * Math.round((y1 - y0) / side);
     }
-    if (Math.hypot(x1 - x0, y1 - y0) > 3 * r) continue; // they have parted since
+    if (Math.hypot(x1 - x0, y1 - y0) > 3 * r) continue; // the contact has ended since
     g.moveTo(x0, y0);
     g.lineTo(x1, y1);
   }

@@ -20,7 +20,7 @@ export class MapReading {
     private readonly marked: () => Point,
   ) {}
 
-  // Another map: what was read is not valid for it.
+  // The value that was read is not valid for another map.
   forget(): void {
     this.read.place = "";
   }
@@ -33,14 +33,19 @@ export class MapReading {
   tell(): void {
     const { view, drop } = this.state;
     const [e, y] = this.at ?? this.marked();
-    const where = `ε = ${digits(e)}, ${view.map.axis === "gap" ? `Δh = ${y > 0 ? withUnit(y, "m") : "0"}` : `R₁/R₂ = ${digits(y)}`}`;
+    const where =
+      `ε = ${digits(e)}, ` +
+      `${view.map.axis === "gap" ? `Δh = ${y > 0 ? withUnit(y, "m") : "0"}` : `R₁/R₂ = ${digits(y)}`}`;
     let what = "…";
     if (this.at) {
       this.ask(this.at);
       if (this.read.place === `${e} ${y}`) what = this.read.text;
     } else if (drop) {
       const { nContacts, effective, effectiveSeparation } = drop.newton.run;
-      what = counted(nContacts, (view.map.show === "separation" ? effectiveSeparation : effective) / drop.scenario.restitution);
+      what = counted(
+        nContacts,
+        (view.map.show === "separation" ? effectiveSeparation : effective) / drop.scenario.restitution,
+      );
       if (!this.map.shows(e, y)) what += y > 0 ? " (outside the map)" : " (touching: below the map)";
     }
     const text = `${where}: ${what}`;
@@ -61,7 +66,10 @@ export class MapReading {
     this.pool.ask("points", ask).then(
       ([count, effective, separation]) => {
         this.asking = false;
-        this.read = { place, text: Number.isNaN(count) ? "cannot fall" : counted(count, show === "separation" ? separation : effective) };
+        this.read = {
+          place,
+          text: Number.isNaN(count) ? "cannot fall" : counted(count, show === "separation" ? separation : effective),
+        };
         this.tell();
       },
       () => (this.asking = false),

@@ -5,7 +5,7 @@ export interface MeasuredBall {
   id: string;
   name: string;
   short: string; // in a sentence
-  by: string; // who made the rules
+  by: string; // association that wrote the rules
   mass: [number, number]; // kg, lowest and highest allowed
   diameter: [number, number]; // m
   restitution: [number, number]; // from the rebound heights below
@@ -15,7 +15,10 @@ export interface MeasuredBall {
 }
 
 // ε of a ball dropped from `drop` that rebounds to `rise`; both are heights of its lowest point.
-const fromHeights = (drop: number, rise: [number, number]): [number, number] => [Math.sqrt(rise[0] / drop), Math.sqrt(rise[1] / drop)];
+const fromHeights = (drop: number, rise: [number, number]): [number, number] => [
+  Math.sqrt(rise[0] / drop),
+  Math.sqrt(rise[1] / drop),
+];
 
 const psi = 6894.757; // Pa
 export const basketballRadius = 0.7645 / (2 * Math.PI); // m, the middle of the circumferences allowed
@@ -62,9 +65,14 @@ export const measuredBalls: MeasuredBall[] = [
     bounce: "dropped from 1.8 m (its lowest point), its top comes back to 1.2 to 1.4 m",
     contact: {
       time: contactTime(middle([0.567, 0.65]), airStiffness(basketballRadius, pressure), 0.76),
-      how: "calculated, not measured: from the pressure, 7.5 to 8.5 psi (NBA, Official Rules, Rule 1, Section II), k = 2πRp = 42 kN/m",
+      how:
+        "calculated, not measured: from the pressure, 7.5 to 8.5 psi (NBA, Official Rules, Rule 1, Section " +
+        "II), k = 2πRp = 42 kN/m",
     },
-    source: "FIBA, Official Basketball Rules 2000, Art. 3.3 (mass, circumference, rebound), as other publications quote it; the rule book itself was not consulted. Those of 2020 for the equipment, quoted likewise, are narrower: 580 g to 620 g and 75 cm to 77 cm around",
+    source:
+      "FIBA, Official Basketball Rules 2000, Art. 3.3 (mass, circumference, rebound), as other publications quote " +
+      "it; the rule book itself was not consulted. Those of 2020 for the equipment, quoted likewise, are " +
+      "narrower: 580 g to 620 g and 75 cm to 77 cm around",
   },
   {
     id: "tennis",
@@ -75,7 +83,10 @@ export const measuredBalls: MeasuredBall[] = [
     diameter: [0.0654, 0.0686],
     restitution: fromHeights(2.54, [1.35, 1.47]),
     bounce: "dropped from 2.54 m on concrete, it comes back to 1.35 to 1.47 m",
-    contact: { time: 5e-3, how: "approximate; for measured courses of the force see R. Cross, Sports Engineering 2, 23 (1999)" },
+    contact: {
+      time: 5e-3,
+      how: "approximate; for measured courses of the force see R. Cross, Sports Engineering 2, 23 (1999)",
+    },
     source: "ITF, Rules of Tennis, Appendix I (mass, size, rebound)",
   },
   {
@@ -86,7 +97,8 @@ export const measuredBalls: MeasuredBall[] = [
     mass: [0.0027, 0.0027],
     diameter: [0.04, 0.04],
     restitution: fromHeights(0.305, [0.24, 0.26]),
-    bounce: "dropped from 30.5 cm on a steel block, it comes back to 24 to 26 cm; a ball that is not of celluloid to 26.5 cm",
+    bounce:
+      "dropped from 30.5 cm on a steel block, it comes back to 24 to 26 cm; a ball that is not of celluloid to 26.5 cm",
     contact: null,
     source: "ITTF, Laws of Table Tennis 2.03 (mass, diameter) and Technical Leaflet T3, B.7 (bounce)",
   },
@@ -100,8 +112,11 @@ export function measuredLike(b: Ball): MeasuredBall | undefined {
   return measuredBalls.find(({ mass, diameter }) => inside(mass, massOf(b)) && inside(diameter, 2 * b.radius));
 }
 
-// Heights of the centre [m] to which a measured ball that is let go alone comes back: its lowest point falls by the
-// release less the radius and rises by ε² of that, with the ε of its rules.
+// Name of a measured ball with this radius and mass, such as "basketball"; otherwise `place`.
+export const nameOfBall = (b: Ball, place: string): string => measuredLike(b)?.short ?? place;
+
+// Rebound heights of the centre [m] of a measured ball that is dropped alone: its lowest point falls by the release
+// height minus the radius and rises by ε² of that, with the ε of its rules.
 export function aloneRise(b: Ball, release: number): { low: number; high: number; by: string } | null {
   const known = measuredLike(b);
   if (!known) return null;
@@ -118,13 +133,15 @@ export const typical = (id: string): { radius: number; mass: number } => {
 // Stiffness of the basketball on the floor.
 export const basketballStiffness = Number(airStiffness(basketballRadius, pressure).toPrecision(2));
 
-// Both balls yield where they touch: two springs in series.
+// Both balls deform in a contact: two springs in series.
 export const inSeries = (a: number, b: number): number => 1 / (1 / a + 1 / b);
 const tennis = ballById("tennis");
 export const tennisStiffness = stiffnessFor(middle(tennis.mass), tennis.contact!.time, middle(tennis.restitution));
 export const ballBallStiffness = Number(inSeries(basketballStiffness, tennisStiffness).toPrecision(3));
 
 export const experiments = [
-  "Y. Berdeni, A. Champneys and R. Szalai, The two-ball bounce problem, Proc. R. Soc. A 471, 20150286 (2015): let go with no gap, the upper ball rises less than with one.",
-  "S. P. Bartz, Delayed rebounds in the two-ball bounce problem, arXiv 2007.15005 (2020): a low first bounce may be followed by a higher second one.",
+  "Y. Berdeni, A. Champneys and R. Szalai, The two-ball bounce problem, Proc. R. Soc. A 471, 20150286 (2015): let " +
+    "go with no gap, the upper ball rises less than with one.",
+  "S. P. Bartz, Delayed rebounds in the two-ball bounce problem, arXiv 2007.15005 (2020): a low first bounce may " +
+    "be followed by a higher second one.",
 ];

@@ -1,6 +1,6 @@
-// Axes of the plots: scales, ticks and labels. Why no library: uPlot 1.6.32 (51 kB minified) draws series over one x; bands of
-// rows, maps and labels that stand clear of the curves would still be ours. Observable Plot 0.6.17 (209 kB, D3 not counted)
-// makes a new SVG at each change. This file and labels.ts take 3 kB.
+// Axes of the plots: scales, ticks and labels. No library is used: uPlot 1.6.32 (51 kB minified) draws series over one
+// x, but no bands, maps or labels beside curves; Observable Plot 0.6.17 (209 kB without D3) creates a new SVG at each
+// change. This file and labels.ts take 3 kB.
 import { niceTicks } from "./format";
 import type { Theme } from "../style/theme";
 
@@ -23,7 +23,9 @@ export class Scale {
     return this.log ? Math.log(x) : x;
   }
   at(x: number): number {
-    return this.from + ((this.f(x) - this.f(this.low)) / (this.f(this.high) - this.f(this.low))) * (this.to - this.from);
+    return (
+      this.from + ((this.f(x) - this.f(this.low)) / (this.f(this.high) - this.f(this.low))) * (this.to - this.from)
+    );
   }
   value(pixel: number): number {
     const y = this.f(this.low) + ((pixel - this.from) / (this.to - this.from)) * (this.f(this.high) - this.f(this.low));
@@ -31,12 +33,14 @@ export class Scale {
   }
 }
 
-// Scales with the plot and with the text of the page.
-// Size of text in pictures [px]: at least 13; in a lecture that of the text around them.
-export const lettering = { least: 13, lecture: false };
+// Size of text in pictures [px]: at least 13; in the story and in single panels that of the page. It grows with the
+// plot.
+export const lettering = { least: 13, story: false };
 
 export const fontSize = (w: number): number =>
-  lettering.lecture ? Math.min(lettering.least, Math.max(w / 26, 13)) : Math.min(Math.max(w / 42, 13), Math.max(16, w / 50));
+  lettering.story
+    ? Math.min(lettering.least, Math.max(w / 26, 13))
+    : Math.min(Math.max(w / 42, 13), Math.max(16, w / 50));
 
 // Lines and marks grow with the text.
 export const grown = (size: number): number => Math.max(1, size / 16);
@@ -49,12 +53,22 @@ export interface AxisText {
   ticks: number[];
   name: (tick: number) => string;
   title: string;
-  after?: number; // pixels: names of ticks begin to the right of it
+  after?: number; // pixel to the right of which the labels of ticks begin
 }
 
-// Ticks, grid and titles around a frame. The title of the vertical axis is horizontal, above the axis, so that it can
-// be read easily.
-export function drawAxes(g: CanvasRenderingContext2D, f: Frame, x: Scale, y: Scale, xText: AxisText | null, yText: AxisText, theme: Theme, size: number, grid = true): void {
+// Ticks, grid and titles around a frame. The title of the vertical axis is horizontal and above the axis, for
+// legibility.
+export function drawAxes(
+  g: CanvasRenderingContext2D,
+  f: Frame,
+  x: Scale,
+  y: Scale,
+  xText: AxisText | null,
+  yText: AxisText,
+  theme: Theme,
+  size: number,
+  grid = true,
+): void {
   setFont(g, theme, size);
   g.lineWidth = 1;
   g.textBaseline = "middle";
@@ -121,6 +135,9 @@ export function timeTicks(x: Scale, origin: number, factor: number, wanted: numb
   const high = (x.high - origin) * factor;
   return {
     ticks: niceTicks(low, high, Math.max(3, wanted)).map((t) => origin + t / factor),
-    name: (t) => String(Number(((t - origin) * factor).toPrecision(6)) + 0).replace(/^-?\d+\.?\d*e-.*/, "0").replace("-", "−"),
+    name: (t) =>
+      String(Number(((t - origin) * factor).toPrecision(6)) + 0)
+        .replace(/^-?\d+\.?\d*e-.*/, "0")
+        .replace("-", "−"),
   };
 }

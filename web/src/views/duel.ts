@@ -1,7 +1,8 @@
-// The first screen: both worlds side by side, each with its balls on the floor. The camera comes close while the film is
-// slow, and goes back to show how high the balls rise.
+// The first screen: both models side by side. The picture is enlarged while the film is slow, and reduced to show how
+// high the balls rise.
 import type { State as Balls } from "../core/core";
 import type { Drop, Track } from "../core/drop";
+import { drawBall, shaded } from "./ball";
 import { capital, independent, newton } from "../scenario/tables";
 import type { Theme } from "../style/theme";
 import { metres, niceTicks, withUnit } from "../support/format";
@@ -13,7 +14,7 @@ export interface DuelMoment {
   rate: number; // physical seconds per screen second
   newton: Balls;
   icm: Balls;
-  said: { ball: number; text: string } | null; // what is being dragged, and its value
+  dragged: { ball: number; text: string } | null; // what is being dragged, and its value
 }
 
 interface Place {
@@ -23,7 +24,7 @@ interface Place {
   height: number;
 }
 
-// Where things are, for the pointer.
+// Coordinates for the pointer.
 export interface DuelLayout {
   scale: number; // pixels per metre
   worlds: { top: Place; lowest: Place }[];
@@ -31,7 +32,16 @@ export interface DuelLayout {
 
 const flash = 0.45; // s on the screen for which a collision is shown
 
-export function drawDuel(g: CanvasRenderingContext2D, w: number, h: number, d: Drop, m: DuelMoment, toScreen: (t: number) => number, theme: Theme, size: number): DuelLayout {
+export function drawDuel(
+  g: CanvasRenderingContext2D,
+  w: number,
+  h: number,
+  d: Drop,
+  m: DuelMoment,
+  toScreen: (t: number) => number,
+  theme: Theme,
+  size: number,
+): DuelLayout {
   g.clearRect(0, 0, w, h);
   const floor = h - 2.2 * size;
   const room = floor - 3.4 * size;
@@ -43,12 +53,23 @@ export function drawDuel(g: CanvasRenderingContext2D, w: number, h: number, d: D
     [d.icm, m.icm, theme.icm, half > 18 * size ? capital(independent.label) : independent.short],
   ];
   const places = worlds.map(([track, balls, color, name], k) => {
-    const world = new World(g, d, m, theme, size, k * half + 0.5 * half + (k === 0 ? 1 : -0.4) * size, floor, scale, color, (k + 1) * half);
+    const world = new World(
+      g,
+      d,
+      m,
+      theme,
+      size,
+      k * half + 0.5 * half + (k === 0 ? 1 : -0.4) * size,
+      floor,
+      scale,
+      color,
+      (k + 1) * half,
+    );
     world.shadow(balls);
     world.balls(balls);
     if (k === 0) {
       world.forces(balls);
-      if (m.said) world.note(balls, m.said.ball, m.said.text);
+      if (m.dragged) world.note(balls, m.dragged.ball, m.dragged.text);
     } else {
       g.save();
       g.beginPath();
@@ -73,7 +94,7 @@ export function drawDuel(g: CanvasRenderingContext2D, w: number, h: number, d: D
   return { scale, worlds: places };
 }
 
-// Pixels per metre: near enough for the contacts where the film is slow, else far enough for the whole flight.
+// Pixels per metre: large while the film is slow, to show the contacts; otherwise small, to show the whole flight.
 function scaleAt(d: Drop, m: DuelMoment, room: number, width: number): number {
   const { balls, gaps } = d.scenario;
   const tall = balls.reduce((sum, b) => sum + 2 * b.radius, 0) + gaps.reduce((a, b) => a + b, 0);
@@ -86,7 +107,15 @@ function scaleAt(d: Drop, m: DuelMoment, room: number, width: number): number {
   return far * (near / far) ** eased;
 }
 
-function drawRuler(g: CanvasRenderingContext2D, w: number, floor: number, scale: number, room: number, size: number, theme: Theme): void {
+function drawRuler(
+  g: CanvasRenderingContext2D,
+  w: number,
+  floor: number,
+  scale: number,
+  room: number,
+  size: number,
+  theme: Theme,
+): void {
   setFont(g, theme, 0.9 * size);
   g.textAlign = "left";
   g.textBaseline = "bottom";
@@ -101,7 +130,7 @@ function drawRuler(g: CanvasRenderingContext2D, w: number, floor: number, scale:
   }
 }
 
-// One of the two worlds.
+// The picture of one model.
 class World {
   constructor(
     private readonly g: CanvasRenderingContext2D,
@@ -123,14 +152,22 @@ class World {
     return Math.max(this.d.scenario.balls[i].radius * this.scale, 3);
   }
 
-  // Where the top and the lowest ball are taken hold of: large enough for a finger, and apart.
+  // Areas in which the top and the lowest ball can be dragged. They are large enough for a finger and do not overlap.
   places(balls: Balls): { top: Place; lowest: Place } {
     const n = this.d.scenario.balls.length - 1;
     const [high, low] = [this.y(balls.position[n]), this.y(balls.position[0])];
     const [above, below] = [Math.max(this.radius(n), 22), Math.max(this.radius(0), 22)];
     const middle = 0.5 * (high + this.radius(n) + low - this.radius(0));
-    const between = (from: number, to: number, width: number): Place => ({ x: this.x, y: 0.5 * (from + to), width, height: to - from });
-    return { top: between(high - above, Math.min(high + above, middle), 2 * above), lowest: between(Math.max(low - below, middle), low + below, 2 * below) };
+    const between = (from: number, to: number, width: number): Place => ({
+      x: this.x,
+      y: 0.5 * (from + to),
+      width,
+      height: to - from,
+    });
+    return {
+      top: between(high - above, Math.min(high + above, middle), 2 * above),
+      lowest: between(Math.max(low - below, middle), low + below, 2 * below),
+    };
   }
 
   note(balls: Balls, i: number, text: string): void {
@@ -159,30 +196,21 @@ class World {
     g.globalAlpha = 1;
   }
 
-  // Each ball is pressed flat where it overlaps a neighbour or the floor, and grows as much wider.
+  // A ball is flattened where it overlaps a neighbour or the floor, and becomes wider.
   balls(balls: Balls): void {
     const { g, d } = this;
     d.scenario.balls.forEach((b, i) => {
-      const pressed = (pair: number): number => (pair < d.scenario.balls.length ? Math.max(-balls.gap[pair], 0) * (pair === 0 ? 1 : 0.5) : 0);
+      const pressed = (pair: number): number =>
+        pair < d.scenario.balls.length ? Math.max(-balls.gap[pair], 0) * (pair === 0 ? 1 : 0.5) : 0;
       const [low, high] = [balls.position[i] - b.radius + pressed(i), balls.position[i] + b.radius - pressed(i + 1)];
       const ry = Math.max(0.5 * (high - low) * this.scale, 0.3 * this.radius(i), 3);
       const rx = this.radius(i) * Math.sqrt(Math.max(this.radius(i) / ry, 0.5));
       const y = Math.min(this.y(0.5 * (low + high)), this.floor - ry);
-      const light = g.createRadialGradient(this.x - 0.35 * rx, y - 0.4 * ry, 0.1 * rx, this.x, y, 1.15 * rx);
-      light.addColorStop(0, mixed(this.color, "#ffffff", 0.55));
-      light.addColorStop(0.55, mixed(this.color, "#ffffff", 0.12 * (i % 2)));
-      light.addColorStop(1, mixed(this.color, "#000000", 0.35));
-      g.beginPath();
-      g.ellipse(this.x, y, rx, ry, 0, 0, 2 * Math.PI);
-      g.fillStyle = light;
-      g.fill();
-      g.lineWidth = 1.5;
-      g.strokeStyle = mixed(this.color, "#000000", 0.5);
-      g.stroke();
+      drawBall(g, this.x, y, rx, shaded(g, this.x, y, rx, ry, this.color, i), ry);
     });
   }
 
-  // Where two bodies touch: what each exerts on the other, beside the balls.
+  // Arrows of the contact forces, beside the balls.
   forces(balls: Balls): void {
     const { g, d, theme, size } = this;
     const most = Math.max(...d.peakForce, 1e-300);
@@ -194,20 +222,21 @@ class World {
       const force = balls.force[pair];
       if (!(force > 0.004 * most)) continue;
       const length = Math.max((longest * force) / most, 0.7 * size);
-      const way = n > 2 && pair % 2 === 1 ? -1 : 1; // in a high column on both sides, so that arrows of neighbours stay apart
+      const way = n > 2 && pair % 2 === 1 ? -1 : 1; // arrows of neighbouring contacts are on different sides
       const side = this.x + way * (this.radius(Math.max(pair - 1, 0)) + 1.3 * size);
       const y = pair === 0 ? this.floor : this.y(balls.position[pair - 1] + d.scenario.balls[pair - 1].radius);
       g.strokeStyle = g.fillStyle = theme.ink;
       arrow(g, side, y, y - length, 0.45 * size);
       if (pair > 0) arrow(g, side, y, y + length, 0.45 * size);
       g.textAlign = way > 0 ? "left" : "right";
-      const said = withUnit(force, "N", 2);
-      const end = side + way * (0.7 * size + g.measureText(said).width);
-      if (end < this.right && end > this.right - 2 * this.x) g.fillText(said, side + way * 0.7 * size, y - 0.5 * length);
+      const text = withUnit(force, "N", 2);
+      const end = side + way * (0.7 * size + g.measureText(text).width);
+      if (end < this.right && end > this.right - 2 * this.x)
+        g.fillText(text, side + way * 0.7 * size, y - 0.5 * length);
     }
   }
 
-  // A collision takes no time: a ring that grows and fades.
+  // Collisions are instantaneous. Each is shown as a ring that grows and fades.
   flashes(track: Track, balls: Balls, toScreen: (t: number) => number): void {
     const { g, d, m, size } = this;
     for (const c of track.run.contacts.slice(0, 400)) {
@@ -226,7 +255,7 @@ class World {
     }
   }
 
-  // How high the top ball rises, once it is there.
+  // Writes the rebound height of the top ball once the ball has reached it.
   height(track: Track, balls: Balls, wide: number): void {
     const { g, d, theme, size } = this;
     const top = d.scenario.balls.length - 1;
@@ -258,12 +287,4 @@ function arrow(g: CanvasRenderingContext2D, x: number, from: number, to: number,
   g.lineTo(x - 0.7 * head, to - way * 1.4 * head);
   g.lineTo(x + 0.7 * head, to - way * 1.4 * head);
   g.fill();
-}
-
-const channels = (color: string): number[] => [1, 3, 5].map((i) => parseInt(color.slice(i, i + 2), 16));
-
-// Two colours #rrggbb; `share` of the second.
-function mixed(a: string, b: string, share: number): string {
-  const [x, y] = [channels(a), channels(b)];
-  return `rgb(${x.map((v, i) => Math.round(v + (y[i] - v) * share)).join(" ")})`;
 }

@@ -1,8 +1,9 @@
-// How high the top ball rises under both models, over the gap, ε or R1/R2: coarse first, then finer where the curve
-// bends or jumps. On a cradle, which has no heights: the velocity of the last ball.
-import type { CurveAxis } from "../scenario/lecture_view";
+// Rebound height of the top ball by both models over the gap, ε or R1/R2. Few points are computed first, then more
+// where the curve bends or jumps. On a cradle the velocity of the last ball takes the place of the height.
+import type { CurveAxis } from "../scenario/story_view";
 import { piece, type Piece, type Pool } from "../core/pool";
 import { columnOf, copyOf, firstGap, lowestHeight, ranges, type Scenario } from "../scenario/scenario";
+import { observed } from "../state/signals";
 import { wholeMap } from "../scenario/view";
 
 export interface CurvePoint {
@@ -39,27 +40,27 @@ export function movedTo(s: Scenario, axis: CurveAxis, x: number): Scenario | nul
 }
 
 const coarse = 24; // intervals of the first pass
-const finest = 2 ** -4; // of a coarse interval: where a curve is not straight
+const finest = 2 ** -4; // smallest interval, relative to the first ones
 const mostPoints = 700;
 const batchTime = 30; // ms: longest time of one batch
 
 export class Curve {
   points: CurvePoint[] = [];
-  touching: CurvePoint | null = null; // at gap 0, which a logarithmic axis does not hold
+  touching: CurvePoint | null = null; // at gap 0, which a logarithmic axis does not have
   done = true;
   span: Span = { low: 0, high: 1, log: false };
   axis: CurveAxis = "gap";
   private scenario: Scenario | null = null;
   private queue: number[] = [];
-  private sent = 0; // batches of this job in progress
+  private sent = 0; // batches of this job that workers compute
   private job = 0;
-  private perPoint = 0; // ms, measured continuously; 0: not known yet
+  private perPoint = 0; // mean time of a point [ms]; 0: not measured yet
 
   constructor(
     private readonly pool: Pool,
-    private readonly changed: () => void,
     shown: () => boolean,
   ) {
+    observed(this, ["points", "touching", "done"]);
     pool.add(() => this.nextBatch(), shown);
   }
 
@@ -84,7 +85,7 @@ export class Curve {
     this.done = true;
   }
 
-  // Place between 0 and 1 → value, and back.
+  // Converts a fraction of the axis to a value; shareOf is the inverse.
   private at(share: number): number {
     const { low, high, log } = this.span;
     return log ? low * (high / low) ** share : low + (high - low) * share;
@@ -112,7 +113,11 @@ export class Curve {
       return null;
     }
     this.sent++;
-    return piece<"curve">({ kind: "curve", ask: { columns }, done: (values, ms) => this.receive(job, places, values, ms) });
+    return piece<"curve">({
+      kind: "curve",
+      ask: { columns },
+      done: (values, ms) => this.receive(job, places, values, ms),
+    });
   }
 
   private receive(job: number, places: number[], values: Float64Array, ms: number): void {
@@ -120,14 +125,11 @@ export class Curve {
     this.sent--;
     const each = Math.max(ms / places.length, 1e-3);
     this.perPoint = this.perPoint > 0 ? 0.5 * (this.perPoint + each) : each;
-    places.forEach((x, k) => {
-      const point = { x, newton: values[2 * k], icm: values[2 * k + 1] };
-      if (x === 0 && this.axis === "gap") this.touching = point;
-      else this.points.push(point);
-    });
-    this.points.sort((a, b) => a.x - b.x);
+    const points = places.map((x, k) => ({ x, newton: values[2 * k], icm: values[2 * k + 1] }));
+    const touching = (p: CurvePoint): boolean => p.x === 0 && this.axis === "gap";
+    this.touching = points.find(touching) ?? this.touching;
+    this.points = [...this.points, ...points.filter((p) => !touching(p))].sort((a, b) => a.x - b.x);
     this.goOn();
-    this.changed();
   }
 
   private goOn(): void {

@@ -39,7 +39,15 @@ def contacts(begins: Sequence[Change], ends: Sequence[Change]) -> Contacts:
     order = np.lexsort((begun.second, begun.first, begun.time))
     columns: tuple[Any, ...] = begun.time, end, begun.first, begun.second, begun.speed, separation
     begin, end, first, second, impact, separation = (column[order] for column in columns)
-    return Contacts(begin, end, first, second, impact, separation, overlapped(begin, end, first, second))
+    return Contacts(
+        begin=begin,
+        end=end,
+        first=first,
+        second=second,
+        impact_speed=impact,
+        separation_speed=separation,
+        overlapped=overlapped(begin, end, first, second),
+    )
 
 
 def _sorted(parts: Sequence[Change]) -> Change:

@@ -1,0 +1,284 @@
+"""Read text dumps of LAMMPS and LIGGGHTS, and compute what they say about the gas: packing, temperature, contacts."""
+
+from __future__ import annotations
+
+import gzip
+import io
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
+from typing import IO, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..support import validation
+
+Floats = NDArray[np.float64]
+
+#: Largest number of frames that are analysed, equally spaced over the file.
+MAX_FRAMES: Final = 20
+#: Shares of impacts with lower speeds, at which speeds are given.
+QUANTILES: Final = (0.1, 0.5, 0.9)
+
+
+#: Columns that are used, beside ``type``.
+COLUMNS: Final[tuple[str, ...]] = (
+    *("x", "y", "z", "xs", "ys", "zs", "xu", "yu", "zu", "xsu", "ysu", "zsu"),
+    *("vx", "vy", "vz", "radius", "diameter", "mass", "density"),
+)
+#: Items of a frame with their numbers of lines; other items have one.
+ITEMS: Final = {"BOX BOUNDS": 3, "NUMBER OF ATOMS": 1, "ATOMS": 0}
+
+
+@dataclass(frozen=True)
+class Frame:
+    """One frame of a dump, in its own units."""
+
+    step: int
+    low: Floats  #: (3,)
+    high: Floats  #: (3,)
+    periodic: tuple[bool, ...]
+    columns: Mapping[str, Floats]
+    types: list[str] | None
+    count: int  #: number of grains
+
+
+@dataclass(frozen=True)
+class State:
+    """State of the grains in a frame of a dump; returned by :func:`hardlimit.check`.
+
+    Impacts of equal grains with Maxwellian velocities have normal speeds g of the density ∝ g exp(−g²/4T): Chapman &
+    Cowling, The Mathematical Theory of Non-uniform Gases (1970).
+    """
+
+    step: int  #: time step of the frame
+    grains: int  #: number of grains
+    packing_fraction: float | None  #: None without radii
+    temperature: (
+        float | None
+    )  #: mean square of a velocity component about the mean velocity; None without velocities
+    mean_diameter: float | None  #: None without radii
+    largest_overlap: float | None  #: over the smaller radius; None without positions or radii
+    coordination: float | None  #: mean number of contacts of a grain
+    in_several_contacts: float | None  #: share of grains with two contacts or more
+
+    @property
+    def mean_speed(self) -> float | None:
+        """Mean normal impact speed of equal grains, √(πT)."""
+        return None if self.temperature is None else math.sqrt(math.pi * self.temperature)
+
+    @property
+    def speeds(self) -> tuple[float, ...]:
+        """Normal impact speeds below which 10, 50 and 90 % of the impacts are; empty without temperature."""
+        t = self.temperature
+        return () if not t else tuple(math.sqrt(-4.0 * t * math.log1p(-share)) for share in QUANTILES)
+
+
+def read(path: str | Path) -> list[Frame]:
+    """The frames of a dump, at most ``MAX_FRAMES``.
+
+    Raises
+    ------
+    ValueError
+        If it is no text dump, is cut off or triclinic.
+    """
+    name = validation.shown(str(path))
+    try:
+        with _opened(path) as lines:
+            count = sum(1 for _ in _blocks(lines))
+        chosen = {round(k) for k in np.linspace(0, count - 1, min(count, MAX_FRAMES))}
+        with _opened(path) as lines:
+            return [_frame(*block) for k, block in enumerate(_blocks(lines)) if k in chosen]
+    except FileNotFoundError as error:
+        raise validation.unreadable(path, error, "dump") from None
+    except (OSError, EOFError, UnicodeDecodeError) as error:
+        because = getattr(error, "strerror", None) or str(error)
+        raise ValueError(f"dump: got {name}, cannot be read: {because}") from None
+    except ValueError as error:
+        raise ValueError(f"dump: got {name}, {error}") from None
+
+
+def _opened(path: str | Path) -> IO[str]:
+    return (
+        gzip.open(path, "rt", encoding="utf-8") if str(path).endswith(".gz") else open(path, encoding="utf-8")
+    )
+
+
+def _blocks(lines: IO[str]) -> Iterator[tuple[dict[str, tuple[list[str], list[str]]], list[str]]]:
+    """The items of each frame, each with the words of its title and its lines; and the lines of the grains."""
+    items: dict[str, tuple[list[str], list[str]]] = {}
+    frames = 0
+    for line in filter(str.strip, lines):
+        head, _, title = line.strip().partition(" ")
+        if head != "ITEM:":
+            raise ValueError("must be a text dump of LAMMPS or LIGGGHTS")
+        kind = next((one for one in ITEMS if title.startswith(one)), title)
+        items[kind] = title[len(kind) :].split(), list(islice(lines, ITEMS.get(kind, 1)))
+        if kind == "ATOMS":
+            words = "".join(items.get("NUMBER OF ATOMS", ([], []))[1]).split()
+            count = int(words[0]) if words and words[0].isdecimal() else 0
+            rows = list(islice(lines, count))
+            if count == 0 or len(rows) < count:
+                raise ValueError(f"its frame {frames + 1} is empty or cut off")
+            yield items, rows
+            items, frames = {}, frames + 1
+    if frames == 0:
+        raise ValueError("must have a frame with ITEM: ATOMS")
+
+
+def _frame(items: Mapping[str, tuple[list[str], list[str]]], rows: list[str]) -> Frame:
+    import pandas as pd
+
+    sides, lines = items.get("BOX BOUNDS", ([], []))
+    bounds = [line.split() for line in lines]
+    if len(sides) > 3 or any(len(words) > 2 for words in bounds):
+        raise ValueError("must have an orthogonal box, not a triclinic one")
+    names = items["ATOMS"][0]
+    try:
+        step = int("".join(items["TIMESTEP"][1]))
+        limits = np.array(bounds, float).reshape(3, 2)
+        table = pd.read_csv(io.StringIO("".join(rows)), sep=r"\s+", header=None, names=names, index_col=False)
+        columns = {name: table[name].to_numpy(float) for name in COLUMNS if name in names}
+    except (ValueError, KeyError):
+        raise ValueError("has a frame that is not numbers") from None
+    low, high = limits.T
+    if not (high > low).all() or not all(np.isfinite(column).all() for column in columns.values()):
+        raise ValueError(f"has missing numbers in the frame of step {step}")
+    periodic = tuple(side.startswith("p") for side in sides) if len(sides) == 3 else (True,) * 3
+    types = table["type"].astype(str).tolist() if "type" in names else None
+    return Frame(
+        step=step, low=low, high=high, periodic=periodic, columns=columns, types=types, count=len(rows)
+    )
+
+
+# --- the state ------------------------------------------------------------------------------------------------
+
+
+def state(
+    frame: Frame, radii: Mapping[str, float], dimension: int, densities: Mapping[str, float] = {}
+) -> State:
+    """The state of a frame.
+
+    ``radii`` and ``densities`` have those of each type with one size and with one density, for dumps without them.
+    Without masses and densities, temperature and mean velocity are those of grains of equal density.
+    """
+    radius, at = _radius(frame, radii), _positions(frame, dimension)
+    edges, periodic = (frame.high - frame.low)[:dimension], np.array(frame.periodic[:dimension])
+    overlap = coordination = several = packing = temperature = None
+    if radius is not None:
+        volume = math.pi * radius**2 if dimension == 2 else 4.0 / 3.0 * math.pi * radius**3
+        filled = edges
+        if at is not None:
+            # Along an axis with ends, the volume is that between the outermost grains.
+            reach = (at + radius[:, None]).max(axis=0) - (at - radius[:, None]).min(axis=0)
+            filled = np.where(periodic, edges, np.minimum(reach, edges))
+            overlap, coordination, several = _contacts(at, radius, edges, periodic)
+        packing = float(volume.sum() / np.prod(filled))
+    names = ("vx", "vy", "vz")[:dimension]
+    if all(name in frame.columns for name in names) and frame.count > 1:
+        velocity = np.stack([frame.columns[name] for name in names], axis=1)
+        mass = _masses(frame, radius, densities)
+        about = velocity - np.average(velocity, axis=0, weights=mass)
+        temperature = float(np.average((about**2).sum(axis=1), weights=mass) / dimension)
+    diameter = None if radius is None else 2.0 * float(radius.mean())
+    return State(
+        step=frame.step,
+        grains=frame.count,
+        packing_fraction=packing,
+        temperature=temperature,
+        mean_diameter=diameter,
+        largest_overlap=overlap,
+        coordination=coordination,
+        in_several_contacts=several,
+    )
+
+
+def sizes(frames: Sequence[Frame]) -> dict[str, tuple[tuple[float, float], tuple[float, float] | None]]:
+    """Radii, and masses if the dump has them, of the smallest and the largest grain of each type.
+
+    Without a column ``type``, the type is an empty text.
+    """
+    found: dict[str, tuple[tuple[float, float], tuple[float, float] | None]] = {}
+    for frame in frames:
+        radius = _radius(frame, {})
+        if radius is None:
+            continue
+        mass = frame.columns.get("mass")
+        if mass is None and "density" in frame.columns:
+            mass = 4.0 / 3.0 * math.pi * radius**3 * frame.columns["density"]
+        types = np.array(frame.types or [""] * frame.count)
+        for name in dict.fromkeys(types.tolist()):
+            chosen = types == name
+            each = radius[chosen]
+            pairs = list(zip(each, each if mass is None else mass[chosen], strict=True))
+            if name in found:
+                radii, masses = found[name]
+                pairs += list(zip(radii, masses or radii, strict=True))
+            (r, m), (r_last, m_last) = min(pairs), max(pairs)
+            masses = None if mass is None or m <= 0.0 else (float(m), float(m_last))
+            found[name] = (float(r), float(r_last)), masses
+    return found
+
+
+def largest_type(frames: Sequence[Frame]) -> int:
+    """The largest type of a grain; 0 without numbered types."""
+    return max((int(one) for frame in frames for one in set(frame.types or ()) if one.isdecimal()), default=0)
+
+
+def _radius(frame: Frame, radii: Mapping[str, float]) -> Floats | None:
+    """Radii of all grains; None if one is not known or not positive."""
+    columns = frame.columns
+    if "radius" in columns:
+        found = columns["radius"]
+    elif "diameter" in columns:
+        found = 0.5 * columns["diameter"]
+    else:
+        found = np.array([radii.get(name, 0.0) for name in frame.types or [""]])
+    return found if (found > 0.0).all() else None
+
+
+def _masses(frame: Frame, radius: Floats | None, densities: Mapping[str, float]) -> Floats:
+    """Masses of all grains, up to a common factor."""
+    if "mass" in frame.columns:
+        return frame.columns["mass"]
+    if radius is None:
+        return np.ones(frame.count)
+    density = frame.columns.get(
+        "density", np.array([densities.get(name, 0.0) for name in frame.types or [""]])
+    )
+    return radius**3 * density if (density > 0.0).all() else radius**3
+
+
+def _positions(frame: Frame, dimension: int) -> Floats | None:
+    """Positions, from scaled ones if the dump has no others."""
+    low, high = frame.low[:dimension], frame.high[:dimension]
+    for end in ("", "u", "s", "su"):
+        names = [axis + end for axis in "xyz"[:dimension]]
+        if all(name in frame.columns for name in names):
+            found = np.stack([frame.columns[name] for name in names], axis=1)
+            return low + found * (high - low) if "s" in end else found
+    return None
+
+
+def _contacts(
+    at: Floats, radius: Floats, edges: Floats, periodic: NDArray[np.bool_]
+) -> tuple[float, float, float]:
+    """Largest overlap over the smaller radius, mean number of contacts, share of grains with several."""
+    from scipy.spatial import cKDTree
+
+    inside = at - at.min(axis=0)
+    inside = np.where(periodic, np.mod(inside, edges), inside)
+    inside[:, periodic] = np.where(inside < edges, inside, 0.0)[:, periodic]  # rounding of mod
+    tree = cKDTree(inside, boxsize=np.where(periodic, edges, 0.0))
+    i, j = tree.query_pairs(2.0 * float(radius.max()), output_type="ndarray").T
+    apart = inside[i] - inside[j]
+    apart -= np.where(periodic, edges * np.round(apart / edges), 0.0)
+    overlap = radius[i] + radius[j] - np.sqrt((apart**2).sum(axis=1))
+    touching = overlap > 0.0
+    i, j, overlap = i[touching], j[touching], overlap[touching]
+    each = np.bincount(np.concatenate([i, j]), minlength=len(radius))
+    deepest = float((overlap / np.minimum(radius[i], radius[j])).max(initial=0.0))
+    return deepest, float(each.mean()), float((each > 1).mean())
