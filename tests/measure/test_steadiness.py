@@ -58,15 +58,19 @@ def test_error_bars_cover_the_mean(time, n, transient, count):
     if transient and independent < 10.0:
         pytest.skip("a transient is not told from a correlation of the same duration")
     decay = 3.0 + transient * np.exp(-np.arange(n) / (0.04 * n))
-    means = [hl.measure.steady(ar1(rng, n, phi) + decay) for _ in range(count)]
-    covered = np.mean([steady.mean.lower <= 3.0 <= steady.mean.upper for steady in means])
+    steady_states = [hl.measure.steady(ar1(rng, n, phi) + decay) for _ in range(count)]
+    covered = np.mean([steady.mean.lower <= 3.0 <= steady.mean.upper for steady in steady_states])
     least = 0.93 - 2.0 * math.sqrt(0.93 * 0.07 / count)
     assert covered >= least or independent < 1.0  # 0.8 where the correlation is longer than the series
-    resolved = np.mean([steady.resolved for steady in means])
+    resolved = np.mean([steady.resolved for steady in steady_states])
     if independent < 6.0:
         assert resolved < 0.15
     else:
-        assert 0.55 < np.mean([abs(steady.mean.value - 3.0) <= steady.mean.error for steady in means]) < 0.9
+        assert (
+            0.55
+            < np.mean([abs(steady.mean.value - 3.0) <= steady.mean.error for steady in steady_states])
+            < 0.9
+        )
     assert resolved > 0.9 or independent < 25.0
 
 

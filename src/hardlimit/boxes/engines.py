@@ -25,7 +25,7 @@ from .thermostats import Andersen
 
 def _sampled(engines: str) -> tuple[str, ...]:
     """The quantities at the samples of all engines and of these, from the core's table."""
-    fields = (one["name"] for one in _core.observed_fields if one["engines"] in ("all", engines))
+    fields = (field["name"] for field in _core.observed_fields if field["engines"] in ("all", engines))
     return ("time", "granular_temperature", "heat", *fields)
 
 

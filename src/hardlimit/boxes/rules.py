@@ -38,7 +38,9 @@ def _rule(record: Mapping[str, Any]) -> Rule:
     return Rule(
         **{name: record[name] for name in same},
         takes=tuple(argument for argument in ("restitution", "law") if record[argument]),
-        has_contact_duration=any(one["name"] == "contact_duration" for one in record["parameters"]),
+        has_contact_duration=any(
+            parameter["name"] == "contact_duration" for parameter in record["parameters"]
+        ),
     )
 
 
