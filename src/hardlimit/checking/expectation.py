@@ -52,8 +52,8 @@ def expected(
     """The error under one rule of collision; None if the packing is too dense for any gas."""
     if packing_fraction > DENSEST[dimension]:
         return None
-    given = (powers.elastic, powers.damping)
-    nearest = given if given in SAME_POWERS else {4: (4, 0), 6: (6, 1)}[powers.elastic]
+    form = (powers.elastic, powers.damping)
+    nearest = form if form in SAME_POWERS else {4: (4, 0), 6: (6, 1)}[powers.elastic]
     law = _law(rule, dimension, packing_fraction, restitution, nearest)
     error, bar = law.error(tc_nu), law.error_bar(tc_nu)
     heated = law.heated_error(tc_nu)
@@ -64,7 +64,7 @@ def expected(
         None if math.isnan(heated) else (heated, 2.0 / 3.0 * (1.0 + heated) * bar),
         None if math.isnan(stress) else (stress, (1.0 + stress) * math.hypot(0.5 * bar, SHEAR_BAR * tc_nu)),
     )
-    return errors if nearest == given else errors.wider(OTHER_POWERS)
+    return errors if nearest == form else errors.wider(OTHER_POWERS)
 
 
 @cache
