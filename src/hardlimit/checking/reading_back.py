@@ -82,7 +82,7 @@ def obtained(
     stage, version = _last_stage(text, source, contact)
     contacts, damping = _selected(stage, source, wall, contact), stage.numerical_damping
     units = stage.units if stage.units in SYSTEMS else "si"
-    forms = [_form(one, source, models, version or source.version, units) for _, one in contacts]
+    forms = [_form(settings, source, models, version or source.version, units) for _, settings in contacts]
     try:
         force = _only_force([form(*bodies, v) for form in forms], [name for name, _ in contacts], contact)
         step, error = stepping.of(force, v)
