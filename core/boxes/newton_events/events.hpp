@@ -1,7 +1,5 @@
 // What happens at an event of a body: it leaves its cell, or a contact begins, is disturbed, or ends.
 #pragma once
-#include <algorithm>
-
 #include "formation.hpp"
 
 namespace hardlimit::boxes::events {

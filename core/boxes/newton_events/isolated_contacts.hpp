@@ -212,7 +212,8 @@ private:
             to.velocity[k] += box_.gravity[k] * l.span;
         }
         to.position[axis] = q.wall_position(l.span) + q.side * q.contact_distance;
-        to.velocity[axis] = q.side * (end.radial_speed - weight * opening) + q.wall_velocity;
+        const double out = end.radial_speed - weight * opening;
+        to.velocity[axis] = q.side * out + q.wall_velocity;
         const double gained = to.velocity[axis] - a.velocity[axis] - l.span * box_.gravity[axis];
         g.wall_impulse = q.side * (q.mass * gained);
         l.dissipated =
@@ -221,11 +222,8 @@ private:
         l.contact = {0, paths_.now, paths_.now + end.duration, approach, end.radial_speed, false};
         q.impact_speed = approach;
         // The force per mass a keeps its direction: the deviation of the path is largest at touch, ∫ t a dt.
-        const double out = end.radial_speed - weight * opening;
         const double off = 1.0001 * (l.span * (out + 0.5 * weight * l.span));
-        l.rotation = 0.0;
-        l.deviation = math::abs(off);
-        l.initial_offset = {};
+        l.rotation = 0.0, l.deviation = math::abs(off), l.initial_offset = {};
         l.initial_offset[axis] = -q.side * off;
         return g.compression < deepest_compression &&
                l.span * math::sqrt(dot(v, v)) <= limits_.largest_displacement &&

@@ -1,7 +1,6 @@
 // The bodies: their paths, which are parabolas between events, and the events and groups that they have.
 #pragma once
 #include <algorithm>
-#include <utility>
 #include <vector>
 
 #include "../common/newton_setting.hpp"

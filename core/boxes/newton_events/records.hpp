@@ -1,11 +1,8 @@
 // Records of the event-driven engine for Newton's equations: bodies, their contacts and groups.
 #pragma once
-#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
-#include <span>
-#include <utility>
 #include <vector>
 
 #include "../common/engine.hpp"
