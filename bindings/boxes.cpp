@@ -194,9 +194,12 @@ nb::tuple rule_records() {
     };
     return nb::tuple(list_of(box::rule_records, [&](const box::RuleRecord& r) {
         const auto n = static_cast<std::size_t>(r.n_parameters);
+        const auto counts =
+            list_of(r.counts, static_cast<std::size_t>(r.n_counts), [](const char* c) { return c; });
         return dict_of("name", r.name, "meaning", r.meaning, "assumes", r.assumes, "source", r.source,
-                       "restitution", r.takes_restitution, "law", r.takes_law, "parameters",
-                       nb::tuple(list_of(r.parameters, n, parameter)));
+                       "restitution", r.takes_restitution, "law", r.takes_law, "knows_duration",
+                       r.knows_duration, "error", r.error, "counts", nb::tuple(counts), "share", r.share,
+                       "parameters", nb::tuple(list_of(r.parameters, n, parameter)));
     }));
 }
 
@@ -314,39 +317,47 @@ auto state(const Engine& e) {
     return nb::make_tuple(make_array(std::move(position), {n, d}), make_array(std::move(velocity), {n, d}));
 }
 
-// The components of the axes of the box, in LAMMPS' order.
-auto tensor(const box::SymmetricTensor& t, int dimension) {
-    std::vector<double> values;
-    for (std::size_t k = 0; k < t.size; ++k)
-        if (t.column[k] < dimension) values.push_back(t.component[k]);
-    const std::size_t count = values.size();
-    return make_array(std::move(values), {count});
-}
+// A field of an observation in Python: numbers, and arrays of what belongs to the axes of the box.
+struct FieldInPython {
+    int dimension;
+
+    nb::object operator()(double x) const { return nb::cast(x); }
+    nb::object operator()(hl::u64 count) const { return nb::cast(count); }
+    nb::object operator()(const double (&of_axes)[3]) const { return first_of(of_axes, dimension); }
+    nb::object operator()(const double (&of_walls)[box::most_walls]) const {
+        return first_of(of_walls, 2 * dimension);
+    }
+    // In LAMMPS' order.
+    nb::object operator()(const box::SymmetricTensor& t) const {
+        std::vector<double> values;
+        for (std::size_t k = 0; k < t.size; ++k)
+            if (t.column[k] < dimension) values.push_back(t.component[k]);
+        return first_of(values.data(), static_cast<int>(values.size()));
+    }
+
+private:
+    static nb::object first_of(const double* values, int n) {
+        return nb::cast(make_array(std::vector<double>(values, values + n), {static_cast<std::size_t>(n)}));
+    }
+};
 
 nb::dict observe(const Engine& e) {
-    const box::Observation o = e.get().observe();
-    const std::size_t d = static_cast<std::size_t>(e.get().dimension());
-    nb::dict seen;
-    seen["kinetic_energy"] = o.kinetic_energy;
-    seen["potential_energy"] = o.potential_energy;
-    seen["contact_energy"] = o.contact_energy;
-    seen["momentum"] = make_array(std::vector<double>(o.momentum, o.momentum + d), {d});
-    seen["dissipated_energy"] = o.dissipated_energy;
-    seen["kinetic_tensor"] = tensor(o.kinetic_tensor, e.get().dimension());
-    seen["virial_tensor"] = tensor(o.virial, e.get().dimension());
-    seen["flow_momentum"] = o.flow_momentum;
-    seen["wall_work"] = o.wall_work;
-    seen["shear_work"] = o.shear_work;
-    seen["wall_impulse"] = make_array(std::vector<double>(o.walls.impulse, o.walls.impulse + 2 * d), {2 * d});
-    seen["wall_energy"] = make_array(std::vector<double>(o.walls.energy, o.walls.energy + 2 * d), {2 * d});
-    seen["kinetic_integral"] = o.kinetic_integral;
-    seen["largest_compression"] = o.largest_compression;
-    seen["n_contacts"] = o.begun;
-    seen["n_pairs"] = o.pairs;
-    seen["n_ended"] = o.ended;
-    seen["n_overlapped"] = o.overlapped;
-    seen["n_in_contact"] = o.in_contact;
-    return seen;
+    const FieldInPython value_of{e.get().dimension()};
+    nb::dict sums;
+    box::for_fields(e.get().observe(), [&](const char* name, const char*, box::Sampled, const auto& value) {
+        sums[name] = value_of(value);
+    });
+    return sums;
+}
+
+// The fields of an observation: name, unit, and the engines that sample it.
+nb::tuple observed_fields() {
+    static constexpr const char* engines[] = {"all", "collisions", "contacts", ""};
+    nb::list fields;
+    box::for_fields({}, [&](const char* name, const char* unit, box::Sampled by, const auto&) {
+        fields.append(dict_of("name", name, "unit", unit, "engines", engines[static_cast<int>(by)]));
+    });
+    return nb::tuple(fields);
 }
 
 // Counters (names that begin with n_, and largest_cluster) become Python integers.
@@ -422,6 +433,7 @@ auto deepest_overlap(const box::Box& bounds, Rows positions, In radius) {
 void bind_boxes(nb::module_& m) {
     m.attr("engine_names") = nb::tuple(list_of(engines, [](const auto* record) { return record->name; }));
     m.attr("rules") = rule_records();
+    m.attr("observed_fields") = observed_fields();
 
     nb::class_<box::Box>(
         m, "Box",

@@ -62,22 +62,30 @@ nb::dict parameter_dict(const hl::Parameter& p) {
                    p.lowest_allowed, "highest_allowed", p.highest_allowed, "meaning", p.meaning);
 }
 
+template <class Law>
+nb::dict law_record() {
+    const hl::LawRecord& r = Law::record;
+    nb::list alternatives;
+    for (int a = 0; a < r.n_alternatives; ++a) {
+        const auto n = static_cast<std::size_t>(r.n_in_alternative[a]);
+        alternatives.append(list_of(r.alternatives[a], n, parameter_dict));
+    }
+    const auto constant = [](const hl::ContactConstant& c) {
+        return dict_of("name", c.name, "unit", c.unit, "meaning", c.meaning);
+    };
+    return dict_of(
+        "name", r.name, "class_name", r.class_name, "summary", r.summary, "source", r.source, "powers",
+        nb::make_tuple(r.powers.elastic, r.powers.damping), "power_law", hl::PowerLaw<Law>, "common",
+        list_of(r.common, static_cast<std::size_t>(r.n_common), parameter_dict), "alternatives", alternatives,
+        "constants", list_of(r.constants, static_cast<std::size_t>(r.n_constants), constant));
+}
+
 nb::list law_records() {
-    return list_of(hl::bindings::law_records, [](const hl::LawRecord* law) {
-        const hl::LawRecord& r = *law;
-        nb::list alternatives;
-        for (int a = 0; a < r.n_alternatives; ++a) {
-            const auto n = static_cast<std::size_t>(r.n_in_alternative[a]);
-            alternatives.append(list_of(r.alternatives[a], n, parameter_dict));
-        }
-        const auto constant = [](const hl::ContactConstant& c) {
-            return dict_of("name", c.name, "unit", c.unit, "meaning", c.meaning);
-        };
-        return dict_of("name", r.name, "class_name", r.class_name, "summary", r.summary, "source", r.source,
-                       "common", list_of(r.common, static_cast<std::size_t>(r.n_common), parameter_dict),
-                       "alternatives", alternatives, "constants",
-                       list_of(r.constants, static_cast<std::size_t>(r.n_constants), constant));
-    });
+    nb::list records;
+#define HL_APPEND(Law) records.append(law_record<hl::contact::Law>());
+    HARDLIMIT_LAWS(HL_APPEND)
+#undef HL_APPEND
+    return records;
 }
 
 }  // namespace
@@ -98,6 +106,20 @@ void bind_contacts(nb::module_& m) {
                      c.law);
                  return v;
              })
+        .def_prop_ro(
+            "coefficients",
+            [](const Contact& c) {
+                return std::visit(
+                    []<class Law>(const Law& law) -> nb::object {
+                        if constexpr (hl::PowerLaw<Law>) {
+                            const hl::Coefficients k = law.coefficients();
+                            return nb::make_tuple(k.elastic, k.damping);
+                        }
+                        return nb::none();
+                    },
+                    c.law);
+            },
+            "K and C of the force K ξ^p + C ξ^q dξ/dt; None if the force is not of this form.")
         .def("force", &force, "compression"_a, "rate"_a)
         .def("restitution",
              elementwise([](const auto& law, double v, double mass) { return law.restitution(v, mass); }),

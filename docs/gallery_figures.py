@@ -16,9 +16,9 @@ from hardlimit import plots
 #: Sections, and in each the scripts from the first question to the last.
 ORDER = {
     "two_balls": "heights forces effective_restitution gap contact_count radius_ratio energy adiabatic oblique",
-    "contacts": "laws duration force_loops usual_damping series codes time_step bouncing_ball fit",
+    "contacts": "laws duration force_loops usual_damping series codes time_step check bouncing_ball fit",
     "rows": "cradle light_ball best_masses astro_blaster beads",
-    "grains": "maxwell pressure atmosphere cooling overlaps rules",
+    "grains": "maxwell pressure atmosphere cooling heated sheared shaken overlaps rules",
 }
 SCRIPTS = [f"plot_{name}.py" for names in ORDER.values() for name in names.split()]
 DPI = 100  #: of the pictures in the page; screens of high resolution get twice as much

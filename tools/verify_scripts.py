@@ -1,4 +1,4 @@
-"""Run the collisions of tests/verdict/data/two_grains.toml in LIGGGHTS and YADE; write ε and the steps of a contact.
+"""Run the collisions of tests/checking/data/two_grains.toml in LIGGGHTS and YADE; write ε and the steps of a contact.
 
     python tools/verify_scripts.py tests/data/script_restitution.csv
 
@@ -15,7 +15,7 @@ from pathlib import Path
 
 from verify_codes import Measured, results
 
-SCRIPTS = Path(__file__).parents[1] / "tests/verdict/data/two_grains.toml"
+SCRIPTS = Path(__file__).parents[1] / "tests/checking/data/two_grains.toml"
 VERSIONS = {"liggghts": "3.8.0 (Debian 3.8.0+repack1-9)", "yade": "2023.02a (Debian)"}
 #: Lines before the last run, which print the relative velocity at each step.
 LIGGGHTS = """

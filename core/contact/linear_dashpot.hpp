@@ -53,7 +53,7 @@ struct LinearDashpot {
     double damping;    // γ [N s/m]
 
     static constexpr int onset_power = 1;
-    static constexpr bool similar = true, linear = true;
+    static constexpr bool linear = true;
     static constexpr LawRecord record = {
         "linear",
         "LinearDashpot",
@@ -67,12 +67,14 @@ struct LinearDashpot {
                    "coefficient of restitution ε; every contact gets the damping that yields it")},
          {not_negative("damping", "N s/m", "dashpot constant γ, the same for every contact")}},
         2,
-        {{"stiffness", "N/m", "k"}, {"damping", "N s/m", "γ"}}};
+        {{"stiffness", "N/m", "k"}, {"damping", "N s/m", "γ"}},
+        {4, 0}};
 
     void values(double* out) const {
         out[0] = stiffness;
         out[1] = damping;
     }
+    Coefficients coefficients() const { return {stiffness, damping}; }
 
     // p: the common parameters, then those of the alternative.
     static LinearDashpot from_parameters(int alternative, const double* p, PairGeometry pair) {

@@ -8,13 +8,9 @@
 // integrated at order 8. The laws of registry.hpp are special cases with other solutions; the tests compare both.
 #pragma once
 #include "../base/dormand_prince.hpp"
+#include "law.hpp"
 
 namespace hardlimit::contact {
-
-struct Powers {
-    int elastic, damping;  // 4p and 4q
-    bool attracts;         // the force may be attractive; otherwise it is cut off at zero
-};
 
 // Result of a collision: ε (0 if the bodies stay together), duration [L/v], largest compression [L], largest force
 // [m v²/L].

@@ -16,7 +16,6 @@ struct Tsuji {
     double effective_mass;       // [kg]; enters the damping force
 
     static constexpr int onset_power = 4;
-    static constexpr bool similar = true;
     static constexpr Parameter prefactor =
         positive("elastic_prefactor", "N/m^1.5", "Hertz stiffness k, the same for every contact");
     static constexpr Parameter restitution_given =
@@ -38,11 +37,15 @@ struct Tsuji {
          {youngs_modulus, poisson_ratio, restitution_given},
          {youngs_modulus, poisson_ratio, damping_given}},
         2,
-        {{"elastic_prefactor", "N/m^1.5", "k"}, {"damping_coefficient", "1", "α"}}};
+        {{"elastic_prefactor", "N/m^1.5", "k"}, {"damping_coefficient", "1", "α"}},
+        {6, 1}};
 
     void values(double* out) const {
         out[0] = elastic_prefactor;
         out[1] = damping_coefficient;
+    }
+    Coefficients coefficients() const {
+        return {elastic_prefactor, damping_coefficient * math::sqrt(effective_mass * elastic_prefactor)};
     }
 
     static Tsuji from_parameters(int alternative, const double* p, PairGeometry pair) {

@@ -180,7 +180,6 @@ struct Viscoelastic {
     double dissipative_time;   // A [s]
 
     static constexpr int onset_power = 2;
-    static constexpr bool similar = true;
     static constexpr LawRecord record = {
         "viscoelastic",
         "Viscoelastic",
@@ -197,11 +196,15 @@ struct Viscoelastic {
                    "coefficient of restitution ε at impact_speed; every contact gets the A that yields it"),
           positive("impact_speed", "m/s", "speed of approach at which ε is given")}},
         2,
-        {{"elastic_prefactor", "N/m^1.5", "ρ"}, {"dissipative_time", "s", "A"}}};
+        {{"elastic_prefactor", "N/m^1.5", "ρ"}, {"dissipative_time", "s", "A"}},
+        {6, 2}};
 
     void values(double* out) const {
         out[0] = elastic_prefactor;
         out[1] = dissipative_time;
+    }
+    Coefficients coefficients() const {
+        return {elastic_prefactor, 1.5 * elastic_prefactor * dissipative_time};
     }
 
     static Viscoelastic from_parameters(int alternative, const double* p, PairGeometry pair) {

@@ -28,7 +28,7 @@ from .contact.contact import Contact, Law
 from .contact.laws import *  # noqa: F403
 from .contact.laws import LAWS
 from .contact.laws import __all__ as _laws
-from .convert import convert, convert_back
+from .convert import convert
 from .sweep import sweep
 
 __version__: str = _core.version
@@ -55,9 +55,9 @@ _LATER = {
     "boxes.thermostats": ("Andersen", "RandomKicks"),
     "boxes.walls": ("MovingWall",),
     "stacks": ("Stack", "stack"),
-    "verdict": ("check",),
-    "verdict.error_law": ("ErrorLaw", "error_law"),
-    "verdict.result": ("Verdict",),
+    "checking": ("check", "convert_back"),
+    "boxes.error_law": ("ErrorLaw", "error_law"),
+    "checking.result": ("Verdict",),
 }
 
 #: Modules that are imported at first use.
@@ -79,7 +79,6 @@ __all__ = [
     "adiabatic",
     "compare",
     "convert",
-    "convert_back",
     "independent",
     "newton",
     "restitution_pade",

@@ -22,7 +22,6 @@ from .contact.laws import LinearDashpot as LinearDashpot
 from .contact.laws import Viscoelastic as Viscoelastic
 from .contact.laws import Tsuji as Tsuji
 from .convert import convert as convert
-from .convert import convert_back as convert_back
 from .sweep import sweep as sweep
 __version__: str
 OUTCOMES: tuple[str, ...]
@@ -50,8 +49,9 @@ from .boxes.thermostats import RandomKicks as RandomKicks
 from .boxes.walls import MovingWall as MovingWall
 from .stacks import Stack as Stack
 from .stacks import stack as stack
-from .verdict import check as check
-from .verdict.error_law import ErrorLaw as ErrorLaw
-from .verdict.error_law import error_law as error_law
-from .verdict.result import Verdict as Verdict
+from .checking import check as check
+from .checking import convert_back as convert_back
+from .boxes.error_law import ErrorLaw as ErrorLaw
+from .boxes.error_law import error_law as error_law
+from .checking.result import Verdict as Verdict
 from . import measure as measure

@@ -29,6 +29,12 @@ class Contact:
 
     def values(self) -> list[float]: ...
 
+    @property
+    def coefficients(self) -> object:
+        """
+        K and C of the force K ξ^p + C ξ^q dξ/dt; None if the force is not of this form.
+        """
+
     def force(self, compression: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], rate: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> NDArray[numpy.float64]: ...
 
     def restitution(self, speed: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> NDArray[numpy.float64]: ...
@@ -228,6 +234,8 @@ def instruction_sets() -> list[str]: ...
 engine_names: tuple = ('hard_spheres', 'newton_events', 'newton_steps')
 
 rules: tuple = ...
+
+observed_fields: tuple = ...
 
 class Box:
     """

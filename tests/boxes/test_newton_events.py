@@ -260,6 +260,15 @@ def test_the_queue_of_contact_ends(tmp_path: Path) -> None:
     assert wrong == 0
 
 
+def test_parts_of_the_engine_alone(tmp_path: Path) -> None:
+    """Bodies that fly through the cells of a sheared box follow straight lines, and gain what the boundary works.
+    Pairs split bodies into the parts that a slow search finds."""
+    crossings, off, unbalanced, parts, wrong = printed_by("newton_parts", tmp_path)
+    assert int(crossings) > 500 and int(parts) > 1000
+    assert float(off) < 1e-12 and float(unbalanced) < 1e-12
+    assert int(wrong) == 0
+
+
 @pytest.mark.slow
 def test_distance_from_a_triangle(tmp_path: Path) -> None:
     """The distance of a triangle from the origin is that of the nearest of many of its points."""

@@ -46,6 +46,17 @@ def units():
     return UnitRegistry()
 
 
+def test_units_are_those_of_the_table_of_the_core():
+    """A record of the core that is an observable itself has the same unit; each is sampled by an engine or none."""
+    table = {one["name"]: one for one in _core.observed_fields}
+    assert len(table) == len(_core.observed_fields)
+    assert {one["engines"] for one in table.values()} == {"all", "collisions", "contacts", ""}
+    for name in table.keys() & OBSERVABLES.keys():
+        assert OBSERVABLES[name].unit == table[name]["unit"], name
+    recorded = {name for engine in ENGINES.values() for name in engine.records}
+    assert all(need in recorded for one in OBSERVABLES.values() for need in one.needs)
+
+
 @every_observable
 def test_a_record_is_whole(name, units):
     one = OBSERVABLES[name]

@@ -2,6 +2,7 @@
 
 import csv
 import math
+from pathlib import Path
 
 import mpmath
 import numpy as np
@@ -11,7 +12,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import hardlimit as hl
-from conftest import DATA, draws, law_of, laws, log_floats, slow
+from conftest import DATA, draws, law_of, laws, log_floats, output_of, slow
 from hardlimit import _core
 
 PATH = DATA / "oblique_rotation.csv"
@@ -407,3 +408,9 @@ def test_a_touch_however_slow_has_an_end(name: str, gravity: float) -> None:
             rate = end["radial_speed"] / speed
             assert rate == pytest.approx(0.5, rel=1e-3 if speed < 1e-200 else 1e-9)
             assert end["duration"] == pytest.approx(still["duration"], rel=1e-2)
+
+
+@pytest.mark.slow
+def test_a_law_without_stated_coefficients_has_a_table_for_one_kind_of_pair(tmp_path: Path) -> None:
+    own, lighter = map(float, output_of("boxes/tabulated_contact.cpp", tmp_path, "-Wno-psabi").split())
+    assert 0.0 < own < 1e-9 and lighter == 0.0

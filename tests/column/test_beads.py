@@ -11,7 +11,10 @@ import hardlimit as hl
 
 @pytest.fixture(scope="module")
 def beads():
-    return runpy.run_path(str(Path(__file__).resolve().parents[2] / "docs" / "findings" / "beads.py"))
+    folder = Path(__file__).resolve().parents[2] / "studies"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(folder)  # for driver
+        return runpy.run_path(str(folder / "beads.py"))
 
 
 @pytest.mark.parametrize("n", [2, 5, 10])
@@ -37,6 +40,6 @@ def test_beads_detach_where_collisions_collapse(beads):
 
 
 def test_the_figure_is_drawn(beads):
-    figure = beads["draw"]([2, 3], 4)
+    (figure,) = beads["draw"]([2, 3], 4).values()
     drawn = [line for axes in figure.axes for line in axes.lines]
     assert len(figure.axes) == 4 and all(np.isfinite(line.get_ydata()).all() for line in drawn)

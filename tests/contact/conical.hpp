@@ -23,12 +23,14 @@ struct Conical {
         {{{"restitution", "1", 0.0, 1.0, false, true, "coefficient of restitution ε"}},
          {{"cone_damping", "N s/m^1.5", 0.0, math::infinity, true, false, "damping c"}}},
         2,
-        {{"cone_stiffness", "N/m^2", "k"}, {"cone_damping", "N s/m^1.5", "c"}}};
+        {{"cone_stiffness", "N/m^2", "k"}, {"cone_damping", "N s/m^1.5", "c"}},
+        {8, 2}};
 
     void values(double* out) const {
         out[0] = stiffness;
         out[1] = damping;
     }
+    Coefficients coefficients() const { return {stiffness, damping}; }
     static Conical from_parameters(int alternative, const double* p, PairGeometry pair) {
         if (alternative == 1) return {p[0], p[1]};
         const double b = linear_damping_ratio(-math::log(p[1]));

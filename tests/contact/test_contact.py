@@ -472,6 +472,22 @@ def test_force_is_the_derivative_of_the_energy_when_undamped(name):
 
 
 @every_law
+def test_force_has_the_powers_of_the_record(name):
+    """K ξ^p + C ξ^q dξ/dt at small compressions, and at all of them if the law states K and C."""
+    p, q = (0.25 * power for power in hl.LAWS[name].record["powers"])
+    for contact in contacts_of(name):
+        xi = impact_depth(contact) * np.array([1e-9, 1e-8, 1e-3, 0.1, 1.0, 10.0])
+        elastic = contact.force(xi)
+        damping = contact.force(xi, 1.0) - elastic
+        assert np.log10(elastic[1] / elastic[0]) == pytest.approx(p, abs=1e-6)
+        assert damping[0] == 0.0 or np.log10(damping[1] / damping[0]) == pytest.approx(q, abs=1e-6)
+        assert hl.LAWS[name].record["power_law"] == (contact.core.coefficients is not None)
+        if contact.core.coefficients is not None:
+            k, c = contact.core.coefficients
+            assert contact.force(xi, 0.7) == pytest.approx(k * xi**p + c * xi**q * 0.7, rel=1e-12)
+
+
+@every_law
 def test_never_attractive_and_nothing_without_compression(name):
     for contact in contacts_of(name):
         xi = impact_depth(contact) * np.array([-1.0, 0.0, 1e-9, 1e-3, 1.0, 10.0])[:, None]

@@ -1,6 +1,6 @@
 """Rules for the docstrings of the public interface, and a test that their examples are true.
 
-Public is what ``docs/api.md`` shows: every name in ``hardlimit.__all__`` and the classes that these return, with all
+Public is what ``docs/api`` shows: every name in ``hardlimit.__all__`` and the classes that these return, with all
 their methods and properties except those marked ``:meta private:``. The rules, with no exceptions by name:
 
 * Everything has a summary: one sentence at the start.
@@ -33,7 +33,8 @@ import pytest
 
 import hardlimit as hl
 
-API = Path(__file__).resolve().parents[2] / "docs" / "api.md"
+PAGES = sorted((Path(__file__).resolve().parents[2] / "docs" / "api").glob("*.md"))
+API = "\n".join(page.read_text(encoding="utf-8") for page in PAGES)
 SECTIONS = ["Parameters", "Returns", "Raises", "Notes", "Examples"]
 CITED = re.compile(r"\bEqs?\. ?[A-Z]?\d|\bFigs?\. ?\d|\bAppendix [A-Z]\b|\b(1[89]|20)\d\d\b")
 FORMULA = re.compile(r"\S = \S|[√Σ∝]|\w²/")
@@ -118,7 +119,7 @@ def members(name: str, owner: type) -> Iterator[Documented]:
             yield documented
 
 
-NAMES = re.findall(r"^\.\. auto(?:class|function):: ([\w.]+)", API.read_text(encoding="utf-8"), flags=re.M)
+NAMES = re.findall(r"^\.\. auto(?:class|function):: ([\w.]+)", API, flags=re.M)
 SHOWN = [shown(name) for name in NAMES]
 TOP = [Documented("hardlimit", hl), *map(Documented, NAMES, SHOWN)]
 MEMBERS = [member for one in TOP if isinstance(one.item, type) for member in members(one.name, one.item)]
@@ -126,7 +127,7 @@ EVERY = [*TOP, *MEMBERS]
 
 
 def test_all_names_are_shown():
-    text = API.read_text(encoding="utf-8")
+    text = API
     assert [
         name for name in hl.__all__ if not re.search(rf"^\.\. (auto\w+|py:data):: {name}$", text, re.M)
     ] == []

@@ -397,7 +397,7 @@ def arguments_of_conversions() -> list[Argument]:
         Argument("convert_back", "ball", "ball", hl.convert_back, BALL, written),
         Argument("convert_back", "other", "optional body", hl.convert_back, BALL, written),
         Argument("convert_back", "code", "word", hl.convert_back, "lammps", written),
-        Argument("convert_back", "contact", "optional word", hl.convert_back, "line 1", written),
+        Argument("convert_back", "contact", "optional word", hl.convert_back, "1-1", written),
         Argument("convert_back", "speed", n, hl.convert_back, 1.0, written),
         Argument("convert_back", "restitution_error", o, hl.convert_back, 1e-3, written),
         Argument("convert_back", "time_step", o, hl.convert_back, 1e-7, written),

@@ -27,7 +27,10 @@ test("the laboratory works without network once it is loaded", async (t) => {
   }
   for (const value of ["300", "700"]) {
     await forget(page);
-    await page.evaluate((value) => Object.assign(document.getElementById("restitution"), { value }).dispatchEvent(new Event("input")), value);
+    await page.evaluate(
+      (value) => Object.assign(document.getElementById("restitution"), { value }).dispatchEvent(new Event("input")),
+      value,
+    );
     await solved(page);
   }
   await page.selectOption("#rebound-axis", "e");
@@ -37,9 +40,11 @@ test("the laboratory works without network once it is loaded", async (t) => {
   await page.waitForSelector("#busy:not([hidden])");
   await page.click("#give-up");
   await forget(page);
-  await page.evaluate(() => Object.assign(document.getElementById("restitution"), { value: "600" }).dispatchEvent(new Event("input")));
+  await page.evaluate(() =>
+    Object.assign(document.getElementById("restitution"), { value: "600" }).dispatchEvent(new Event("input")),
+  );
   await solved(page);
-  await page.click("#tell");
+  await page.click("#open-story");
   await page.waitForFunction(() => document.documentElement.dataset.mode === "story");
   assert.deepEqual(asked, []);
 });
@@ -49,33 +54,60 @@ test("the gas works without network once it is loaded", async (t) => {
   const page = await site.open(t, "gas.html?n=150", { ready });
   const asked = await offline(page);
   await page.click("#example-collapse");
-  await page.waitForFunction(() => window.hardlimit.report()?.setting.restitution < 0.7 && window.hardlimit.report().samples.length > 5);
+  await page.waitForFunction(
+    () => window.hardlimit.report()?.setting.restitution < 0.7 && window.hardlimit.report().samples.length > 5,
+  );
   assert.deepEqual(asked, []);
 });
 
 // Brightness of the corner of a canvas: its ground.
-const grounds = (page) => page.evaluate(() => Object.fromEntries([...document.querySelectorAll("canvas")].filter((c) => c.width > 100 && c.getBoundingClientRect().width > 0).map((canvas) => {
-  const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
-  let [dark, drawn] = [0, 0];
-  for (let i = 0; i < data.length; i += 4) {
-    if (data[i + 3] > 200) drawn++;
-    if (data[i + 3] > 200 && Math.max(data[i], data[i + 1], data[i + 2]) < 40) dark++;
-  }
-  return [canvas.id, { drawn: drawn / (data.length / 4), dark: dark / Math.max(drawn, 1) }];
-})));
+const grounds = (page) =>
+  page.evaluate(() =>
+    Object.fromEntries(
+      [...document.querySelectorAll("canvas")]
+        .filter((c) => c.width > 100 && c.getBoundingClientRect().width > 0)
+        .map((canvas) => {
+          const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+          let [dark, drawn] = [0, 0];
+          for (let i = 0; i < data.length; i += 4) {
+            if (data[i + 3] > 200) drawn++;
+            if (data[i + 3] > 200 && Math.max(data[i], data[i + 1], data[i + 2]) < 40) dark++;
+          }
+          return [canvas.id, { drawn: drawn / (data.length / 4), dark: dark / Math.max(drawn, 1) }];
+        }),
+    ),
+  );
 
 // The plots far from the window are computed once the page is at rest; the map says when it is drawn.
-const atRest = (page) => page.waitForFunction(() => {
-  dispatchEvent(new Event("beforeprint"));
-  const done = ["timeline", "rebound", "map"].every((id) => ["computed", "done", "ms"].some((key) => !["false", undefined].includes(document.getElementById(id).dataset[key])));
-  dispatchEvent(new Event("afterprint"));
-  return done;
-}, null, { polling: 1000, timeout: 60_000 });
+const atRest = (page) =>
+  page.waitForFunction(
+    () => {
+      dispatchEvent(new Event("beforeprint"));
+      const done = ["timeline", "rebound", "map"].every((id) =>
+        ["computed", "done", "ms"].some(
+          (key) => !["false", undefined].includes(document.getElementById(id).dataset[key]),
+        ),
+      );
+      dispatchEvent(new Event("afterprint"));
+      return done;
+    },
+    null,
+    { polling: 1000, timeout: 60_000 },
+  );
 
 const pages = [
   ["story", "?page=story", atRest],
   ["laboratory", "", mapDone],
-  ["gas", "gas.html?n=150&t=0.01", (page) => page.waitForFunction(() => document.documentElement.dataset.run && document.documentElement.dataset.settled === document.documentElement.dataset.run)],
+  [
+    "gas",
+    "gas.html?n=150&t=0.01",
+    (page) =>
+      page.waitForFunction(
+        () =>
+          document.documentElement.dataset.run &&
+          document.documentElement.dataset.settled === document.documentElement.dataset.run,
+      ),
+  ],
 ];
 for (const [name, query, ready] of pages.slice(1))
   test(`${name}: forced colours are those of the pictures too`, async (t) => {
@@ -83,13 +115,16 @@ for (const [name, query, ready] of pages.slice(1))
     await page.evaluate(() => localStorage.setItem("hardlimit-theme", "light")); // chosen without them
     await page.reload();
     await ready(page);
-    const inked = await page.evaluate(() => { // pixels of dark's --ink, #eef0f3
+    const inked = await page.evaluate(() => {
+      // pixels of dark's --ink, #eef0f3
       const canvas = document.querySelector("#stage, canvas#energy");
       const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
       return new Uint32Array(data.buffer).filter((x) => x === 0xfff3f0ee).length;
     });
     assert.ok(inked > 20, String(inked));
-    const colours = await page.$$eval(name === "gas" ? ".key .overlap" : ".bar > div, .legend i", (list) => list.map((x) => getComputedStyle(x).backgroundColor));
+    const colours = await page.$$eval(name === "gas" ? ".key .overlap" : ".bar > div, .legend i", (list) =>
+      list.map((x) => getComputedStyle(x).backgroundColor),
+    );
     assert.ok(!colours.includes("rgb(0, 0, 0)"), colours.join());
     await page.evaluate(() => document.querySelector("#slow, #example-dense").setAttribute("aria-pressed", "true"));
     assert.equal(await page.$eval("#slow, #example-dense", (x) => getComputedStyle(x).borderTopWidth), "3px");
@@ -98,7 +133,8 @@ for (const [name, query, ready] of pages.slice(1))
 for (const [name, query, ready] of pages)
   test(`${name}: a dark page is printed light, and is dark again`, async (t) => {
     const page = await site.open(t, query, { ready, colorScheme: "dark" });
-    const theme = () => page.evaluate(() => [document.documentElement.dataset.theme, getComputedStyle(document.body).color]);
+    const theme = () =>
+      page.evaluate(() => [document.documentElement.dataset.theme, getComputedStyle(document.body).color]);
     assert.deepEqual(await theme(), ["dark", "rgb(238, 240, 243)"]);
     await page.evaluate(() => dispatchEvent(new Event("beforeprint")));
     assert.deepEqual((await theme())[0], "light");
@@ -110,26 +146,46 @@ for (const [name, query, ready] of pages)
     assert.deepEqual(await theme(), ["dark", "rgb(238, 240, 243)"]);
     await page.emulateMedia({ media: "print" });
     await page.waitForFunction(() => document.documentElement.dataset.theme === "light");
-    const flat = await page.evaluate(() => [...document.querySelectorAll("canvas")].filter((c) => c.getBoundingClientRect().width > 200 && c.getBoundingClientRect().height < 100).map((c) => c.id));
+    const flat = await page.evaluate(() =>
+      [...document.querySelectorAll("canvas")]
+        .filter((c) => c.getBoundingClientRect().width > 200 && c.getBoundingClientRect().height < 100)
+        .map((c) => c.id),
+    );
     assert.deepEqual(flat, [], "pictures without height");
     await shoot(page, `print-${name}`, { fullPage: true });
     await page.emulateMedia({ media: "screen" });
     await page.waitForFunction(() => document.documentElement.dataset.theme === "dark");
   });
 
-for (const query of ["?panel=film&example=fig6&t=0.0001", "?panel=rebound", "?panel=compare&example=fig2&a.example=basketball"])
+for (const query of [
+  "?panel=film&example=fig6&t=0.0001",
+  "?panel=rebound",
+  "?panel=compare&example=fig2&a.example=basketball",
+])
   test(`printed whole, without its buttons: ${query}`, async (t) => {
     const page = await site.open(t, query, { viewport: { width: 1280, height: 720 } });
-    await page.waitForFunction(() => document.getElementById("compare").hidden || document.getElementById("compare").dataset.ready === "true");
+    await page.waitForFunction(
+      () => document.getElementById("compare").hidden || document.getElementById("compare").dataset.ready === "true",
+    );
     await page.emulateMedia({ media: "print" });
     const faults = await page.evaluate(() => {
-      const shown = [...document.querySelectorAll(".panel *, .panel-bar *")].filter((x) => x.checkVisibility() && x.getBoundingClientRect().width > 0);
+      const shown = [...document.querySelectorAll(".panel *, .panel-bar *")].filter(
+        (x) => x.checkVisibility() && x.getBoundingClientRect().width > 0,
+      );
       const box = (x) => x.getBoundingClientRect();
-      const over = (a, b) => !a.contains(b) && !b.contains(a) && Math.min(box(a).bottom, box(b).bottom) - Math.max(box(a).top, box(b).top) > 1 && Math.min(box(a).right, box(b).right) - Math.max(box(a).left, box(b).left) > 1;
+      const over = (a, b) =>
+        !a.contains(b) &&
+        !b.contains(a) &&
+        Math.min(box(a).bottom, box(b).bottom) - Math.max(box(a).top, box(b).top) > 1 &&
+        Math.min(box(a).right, box(b).right) - Math.max(box(a).left, box(b).left) > 1;
       const canvases = shown.filter((x) => x.tagName === "CANVAS");
       return [
         ...shown.filter((x) => x.matches(".panel-bar *, .compare button")),
-        ...shown.filter((x) => box(x).right > box(x.closest(".panel") ?? document.body).right + 1 || box(x).bottom > box(x.closest(".panel") ?? document.body).bottom + 1),
+        ...shown.filter(
+          (x) =>
+            box(x).right > box(x.closest(".panel") ?? document.body).right + 1 ||
+            box(x).bottom > box(x.closest(".panel") ?? document.body).bottom + 1,
+        ),
         ...canvases.filter((x) => box(x).height < 90 || shown.some((y) => over(x, y))),
       ].map((x) => `${x.tagName} ${x.id} ${x.textContent.trim().slice(0, 20)}`);
     });
@@ -137,9 +193,14 @@ for (const query of ["?panel=film&example=fig6&t=0.0001", "?panel=rebound", "?pa
   });
 
 test("in a low window the laboratory shows first the film and a slider", async (t) => {
-  for (const viewport of [{ width: 844, height: 390 }, { width: 640, height: 360 }]) {
+  for (const viewport of [
+    { width: 844, height: 390 },
+    { width: 640, height: 360 },
+  ]) {
     const page = await site.open(t, "", { viewport });
-    const bottoms = await page.evaluate(() => ["stage", "play", "restitution"].map((id) => document.getElementById(id).getBoundingClientRect().bottom));
+    const bottoms = await page.evaluate(() =>
+      ["stage", "play", "restitution"].map((id) => document.getElementById(id).getBoundingClientRect().bottom),
+    );
     for (const bottom of bottoms) assert.ok(bottom > 0 && bottom <= viewport.height, `${viewport.width}: ${bottoms}`);
   }
   const story = await site.open(t, "?page=story", { viewport: { width: 640, height: 360 } });
@@ -148,10 +209,30 @@ test("in a low window the laboratory shows first the film and a slider", async (
 });
 
 test("tables, sliders and buttons fit into their panels", async (t) => {
-  const low = [[480, 320], [568, 320], [640, 360], [667, 375], [740, 360], [844, 390]].flatMap((size) => ["", "?example=cradle"].map((query) => [query, ...size]));
-  for (const [query, width, height = 720] of [["?example=cradle", 1280], ["?example=cradle", 1440], ["?example=fig7", 1280], ["?example=astro", 390], ...low]) {
+  const low = [
+    [480, 320],
+    [568, 320],
+    [640, 360],
+    [667, 375],
+    [740, 360],
+    [844, 390],
+  ].flatMap((size) => ["", "?example=cradle"].map((query) => [query, ...size]));
+  for (const [query, width, height = 720] of [
+    ["?example=cradle", 1280],
+    ["?example=cradle", 1440],
+    ["?example=fig7", 1280],
+    ["?example=astro", 390],
+    ...low,
+  ]) {
     const page = await site.open(t, query, { viewport: { width, height } });
-    const over = await page.$$eval(".panel :is(table, .track, button, select)", (list) => list.filter((x) => x.checkVisibility() && x.getBoundingClientRect().right > x.closest(".panel").getBoundingClientRect().right).map((x) => x.id || x.firstElementChild.id));
+    const over = await page.$$eval(".panel :is(table, .track, button, select)", (list) =>
+      list
+        .filter(
+          (x) =>
+            x.checkVisibility() && x.getBoundingClientRect().right > x.closest(".panel").getBoundingClientRect().right,
+        )
+        .map((x) => x.id || x.firstElementChild.id),
+    );
     assert.deepEqual(over, [], `${query} in ${width} × ${height}`);
     await page.close();
   }
@@ -159,27 +240,51 @@ test("tables, sliders and buttons fit into their panels", async (t) => {
 
 test("story: what the reader has not come to is printed too, each drawing in its place", async (t) => {
   const page = await site.open(t, "?page=story", { colorScheme: "dark" });
-  const printed = (page) => page.evaluate(() => {
-    dispatchEvent(new Event("beforeprint"));
-    const { ms } = document.getElementById("map").dataset;
-    const done = [ms !== undefined, document.getElementById("timeline").dataset.computed, document.getElementById("rebound").dataset.done].join();
-    dispatchEvent(new Event("afterprint"));
-    return done;
-  });
-  await page.waitForFunction(() => !/The line will show/.test(document.querySelector('[data-step="map"] .say').textContent), null, { timeout: 120_000 });
-  assert.match(await page.textContent('[data-step="gap"] .say'), /^Let go touching, the tennis ball reaches/);
+  const printed = (page) =>
+    page.evaluate(() => {
+      dispatchEvent(new Event("beforeprint"));
+      const { ms } = document.getElementById("map").dataset;
+      const done = [
+        ms !== undefined,
+        document.getElementById("timeline").dataset.computed,
+        document.getElementById("rebound").dataset.done,
+      ].join();
+      dispatchEvent(new Event("afterprint"));
+      return done;
+    });
+  await page.waitForFunction(
+    () => !/The line will show/.test(document.querySelector('[data-step="map"] .text').textContent),
+    null,
+    { timeout: 120_000 },
+  );
+  assert.match(await page.textContent('[data-step="gap"] .text'), /^Let go touching, the tennis ball reaches/);
   for (let k = 0; k < 60 && (await printed(page)) !== "true,true,true"; k++) await page.waitForTimeout(500);
   assert.equal(await printed(page), "true,true,true");
   assert.ok(!/show=|zoom=/.test(page.url()), page.url());
   await page.emulateMedia({ media: "print" });
   await page.waitForFunction(() => document.documentElement.dataset.theme === "light");
-  assert.deepEqual(await page.evaluate(() => [...document.querySelectorAll(".keys")].filter((e) => e.getBoundingClientRect().height > 0).map((e) => e.textContent)), [], "what a click does is not printed");
-  const places = await page.evaluate(() => [...document.querySelectorAll(".chapter h2, .chapter .say, .chapter canvas")].map((element) => {
-    const { top, bottom, height } = element.getBoundingClientRect();
-    return { what: element.id || element.textContent, top, bottom, height };
-  }).filter(({ height }) => height > 0).sort((a, b) => a.top - b.top));
+  assert.deepEqual(
+    await page.evaluate(() =>
+      [...document.querySelectorAll(".keys")]
+        .filter((e) => e.getBoundingClientRect().height > 0)
+        .map((e) => e.textContent),
+    ),
+    [],
+    "what a click does is not printed",
+  );
+  const places = await page.evaluate(() =>
+    [...document.querySelectorAll(".chapter h2, .chapter .text, .chapter canvas")]
+      .map((element) => {
+        const { top, bottom, height } = element.getBoundingClientRect();
+        return { what: element.id || element.textContent, top, bottom, height };
+      })
+      .filter(({ height }) => height > 0)
+      .sort((a, b) => a.top - b.top),
+  );
   assert.equal(places.length, 6 * 2 + 7);
-  places.forEach(({ what, top }, i) => assert.ok(i === 0 || top > places[i - 1].bottom - 1, `${what} over ${places[i - 1]?.what}`));
+  places.forEach(({ what, top }, i) =>
+    assert.ok(i === 0 || top > places[i - 1].bottom - 1, `${what} over ${places[i - 1]?.what}`),
+  );
   await page.emulateMedia({ media: "screen" });
   // The laboratory's map is what it was.
   await page.click("#leave");

@@ -27,21 +27,35 @@ function answerLate(most) {
 
 // The firefox that Debian packages, by way of WebDriver BiDi; it takes the setting for motion from its profile.
 const engines = {
-  chromium: () => chromium.launch({
-    executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
-    args: ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"],
-  }),
-  firefox: () => firefox.launch({
-    channel: "moz-firefox",
-    executablePath: process.env.FIREFOX ?? "/usr/bin/firefox-esr",
-    firefoxUserPrefs: { "ui.prefersReducedMotion": 1 },
-  }),
+  chromium: () =>
+    chromium.launch({
+      executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
+      args: [
+        "--no-sandbox",
+        "--disable-gpu",
+        "--disable-quic",
+        "--no-first-run",
+        "--disable-background-networking",
+        "--disable-component-update",
+        "--disable-sync",
+      ],
+    }),
+  firefox: () =>
+    firefox.launch({
+      channel: "moz-firefox",
+      executablePath: process.env.FIREFOX ?? "/usr/bin/firefox-esr",
+      firefoxUserPrefs: { "ui.prefersReducedMotion": 1 },
+    }),
 };
 
 export class Site {
   static async begin(engine = "chromium") {
     const site = new Site();
-    site.server = spawn(process.env.PYTHON ?? "python3", ["-m", "hardlimit", "explore", "--port", "0", "--no-browser"], { stdio: ["ignore", "pipe", "inherit"] });
+    site.server = spawn(
+      process.env.PYTHON ?? "python3",
+      ["-m", "hardlimit", "explore", "--port", "0", "--no-browser"],
+      { stdio: ["ignore", "pipe", "inherit"] },
+    );
     site.base = await new Promise((resolve, reject) => {
       let text = "";
       site.server.stdout.on("data", (data) => {
@@ -62,7 +76,12 @@ export class Site {
 
   // A page that fails the test on any complaint of the console and on any request to elsewhere.
   async open(t, query = "", { ready = solved, ...options } = {}) {
-    const context = await this.browser.newContext({ viewport: { width: 1440, height: 900 }, reducedMotion: "reduce", acceptDownloads: true, ...options });
+    const context = await this.browser.newContext({
+      viewport: { width: 1440, height: 900 },
+      reducedMotion: "reduce",
+      acceptDownloads: true,
+      ...options,
+    });
     if (process.env.LATE) await context.addInitScript(answerLate, Number(process.env.LATE));
     const page = await context.newPage();
     const faults = [];
@@ -72,7 +91,10 @@ export class Site {
     const icon = (m) => m.location().url.endsWith("/icon.svg") && m.text().includes("ERR_INTERNET_DISCONNECTED"); // the browser asks for it after each new link
     page.on("console", (m) => ["error", "warning"].includes(m.type()) && !icon(m) && complain(m.text()));
     page.on("pageerror", (e) => complain(String(e)));
-    page.on("request", (r) => !/^(data|blob):/.test(r.url()) && !r.url().startsWith(this.base) && faults.push("request to " + r.url()));
+    page.on(
+      "request",
+      (r) => !/^(data|blob):/.test(r.url()) && !r.url().startsWith(this.base) && faults.push("request to " + r.url()),
+    );
     t.after(async () => {
       await context.close();
       assert.deepEqual(faults, []);
@@ -85,7 +107,8 @@ export class Site {
 }
 
 // A link to the laboratory, unless it names a place of its own.
-export const laboratory = (query) => (/^gas|[?&](story|panel|page|a\.)/.test(query) ? query : `${query}${query ? "&" : "?"}page=lab`);
+export const laboratory = (query) =>
+  /^gas|[?&](story|panel|page|a\.)/.test(query) ? query : `${query}${query ? "&" : "?"}page=lab`;
 
 // A click on an entry of the menu opens the menu first.
 const entries = new Set(["#copy", "#enlarge", "#pin", "#png", "#csv", "#toml", "#open", "#theme"]);
@@ -100,19 +123,25 @@ function openMenu(page) {
 }
 
 // Another setting in the page that is open, by way of its history; its numbers are those of before until it is solved.
-export const goTo = (page, query) => page.evaluate((query) => {
-  history.pushState(null, "", query);
-  dispatchEvent(new PopStateEvent("popstate"));
-}, laboratory(query));
+export const goTo = (page, query) =>
+  page.evaluate((query) => {
+    history.pushState(null, "", query);
+    dispatchEvent(new PopStateEvent("popstate"));
+  }, laboratory(query));
 export const forget = (page) => page.evaluate(() => delete document.documentElement.dataset.numbers);
 
-export const mapDone = (page) => page.waitForFunction(() => document.getElementById("map").dataset.ms !== undefined, null, { timeout: 120_000 });
+export const mapDone = (page) =>
+  page.waitForFunction(() => document.getElementById("map").dataset.ms !== undefined, null, { timeout: 120_000 });
 export const solved = (page) => page.waitForFunction(() => document.documentElement.dataset.numbers);
 
 export async function accessible(page, what) {
   await page.evaluate(axe);
   const result = await page.evaluate(() => window.axe.run(document, { resultTypes: ["violations"] }));
-  assert.deepEqual(result.violations.map((v) => `${v.id}: ${v.nodes.map((n) => n.target.join(" ")).join("; ")}`), [], what);
+  assert.deepEqual(
+    result.violations.map((v) => `${v.id}: ${v.nodes.map((n) => n.target.join(" ")).join("; ")}`),
+    [],
+    what,
+  );
   const wide = await page.evaluate(() => document.documentElement.scrollWidth - window.innerWidth);
   assert.ok(wide <= 0, `${what}: ${wide} pixels too wide`);
 }

@@ -85,7 +85,15 @@ export class Canvas {
 }
 
 export const theme = {
-  dark: false, ground: "#fff", ink: "#000", muted: "muted", line: "line", faint: "faint", newton: "newton", icm: "icm", font: "sans",
+  dark: false,
+  ground: "#fff",
+  ink: "#000",
+  muted: "muted",
+  line: "line",
+  faint: "faint",
+  newton: "newton",
+  icm: "icm",
+  font: "sans",
   balls: [1, 2, 3, 4, 5, 6].map((i) => `ball${i}`),
   pairs: [0, 1, 2, 3, 4, 5].map((i) => `pair${i}`),
 };

@@ -10,7 +10,10 @@ let site;
 before(async () => void (site = await Site.begin()));
 after(() => site?.end());
 
-const rest = (page) => page.waitForFunction(() => document.documentElement.dataset.busy === undefined && document.documentElement.dataset.numbers);
+const rest = (page) =>
+  page.waitForFunction(
+    () => document.documentElement.dataset.busy === undefined && document.documentElement.dataset.numbers,
+  );
 async function open(t, query = "", options = {}) {
   const page = await site.open(t, query, options);
   await rest(page);
@@ -33,7 +36,12 @@ const phone = { viewport: { width: 390, height: 844 }, isMobile: true, hasTouch:
 
 // ---- film and headline --------------------------------------------------------------------------------------
 
-for (const query of ["?example=astro&t=0.2", "?example=fig6&t=0.2", "?example=astro&r=0.027,0.019,0.001,0.009&t=0.1", "?example=fig2&r=0.05,0.01,0.05&t=0.1"])
+for (const query of [
+  "?example=astro&t=0.2",
+  "?example=fig6&t=0.2",
+  "?example=astro&r=0.027,0.019,0.001,0.009&t=0.1",
+  "?example=fig2&r=0.05,0.01,0.05&t=0.1",
+])
   test(`the film goes on where independent collisions accumulate: ${query}`, async (t) => {
     const page = await open(t, query);
     assert.equal(await page.isVisible("#notes"), false, await page.textContent("#notes"));
@@ -41,7 +49,9 @@ for (const query of ["?example=astro&t=0.2", "?example=fig6&t=0.2", "?example=as
     await page.focus("#scrubber");
     await page.keyboard.press("End");
     const [file] = await Promise.all([page.waitForEvent("download"), page.click("#csv")]);
-    const lines = readFileSync(await file.path(), "utf8").trim().split("\n");
+    const lines = readFileSync(await file.path(), "utf8")
+      .trim()
+      .split("\n");
     assert.ok(Number(lines.at(-1).split(",")[0]) >= 0.1);
   });
 
@@ -51,7 +61,10 @@ test("heights: collisions still to come count, later ones are told apart", async
   await visit(page, "?example=fig2");
   assert.match(await page.textContent("#verdict"), /rises to 0\.484 m/);
   assert.match(await page.textContent("tr[data-id=later]"), /later.*68\.0 cm/);
-  assert.match(await page.textContent("#definitions"), /greatest height of its centre above the floor after its first bounce/);
+  assert.match(
+    await page.textContent("#definitions"),
+    /greatest height of its centre above the floor after its first bounce/,
+  );
   await page.click("#definitions summary");
   assert.match(await page.textContent("#definitions dl"), /restitution that would give/);
 });
@@ -85,7 +98,11 @@ test("a swipe scrolls and changes nothing", async (t) => {
     const up = from > 400; // the last pictures lie at the end of the page
     const [x, y] = [box.x + 0.3 * box.width, box.y + 0.5 * box.height];
     await session.send("Input.dispatchTouchEvent", { type: "touchStart", touchPoints: [{ x, y }] });
-    for (let k = 1; k <= 10; k++) await session.send("Input.dispatchTouchEvent", { type: "touchMove", touchPoints: [{ x, y: y + (up ? 15 : -15) * k }] });
+    for (let k = 1; k <= 10; k++)
+      await session.send("Input.dispatchTouchEvent", {
+        type: "touchMove",
+        touchPoints: [{ x, y: y + (up ? 15 : -15) * k }],
+      });
     await session.send("Input.dispatchTouchEvent", { type: "touchEnd", touchPoints: [] });
     await page.waitForFunction((from) => scrollY !== from, from);
     await settled(page);
@@ -99,7 +116,11 @@ async function fingers(page, id, ...path) {
   const session = await page.context().newCDPSession(page);
   const box = await page.locator(`#${id}`).boundingBox();
   const points = (step) => step.map(([x, y], k) => ({ x: box.x + x * box.width, y: box.y + y * box.height, id: k }));
-  for (const [i, step] of path.entries()) await session.send("Input.dispatchTouchEvent", { type: i === 0 ? "touchStart" : "touchMove", touchPoints: points(step) });
+  for (const [i, step] of path.entries())
+    await session.send("Input.dispatchTouchEvent", {
+      type: i === 0 ? "touchStart" : "touchMove",
+      touchPoints: points(step),
+    });
   await session.send("Input.dispatchTouchEvent", { type: "touchEnd", touchPoints: [] });
   await settled(page);
 }
@@ -117,7 +138,22 @@ test("after a tap fingers drag the timeline, and move and pinch the map", async 
   await page.locator("#map").tap({ position: { x: 200, y: 150 } });
   await settled(page);
   const chosen = await numbers(page);
-  await fingers(page, "map", [[0.45, 0.5], [0.55, 0.5]], [[0.4, 0.5], [0.6, 0.5]], [[0.3, 0.5], [0.7, 0.5]]);
+  await fingers(
+    page,
+    "map",
+    [
+      [0.45, 0.5],
+      [0.55, 0.5],
+    ],
+    [
+      [0.4, 0.5],
+      [0.6, 0.5],
+    ],
+    [
+      [0.3, 0.5],
+      [0.7, 0.5],
+    ],
+  );
   await page.waitForFunction(() => new URL(location.href).searchParams.has("zoom"));
   const [x0, x1] = search(page).get("zoom").split(",").map(Number);
   assert.ok(x1 - x0 < 0.6, "pinched");
@@ -137,7 +173,12 @@ test("a long computation shows its progress and is given up", async (t) => {
   assert.match(said, /^Computing .*: \d+\.\d s$/);
   for (const told of [said, "next"]) {
     const last = told === "next" ? await page.textContent("#busy-what") : told;
-    await page.waitForFunction((last) => document.documentElement.dataset.busy !== undefined && document.getElementById("busy-what").textContent !== last, last);
+    await page.waitForFunction(
+      (last) =>
+        document.documentElement.dataset.busy !== undefined &&
+        document.getElementById("busy-what").textContent !== last,
+      last,
+    );
   }
   await page.click("#give-up");
   await settled(page);
@@ -147,17 +188,18 @@ test("a long computation shows its progress and is given up", async (t) => {
 });
 
 // The next setting is answered in part only, as if the rest took for ever.
-const answerInPart = (page) => page.evaluate(() => {
-  const { postMessage } = Worker.prototype;
-  Worker.prototype.postMessage = function (...message) {
-    if (message[0].kind === "solve") {
-      const hear = this.onmessage;
-      this.onmessage = (event) => event.data.begun && hear.call(this, event);
-      Worker.prototype.postMessage = postMessage;
-    }
-    postMessage.apply(this, message);
-  };
-});
+const answerInPart = (page) =>
+  page.evaluate(() => {
+    const { postMessage } = Worker.prototype;
+    Worker.prototype.postMessage = function (...message) {
+      if (message[0].kind === "solve") {
+        const hear = this.onmessage;
+        this.onmessage = (event) => event.data.begun && hear.call(this, event);
+        Worker.prototype.postMessage = postMessage;
+      }
+      postMessage.apply(this, message);
+    };
+  });
 const enter = async (page, id, value) => {
   await page.fill(`#${id}-value`, value);
   await page.press(`#${id}-value`, "Enter");
@@ -165,11 +207,19 @@ const enter = async (page, id, value) => {
 
 test("given up: the page says again what it said, and undo goes back from there", async (t) => {
   const page = await open(t, "?example=fig2");
-  const said = () => page.evaluate(() => [document.getElementById("verdict").textContent, document.getElementById("numbers").textContent, document.getElementById("answer").textContent]);
+  const said = () =>
+    page.evaluate(() => [
+      document.getElementById("verdict").textContent,
+      document.getElementById("numbers").textContent,
+      document.getElementById("answer").textContent,
+    ]);
   const before = await said();
   await answerInPart(page);
   await page.evaluate(() => {
-    for (const [id, value] of [["tolerance", "0.1"], ["restitution-value", "0.5"]]) {
+    for (const [id, value] of [
+      ["tolerance", "0.1"],
+      ["restitution-value", "0.5"],
+    ]) {
       const field = document.getElementById(id);
       field.value = value;
       field.dispatchEvent(new Event("change"));
@@ -193,7 +243,9 @@ test("a part of an answer gives way to a larger one", async (t) => {
   const page = await open(t, "?example=fig2");
   await answerInPart(page);
   await goTo(page, "?law=viscoelastic&e=0.5&r=0.05,0.04,0.03,0.02,0.01,0.008&gap=1e-5,1e-5,1e-5,1e-5,1e-5");
-  await page.waitForFunction(() => window.hardlimit.report().setting.balls.length === 6 && document.getElementById("answer").textContent !== "");
+  await page.waitForFunction(
+    () => window.hardlimit.report().setting.balls.length === 6 && document.getElementById("answer").textContent !== "",
+  );
   assert.equal(await page.isVisible("#busy"), true);
 });
 
@@ -215,7 +267,9 @@ test("undo after the browser's Back goes to the setting that Back has shown", as
 test("maps of several balls say how far they are, and how long they took", async (t) => {
   const page = await open(t, "?example=astro");
   await page.waitForFunction(() => /\d+ % computed/.test(document.getElementById("map-state").textContent));
-  await page.waitForFunction(() => /points in [\d.]+ s/.test(document.getElementById("map-state").textContent), null, { timeout: 120_000 });
+  await page.waitForFunction(() => /points in [\d.]+ s/.test(document.getElementById("map-state").textContent), null, {
+    timeout: 120_000,
+  });
 });
 
 // ---- map, history, entries ----------------------------------------------------------------------------------
@@ -241,7 +295,10 @@ test("the map: its reading is the point's, the wheel zooms and a drag moves with
   await settled(page);
   assert.deepEqual(await numbers(page), before);
   await page.mouse.move(...at);
-  const read = async () => (await page.waitForFunction(() => /.*contact.*/.exec(document.getElementById("map-reading").textContent)?.[0])).jsonValue();
+  const read = async () =>
+    (
+      await page.waitForFunction(() => /.*contact.*/.exec(document.getElementById("map-reading").textContent)?.[0])
+    ).jsonValue();
   const reading = await read();
   await page.mouse.click(...at);
   await settled(page);
@@ -268,7 +325,10 @@ test("examples enter the history", async (t) => {
 
 test("the menu closes, and the focus stays in sight", async (t) => {
   const page = await open(t, "?e=7&a.example=fig2");
-  const focused = () => page.evaluate(() => document.activeElement.closest(".menu summary, #panel-choice")?.textContent ?? document.activeElement.id);
+  const focused = () =>
+    page.evaluate(
+      () => document.activeElement.closest(".menu summary, #panel-choice")?.textContent ?? document.activeElement.id,
+    );
   const isOpen = () => page.evaluate(() => document.getElementById("menu").open);
   await page.click("#notes button");
   assert.equal(await focused(), "Menu");
@@ -306,17 +366,20 @@ test("entries: what is made of them is said; a plus sign in a link is one", asyn
   await page.fill("#height-value", "120");
   await page.keyboard.press("Tab");
   await settled(page);
-  assert.match(await page.textContent(".said"), /120 m is outside 1 cm … 10 m: 10 m used/);
+  assert.match(await page.textContent(".correction"), /120 m is outside 1 cm … 10 m: 10 m used/);
   await page.fill("#mass1-value", "5 furlongs");
   await page.keyboard.press("Tab");
-  assert.match(await page.textContent(".said"), /^Mass m₁: “5 furlongs” is not a value in kg; 3\.519 kg stays$/);
+  assert.match(await page.textContent(".correction"), /^Mass m₁: “5 furlongs” is not a value in kg; 3\.519 kg stays$/);
   assert.equal(await page.getAttribute("#mass1-value", "aria-invalid"), "true");
   assert.match(await page.textContent("#controls"), /Density 840 kg\/m³: stays when R₁ changes, so m₁ follows/);
 });
 
 test("a screen reader hears the present ε of the timeline while that is out of the window", async (t) => {
   const page = await open(t, "?example=fig2", phone);
-  for (const [example, restitution] of [["fig5", "0.9"], ["fig6", "0.8"]]) {
+  for (const [example, restitution] of [
+    ["fig5", "0.9"],
+    ["fig6", "0.8"],
+  ]) {
     await page.selectOption("#preset", example);
     await settled(page);
     assert.equal(await page.getAttribute("#timeline", "aria-valuenow"), restitution);
@@ -345,6 +408,9 @@ test("Space plays from a slider, the theme stays, nothing announces each frame, 
 
 test("at 2560 pixels text and pictures grow with the page", async (t) => {
   const page = await open(t, "?example=fig2", { viewport: { width: 2560, height: 1400 } });
-  const [font, main] = await page.evaluate(() => [parseFloat(getComputedStyle(document.documentElement).fontSize), document.querySelector("main").clientWidth]);
+  const [font, main] = await page.evaluate(() => [
+    parseFloat(getComputedStyle(document.documentElement).fontSize),
+    document.querySelector("main").clientWidth,
+  ]);
   assert.ok(font > 24 && main > 2400, `${font} px, ${main} px`);
 });

@@ -10,7 +10,10 @@ let chromium;
 before(async () => void ([chromium, firefox] = await Promise.all([Site.begin(), Site.begin("firefox")])));
 after(() => Promise.all([firefox?.end(), chromium?.end()]));
 
-const rest = (page) => page.waitForFunction(() => document.documentElement.dataset.busy === undefined && document.documentElement.dataset.numbers);
+const rest = (page) =>
+  page.waitForFunction(
+    () => document.documentElement.dataset.busy === undefined && document.documentElement.dataset.numbers,
+  );
 
 // What the page says of a setting, to the last digit.
 async function said(page, query) {
@@ -19,7 +22,9 @@ async function said(page, query) {
   await rest(page);
   return page.evaluate(() => ({
     ...JSON.parse(document.documentElement.dataset.numbers),
-    ...Object.fromEntries(["verdict", "why", "numbers", "energy", "notes"].map((id) => [id, document.getElementById(id).textContent])),
+    ...Object.fromEntries(
+      ["verdict", "why", "numbers", "energy", "notes"].map((id) => [id, document.getElementById(id).textContent]),
+    ),
   }));
 }
 
@@ -28,7 +33,10 @@ test("every example and random settings: Firefox says what Chromium says", async
   const examples = await pages[0].$$eval("#preset option", (list) => list.map((x) => x.value).filter(Boolean));
   assert.ok(examples.length >= 10);
   const next = random(99);
-  const queries = [...examples.map((id) => `?example=${id}`), ...Array.from({ length: 8 }, () => `?${randomLink(next)}`)];
+  const queries = [
+    ...examples.map((id) => `?example=${id}`),
+    ...Array.from({ length: 8 }, () => `?${randomLink(next)}`),
+  ];
   for (const query of queries) {
     const [one, other] = await Promise.all(pages.map((page) => said(page, `${query}&panel=numbers`))); // no maps beside it
     assert.deepEqual(one, other, query);
@@ -36,19 +44,29 @@ test("every example and random settings: Firefox says what Chromium says", async
 });
 
 // How many colours a picture has.
-const colours = (page, id) => page.evaluate((id) => {
-  const canvas = document.getElementById(id);
-  const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
-  return new Set(new Uint32Array(data.buffer)).size;
-}, id);
+const colours = (page, id) =>
+  page.evaluate((id) => {
+    const canvas = document.getElementById(id);
+    const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+    return new Set(new Uint32Array(data.buffer)).size;
+  }, id);
 
 test("the story is scrolled with the keys, and its pictures are drawn", async (t) => {
   const page = await firefox.open(t, "?page=story");
   for (const step of ["watch", "predict", "slow", "count", "gap", "map"]) {
     await page.evaluate((step) => document.querySelector(`.chapter[data-step="${step}"]`).scrollIntoView(), step);
-    await page.waitForFunction((step) => document.querySelector("#chapters [aria-current]").dataset.step === step, step);
-    await page.waitForFunction((step) => document.querySelector(`.chapter[data-step="${step}"] .say`).textContent !== "", step);
-    if (step === "gap") await page.waitForFunction(() => document.getElementById("rebound").dataset.done === "true", null, { timeout: 120_000 });
+    await page.waitForFunction(
+      (step) => document.querySelector("#chapters [aria-current]").dataset.step === step,
+      step,
+    );
+    await page.waitForFunction(
+      (step) => document.querySelector(`.chapter[data-step="${step}"] .text`).textContent !== "",
+      step,
+    );
+    if (step === "gap")
+      await page.waitForFunction(() => document.getElementById("rebound").dataset.done === "true", null, {
+        timeout: 120_000,
+      });
     if (step === "map") await mapDone(page);
     await page.waitForTimeout(200);
     for (const id of await page.$$eval(`.chapter[data-step="${step}"] canvas`, (list) => list.map((x) => x.id)))
@@ -80,9 +98,15 @@ test("controls, keys and map; the link gives the same page again", async (t) => 
   await page.focus("#map");
   await page.waitForFunction(() => document.getElementById("map").dataset.resolution); // drawn
   await page.keyboard.press("+");
-  await page.waitForFunction(() => ["gap", "e", "map", "show", "zoom", "t"].every((key) => new URLSearchParams(location.search).has(key)));
+  await page.waitForFunction(() =>
+    ["gap", "e", "map", "show", "zoom", "t"].every((key) => new URLSearchParams(location.search).has(key)),
+  );
   await rest(page);
-  const look = (p) => p.evaluate(() => [document.documentElement.dataset.numbers, ...["time", "verdict", "why", "map-reading"].map((id) => document.getElementById(id).textContent)]);
+  const look = (p) =>
+    p.evaluate(() => [
+      document.documentElement.dataset.numbers,
+      ...["time", "verdict", "why", "map-reading"].map((id) => document.getElementById(id).textContent),
+    ]);
   const other = await firefox.open(t, new URL(page.url()).search);
   await rest(other);
   await mapDone(page);

@@ -143,7 +143,9 @@ export class Python {
       const half = state.length / 2;
       return { log: log_, positions: state.slice(0, half), velocities: state.slice(half) };
     });
-    const text = JSON.stringify({ ...report, worlds }, (_, x) => (typeof x === "number" && !Number.isFinite(x) ? null : x));
+    const text = JSON.stringify({ ...report, worlds }, (_, x) =>
+      typeof x === "number" && !Number.isFinite(x) ? null : x,
+    );
     this.process.stdin.write(`${text}\n`);
     return new Promise((done, fail) => this.waiting.push({ done, fail }));
   }
@@ -164,7 +166,14 @@ export async function agrees(python, report, worlds) {
   }
   const { setting, hard, newton, law } = report;
   const stopped = answer.outcomes[0] !== "ok";
-  const verdict = answer.gas && stopped ? "stopped" : setting.restitution === 1 ? "elastic" : !answer.gas ? "elsewhere" : answer.verdict;
+  const verdict =
+    answer.gas && stopped
+      ? "stopped"
+      : setting.restitution === 1
+        ? "elastic"
+        : !answer.gas
+          ? "elsewhere"
+          : answer.verdict;
   assert.equal(said.verdict, verdict, what);
   assert.equal(said.range, setting.restitution < 1 ? answer.outside[0] : undefined, what); // at ε = 1 nothing is said by the law
   assert.equal(said.hard, stopped ? (answer.outcomes[0] === "collapse" ? "collapse" : "stopped") : undefined, what);
@@ -175,10 +184,19 @@ export async function agrees(python, report, worlds) {
   for (const { topic, text, numbers } of report.sentences) {
     const has = (...shown) => shown.forEach((x) => assert.ok(text.includes(x), `${what}: ${text}: ${x}`));
     assert.ok(!/NaN|undefined|null|Infinity/.test(text), `${what}: ${text}`);
-    if (topic === "verdict" && "error" in numbers) assert.deepEqual([numbers.error, numbers.bar, numbers.trusted], [Math.abs(law.error), law.errorBar, law.trusted], what);
+    if (topic === "verdict" && "error" in numbers)
+      assert.deepEqual(
+        [numbers.error, numbers.bar, numbers.trusted],
+        [Math.abs(law.error), law.errorBar, law.trusted],
+        what,
+      );
     if (topic === "contacts" && newton.ended > 0) has(`(${newton.overlapped} of ${newton.ended})`);
     if (topic === "distance" && answer.grows)
-      for (const [name, x] of Object.entries(answer.grows)) assert.ok(Math.abs(numbers[name] / x - 1) < 1e-8 || numbers[name] === x, `${what}: ${name}: ${numbers[name]}, ${x}`);
+      for (const [name, x] of Object.entries(answer.grows))
+        assert.ok(
+          Math.abs(numbers[name] / x - 1) < 1e-8 || numbers[name] === x,
+          `${what}: ${name}: ${numbers[name]}, ${x}`,
+        );
     if (topic === "hard") assert.equal(numbers.time, hard.time, what);
     if (topic === "measured") assert.deepEqual([numbers.hard, numbers.newton], report.samples.at(-1).energy, what);
   }

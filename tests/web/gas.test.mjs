@@ -15,10 +15,14 @@ after(async () => {
   await Promise.all([site?.end(), firefox?.end()]);
 });
 
-const ready = (page) => page.waitForFunction(() => window.hardlimit?.report()?.samples.length > 0, null, { timeout: 60_000 });
+const ready = (page) =>
+  page.waitForFunction(() => window.hardlimit?.report()?.samples.length > 0, null, { timeout: 60_000 });
 const open = (t, query = "", options = {}, from = site) => from.open(t, `gas.html${query}`, { ready, ...options });
 // A film that stands still, at the time of its link or after.
-const settled = (page) => page.waitForFunction(() => document.documentElement.dataset.settled === document.documentElement.dataset.run, null, { timeout: 60_000 });
+const settled = (page) =>
+  page.waitForFunction(() => document.documentElement.dataset.settled === document.documentElement.dataset.run, null, {
+    timeout: 60_000,
+  });
 const report = (page) => page.evaluate(() => window.hardlimit.report());
 const moving = { reducedMotion: "no-preference" };
 
@@ -45,7 +49,11 @@ for (const engine of ["Chromium", "Firefox"])
         history.pushState(null, "", query);
         dispatchEvent(new PopStateEvent("popstate"));
       }, query);
-      await page.waitForFunction((t) => window.hardlimit.report()?.time >= t || window.hardlimit.report()?.done, Number(new URLSearchParams(query).get("t")), { timeout: 60_000 });
+      await page.waitForFunction(
+        (t) => window.hardlimit.report()?.time >= t || window.hardlimit.report()?.done,
+        Number(new URLSearchParams(query).get("t")),
+        { timeout: 60_000 },
+      );
       await settled(page);
       await agrees(python, ...(await both(page)));
     }
@@ -55,17 +63,20 @@ test("what is written on the page is what the report says", async (t) => {
   const page = await open(t, settings[3]);
   await settled(page);
   const { sentences } = await report(page);
-  const written = await page.evaluate(() => ["verdict", "news", "measured"].map((id) => document.getElementById(id).textContent).join(" "));
+  const written = await page.evaluate(() =>
+    ["verdict", "news", "measured"].map((id) => document.getElementById(id).textContent).join(" "),
+  );
   for (const { text } of sentences) assert.ok(written.includes(text), text);
   assert.match(written, /inelastic collapse, infinitely many collisions in a finite time\. Newton’s equations go on/);
 });
 
 // How many colours a canvas has.
-const colours = (page, id) => page.evaluate((id) => {
-  const canvas = document.getElementById(id);
-  const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
-  return new Set(new Uint32Array(data.buffer)).size;
-}, id);
+const colours = (page, id) =>
+  page.evaluate((id) => {
+    const canvas = document.getElementById(id);
+    const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+    return new Set(new Uint32Array(data.buffer)).size;
+  }, id);
 const canvases = ["hard", "newton", "energy", "difference", "distance", "share"];
 
 test("it opens playing; pause, step, again and keys", async (t) => {
@@ -136,7 +147,13 @@ test("with reduced motion it stands still, and nothing is empty", async (t) => {
 test("controls change the setting, and the link gives the same page again", async (t) => {
   const page = await open(t, "?n=150&t=0.003");
   await settled(page);
-  for (const [id, key] of [["phi", "ArrowRight"], ["restitution", "ArrowLeft"], ["tcNu", "ArrowRight"], ["number", "ArrowRight"], ["gravity", "ArrowRight"]]) {
+  for (const [id, key] of [
+    ["phi", "ArrowRight"],
+    ["restitution", "ArrowLeft"],
+    ["tcNu", "ArrowRight"],
+    ["number", "ArrowRight"],
+    ["gravity", "ArrowRight"],
+  ]) {
     await page.focus(`#${id}`);
     await page.keyboard.press(key);
   }
@@ -144,7 +161,10 @@ test("controls change the setting, and the link gives the same page again", asyn
   await page.selectOption("#speed", "0.25");
   await page.waitForFunction(() => window.hardlimit.report()?.setting.rule === "tc");
   const { setting } = await report(page);
-  assert.deepEqual({ ...setting, tcNu: 0 }, { number: 200, phi: 0.51, restitution: 0.84, tcNu: 0, rule: "tc", walls: true, gravity: 0.5, seed: 1 });
+  assert.deepEqual(
+    { ...setting, tcNu: 0 },
+    { number: 200, phi: 0.51, restitution: 0.84, tcNu: 0, rule: "tc", walls: true, gravity: 0.5, seed: 1 },
+  );
   assert.ok(setting.tcNu > 0.1 && setting.tcNu < 0.12);
   for (let i = 0; i < 3; i++) {
     await page.click("#step");
@@ -191,7 +211,13 @@ test("examples start a run", async (t) => {
   const page = await open(t, "?n=150", moving);
   for (const id of ["thin", "dense", "collapse", "settling"]) {
     await page.click(`#example-${id}`);
-    await page.waitForFunction((id) => document.getElementById(`example-${id}`).getAttribute("aria-pressed") === "true" && window.hardlimit.report()?.samples.length > 15, id, { timeout: 60_000 });
+    await page.waitForFunction(
+      (id) =>
+        document.getElementById(`example-${id}`).getAttribute("aria-pressed") === "true" &&
+        window.hardlimit.report()?.samples.length > 15,
+      id,
+      { timeout: 60_000 },
+    );
     assert.equal(await page.getAttribute('[aria-pressed="true"][id^="example"]', "id"), `example-${id}`);
     await shoot(page, `gas-${id}`);
   }
@@ -201,7 +227,10 @@ test("what cannot run is said in one line", async (t) => {
   const page = await open(t, "?phi=0.02&tcnu=0.3&e=7&g=3&walls=0");
   await page.waitForFunction(() => document.getElementById("verdict").textContent !== "");
   assert.match(await page.textContent("#verdict"), /^These disks are too soft: .* Choose t_?c ν below 0\.\d+\.$/);
-  assert.match(await page.textContent("#notes"), /restitution ε: 7 is outside 0\.1 to 1; it is 1\..*Gravity needs a floor/);
+  assert.match(
+    await page.textContent("#notes"),
+    /restitution ε: 7 is outside 0\.1 to 1; it is 1\..*Gravity needs a floor/,
+  );
   for (const id of ["hard", "newton", "energy"]) assert.ok((await colours(page, id)) > 4, id);
   await page.click("#step");
   await page.click("#play");
@@ -209,30 +238,47 @@ test("what cannot run is said in one line", async (t) => {
 });
 
 test("the disks cover their packing fraction of the picture", async (t) => {
-  for (const [n, deviceScaleFactor] of [[150, 1], [500, 1], [500, 2]]) {
+  for (const [n, deviceScaleFactor] of [
+    [150, 1],
+    [500, 1],
+    [500, 2],
+  ]) {
     const page = await open(t, `?n=${n}&phi=0.4&t=0`, { deviceScaleFactor });
-    const shares = await page.evaluate(() => ["hard", "newton"].map((id) => {
-      const canvas = document.getElementById(id);
-      const inset = Math.ceil(0.04 * canvas.width); // no line of the edge
-      const { data } = canvas.getContext("2d").getImageData(inset, inset, canvas.width - 2 * inset, canvas.height - 2 * inset);
-      const disk = getComputedStyle(document.documentElement).getPropertyValue("--disk");
-      const dark = parseInt(/#(..)/.exec(disk)[1], 16);
-      let covered = 0;
-      for (let i = 0; i < data.length; i += 4) covered += (255 - data[i]) / (255 - dark);
-      return covered / (data.length / 4);
-    }));
+    const shares = await page.evaluate(() =>
+      ["hard", "newton"].map((id) => {
+        const canvas = document.getElementById(id);
+        const inset = Math.ceil(0.04 * canvas.width); // no line of the edge
+        const { data } = canvas
+          .getContext("2d")
+          .getImageData(inset, inset, canvas.width - 2 * inset, canvas.height - 2 * inset);
+        const disk = getComputedStyle(document.documentElement).getPropertyValue("--disk");
+        const dark = parseInt(/#(..)/.exec(disk)[1], 16);
+        let covered = 0;
+        for (let i = 0; i < data.length; i += 4) covered += (255 - data[i]) / (255 - dark);
+        return covered / (data.length / 4);
+      }),
+    );
     for (const share of shares) assert.ok(Math.abs(share - 0.4) < 0.02, `${n} disks: ${share}`);
   }
 });
 
 test("accessible, in both themes, at every size and in print", async (t) => {
-  const sizes = { phone: [390, 844], landscape: [844, 390], laptop: [1280, 720], large: [1920, 1080], zoomed: [640, 360], "zoomed fourfold": [320, 256] };
+  const sizes = {
+    phone: [390, 844],
+    landscape: [844, 390],
+    laptop: [1280, 720],
+    large: [1920, 1080],
+    zoomed: [640, 360],
+    "zoomed fourfold": [320, 256],
+  };
   for (const [name, [width, height]] of Object.entries(sizes))
     for (const colorScheme of ["light", "dark"]) {
       const page = await open(t, "?example=dense&n=300", { viewport: { width, height }, colorScheme });
       await settled(page);
       await accessible(page, `${name}, ${colorScheme}`);
-      const seen = await page.evaluate(() => document.getElementById("newton").getBoundingClientRect().bottom <= innerHeight);
+      const seen = await page.evaluate(
+        () => document.getElementById("newton").getBoundingClientRect().bottom <= innerHeight,
+      );
       if (!name.startsWith("zoomed")) assert.ok(seen, `${name}: both worlds are on the first screen`);
       await shoot(page, `gas-${name}-${colorScheme}`, { fullPage: true });
       if (name !== "laptop") continue;
@@ -262,7 +308,9 @@ test("the first page links to the gas, and back", async (t) => {
 
 test("below 500 kB in all", (t) => {
   const folder = new URL("../../src/hardlimit/explorer/page/", import.meta.url);
-  const size = readdirSync(folder).filter((name) => name.startsWith("gas")).reduce((sum, name) => sum + statSync(new URL(name, folder)).size, 0);
+  const size = readdirSync(folder)
+    .filter((name) => name.startsWith("gas"))
+    .reduce((sum, name) => sum + statSync(new URL(name, folder)).size, 0);
   t.diagnostic(`${size} bytes`);
   assert.ok(size < 500_000, String(size));
 });

@@ -12,18 +12,42 @@ import { random } from "./modules.mjs";
 
 const count = 120;
 const src = new URL("../../web/src/gas/", import.meta.url).pathname;
-const wasm = process.env.EXPLORER_GAS_WASM ?? new URL("../../src/hardlimit/explorer/page/gas.wasm", import.meta.url).pathname;
+const wasm =
+  process.env.EXPLORER_GAS_WASM ?? new URL("../../src/hardlimit/explorer/page/gas.wasm", import.meta.url).pathname;
 
 async function load() {
   const folder = mkdtempSync(join(tmpdir(), "gas-"));
   const outfile = join(folder, "gas.mjs");
   const names = ["core", "simulation", "setting", "report", "sentences", "facts"];
-  await build({ stdin: { contents: names.map((name) => `export * from "${src}${name}";`).join("\n"), resolveDir: src, loader: "ts" }, outfile, bundle: true, format: "esm", platform: "node" });
+  await build({
+    stdin: {
+      contents: names.map((name) => `export * from "${src}${name}";`).join("\n"),
+      resolveDir: src,
+      loader: "ts",
+    },
+    outfile,
+    bundle: true,
+    format: "esm",
+    platform: "node",
+  });
   const modules = await import(outfile);
   rmSync(folder, { recursive: true, force: true });
   return modules;
 }
-const { GasCore, Simulation, World, examples, filmFromQuery, fromQuery, toQuery, percent, ranges, reportOf, rules, usual } = await load();
+const {
+  GasCore,
+  Simulation,
+  World,
+  examples,
+  filmFromQuery,
+  fromQuery,
+  toQuery,
+  percent,
+  ranges,
+  reportOf,
+  rules,
+  usual,
+} = await load();
 const module = new WebAssembly.Module(readFileSync(wasm));
 const python = new Python();
 after(() => python.end());
@@ -65,10 +89,22 @@ function played(setting, frames, steps) {
       samples.push(frame.sample);
     }
   const messages = Array.from({ length: 8 }, (_, i) => core.outcome(i));
-  const facts = { start: simulation.start, hard: frame.worlds[0].observed, newton: frame.worlds[1].observed, sample: frame.sample, samples, messages, done: frame.done, atRest: frame.atRest };
+  const facts = {
+    start: simulation.start,
+    hard: frame.worlds[0].observed,
+    newton: frame.worlds[1].observed,
+    sample: frame.sample,
+    samples,
+    messages,
+    done: frame.done,
+    atRest: frame.atRest,
+  };
   const joined = (parts) => parts.flatMap((part) => Array.from(part));
   const logs = [joined(simulation.logs[0]), joined([...simulation.logs[1], core.log(World.newton, true)])];
-  return { report: reportOf(facts, false), worlds: { logs, states: [core.state(World.hard), core.state(World.newton)] } };
+  return {
+    report: reportOf(facts, false),
+    worlds: { logs, states: [core.state(World.hard), core.state(World.newton)] },
+  };
 }
 
 test(`${count} random gases: collisions, numbers and sentences are Python's`, async (t) => {
@@ -81,16 +117,25 @@ test(`${count} random gases: collisions, numbers and sentences are Python's`, as
     for (const { topic, id } of report.sentences) seen[`${topic}: ${id}`] = (seen[`${topic}: ${id}`] ?? 0) + 1;
   }
   t.diagnostic(JSON.stringify(seen));
-  for (const id of ["too-soft", "stopped", "elastic", "elsewhere", "differs", "agrees", "open"]) assert.ok(seen[`verdict: ${id}`], id);
+  for (const id of ["too-soft", "stopped", "elastic", "elsewhere", "differs", "agrees", "open"])
+    assert.ok(seen[`verdict: ${id}`], id);
   for (const id of ["grows", "unknown"]) assert.ok(seen[`distance: ${id}`] > 5, id);
 });
 
 test("the examples do what they say", async () => {
-  const runs = Object.fromEntries(await Promise.all(examples.map(async ({ id, setting }) => {
-    const { report, worlds } = played({ ...usual, ...setting, number: Math.min(setting.number ?? usual.number, 400) }, 400, 1);
-    await agrees(python, report, worlds);
-    return [id, Object.fromEntries(report.sentences.map((s) => [s.topic, s.id]))];
-  })));
+  const runs = Object.fromEntries(
+    await Promise.all(
+      examples.map(async ({ id, setting }) => {
+        const { report, worlds } = played(
+          { ...usual, ...setting, number: Math.min(setting.number ?? usual.number, 400) },
+          400,
+          1,
+        );
+        await agrees(python, report, worlds);
+        return [id, Object.fromEntries(report.sentences.map((s) => [s.topic, s.id]))];
+      }),
+    ),
+  );
   assert.equal(runs.thin.verdict, "agrees");
   assert.equal(runs.dense.verdict, "differs");
   assert.equal(runs.collapse.hard, "collapse");
@@ -123,8 +168,12 @@ test("a link gives its setting again; what is out of range is said", () => {
 
 test("the film of a link: its speed and its time, and what is neither", () => {
   for (const [query, film, noted] of [
-    ["", { speed: "1", time: null }, 0], ["speed=4&t=0.01", { speed: "4", time: 0.01 }, 0], ["t=0", { speed: "1", time: 0 }, 0],
-    ["speed=7&t=-5", { speed: "1", time: null }, 2], ["t=abc", { speed: "1", time: null }, 1], ["t=Infinity", { speed: "1", time: null }, 1],
+    ["", { speed: "1", time: null }, 0],
+    ["speed=4&t=0.01", { speed: "4", time: 0.01 }, 0],
+    ["t=0", { speed: "1", time: 0 }, 0],
+    ["speed=7&t=-5", { speed: "1", time: null }, 2],
+    ["t=abc", { speed: "1", time: null }, 1],
+    ["t=Infinity", { speed: "1", time: null }, 1],
   ]) {
     const notes = [];
     assert.deepEqual(filmFromQuery(new URLSearchParams(query), notes), film);
@@ -143,7 +192,10 @@ test("a film that goes on to a time ends there, in steps of any size", () => {
 });
 
 test("a share too small to be shown is not said to be 0; sliders end where their range does", () => {
-  assert.deepEqual([0, 6e-6, 1e-4, -0.012, 0.2].map((x) => percent(x).replaceAll("\u00a0", " ")), ["0 %", "less than 0.01 %", "0.01 %", "−1.2 %", "20 %"]);
+  assert.deepEqual(
+    [0, 6e-6, 1e-4, -0.012, 0.2].map((x) => percent(x).replaceAll("\u00a0", " ")),
+    ["0 %", "less than 0.01 %", "0.01 %", "−1.2 %", "20 %"],
+  );
   for (const { low, high, step, log } of Object.values(ranges)) {
     const [from, to] = log ? [Math.log10(low), Math.log10(high)] : [low, high];
     const last = from + Math.floor((to - from) / step + 1e-9) * step;

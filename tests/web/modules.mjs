@@ -8,10 +8,13 @@ import { join } from "node:path";
 import { tables } from "../../web/tables.mjs";
 
 const src = new URL("../../web/src/", import.meta.url).pathname;
-const wasm = process.env.EXPLORER_WASM ?? new URL("../../src/hardlimit/explorer/page/maps.wasm", import.meta.url).pathname;
+const wasm =
+  process.env.EXPLORER_WASM ?? new URL("../../src/hardlimit/explorer/page/maps.wasm", import.meta.url).pathname;
 
 // The path of a module from its name: each name occurs in one room of web/src only. The page of the gas has its own.
-const paths = readdirSync(src, { recursive: true }).map(String).filter((path) => path.endsWith(".ts") && !path.startsWith("gas/"));
+const paths = readdirSync(src, { recursive: true })
+  .map(String)
+  .filter((path) => path.endsWith(".ts") && !path.startsWith("gas/"));
 function pathOf(name) {
   const found = paths.filter((path) => path === `${name}.ts` || path.endsWith(`/${name}.ts`));
   if (found.length !== 1) throw new Error(`web/src has ${found.length} modules ${name}`);
@@ -21,10 +24,28 @@ function pathOf(name) {
 // Besides the modules named here those asked for.
 export async function load(...more) {
   const folder = mkdtempSync(join(tmpdir(), "modules-"));
-  const names = ["clock", "core", "drop", "exact_numbers", "format", "motion", "scenario", "table", "trajectory_csv", ...more];
+  const names = [
+    "clock",
+    "core",
+    "drop",
+    "exact_numbers",
+    "format",
+    "motion",
+    "scenario",
+    "table",
+    "trajectory_csv",
+    ...more,
+  ];
   const outfile = join(folder, "modules.mjs");
   const contents = names.map((name) => `export * from "${pathOf(name)}";`).join("\n");
-  await build({ stdin: { contents, resolveDir: src, loader: "ts" }, outfile, bundle: true, format: "esm", platform: "node", define: { TABLES: tables(wasm) } });
+  await build({
+    stdin: { contents, resolveDir: src, loader: "ts" },
+    outfile,
+    bundle: true,
+    format: "esm",
+    platform: "node",
+    define: { TABLES: tables(wasm) },
+  });
   const modules = await import(outfile);
   rmSync(folder, { recursive: true, force: true });
   return { ...modules, core: new modules.Core(new WebAssembly.Module(readFileSync(wasm))) };
@@ -36,7 +57,10 @@ export async function fromPython(program, texts) {
   python.stdin.end(JSON.stringify(texts));
   let said = "";
   for await (const data of python.stdout.setEncoding("utf8")) said += data;
-  const lines = said.trim().split("\n").map((line) => JSON.parse(line));
+  const lines = said
+    .trim()
+    .split("\n")
+    .map((line) => JSON.parse(line));
   assert.equal(lines.length, texts.length);
   return lines;
 }
@@ -59,13 +83,25 @@ export function randomLink(next) {
   const law = ["linear", "viscoelastic", "tsuji"][Math.floor(3 * next())];
   const q = new URLSearchParams({ law, e: next() < 0.1 ? "1" : (0.3 + 0.7 * next()).toFixed(3) });
   if (law === "linear") q.set("k", log(1e5, 1e8));
-  if (law === "viscoelastic") for (const [key, value] of [["Y", log(1e7, 1e11)], ["nu", (0.5 * next()).toFixed(2)], ["v", log(0.1, 10)]]) q.set(key, value);
+  if (law === "viscoelastic")
+    for (const [key, value] of [
+      ["Y", log(1e7, 1e11)],
+      ["nu", (0.5 * next()).toFixed(2)],
+      ["v", log(0.1, 10)],
+    ])
+      q.set(key, value);
   if (law === "tsuji") q.set("K", log(1e7, 1e10));
   const one = log(0.005, 0.1);
   const alike = next() < 0.2;
   const list = (make) => Array.from({ length: n }, make).join();
-  q.set("r", list(() => (alike ? one : log(0.005, 0.1))));
-  q.set("rho", list(() => log(300, 8000)));
+  q.set(
+    "r",
+    list(() => (alike ? one : log(0.005, 0.1))),
+  );
+  q.set(
+    "rho",
+    list(() => log(300, 8000)),
+  );
   q.set("gap", Array.from({ length: n - 1 }, () => (next() < 0.25 ? 0 : log(1e-6, 0.03))).join());
   q.set("h", log(0.15, 2));
   return q;

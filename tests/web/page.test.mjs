@@ -24,25 +24,35 @@ const open = (t, query = "?example=fig2", options = {}) => site.open(t, query, o
 
 const numbers = (page) => page.evaluate(() => JSON.parse(document.documentElement.dataset.numbers));
 // The page has drawn this often, with nothing left to solve.
-const settled = (page, frames = 2) => page.evaluate((frames) => new Promise((done) => {
-  let left = frames;
-  const tick = () => {
-    if (document.documentElement.dataset.busy !== undefined) left = frames;
-    left-- > 0 ? requestAnimationFrame(tick) : done();
-  };
-  tick();
-}), frames);
-const picture = (page) => page.evaluate(() => {
-  const map = document.getElementById("map");
-  return { resolution: Number(map.dataset.resolution), data: map.toDataURL() };
-});
+const settled = (page, frames = 2) =>
+  page.evaluate(
+    (frames) =>
+      new Promise((done) => {
+        let left = frames;
+        const tick = () => {
+          if (document.documentElement.dataset.busy !== undefined) left = frames;
+          left-- > 0 ? requestAnimationFrame(tick) : done();
+        };
+        tick();
+      }),
+    frames,
+  );
+const picture = (page) =>
+  page.evaluate(() => {
+    const map = document.getElementById("map");
+    return { resolution: Number(map.dataset.resolution), data: map.toDataURL() };
+  });
 
 // A map leaves out its finest level where that would take too long: on a busy machine only the finest maps are compared.
 function same(t, maps) {
   const finest = Math.max(...maps.map((m) => m.resolution));
   const compared = maps.filter((m) => m.resolution === finest);
-  if (compared.length < maps.length) t.diagnostic(`${compared.length} of ${maps.length} maps have ${finest} points a side`);
-  assert.ok(compared.every((m) => m.data === compared[0].data), "the same map");
+  if (compared.length < maps.length)
+    t.diagnostic(`${compared.length} of ${maps.length} maps have ${finest} points a side`);
+  assert.ok(
+    compared.every((m) => m.data === compared[0].data),
+    "the same map",
+  );
 }
 
 function close(a, b, what, tolerance = 1e-9) {
@@ -102,7 +112,11 @@ test("the balls are drawn before anything is said, from the answer of a worker t
     Object.assign(window, { drawn: null, asked: [] });
     const { clearRect } = CanvasRenderingContext2D.prototype;
     CanvasRenderingContext2D.prototype.clearRect = function (...place) {
-      window.drawn ??= [this.canvas.id, document.documentElement.dataset.numbers === undefined, this.canvas.width > 300];
+      window.drawn ??= [
+        this.canvas.id,
+        document.documentElement.dataset.numbers === undefined,
+        this.canvas.width > 300,
+      ];
       return clearRect.apply(this, place);
     };
     const { postMessage } = Worker.prototype;
@@ -111,14 +125,25 @@ test("the balls are drawn before anything is said, from the answer of a worker t
       return postMessage.call(this, message, ...more);
     };
   });
-  for (const [query, canvas, restitution, tolerance] of [["", "duel", 0.76, 0.01], ["?page=lab&e=0.5&tol=0.02", "stage", 0.5, 0.02], ["?story=map&example=fig2&e=0.6", "duel", 0.6, 0.01]]) {
+  for (const [query, canvas, restitution, tolerance] of [
+    ["", "duel", 0.76, 0.01],
+    ["?page=lab&e=0.5&tol=0.02", "stage", 0.5, 0.02],
+    ["?story=map&example=fig2&e=0.6", "duel", 0.6, 0.01],
+  ]) {
     await page.goto(site.base + query);
     await page.waitForFunction(() => document.documentElement.dataset.numbers);
-    const { drawn, asked, setting, said } = await page.evaluate(() => ({ drawn: window.drawn, asked: window.asked, setting: window.hardlimit.report().setting, said: window.hardlimit.report().tolerance }));
+    const { drawn, asked, setting, said } = await page.evaluate(() => ({
+      drawn: window.drawn,
+      asked: window.asked,
+      setting: window.hardlimit.report().setting,
+      said: window.hardlimit.report().tolerance,
+    }));
     assert.deepEqual([asked, setting.restitution, said], [[], restitution, tolerance], query);
     if (!query.includes("map")) assert.deepEqual(drawn, [canvas, true, true], query);
   }
-  await page.evaluate(() => Object.assign(document.getElementById("watch-gap"), { value: "500" }).dispatchEvent(new Event("input")));
+  await page.evaluate(() =>
+    Object.assign(document.getElementById("watch-gap"), { value: "500" }).dispatchEvent(new Event("input")),
+  );
   await page.waitForFunction(() => window.asked.length > 0); // a change is asked for, so the list above would not be empty
 });
 
@@ -131,12 +156,19 @@ test("numbers of every example are Python's", async (t) => {
     await page.goto(`${site.base}?example=${example}`);
     await solved(page);
     const balls = await page.evaluate(() => window.hardlimit.report().setting.balls.length);
-    shown.push({ example, balls, numbers: await numbers(page), file: await download(page, "#toml", `${example}.toml`) });
+    shown.push({
+      example,
+      balls,
+      numbers: await numbers(page),
+      file: await download(page, "#toml", `${example}.toml`),
+    });
   }
   const said = fromPython(shown.map(({ file }) => file));
   shown.forEach(({ example, balls, numbers }, i) => compare(numbers, said[i], balls, example));
   const { numbers: last, file } = shown.at(-1);
-  const { models } = JSON.parse(execFileSync(python, ["-m", "hardlimit", "drop", file, "--json"], { encoding: "utf8" }));
+  const { models } = JSON.parse(
+    execFileSync(python, ["-m", "hardlimit", "drop", file, "--json"], { encoding: "utf8" }),
+  );
   assert.equal(models.newton.n_contacts, last.newton_contacts, "the file is one for the command line");
 });
 
@@ -154,7 +186,8 @@ test("every control moves the result and is in the link", async (t) => {
       const numbersBefore = JSON.stringify(await numbers(page));
       await page.focus(`#${id}`);
       const up = Number(await page.inputValue(`#${id}`)) < 800;
-      if (id.startsWith("velocity")) for (let i = 0; i < 3; i++) await page.keyboard.press(up ? "ArrowRight" : "ArrowLeft"); // the balls must go on meeting
+      if (id.startsWith("velocity"))
+        for (let i = 0; i < 3; i++) await page.keyboard.press(up ? "ArrowRight" : "ArrowLeft"); // the balls must go on meeting
       else await page.keyboard.press(up ? "PageUp" : "PageDown");
       await settled(page);
       assert.notEqual(await page.inputValue(`#${id}-value`), before, `${setup} ${id} shows its value`);
@@ -178,7 +211,12 @@ test("every control moves the result and is in the link", async (t) => {
   await page.fill("#restitution-value", "nonsense");
   await page.keyboard.press("Tab");
   assert.equal(await page.getAttribute("#restitution-value", "aria-invalid"), "true");
-  await page.waitForFunction(() => location.search.includes("e=0.82") && location.search.includes("gap=0.00025") && location.search.includes("law=viscoelastic"));
+  await page.waitForFunction(
+    () =>
+      location.search.includes("e=0.82") &&
+      location.search.includes("gap=0.00025") &&
+      location.search.includes("law=viscoelastic"),
+  );
 });
 
 test("an answer leaves what is being typed, and a refused entry", async (t) => {
@@ -227,7 +265,10 @@ test("a slider follows the mouse to where it is let go, on an example too", asyn
 test("after a slider has moved, every text is that of the last answer", async (t) => {
   const page = await open(t, "?example=basketball");
   await page.evaluate(async () => {
-    for (const [id, range] of [["restitution", [0.3, 0.9]], ["gap1", [0, 0.95]]]) {
+    for (const [id, range] of [
+      ["restitution", [0.3, 0.9]],
+      ["gap1", [0, 0.95]],
+    ]) {
       const slider = document.getElementById(id);
       for (let i = 0; i <= 30; i++) {
         slider.value = String(Number(slider.max) * (range[0] + ((range[1] - range[0]) * i) / 30));
@@ -236,19 +277,38 @@ test("after a slider has moved, every text is that of the last answer", async (t
       }
     }
   });
-  await page.waitForFunction(() => document.documentElement.dataset.moving === undefined && document.documentElement.dataset.busy === undefined && window.hardlimit.report().current);
+  await page.waitForFunction(
+    () =>
+      document.documentElement.dataset.moving === undefined &&
+      document.documentElement.dataset.busy === undefined &&
+      window.hardlimit.report().current,
+  );
   await settled(page, 30);
   const [written, report] = await page.evaluate(() => {
     const text = (selector) => document.querySelector(selector).textContent.replaceAll("\u00a0", " ");
-    const cells = [...document.querySelectorAll("#numbers tbody tr")].map((tr) => [...tr.children].map((cell) => cell.textContent));
-    return [{ verdict: text("#verdict"), why: text("#why"), answer: text("#answer"), cells, restitution: document.getElementById("restitution-value").value }, window.hardlimit.report()];
+    const cells = [...document.querySelectorAll("#numbers tbody tr")].map((tr) =>
+      [...tr.children].map((cell) => cell.textContent),
+    );
+    return [
+      {
+        verdict: text("#verdict"),
+        why: text("#why"),
+        answer: text("#answer"),
+        cells,
+        restitution: document.getElementById("restitution-value").value,
+      },
+      window.hardlimit.report(),
+    ];
   });
   const said = (list) => list.map((sentence) => sentence.text).join(" ");
   assert.equal(written.verdict, `${said(report.newton)} ${said(report.icm)}`);
   assert.equal(written.why, said(report.why));
   assert.equal(written.answer, report.verdict.text);
   assert.equal(Number(written.restitution), report.setting.restitution);
-  assert.deepEqual(written.cells, report.table.map((row) => [row.name, ...row.values].map((text) => text.replaceAll("_", ""))));
+  assert.deepEqual(
+    written.cells,
+    report.table.map((row) => [row.name, ...row.values].map((text) => text.replaceAll("_", ""))),
+  );
 });
 
 test("a link reproduces the view", async (t) => {
@@ -262,7 +322,14 @@ test("a link reproduces the view", async (t) => {
   await page.fill("#scrubber", "900");
   await page.waitForFunction(() => new URLSearchParams(location.search).has("t"));
   const link = await page.evaluate(() => location.href);
-  const look = (p) => p.evaluate(() => [document.documentElement.dataset.numbers, document.getElementById("time").textContent, document.getElementById("map-show").value, document.getElementById("map-axis").value, document.getElementById("slow").ariaPressed]);
+  const look = (p) =>
+    p.evaluate(() => [
+      document.documentElement.dataset.numbers,
+      document.getElementById("time").textContent,
+      document.getElementById("map-show").value,
+      document.getElementById("map-axis").value,
+      document.getElementById("slow").ariaPressed,
+    ]);
   const other = await open(t, new URL(link).search);
   await settled(other);
   assert.deepEqual(await look(other), await look(page));
@@ -300,17 +367,45 @@ test("the map is the same whichever worker answers first", async (t) => {
 });
 
 test("bad parameters are clamped and said", async (t) => {
-  const page = await open(t, "?e=7&k=abc&gap=-3&r=1e9,0.01&rho=840,840&h=1e99&law=jelly&zoom=3,2,1&t=x&map=%3Cscript%3E&example=none&n=%00");
+  const page = await open(
+    t,
+    "?e=7&k=abc&gap=-3&r=1e9,0.01&rho=840,840&h=1e99&law=jelly&zoom=3,2,1&t=x&map=%3Cscript%3E&example=none&n=%00",
+  );
   const note = await page.textContent("#notes");
-  for (const text of ["e = 7", "k = “abc”", "gap = -3", "r = 1000000000", "h = 1e+99", "jelly", "zoom", "t = “x”", "<script>", "none"]) assert.ok(note.includes(text), `${text} in ${note}`);
+  for (const text of [
+    "e = 7",
+    "k = “abc”",
+    "gap = -3",
+    "r = 1000000000",
+    "h = 1e+99",
+    "jelly",
+    "zoom",
+    "t = “x”",
+    "<script>",
+    "none",
+  ])
+    assert.ok(note.includes(text), `${text} in ${note}`);
   assert.equal(await page.inputValue("#restitution-value"), "1");
   assert.equal(await page.isVisible("#notes"), true);
   assert.ok((await numbers(page)).newton_contacts >= 0);
   await page.click("#notes button");
   assert.equal(await page.isVisible("#notes"), false);
-  for (const query of ["?r=0.1&e=NaN", "?r=" + "0.01,".repeat(50), "?gap=&u=1,2&e=0.02", "?setup=cradle&u=0,1", "?e=0.02&k=1e9&gap=1e-8", "?law=viscoelastic&e=0.02&Y=1e12", "?law=tsuji&e=0.02&K=1e12", "?h=0.01&r=0.5,0.001", "?e=1&gap=1&h=10", "?t=1e9"]) {
+  for (const query of [
+    "?r=0.1&e=NaN",
+    "?r=" + "0.01,".repeat(50),
+    "?gap=&u=1,2&e=0.02",
+    "?setup=cradle&u=0,1",
+    "?e=0.02&k=1e9&gap=1e-8",
+    "?law=viscoelastic&e=0.02&Y=1e12",
+    "?law=tsuji&e=0.02&K=1e12",
+    "?h=0.01&r=0.5,0.001",
+    "?e=1&gap=1&h=10",
+    "?t=1e9",
+  ]) {
     await page.goto(site.base + laboratory(query));
-    await page.waitForFunction(() => document.documentElement.dataset.numbers && document.getElementById("verdict").textContent);
+    await page.waitForFunction(
+      () => document.documentElement.dataset.numbers && document.getElementById("verdict").textContent,
+    );
   }
 });
 
@@ -330,7 +425,7 @@ test("a film that stands at its start does so again", async (t) => {
 
 test("the story leaves the film as it is: its time, in real time", async (t) => {
   const page = await open(t, "?film=real&t=0.005");
-  await page.click("#tell");
+  await page.click("#open-story");
   await page.click("#leave");
   assert.equal(await page.getAttribute("#slow", "aria-pressed"), "false");
   assert.match(page.url(), /film=real&t=0\.005&/);
@@ -341,7 +436,9 @@ test("film: plays, slows, steps, is tied to the cursor", async (t) => {
   const time = () => page.textContent("#time");
   const early = await time();
   await page.waitForFunction((x) => document.getElementById("time").textContent !== x, early);
-  await page.waitForFunction(() => /× slower/.test(document.getElementById("speed").textContent), null, { timeout: 10_000 });
+  await page.waitForFunction(() => /× slower/.test(document.getElementById("speed").textContent), null, {
+    timeout: 10_000,
+  });
   await page.click("#play");
   const held = await time();
   await settled(page, 12);
@@ -383,7 +480,11 @@ test("timeline chooses ε, map chooses and zooms", async (t) => {
   const map = await page.locator("#map").boundingBox();
   await page.mouse.click(map.x + map.width * 0.6, map.y + map.height * 0.5);
   await settled(page);
-  const contacts = Number(await (await page.waitForFunction(() => /: (\d+) contact/.exec(document.getElementById("map-reading").textContent)?.[1])).jsonValue());
+  const contacts = Number(
+    await (
+      await page.waitForFunction(() => /: (\d+) contact/.exec(document.getElementById("map-reading").textContent)?.[1])
+    ).jsonValue(),
+  );
   assert.ok(Math.abs(Number(await page.inputValue("#restitution-value")) - 0.6) < 0.15);
   await page.mouse.move(5, 5);
   await settled(page);
@@ -423,7 +524,9 @@ test("exports", async (t) => {
   assert.equal(png.subarray(1, 4).toString(), "PNG");
   assert.ok(png.readUInt32BE(16) >= 3000 && png.length > 50_000);
   if (shots) writeFileSync(join(shots, "export.png"), png);
-  const csv = readFileSync(await download(page, "#csv"), "utf8").trim().split("\n");
+  const csv = readFileSync(await download(page, "#csv"), "utf8")
+    .trim()
+    .split("\n");
   const head = csv.findIndex((x) => x.startsWith("time,"));
   assert.ok(csv.slice(0, head).every((x) => x.startsWith("# ")));
   const columns = csv[head].split(",").length;
@@ -444,7 +547,9 @@ test("keyboard alone reaches and works everything", async (t) => {
     assert.ok(ring, `focus of ${id} is visible`);
     if (id) reached.add(id);
   }
-  const wanted = await page.$$eval("button[id], select[id], input[id], canvas[tabindex]", (list) => list.filter((x) => x.type !== "radio" && !x.disabled && x.checkVisibility()).map((x) => x.id));
+  const wanted = await page.$$eval("button[id], select[id], input[id], canvas[tabindex]", (list) =>
+    list.filter((x) => x.type !== "radio" && !x.disabled && x.checkVisibility()).map((x) => x.id),
+  );
   for (const id of wanted) assert.ok(reached.has(id), `${id} is reached`);
   await page.focus("#play");
   await page.keyboard.press("Enter");
@@ -471,7 +576,11 @@ for (const [name, options] of Object.entries({
   });
 
 test("touch: a tap chooses in the map", async (t) => {
-  const page = await open(t, "?example=fig2", { viewport: { width: 390, height: 844 }, isMobile: true, hasTouch: true });
+  const page = await open(t, "?example=fig2", {
+    viewport: { width: 390, height: 844 },
+    isMobile: true,
+    hasTouch: true,
+  });
   await page.locator("#map").scrollIntoViewIfNeeded();
   await page.waitForSelector("#map[data-resolution]");
   const box = await page.locator("#map").boundingBox();

@@ -26,10 +26,16 @@ test("nothing is computed for a picture that is not shown, until it is", () => {
   const left = { seen: 2, hidden: 2 };
   const done = [];
   let visible = false;
-  for (const [name, shown] of [["hidden", () => visible], ["seen", () => true]])
+  for (const [name, shown] of [
+    ["hidden", () => visible],
+    ["seen", () => true],
+  ])
     pool.add(() => (left[name]-- > 0 ? { kind: "points", ask: name, done: () => done.push(name) } : null), shown);
   pool.wake();
-  assert.deepEqual(workers.map((w) => w.asked.map((m) => m.ask)), [["seen"], ["seen"]]);
+  assert.deepEqual(
+    workers.map((w) => w.asked.map((m) => m.ask)),
+    [["seen"], ["seen"]],
+  );
   for (const w of workers) w.answer([]);
   assert.deepEqual(done, ["seen", "seen"]);
   assert.equal(left.hidden, 2);
@@ -42,11 +48,17 @@ test("nothing is computed for a picture that is not shown, until it is", () => {
 test("what somebody waits for comes first", async () => {
   workers.length = 0;
   const pool = new Pool({});
-  pool.add(() => ({ kind: "points", ask: "picture", done() {} }), () => true);
+  pool.add(
+    () => ({ kind: "points", ask: "picture", done() {} }),
+    () => true,
+  );
   pool.wake();
   const waiting = pool.ask("csv", "file");
   for (const w of workers) w.answer("text");
-  assert.deepEqual(workers[0].asked.map((m) => m.ask), ["picture", "file"]);
+  assert.deepEqual(
+    workers[0].asked.map((m) => m.ask),
+    ["picture", "file"],
+  );
   workers[0].answer("text");
   assert.equal(await waiting, "text");
 });
@@ -55,12 +67,20 @@ test("a worker that cannot be loaded is told of, and hired anew for the next que
   workers.length = 0;
   const desk = new Desk(() => ({}));
   const told = [];
-  const work = (ask) => ({ kind: "solve", ask, done: (answer) => told.push(answer), failed: (error) => told.push(error) });
+  const work = (ask) => ({
+    kind: "solve",
+    ask,
+    done: (answer) => told.push(answer),
+    failed: (error) => told.push(error),
+  });
   desk.put(work("first"));
   desk.giveUp();
   workers[1].onerror({}); // before anything is asked of it
   desk.put(work("second"));
-  assert.deepEqual(workers[2].asked.map((m) => m.ask), ["second"]);
+  assert.deepEqual(
+    workers[2].asked.map((m) => m.ask),
+    ["second"],
+  );
   workers[2].onerror({});
   assert.match(told[0], /worker\.js could not be loaded/);
   assert.equal(desk.waits, false);
@@ -83,7 +103,10 @@ for (const early of [true, false])
       first.hear(reply);
     }
     assert.deepEqual(told, ["of the link"]);
-    assert.deepEqual(workers[0].asked.map((m) => m.ask), ["next"]);
+    assert.deepEqual(
+      workers[0].asked.map((m) => m.ask),
+      ["next"],
+    );
     first.hear({ data: { id: 2, ms: 1, answer: "of the next" } });
     assert.deepEqual(told, ["of the link", "of the next"]);
     assert.equal(workers.length, 1);

@@ -5,7 +5,7 @@ import { test } from "node:test";
 import { fromPython, load, random } from "./modules.mjs";
 
 const count = 300;
-const lib = await load("report", "presets", "story_text", "lecture_view");
+const lib = await load("report", "presets", "sentences", "story_view");
 const { core, solve, dropOf, reportOf, fromQuery, paper, columnOf } = lib;
 
 // ---- settings -----------------------------------------------------------------------------------------------
@@ -23,30 +23,57 @@ function randomLink(next) {
   const law = ["linear", "linear", "viscoelastic", "tsuji"][Math.floor(4 * next())];
   const list = (m, make) => Array.from({ length: m }, make).join();
   const extreme = next() < 0.15;
-  const q = new URLSearchParams({ law, e: next() < 0.1 ? "1" : next() < 0.1 ? "0.02" : (0.3 + 0.7 * next()).toFixed(3) });
+  const q = new URLSearchParams({
+    law,
+    e: next() < 0.1 ? "1" : next() < 0.1 ? "0.02" : (0.3 + 0.7 * next()).toFixed(3),
+  });
   const each = (make) => (next() < 0.3 ? list(n, make) : make());
-  if (law === "linear") q.set("k", each(() => log(extreme ? 1e3 : 3e4, 1e8)));
+  if (law === "linear")
+    q.set(
+      "k",
+      each(() => log(extreme ? 1e3 : 3e4, 1e8)),
+    );
   if (law === "viscoelastic") {
-    q.set("Y", each(() => log(extreme ? 1e6 : 1e7, 1e11)));
+    q.set(
+      "Y",
+      each(() => log(extreme ? 1e6 : 1e7, 1e11)),
+    );
     q.set("nu", (0.49 * next()).toFixed(2));
     q.set("v", log(0.1, 10));
   }
-  if (law === "tsuji") q.set("K", each(() => log(1e7, 1e10)));
+  if (law === "tsuji")
+    q.set(
+      "K",
+      each(() => log(1e7, 1e10)),
+    );
   const one = [log(0.005, 0.1), log(300, 8000)];
   const alike = next() < 0.25;
-  q.set("r", list(n, () => (alike ? one[0] : log(0.005, 0.1))));
-  q.set("rho", list(n, () => (alike ? one[1] : log(300, 8000))));
-  q.set("gap", list(n - 1, () => (next() < 0.3 ? 0 : log(1e-7, 0.1))));
+  q.set(
+    "r",
+    list(n, () => (alike ? one[0] : log(0.005, 0.1))),
+  );
+  q.set(
+    "rho",
+    list(n, () => (alike ? one[1] : log(300, 8000))),
+  );
+  q.set(
+    "gap",
+    list(n - 1, () => (next() < 0.3 ? 0 : log(1e-7, 0.1))),
+  );
   if (next() < 0.12) {
     q.set("setup", "cradle");
     q.set("u", [1, ...Array.from({ length: n - 1 }, () => (next() < 0.7 ? 0 : (next() - 0.7).toFixed(2)))].join());
-  } else q.set("h", next() < 0.2 ? Number((1.002 * Number(q.get("r").split(",")[0]) + 1e-3).toPrecision(6)) : log(0.15, 2));
+  } else
+    q.set("h", next() < 0.2 ? Number((1.002 * Number(q.get("r").split(",")[0]) + 1e-3).toPrecision(6)) : log(0.15, 2));
   return q;
 }
 
 function settings() {
   const next = random(27);
-  const links = [...once.map((text) => new URLSearchParams(text)), ...Array.from({ length: count - once.length }, () => randomLink(next))];
+  const links = [
+    ...once.map((text) => new URLSearchParams(text)),
+    ...Array.from({ length: count - once.length }, () => randomLink(next)),
+  ];
   return links.map((q) => {
     const scenario = paper();
     fromQuery(scenario, q, []);
@@ -119,7 +146,14 @@ function contactsOf(py) {
   const between = list.filter((c) => c.pair > 0);
   const floor = list.find((c) => c.pair === 0);
   const inside = (t) => list.filter((c) => c.begin <= t && t < c.end).length;
-  return { list, between, floor, first: Math.min(...between.map((c) => c.begin)), most: Math.max(0, ...list.map((c) => inside(c.begin))), instant: py.icm.list.find(([pair]) => pair === 1)?.[1] };
+  return {
+    list,
+    between,
+    floor,
+    first: Math.min(...between.map((c) => c.begin)),
+    most: Math.max(0, ...list.map((c) => inside(c.begin))),
+    instant: py.icm.list.find(([pair]) => pair === 1)?.[1],
+  };
 }
 
 // By sentence: what must be true in Python, and the numbers it states.
@@ -128,9 +162,15 @@ const newtonClaims = {
   unresolved: (p) => [is(p.newton, "not resolved"), { events: p.newton.events }],
   "cradle-no-contact": (p, s) => [s.cradle && p.newton.contacts === 0, {}],
   cradle: (p, s) => [s.cradle && p.newton.contacts > 0, { contacts: p.newton.contacts, velocity: leaves(p.newton) }],
-  "at-rest": (p) => [is(p.newton, "at rest") && top(p.newton) !== null, { contacts: p.newton.contacts, height: top(p.newton) }],
+  "at-rest": (p) => [
+    is(p.newton, "at rest") && top(p.newton) !== null,
+    { contacts: p.newton.contacts, height: top(p.newton) },
+  ],
   "at-rest-flat": (p) => [is(p.newton, "at rest") && top(p.newton) === null, {}],
-  "no-contact-rises": (p) => [p.newton.contacts === 0 && top(p.newton) !== null, { contacts: 0, height: top(p.newton) }],
+  "no-contact-rises": (p) => [
+    p.newton.contacts === 0 && top(p.newton) !== null,
+    { contacts: 0, height: top(p.newton) },
+  ],
   "no-contact": (p) => [p.newton.contacts === 0 && top(p.newton) === null, {}],
   "no-bounce": (p) => [p.newton.contacts > 0 && top(p.newton) === null, { contacts: p.newton.contacts }],
   rises: (p) => [is(p.newton, "ok") && p.newton.contacts > 0, { contacts: p.newton.contacts, height: top(p.newton) }],
@@ -163,40 +203,85 @@ const whyClaims = {
   "cradle-once": (c) => [c.list.length === 1, { longest: longest(c) }],
   "cradle-in-turn": (c) => [c.most === 1, { contacts: c.list.length, longest: longest(c) }],
   "cradle-together": (c) => [c.most > 1, { contacts: c.list.length, longest: longest(c), most: c.most }],
-  "never-meet": (c, p) => [p.newton.contacts === 0 || c.between.length === 0, p.newton.t_floor_end === null ? {} : { floorEnd: p.newton.t_floor_end }],
+  "never-meet": (c, p) => [
+    p.newton.contacts === 0 || c.between.length === 0,
+    p.newton.t_floor_end === null ? {} : { floorEnd: p.newton.t_floor_end },
+  ],
   "floor-stays": (c) => [c.floor.end === Infinity, {}],
   "two-after-once": (c) => [c.first >= c.floor.end && c.between.length === 1, meeting(c)],
-  "two-after-often": (c) => [c.first >= c.floor.end && c.between.length > 1, { ...meeting(c), contacts: c.between.length }],
+  "two-after-often": (c) => [
+    c.first >= c.floor.end && c.between.length > 1,
+    { ...meeting(c), contacts: c.between.length },
+  ],
   "two-not-met": (c) => [c.first < c.floor.end && c.instant === undefined, pushes(c)],
   "two-at-once": (c) => [c.first < c.floor.end && c.instant === 0, pushes(c)],
   "two-meet": (c) => [c.first < c.floor.end && c.instant > 0, { ...pushes(c), instant: c.instant }],
   "many-together": (c) => [c.most > 1 && c.first < c.floor.end, { ...meeting(c), most: c.most }],
   "many-together-later": (c) => [c.most > 1 && c.first >= c.floor.end, { ...meeting(c), most: c.most }],
   "many-in-turn": (c) => [c.most === 1 && c.first >= c.floor.end, meeting(c)],
-  "touch-often": (c) => [c.between.length > 1, { contacts: c.between.length, first: c.first, end: c.between.at(-1).end }],
+  "touch-often": (c) => [
+    c.between.length > 1,
+    { contacts: c.between.length, first: c.first, end: c.between.at(-1).end },
+  ],
   "touch-for-ever": (c) => [c.between[0].end === Infinity, {}],
-  "touch-beyond-floor": (c) => [c.between.length === 1 && c.between[0].end > c.floor.end, { lasts: c.between[0].end - c.first }],
-  "touch-on-floor": (c) => [c.between.length === 1 && c.between[0].end <= c.floor.end, { lasts: c.between[0].end - c.first }],
+  "touch-beyond-floor": (c) => [
+    c.between.length === 1 && c.between[0].end > c.floor.end,
+    { lasts: c.between[0].end - c.first },
+  ],
+  "touch-on-floor": (c) => [
+    c.between.length === 1 && c.between[0].end <= c.floor.end,
+    { lasts: c.between[0].end - c.first },
+  ],
   "breaks-down": (c, p) => [is(p.icm, "inelastic collapse"), {}],
   "too-many": (c, p) => [is(p.icm, "not resolved"), {}],
 };
 
-const units = { "": 1, "%": 0.01, m: 1, cm: 0.01, mm: 1e-3, "µm": 1e-6, nm: 1e-9, s: 1, ms: 1e-3, "µs": 1e-6, ns: 1e-9, "m/s": 1, "cm/s": 0.01, "mm/s": 1e-3, "µm/s": 1e-6, "nm/s": 1e-9 };
+const units = {
+  "": 1,
+  "%": 0.01,
+  m: 1,
+  cm: 0.01,
+  mm: 1e-3,
+  µm: 1e-6,
+  nm: 1e-9,
+  s: 1,
+  ms: 1e-3,
+  µs: 1e-6,
+  ns: 1e-9,
+  "m/s": 1,
+  "cm/s": 0.01,
+  "mm/s": 1e-3,
+  "µm/s": 1e-6,
+  "nm/s": 1e-9,
+};
 const superscript = (text) => Number([..."⁰¹²³⁴⁵⁶⁷⁸⁹"].reduce((t, c, i) => t.replaceAll(c, i), text.replace("⁻", "-")));
 
 // Each quantity in a text is one of the numbers, to the digits that are printed.
 function checkQuantities({ text, numbers, id }, where) {
-  for (const [, digits, power, unit] of text.matchAll(/([−-]?\d+(?:\.\d+)?)(?:·10([⁻⁰-⁹]+))? (%|[nµmc]?m\/s|[nµmc]?m|[nµm]?s)(?![a-zµ/])/g)) {
+  for (const [, digits, power, unit] of text.matchAll(
+    /([−-]?\d+(?:\.\d+)?)(?:·10([⁻⁰-⁹]+))? (%|[nµmc]?m\/s|[nµmc]?m|[nµm]?s)(?![a-zµ/])/g,
+  )) {
     const scale = units[unit] * (power ? 10 ** superscript(power) : 1);
     const shown = Number(digits.replace("−", "-")) * scale;
     const places = digits.includes(".") ? -digits.split(".")[1].length : /0*$/.exec(digits)[0].length;
     const half = 0.5001 * scale * 10 ** places;
-    const known = Object.entries(numbers).flatMap(([key, x]) => (key === "ratio" ? [x - 1, 1 - x] : [x, Math.abs(x)])).concat(id === "compressed" ? [0.05] : [], 0.01);
-    assert.ok(known.some((x) => Math.abs(x - shown) <= half), `${where}: ${digits} ${unit} in “${text}” is none of ${JSON.stringify(numbers)}`);
+    const known = Object.entries(numbers)
+      .flatMap(([key, x]) => (key === "ratio" ? [x - 1, 1 - x] : [x, Math.abs(x)]))
+      .concat(id === "compressed" ? [0.05] : [], 0.01);
+    assert.ok(
+      known.some((x) => Math.abs(x - shown) <= half),
+      `${where}: ${digits} ${unit} in “${text}” is none of ${JSON.stringify(numbers)}`,
+    );
   }
 }
 
-const close = (a, b, what) => assert.ok(a === b || (Number.isNaN(a) && (b === null || Number.isNaN(b))) || Math.abs(a - b) <= 1e-9 * Math.max(Math.abs(a), Math.abs(b)) + 1e-15, `${what}: ${a}, Python ${b}`);
+const close = (a, b, what) =>
+  assert.ok(
+    a === b ||
+      (Number.isNaN(a) && (b === null || Number.isNaN(b))) ||
+      Math.abs(a - b) <= 1e-9 * Math.max(Math.abs(a), Math.abs(b)) + 1e-15,
+    `${what}: ${a}, Python ${b}`,
+  );
 
 function checkSentences(list, claims, where, ...facts) {
   for (const s of list) {
@@ -223,43 +308,100 @@ function checkStory(report, drop, py, where) {
         const of = step === "count" ? counted : last;
         const { radius } = report.setting.balls.at(-1);
         const alone = (rise) => radius + (rise / 2.54) * (py.release - radius); // a tennis ball: of 2.54 m it comes back to 1.35 to 1.47 m
-        const expected = { low: alone(1.35), high: alone(1.47), newton: of(py.newton), icm: of(py.icm), overlapping: py.overlapping, tolerance: 0.01, release: py.release, guess: 2.5 };
+        const expected = {
+          low: alone(1.35),
+          high: alone(1.47),
+          newton: of(py.newton),
+          icm: of(py.icm),
+          overlapping: py.overlapping,
+          tolerance: 0.01,
+          release: py.release,
+          guess: 2.5,
+        };
         for (const [key, x] of Object.entries(s.numbers)) {
           assert.ok(key in expected, `${where}: ${s.id}.${key}`);
           close(x, expected[key], `${where}: ${s.id}.${key}`);
         }
-        if (step !== "count") checkQuantities({ ...s, numbers: { ...s.numbers, guess: 2.5, release: py.release } }, where);
+        if (step !== "count")
+          checkQuantities({ ...s, numbers: { ...s.numbers, guess: 2.5, release: py.release } }, where);
         const agree = Math.abs(last(py.icm) / last(py.newton) - 1) <= 0.01;
         if (/-agree$/.test(s.id)) assert.ok(agree, `${where}: ${s.text}`);
         if (/-differ$/.test(s.id)) assert.ok(!agree, `${where}: ${s.text}`);
-        if (s.id === "count-same") assert.ok(py.newton.contacts === py.icm.contacts && (py.overlapping === 0 || !("overlapping" in report.verdict.numbers)), `${where}: ${s.text}`);
-        if (s.id === "count-overlaps") assert.ok(py.newton.contacts === py.icm.contacts && py.overlapping > 0, `${where}: ${s.text}`);
+        if (s.id === "count-same")
+          assert.ok(
+            py.newton.contacts === py.icm.contacts &&
+              (py.overlapping === 0 || !("overlapping" in report.verdict.numbers)),
+            `${where}: ${s.text}`,
+          );
+        if (s.id === "count-overlaps")
+          assert.ok(py.newton.contacts === py.icm.contacts && py.overlapping > 0, `${where}: ${s.text}`);
       }
 }
 
 function checkCounts(text, n, where) {
-  const words = ["no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve"];
+  const words = [
+    "no",
+    "one",
+    "two",
+    "three",
+    "four",
+    "five",
+    "six",
+    "seven",
+    "eight",
+    "nine",
+    "ten",
+    "eleven",
+    "twelve",
+  ];
   const said = /^(\w+) contacts?\b/i.exec(text)?.[1].toLowerCase();
   if (said) assert.equal(said, words[n] ?? String(n), `${where}: ${text}`);
 }
 
 function checkTable(table, py, where) {
-  const said = (m) => ({ contacts: m.contacts, top: top(m), low: m.rises[0], vtop: leaves(m), vr: m.relative_velocity, vs: m.separation_velocity, eff: m.effective_restitution, floor: m === py.icm ? 0 : m.t_floor_end });
+  const said = (m) => ({
+    contacts: m.contacts,
+    top: top(m),
+    low: m.rises[0],
+    vtop: leaves(m),
+    vr: m.relative_velocity,
+    vs: m.separation_velocity,
+    eff: m.effective_restitution,
+    floor: m === py.icm ? 0 : m.t_floor_end,
+  });
   for (const row of table) {
     [py.newton, py.icm].forEach((m, k) => {
       const expected = row.id[0] === "v" && /\d/.test(row.id) ? m.velocities[Number(row.id.slice(1))] : said(m)[row.id];
       if (expected !== undefined) close(row.numbers[k], expected, `${where}: ${row.id}`);
-      assert.equal(row.values[k] === "–", !Number.isFinite(row.numbers[k]), `${where}: ${row.id} says ${row.values[k]}`);
+      assert.equal(
+        row.values[k] === "–",
+        !Number.isFinite(row.numbers[k]),
+        `${where}: ${row.id} says ${row.values[k]}`,
+      );
     });
   }
 }
 
 function checkShares({ newton, icm, rows }, py, where) {
-  for (const [k, [name, mine]] of [["newton", newton], ["icm", icm]].entries()) {
+  for (const [k, [name, mine]] of [
+    ["newton", newton],
+    ["icm", icm],
+  ].entries()) {
     const all = [...mine.balls, mine.stored, mine.lost];
-    assert.ok(all.every((x) => x >= 0 && x <= 1), `${where}: ${name} ${all}`);
-    assert.ok(Math.abs(all.reduce((a, b) => a + b, 0) - 1) < 1e-12, `${where}: ${name} sums to ${all.reduce((a, b) => a + b, 0)}`);
-    all.forEach((x, i) => assert.ok(Math.abs(x - py[name].shares[i]) < 2e-6, `${where}: share ${i} of ${name}: ${x}, Python ${py[name].shares[i]}`));
+    assert.ok(
+      all.every((x) => x >= 0 && x <= 1),
+      `${where}: ${name} ${all}`,
+    );
+    assert.ok(
+      Math.abs(all.reduce((a, b) => a + b, 0) - 1) < 1e-12,
+      `${where}: ${name} sums to ${all.reduce((a, b) => a + b, 0)}`,
+    );
+    all.forEach((x, i) =>
+      assert.ok(
+        Math.abs(x - py[name].shares[i]) < 2e-6,
+        `${where}: share ${i} of ${name}: ${x}, Python ${py[name].shares[i]}`,
+      ),
+    );
     const percent = rows.map((r) => (r.percent[k] === "<0.1 %" ? 0 : Number(r.percent[k].replace(" %", ""))));
     assert.equal(percent.reduce((a, b) => a + b, 0).toFixed(1), "100.0", `${where}: ${percent}`);
   }
@@ -267,7 +409,10 @@ function checkShares({ newton, icm, rows }, py, where) {
 
 test(`${count} random settings: every sentence and number is Python's`, async (t) => {
   const all = settings();
-  const asked = fromPython(program, all.map(({ scenario }) => lib.toToml(scenario)));
+  const asked = fromPython(
+    program,
+    all.map(({ scenario }) => lib.toToml(scenario)),
+  );
   const drops = [];
   const reports = all.map(({ scenario }) => {
     const solved = solve(core, scenario);

@@ -8,8 +8,13 @@ const rooms = ["style", "support", "scenario", "core", "report", "state", "views
 const belowGas = ["style", "support"]; // the page of the gas is a house of its own
 
 const src = new URL("../../web/src/", import.meta.url).pathname;
-const files = readdirSync(src, { recursive: true }).map(String).filter((path) => path.endsWith(".ts"));
-const imports = (path) => [...readFileSync(join(src, path), "utf8").matchAll(/(?:\bfrom|\bimport)[\s(]*"(\.[^"]*)"/g)].map((found) => normalize(join(path, "..", found[1])));
+const files = readdirSync(src, { recursive: true })
+  .map(String)
+  .filter((path) => path.endsWith(".ts"));
+const imports = (path) =>
+  [...readFileSync(join(src, path), "utf8").matchAll(/(?:\bfrom|\bimport)[\s(]*"(\.[^"]*)"/g)].map((found) =>
+    normalize(join(path, "..", found[1])),
+  );
 const roomOf = (path) => path.split("/")[0];
 
 test("imports lead down", () => {

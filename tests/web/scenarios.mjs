@@ -19,7 +19,8 @@ export function randomScenario(random, lib) {
   s.restitution = Math.max(within(ranges.restitution), 0.1);
   s.cradle = random() < 0.15;
   s.height = within({ low: 0.05, high: 2, log: true });
-  for (const [name, c] of Object.entries(constants)) s.constants[name] = c.range.log ? clampTo(c.range, c.start * 10 ** (4 * random() - 2)) : within(c.range);
+  for (const [name, c] of Object.entries(constants))
+    s.constants[name] = c.range.log ? clampTo(c.range, c.start * 10 ** (4 * random() - 2)) : within(c.range);
   if (s.constants.poisson_ratio > 0.49) s.constants.poisson_ratio = 0.49;
   let radius = within({ low: 0.005, high: 0.2, log: true });
   s.balls = Array.from({ length: balls }, () => {

@@ -23,7 +23,9 @@ async function costOf(page, act) {
   const thread = ({ pid, tid }) => `${pid} ${tid}`;
   const times = (name) => {
     const threads = new Set(events.filter((e) => e.name === "thread_name" && e.args.name.startsWith(name)).map(thread));
-    return events.filter((e) => e.name === "RunTask" && e.tdur !== undefined && threads.has(thread(e))).map((e) => e.tdur / 1000);
+    return events
+      .filter((e) => e.name === "RunTask" && e.tdur !== undefined && threads.has(thread(e)))
+      .map((e) => e.tdur / 1000);
   };
   const tasks = times("CrRendererMain").sort((x, y) => y - x);
   assert.ok(tasks.length > 10, "tasks are seen");
@@ -39,31 +41,52 @@ test("the first picture", async (t) => {
   if (strict) assert.ok(first < 1000);
 });
 
-for (const [name, query] of [["the film", "?example=fig2"], ["the first chapter's film", "?page=story&example=fig2"]]) test(name, async (t) => {
-  const page = await open(t, query, { reducedMotion: "no-preference" });
-  await page.waitForFunction(() => ["speed", "watch-speed"].some((id) => /× slower/.test(document.getElementById(id).textContent)), null, { timeout: 10_000 });
-  let frames = [];
-  const cost = await costOf(page, async () => void (frames = await page.evaluate(() => new Promise((done) => {
-    const stamps = [];
-    const tick = (now) => (stamps.push(now), stamps.length < 91 ? requestAnimationFrame(tick) : done(stamps));
-    requestAnimationFrame(tick);
-  }))));
-  const rate = (1000 * (frames.length - 1)) / (frames[frames.length - 1] - frames[0]);
-  const each = cost.page / (frames.length - 1);
-  t.diagnostic(`${rate.toFixed(1)} frames/s while animating; ${each.toFixed(1)} ms of processor time each`);
-  if (strict) assert.ok(each < mostEach);
-});
+for (const [name, query] of [
+  ["the film", "?example=fig2"],
+  ["the first chapter's film", "?page=story&example=fig2"],
+])
+  test(name, async (t) => {
+    const page = await open(t, query, { reducedMotion: "no-preference" });
+    await page.waitForFunction(
+      () => ["speed", "watch-speed"].some((id) => /× slower/.test(document.getElementById(id).textContent)),
+      null,
+      { timeout: 10_000 },
+    );
+    let frames = [];
+    const cost = await costOf(
+      page,
+      async () =>
+        void (frames = await page.evaluate(
+          () =>
+            new Promise((done) => {
+              const stamps = [];
+              const tick = (now) => (stamps.push(now), stamps.length < 91 ? requestAnimationFrame(tick) : done(stamps));
+              requestAnimationFrame(tick);
+            }),
+        )),
+    );
+    const rate = (1000 * (frames.length - 1)) / (frames[frames.length - 1] - frames[0]);
+    const each = cost.page / (frames.length - 1);
+    t.diagnostic(`${rate.toFixed(1)} frames/s while animating; ${each.toFixed(1)} ms of processor time each`);
+    if (strict) assert.ok(each < mostEach);
+  });
 
 test("the gas: 500 disks in both worlds", async (t) => {
   const ready = (page) => page.waitForFunction(() => window.hardlimit?.report()?.samples.length > 60);
   const page = await open(t, "gas.html?n=500", { ready, reducedMotion: "no-preference" });
   let frames = 0;
-  const cost = await costOf(page, async () => void (frames = await page.evaluate(async () => {
-    const before = window.hardlimit.report().samples.length;
-    await new Promise((done) => setTimeout(done, 3000));
-    return window.hardlimit.report().samples.length - before;
-  })));
-  t.diagnostic(`${(frames / 3).toFixed(1)} frames/s; each ${(cost.page / frames).toFixed(1)} ms of processor time on the page, ${(cost.workers / frames).toFixed(1)} ms in the worker; ${longest(cost.tasks)}`);
+  const cost = await costOf(
+    page,
+    async () =>
+      void (frames = await page.evaluate(async () => {
+        const before = window.hardlimit.report().samples.length;
+        await new Promise((done) => setTimeout(done, 3000));
+        return window.hardlimit.report().samples.length - before;
+      })),
+  );
+  t.diagnostic(
+    `${(frames / 3).toFixed(1)} frames/s; each ${(cost.page / frames).toFixed(1)} ms of processor time on the page, ${(cost.workers / frames).toFixed(1)} ms in the worker; ${longest(cost.tasks)}`,
+  );
   if (strict) assert.ok(cost.page / frames < mostEach && cost.workers / frames < 1000 / 60 && cost.tasks[0] < mostBusy);
 });
 
@@ -77,23 +100,32 @@ test("quick enough: slider and map", async (t) => {
   };
   await change("#zoom-in");
   const whole = await costOf(page, () => change("#zoom-all"));
-  const [ms, cores] = await page.evaluate(() => [document.getElementById("map").dataset.ms, navigator.hardwareConcurrency]);
+  const [ms, cores] = await page.evaluate(() => [
+    document.getElementById("map").dataset.ms,
+    navigator.hardwareConcurrency,
+  ]);
   t.diagnostic(`400 × 400 map: ${ms} ms, workers ${whole.workers.toFixed(0)} ms of processor time; ${cores} cores`);
   let redraw = [];
-  const { tasks, page: all } = await costOf(page, async () => void (redraw = await page.evaluate(async () => {
-    const slider = document.getElementById("restitution");
-    const took = [];
-    for (let i = 0; i < 40; i++) {
-      slider.value = String(300 + 10 * i);
-      const begin = performance.now();
-      slider.dispatchEvent(new Event("input"));
-      await new Promise((done) => requestAnimationFrame(() => setTimeout(done, 0)));
-      took.push(performance.now() - begin);
-    }
-    return took.sort((a, b) => a - b);
-  })));
+  const { tasks, page: all } = await costOf(
+    page,
+    async () =>
+      void (redraw = await page.evaluate(async () => {
+        const slider = document.getElementById("restitution");
+        const took = [];
+        for (let i = 0; i < 40; i++) {
+          slider.value = String(300 + 10 * i);
+          const begin = performance.now();
+          slider.dispatchEvent(new Event("input"));
+          await new Promise((done) => requestAnimationFrame(() => setTimeout(done, 0)));
+          took.push(performance.now() - begin);
+        }
+        return took.sort((a, b) => a - b);
+      })),
+  );
   const each = all / redraw.length;
-  t.diagnostic(`slider to redrawn plots: median ${redraw[20].toFixed(1)} ms, worst of 40 ${redraw[39].toFixed(1)} ms; ${each.toFixed(1)} ms of processor time each, ${longest(tasks)}`);
+  t.diagnostic(
+    `slider to redrawn plots: median ${redraw[20].toFixed(1)} ms, worst of 40 ${redraw[39].toFixed(1)} ms; ${each.toFixed(1)} ms of processor time each, ${longest(tasks)}`,
+  );
   if (strict) {
     assert.ok(whole.workers < 3000);
     assert.ok(each < mostBusy && tasks[0] < mostBusy);
@@ -103,14 +135,16 @@ test("quick enough: slider and map", async (t) => {
 test("the slider of the first chapter", async (t) => {
   const page = await open(t, "?page=story");
   const steps = 60;
-  const cost = await costOf(page, () => page.evaluate(async (steps) => {
-    const slider = document.getElementById("watch-gap");
-    for (let i = 0; i < steps; i++) {
-      slider.value = String(300 + 5 * i);
-      slider.dispatchEvent(new Event("input"));
-      await new Promise((done) => requestAnimationFrame(done));
-    }
-  }, steps));
+  const cost = await costOf(page, () =>
+    page.evaluate(async (steps) => {
+      const slider = document.getElementById("watch-gap");
+      for (let i = 0; i < steps; i++) {
+        slider.value = String(300 + 5 * i);
+        slider.dispatchEvent(new Event("input"));
+        await new Promise((done) => requestAnimationFrame(done));
+      }
+    }, steps),
+  );
   t.diagnostic(`a step: ${(cost.page / steps).toFixed(1)} ms of processor time on the page; ${longest(cost.tasks)}`);
   if (strict) assert.ok(cost.page / steps < 1000 / 60 && cost.tasks[0] < mostBusy);
 });
@@ -129,7 +163,10 @@ test("the viscoelastic map is complete, and quick too", async (t) => {
   if (strict) assert.ok(workers < 8000);
 });
 
-const idle = (page) => page.waitForFunction(() => document.documentElement.dataset.busy === undefined && document.documentElement.dataset.numbers);
+const idle = (page) =>
+  page.waitForFunction(
+    () => document.documentElement.dataset.busy === undefined && document.documentElement.dataset.numbers,
+  );
 
 test("no task holds the page up while a worker computes", async (t) => {
   const page = await open(t);
@@ -153,12 +190,16 @@ test("no task holds the page up when the controls of six balls are built", async
   const tasks = [];
   for (let i = 0; i < 3; i++)
     for (const query of [six, "?example=fig2"])
-      tasks.push((await costOf(page, async () => {
-        await forget(page);
-        await goTo(page, query);
-        await idle(page);
-        await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
-      })).tasks[0]);
+      tasks.push(
+        (
+          await costOf(page, async () => {
+            await forget(page);
+            await goTo(page, query);
+            await idle(page);
+            await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+          })
+        ).tasks[0],
+      );
   tasks.sort((x, y) => y - x);
   t.diagnostic(longest(tasks));
   if (strict) assert.ok(tasks[0] < mostBusy);

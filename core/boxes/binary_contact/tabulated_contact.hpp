@@ -2,10 +2,10 @@
 // the accuracy stated below. A contact takes about 0.2 µs.
 //
 // Scaling: let v_l be the speed at which an elastic impact would be l deep, v_l² = 2E(l)/m, and D the damping force at
-// the compression l and the rate v_l, in units of m v_l²/l. For a law that is `similar` (law.hpp) the contact, in units
+// the compression l and the rate v_l, in units of m v_l²/l. For a PowerLaw (law.hpp) the contact, in units
 // of its own speed and depth, depends only on v_n/v_l, D and v_t/v_n, for any bodies. If D is the same for all pairs
-// (equal bodies, or a law whose restitution is given) there are two variables, otherwise three. A law that is not
-// similar has polynomials for one kind of pair only.
+// (equal bodies, or a law whose restitution is given) there are two variables, otherwise three. Any other law has
+// polynomials for one kind of pair only.
 //
 // Variables: ln(v_n/v_l)², ln D, and for the direction y = (1 + κ/b)^{−1/p}, p = Law::onset_power, which runs from 1
 // (head-on) to 0 (grazing: the path leaves before any force acts). Here κ = λ v_t²/v_n² is the centrifugal acceleration
@@ -113,7 +113,7 @@ public:
 
 private:
     static constexpr int p = Law::onset_power;
-    static constexpr bool similar = requires { Law::similar; };
+    static constexpr bool similar = PowerLaw<Law>;
     static constexpr int speeds = 128, slants = 16, dampings = 48;
     static constexpr double highest = -2.0;                               // ln(v_n/v_l)² where the cells end
     static constexpr double damping_width = 0.5, lowest_damping = -18.0;  // in ln D

@@ -48,6 +48,35 @@ struct Observation {
     u64 in_contact = 0;             // contacts at present
 };
 
+// Engines that sample a field of Observation: all, those of collisions, those of contacts that take time; none: its
+// value at the end of a run matters.
+enum class Sampled { by_all, of_collisions, of_contacts, never };
+
+// Calls f(name, unit, engines, value) for each field of an observation, under the names of Python.
+template <class F>
+void for_fields(const Observation& o, const F& f) {
+    using enum Sampled;
+    f("kinetic_energy", "J", by_all, o.kinetic_energy);
+    f("potential_energy", "J", by_all, o.potential_energy);
+    f("contact_energy", "J", of_contacts, o.contact_energy);
+    f("momentum", "kg m/s", by_all, o.momentum);
+    f("dissipated_energy", "J", by_all, o.dissipated_energy);
+    f("kinetic_tensor", "J", by_all, o.kinetic_tensor);
+    f("virial_tensor", "J s", by_all, o.virial);
+    f("flow_momentum", "kg m/s", by_all, o.flow_momentum);
+    f("wall_work", "J", by_all, o.wall_work);
+    f("shear_work", "J", by_all, o.shear_work);
+    f("wall_impulse", "N s", by_all, o.walls.impulse);
+    f("wall_energy", "J", by_all, o.walls.energy);
+    f("kinetic_integral", "J s", of_collisions, o.kinetic_integral);
+    f("largest_compression", "1", never, o.largest_compression);
+    f("n_contacts", "1", of_contacts, o.begun);
+    f("n_pairs", "1", by_all, o.pairs);
+    f("n_ended", "1", of_contacts, o.ended);
+    f("n_overlapped", "1", of_contacts, o.overlapped);
+    f("n_in_contact", "1", of_contacts, o.in_contact);
+}
+
 // Changes the velocity of a particle at x to that of its image in a sheared box, and adds the work that this takes. A
 // particle may be beyond the side before its path is continued from the other one. Returns the mean flow there [m/s].
 template <class Position, class Velocity>

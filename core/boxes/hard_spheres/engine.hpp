@@ -19,8 +19,8 @@
 #include "../neighbours/cell_order.hpp"
 #include "../neighbours/cells.hpp"
 #include "../queue/calendar_queue.hpp"
-#include "../queue/prediction.hpp"
 #include "../queue/prefetch.hpp"
+#include "../queue/self_event.hpp"
 #include "accumulators.hpp"
 #include "collapse.hpp"
 #include "rules/rule.hpp"
@@ -70,6 +70,7 @@ private:
     static constexpr double separation_of_growing = 1.5;
     static constexpr u64 collisions_between_sorts = 20;  // per particle
 
+    struct Flight;  // predict.hpp
     // Search for the next collision of a particle, with the earliest one found so far.
     struct NextCollision {
         u32 id;
@@ -204,7 +205,6 @@ private:
     void predict(u32 i, u32 except);
     void predict_unscheduled(u32 i, u32 except);
     void predict_self_event(u32 i, const Place<d>& at);
-    double wall_time(u32 i, const Wall& wall, double horizon) const;
     void predict_near(NextCollision& next, int level, const Place<d>& from, const Place<d>& to);
     void predict_beyond_sides(NextCollision& next, int level, const Place<d>& from, const Place<d>& to);
     template <class F>

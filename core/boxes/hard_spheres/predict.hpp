@@ -238,90 +238,50 @@ void HardSpheres<d, mixed>::predict_finer(NextCollision& next, int level) {
     rescans_[next.id] = now_ + horizon;
 }
 
-// Time from the last collision of a particle until it touches a wall, found from the present state; `horizon`: the time
-// from which on it does not matter.
+// The path of a particle since its last collision, for next_self_event(). A fall is followed from now on: a face
+// crossed on the way up must not be found again.
 template <int d, bool mixed>
-double HardSpheres<d, mixed>::wall_time(u32 i, const Wall& wall, double horizon) const {
-    const Particle<d>& p = particles_[i];
-    const int k = wall.id.axis();
-    const double from = wall_blocked_until(i, wall.id), since = from - p.time;
-    const double x = position_after(p, k, since, box_), v = velocity_after(p, k, since, box_);
-    return since + wall_contact_time(wall, from, x, v, box_.gravity[k], radius(i), horizon - since);
-}
+struct HardSpheres<d, mixed>::Flight {
+    const HardSpheres& of;
+    u32 i;
+    const Particle<d>& path = of.particles_[i];
+    double radius = of.radius(i);
 
-// Predicts when the particle leaves its cell `at` or meets a wall, whichever comes first. A wall at rest is the face of
-// the outermost cells. A moving wall may be in any cell.
+    static constexpr int axes = d;
+    bool falls(int) const { return of.falls(); }
+    bool meets_walls() const { return true; }
+    bool walls_move(int axis) const { return of.grows() || of.box_.has_moving_walls(axis); }
+    AxisState at(int axis, double time) const {
+        const double since = time - path.time;
+        return {since, position_after(path, axis, since, of.box_),
+                velocity_after(path, axis, since, of.box_)};
+    }
+    AxisState at_present(int axis) const { return at(axis, of.now_); }
+    AxisState from(int axis, bool high, bool wall) const {
+        if (!of.falls()) return {0.0, path.position[axis], path.velocity[axis]};
+        return at(axis, wall ? of.wall_blocked_until(i, WallId::at(axis, high)) : of.now_);
+    }
+    double until_wall(const Wall& wall, double horizon) const {
+        const int axis = wall.id.axis();
+        if (of.grows()) {
+            const double touch = radius * of.growth_.at(path.time), out = -wall.inward();
+            return time_below(touch + out * path.position[axis],
+                              radius * of.growth_.rate + out * path.velocity[axis], wall.start);
+        }
+        const double begin = of.wall_blocked_until(i, wall.id);
+        const AxisState s = at(axis, begin);
+        return s.since +
+               wall_contact_time(wall, begin, s.x, s.v, of.box_.gravity[axis], radius, horizon - s.since);
+    }
+};
+
 template <int d, bool mixed>
 void HardSpheres<d, mixed>::predict_self_event(u32 i, const Place<d>& at) {
     PendingEvents& e = pending_[i];
-    const Particle<d>& p = particles_[i];
     const int own = level(i);
-    const Grid<d>& g = cells_.grids()[static_cast<std::size_t>(own)];
-    double in = math::infinity;
-    SelfEvent which = SelfEvent::low_x;
-    // Without branches, which would be unpredictable.
-    const auto consider = [&](double time, int axis, bool high, bool wall) {
-        which = time < in ? self_event(axis, high, wall) : which;
-        in = math::min(in, time);
-    };
-    bool walls_move = false;
-    HL_UNROLL
-    for (int k = 0; k < d; ++k) {
-        if (k == 0 && box_.is_sheared()) continue;
-        const double x = p.position[k], v = p.velocity[k], size = radius(i);
-        const double low = at[k] * g.edge[k], high = (at[k] + 1) * g.edge[k];
-        const bool walls = box_.has_walls(k);
-        const bool outermost[2] = {walls && at[k] == 0, walls && at[k] == g.cells[k] - 1};
-        const bool moving = !grows() && box_.has_moving_walls(k);
-        double lowest = low, highest = high;
-        if (moving) [[unlikely]] {
-            if (outermost[0]) lowest = -math::infinity;
-            if (outermost[1]) highest = math::infinity;
-            walls_move = true;
-        } else if (!grows()) {
-            if (outermost[0]) lowest = box_.wall(k, false).position(now_) + size;
-            if (outermost[1]) highest = box_.wall(k, true).position(now_) - size;
-        }
-        if (falls()) {
-            // Starts now: a face crossed on the way up must not be found again in the past.
-            for (const bool upper : {true, false}) {
-                if (moving && outermost[upper]) continue;
-                const bool wall = outermost[upper];
-                const double since = (wall ? wall_blocked_until(i, WallId::at(k, upper)) : now_) - p.time;
-                const double x_then = position_after(p, k, since, box_);
-                const double v_then = velocity_after(p, k, since, box_);
-                const double g_k = box_.gravity[k];
-                consider(since + (upper ? time_below(x_then, v_then, g_k, highest)
-                                        : time_below(-x_then, -v_then, -g_k, -lowest)),
-                         k, upper, wall);
-            }
-        } else {
-            const double borders[2] = {lowest, highest};
-            const bool up = v > 0.0;
-            consider(time_to(borders[up] - x, v), k, up, outermost[up]);
-        }
-        if (grows() && box_.has_walls(k)) {
-            const double touch = size * growth_.at(p.time), rate = size * growth_.rate;
-            if (at[k] == 0) consider(time_below(touch - x, rate - v, 0.0), k, false, true);
-            if (at[k] == g.cells[k] - 1)
-                consider(time_below(x + touch, v + rate, box_.edge[k]), k, true, true);
-        }
-    }
-    if (walls_move) [[unlikely]]
-        for (int k = 0; k < d; ++k)
-            for (const bool upper : {false, true})
-                if (box_.has_moving_walls(k)) consider(wall_time(i, box_.wall(k, upper), in), k, upper, true);
-    if (box_.is_sheared()) {
-        const double after = now_ - p.time;
-        const int y = box_.gradient;
-        const auto u = cells_.along(position_after(p, 0, after, box_), position_after(p, y, after, box_),
-                                    p.velocity[0], p.velocity[y], now_);
-        const Exit leaves = exit_of(u.at, u.rate, u.acceleration, at[0] * g.edge[0], (at[0] + 1) * g.edge[0],
-                                    4.0 * math::epsilon * now_);
-        consider(after + leaves.time, 0, leaves.high, false);
-    }
-    e.own_time = math::max(now_, p.time + in);
-    e.own = static_cast<u32>(which) & 15u;
+    const NextSelfEvent next = next_self_event(box_, cells_, own, at, now_, Flight{*this, i});
+    e.own_time = math::max(now_, particles_[i].time + next.in);
+    e.own = static_cast<u32>(next.which) & 15u;
     if constexpr (mixed)
         if (own > 0 && rescans_[i] < e.own_time) {
             e.own_time = rescans_[i];

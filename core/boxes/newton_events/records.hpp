@@ -72,44 +72,28 @@ struct ActivePair {
     ContactPair<Law> pair;
 };
 
+// A pair that starts to overlap at a time [s].
+template <class Law>
+ActivePair<Law> new_pair(int first, int second, WallId wall, double time) {
+    ActivePair<Law> active{};
+    active.first = first;
+    active.second = second;
+    active.pair.state = ContactState::slack;
+    active.pair.wall_id = wall;
+    active.pair.begin = time;
+    active.pair.impact_speed = math::nan;
+    return active;
+}
+
+template <class Law>
+using ActivePairs = std::vector<ActivePair<Law>>;
+
 // Bodies that are to form a group, their active pairs, and the latest end of the group.
 template <class Law>
 struct ClusterSeed {
     std::vector<int> bodies;
-    std::vector<ActivePair<Law>> pairs;
+    ActivePairs<Law> pairs;
     double until = math::infinity;  // [s]
-};
-
-// Index of a body among the members of a group.
-class MemberIndex {
-public:
-    explicit MemberIndex(std::span<const int> bodies) : bodies_(bodies) {
-        if (bodies.size() < few) return;
-        for (std::size_t m = 0; m < bodies.size(); ++m) sorted_.emplace_back(bodies[m], m);
-        std::sort(sorted_.begin(), sorted_.end());
-    }
-    std::size_t operator()(int body) const {
-        if (sorted_.empty())
-            return static_cast<std::size_t>(std::find(bodies_.begin(), bodies_.end(), body) -
-                                            bodies_.begin());
-        return std::lower_bound(sorted_.begin(), sorted_.end(), std::pair{body, std::size_t{0}})->second;
-    }
-
-private:
-    static constexpr std::size_t few = 16;
-    std::span<const int> bodies_;
-    std::vector<std::pair<int, std::size_t>> sorted_;
-};
-
-// All groups, integrated up to the current time.
-struct GroupsAtPresent {
-    struct Body {
-        int index;
-        Vector3 position, velocity;  // in the frame of its cell
-    };
-    Observation sums;  // over the whole run, without the motion of the bodies
-    std::vector<Body> bodies;
-    std::vector<ContactRecord> open;  // open contacts, and ended contacts of unfinished groups
 };
 
 }  // namespace hardlimit::boxes

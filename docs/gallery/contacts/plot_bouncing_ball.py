@@ -30,7 +30,9 @@ def rebounds(result):
     """Heights [m] that the ball reaches between its contacts."""
     end, begin = result.contacts.end.values, result.contacts.begin.values
     flights = [np.linspace(*times, 401) for times in zip(end, begin[1:], strict=False)]
-    return [float(result.trajectory(times).position.max()) - ball.radius for times in flights]
+    return [
+        float(result.trajectory(times).position.max()) - ball.radius for times in flights
+    ]
 
 
 until, bounces = 0.68, np.arange(1, 4)
@@ -41,19 +43,36 @@ with plots.style():
     figure, (left, right) = plt.subplots(1, 2, figsize=(9.0, 3.6))
     for stiffness, color in ((5e5, "C1"), (5e6, "C0")):
         path = hl.newton(drop(stiffness), until=until).trajectory(times)
-        left.plot(times, path.position[:, 0] - ball.radius, color=color, label=f"{stiffness / 1e6:g} MN/m")
-    left.plot(times, hard.trajectory(times).position[:, 0] - ball.radius, "k--", lw=1.0, label="hard sphere")
+        left.plot(
+            times,
+            path.position[:, 0] - ball.radius,
+            color=color,
+            label=f"{stiffness / 1e6:g} MN/m",
+        )
+    left.plot(
+        times,
+        hard.trajectory(times).position[:, 0] - ball.radius,
+        "k--",
+        lw=1.0,
+        label="hard sphere",
+    )
     left.axhline(0.0, color="0.6", lw=0.8)
-    left.set(xlabel="time after the first touch [s]", ylabel="gap between ball and floor [m]")
+    left.set(
+        xlabel="time after the first touch [s]", ylabel="gap between ball and floor [m]"
+    )
     left.legend(loc="upper right")
 
     stiffnesses = np.geomspace(5e5, 1e9, 25)
-    found = np.array([rebounds(hl.newton(drop(k), until=until))[: len(bounces)] for k in stiffnesses])
+    found = np.array(
+        [rebounds(hl.newton(drop(k), until=until))[: len(bounces)] for k in stiffnesses]
+    )
     duration = [float(drop(k).contacts[0].duration(1.0)) for k in stiffnesses]
     speed = np.sqrt(2.0 * 9.81 * fall)
     for n, marker in zip(bounces, "osd", strict=True):
         error = np.abs(found[:, n - 1] / limit[n - 1] - 1.0)
-        right.loglog(np.array(duration) * 9.81 / speed, error, marker, ms=4, label=f"bounce {n}")
+        right.loglog(
+            np.array(duration) * 9.81 / speed, error, marker, ms=4, label=f"bounce {n}"
+        )
     right.set(xlabel=r"$t_c\,g/v$", ylabel="relative difference of the height")
     right.legend()
 plt.show()

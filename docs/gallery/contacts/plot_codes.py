@@ -34,7 +34,9 @@ models = [  # code, model, law
 found = {}
 for code, model, law in models:
     for attraction in (False, True):
-        conversion = hl.convert(grain, **wanted, law=law, code=code, model=model, attraction=attraction)
+        conversion = hl.convert(
+            grain, **wanted, law=law, code=code, model=model, attraction=attraction
+        )
         (one,) = conversion.models
         name = f"{one.code.title} {model}{', attracts' if one.attraction else ''}"
         found[name] = [contact.usual_restitution for contact in one.contacts]

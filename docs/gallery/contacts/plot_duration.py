@@ -31,10 +31,16 @@ materials = {  # radius [m], density [kg/m³], Young's modulus [Pa], Poisson's r
 with plots.style():
     figure, ax = plt.subplots(figsize=(7.0, 3.8))
     for name, (radius, density, modulus, poisson) in materials.items():
-        hertz = hl.Viscoelastic(youngs_modulus=modulus, poisson_ratio=poisson, dissipative_time=0.0)
+        hertz = hl.Viscoelastic(
+            youngs_modulus=modulus, poisson_ratio=poisson, dissipative_time=0.0
+        )
         contact = hertz.between(hl.Ball(radius=radius, density=density))
         ax.loglog(speed, contact.duration(speed), label=name)
-    ax.set(xlabel="speed of impact [m/s]", ylabel="duration of the contact with a floor [s]", xlim=(1e-3, 10))
+    ax.set(
+        xlabel="speed of impact [m/s]",
+        ylabel="duration of the contact with a floor [s]",
+        xlim=(1e-3, 10),
+    )
     ax.set_ylim(1.5e-6, 0.2)
     ax.legend(loc="upper right", ncols=2)
 plt.show()

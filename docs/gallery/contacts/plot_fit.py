@@ -14,7 +14,9 @@ import numpy as np
 
 import hardlimit as hl
 
-law = hl.Viscoelastic(youngs_modulus=1e9, poisson_ratio=0.3, restitution=0.85, impact_speed=1.0)
+law = hl.Viscoelastic(
+    youngs_modulus=1e9, poisson_ratio=0.3, restitution=0.85, impact_speed=1.0
+)
 contact, noise = law.between(hl.Ball(0.01, density=1000.0)), np.random.default_rng(2)
 drops = []
 for height in (0.9, 0.5, 0.2):  # m

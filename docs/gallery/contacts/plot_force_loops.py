@@ -25,8 +25,12 @@ laws = {
 
 with plots.style():
     figure, axes = plt.subplots(1, 3, figsize=(7.0, 2.9), sharey=True)
-    for ax, (name, law), colour in zip(axes, laws.items(), ("C0", "C1", "C2"), strict=True):
-        impact = hl.newton(hl.Column([ball], [], 0.01 + 1e-6, law, velocities=-1.0, gravity=0.0))
+    for ax, (name, law), colour in zip(
+        axes, laws.items(), ("C0", "C1", "C2"), strict=True
+    ):
+        impact = hl.newton(
+            hl.Column([ball], [], 0.01 + 1e-6, law, velocities=-1.0, gravity=0.0)
+        )
         path = impact.trajectory(impact.t_end * np.linspace(1e-6, 1.0, 400))
         compression = 1e3 * (ball.radius - path.position[:, 0])
         ax.plot(compression, path.force[:, 0], color=colour)

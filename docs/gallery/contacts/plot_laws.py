@@ -30,7 +30,9 @@ with plots.style():
     for (name, law), line in zip(laws.items(), ("-", "-", (0, (5, 4))), strict=True):
         ax.semilogx(speed, law.between(ball).restitution(speed), ls=line, label=name)
     ax.set(
-        xlabel="speed of impact [m/s]", ylabel=r"coefficient of restitution $\varepsilon$", xlim=(1e-4, 10)
+        xlabel="speed of impact [m/s]",
+        ylabel=r"coefficient of restitution $\varepsilon$",
+        xlim=(1e-4, 10),
     )
     ax.set_ylim(0.82, 1.0)
     ax.legend(loc="lower left")

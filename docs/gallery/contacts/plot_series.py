@@ -16,9 +16,9 @@ import numpy as np
 import hardlimit as hl
 from hardlimit import plots
 
-contact = hl.Viscoelastic(youngs_modulus=1e9, poisson_ratio=0.3, dissipative_time=1e-4).between(
-    hl.Ball(0.01, density=1000)
-)
+contact = hl.Viscoelastic(
+    youngs_modulus=1e9, poisson_ratio=0.3, dissipative_time=1e-4
+).between(hl.Ball(0.01, density=1000))
 x = np.geomspace(0.02, 20.0, 300)
 speed = (x / (1.5 * contact.dissipative_time)) ** 5 * (
     contact.effective_mass / contact.elastic_prefactor
@@ -34,7 +34,9 @@ with plots.style():
         "Padé [1/4]": hl.restitution_pade(x, 1, 4),
         "Padé [3/6]": hl.restitution_pade(x, 3, 6),
     }
-    for (name, values), line in zip(published.items(), ("-", "-", (0, (4, 2)), (0, (4, 2))), strict=True):
+    for (name, values), line in zip(
+        published.items(), ("-", "-", (0, (4, 2)), (0, (4, 2))), strict=True
+    ):
         upper.plot(x, values, ls=line, label=name)
         lower.loglog(x, abs(values - exact), ls=line)
     upper.set(ylabel=r"$\varepsilon$", ylim=(0, 1.02), xlim=(x[0], x[-1]))

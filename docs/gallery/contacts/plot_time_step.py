@@ -36,13 +36,20 @@ def of_lammps(n):
 
 
 def of_steps(n, phases=20):
-    """Largest error over head-on impacts of two grains that differ by a fraction of a step in the time of the touch."""
+    """Largest error over impacts whose touch is at different fractions of a step."""
     step, worst = duration / n, 0.0
     for gap in 2e-5 + 2.0 * step * np.arange(phases) / phases:
         at = np.array([[0.01, 0.01], [0.01 + 2e-3 + gap, 0.01]])
-        pair = hl.ParticleSystem(at, [[1.0, 0.0], [-1.0, 0.0]], radius=1e-3, density=2500, box=0.02)
+        pair = hl.ParticleSystem(
+            at, [[1.0, 0.0], [-1.0, 0.0]], radius=1e-3, density=2500, box=0.02
+        )
         end = hl.molecular_dynamics(
-            pair, law=law, until=gap + 3 * duration, engine="steps", time_step=step, samples=1
+            pair,
+            law=law,
+            until=gap + 3 * duration,
+            engine="steps",
+            time_step=step,
+            samples=1,
         )
         speeds = end.system.velocities[:, 0]
         worst = max(worst, abs((speeds[1] - speeds[0]) / 2.0 - 0.7))

@@ -19,12 +19,17 @@ from hardlimit import plots
 ball, stiffness = hl.Ball(radius=0.01, density=2500), 1e5
 asked = np.linspace(0.02, 1.0, 99)
 usual = [
-    hl.LinearDashpot(stiffness=stiffness, damping=hl.usual_damping(e, stiffness, ball.mass))
+    hl.LinearDashpot(
+        stiffness=stiffness, damping=hl.usual_damping(e, stiffness, ball.mass)
+    )
     .between(ball)
     .restitution()
     for e in asked
 ]
-exact = [hl.LinearDashpot(stiffness=stiffness, restitution=e).between(ball).restitution() for e in asked]
+exact = [
+    hl.LinearDashpot(stiffness=stiffness, restitution=e).between(ball).restitution()
+    for e in asked
+]
 
 with plots.style():
     figure, ax = plt.subplots(figsize=(4.6, 4.2))
@@ -34,8 +39,17 @@ with plots.style():
         found = float(np.interp(e, asked, usual))
         ax.plot(e, found, "o", ms=4, color="C0")
         ax.annotate(
-            f"{e:g} → {found:.3f}", (e, found), xytext=(-6, 5), textcoords="offset points", ha="right"
+            f"{e:g} → {found:.3f}",
+            (e, found),
+            xytext=(-6, 5),
+            textcoords="offset points",
+            ha="right",
         )
-    ax.set(xlabel=r"$\varepsilon$ requested", ylabel=r"$\varepsilon$ obtained", xlim=(0, 1), ylim=(0, 1.02))
+    ax.set(
+        xlabel=r"$\varepsilon$ requested",
+        ylabel=r"$\varepsilon$ obtained",
+        xlim=(0, 1),
+        ylim=(0, 1.02),
+    )
     ax.legend(loc="lower right")
 plt.show()

@@ -17,7 +17,9 @@ import hardlimit as hl
 from hardlimit import plots
 
 radius, g, box = 1e-3, 9.81, [0.02, 0.02, 0.12]
-lattice = np.stack(np.meshgrid(range(8), range(8), range(10), indexing="ij"), -1).reshape(-1, 3)[:600]
+lattice = np.stack(np.meshgrid(range(8), range(8), range(10), indexing="ij"), -1).reshape(
+    -1, 3
+)[:600]
 gas = hl.ParticleSystem(
     positions=(lattice + 0.5) * 2.4e-3,
     velocities=np.random.default_rng(0).normal(0.0, 0.45, lattice.shape),
@@ -37,7 +39,9 @@ def look(time, system):
     return {"spheres": counts, "temperature": system.granular_temperature}
 
 
-series = hl.event_driven(gas, restitution=1.0, until=4.0, samples=200, observe=look).series
+series = hl.event_driven(
+    gas, restitution=1.0, until=4.0, samples=200, observe=look
+).series
 counts, temperature = series.spheres.mean("time").values, float(series.temperature.mean())
 
 volume = 4 / 3 * np.pi * radius**3
@@ -65,11 +69,25 @@ for _ in range(40):
 with plots.style():
     figure, ax = plt.subplots(figsize=(7.0, 3.8))
     ax.semilogy(1e3 * middle, found, ".", label="event-driven, 600 spheres")
-    ax.plot(1e3 * middle, falling(bottom), color="black", label="hydrostatics, Carnahan & Starling")
     ax.plot(
-        1e3 * middle, barometric * found.sum() / barometric.sum(), "k--", lw=1.0, label="barometric formula"
+        1e3 * middle,
+        falling(bottom),
+        color="black",
+        label="hydrostatics, Carnahan & Starling",
     )
-    ax.set(xlabel="height [mm]", ylabel=r"packing fraction $\varphi$", xlim=(0, 110), ylim=(1e-3, 1))
+    ax.plot(
+        1e3 * middle,
+        barometric * found.sum() / barometric.sum(),
+        "k--",
+        lw=1.0,
+        label="barometric formula",
+    )
+    ax.set(
+        xlabel="height [mm]",
+        ylabel=r"packing fraction $\varphi$",
+        xlim=(0, 110),
+        ylim=(1e-3, 1),
+    )
     ax.legend(loc="upper right")
 print(f"T = {temperature:.3f} m²/s², T/g = {1e3 * temperature / g:.1f} mm")
 plt.show()

@@ -15,7 +15,9 @@ clusters form earlier.
 
 import hardlimit as hl
 
-gas = hl.ParticleSystem.random(n=1000, packing_fraction=0.1, radius=1e-3, density=2500, rms_speed=1.0)
+gas = hl.ParticleSystem.random(
+    n=1000, packing_fraction=0.1, radius=1e-3, density=2500, rms_speed=1.0
+)
 gas = hl.event_driven(
     gas, restitution=1.0, max_collisions=10_000, samples=1
 ).system  # an equilibrium to begin with

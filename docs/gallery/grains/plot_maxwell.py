@@ -15,23 +15,33 @@ import hardlimit as hl
 from hardlimit import plots
 
 n = 8000
-gas = hl.ParticleSystem.random(n=n, packing_fraction=0.1, radius=1e-3, density=2500, rms_speed=1.0)
-gas = gas.replace(velocities=gas.velocities / np.linalg.norm(gas.velocities, axis=1)[:, None])
+gas = hl.ParticleSystem.random(
+    n=n, packing_fraction=0.1, radius=1e-3, density=2500, rms_speed=1.0
+)
+gas = gas.replace(
+    velocities=gas.velocities / np.linalg.norm(gas.velocities, axis=1)[:, None]
+)
 edges = np.linspace(-2, 2, 41)
 
 with plots.style():
     figure, axes = plt.subplots(1, 3, figsize=(7.0, 2.8), sharey=True)
     for ax, collisions in zip(axes, (0, 1, 3), strict=True):
-        run = hl.event_driven(gas, restitution=1.0, max_collisions=collisions * n // 2, samples=1)
+        run = hl.event_driven(
+            gas, restitution=1.0, max_collisions=collisions * n // 2, samples=1
+        )
         after = run.system
         share, _ = np.histogram(after.velocities, edges, density=True)
         ax.stairs(share, edges, fill=True, color="C5")
         temperature = after.granular_temperature
         ax.plot(
-            edges, np.exp(-(edges**2) / (2 * temperature)) / np.sqrt(2 * np.pi * temperature), color="black"
+            edges,
+            np.exp(-(edges**2) / (2 * temperature)) / np.sqrt(2 * np.pi * temperature),
+            color="black",
         )
         ax.set(
-            title=f"{collisions} collisions of each" if collisions != 1 else "1 collision of each",
+            title=f"{collisions} collisions of each"
+            if collisions != 1
+            else "1 collision of each",
             xlim=(-2, 2),
         )
         ax.set_xlabel("velocity component [m/s]")

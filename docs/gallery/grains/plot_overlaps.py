@@ -31,11 +31,17 @@ with plots.style():
         rate = float(theory.gas(gas).collision_rate(gas.granular_temperature))
         shares = []
         for tc_nu in wanted:
-            law = unit.replace(stiffness=(unit.between(grain, grain).duration() * rate / tc_nu) ** 2)
-            run = hl.molecular_dynamics(gas, law=law, until=8 / rate, engine="events", samples=1)
+            law = unit.replace(
+                stiffness=(unit.between(grain, grain).duration() * rate / tc_nu) ** 2
+            )
+            run = hl.molecular_dynamics(
+                gas, law=law, until=8 / rate, engine="events", samples=1
+            )
             shares.append(run.overlapped_share)
         ax.loglog(wanted, shares, "o-", ms=4, label=rf"$\varphi$ = {fraction:g}")
     ax.loglog(wanted, 3 * wanted, ":", color="black", label=r"$3\,t_c\nu$")
-    ax.set(xlabel=r"$t_c\nu$ of the start (Enskog)", ylabel="share of overlapping contacts")
+    ax.set(
+        xlabel=r"$t_c\nu$ of the start (Enskog)", ylabel="share of overlapping contacts"
+    )
     ax.legend()
 plt.show()

@@ -23,7 +23,9 @@ import hardlimit as hl
 from hardlimit import plots
 
 balls = [hl.Ball(radius=radius, density=1100) for radius in (0.032, 0.022, 0.016, 0.011)]
-rubber = hl.Viscoelastic(youngs_modulus=5e6, poisson_ratio=0.49, restitution=0.9, impact_speed=3.0)
+rubber = hl.Viscoelastic(
+    youngs_modulus=5e6, poisson_ratio=0.49, restitution=0.9, impact_speed=3.0
+)
 gaps = np.geomspace(1e-5, 2e-2, 60)
 warnings.simplefilter("ignore", hl.CompressionWarning)
 
@@ -36,10 +38,21 @@ def top(model, gap):
 
 with plots.style():
     figure, ax = plt.subplots(figsize=(7.0, 3.6))
-    ax.semilogx(1e3 * gaps, [top(hl.newton, gap) for gap in gaps], label="Newton’s equations")
-    ax.semilogx(1e3 * gaps, [top(hl.independent, gap) for gap in gaps], ls=(0, (5, 2)), label="collisions")
+    ax.semilogx(
+        1e3 * gaps, [top(hl.newton, gap) for gap in gaps], label="Newton’s equations"
+    )
+    ax.semilogx(
+        1e3 * gaps,
+        [top(hl.independent, gap) for gap in gaps],
+        ls=(0, (5, 2)),
+        label="collisions",
+    )
     ax.axhline(top(hl.newton, 0.0), color="black", ls=":", label="touching")
-    ax.set(xlabel="gap between neighbours [mm]", ylabel="top ball above its release [m]", xlim=(1e-2, 20))
+    ax.set(
+        xlabel="gap between neighbours [mm]",
+        ylabel="top ball above its release [m]",
+        xlim=(1e-2, 20),
+    )
     ax.set_ylim(0, None)
     ax.legend(loc="center left")
 plt.show()

@@ -22,7 +22,9 @@ losses = np.linspace(0.0, 5.0, 31)
 def bounce(model, loss):
     law = hl.LinearDashpot(stiffness=1e6, restitution=1.0 - loss / n)
     gap = law.between(bead).duration()  # a bead at 1 m/s moves so far during a contact
-    column = hl.Column([bead] * n, gap, bead.radius + gap, law, velocities=-1.0, gravity=0.0)
+    column = hl.Column(
+        [bead] * n, gap, bead.radius + gap, law, velocities=-1.0, gravity=0.0
+    )
     result = model(column, until=100.0)
     return 0.0 if "collapse" in result.outcome else result.velocities.mean()
 
@@ -30,9 +32,35 @@ def bounce(model, loss):
 critical = n * (1.0 - np.tan(np.pi / 4 * (1.0 - 1.0 / n)) ** 2)
 with plots.style():
     figure, ax = plt.subplots(figsize=(7.0, 3.4))
-    ax.plot(losses, [bounce(hl.newton, x) for x in losses], "o-", ms=3, label="Newton’s equations")
-    ax.plot(losses, [bounce(hl.independent, x) for x in losses], "s--", ms=3, label="collisions")
-    ax.plot(critical, 0.0, "|", ms=14, mew=2, color="black", clip_on=False, label="collapse, theory")
-    ax.set(xlabel=r"$N(1-\varepsilon)$", ylabel="speed of the centre of mass", xlim=(0, 5), ylim=(0, 1))
+    ax.plot(
+        losses,
+        [bounce(hl.newton, x) for x in losses],
+        "o-",
+        ms=3,
+        label="Newton’s equations",
+    )
+    ax.plot(
+        losses,
+        [bounce(hl.independent, x) for x in losses],
+        "s--",
+        ms=3,
+        label="collisions",
+    )
+    ax.plot(
+        critical,
+        0.0,
+        "|",
+        ms=14,
+        mew=2,
+        color="black",
+        clip_on=False,
+        label="collapse, theory",
+    )
+    ax.set(
+        xlabel=r"$N(1-\varepsilon)$",
+        ylabel="speed of the centre of mass",
+        xlim=(0, 5),
+        ylim=(0, 1),
+    )
     ax.legend()
 plt.show()

@@ -29,9 +29,18 @@ with plots.style():
             column = hl.Column(balls, 0.0, 0.1, laws, velocities=-1.0, gravity=0.0)
             speeds.append(hl.newton(column).final_velocities[1])
         ax.semilogx(ratios, speeds, label=f"touching, $k_{{12}}/k_{{01}}$ = {factor:g}")
-    ax.semilogx(ratios, (3 - ratios) / (1 + ratios), color="black", ls=(0, (5, 2)), label="collisions")
+    ax.semilogx(
+        ratios,
+        (3 - ratios) / (1 + ratios),
+        color="black",
+        ls=(0, (5, 2)),
+        label="collisions",
+    )
     ax.set(
-        xlabel="mass ratio $m_2/m_1$", ylabel="speed of the upper ball / $V$", xlim=(1e-3, 1), ylim=(0.9, 3.1)
+        xlabel="mass ratio $m_2/m_1$",
+        ylabel="speed of the upper ball / $V$",
+        xlim=(1e-3, 1),
+        ylim=(0.9, 3.1),
     )
     ax.legend(loc="center left", bbox_to_anchor=(0.0, 0.6))
 plt.show()

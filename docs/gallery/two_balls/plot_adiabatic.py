@@ -16,7 +16,9 @@ from hardlimit import plots
 
 column = hl.Column.paper(restitution=0.9, gap=1e-4)
 ratio = np.geomspace(2.0, 40.0, 240)
-full, fixed = (hl.sweep(column, model=model, radius_ratio=ratio) for model in ("newton", "adiabatic"))
+full, fixed = (
+    hl.sweep(column, model=model, radius_ratio=ratio) for model in ("newton", "adiabatic")
+)
 error = abs(fixed.separation_velocity - full.separation_velocity) / column.impact_speed
 
 with plots.style():
@@ -25,5 +27,8 @@ with plots.style():
     ax.loglog(ratio**-3.0, 2.0 * ratio**-3.0, color="black", lw=0.8)
     ax.annotate(r"$2\,m_2/m_1$", (1e-4, 3e-4), ha="right")
     ax.axvline(1e-3, color="black", ls=":")
-    ax.set(xlabel=r"ratio of the masses $m_2/m_1$", ylabel="error of the separation velocity / $V$")
+    ax.set(
+        xlabel=r"ratio of the masses $m_2/m_1$",
+        ylabel="error of the separation velocity / $V$",
+    )
 plt.show()

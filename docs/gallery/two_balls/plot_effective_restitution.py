@@ -40,21 +40,34 @@ contacts = np.array(
 )
 
 with plots.style():
-    figure, (upper, lower) = plt.subplots(2, 1, figsize=(7.0, 5.2), sharex=True, height_ratios=(1, 1.2))
+    figure, (upper, lower) = plt.subplots(
+        2, 1, figsize=(7.0, 5.2), sharex=True, height_ratios=(1, 1.2)
+    )
     upper.plot(
         restitution,
         effective(ds.relative_velocity) / restitution,
         label="at the end of the last contact, $t_f$",
     )
     upper.plot(
-        restitution, effective(ds.separation_velocity) / restitution, label="after all forces have ended"
+        restitution,
+        effective(ds.separation_velocity) / restitution,
+        label="after all forces have ended",
     )
     upper.set(ylabel=r"$\varepsilon_\mathrm{eff}/\varepsilon$", ylim=(0.0, 0.25))
     upper.set_title("independent collisions: 1", loc="right")
     upper.legend(loc="upper left")
     lower.vlines(*contacts.T, color="C0", lw=0.6)
-    lower.plot(restitution[::2], [1e6 * drop.t_floor_end for drop in drops], color="black", lw=0.8)
-    lower.set(xlabel=r"coefficient of restitution $\varepsilon$", xlim=(0.5, 1.0), ylim=(0.0, 1600.0))
+    lower.plot(
+        restitution[::2],
+        [1e6 * drop.t_floor_end for drop in drops],
+        color="black",
+        lw=0.8,
+    )
+    lower.set(
+        xlabel=r"coefficient of restitution $\varepsilon$",
+        xlim=(0.5, 1.0),
+        ylim=(0.0, 1600.0),
+    )
     lower.set_ylabel("contacts [µs after the floor touch]")
     figure.align_ylabels()
 plt.show()

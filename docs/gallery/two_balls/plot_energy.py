@@ -37,7 +37,11 @@ with plots.style():
     ax.plot(time, total / scale, color="black", ls=":", label="sum, with the weight")
     for start, stop in zip(begin, end, strict=True):
         ax.axvspan(1e6 * start, 1e6 * stop, color="black", alpha=0.07, lw=0)
-    ax.set(xlim=(time[0], time[-1]), ylim=(0, 1.1), xlabel="time after the first floor touch [µs]")
+    ax.set(
+        xlim=(time[0], time[-1]),
+        ylim=(0, 1.1),
+        xlabel="time after the first floor touch [µs]",
+    )
     ax.set_ylabel("energy / kinetic energy at impact")
     figure.legend(loc="outside right upper")
 plt.show()

@@ -26,16 +26,25 @@ with plots.style():
     for restitution in (1.0, 0.9, 0.7):
         column = hl.Column.paper(restitution=restitution)
         tops = [
-            hl.sweep(column, model=model, gap=gap, variables=["rebound_height"]).rebound_height.isel(ball=1)
+            hl.sweep(
+                column, model=model, gap=gap, variables=["rebound_height"]
+            ).rebound_height.isel(ball=1)
             for model in ("newton", "independent")
         ]
         (line,) = ax.plot(1e3 * gap, tops[0], label=rf"$\varepsilon$ = {restitution:g}")
         ax.plot(1e3 * gap, tops[1], color=line.get_color(), ls=(0, (5, 2)), lw=1.0)
     column = hl.Column.paper(restitution=0.9)
     floor = column.contacts[0]
-    limit = column.impact_speed * (floor.duration() - floor.damping / floor.stiffness * 0.9)  # 2β/ω0² = γ/k
+    limit = column.impact_speed * (
+        floor.duration() - floor.damping / floor.stiffness * 0.9
+    )  # 2β/ω0² = γ/k
     ax.axvline(1e3 * limit, color="black", ls=":")
-    ax.set(xscale="log", xlim=(1e-3, 20), ylim=(0, None), xlabel=r"initial gap $\Delta h$ [mm]")
+    ax.set(
+        xscale="log",
+        xlim=(1e-3, 20),
+        ylim=(0, None),
+        xlabel=r"initial gap $\Delta h$ [mm]",
+    )
     ax.set_ylabel("maximum height of the small ball [m]")
     ax.legend(loc="center left", bbox_to_anchor=(0.0, 0.57))
 print(f"limit: {1e3 * limit:.3f} mm")

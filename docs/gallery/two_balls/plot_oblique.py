@@ -23,14 +23,22 @@ with plots.style():
     for gap in (3e-3, 1e-4):
         column = hl.Column.paper(restitution=0.9, gap=gap)
         drops = [hl.oblique_drop(column, d) for d in offset]
-        (line,) = sideways.loglog(1e3 * offset, [drop.sideways_velocity for drop in drops])
-        sideways.loglog(1e3 * offset, [drop.estimate for drop in drops], ":", color="black", lw=1.0)
+        (line,) = sideways.loglog(
+            1e3 * offset, [drop.sideways_velocity for drop in drops]
+        )
+        sideways.loglog(
+            1e3 * offset, [drop.estimate for drop in drops], ":", color="black", lw=1.0
+        )
         angle.semilogx(
-            1e3 * offset, np.degrees([d.throw_angle for d in drops]), label=f"gap {1e3 * gap:g} mm"
+            1e3 * offset,
+            np.degrees([d.throw_angle for d in drops]),
+            label=f"gap {1e3 * gap:g} mm",
         )
     sideways.plot([], [], ":", color="black", lw=1.0, label="leading order")
     sideways.set(xlabel="offset [mm]", ylabel="sideways velocity [m/s]")
     sideways.legend()
-    angle.set(xlabel="offset [mm]", ylabel="angle of throw to the vertical [°]", ylim=(0, None))
+    angle.set(
+        xlabel="offset [mm]", ylabel="angle of throw to the vertical [°]", ylim=(0, None)
+    )
     angle.legend()
 plt.show()

@@ -18,23 +18,32 @@ import numpy as np
 import hardlimit as hl
 from hardlimit import plots
 
-axes = {"restitution": np.linspace(0.3, 1.0, 160), "radius_ratio": np.linspace(1.0, 6.0, 140)}
+axes = {
+    "restitution": np.linspace(0.3, 1.0, 160),
+    "radius_ratio": np.linspace(1.0, 6.0, 140),
+}
 column = hl.Column.paper(gap=1e-4)
-newton, collisions = (hl.sweep(column, model=model, **axes) for model in ("newton", "independent"))
+newton, collisions = (
+    hl.sweep(column, model=model, **axes) for model in ("newton", "independent")
+)
 
 
 def smallest_gap(restitution, radius_ratio):
     """Smallest gap [m] for which the floor contact ends before the balls meet."""
     drop = hl.Column.paper(restitution=restitution, radius_ratio=radius_ratio)
     floor = drop.contacts[0]
-    return drop.impact_speed * (floor.duration() - floor.damping / floor.stiffness * restitution)
+    return drop.impact_speed * (
+        floor.duration() - floor.damping / floor.stiffness * restitution
+    )
 
 
 def with_criterion(figure):
     """The map with a dotted line where this gap is 0.1 mm."""
     points = [axis[::10] for axis in axes.values()]
     gaps = [[smallest_gap(e, ratio) for e in points[0]] for ratio in points[1]]
-    figure.axes[0].contour(*points, gaps, levels=[1e-4], colors="black", linestyles="dotted")
+    figure.axes[0].contour(
+        *points, gaps, levels=[1e-4], colors="black", linestyles="dotted"
+    )
     return figure
 
 

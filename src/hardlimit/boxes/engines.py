@@ -22,23 +22,21 @@ from .rules import Settings, law_entry, law_from
 from .system import ParticleSystem
 from .thermostats import Andersen
 
-ENERGIES: Final = ("kinetic_energy", "potential_energy", "dissipated_energy")
-#: Quantities at the samples of every engine.
-COMMON: Final = (
-    "time",
-    *ENERGIES,
-    "granular_temperature",
-    "momentum",
-    "kinetic_tensor",
-    "virial_tensor",
-    "n_pairs",
+
+def _sampled(engines: str) -> tuple[str, ...]:
+    """The quantities at the samples of all engines and of these, from the core's table."""
+    fields = (one["name"] for one in _core.observed_fields if one["engines"] in ("all", engines))
+    return ("time", "granular_temperature", "heat", *fields)
+
+
+#: Quantities at the samples of hard spheres, of our engines for Newton's equations, and of LAMMPS.
+OF_COLLISIONS: Final = (*_sampled("collisions"), "n_collisions")
+OF_CONTACTS: Final = _sampled("contacts")
+OF_LAMMPS: Final = (
+    *("time", "kinetic_energy", "potential_energy", "dissipated_energy", "granular_temperature", "momentum"),
+    *("kinetic_tensor", "virial_tensor", "n_pairs", "flow_momentum", "shear_work", "contact_energy"),
+    *("n_contacts", "n_ended", "n_overlapped", "n_in_contact"),
 )
-#: Those of hard spheres, those of engines for Newton's equations, and those of LAMMPS.
-_DRIVEN: Final = ("flow_momentum", "wall_work", "shear_work", "heat", "wall_impulse", "wall_energy")
-OF_COLLISIONS: Final = (*COMMON, *_DRIVEN, "kinetic_integral", "n_collisions")
-_CONTACTS: Final = ("contact_energy", "n_contacts", "n_ended", "n_overlapped", "n_in_contact")
-OF_CONTACTS: Final = (*COMMON, *_DRIVEN, *_CONTACTS)
-OF_LAMMPS: Final = (*COMMON, "flow_momentum", "shear_work", *_CONTACTS)
 #: Arrays of a system in a checkpoint. Positions and velocities are in the saved state of the engine.
 FIXED: Final = ("radius", "mass", "box", "gravity")
 

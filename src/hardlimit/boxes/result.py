@@ -20,7 +20,7 @@ from ..support.formatting import digits, listed
 from . import observables, observe
 from .box import WALL_NUMBERS, Floats, read_only, wall_name
 from .observables import OBSERVABLES, Samples
-from .rules import Settings, law_entry, law_from
+from .rules import RULES, Settings, law_entry, law_from
 from .system import ParticleSystem
 
 if TYPE_CHECKING:
@@ -321,21 +321,21 @@ class ParticleResult(_Result):
 
     def _outcome_key(self) -> str:
         settings = self.settings
-        no_room = settings.rule in ("tc", "soft") or settings.restitution == 1.0
+        no_room = RULES[settings.rule].knows_duration or settings.restitution == 1.0
         return "no_room" if self.outcome_name == "collapse" and no_room else self.outcome_name
 
     @property
     def elastic_share(self) -> float:
         """Fraction of the collisions that the rule tc made elastic; NaN under other rules."""
-        return self._fraction(self.n_elastic_by_tc, self.n_collisions, "tc")
+        return self._share("elastic_share", self.n_elastic_by_tc, self.n_collisions)
 
     @property
     def third_body_share(self) -> float:
         """Fraction of the contacts of the rule soft with a third body in reach; NaN under other rules."""
-        return self._fraction(self.n_soft_third_body, self.n_soft, "soft")
+        return self._share("third_body_share", self.n_soft_third_body, self.n_soft)
 
-    def _fraction(self, count: int, total: int, rule: str) -> float:
-        return count / total if total and self.settings.rule == rule else math.nan
+    def _share(self, name: str, count: int, total: int) -> float:
+        return count / total if total and name in RULES[self.settings.rule].counts else math.nan
 
     @property
     def series(self) -> xr.Dataset:
@@ -412,11 +412,8 @@ class ParticleResult(_Result):
                 found.append((f"{label} [{OBSERVABLES[name].unit_in(self.system.dimension)}]", float(mean)))
         found.append(("dissipated energy [J]", self._change("dissipated_energy")[1]))
         found += compression.rows(self.largest_compression)
-        if self.settings.rule == "tc":
-            found.append(("fraction made elastic by tc", self.elastic_share))
-        if self.settings.rule == "soft":
-            found.append(("fraction with a third body in reach", self.third_body_share))
-        return found
+        rule = RULES[self.settings.rule]
+        return found + [(f"fraction {rule.share}", getattr(self, name)) for name in rule.counts[-1:]]
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)

@@ -20,15 +20,17 @@ class Rule(NamedTuple):
     takes: tuple[str, ...]  #: the arguments that may give the restitution, exactly one of them
     meaning: str  #: the effect of a collision
     assumes: str  #: the condition under which the rule is right
-    counts: tuple[str, ...]  #: attributes of a result that count how often the rule did something special
     source: str
+    counts: tuple[str, ...]  #: attributes of a result that count how often the rule did something special
+    share: str  #: what the last of these, a share of the collisions, means
+    knows_duration: bool  #: whether it knows the duration of contacts
+    error: str  #: the rule of the law of the error with the same error; empty if that is not known
     has_contact_duration: bool
 
-
-_COUNTS: Final = {
-    "tc": ("n_elastic_by_tc", "elastic_share"),
-    "soft": ("n_soft", "n_soft_third_body", "third_body_share"),
-}
+    @property
+    def has_constant_restitution(self) -> bool:
+        """Whether ε cannot depend on the speed."""
+        return self.takes == ("restitution",)
 
 
 def _rule(record: Mapping[str, Any]) -> Rule:
@@ -36,9 +38,7 @@ def _rule(record: Mapping[str, Any]) -> Rule:
         record["name"],
         tuple(argument for argument in ("restitution", "law") if record[argument]),
         record["meaning"],
-        record["assumes"],
-        _COUNTS.get(record["name"], ()),
-        record["source"],
+        *(record[name] for name in ("assumes", "source", "counts", "share", "knows_duration", "error")),
         any(parameter["name"] == "contact_duration" for parameter in record["parameters"]),
     )
 
@@ -66,7 +66,7 @@ def law_from(entry: Sequence[Any] | None) -> Any:
 class Settings:
     """The collision rule of a run and its parameters; made by :func:`hardlimit.event_driven`."""
 
-    rule: str  #: "constant", "law", "tc" or "soft"
+    rule: str  #: name of the rule
     restitution: float | None  #: constant ε, or None if a law gives ε
     law: Law | None  #: contact law that gives ε, or None
     contact_duration: float | None  #: t_c of the rule tc [s]

@@ -9,16 +9,16 @@ from typing import Any
 
 import click
 
+from ..boxes.error_law import MEASURED_TC_NU
+from ..checking import check as checked
+from ..checking.answer import Question, given_by, judged, stiffness
+from ..checking.contacts import CheckedContact
+from ..checking.expectation import ACCEPTED
+from ..checking.result import Finding, Verdict
 from ..column import files
 from ..contact.balls import Ball
 from ..convert.codes import code as code_of
 from ..support.formatting import digits, length, listed, percent, percent_with_error, quantity
-from ..verdict import check as checked
-from ..verdict.answer import NAMES, Question, given_by, judged
-from ..verdict.contacts import CheckedContact
-from ..verdict.error_law import MEASURED_TC_NU
-from ..verdict.expectation import ACCEPTED
-from ..verdict.result import Finding, Verdict
 from .options import Quantity, json_option, law_options, options, quantity_option, spelled, take_law
 from .printing import console, print_json
 from .program import FAILURE, Command
@@ -484,7 +484,7 @@ def detail(row: CheckedContact, plain: bool, accepted: float) -> str:
         "friction": None if row.friction == 0.0 else number(row.friction) or "not known",
         "error 1 % at": None
         if spring is None
-        else f"{NAMES[spring[0]]} of {digits(spring[2], 3)} {row.stiffness_unit}".rstrip(),
+        else f"{stiffness(spring[0])} of {digits(spring[2], 3)} {row.stiffness_unit}".rstrip(),
         "cools faster by": ", ".join(f"{cools(*e)} (rule {rule})" for rule, e in row.error.items()) or None,
     }
     unit = "" if plain else " m/s"

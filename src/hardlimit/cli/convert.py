@@ -8,12 +8,14 @@ from typing import Any
 
 import click
 
+from ..checking import convert_back
+from ..checking.reading_back import Obtained
+from ..checking.scripts import CODES
 from ..column.files import prefixed
 from ..contact.balls import FLOOR, Ball
 from ..convert import convert as converted
-from ..convert import convert_back
 from ..convert.codes import code, names
-from ..convert.conversion import ContactNumbers, Conversion, ModelConversion, ModelNumbers, Obtained
+from ..convert.conversion import ContactNumbers, Conversion, ModelConversion, ModelNumbers
 from ..convert.wanted import LAWS
 from ..support import validation
 from ..support.formatting import digits, length, quantity
@@ -25,7 +27,8 @@ EXAMPLES = """\b
 Example:
   hardlimit convert --restitution 0.7 --radius 0.5mm --density 7850 --youngs-modulus 210GPa \\
       --poisson-ratio 0.3 --code lammps
-  hardlimit convert --restitution 0.7 --radius 0.5mm --radius 1mm --density 2500 --stiffness 1e5
+  hardlimit convert --restitution 0.7 --radius 0.5mm --radius 1mm --density 2500 \\
+      --stiffness 1e5
   hardlimit convert --radius 0.5mm --density 2500 --code lammps \\
       --input 'hooke 1e5 0.7 damping coeff_restitution limit_damping'"""
 
@@ -33,8 +36,7 @@ USUAL = (
     "Usual ε: that of the usual input, which is the desired ε itself or the damping of the usual formula. Input: that "
     "for the desired ε; --code NAME prints it to paste."
 )
-#: Units of damping and stiffness for each law.
-DAMPING_UNITS = {"linear": "N s/m", "tsuji": "N s/m^1.25", "viscoelastic": "N s/m^1.5"}
+INPUTS = "LAMMPS, LIGGGHTS or YADE"
 #: Short names of numbers in the heads of columns.
 SHORT = {
     "youngs_modulus": "Y [Pa]",
@@ -42,7 +44,6 @@ SHORT = {
     "characteristic_speed": "speed",
     "contact_time": "time [s]",
 }
-STIFFNESS_UNITS = {"linear": "N/m", "tsuji": "N/m^1.5", "viscoelastic": "N/m^1.5"}
 
 bed = options(
     quantity_option(
@@ -104,8 +105,10 @@ code_options = options(
         is_flag=True,
         help="Let the force attract at the end of a contact, if this is an option of the code.",
     ),
-    click.option("--input", "text", help="Lines of the code's input to evaluate; '-' reads standard input."),
-    click.option("--read", metavar="FILE", help="File with the code's input to evaluate."),
+    click.option(
+        "--input", "text", help=f"Lines of input of {INPUTS} to evaluate; '-' reads standard input."
+    ),
+    click.option("--read", metavar="FILE", help=f"File with input of {INPUTS} to evaluate."),
     click.option(
         "--contact",
         metavar="NAME",
@@ -204,7 +207,7 @@ def back(text: str, balls: list[Ball], wall: bool | None, given: dict[str, Any])
         if given[name] is not None:
             raise ValueError(f"{name}: got {given[name]}, must be left out with input, which sets it")
     if given["code"] is None:
-        raise ValueError(f"code: missing, must be one of {', '.join(names())} with input")
+        raise ValueError(f"code: missing, must be one of {', '.join(CODES)} with input")
     if len(balls) > (1 if wall else 2):
         raise ValueError(f"radius: got {len(balls)} values, must be {1 if wall else '1 or 2'} with input")
     other = FLOOR if wall else balls[-1]
@@ -224,13 +227,14 @@ def print_conversion(found: Conversion, balls: list[Ball], one_code: bool) -> No
         f"{i + 1}: {length(b.radius)}, {quantity(b.mass * 1e3, 'g', 4)}" for i, b in enumerate(balls)
     )
     asked = f"ε = {digits(wanted.restitution)} at {digits(wanted.speed)} m/s, {wanted.law} law"
-    units = f"Stiffness in {STIFFNESS_UNITS[wanted.law]}, damping in {DAMPING_UNITS[wanted.law]}."
+    stiffness, damping = LAWS[wanted.law].units
+    units = f"Stiffness in {stiffness}, damping in {damping}."
     below = f"Balls (radius, mass): {sizes}. {units} {step_sentence(found.contacts)}"
     show(out, asked, contact_table(found), below)
     if one_code:
         for model in found.models:
             print_model(out, model)
-    else:
+    elif found.models:
         rows = [row for model in found.models for row in overview_rows(model)]
         head = ["code and model", "contact", "usual ε", "input", "ε"]
         show(out, "Input of the codes", table(head, rows), USUAL)
@@ -322,8 +326,7 @@ def show_obtained(found: Obtained, given: dict[str, Any], as_json: bool) -> None
     rows += [["restitution ε", digits(found.restitution)]]
     if found.numerical_damping:
         rows += [["numerical damping", digits(found.numerical_damping)]]
-    else:
-        rows += [["duration", quantity(found.duration, "s")]]
+    rows += [["duration", quantity(found.duration, "s")]]
     rows += [["largest compression", quantity(found.compression, "m")]]
     rows += [["largest force", quantity(found.force, "N")], ["time step", step_of(found)]]
     end = "attracts at its end" if found.attraction else "never attracts"

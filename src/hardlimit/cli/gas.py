@@ -20,6 +20,7 @@ import hardlimit as hl
 
 from ..boxes import files as box_files
 from ..boxes import theory
+from ..boxes.error_law import softness
 from ..boxes.hard_spheres import NAME as HARD_SPHERES
 from ..boxes.hard_spheres import checked_end
 from ..boxes.newton import NAMES as ENGINES
@@ -29,7 +30,6 @@ from ..boxes.system import described
 from ..boxes.thermostats import as_entry
 from ..support import saving, validation
 from ..support.formatting import digits, listed
-from ..verdict.error_law import softness
 from .compare import compare
 from .gas_job import ALIASES, OUTPUT, RUN, START, GasJob, checked_outputs, default_end, make_job
 from .job import Entry, entry_options

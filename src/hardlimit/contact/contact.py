@@ -406,8 +406,8 @@ def _unit(parameter: dict[str, Any]) -> str:
 
 def _example(law: type[Law]) -> list[str]:
     """An example with a ball on the floor and the parameters of the first alternative."""
-    given = [*law.record["common"], *law.record["alternatives"][0]]
-    values = {p["name"]: _typical(p) for p in given}
+    parameters = [*law.record["common"], *law.record["alternatives"][0]]
+    values = {p["name"]: _typical(p) for p in parameters}
     contact = law(**values).between(Ball(0.01, density=2500.0))
     return [
         f">>> law = hl.{law.__name__}({', '.join(f'{name}={_short(value)}' for name, value in values.items())})",

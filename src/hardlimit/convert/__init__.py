@@ -1,6 +1,6 @@
-"""Convert a restitution into damping, time step and input of particle codes, and back.
+"""Convert a restitution into damping, time step and input of particle codes.
 
-The functions import their modules when called, which keeps ``import hardlimit`` fast.
+The function imports its modules when called, which keeps ``import hardlimit`` fast.
 """
 
 from __future__ import annotations
@@ -8,12 +8,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from ..contact.balls import Ball, Floor
+from ..contact.balls import Ball
 
 if TYPE_CHECKING:
-    from .conversion import Conversion, Obtained
+    from .conversion import Conversion
 
-__all__ = ["convert", "convert_back"]
+__all__ = ["convert"]
 
 
 def convert(
@@ -112,65 +112,3 @@ def convert(
 
     target = wanted(restitution, speed, law, stiffness, youngs_modulus, poisson_ratio, duration, compression)
     return converted(balls, target, wall, code, model, attraction, restitution_error, time_step)
-
-
-def convert_back(
-    text: str,
-    ball: Ball,
-    other: Ball | Floor | None = None,
-    *,
-    code: str,
-    model: str | None = None,
-    speed: float = 1.0,
-    restitution_error: float | None = None,
-    time_step: float | None = None,
-    contact: str | None = None,
-) -> Obtained:
-    """Compute the restitution that an input of a code really produces.
-
-    ``restitution_error`` and ``time_step`` are those of :func:`convert`.
-
-    Parameters
-    ----------
-    text : str
-        Lines of input, such as ``convert(…).text``.
-    ball : Ball
-    other : Ball or FLOOR, optional
-        The other body; by default another ``ball``.
-    code : str
-        Name of the code.
-    model : str, optional
-        Name of the contact model; by default it is found in the input.
-    speed : float [m/s]
-        Impact speed.
-    contact : str, optional
-        Selects a contact if the input has several with different numbers: ``"1-2"`` or ``"1-wall"`` by types, or the
-        name of an object, as listed in the error message.
-
-    Returns
-    -------
-    Obtained
-
-    Raises
-    ------
-    ValueError
-        If a value is outside its range, the input has no model of the code or several, a statement that affects a
-        contact is not understood (quoted with its line), or contacts have different numbers and none is selected.
-
-    Notes
-    -----
-    A force that never attracts ends the contact early: Schwager & Pöschel, Granular Matter 9, 465 (2007). The text is
-    split into words as by the code, with its comments, continuation lines, quotes, variables and units; nothing in it
-    is executed. YADE's numerical damping d multiplies decelerating forces by 1 + d and accelerating forces by 1 − d; an
-    elastic contact then gives √((1 − d)/(1 + d)).
-
-    Examples
-    --------
-    >>> line = "hooke 1e4 0.7 damping coeff_restitution limit_damping"
-    >>> found = hl.convert_back(line, hl.Ball(1e-3, density=2500.0), code="lammps")
-    >>> round(found.restitution, 4)
-    0.7182
-    """
-    from .conversion import obtained
-
-    return obtained(text, ball, other, code, model, speed, restitution_error, time_step, contact)

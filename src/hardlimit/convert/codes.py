@@ -17,7 +17,6 @@ from typing import Any, Final, Literal
 from ..support import toml, validation
 from .force import Force, Powers
 from .formulas import DEFAULT_POISSON_RATIO, FORMULAS, SPRINGS, Numbers, Where, inverse
-from .readers import READERS
 
 #: Largest number of models that a message lists.
 MAX_NAMES: Final = 8
@@ -71,15 +70,11 @@ class Extra:
 
 @dataclass(frozen=True)
 class Input:
-    """Templates of a code's input, with placeholders such as {stiffness}; ``reads`` has the settings of the reader.
+    """Templates of a code's input, with placeholders such as {stiffness}."""
 
-    Each setting in ``reads`` has words, some of which are placeholders. {unsigned:timeconst} is a number without a
-    sign; {negative:stiffness} is the absolute value of a number that is negative or 0.
-    """
-
-    reads: dict[str, str]
     pair: str
-    reads_wall: dict[str, str] = field(default_factory=dict)  #: for a wall, if different
+    #: Settings that select the model when a script is read, with their words; none if this code's scripts are not read.
+    reads: dict[str, str] = field(default_factory=dict)
     wall: str = ""
     head: str = ""
     foot: str = ""
@@ -161,9 +156,6 @@ class Code:
     walls: str  #: description of the effective mass at a wall
     scheme: Literal["half step"]  #: the damping uses the velocity of half a step before
     models: list[Model]  #: its contact models
-    reader: str = "c++"  #: reader of its input, a key of ``READERS``
-    defaults: dict[str, str] = field(default_factory=dict)  #: settings if the input does not set them
-    sticky: list[str] = field(default_factory=list)  #: settings of adhesion, which are refused
     least_inertia: float = 0.0  #: moment of inertia [kg m²] that a ball must exceed
     comment: str = "#"  #: begins a comment of its input
     comment_end: str = ""  #: ends a comment, if not the end of the line
@@ -343,7 +335,6 @@ def _read(name: str) -> Code:
     for model in found.models:
         validation.one_of(f"{name}.{model.name}.spring.given", model.spring.given, list(SPRINGS))
         validation.one_of(f"{name}.{model.name}.damping.formula", model.damping.formula, list(FORMULAS))
-    validation.one_of(f"{name}.reader", found.reader, list(READERS))
     return found
 
 

@@ -1,21 +1,20 @@
-"""Conversion of a restitution into the numbers of contacts and the input of particle codes, and back."""
+"""Conversion of a restitution into the numbers of contacts and the input of particle codes."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
 from typing import Any, Final
 
 from .. import _core
 from ..boxes.time_step import accepted_error
 from ..contact.balls import FLOOR, Ball, Floor
-from ..scripts.yade import NUMERICAL_DAMPING
 from ..support import validation
 from . import texts
 from .codes import Code, Model, Pair, Written, code, names
-from .force import MAX_SPEED, MIN_SPEED, Force, Powers
-from .formulas import DEFAULT_POISSON_RATIO, Numbers
+from .force import Force
+from .formulas import Numbers
 from .wanted import LAWS, Wanted
 
 #: Largest number of sizes.
@@ -111,37 +110,6 @@ class Conversion:
 
 
 @dataclass(frozen=True)
-class Obtained:
-    """The contact that an input of a code really produces; returned by :func:`hardlimit.convert_back`."""
-
-    code: Code  #: its name, title, version and sources
-    model: Model  #: its name, title and formulas
-    attraction: bool  #: whether the force attracts at the end of a contact
-    numbers: Numbers  #: as read, in SI units
-    numerical_damping: float  #: damping of the integrator, as a fraction of every force
-    restitution: float  #: 0 if the bodies stay together
-    duration: float  #: [s]; NaN with numerical damping
-    compression: float  #: largest [m]
-    force: float  #: largest [N]
-    time_step: float  #: [s]; NaN if the bodies stay together
-    restitution_error: float  #: error of ε by the time step
-    notes: tuple[str, ...]  #: remarks
-
-    def __repr__(self) -> str:
-        return f"<Obtained from {self.code.name} {self.model.name}: restitution {self.restitution:.6g}>"
-
-    def to_dict(self) -> dict[str, Any]:
-        """Everything as a plain dictionary, in SI units.
-
-        Returns
-        -------
-        dict
-        """
-        plain = asdict(replace(self, code=None, model=None))  # type: ignore[arg-type]
-        return {**plain, "code": self.code.name, "version": self.code.version, "model": self.model.name}
-
-
-@dataclass(frozen=True)
 class Stepping:
     """Choice of the time step: a given step, or the longest one with a given error of ε."""
 
@@ -168,9 +136,9 @@ def converted(
     """As :func:`hardlimit.convert`."""
     pairs = _pairs(balls, validation.flag("wall", wall))
     attracts = validation.flag("attraction", attraction)
-    stepping = _stepping(restitution_error, time_step)
+    stepping = stepping_of(restitution_error, time_step)
     forces = [asked.force(pair.mass, pair.radius) for pair in pairs]
-    chosen = _chosen(named, model, LAWS[asked.law])
+    chosen = _chosen(named, model, asked.law)
     listed = (balls,) if isinstance(balls, Ball) else tuple(balls)
     if named is not None:
         for ball in listed:
@@ -181,74 +149,6 @@ def converted(
         tuple(_contact(pair, force, asked, stepping) for pair, force in zip(pairs, forces, strict=True)),
         tuple(_in_model(*one, pairs, forces, asked, attracts, stepping) for one in chosen),
     )
-
-
-def obtained(
-    text: Any,
-    ball: Any,
-    other: Any,
-    name: Any,
-    model: Any,
-    speed: Any,
-    restitution_error: Any,
-    time_step: Any,
-    contact: Any,
-) -> Obtained:
-    """As :func:`hardlimit.convert_back`."""
-    found = code(name)
-    pair = _pair(ball, ball if other is None else other, 1, 1)
-    if not isinstance(text, str):
-        raise ValueError(f"input: got {validation.shown(text)}, must be a text")
-    if contact is not None and not isinstance(contact, str):
-        raise ValueError(f"contact: got {validation.shown(contact)}, must be a name such as '1-2'")
-    v = validation.number("speed", speed, MIN_SPEED, MAX_SPEED)
-    stepping = _stepping(restitution_error, time_step)
-    for body in (ball, pair.wall or other or ball):
-        _refuse_light(found, body)
-    read = texts.read(found, text.removeprefix("\ufeff"), pair.wall, contact, model)
-    nu = read.numbers.get("poisson_ratio", DEFAULT_POISSON_RATIO)
-    damping = read.numerical_damping or 0.0
-    try:
-        force = Written(read.model, pair, v, read.attracts, nu).force(read.numbers)
-        step, error = stepping.of(force, v)
-        collision = force.numerically_damped(v, damping) if damping else force.collision(v)
-        notes = tuple(_notes(found, read, force, v))
-    except (OverflowError, ZeroDivisionError):
-        given = ", ".join(f"{name} {value:.6g}" for name, value in read.numbers.items())
-        raise ValueError(
-            f"input: got {given}, must give a compression and a duration within the range of double precision"
-        ) from None
-    return Obtained(
-        found,
-        read.model,
-        read.attracts,
-        read.numbers,
-        damping,
-        collision.restitution,
-        collision.duration,
-        collision.compression,
-        collision.force,
-        step,
-        error,
-        notes,
-    )
-
-
-def _notes(found: Code, read: texts.Read, force: Force, speed: float) -> Iterator[str]:
-    """Remarks on numerical damping, for a code that has one."""
-    if found.reader != "yade":
-        return
-    if read.numerical_damping is None:
-        default = force.numerically_damped(speed, NUMERICAL_DAMPING).restitution
-        yield (
-            f"without NewtonIntegrator in the input, its damping is taken as 0; its default, {NUMERICAL_DAMPING}, "
-            f"gives ε = {default:.4g}"
-        )
-    elif read.numerical_damping > 0.0:
-        yield (
-            f"NewtonIntegrator's damping of {read.numerical_damping:g} acts on each body separately: this ε holds at a "
-            "wall, or for two bodies whose common centre of mass is at rest"
-        )
 
 
 def _refuse_light(found: Code, body: Any) -> None:
@@ -271,12 +171,12 @@ def _pairs(balls: Any, wall: bool) -> list[Pair]:
     if not 1 <= len(listed) <= MAX_BODIES:
         raise ValueError(f"balls: got {len(listed)}, must be 1 to {MAX_BODIES}")
     found = [
-        _pair(ball, listed[j], i + 1, j + 1) for i, ball in enumerate(listed) for j in range(i, len(listed))
+        pair_of(ball, listed[j], i + 1, j + 1) for i, ball in enumerate(listed) for j in range(i, len(listed))
     ]
-    return found + [_pair(ball, FLOOR, i + 1, i + 1) for i, ball in enumerate(listed)] * bool(wall)
+    return found + [pair_of(ball, FLOOR, i + 1, i + 1) for i, ball in enumerate(listed)] * bool(wall)
 
 
-def _pair(ball: Any, other: Any, i: int, j: int) -> Pair:
+def pair_of(ball: Any, other: Any, i: int, j: int) -> Pair:
     if not isinstance(ball, Ball):
         raise ValueError(f"ball: got {validation.shown(ball)}, must be a Ball")
     if not isinstance(other, Ball | Floor):
@@ -287,7 +187,7 @@ def _pair(ball: Any, other: Any, i: int, j: int) -> Pair:
     return Pair(name, mass, radius, at_wall, i, j)
 
 
-def _stepping(error: Any, time_step: Any) -> Stepping:
+def stepping_of(error: Any, time_step: Any) -> Stepping:
     if error is not None and time_step is not None:
         raise ValueError("restitution_error | time_step: got both, must be at most one of them")
     if time_step is not None:
@@ -295,8 +195,9 @@ def _stepping(error: Any, time_step: Any) -> Stepping:
     return Stepping(accepted_error(error), None)
 
 
-def _chosen(name: Any, model: Any, powers: Powers) -> list[tuple[Code, Model]]:
-    """The selected models: one by its name, or those with the powers of the law."""
+def _chosen(name: Any, model: Any, law: str) -> list[tuple[Code, Model]]:
+    """The selected models: one by its name, or those with the powers of the law, of which there may be none."""
+    powers = LAWS[law]
     if name is None and model is not None:
         raise ValueError("code: missing, must be given beside model")
     if name is not None and model is not None:
@@ -316,7 +217,9 @@ def _chosen(name: Any, model: Any, powers: Powers) -> list[tuple[Code, Model]]:
         if (m.powers(False).elastic, m.powers(False).damping) == fitting and m.damping.formula != "none"
     ]
     chosen = [(one, m) for one, m in matching if only in (None, one)]
-    if not chosen:
+    if name is not None and not chosen:
+        if not matching:
+            raise ValueError(f"law: got {law!r}, which no code has, must be another law, or code left out")
         known = ", ".join(dict.fromkeys(one.name for one, _ in matching))
         raise ValueError(f"code: got {name!r}, which has no model of this law, must be one of {known}")
     return chosen

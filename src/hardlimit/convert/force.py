@@ -31,9 +31,19 @@ class Powers:
     attracts: bool = False
 
     @property
+    def units(self) -> tuple[str, str]:
+        """Units of K and of C."""
+        p, q = 0.25 * self.elastic, 0.25 * self.damping
+        return _to_power("N/m", p), _to_power("N s/m", 1.0 + q)
+
+    @property
     def arguments(self) -> tuple[int, int, bool]:
         """Arguments for the core."""
         return self.elastic, self.damping, self.attracts
+
+
+def _to_power(of: str, power: float) -> str:
+    return of if power == 1.0 else f"{of}^{power:g}"
 
 
 @dataclass(frozen=True)

@@ -6,12 +6,19 @@ import math
 from dataclasses import dataclass
 from typing import Any, Final
 
+from ..contact import laws
 from ..support import validation
+from ..support.formatting import listed
 from .force import MAX_SPEED, MIN_SPEED, Force, Powers
 from .formulas import DEFAULT_POISSON_RATIO, Where, impact_stiffness, modulus
 
-#: Powers of our own laws, which are never attractive.
-LAWS: Final = {"linear": Powers(4, 0), "tsuji": Powers(6, 1), "viscoelastic": Powers(6, 2)}
+#: Powers of our own laws whose force is K ξ^p + C ξ^q dξ/dt. They are never attractive.
+LAWS: Final = {
+    name: Powers(*law.record["powers"]) for name, law in laws.LAWS.items() if law.record["power_law"]
+}
+#: Powers of the elastic force, four times each, whose K a stiffness or a modulus sets.
+LINEAR: Final = 4
+SETTING: Final = {"stiffness": (LINEAR,), "youngs_modulus": (LINEAR, 6)}
 LOWEST: Final = 1e-3  #: smallest restitution
 LARGEST: Final = 1e30  #: largest compression [m] and duration [s], and one over the smallest
 
@@ -22,7 +29,7 @@ class Wanted:
 
     restitution: float  #: ε
     speed: float  #: impact speed [m/s]
-    law: str  #: "linear", "tsuji" or "viscoelastic"
+    law: str  #: name of the law
     given: str  #: "stiffness", "youngs_modulus", "duration" or "compression"
     value: float  #: value of ``given`` [N/m], [Pa], [s] or [m]
     poisson_ratio: float  #: ν
@@ -52,7 +59,7 @@ class Wanted:
         if self.given == "youngs_modulus":
             effective = modulus(self.value, self.poisson_ratio)
             where = Where(mass, radius, self.speed, None, self.poisson_ratio)
-            if self.law == "linear":
+            if powers.elastic == LINEAR:
                 return impact_stiffness(effective, where)
             return 4.0 / 3.0 * effective * math.sqrt(radius)
         return self._stiffness_of_collision(powers, mass)
@@ -96,10 +103,10 @@ def wanted(
     if law is None:
         law = "tsuji" if given == "youngs_modulus" else "linear"
     name = validation.one_of("law", law, list(LAWS))
-    if given == "stiffness" and name != "linear":
-        raise ValueError(
-            f"stiffness: got it with the law {name}, must be youngs_modulus, duration or compression"
-        )
+    elastic = LAWS[name].elastic
+    possible = [way for way in ways if elastic in SETTING.get(way, (elastic,))]
+    if given not in possible:
+        raise ValueError(f"{given}: got it with the law {name}, must be {listed(possible, 'or')}")
     value = validation.number(given, ways[given], 0.0)
     nu = DEFAULT_POISSON_RATIO if poisson_ratio is None else poisson_ratio
     nu = validation.number("poisson_ratio", nu, -1.0, 0.5, highest_allowed=True)

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from ..boxes import theory
+from ..boxes.error_law import MEASURED_TC_NU, ErrorLaw, error_law, exponents, softness
 from ..boxes.rules import RULES
 from ..boxes.thermostats import RandomKicks
+from ..checking.expectation import SHEAR_BAR
 from ..support.estimate import Estimate
-from ..verdict.error_law import MEASURED_TC_NU, ErrorLaw, error_law, exponents, softness
-from ..verdict.expectation import SHEAR_BAR
 from .replica import NEWTON
 
 if TYPE_CHECKING:
@@ -70,7 +70,9 @@ def predicted(f: Fidelity, rule: str) -> Prediction:
     q = exponents(law).energy
     if rule not in RULES:
         return Prediction(reason="it is no rule")
-    if rule == "constant" and abs(q - 2.0) > 1e-6:
+    if not RULES[rule].error:
+        return Prediction(reason="the law of the error does not know it")
+    if RULES[rule].has_constant_restitution and abs(q - 2.0) > 1e-6:
         return Prediction(reason="ε of this contact law depends on the speed")
     at_start = f.start.granular_temperature
     own = softness(law, f.start, at_start)
@@ -102,7 +104,7 @@ def predicted(f: Fidelity, rule: str) -> Prediction:
 def contradicted(f: Fidelity, rule: str) -> bool:
     """Whether the measured final difference of a rule contradicts the prediction, at 99 %."""
     overlapping = f._all("overlapped_share")[:, 0] @ f._all("n_contacts")[:, 0]
-    if rule == "soft" and not overlapping >= FEWEST_OVERLAPPING:
+    if RULES[rule].error == "soft" and not overlapping >= FEWEST_OVERLAPPING:
         return False
     measure = "granular_temperature" if f.driven else "cooling"
     return f.predicted(rule).contradicts(f.final_difference(measure, rule))

@@ -16,7 +16,7 @@ from ..boxes.box import Floats
 from ..boxes.engines import NewtonSettings
 from ..boxes.observables import OBSERVABLES, Observable, Samples
 from ..boxes.result import ContactResult
-from ..boxes.rules import Settings
+from ..boxes.rules import RULES, Settings
 from ..boxes.run import Output, Run
 from ..boxes.system import ParticleSystem
 from ..contact.contact import Law
@@ -111,7 +111,7 @@ class Plan:
     models: tuple[str, ...]  #: Newton's equations first
     until: float  #: [s]
     samples: int
-    restitution: float  #: of the rules constant and tc
+    restitution: float  #: of the rules that take one
     contact_duration: float  #: [s], of the rule tc
     engine: str = "events"  #: of Newton's equations
 
@@ -186,9 +186,10 @@ def _start(plan: Plan, model: str, system: ParticleSystem) -> Run:
         steps = plan.engine == "steps"
         step = time_step.chosen(system, plan.law, RESTITUTION_ERROR, None) if steps else None
         return newton.start(plan.engine, system, NewtonSettings(plan.law), plan.until, output, step)
-    settings = Settings(model, None, plan.law, None)
-    if model in ("constant", "tc"):
-        settings = Settings(model, plan.restitution, None, plan.contact_duration if model == "tc" else None)
+    rule = RULES[model]
+    duration = plan.contact_duration if rule.has_contact_duration else None
+    given = (plan.restitution, None) if "restitution" in rule.takes else (None, plan.law)
+    settings = Settings(model, *given, duration)
     return hard_spheres.start(system, settings, hard_spheres.End(plan.until, None), output)
 
 

@@ -12,12 +12,12 @@ import numpy as np
 from .. import _core
 from ..boxes.box import Floats
 from ..boxes.engines import FIXED
+from ..boxes.error_law import softness
 from ..boxes.observables import Observable, components
 from ..boxes.rules import law_entry, law_from
 from ..boxes.system import ParticleSystem
 from ..support import html, saving, validation
 from ..support.estimate import Estimate
-from ..verdict.error_law import softness
 from . import prediction, report, statistics, steady
 from .contacts import EDGES
 from .replica import DIVERGENCE, INTERVALS, NEWTON, NONLINEAR, PREFIX, Arrays, Plan, quantities

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from itertools import cycle
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
+from ..boxes.rules import RULES
 from ..fidelity_study.contacts import EDGES
 from ..fidelity_study.replica import NEWTON
 from .gas import set_scale
@@ -20,13 +22,18 @@ if TYPE_CHECKING:
 
     from ..fidelity_study import Fidelity
 
-#: Colour and line of each model; coinciding lines remain visible.
-LOOKS: Final[dict[str, dict[str, Any]]] = {
-    "newton": {"color": "black", "ls": "-"},
-    "constant": {"color": PALETTE["vermillion"], "ls": "-"},
-    "law": {"color": PALETTE["orange"], "ls": (0, (4, 2.5))},
-    "tc": {"color": PALETTE["green"], "ls": (0, (6, 1.5, 1, 1.5))},
-    "soft": {"color": PALETTE["blue"], "ls": "-"},
+#: Colours and lines of the rules in turn; coinciding lines remain visible.
+OF_RULES: Final = (
+    ("vermillion", "-"),
+    ("orange", (0, (4, 2.5))),
+    ("green", (0, (6, 1.5, 1, 1.5))),
+    ("blue", "-"),
+    ("purple", (0, (2, 1.5))),
+)
+#: Colour and line of each model.
+LOOKS: Final[dict[str, dict[str, Any]]] = {NEWTON: {"color": "black", "ls": "-"}} | {
+    rule: {"color": PALETTE[colour], "ls": line}
+    for rule, (colour, line) in zip(RULES, cycle(OF_RULES), strict=False)
 }
 #: Smaller distances of trajectories [radii] are drawn at the edge.
 SMALLEST: Final = 1e-9

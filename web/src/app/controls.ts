@@ -2,7 +2,22 @@
 import { setText, Sheet } from "../support/dom";
 import { parse, sub, withUnit } from "../support/format";
 import {
-  clampTo, constantAt, constants, constantsOf, densityFor, hasOwn, laws, massOf, MOST_BALLS, ranges, restitutionOf, setBallCount, setOwn, settle, type Range, type Scenario,
+  clampTo,
+  constantAt,
+  constants,
+  constantsOf,
+  densityFor,
+  hasOwn,
+  laws,
+  massOf,
+  MOST_BALLS,
+  ranges,
+  restitutionOf,
+  setBallCount,
+  setOwn,
+  settle,
+  type Range,
+  type Scenario,
 } from "../scenario/scenario";
 import { capital, labelOf, parameterOfColumn } from "../scenario/tables";
 import { fromSlider, steps, toSlider } from "../scenario/slider";
@@ -23,7 +38,7 @@ export class Controls {
   private edits = 0; // number of changes
   private written = -Infinity; // when the values were [ms]
   private readonly about = document.createElement("p"); // text about the example
-  private readonly said = document.createElement("p"); // how an entry was corrected
+  private readonly correction = document.createElement("p"); // how an entry was corrected
 
   constructor(
     private readonly box: HTMLElement,
@@ -32,14 +47,14 @@ export class Controls {
   ) {
     this.scenario = scenario;
     this.about.className = "about";
-    this.said.className = "said";
-    this.said.setAttribute("role", "alert");
+    this.correction.className = "correction";
+    this.correction.setAttribute("role", "alert");
   }
 
   // Returns whether the controls in the panel have changed. `fully`: the values are written even if they were a moment ago.
   set(scenario: Scenario, about: string, fully: boolean): boolean {
     if (scenario !== this.scenario) {
-      this.said.textContent = "";
+      this.correction.textContent = "";
       this.edits++;
     }
     this.scenario = scenario;
@@ -66,8 +81,8 @@ export class Controls {
   }
 
   private say(notes: string[], at: HTMLElement | null): void {
-    this.said.textContent = notes.join("; ");
-    if (notes.length > 0) (at ?? this.box.firstElementChild)?.after(this.said);
+    this.correction.textContent = notes.join("; ");
+    if (notes.length > 0) (at ?? this.box.firstElementChild)?.after(this.correction);
   }
 
   private build(): void {
@@ -79,18 +94,48 @@ export class Controls {
       this.list.push(c);
       parts.push(c.element);
     };
-    add(this.number("restitution", labelOf(restitutionOf(s)), ranges.restitution, (q) => q.restitution, (q, x) => (q.restitution = x)));
+    add(
+      this.number(
+        "restitution",
+        labelOf(restitutionOf(s)),
+        ranges.restitution,
+        (q) => q.restitution,
+        (q, x) => (q.restitution = x),
+      ),
+    );
     if (s.balls.length === 2) add(this.gap(1, labelOf(parameterOfColumn("gap"))));
     if (!s.cradle)
-      add(this.number("height", labelOf(parameterOfColumn("height")), ranges.height, (q) => q.height, (q, x) => (q.height = x)));
+      add(
+        this.number(
+          "height",
+          labelOf(parameterOfColumn("height")),
+          ranges.height,
+          (q) => q.height,
+          (q, x) => (q.height = x),
+        ),
+      );
     add(
       this.once("law", () =>
-        this.choice("law", "Contact law", laws.map(({ name }) => [name, capital(name)]), () => this.scenario.law, (v) => this.edit((q) => (q.law = v))),
+        this.choice(
+          "law",
+          "Contact law",
+          laws.map(({ name }) => [name, capital(name)]),
+          () => this.scenario.law,
+          (v) => this.edit((q) => (q.law = v)),
+        ),
       ),
     );
     for (const name of constantsOf(s)) {
       const { label, range } = constants[name];
-      add(this.number(name, hasOwn(s) ? `${label}, floor` : label, range, (q) => q.constants[name], (q, x) => (q.constants[name] = x)));
+      add(
+        this.number(
+          name,
+          hasOwn(s) ? `${label}, floor` : label,
+          range,
+          (q) => q.constants[name],
+          (q, x) => (q.constants[name] = x),
+        ),
+      );
     }
     if (!s.cradle) {
       add(this.once("own", () => this.ownSwitch()));
@@ -98,7 +143,15 @@ export class Controls {
         for (let pair = 1; pair < s.balls.length; pair++)
           for (const name of constantsOf(s)) {
             const { label, range } = constants[name];
-            add(this.number(`${name}${pair}`, `${label}, balls ${pair} and ${pair + 1}`, range, (q) => constantAt(q, name, pair), (q, x) => (q.own[name][pair - 1] = x)));
+            add(
+              this.number(
+                `${name}${pair}`,
+                `${label}, balls ${pair} and ${pair + 1}`,
+                range,
+                (q) => constantAt(q, name, pair),
+                (q, x) => (q.own[name][pair - 1] = x),
+              ),
+            );
           }
     }
     add(this.once("count", () => this.stepper()));
@@ -108,7 +161,17 @@ export class Controls {
       group.setAttribute("role", "group");
       const title = document.createElement("h3");
       const n = s.balls.length;
-      const place = s.cradle ? (i === 0 ? ", first" : i === n - 1 ? ", last" : "") : i === 0 ? ", lowest" : i === n - 1 ? ", top" : "";
+      const place = s.cradle
+        ? i === 0
+          ? ", first"
+          : i === n - 1
+            ? ", last"
+            : ""
+        : i === 0
+          ? ", lowest"
+          : i === n - 1
+            ? ", top"
+            : "";
       title.textContent = `Ball ${i + 1}${place}`;
       title.id = `ball${i + 1}-title`;
       group.setAttribute("aria-labelledby", title.id);
@@ -118,13 +181,36 @@ export class Controls {
         group.append(c.element);
       };
       const name = sub(i + 1);
-      inside(this.number(`radius${i + 1}`, labelOf(parameterOfColumn("radius")) + name, ranges.radius, (q) => q.balls[i].radius, (q, x) => (q.balls[i].radius = x)));
       inside(
-        this.number(`mass${i + 1}`, labelOf(parameterOfColumn("mass")) + name, ranges.mass, (q) => massOf(q.balls[i]), (q, x) => (q.balls[i].density = densityFor(x, q.balls[i].radius))),
+        this.number(
+          `radius${i + 1}`,
+          labelOf(parameterOfColumn("radius")) + name,
+          ranges.radius,
+          (q) => q.balls[i].radius,
+          (q, x) => (q.balls[i].radius = x),
+        ),
+      );
+      inside(
+        this.number(
+          `mass${i + 1}`,
+          labelOf(parameterOfColumn("mass")) + name,
+          ranges.mass,
+          (q) => massOf(q.balls[i]),
+          (q, x) => (q.balls[i].density = densityFor(x, q.balls[i].radius)),
+        ),
       );
       inside(this.density(i));
       if (i > 0 && n > 2) inside(this.gap(i, s.cradle ? `Gap to ball ${i}` : `Gap below, to ball ${i}`));
-      if (s.cradle) inside(this.number(`velocity${i + 1}`, labelOf(parameterOfColumn("velocity")), ranges.velocity, (q) => q.velocities[i], (q, x) => (q.velocities[i] = x)));
+      if (s.cradle)
+        inside(
+          this.number(
+            `velocity${i + 1}`,
+            labelOf(parameterOfColumn("velocity")),
+            ranges.velocity,
+            (q) => q.velocities[i],
+            (q, x) => (q.velocities[i] = x),
+          ),
+        );
       parts.push(group);
     }
     this.box.replaceChildren(...parts, this.about);
@@ -142,20 +228,41 @@ export class Controls {
       const element = document.createElement("p");
       element.className = "aside";
       const refresh = (): void =>
-        setText(element, `Density ${withUnit(this.scenario.balls[i].density, "kg/m³")}: stays when R${sub(i + 1)} changes, so m${sub(i + 1)} follows`);
+        setText(
+          element,
+          `Density ${withUnit(this.scenario.balls[i].density, "kg/m³")}: stays when R${sub(i + 1)} changes, so m${sub(i + 1)} follows`,
+        );
       return { element, refresh };
     });
   }
 
   private gap(pair: number, label: string): Control {
-    return this.number(`gap${pair}`, label, ranges.gap, (q) => q.gaps[pair - 1], (q, x) => (q.gaps[pair - 1] = x));
+    return this.number(
+      `gap${pair}`,
+      label,
+      ranges.gap,
+      (q) => q.gaps[pair - 1],
+      (q, x) => (q.gaps[pair - 1] = x),
+    );
   }
 
-  private number(id: string, label: string, r: Range, get: (s: Scenario) => number, put: (s: Scenario, x: number) => void): Control {
+  private number(
+    id: string,
+    label: string,
+    r: Range,
+    get: (s: Scenario) => number,
+    put: (s: Scenario, x: number) => void,
+  ): Control {
     return this.once(`${id} ${label}`, () => this.makeNumber(id, label, r, get, put));
   }
 
-  private makeNumber(id: string, label: string, r: Range, get: (s: Scenario) => number, put: (s: Scenario, x: number) => void): Control {
+  private makeNumber(
+    id: string,
+    label: string,
+    r: Range,
+    get: (s: Scenario) => number,
+    put: (s: Scenario, x: number) => void,
+  ): Control {
     const element = document.createElement("div");
     element.className = "control";
     const name = document.createElement("label");
@@ -180,12 +287,21 @@ export class Controls {
       field.setAttribute("aria-invalid", String(!Number.isFinite(x)));
       if (!Number.isFinite(x)) {
         refused = this.edits;
-        this.say([`${label}: “${field.value.slice(0, 20)}” is not a ${r.unit ? `value in ${r.unit}` : "number"}; ${say(get(this.scenario))} stays`], element);
+        this.say(
+          [
+            `${label}: “${field.value.slice(0, 20)}” is not a ${r.unit ? `value in ${r.unit}` : "number"}; ${say(get(this.scenario))} stays`,
+          ],
+          element,
+        );
         return;
       }
       const kept = clampTo(r, x);
       const range = `${r.zero ? 0 : withUnit(r.low, r.unit, 4)} … ${withUnit(r.high, r.unit, 4)}`;
-      this.edit((s) => put(s, kept), element, kept === x ? [] : [`${label}: ${withUnit(x, r.unit, 4)} is outside ${range}: ${say(kept)} used`]);
+      this.edit(
+        (s) => put(s, kept),
+        element,
+        kept === x ? [] : [`${label}: ${withUnit(x, r.unit, 4)} is outside ${range}: ${say(kept)} used`],
+      );
     });
     field.addEventListener("focus", () => field.select());
     const cell = document.createElement("span");
@@ -208,7 +324,13 @@ export class Controls {
     return { element, refresh };
   }
 
-  private choice(id: string, title: string, options: [string, string][], get: () => string, put: (v: string) => void): Control {
+  private choice(
+    id: string,
+    title: string,
+    options: [string, string][],
+    get: () => string,
+    put: (v: string) => void,
+  ): Control {
     const element = document.createElement("fieldset");
     element.className = "choice";
     const legend = document.createElement("legend");
@@ -257,7 +379,9 @@ export class Controls {
       b.id = id;
       b.textContent = text;
       b.setAttribute("aria-label", label);
-      b.addEventListener("click", () => this.edit((s) => setBallCount(s, Math.min(Math.max(s.balls.length + by, 2), MOST_BALLS))));
+      b.addEventListener("click", () =>
+        this.edit((s) => setBallCount(s, Math.min(Math.max(s.balls.length + by, 2), MOST_BALLS))),
+      );
       return b;
     };
     const less = button("−", "One ball less", "count-less", -1);

@@ -1,23 +1,28 @@
 // The headline of the laboratory: what both models give, and the verdict.
-import { find, Sheet, tell } from "../support/dom";
+import { find, setSentence, Sheet } from "../support/dom";
 
 export class Headline {
-  private said = "";
+  private written = "";
   private readonly newton = find("verdict").querySelector<HTMLElement>(".newton")!;
   private readonly icm = find("verdict").querySelector<HTMLElement>(".icm")!;
   private readonly announcer = new Announcer();
-  private readonly changing = [...document.querySelectorAll<HTMLElement>(".told, .numbers")];
+  private readonly changing = [...document.querySelectorAll<HTMLElement>(".answers, .numbers")];
   private readonly heights = new ResizeObserver((entries) => {
-    if (Sheet.moving) for (const { target, borderBoxSize: [{ blockSize }] } of entries) (target as HTMLElement).style.minHeight = `${blockSize}px`;
+    if (Sheet.moving)
+      for (const {
+        target,
+        borderBoxSize: [{ blockSize }],
+      } of entries)
+        (target as HTMLElement).style.minHeight = `${blockSize}px`;
   });
 
   say(newton: string, icm: string, verdict: string): void {
     const all = [newton, icm, verdict].join("\n");
-    if (all === this.said) return;
-    this.said = all;
-    tell(this.newton, newton + " ");
-    tell(this.icm, icm);
-    tell(find("answer"), verdict);
+    if (all === this.written) return;
+    this.written = all;
+    setSentence(this.newton, newton + " ");
+    setSentence(this.icm, icm);
+    setSentence(find("answer"), verdict);
     this.announcer.say(`${newton} ${icm} ${verdict}`);
   }
 
@@ -25,7 +30,8 @@ export class Headline {
   keepHeights(on: boolean): void {
     if (!on) this.heights.disconnect();
     for (const part of this.changing) {
-      if (on) this.heights.observe(part); // reports the height now, too
+      if (on)
+        this.heights.observe(part); // reports the height now, too
       else part.style.minHeight = "";
     }
   }

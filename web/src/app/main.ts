@@ -2,16 +2,16 @@
 import { Controls } from "./controls";
 import { find, refocus, Sheet } from "../support/dom";
 import { dropOf, type Answered, type Drop, type Solved, type Unsolved } from "../core/drop";
-import type { Report } from "../report/report";
 import { newton } from "../scenario/tables";
+import { signal, untracked } from "@preact/signals-core";
 import { catchUp, hold, later } from "../support/later";
-import { joined, type Sentence } from "../report/sentence";
+import { joined, type Sentence } from "../support/sentence";
 import { fillTolerances } from "./tolerances";
 import { Film } from "../views/film";
 import { forcesSummary } from "../views/forces";
 import { digits } from "../support/format";
-import { Lecture } from "../story/lecture";
-import { firstLectureView, lectureFromQuery, sameScenario } from "../scenario/lecture_view";
+import { Presenter } from "../story/presenter";
+import { firstStoryView, storyFromQuery, sameScenario } from "../scenario/story_view";
 import { MapPanel } from "../map/map_panel";
 import { fillDefinitions, fillEnergy, fillTable } from "../views/numbers";
 import { ForcesPanel, TimelinePanel } from "../views/panels";
@@ -24,6 +24,7 @@ import { Past } from "../state/past";
 import { Headline } from "./headline";
 import { Progress } from "./progress";
 import { compiled } from "../support/script";
+import { Drawing } from "../state/signals";
 import { moves, State } from "../state/state";
 import { ThemeSwitch } from "../support/theme_switch";
 import { firstView, viewFromQuery } from "../scenario/view";
@@ -42,7 +43,7 @@ class Page {
   private readonly forces: ForcesPanel;
   private readonly timeline: TimelinePanel;
   private readonly map: MapPanel;
-  private readonly lecture: Lecture;
+  private readonly presenter: Presenter;
   private readonly forcesSheet: Sheet;
   private readonly desk: Desk;
   private readonly pool: Pool;
@@ -51,7 +52,16 @@ class Page {
   private preset = "";
   private about = "";
   private lastFrame = 0;
-  private told = -Infinity; // when texts and tables were written
+  private written = -Infinity; // when texts and tables were written [ms]
+  private requested = 0; // revision of the state that was sent to the core
+  private opened = false; // the first picture is drawn
+  private readonly shown = signal<{ drop: Drop } | null>(null);
+  private readonly headlineText = new Drawing(() => this.writeHeadline());
+  private readonly laboratory = new Drawing(() => this.fillLaboratory());
+  private readonly plots = new Drawing(() => {
+    const { value } = this.shown;
+    if (value) untracked(() => this.startPlots(value.drop));
+  });
   private frames = 0; // since the first picture
   private early = 0; // timer of an answer of which a part is known
   private maps: Promise<WebAssembly.Module> | null = null; // the core with what plots and maps need
@@ -74,11 +84,21 @@ class Page {
     this.forces = new ForcesPanel(state, this.forcesSheet, this.film);
     this.timeline = new TimelinePanel(state, new Sheet("timeline", resized), this.pool);
     this.map = new MapPanel(state, new Sheet("map", resized), this.pool);
-    this.lecture = new Lecture(state, this.film, this.map, this.pool, moves, (id) => this.load(presets.find((p) => p.id === id)!), resized);
-    find("notes").querySelector("button")!.addEventListener("click", () => {
-      this.note([]);
-      refocus();
-    });
+    this.presenter = new Presenter(
+      state,
+      this.film,
+      this.map,
+      this.pool,
+      moves,
+      (id) => this.load(presets.find((p) => p.id === id)!),
+      resized,
+    );
+    find("notes")
+      .querySelector("button")!
+      .addEventListener("click", () => {
+        this.note([]);
+        refocus();
+      });
     addEventListener("popstate", () => this.goBack());
     addEventListener("resize", () => this.headline.keepHeights(false));
     listenMenu(state, this.pool, this.map, this.timeline.timeline, {
@@ -99,11 +119,12 @@ class Page {
     const query = new URLSearchParams(location.search);
     const { preset, scenario } = settingOf(query, notes);
     state.scenario = scenario;
-    Object.assign(state.view, firstView());
-    Object.assign(state.lecture, firstLectureView());
-    Object.assign(state.view.map, preset.map);
+    const { map, ...view } = firstView();
+    Object.assign(state.view, view);
+    Object.assign(state.view.map, map, preset.map);
+    Object.assign(state.story, firstStoryView());
     viewFromQuery(state.view, query, notes);
-    lectureFromQuery(state.lecture, query, notes);
+    storyFromQuery(state.story, query, notes);
     this.note(notes);
     state.playing = state.view.time === null && moves();
     this.findPreset();
@@ -116,9 +137,9 @@ class Page {
     this.map.map.setShow(this.state.view.map.show);
     this.fillTolerances();
     this.state.screen = 0;
-    this.state.dirty.solve = true;
+    this.state.revision++;
     this.film.refresh();
-    this.lecture.show();
+    this.presenter.show();
   }
 
   // ---- scenario ---------------------------------------------------------------------------------------
@@ -160,7 +181,7 @@ class Page {
     this.note([]);
     this.past.remember(this.state.scenario);
     this.choosePreset(preset.id);
-    state.dirty.solve = true;
+    state.revision++;
     this.film.play(moves());
   }
 
@@ -169,13 +190,13 @@ class Page {
     if (!before) return;
     this.state.scenario = before;
     this.findPreset();
-    this.state.dirty.solve = true;
+    this.state.revision++;
   }
 
   private edited(): void {
     this.past.remember(this.state.scenario);
     if (this.preset) this.choosePreset("");
-    this.state.dirty.solve = true;
+    this.state.revision++;
   }
 
   private note(notes: string[]): void {
@@ -202,6 +223,7 @@ class Page {
   // Returns whether the controls have changed, which takes a whole frame.
   private solve(): boolean {
     const { state } = this;
+    this.requested = state.revision;
     this.progress.begin(newton.label);
     root.dataset.busy = "";
     root.toggleAttribute("data-cradle", state.scenario.cradle);
@@ -215,13 +237,14 @@ class Page {
           this.progress.tell(what, share);
           if (!known) return;
           clearTimeout(this.early);
-          this.early = window.setTimeout(() => this.tellNumbers(known), state.drop ? shortly : patience);
+          this.early = window.setTimeout(() => this.answered(known), state.drop ? shortly : patience);
         },
         done: (result) => this.solved(result),
-        failed: (error) => this.solved({ scenario: ask.scenario, reason: `This setting could not be computed: ${error}` }),
+        failed: (error) =>
+          this.solved({ scenario: ask.scenario, reason: `This setting could not be computed: ${error}` }),
       }),
     );
-    return state.lecture.step === null && this.controls.set(state.scenario, this.about, !Sheet.moving);
+    return state.story.step === null && this.controls.set(state.scenario, this.about, !Sheet.moving);
   }
 
   private solved(result: Solved | Unsolved): void {
@@ -232,33 +255,34 @@ class Page {
     later(() => void this.module());
     if ("reason" in result) {
       state.drop = null;
-      state.answered(null);
-      state.dirty.said = false;
+      state.answer = null;
       this.headline.say(result.reason, "", "");
-      if (state.lecture.step === null) this.controls.set(state.scenario, this.about, true);
+      if (state.story.step === null) this.controls.set(state.scenario, this.about, true);
       this.rested();
       return;
     }
     state.drop = dropOf(result);
     if (state.view.time !== null) {
       const kept = Math.min(Math.max(state.view.time, result.start), result.stop);
-      if (Math.abs(kept - state.view.time) > 1e-6) this.note([`t = ${state.view.time} s is outside the film: ${digits(kept)} s used`]);
+      if (Math.abs(kept - state.view.time) > 1e-6)
+        this.note([`t = ${state.view.time} s is outside the film: ${digits(kept)} s used`]);
       this.film.seek(kept);
       state.view.time = null;
     } else state.screen = Math.min(share, 1) * state.clock().length;
     if (this.frames > 1) return this.show(state.drop);
     // The first picture waits for nothing else.
-    if (state.lecture.step) this.lecture.open();
+    if (state.story.step) this.presenter.open();
     else this.film.open();
+    this.opened = true;
     root.dataset.ready = String(Math.round(performance.now()));
   }
 
   // What the page says and draws of a drop.
   private show(drop: Drop): void {
     const { state } = this;
-    state.dirty.computed = true;
-    this.tellNumbers(drop);
-    this.lecture.solved();
+    this.shown.value = { drop };
+    this.answered(drop);
+    this.presenter.solved();
     state.redraw();
     state.writeLink();
   }
@@ -274,7 +298,7 @@ class Page {
     state.scenario = copyOf(state.drop.scenario);
     state.view.tolerance = state.drop.comparison.tolerance;
     this.fillTolerances();
-    state.dirty.solve = false;
+    this.requested = state.revision;
     this.past.settle(state.scenario);
     root.toggleAttribute("data-cradle", state.scenario.cradle);
     this.findPreset();
@@ -283,47 +307,55 @@ class Page {
   }
 
   // Shows what is known so far; while a slider moves, texts and tables are renewed less often.
-  private tellNumbers(d: Answered): void {
-    const { state } = this;
-    state.answered(d);
-    state.dirty.said = state.dirty.laboratory = true;
-    if (!Sheet.moving || performance.now() - this.told >= Sheet.often) this.tellReport();
+  private answered(d: Answered): void {
+    this.state.answer = { of: d, tolerance: this.state.view.tolerance };
+    if (!Sheet.moving || performance.now() - this.written >= Sheet.often) this.write();
   }
 
-  private tellReport(): void {
+  // Writes the texts and tables of a report that has changed.
+  private write(): void {
     const began = performance.now();
-    const { report, dirty, lecture, drop } = this.state;
-    if (!report) return;
-    dirty.said = false;
-    this.headline.say(joined(report.newton), report.icm.length > 0 ? joined(report.icm) : "Independent collisions are still being computed.", report.verdict?.text ?? "");
-    this.lecture.told(report);
-    root.dataset.answer = report.verdict?.answer ?? "";
-    if (lecture.step === null) this.fillLaboratory(report);
+    const changed = this.headlineText.refresh();
+    const { report, story } = this.state;
+    const filled = story.step === null && this.laboratory.refresh();
+    if (!report || !(changed || filled)) return;
     if (report.icm.length > 0) root.dataset.numbers = JSON.stringify(report.numbers);
-    if (dirty.computed && drop) this.refreshPlots(drop);
+    this.plots.refresh();
     this.rested();
-    this.told = performance.now();
-    Sheet.wrote(this.told - began);
+    this.written = performance.now();
+    Sheet.wrote(this.written - began);
+  }
+
+  private writeHeadline(): void {
+    const { report } = this.state;
+    if (!report) return;
+    this.headline.say(
+      joined(report.newton),
+      report.icm.length > 0 ? joined(report.icm) : "Independent collisions are still being computed.",
+      report.verdict?.text ?? "",
+    );
+    this.presenter.write(report);
+    root.dataset.answer = report.verdict?.answer ?? "";
   }
 
   // Starts what the plots over many settings show, if it is not that of this drop.
-  private refreshPlots(drop: Drop): void {
-    this.state.dirty.computed = false;
+  private startPlots(drop: Drop): void {
     this.forcesSheet.canvas.setAttribute("aria-description", forcesSummary(drop));
     this.map.refreshChoices();
     this.timeline.refresh();
     this.map.refresh();
-    this.lecture.refreshPlots();
+    this.presenter.refreshPlots();
   }
 
   // The page shows the answer to the last setting.
   private rested(): void {
-    if (!this.desk.waits && !this.state.dirty.solve) delete root.dataset.busy;
+    if (!this.desk.waits && this.requested === this.state.revision) delete root.dataset.busy;
   }
 
   // What the story does not show: it waits until the laboratory is opened.
-  private fillLaboratory(report: Report): void {
-    this.state.dirty.laboratory = false;
+  private fillLaboratory(): void {
+    const { report } = this.state;
+    if (!report) return;
     this.controls.set(this.state.scenario, this.about, true);
     fillTable(find("numbers"), report);
     fillDefinitions(find("definitions").querySelector("dl")!, report);
@@ -332,15 +364,29 @@ class Page {
 
   // All that the page says at this moment, as data.
   readonly report = (): object | null => {
-    const { report, scenario, view, lecture } = this.state;
+    const { report, scenario, view, story } = this.state;
     if (!report) return null;
-    const { read, all } = this.lecture.sentences();
-    const sentences: Sentence[] = [...report.newton, ...report.icm, ...report.why, ...(report.verdict ? [report.verdict] : []), ...all];
-    return { ...report, current: JSON.stringify(report.setting) === JSON.stringify(scenario), step: lecture.step, story: read, sentences, time: this.state.time(), tolerance: view.tolerance };
+    const { read, all } = this.presenter.sentences();
+    const sentences: Sentence[] = [
+      ...report.newton,
+      ...report.icm,
+      ...report.why,
+      ...(report.verdict ? [report.verdict] : []),
+      ...all,
+    ];
+    return {
+      ...report,
+      current: JSON.stringify(report.setting) === JSON.stringify(scenario),
+      step: story.step,
+      story: read,
+      sentences,
+      time: this.state.time(),
+      tolerance: view.tolerance,
+    };
   };
 
   private fillTolerances(): void {
-    fillTolerances(this.state.view, () => (this.state.dirty.solve = true));
+    fillTolerances(this.state.view, () => this.state.revision++);
   }
 
   // A newly shown plot may not be computed yet.
@@ -354,27 +400,18 @@ class Page {
   private readonly frame = (now: number): void => {
     requestAnimationFrame(this.frame);
     const { state } = this;
-    if (root.dataset.ready) this.frames++;
+    if (this.opened) this.frames++;
     if (this.frames === 1) return; // the first picture is painted
     if (this.frames === 2 && state.drop) this.show(state.drop);
     else if (this.frames > 2 || now > patience) catchUp(8);
     this.rest(now);
     const passed = Math.min((now - this.lastFrame) / 1000, 0.1);
     this.lastFrame = now;
-    if (state.dirty.solve) {
-      state.dirty.solve = false;
-      if (this.solve()) return;
-    }
-    if ((state.dirty.said || (state.dirty.laboratory && state.lecture.step === null)) && now - this.told >= Sheet.often) this.tellReport();
-    if (state.drop && state.playing && this.lecture.plays) this.film.advance(passed);
-    const plots = this.drawPlots(now);
-    const film = state.dirty.stage && state.drop !== null;
-    if (film) {
-      state.dirty.stage = false;
-      this.film.draw();
-      this.markTime();
-    }
-    this.lecture.frame(plots, film, now);
+    if (this.requested !== state.revision && this.solve()) return;
+    if (now - this.written >= Sheet.often) this.write();
+    if (state.drop && state.playing && this.presenter.plays) this.film.advance(passed);
+    if (state.drop) this.draw(now);
+    this.presenter.frame(now);
   };
 
   // What is out of the window is computed and drawn once the setting rests.
@@ -383,43 +420,30 @@ class Page {
     const idle = this.state.drop !== null && now - Math.max(this.past.changedAt, 0) > leisure;
     const rests = idle && !Sheet.idle;
     const wake = rests || (Sheet.moving && !moving);
-    const { step, panel } = this.state.lecture;
+    const { step, panel } = this.state.story;
     if (moving && !Sheet.moving && !step && !panel) this.headline.keepHeights(true);
     if (moving !== Sheet.moving) root.toggleAttribute("data-moving", moving);
-    Sheet.moving = moving;
+    Sheet.moving = this.state.moving = moving;
     Sheet.idle = idle;
-    if (rests) this.lecture.prepare();
+    if (rests) this.presenter.prepare();
     if (wake) this.pool.wake();
   }
 
-  // Draws one of the large plots per frame; returns whether the drop was redrawn.
-  private drawPlots(now: number): boolean {
-    const { dirty, drop } = this.state;
-    const forces = dirty.plots && drop !== null && (this.forcesSheet.shown() || !Sheet.moving);
-    if (forces) {
-      dirty.plots = false;
-      this.forces.draw();
-      this.forces.mark();
-    } else if (this.timeline.due(now)) {
-      this.timeline.draw();
-      this.timeline.mark();
-    } else this.map.drawIfDue(now);
-    return forces;
+  // Draws one of the large plots per frame, and the film.
+  private draw(now: number): void {
+    const forces = (this.forcesSheet.shown() || !Sheet.moving) && this.forces.picture.refresh();
+    if (!forces && !(this.timeline.due(now) && this.timeline.picture.refresh())) this.map.drawIfDue(now);
+    this.film.picture.refresh();
+    this.forces.cursor.refresh();
+    this.timeline.cursor.refresh();
   }
 
   private drawAll(): void {
     if (!this.state.drop) return;
     this.state.redraw();
-    this.film.draw();
-    this.forces.draw();
-    this.timeline.draw();
+    for (const { picture } of [this.film, this.forces, this.timeline]) picture.refresh();
     this.map.drawIfDue(Infinity);
-    this.lecture.frame(true, true, performance.now());
-  }
-
-  private markTime(): void {
-    this.forces.mark();
-    this.timeline.mark();
+    this.presenter.frame(performance.now());
   }
 }
 

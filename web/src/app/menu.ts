@@ -27,7 +27,10 @@ export function listenMenu(state: State, pool: Pool, map: MapPanel, timeline: Ti
   find("copy").addEventListener("click", () => {
     history.replaceState(null, "", state.link());
     const done = navigator.clipboard?.writeText(state.link()) ?? Promise.reject(new Error("no clipboard"));
-    done.then(() => say("copy", "Copied"), () => say("copy", "In address bar"));
+    done.then(
+      () => say("copy", "Copied"),
+      () => say("copy", "In address bar"),
+    );
   });
   const menu = find<HTMLDetailsElement>("menu");
   addEventListener("pointerdown", (e) => {
@@ -40,21 +43,26 @@ export function listenMenu(state: State, pool: Pool, map: MapPanel, timeline: Ti
   });
   find("undo").addEventListener("click", () => act.undo());
   addEventListener("keydown", (e) => {
-    if (e.key !== "z" || !(e.ctrlKey || e.metaKey) || e.shiftKey || (e.target as HTMLElement).closest("input[type=text]")) return;
+    if (
+      e.key !== "z" ||
+      !(e.ctrlKey || e.metaKey) ||
+      e.shiftKey ||
+      (e.target as HTMLElement).closest("input[type=text]")
+    )
+      return;
     e.preventDefault();
     act.undo();
   });
-  find("toml").addEventListener("click", () => save("drop.toml", new Blob([toToml(state.scenario)], { type: "application/toml" })));
+  find("toml").addEventListener("click", () =>
+    save("drop.toml", new Blob([toToml(state.scenario)], { type: "application/toml" })),
+  );
   const file = find<HTMLInputElement>("open-file");
   find("open").addEventListener("click", () => file.click());
   file.addEventListener("change", () => {
     if (file.files?.[0]) void open(file.files[0], act);
     file.value = "";
   });
-  find("csv").addEventListener("click", async () => {
-    const text = state.drop && (await pool.ask("csv", { scenario: state.drop.scenario }));
-    if (text) save("drop.csv", new Blob([text], { type: "text/csv" }));
-  });
+  find("csv").addEventListener("click", () => void saveTrajectories(state, pool));
   find("png").addEventListener("click", () => savePicture(state, map, timeline, performance.now()));
 }
 
@@ -69,11 +77,18 @@ async function open(file: File, act: MenuActions): Promise<void> {
   act.note(notes.map((text) => `${file.name}: ${text}`));
 }
 
+async function saveTrajectories({ drop }: State, pool: Pool): Promise<void> {
+  const text = drop && (await pool.ask("csv", { scenario: drop.scenario }));
+  if (text) save("drop.csv", new Blob([text], { type: "text/csv" }));
+}
+
 // Waits briefly for the map.
 function savePicture(state: State, panel: MapPanel, timeline: Timeline, asked: number): void {
   const { map } = panel;
-  if (map.elapsed === null && performance.now() - asked < 3000) setTimeout(() => savePicture(state, panel, timeline, asked), 50);
-  else if (state.drop) picture(state, timeline, map, panel.marked()).toBlob((blob) => blob && save("drop.png", blob), "image/png");
+  if (map.elapsed === null && performance.now() - asked < 3000)
+    setTimeout(() => savePicture(state, panel, timeline, asked), 50);
+  else if (state.drop)
+    picture(state, timeline, map, panel.marked()).toBlob((blob) => blob && save("drop.png", blob), "image/png");
 }
 
 function save(name: string, content: Blob): void {

@@ -3,12 +3,17 @@ import { clockText, drawMoment } from "../views/film";
 import { drawForces } from "../views/forces";
 import { withUnit } from "../support/format";
 import type { ContactMap } from "../map/map";
-import { joined } from "../report/sentence";
+import { joined } from "../support/sentence";
 import { constantAt, constants, constantsOf, type Scenario } from "../scenario/scenario";
 import type { State } from "../state/state";
 import type { Timeline } from "../views/timeline";
 
-export function picture(state: State, timeline: Timeline, map: ContactMap, marked: [number, number]): HTMLCanvasElement {
+export function picture(
+  state: State,
+  timeline: Timeline,
+  map: ContactMap,
+  marked: [number, number],
+): HTMLCanvasElement {
   const [width, height] = [1600, 1200];
   const [canvas, g] = sharpCanvas(width, height);
   const { theme } = state;
@@ -50,6 +55,11 @@ function sharpCanvas(width: number, height: number): [HTMLCanvasElement, CanvasR
 function parameters(s: Scenario): string {
   const radii = s.balls.map((b) => withUnit(b.radius, "m")).join(", ");
   const gaps = s.gaps.map((x) => withUnit(x, "m")).join(", ");
-  const law = constantsOf(s).map((name) => `${constants[name].symbol} = ${[...new Set(s.balls.map((_, i) => withUnit(constantAt(s, name, i), constants[name].range.unit)))].join(" and ")}`).join(", ");
+  const law = constantsOf(s)
+    .map(
+      (name) =>
+        `${constants[name].symbol} = ${[...new Set(s.balls.map((_, i) => withUnit(constantAt(s, name, i), constants[name].range.unit)))].join(" and ")}`,
+    )
+    .join(", ");
   return `ε = ${s.restitution}, radii ${radii}, gaps ${gaps}, ${s.cradle ? "cradle" : `height ${withUnit(s.height, "m")}`}, ${law}`;
 }

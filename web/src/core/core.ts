@@ -54,8 +54,17 @@ export interface Run {
 // In the order of Answer and Ground in core/column/comparison.hpp.
 const answers = ["yes", "by luck", "no", "undecided"] as const;
 const grounds = [
-  "numbers", "newton-unclear", "independent-unclear", "no-contact", "newton-at-rest", "collapse", "independent-at-rest",
-  "only-newton-meets", "only-independent-meets", "newton-touches-again", "independent-touches-again",
+  "numbers",
+  "newton-unclear",
+  "independent-unclear",
+  "no-contact",
+  "newton-at-rest",
+  "collapse",
+  "independent-at-rest",
+  "only-newton-meets",
+  "only-independent-meets",
+  "newton-touches-again",
+  "independent-touches-again",
 ] as const;
 
 // Whether independent collisions agree with Newton's equations, and why.
@@ -88,7 +97,15 @@ export interface State {
 // A copy of one row of the core's output.
 export function stateOf(row: Float64Array, n: number): State {
   const part = (k: number): Float64Array => row.slice(k * n, (k + 1) * n);
-  return { position: part(0), velocity: part(1), gap: part(2), force: part(3), energy: part(4), stored: row[5 * n], dissipated: row[5 * n + 1] };
+  return {
+    position: part(0),
+    velocity: part(1),
+    gap: part(2),
+    force: part(3),
+    energy: part(4),
+    stored: row[5 * n],
+    dissipated: row[5 * n + 1],
+  };
 }
 
 // One row of the timeline, for one ε.
@@ -133,7 +150,8 @@ export class Core {
     this.x.contacts_of(model, pointer);
     const flat = this.view(pointer, 3 * n);
     const contacts: Contact[] = [];
-    for (let i = 0; i < Math.min(n, MOST_CONTACTS); i++) contacts.push({ pair: flat[3 * i], begin: flat[3 * i + 1], end: flat[3 * i + 2] });
+    for (let i = 0; i < Math.min(n, MOST_CONTACTS); i++)
+      contacts.push({ pair: flat[3 * i], begin: flat[3 * i + 1], end: flat[3 * i + 2] });
     return {
       outcome: r[0],
       message: this.message(r[0]),
@@ -190,8 +208,15 @@ export class Core {
     this.x.compare_models(tolerance);
     const r = this.view(this.x.reply_buffer(), 8);
     return {
-      answer: answers[r[0]], ground: grounds[r[1]], overlapping: r[2], error: r[3], independent: r[4], newton: r[5],
-      ball: r[6], later: r[7] !== 0, tolerance,
+      answer: answers[r[0]],
+      ground: grounds[r[1]],
+      overlapping: r[2],
+      error: r[3],
+      independent: r[4],
+      newton: r[5],
+      ball: r[6],
+      later: r[7] !== 0,
+      tolerance,
     };
   }
 
@@ -233,8 +258,14 @@ export class Core {
 
 function readTimeline(d: Float64Array, restitution: number[]): TimelineRow[] {
   const rows: TimelineRow[] = [];
-  for (let at = 0; at < d.length; ) {
-    const row: TimelineRow = { restitution: restitution[rows.length], nContacts: d[at], tEnd: d[at + 1], tFloorEnd: d[at + 2], contacts: [] };
+  for (let at = 0; at < d.length;) {
+    const row: TimelineRow = {
+      restitution: restitution[rows.length],
+      nContacts: d[at],
+      tEnd: d[at + 1],
+      tFloorEnd: d[at + 2],
+      contacts: [],
+    };
     const count = d[at + 3];
     at += 4;
     for (let i = 0; i < count; i++, at += 3) row.contacts.push({ pair: d[at], begin: d[at + 1], end: d[at + 2] });

@@ -78,10 +78,20 @@ const greatest = (values: Iterable<number>, least: number): number => {
 
 function sequence(core: Core, model: Model): Track | null {
   const run = core.solve(model);
-  if (!run || !Number.isFinite(run.last) || run.outcome === outcomes.invalid || run.outcome === outcomes.neverLands) return null;
+  if (!run || !Number.isFinite(run.last) || run.outcome === outcomes.invalid || run.outcome === outcomes.neverLands)
+    return null;
   const [final] = core.sample(model, [run.last]);
   const samples = { times: new Float64Array(), rows: new Float64Array(), balls: final.position.length };
-  return { run, shown: run.contacts, final, leaves: core.finalVelocities(model), peaks: core.reboundHeights(model), later: [], known: run.last, samples };
+  return {
+    run,
+    shown: run.contacts,
+    final,
+    leaves: core.finalVelocities(model),
+    peaks: core.reboundHeights(model),
+    later: [],
+    known: run.last,
+    samples,
+  };
 }
 
 // When every ball has been at its rebound height, or has gone far enough on a cradle; three seconds at most.
@@ -124,9 +134,15 @@ const quick = 30; // ms: of a drop solved that soon the page hears Newton's answ
 
 // `report` receives the name of each stage, its share of the work and what is known by then.
 type Report = (what: string, share: number, known: Answered | null) => void;
-export function solve(core: Core, scenario: Scenario, tolerance = usualTolerance, report: Report = () => {}): Solved | Unsolved {
+export function solve(
+  core: Core,
+  scenario: Scenario,
+  tolerance = usualTolerance,
+  report: Report = () => {},
+): Solved | Unsolved {
   const begin = performance.now();
-  const later = (what: string, share: number, known: Answered | null): void => void (performance.now() - begin > quick && report(what, share, known));
+  const later = (what: string, share: number, known: Answered | null): void =>
+    void (performance.now() - begin > quick && report(what, share, known));
   core.set(scenario);
   const newton = sequence(core, Model.newton);
   const known = newton && { scenario, newton, icm: null, comparison: null };
@@ -149,12 +165,22 @@ export function solve(core: Core, scenario: Scenario, tolerance = usualTolerance
   // Independent collisions that come much later are left out: they would compress Newton's contacts to a line.
   const instants = icm.run.contacts.filter((c) => c.begin <= from + 1.5 * span);
   const solved: Solved = {
-    scenario, newton, icm, comparison, stop, from,
+    scenario,
+    newton,
+    icm,
+    comparison,
+    stop,
+    from,
     start: newton.run.first,
     origin: scenario.cradle ? first : 0,
     to: instants.reduce((a, c) => Math.max(a, c.begin), from + span),
     windows: windowsOf(contacts, newton.run.last).filter((w) => w.begin < stop),
-    times: new Float64Array(), forces: [], peakForce: [], compression: [], bottom: 0, top: 0,
+    times: new Float64Array(),
+    forces: [],
+    peakForce: [],
+    compression: [],
+    bottom: 0,
+    top: 0,
   };
   sampleForces(core, solved, contacts);
   sampleFilm(core, solved);
@@ -180,7 +206,9 @@ function sampleForces(core: Core, d: Solved, contacts: Contact[]): void {
     for (const t of edges(c, 1e-9 * span, d.to)) times.add(t);
     for (let i = 1; i < inside; i++) times.add(c.begin + ((end - c.begin) * i) / inside);
   }
-  d.times = Float64Array.from(times).filter((t) => t >= low && t <= high).sort();
+  d.times = Float64Array.from(times)
+    .filter((t) => t >= low && t <= high)
+    .sort();
   const rows = core.rows(Model.newton, d.times);
   const size = rows.length / d.times.length;
   for (let j = 0; j < n; j++) {
@@ -201,14 +229,20 @@ function sampleFilm(core: Core, d: Solved): void {
   const count = Math.min(Math.ceil(60 * clock.length), mostPictures);
   const even = Array.from({ length: count + 1 }, (_, i) => clock.toPhysical((i / count) * clock.length));
   const inside = Math.max(Math.floor(1200 / Math.max(d.newton.run.contacts.length, 100)), 2);
-  for (const [model, t] of [[Model.newton, d.newton], [Model.independent, d.icm]] as const) {
+  for (const [model, t] of [
+    [Model.newton, d.newton],
+    [Model.independent, d.icm],
+  ] as const) {
     const times = new Set<number>([...even, t.known]);
     for (const c of t.shown.slice(0, mostEdges)) {
       const edge = 4 * Number.EPSILON * Math.max(Math.abs(c.begin), Math.abs(d.start));
       for (const time of edges(c, edge, t.known)) times.add(time);
-      if (model === Model.newton && c.begin <= t.run.last) for (let i = 1; i < inside; i++) times.add(c.begin + ((c.end - c.begin) * i) / inside);
+      if (model === Model.newton && c.begin <= t.run.last)
+        for (let i = 1; i < inside; i++) times.add(c.begin + ((c.end - c.begin) * i) / inside);
     }
-    const sorted = Float64Array.from(times).filter((time) => time >= d.start && time <= Math.min(t.known, d.stop)).sort();
+    const sorted = Float64Array.from(times)
+      .filter((time) => time >= d.start && time <= Math.min(t.known, d.stop))
+      .sort();
     t.samples = { times: sorted, rows: core.rows(model, sorted), balls: d.scenario.balls.length };
     t.later = d.scenario.cradle ? [] : laterHeights(t);
   }
@@ -218,7 +252,9 @@ function sampleFilm(core: Core, d: Solved): void {
 function findExtent(d: Solved): void {
   const { balls, cradle } = d.scenario;
   d.bottom = cradle ? Infinity : 0;
-  for (const { samples: { rows, times } } of [d.newton, d.icm]) {
+  for (const {
+    samples: { rows, times },
+  } of [d.newton, d.icm]) {
     const size = rows.length / times.length;
     for (let at = 0; at < rows.length; at += size) {
       if (cradle) d.bottom = Math.min(d.bottom, rows[at] - balls[0].radius);

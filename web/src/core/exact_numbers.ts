@@ -4,7 +4,10 @@ import type { Answered } from "./drop";
 export function exactNumbers(d: Answered): Record<string, number | null> {
   const out: Record<string, number | null> = {};
   const put = (name: string, x: number): void => void (out[name] = Number.isFinite(x) ? x : null);
-  for (const [model, t] of [["newton", d.newton], ["icm", d.icm]] as const) {
+  for (const [model, t] of [
+    ["newton", d.newton],
+    ["icm", d.icm],
+  ] as const) {
     if (!t) continue;
     put(`${model}_contacts`, t.run.nContacts);
     put(`${model}_t_end`, t.run.tEnd);

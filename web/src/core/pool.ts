@@ -17,7 +17,7 @@ export interface Piece<K extends Kind = Kind> {
 // Provides the next task when a worker is free; null: none until Pool.wake().
 export type Source = () => Piece | null;
 
-export const piece = <K extends Kind>(p: Piece<K>): Piece => p as unknown as Piece;
+export const piece = <K extends Kind>(p: Piece<K>): Piece => p;
 
 const script = new Script("worker.js");
 
@@ -48,7 +48,11 @@ class Hand {
     this.worker = new Worker(script.url, { type: "module" });
     this.worker.onmessage = (event) => this.hear(event);
     this.worker.onerror = (event) => this.hear(event);
-    if (core instanceof Promise) void core.then((module) => this.begin(module), () => undefined); // the page says so
+    if (core instanceof Promise)
+      void core.then(
+        (module) => this.begin(module),
+        () => undefined,
+      ); // the page says so
     else this.begin(core);
   }
 
@@ -66,7 +70,8 @@ class Hand {
     const request: Request = { id: ++this.id, kind: work.kind, ask: work.ask };
     const { early } = this;
     this.early = null;
-    if (early) early.forEach((event) => this.hear(event)); // the setting of the link is its first request
+    if (early)
+      early.forEach((event) => this.hear(event)); // the setting of the link is its first request
     else if (this.begun) this.worker.postMessage(request);
     else this.waiting = request;
   }
@@ -82,7 +87,11 @@ class Hand {
   // Without a message: the worker could not be loaded.
   private fail(message: string | undefined): void {
     this.lost ||= message === undefined;
-    this.receive({ id: this.id, ms: 0, error: message ?? "worker.js could not be loaded. Is the server still running?" });
+    this.receive({
+      id: this.id,
+      ms: 0,
+      error: message ?? "worker.js could not be loaded. Is the server still running?",
+    });
   }
 
   private receive(reply: Reply): void {

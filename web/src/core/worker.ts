@@ -15,9 +15,15 @@ export interface Tasks {
   // For each column the rebound height of its top ball under both models.
   curve: { ask: { columns: Float64Array[] }; answer: Float64Array };
   // For each ε the gap from which on both models agree.
-  agreement: { ask: { column: Float64Array; restitution: number[]; low: number; high: number; tolerance: number }; answer: Float64Array };
+  agreement: {
+    ask: { column: Float64Array; restitution: number[]; low: number; high: number; tolerance: number };
+    answer: Float64Array;
+  };
   // Rows of the timeline; `adiabatic` also those of the lower ball unaffected by the upper one.
-  timeline: { ask: { column: Float64Array; restitution: number[]; adiabatic: boolean }; answer: { newton: TimelineRow[]; adiabatic: TimelineRow[] } };
+  timeline: {
+    ask: { column: Float64Array; restitution: number[]; adiabatic: boolean };
+    answer: { newton: TimelineRow[]; adiabatic: TimelineRow[] };
+  };
 }
 export type Kind = keyof Tasks;
 
@@ -37,10 +43,12 @@ export interface Reply {
 let module: WebAssembly.Module;
 let core: Core;
 let loading: Promise<void> | null = null; // of the core, by the first worker
-const post = (reply: Reply, transfer: Transferable[] = []): void => (self as unknown as Worker).postMessage(reply, transfer);
+const post = (reply: Reply, transfer: Transferable[] = []): void =>
+  (self as unknown as Worker).postMessage(reply, transfer);
 
 const perform: { [K in Kind]: (ask: Tasks[K]["ask"], id: number) => Tasks[K]["answer"] } = {
-  solve: ({ scenario, tolerance }, id) => solve(core, scenario, tolerance, (what, share, known) => post({ id, ms: 0, begun: { what, share, known } })),
+  solve: ({ scenario, tolerance }, id) =>
+    solve(core, scenario, tolerance, (what, share, known) => post({ id, ms: 0, begun: { what, share, known } })),
   csv: ({ scenario }) => trajectoryCsv(core, scenario),
   points({ column, axis, points }) {
     core.setColumn(column);
@@ -53,7 +61,10 @@ const perform: { [K in Kind]: (ask: Tasks[K]["ask"], id: number) => Tasks[K]["an
   },
   timeline({ column, restitution, adiabatic }) {
     core.setColumn(column);
-    return { newton: core.timeline(Model.newton, restitution), adiabatic: adiabatic ? core.timeline(Model.adiabatic, restitution) : [] };
+    return {
+      newton: core.timeline(Model.newton, restitution),
+      adiabatic: adiabatic ? core.timeline(Model.adiabatic, restitution) : [],
+    };
   },
 };
 
@@ -61,7 +72,11 @@ function transferable(answer: unknown): Transferable[] {
   if (answer instanceof Float64Array) return [answer.buffer];
   if (answer && typeof answer === "object" && "newton" in answer && "icm" in answer) {
     const { newton, icm, times, forces } = answer as Solved;
-    return [times.buffer, ...forces.map((f) => f.buffer), ...[newton, icm].flatMap(({ samples }) => [samples.times.buffer, samples.rows.buffer])];
+    return [
+      times.buffer,
+      ...forces.map((f) => f.buffer),
+      ...[newton, icm].flatMap(({ samples }) => [samples.times.buffer, samples.rows.buffer]),
+    ];
   }
   return [];
 }

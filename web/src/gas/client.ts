@@ -26,7 +26,9 @@ export class Client {
     return (this.worker = worker);
   }
 
-  async ask<K extends Ask["kind"]>(ask: Extract<Ask, { kind: K }>): Promise<Extract<Answer, { kind: K }> | Extract<Answer, { kind: "error" }>> {
+  async ask<K extends Ask["kind"]>(
+    ask: Extract<Ask, { kind: K }>,
+  ): Promise<Extract<Answer, { kind: K }> | Extract<Answer, { kind: "error" }>> {
     const worker = await this.made();
     const id = ++this.id;
     const answer = new Promise<Answer>((done) => this.waiting.set(id, done));

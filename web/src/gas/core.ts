@@ -59,7 +59,23 @@ export interface Observed {
   third: number; // soft contacts with a third body
   events: number;
 }
-const observed = ["time", "outcome", "contacts", "pairs", "ended", "overlapped", "kinetic", "potential", "stored", "dissipated", "compression", "elastic", "soft", "third", "events"] as const;
+const observed = [
+  "time",
+  "outcome",
+  "contacts",
+  "pairs",
+  "ended",
+  "overlapped",
+  "kinetic",
+  "potential",
+  "stored",
+  "dissipated",
+  "compression",
+  "elastic",
+  "soft",
+  "third",
+  "events",
+] as const;
 
 // Columns of the log: begin, end, first, second, impact speed, separation speed, overlapped.
 export const LOG_COLUMNS = 7;
@@ -83,7 +99,8 @@ export class GasCore {
 
   constructor(module: WebAssembly.Module) {
     this.wasm = new WebAssembly.Instance(module, {}).exports as unknown as Exports;
-    for (let at = this.wasm.gas_rule(0); at !== 0; at = this.wasm.gas_rule(this.rules.length)) this.rules.push(this.text(at));
+    for (let at = this.wasm.gas_rule(0); at !== 0; at = this.wasm.gas_rule(this.rules.length))
+      this.rules.push(this.text(at));
   }
 
   private values(at: number, n: number): Float64Array {
@@ -98,7 +115,21 @@ export class GasCore {
     const at = this.wasm.gas_setting(input.number);
     const { number, radius, mass, edge, gravity, restitution, stiffness, contactDuration } = input;
     const periodic = input.periodic ? 1 : 0;
-    this.values(at, this.wasm.gas_fields()).set([number, radius, mass, edge, edge, periodic, periodic, 0, gravity, this.rules.indexOf(input.rule), restitution, stiffness, contactDuration]);
+    this.values(at, this.wasm.gas_fields()).set([
+      number,
+      radius,
+      mass,
+      edge,
+      edge,
+      periodic,
+      periodic,
+      0,
+      gravity,
+      this.rules.indexOf(input.rule),
+      restitution,
+      stiffness,
+      contactDuration,
+    ]);
     this.setting = at;
     this.number = number;
   }
@@ -156,7 +187,10 @@ export class GasCore {
     return this.wasm.law_rate(phi, diameter, temperature);
   }
   law(phi: number, restitution: number, rule: string): ErrorLaw {
-    const [coefficient, coefficientError, decay] = this.values(this.wasm.law_of_error(phi, restitution, lawRules.indexOf(rule)), 3);
+    const [coefficient, coefficientError, decay] = this.values(
+      this.wasm.law_of_error(phi, restitution, lawRules.indexOf(rule)),
+      3,
+    );
     return { coefficient, coefficientError, decay };
   }
   // Relative error of the cooling, and its standard error.

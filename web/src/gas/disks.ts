@@ -92,7 +92,10 @@ export class Disks {
   put(kind: number, x: number, y: number): void {
     const [left, top] = [Math.floor(x), Math.floor(y)];
     const { side, colors } = this.kinds[kind].at(Math.floor((x - left) * places), Math.floor((y - top) * places));
-    const { pixels, image: { width } } = this;
+    const {
+      pixels,
+      image: { width },
+    } = this;
     const half = (side - 1) / 2;
     const [from, to] = [Math.max(left - half, 0), Math.min(left + half + 1, width)];
     for (let j = Math.max(top - half, 0); j < Math.min(top + half + 1, width); j++) {

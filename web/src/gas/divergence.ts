@@ -25,20 +25,28 @@ function fit(points: readonly [number, number][]): Line {
   const n = points.length;
   const mean = (f: (p: readonly [number, number]) => number): number => points.reduce((sum, p) => sum + f(p), 0) / n;
   const [mx, my] = [mean(([x]) => x), mean(([, y]) => y)];
-  const [xx, xy, yy] = [mean(([x]) => (x - mx) ** 2), mean(([x, y]) => (x - mx) * (y - my)), mean(([, y]) => (y - my) ** 2)];
+  const [xx, xy, yy] = [
+    mean(([x]) => (x - mx) ** 2),
+    mean(([x, y]) => (x - mx) * (y - my)),
+    mean(([, y]) => (y - my) ** 2),
+  ];
   return { slope: xy / xx, level: my - (xy / xx) * mx, r2: xy ** 2 / (xx * yy) };
 }
 
 // The longest of the parts that end where the distance saturates and are straight; null: there is none.
 export function divergenceOf(samples: readonly Sample[]): Divergence | null {
   const end = samples.findIndex(({ distance }) => distance > saturated);
-  const points = samples.slice(0, end < 0 ? undefined : end).filter(({ distance }) => distance > 0).map(({ collisions, distance }): [number, number] => [collisions, Math.log(distance)]);
+  const points = samples
+    .slice(0, end < 0 ? undefined : end)
+    .filter(({ distance }) => distance > 0)
+    .map(({ collisions, distance }): [number, number] => [collisions, Math.log(distance)]);
   for (let part = 0; part <= parts / 2; part++) {
     const window = points.slice(Math.floor((part * points.length) / parts));
     if (window.length < fewest) return null;
     const { slope, level, r2 } = fit(window);
     const [from, to] = [window[0][0], window[window.length - 1][0]];
-    if (r2 >= straight && slope * (to - from) >= leastGrowth) return { rate: slope, from, to, low: Math.exp(level + slope * from), high: Math.exp(level + slope * to) };
+    if (r2 >= straight && slope * (to - from) >= leastGrowth)
+      return { rate: slope, from, to, low: Math.exp(level + slope * from), high: Math.exp(level + slope * to) };
   }
   return null;
 }

@@ -14,4 +14,5 @@ export interface Facts {
 }
 
 // Fewer samples of a long run: every second one, except the last.
-export const thinned = (samples: Sample[]): Sample[] => samples.filter((_, i) => i % 2 === 0 || i === samples.length - 1);
+export const thinned = (samples: Sample[]): Sample[] =>
+  samples.filter((_, i) => i % 2 === 0 || i === samples.length - 1);

@@ -25,7 +25,14 @@ interface Plot {
   band?: [number, number][];
 }
 
-const curve = (samples: readonly Sample[], y: (s: Sample) => number, color: string, width = 2, dash: number[] = [], x: (s: Sample) => number = (s) => s.time): Curve => ({
+const curve = (
+  samples: readonly Sample[],
+  y: (s: Sample) => number,
+  color: string,
+  width = 2,
+  dash: number[] = [],
+  x: (s: Sample) => number = (s) => s.time,
+): Curve => ({
   points: samples.map((s) => [x(s), y(s)]),
   color,
   width,
@@ -36,7 +43,8 @@ const decades = (y: Scale): number[] => {
   const every = Math.ceil(all.length / 4);
   return all.filter((_, i) => i % every === 0);
 };
-const power = (tick: number): string => (tick >= 0.001 && tick <= 1000 ? String(Number(tick.toPrecision(3))) : digits(tick, 1));
+const power = (tick: number): string =>
+  tick >= 0.001 && tick <= 1000 ? String(Number(tick.toPrecision(3))) : digits(tick, 1);
 
 function energyPlot({ samples, start }: Facts, theme: GasTheme): Plot {
   const lowest = Math.min(...samples.flatMap((s) => s.energy).filter((e) => e > 0), 1);
@@ -77,20 +85,24 @@ function differencePlot({ samples, start }: Facts, theme: GasTheme): Plot {
   const law = start.setting.restitution < 1 && !start.setting.walls;
   const measured = smoothed(curve(samples, (s) => over(s, s.energy[1]), theme.newton, 2.5));
   const expected = smoothed(curve(samples, (s) => over(s, s.predicted[0]), theme.ink, 2, [6, 4]));
-  const bound = (i: number): [number, number][] => smoothed(curve(samples, (s) => over(s, s.predicted[i]), "")).points.filter(([, y]) => Number.isFinite(y));
+  const bound = (i: number): [number, number][] =>
+    smoothed(curve(samples, (s) => over(s, s.predicted[i]), "")).points.filter(([, y]) => Number.isFinite(y));
   const all = [measured, expected].flatMap(({ points }) => points.map(([, y]) => y)).filter(Number.isFinite);
-  const step = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 100].find((x) => Math.max(...all.map(Math.abs), 0) <= 2 * x) ?? 1e4;
-  const [low, high] = [Math.min(...all, 0) < -0.02 * step ? -step * Math.ceil(-Math.min(...all) / step) : 0, step * Math.max(1, Math.ceil((1.5 * Math.max(...all, 0)) / step))];
+  const step =
+    [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 100].find(
+      (x) => Math.max(...all.map(Math.abs), 0) <= 2 * x,
+    ) ?? 1e4;
+  const [low, high] = [
+    Math.min(...all, 0) < -0.02 * step ? -step * Math.ceil(-Math.min(...all) / step) : 0,
+    step * Math.max(1, Math.ceil((1.5 * Math.max(...all, 0)) / step)),
+  ];
   return {
     title: "Newton’s surplus of energy, %",
     y: (to, from) => new Scale(low, high, from, to),
     ticks: () => niceTicks(low, high, 4),
     name: (tick) => minus(String(Number((100 * tick).toPrecision(3)))),
     band: law ? [...bound(1), ...bound(2).reverse()] : [],
-    curves: [
-      { ...measured, name: "this run" },
-      ...(law ? [{ ...expected, name: "law of the error" }] : []),
-    ],
+    curves: [{ ...measured, name: "this run" }, ...(law ? [{ ...expected, name: "law of the error" }] : [])],
   };
 }
 
@@ -106,7 +118,23 @@ function distancePlot({ samples }: Facts, theme: GasTheme): Plot {
     name: power,
     curves: [
       { ...curve(samples, (s) => (s.distance > 0 ? s.distance : NaN), theme.muted, 2.5), name: "this run" },
-      ...(grows ? [{ ...curve(samples, (s) => (s.collisions >= grows.from && s.collisions <= grows.to ? grows.low * Math.exp(grows.rate * (s.collisions - grows.from)) : NaN), theme.ink, 2, [6, 4]), name: `${digits(grows.rate, 2)} per collision` }] : []),
+      ...(grows
+        ? [
+            {
+              ...curve(
+                samples,
+                (s) =>
+                  s.collisions >= grows.from && s.collisions <= grows.to
+                    ? grows.low * Math.exp(grows.rate * (s.collisions - grows.from))
+                    : NaN,
+                theme.ink,
+                2,
+                [6, 4],
+              ),
+              name: `${digits(grows.rate, 2)} per collision`,
+            },
+          ]
+        : []),
     ],
   };
 }
@@ -123,20 +151,47 @@ function sharePlot({ samples }: Facts, theme: GasTheme): Plot {
   };
 }
 
-const plots: { [G in Graph]: (facts: Facts, theme: GasTheme) => Plot } = { energy: energyPlot, difference: differencePlot, distance: distancePlot, share: sharePlot };
+const plots: { [G in Graph]: (facts: Facts, theme: GasTheme) => Plot } = {
+  energy: energyPlot,
+  difference: differencePlot,
+  distance: distancePlot,
+  share: sharePlot,
+};
 
 // `timed`: with numbers below the time axis.
-export function drawGraph(g: CanvasRenderingContext2D, width: number, height: number, graph: Graph, facts: Facts, theme: GasTheme, timed: boolean): void {
+export function drawGraph(
+  g: CanvasRenderingContext2D,
+  width: number,
+  height: number,
+  graph: Graph,
+  facts: Facts,
+  theme: GasTheme,
+  timed: boolean,
+): void {
   const plot = plots[graph](facts, theme);
   const size = fontSize(width);
-  const frame: Frame = { left: 3.7 * size, top: 2.1 * size, width: width - 4.7 * size, height: height - (timed ? 5.1 : 3) * size };
+  const frame: Frame = {
+    left: 3.7 * size,
+    top: 2.1 * size,
+    width: width - 4.7 * size,
+    height: height - (timed ? 5.1 : 3) * size,
+  };
   g.clearRect(0, 0, width, height);
   if (frame.width < 20 || frame.height < 20) return;
   const end = Math.max(facts.sample.time, 60 * facts.start.base);
   const x = new Scale(0, end, frame.left, frame.left + frame.width);
   const y = plot.y(frame.top, frame.top + frame.height);
   const [factor, unit] = timeUnit(end);
-  drawAxes(g, frame, x, y, timed ? { ...timeTicks(x, 0, factor, frame.width / (5 * size)), title: `time, ${unit}` } : null, { ticks: plot.ticks(y), name: plot.name, title: plot.title }, theme, size);
+  drawAxes(
+    g,
+    frame,
+    x,
+    y,
+    timed ? { ...timeTicks(x, 0, factor, frame.width / (5 * size)), title: `time, ${unit}` } : null,
+    { ticks: plot.ticks(y), name: plot.name, title: plot.title },
+    theme,
+    size,
+  );
   g.save();
   g.beginPath();
   g.rect(frame.left, frame.top, frame.width, frame.height);
@@ -174,7 +229,14 @@ export function drawGraph(g: CanvasRenderingContext2D, width: number, height: nu
 }
 
 // Names of the curves with a piece of line, in the corner with the fewest of the drawn points.
-function named(g: CanvasRenderingContext2D, plot: Plot, frame: Frame, theme: GasTheme, size: number, drawn: number[][]): void {
+function named(
+  g: CanvasRenderingContext2D,
+  plot: Plot,
+  frame: Frame,
+  theme: GasTheme,
+  size: number,
+  drawn: number[][],
+): void {
   const curves = plot.curves.filter(({ name }) => name);
   const dash = 1.9 * size;
   const room = frame.width - dash - 1.9 * size;
@@ -185,8 +247,12 @@ function named(g: CanvasRenderingContext2D, plot: Plot, frame: Frame, theme: Gas
   g.textBaseline = "middle";
   const widest = width() + dash + 0.5 * size;
   const height = (1.3 * curves.length + 0.3) * size;
-  const corners = [frame.left + frame.width - widest - 0.6 * size, frame.left + 0.8 * size].flatMap((left) => [frame.top, frame.top + frame.height - height].map((top) => ({ left, top })));
-  const crossed = corners.map(({ left, top }) => drawn.filter(([u, v]) => u > left && u < left + widest && v > top && v < top + height).length);
+  const corners = [frame.left + frame.width - widest - 0.6 * size, frame.left + 0.8 * size].flatMap((left) =>
+    [frame.top, frame.top + frame.height - height].map((top) => ({ left, top })),
+  );
+  const crossed = corners.map(
+    ({ left, top }) => drawn.filter(([u, v]) => u > left && u < left + widest && v > top && v < top + height).length,
+  );
   const { left, top } = corners[crossed.indexOf(Math.min(...crossed))];
   curves.forEach(({ name, color, dash: pattern, width }, i) => {
     const at = top + (0.8 + 1.3 * i) * size;

@@ -1,5 +1,5 @@
 // The page of the gas: controls, film, plots and sentences.
-import { find, Sheet, tell } from "../support/dom";
+import { find, setSentence, Sheet } from "../support/dom";
 import { touchable } from "../support/touch";
 import { themeOf } from "../style/theme";
 import { ThemeSwitch } from "../support/theme_switch";
@@ -8,7 +8,7 @@ import { thinned, type Facts } from "./facts";
 import { drawGraph, graphs } from "./graphs";
 import { reportOf, type Report } from "./report";
 import { sentences, milliseconds } from "./sentences";
-import { examples, filmFromQuery, fromQuery, ranges, rules, toQuery, type Quantity, type Rule, type Setting } from "./setting";
+import { examples, filmFromQuery, fromQuery, ranges, rules, toQuery, type Quantity, type Setting } from "./setting";
 import type { FrameOf } from "./simulation";
 import { WorldView, gasTheme, type GasTheme } from "./worlds";
 import type { Answer } from "./worker";
@@ -41,8 +41,17 @@ class Page {
   private until = 0; // time of the link [s]
   private drawn = 0; // frames since the texts were written
   private theme!: GasTheme;
-  private readonly client = new Client(WebAssembly.compileStreaming(fetch("gas.wasm")).catch(async () => WebAssembly.compile(await (await fetch("gas.wasm")).arrayBuffer())));
-  private readonly worlds = ([["hard", "icm"], ["newton", "newton"]] as const).map(([id, color]) => new WorldView(new Sheet(id, () => this.draw()), color));
+  private readonly client = new Client(
+    WebAssembly.compileStreaming(fetch("gas.wasm")).catch(async () =>
+      WebAssembly.compile(await (await fetch("gas.wasm")).arrayBuffer()),
+    ),
+  );
+  private readonly worlds = (
+    [
+      ["hard", "icm"],
+      ["newton", "newton"],
+    ] as const
+  ).map(([id, color]) => new WorldView(new Sheet(id, () => this.draw()), color));
   private readonly plots = graphs.map((id) => new Sheet(id, () => this.draw()));
   private timer = 0;
 
@@ -52,7 +61,7 @@ class Page {
     // The theme switch draws at once.
     new ThemeSwitch({ theme: themeOf(root), redraw: () => this.retheme() }, () => this.draw(true));
     this.connect();
-    this.restart();
+    void this.restart();
     requestAnimationFrame(() => this.tick());
     window.hardlimit = {
       report: () => (this.facts && this.current() ? reportOf(this.facts, this.playing) : null),
@@ -96,7 +105,7 @@ class Page {
         this.change({ [key]: x });
       });
     }
-    for (const rule of rules) find(`rule-${rule}`).addEventListener("change", () => this.change({ rule: rule as Rule }));
+    for (const rule of rules) find(`rule-${rule}`).addEventListener("change", () => this.change({ rule }));
     const walls = find<HTMLInputElement>("walls");
     walls.addEventListener("change", () => this.change(walls.checked ? { walls: true } : { walls: false, gravity: 0 }));
     for (const example of examples)
@@ -113,7 +122,7 @@ class Page {
     this.until = 0;
     this.showSetting();
     clearTimeout(this.timer);
-    this.timer = window.setTimeout(() => this.restart(), 60);
+    this.timer = window.setTimeout(() => void this.restart(), 60);
   }
 
   private showSetting(): void {
@@ -121,14 +130,21 @@ class Page {
     for (const key of shown) {
       const slider = find<HTMLInputElement>(key);
       slider.value = String(ranges[key].log ? Math.log10(s[key]) : s[key]);
-      const text = key === "gravity" ? `${Number(s.gravity.toPrecision(3))} m/s²` : key === "number" ? String(s.number) : String(Number(s[key].toPrecision(3)));
+      const text =
+        key === "gravity"
+          ? `${Number(s.gravity.toPrecision(3))} m/s²`
+          : key === "number"
+            ? String(s.number)
+            : String(Number(s[key].toPrecision(3)));
       find(`${key}-value`).textContent = text;
       slider.setAttribute("aria-valuetext", text);
     }
     find<HTMLInputElement>(`rule-${s.rule}`).checked = true;
     find<HTMLInputElement>("walls").checked = s.walls;
     for (const example of examples) {
-      const same = Object.entries(fromQuery(new URLSearchParams({ example: example.id }), [])).every(([key, x]) => key === "seed" || s[key as keyof Setting] === x);
+      const same = Object.entries(fromQuery(new URLSearchParams({ example: example.id }), [])).every(
+        ([key, x]) => key === "seed" || s[key as keyof Setting] === x,
+      );
       find(`example-${example.id}`).setAttribute("aria-pressed", String(same));
     }
   }
@@ -142,8 +158,11 @@ class Page {
     find("copy").addEventListener("click", () => void this.copy());
     document.addEventListener("keydown", (e) => {
       const target = e.target as HTMLElement;
-      if (e.ctrlKey || e.metaKey || e.altKey || target.closest(e.key === " " ? "input, select, button, a" : "select")) return;
-      const act = { " ": () => this.play(!this.playing), ".": () => this.step(), r: () => this.again() }[e.key.toLowerCase()];
+      if (e.ctrlKey || e.metaKey || e.altKey || target.closest(e.key === " " ? "input, select, button, a" : "select"))
+        return;
+      const act = { " ": () => this.play(!this.playing), ".": () => this.step(), r: () => this.again() }[
+        e.key.toLowerCase()
+      ];
       if (!act) return;
       e.preventDefault();
       act();
@@ -151,7 +170,7 @@ class Page {
     addEventListener("popstate", () => {
       this.read();
       this.showSetting();
-      this.restart();
+      void this.restart();
     });
   }
 
@@ -167,12 +186,12 @@ class Page {
   private step(): void {
     this.playing = false;
     this.showPlaying();
-    this.advance(1);
+    void this.advance(1);
   }
   private again(): void {
     this.playing = true;
     this.until = 0;
-    this.restart();
+    void this.restart();
   }
 
   private link(): string {
@@ -186,12 +205,12 @@ class Page {
     history.replaceState(null, "", this.link());
   }
   private async copy(): Promise<void> {
-    const said = find("copied");
+    const note = find("copied");
     try {
       await navigator.clipboard.writeText(this.link());
-      said.textContent = "Link copied.";
+      note.textContent = "Link copied.";
     } catch {
-      said.textContent = "The link is in the address bar.";
+      note.textContent = "The link is in the address bar.";
     }
     this.writeLink();
   }
@@ -211,19 +230,28 @@ class Page {
     const { start, frame, messages } = answer;
     if (start.tooSoft > 0) this.playing = false;
     this.frame = frame;
-    this.facts = { start, messages, samples: [], sample: frame.sample, hard: frame.worlds[0].observed, newton: frame.worlds[1].observed, done: frame.done, atRest: frame.atRest };
+    this.facts = {
+      start,
+      messages,
+      samples: [],
+      sample: frame.sample,
+      hard: frame.worlds[0].observed,
+      newton: frame.worlds[1].observed,
+      done: frame.done,
+      atRest: frame.atRest,
+    };
     this.take([frame.sample], frame);
     this.showPlaying();
     this.draw();
     this.tellAll();
-    if (this.until > 0 && start.tooSoft === 0) this.advance(1, this.until);
+    if (this.until > 0 && start.tooSoft === 0) void this.advance(1, this.until);
     else this.writeLink();
   }
 
   private fail(message: string): void {
     this.playing = false;
     this.showPlaying();
-    tell(find("verdict"), message);
+    setSentence(find("verdict"), message);
     root.dataset.settled = String(this.run);
   }
 
@@ -249,7 +277,15 @@ class Page {
     const f = this.facts!;
     let all = f.samples.concat(samples);
     if (all.length > mostSamples) all = thinned(all);
-    this.facts = { ...f, samples: all, sample: frame.sample, hard: frame.worlds[0].observed, newton: frame.worlds[1].observed, done: frame.done, atRest: frame.atRest };
+    this.facts = {
+      ...f,
+      samples: all,
+      sample: frame.sample,
+      hard: frame.worlds[0].observed,
+      newton: frame.worlds[1].observed,
+      done: frame.done,
+      atRest: frame.atRest,
+    };
   }
 
   private tick(): void {
@@ -296,8 +332,12 @@ class Page {
 
   private tellAll(): void {
     if (!this.facts) return;
-    const said = sentences(this.facts);
-    const of = (...topics: string[]): string => said.filter(({ topic }) => topics.includes(topic)).map(({ text }) => text).join(" ");
+    const list = sentences(this.facts);
+    const of = (...topics: string[]): string =>
+      list
+        .filter(({ topic }) => topics.includes(topic))
+        .map(({ text }) => text)
+        .join(" ");
     const write = (id: string, text: string): void => {
       if (find(id).dataset.text === text) return;
       find(id).dataset.text = text;

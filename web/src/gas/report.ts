@@ -10,7 +10,19 @@ export interface Report {
   link: string;
   input: Input;
   start: { positions: number[]; velocities: number[] };
-  law: Pick<Start, "law" | "error" | "errorBar" | "trusted" | "measured" | "collisionRate" | "contactDuration" | "temperature" | "compression" | "tooSoft">;
+  law: Pick<
+    Start,
+    | "law"
+    | "error"
+    | "errorBar"
+    | "trusted"
+    | "measured"
+    | "collisionRate"
+    | "contactDuration"
+    | "temperature"
+    | "compression"
+    | "tooSoft"
+  >;
   playing: boolean;
   done: boolean;
   time: number;
@@ -22,7 +34,21 @@ export interface Report {
 
 export function reportOf(facts: Facts, playing: boolean): Report {
   const { start, hard, newton, samples, sample, done } = facts;
-  const { law, error, errorBar, trusted, measured, collisionRate, contactDuration, temperature, compression, tooSoft, setting, input, state } = start;
+  const {
+    law,
+    error,
+    errorBar,
+    trusted,
+    measured,
+    collisionRate,
+    contactDuration,
+    temperature,
+    compression,
+    tooSoft,
+    setting,
+    input,
+    state,
+  } = start;
   const half = state.length / 2;
   return {
     setting,

@@ -41,15 +41,53 @@ export interface Example {
   about: string;
   setting: Partial<Setting>;
 }
-export const usual: Setting = { number: 800, phi: 0.5, restitution: 0.85, tcNu: 0.1, rule: "constant", walls: false, gravity: 0, seed: 1 };
+export const usual: Setting = {
+  number: 800,
+  phi: 0.5,
+  restitution: 0.85,
+  tcNu: 0.1,
+  rule: "constant",
+  walls: false,
+  gravity: 0,
+  seed: 1,
+};
 export const examples: Example[] = [
-  { id: "thin", name: "Thin gas", about: "contacts are short beside the time between them: both agree", setting: { phi: 0.15, restitution: 0.9, tcNu: 0.003 } },
-  { id: "dense", name: "Dense and soft", about: "many contacts overlap in time: the two worlds cool at different rates", setting: { phi: 0.6, tcNu: 0.2, restitution: 0.8 } },
-  { id: "collapse", name: "Inelastic collapse", about: "infinitely many collisions in a finite time stop one world", setting: { number: 400, phi: 0.3, restitution: 0.2, tcNu: 0.01 } },
-  { id: "settling", name: "Settling", about: "disks fall to the floor and come to rest", setting: { number: 200, phi: 0.25, restitution: 0.6, tcNu: 0.03, rule: "tc", walls: true, gravity: 9.8 } },
+  {
+    id: "thin",
+    name: "Thin gas",
+    about: "contacts are short beside the time between them: both agree",
+    setting: { phi: 0.15, restitution: 0.9, tcNu: 0.003 },
+  },
+  {
+    id: "dense",
+    name: "Dense and soft",
+    about: "many contacts overlap in time: the two worlds cool at different rates",
+    setting: { phi: 0.6, tcNu: 0.2, restitution: 0.8 },
+  },
+  {
+    id: "collapse",
+    name: "Inelastic collapse",
+    about: "infinitely many collisions in a finite time stop one world",
+    setting: { number: 400, phi: 0.3, restitution: 0.2, tcNu: 0.01 },
+  },
+  {
+    id: "settling",
+    name: "Settling",
+    about: "disks fall to the floor and come to rest",
+    setting: { number: 200, phi: 0.25, restitution: 0.6, tcNu: 0.03, rule: "tc", walls: true, gravity: 9.8 },
+  },
 ];
 
-const names: { [K in keyof Setting]: string } = { number: "n", phi: "phi", restitution: "e", tcNu: "tcnu", rule: "rule", walls: "walls", gravity: "g", seed: "seed" };
+const names: { [K in keyof Setting]: string } = {
+  number: "n",
+  phi: "phi",
+  restitution: "e",
+  tcNu: "tcnu",
+  rule: "rule",
+  walls: "walls",
+  gravity: "g",
+  seed: "seed",
+};
 export const labels: { [K in Quantity]: string } = {
   number: "disks",
   phi: "packing fraction φ",
@@ -61,7 +99,8 @@ export const labels: { [K in Quantity]: string } = {
 
 export const toQuery = (setting: Setting): URLSearchParams => {
   const q = new URLSearchParams();
-  for (const key of Object.keys(names) as (keyof Setting)[]) q.set(names[key], key === "walls" ? (setting.walls ? "1" : "0") : String(setting[key]));
+  for (const key of Object.keys(names) as (keyof Setting)[])
+    q.set(names[key], key === "walls" ? (setting.walls ? "1" : "0") : String(setting[key]));
   return q;
 };
 
@@ -88,9 +127,13 @@ export function fromQuery(q: URLSearchParams, notes: string[]): Setting {
     const { low, high } = ranges[key];
     const near = whole.includes(key) ? Math.round(given) : given;
     const value = Math.min(Math.max(near, low), high);
-    if (text.trim() === "" || Number.isNaN(given)) notes.push(`${labels[key]}: “${text}” is no number; it is ${setting[key]}.`);
+    if (text.trim() === "" || Number.isNaN(given))
+      notes.push(`${labels[key]}: “${text}” is no number; it is ${setting[key]}.`);
     else {
-      if (value !== given) notes.push(`${labels[key]}: ${text} is ${value === near ? "not whole" : `outside ${low} to ${high}`}; it is ${value}.`);
+      if (value !== given)
+        notes.push(
+          `${labels[key]}: ${text} is ${value === near ? "not whole" : `outside ${low} to ${high}`}; it is ${value}.`,
+        );
       setting[key] = value;
     }
   }

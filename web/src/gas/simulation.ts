@@ -51,7 +51,8 @@ const rest = 1e-3; // kinetic energy at which a heap is at rest, over all energy
 
 // Base time between frames. In 60 frames a disk collides 0.6 times or moves by half a diameter; it falls through the
 // box in 400.
-const baseOf = (rate: number, { edge, gravity }: Input): number => Math.max(0.6 / rate / 60, RADIUS / RMS_SPEED / 60, gravity < 0 ? Math.sqrt((2 * edge) / -gravity) / 400 : 0);
+const baseOf = (rate: number, { edge, gravity }: Input): number =>
+  Math.max(0.6 / rate / 60, RADIUS / RMS_SPEED / 60, gravity < 0 ? Math.sqrt((2 * edge) / -gravity) / 400 : 0);
 
 function inputOf(core: GasCore, setting: Setting, rate: number): Input {
   const { number, phi, restitution, tcNu, rule } = setting;
@@ -115,7 +116,10 @@ export class Simulation {
     const [error, errorBar] = core.error(phi, restitution, rule, tcNu);
     const speed = Math.sqrt(Math.PI * temperature);
     // As Python's check: of a pair in radii; of a wall in diameters.
-    const compression = Math.min(core.compression(speed, false), walls ? 0.5 * core.compression(speed, true) : Infinity);
+    const compression = Math.min(
+      core.compression(speed, false),
+      walls ? 0.5 * core.compression(speed, true) : Infinity,
+    );
     this.start = {
       setting,
       input,
@@ -161,7 +165,8 @@ export class Simulation {
     const hard = this.see(World.hard);
     const newton = this.see(World.newton);
     const { setting, base } = this.start;
-    if (setting.gravity === 0) this.pace = 2 ** Math.min(Math.floor(Math.log2(Math.sqrt(1 / Math.max(newton.energy, 1e-12)))), 10);
+    if (setting.gravity === 0)
+      this.pace = 2 ** Math.min(Math.floor(Math.log2(Math.sqrt(1 / Math.max(newton.energy, 1e-12)))), 10);
     const ended = [hard, newton].map(({ observed }) => observed.outcome !== 0 && observed.time < this.time);
     const sample: Sample = {
       time: this.time,
@@ -173,7 +178,12 @@ export class Simulation {
     };
     this.before = this.time;
     const atRest = setting.gravity > 0 && newton.observed.kinetic < rest * this.initial && newton.energy < 1 - rest;
-    const done = atRest || sample.collisions >= most || newton.energy < least || (ended[0] && ended[1]) || this.time > 40_000 * base;
+    const done =
+      atRest ||
+      sample.collisions >= most ||
+      newton.energy < least ||
+      (ended[0] && ended[1]) ||
+      this.time > 40_000 * base;
     return { worlds: [hard, newton], sample, done, atRest };
   }
 
@@ -185,11 +195,20 @@ export class Simulation {
     const y = 1 / Math.sqrt(hard.energy);
     const [from, before] = this.stretchedAt;
     if (this.time > from) {
-      const [error, bar] = this.core.error(setting.phi, setting.restitution, setting.rule, (2 * setting.tcNu) / (y + before));
+      const [error, bar] = this.core.error(
+        setting.phi,
+        setting.restitution,
+        setting.rule,
+        (2 * setting.tcNu) / (y + before),
+      );
       this.curves.forEach((curve, i) => curve.extend((1 + error + [0, -bar, bar][i]) * (this.time - from), y));
     }
     this.stretchedAt = [this.time, y];
-    return this.curves.map((curve, i) => curve.at(this.time - [0.5, 0.25, 0.75][i] * contactDuration) ** -2) as [number, number, number];
+    return this.curves.map((curve, i) => curve.at(this.time - [0.5, 0.25, 0.75][i] * contactDuration) ** -2) as [
+      number,
+      number,
+      number,
+    ];
   }
   private readonly curves = [new Stretched(), new Stretched(), new Stretched()];
 
@@ -209,7 +228,8 @@ export class Simulation {
     const state = this.core.state(world);
     this.unwrapped[world] = state;
     const positions = new Float32Array(2 * number);
-    for (let i = 0; i < positions.length; i++) positions[i] = walls ? state[i] : state[i] - edge * Math.floor(state[i] / edge);
+    for (let i = 0; i < positions.length; i++)
+      positions[i] = walls ? state[i] : state[i] - edge * Math.floor(state[i] / edge);
     const rows = this.core.log(world);
     if (rows.length > 0) this.logs[world].push(rows);
     const touched = new Uint8Array(number);
@@ -217,7 +237,13 @@ export class Simulation {
     if (world === World.hard) this.markCollisions(rows, touched, links);
     else for (const list of [rows, this.core.log(world, true)]) markContacts(list, touched, links);
     const observed = this.core.observe(world);
-    return { positions, touched, links: Int32Array.from(links), observed, energy: 1 - observed.dissipated / this.initial };
+    return {
+      positions,
+      touched,
+      links: Int32Array.from(links),
+      observed,
+      energy: 1 - observed.dissipated / this.initial,
+    };
   }
 
   // A collision takes no time. To compare, a disk lights up for t_c after it, and brightly if it collided again within.

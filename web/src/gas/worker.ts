@@ -52,7 +52,12 @@ function answer(ask: Ask): Answer {
     core = new GasCore(module);
     simulation = new Simulation(core, ask.setting);
     frame = simulation.frame();
-    return { kind: "start", start: simulation.start, frame, messages: Array.from({ length: outcomes }, (_, i) => core.outcome(i)) };
+    return {
+      kind: "start",
+      start: simulation.start,
+      frame,
+      messages: Array.from({ length: outcomes }, (_, i) => core.outcome(i)),
+    };
   }
   if (ask.kind === "advance") return advance(ask.steps, ask.until);
   const open = core.log(World.newton, true);
@@ -73,7 +78,13 @@ self.onmessage = (event: MessageEvent<WebAssembly.Module | { id: number; ask: As
   try {
     found = answer(ask);
   } catch (error) {
-    found = { kind: "error", message: error instanceof Error && !(error instanceof WebAssembly.RuntimeError) ? error.message : "The core has stopped; start again or change a value." };
+    found = {
+      kind: "error",
+      message:
+        error instanceof Error && !(error instanceof WebAssembly.RuntimeError)
+          ? error.message
+          : "The core has stopped; start again or change a value.",
+    };
   }
   (self as unknown as Worker).postMessage({ id, answer: found });
 };

@@ -68,11 +68,22 @@ export class WorldView {
 }
 
 // Lines between the centres of disks whose contacts overlap in time.
-function drawLinks(g: CanvasRenderingContext2D, start: Start, { positions, links }: Seen, left: number, top: number, side: number, theme: GasTheme): void {
+function drawLinks(
+  g: CanvasRenderingContext2D,
+  start: Start,
+  { positions, links }: Seen,
+  left: number,
+  top: number,
+  side: number,
+  theme: GasTheme,
+): void {
   const { walls } = start.setting;
   const scale = side / start.input.edge;
   const r = RADIUS * scale;
-  const place = (i: number): [number, number] => [left + scale * positions[2 * i], top + side - scale * positions[2 * i + 1]];
+  const place = (i: number): [number, number] => [
+    left + scale * positions[2 * i],
+    top + side - scale * positions[2 * i + 1],
+  ];
   g.save();
   g.beginPath();
   g.rect(left, top, side, side);

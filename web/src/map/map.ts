@@ -3,6 +3,7 @@ import { MAP_VALUES } from "../core/core";
 import { piece, type Piece, type Pool } from "../core/pool";
 import { Scale } from "../support/plot";
 import { columnOf, type Scenario } from "../scenario/scenario";
+import { observed } from "../state/signals";
 import type { Theme } from "../style/theme";
 import type { Box, MapAxis, MapShow } from "../scenario/view";
 import { drawMap, type Layer, type MapLayout } from "./map_drawing";
@@ -36,13 +37,13 @@ export class ContactMap {
   computing = 0; // ms of all workers together
   private computed = 0; // points
   resolution = 0; // points each way that are complete
-  fresh = false; // restarted: draw at once
+  received = 0; // counts batches
 
   constructor(
     private readonly pool: Pool,
-    private readonly changed: () => void,
     shown: () => boolean,
   ) {
+    observed(this, ["received"]);
     this.box = { x: [0.05, 1], y: [1e-6, 1e-2] };
     pool.add(() => this.nextBatch(), shown);
   }
@@ -56,14 +57,15 @@ export class ContactMap {
     this.labels = [];
     this.queue = [];
     this.elapsed = null;
-    this.fresh = true;
     this.next = strides[0];
     this.resolution = this.sent = this.perPoint = 0;
     this.computing = this.computed = 0;
     this.began = NaN;
-    for (const stride of strides) for (let column = 0; column < SIDE; column += stride) this.queue.push({ stride, column, from: 0 });
+    for (const stride of strides)
+      for (let column = 0; column < SIDE; column += stride) this.queue.push({ stride, column, from: 0 });
     this.column = columnOf(scenario);
     this.axis = axis;
+    this.received++;
     this.pool.wake();
   }
 
@@ -109,12 +111,14 @@ export class ContactMap {
     this.computed += n;
     const perPoint = Math.max(ms / n, 1e-4);
     this.perPoint = this.perPoint > 0 ? 0.5 * (this.perPoint + perPoint) : perPoint;
-    batch.at.forEach((place, k) => this.raster.take(place, batch.stride, values.subarray(MAP_VALUES * k, MAP_VALUES * (k + 1))));
+    batch.at.forEach((place, k) =>
+      this.raster.take(place, batch.stride, values.subarray(MAP_VALUES * k, MAP_VALUES * (k + 1))),
+    );
     const level = this.levelDone();
     const over = this.queue.length === 0 && this.sent === 0;
     if (over) this.elapsed = performance.now() - this.began;
     if ((over || level) && batch.stride <= 4) this.labels = this.raster.labels();
-    this.changed();
+    this.received++;
   }
 
   // Whether a level has just been completed; the next level is skipped if it would take too long.
@@ -146,7 +150,17 @@ export class ContactMap {
     this.raster.setShow(show);
   }
 
-  draw(g: CanvasRenderingContext2D, w: number, h: number, axis: MapAxis, mark: [number, number], theme: Theme, agreement: Agreement | null, view: Box = this.box): MapLayout {
+  draw(
+    g: CanvasRenderingContext2D,
+    w: number,
+    h: number,
+    axis: MapAxis,
+    mark: [number, number],
+    theme: Theme,
+    agreement: Agreement | null,
+    view: Box = this.box,
+  ): MapLayout {
+    void this.received;
     if (this.elapsed !== null) this.before = null;
     const { show, greatest } = this.raster;
     const layers = [...(this.before ? [this.before] : []), { sheet: this.raster.picture(), box: this.box }];

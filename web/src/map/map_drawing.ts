@@ -50,21 +50,37 @@ export function drawMap(g: CanvasRenderingContext2D, w: number, h: number, p: Ma
   else if (p.agreement) drawTrust(g, p.agreement, x, y, f, theme, size);
   g.restore();
   drawAxes(
-    g, f, x, y,
-    { ticks: niceTicks(x.low, x.high, Math.max(3, f.width / (5 * size))), name: (t) => String(Number(t.toPrecision(6))), title: "ε" },
+    g,
+    f,
+    x,
+    y,
+    {
+      ticks: niceTicks(x.low, x.high, Math.max(3, f.width / (5 * size))),
+      name: (t) => String(Number(t.toPrecision(6))),
+      title: "ε",
+    },
     {
       ticks: logTicks(y.low, y.high),
       name: (t) => (p.axis === "gap" ? withUnit(t, "m", 4) : String(Number(t.toPrecision(4)))),
       title: p.axis === "gap" ? "gap Δh" : "R₁/R₂",
     },
-    theme, size, false,
+    theme,
+    size,
+    false,
   );
   drawMark(g, f, x, y, p.axis, p.mark, grown(size));
   drawLegend(g, f, h - legend, p, theme, size);
   return { x, y, frame: f };
 }
 
-function drawLabels(g: CanvasRenderingContext2D, x: Scale, y: Scale, { labels, layers }: MapPicture, theme: Theme, size: number): void {
+function drawLabels(
+  g: CanvasRenderingContext2D,
+  x: Scale,
+  y: Scale,
+  { labels, layers }: MapPicture,
+  theme: Theme,
+  size: number,
+): void {
   setFont(g, theme, 1.15 * size, 700);
   g.textAlign = "center";
   g.textBaseline = "middle";
@@ -78,13 +94,24 @@ function drawLabels(g: CanvasRenderingContext2D, x: Scale, y: Scale, { labels, l
   }
 }
 
-function drawMark(g: CanvasRenderingContext2D, f: Frame, x: Scale, y: Scale, axis: MapAxis, [e, v]: [number, number], large: number): void {
+function drawMark(
+  g: CanvasRenderingContext2D,
+  f: Frame,
+  x: Scale,
+  y: Scale,
+  axis: MapAxis,
+  [e, v]: [number, number],
+  large: number,
+): void {
   g.save();
   g.beginPath();
   g.rect(f.left, f.top, f.width, f.height);
   g.clip();
   const [px, py] = [x.at(e), v > 0 ? y.at(v) : f.top + f.height - 1];
-  for (const [color, width] of [["#ffffff", 5], ["#14161a", 2]] as const) {
+  for (const [color, width] of [
+    ["#ffffff", 5],
+    ["#14161a", 2],
+  ] as const) {
     g.strokeStyle = color;
     g.lineWidth = width * large;
     if (axis === "ratio" && y.low < 1 && y.high > 1) {
@@ -101,7 +128,14 @@ function drawMark(g: CanvasRenderingContext2D, f: Frame, x: Scale, y: Scale, axi
   g.restore();
 }
 
-function drawLegend(g: CanvasRenderingContext2D, f: Frame, top: number, { show, greatest }: MapPicture, theme: Theme, size: number): void {
+function drawLegend(
+  g: CanvasRenderingContext2D,
+  f: Frame,
+  top: number,
+  { show, greatest }: MapPicture,
+  theme: Theme,
+  size: number,
+): void {
   const height = 1.5 * size;
   g.textBaseline = "middle";
   if (show === "count") {
@@ -125,7 +159,15 @@ function drawLegend(g: CanvasRenderingContext2D, f: Frame, top: number, { show, 
 }
 
 // The colour legend up to `last`; open: the last field also stands for larger counts.
-export function drawCounts(g: CanvasRenderingContext2D, f: Frame, last: number, open: boolean, top: number, size: number, theme: Theme): void {
+export function drawCounts(
+  g: CanvasRenderingContext2D,
+  f: Frame,
+  last: number,
+  open: boolean,
+  top: number,
+  size: number,
+  theme: Theme,
+): void {
   const height = 1.5 * size;
   const width = Math.min(2.4 * size, f.width / (last + (open ? 1.6 : 1)));
   setFont(g, theme, Math.min(0.95 * size, 0.6 * width), 600);

@@ -43,17 +43,18 @@ function listenPointer(canvas: HTMLCanvasElement, rubber: HTMLElement, map: MapA
       const layout = map.layout();
       map.hover(at && layout ? value(layout, at) : null);
     },
-    frame: (from, to, done) => drawn((layout) => {
-      const [[x0, y0], [x1, y1]] = [inside(layout, from), inside(layout, to)];
-      const wide = Math.abs(x1 - x0) > 6 && Math.abs(y1 - y0) > 6;
-      rubber.hidden = done || !wide;
-      rubber.style.transform = `translate(${Math.min(x0, x1)}px, ${Math.min(y0, y1)}px)`;
-      rubber.style.width = `${Math.abs(x1 - x0)}px`;
-      rubber.style.height = `${Math.abs(y1 - y0)}px`;
-      if (!done || !wide) return;
-      const [a, b] = [value(layout, from), value(layout, to)];
-      map.frame({ x: [Math.min(a[0], b[0]), Math.max(a[0], b[0])], y: [Math.min(a[1], b[1]), Math.max(a[1], b[1])] });
-    }),
+    frame: (from, to, done) =>
+      drawn((layout) => {
+        const [[x0, y0], [x1, y1]] = [inside(layout, from), inside(layout, to)];
+        const wide = Math.abs(x1 - x0) > 6 && Math.abs(y1 - y0) > 6;
+        rubber.hidden = done || !wide;
+        rubber.style.transform = `translate(${Math.min(x0, x1)}px, ${Math.min(y0, y1)}px)`;
+        rubber.style.width = `${Math.abs(x1 - x0)}px`;
+        rubber.style.height = `${Math.abs(y1 - y0)}px`;
+        if (!done || !wide) return;
+        const [a, b] = [value(layout, from), value(layout, to)];
+        map.frame({ x: [Math.min(a[0], b[0]), Math.max(a[0], b[0])], y: [Math.min(a[1], b[1]), Math.max(a[1], b[1])] });
+      }),
   });
 }
 

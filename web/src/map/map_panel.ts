@@ -9,6 +9,7 @@ import { listen, type Point } from "./map_input";
 import { MapReading } from "./map_reading";
 import type { Pool } from "../core/pool";
 import { clampTo, copyOf, firstGap, lowestHeight, ranges } from "../scenario/scenario";
+import { observed, type Drawing } from "../state/signals";
 import type { State } from "../state/state";
 import { mapLimits, wholeMap, type Box, type View } from "../scenario/view";
 
@@ -17,7 +18,8 @@ export class MapPanel {
   private readonly agreement: Agreement;
   private layout: MapLayout | null = null;
   private key = "";
-  private drawn = 0;
+  private drawn = -Infinity; // when [ms]; −∞: draw at once
+  private readonly picture: Drawing;
   private readonly reading: MapReading;
   private later = 0; // timer of the next refresh
   private moving = false; // the picture moves before new points are computed
@@ -27,8 +29,10 @@ export class MapPanel {
     private readonly sheet: Sheet,
     pool: Pool,
   ) {
-    this.map = new ContactMap(pool, () => (state.dirty.mapPicture = true), sheet.wanted);
-    this.agreement = new Agreement(pool, () => (state.dirty.mapPicture = true));
+    this.map = new ContactMap(pool, sheet.wanted);
+    this.agreement = new Agreement(pool);
+    observed(this, ["moving"]);
+    this.picture = state.drawing(() => this.draw());
     this.map.setShow(state.view.map.show);
     this.reading = new MapReading(state, pool, this.map, () => this.marked());
     listen(sheet.canvas, find("map-box").querySelector<HTMLElement>(".rubber")!, {
@@ -60,7 +64,10 @@ export class MapPanel {
     }
     if (axis.value !== view.map.axis) axis.value = view.map.axis;
     if (show.value !== view.map.show) show.value = view.map.show;
-    setText(find("map-title"), view.map.axis === "gap" ? "Every ε and every gap" : "Every ε and every size of the lower ball");
+    setText(
+      find("map-title"),
+      view.map.axis === "gap" ? "Every ε and every gap" : "Every ε and every size of the lower ball",
+    );
   }
 
   // The map of ε_eff/ε over the gap, if available.
@@ -77,7 +84,6 @@ export class MapPanel {
     this.map.setShow(map.show);
     this.refreshChoices();
     this.refresh();
-    this.state.dirty.mapPicture = true;
   }
 
   // Gap above which both models agree for the present ε; infinite: none in the map, null: no map yet.
@@ -86,7 +92,9 @@ export class MapPanel {
     if (view.map.show === "count" || view.map.axis !== "gap") return null;
     const { points } = this.agreement;
     if (points.length === 0) return null;
-    return points.reduce((a, b) => (Math.abs(b.restitution - scenario.restitution) < Math.abs(a.restitution - scenario.restitution) ? b : a)).gap;
+    return points.reduce((a, b) =>
+      Math.abs(b.restitution - scenario.restitution) < Math.abs(a.restitution - scenario.restitution) ? b : a,
+    ).gap;
   }
 
   // Restarts if the map does not show this scenario.
@@ -95,7 +103,6 @@ export class MapPanel {
     if (!drop) return;
     this.reading.forget();
     this.moving = false;
-    this.state.dirty.mapPicture = true;
     const box = this.box();
     const { axis } = view.map;
     const s = copyOf(scenario);
@@ -107,20 +114,16 @@ export class MapPanel {
     const keep = this.key.startsWith(key); // the same map, elsewhere
     this.key = key + JSON.stringify(box);
     this.map.start(scenario, axis, box, keep);
+    this.drawn = -Infinity;
     delete this.sheet.canvas.dataset.ms;
-    this.state.dirty.mapPicture = true;
   }
 
   // Draws if necessary, less often while the workers compute.
   drawIfDue(now: number): void {
-    const { dirty, drop } = this.state;
-    const due = this.map.elapsed !== null || this.map.fresh || now - this.drawn > 80;
-    if (!dirty.mapPicture || !drop || !due) return;
+    if (!this.state.drop || (this.map.elapsed === null && now - this.drawn <= 80)) return;
     if (!this.sheet.shown()) return this.findAgreement();
     if (!this.sheet.seen && this.map.elapsed === null) return this.tellState();
-    dirty.mapPicture = this.map.fresh = false;
-    this.drawn = now;
-    this.draw();
+    if (this.picture.refresh()) this.drawn = now;
   }
 
   marked(): Point {
@@ -139,7 +142,8 @@ export class MapPanel {
   // Where the models agree, once the map is complete.
   private findAgreement(): void {
     const { scenario, view } = this.state;
-    if (this.map.elapsed !== null && view.map.axis === "gap" && view.map.show !== "count") this.agreement.refresh(scenario, this.box(), view.tolerance);
+    if (this.map.elapsed !== null && view.map.axis === "gap" && view.map.show !== "count")
+      this.agreement.refresh(scenario, this.box(), view.tolerance);
   }
 
   private draw(): void {
@@ -159,7 +163,12 @@ export class MapPanel {
 
   private tellState(): void {
     const { elapsed, progress, resolution } = this.map;
-    setText(find("map-state"), elapsed === null ? `${Math.floor(100 * progress)} % computed` : `${resolution} × ${resolution} points in ${digits(elapsed / 1000, 2)} s`);
+    setText(
+      find("map-state"),
+      elapsed === null
+        ? `${Math.floor(100 * progress)} % computed`
+        : `${resolution} × ${resolution} points in ${digits(elapsed / 1000, 2)} s`,
+    );
   }
 
   // ---- changes ----------------------------------------------------------------------------------------
@@ -198,7 +207,7 @@ export class MapPanel {
   private setZoom(box: Box | null): void {
     if (box && tooSmall(box)) return;
     this.state.view.map.zoom = box && linked(box);
-    this.state.dirty.mapPicture = this.map.fresh = true;
+    this.drawn = -Infinity;
     this.moving = true;
     clearTimeout(this.later);
     this.later = window.setTimeout(() => this.refresh(), 120);
@@ -206,7 +215,7 @@ export class MapPanel {
   }
 
   private listenChoices(): void {
-    const { view, dirty } = this.state;
+    const { view } = this.state;
     find("zoom-in").addEventListener("click", () => this.zoom(1.6));
     find("zoom-out").addEventListener("click", () => this.zoom(1 / 1.6));
     find("zoom-all").addEventListener("click", () => this.setZoom(null));
@@ -214,7 +223,6 @@ export class MapPanel {
       view.map.show = (e.target as HTMLSelectElement).value as View["map"]["show"];
       this.map.setShow(view.map.show);
       this.reading.forget();
-      dirty.mapPicture = true;
       this.state.writeLink();
     });
     find<HTMLSelectElement>("map-axis").addEventListener("change", (e) => {

@@ -36,7 +36,8 @@ export class Raster {
   setShow(show: MapShow): void {
     if (show === this.show) return;
     this.show = show;
-    for (let place = 0; place < SIDE * SIDE; place++) if (this.filled[place] !== 0) this.paint(place, this.color(this.blockOf(place)));
+    for (let place = 0; place < SIDE * SIDE; place++)
+      if (this.filled[place] !== 0) this.paint(place, this.color(this.blockOf(place)));
   }
 
   picture(): HTMLCanvasElement {
@@ -102,7 +103,12 @@ export class Raster {
         const at = pass === 0 ? k : n * n - 1 - k;
         const [i, j] = [at % n, Math.floor(at / n)];
         if (pass === 0) width[at] = Math.min(i, n - 1 - i, j, n - 1 - j) + 1;
-        for (const [di, dj] of [[-1, 0], [0, -1], [-1, -1], [1, -1]]) {
+        for (const [di, dj] of [
+          [-1, 0],
+          [0, -1],
+          [-1, -1],
+          [1, -1],
+        ]) {
           const [a, b] = pass === 0 ? [i + di, j + dj] : [i - di, j - dj];
           if (a < 0 || b < 0 || a >= n || b >= n) continue;
           width[at] = Math.min(width[at], cell(a, b) === cell(i, j) ? width[a + n * b] + 1 : 1);
@@ -113,7 +119,8 @@ export class Raster {
       const [i, j] = [at % n, Math.floor(at / n)];
       const count = cell(i, j);
       const known = best.get(count);
-      if (width[at] >= 3 && (!known || width[at] > known.size)) best.set(count, { x: (i + 0.5) / n, y: (j + 0.5) / n, n: count, size: width[at] });
+      if (width[at] >= 3 && (!known || width[at] > known.size))
+        best.set(count, { x: (i + 0.5) / n, y: (j + 0.5) / n, n: count, size: width[at] });
     }
     return [...best.values()];
   }

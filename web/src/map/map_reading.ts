@@ -40,7 +40,10 @@ export class MapReading {
       if (this.read.place === `${e} ${y}`) what = this.read.text;
     } else if (drop) {
       const { nContacts, effective, effectiveSeparation } = drop.newton.run;
-      what = counted(nContacts, (view.map.show === "separation" ? effectiveSeparation : effective) / drop.scenario.restitution);
+      what = counted(
+        nContacts,
+        (view.map.show === "separation" ? effectiveSeparation : effective) / drop.scenario.restitution,
+      );
       if (!this.map.shows(e, y)) what += y > 0 ? " (outside the map)" : " (touching: below the map)";
     }
     const text = `${where}: ${what}`;
@@ -61,7 +64,10 @@ export class MapReading {
     this.pool.ask("points", ask).then(
       ([count, effective, separation]) => {
         this.asking = false;
-        this.read = { place, text: Number.isNaN(count) ? "cannot fall" : counted(count, show === "separation" ? separation : effective) };
+        this.read = {
+          place,
+          text: Number.isNaN(count) ? "cannot fall" : counted(count, show === "separation" ? separation : effective),
+        };
         this.tell();
       },
       () => (this.asking = false),

@@ -3,6 +3,7 @@ import type { Box } from "../scenario/view";
 import type { Pool } from "../core/pool";
 import { inPercent } from "../scenario/tolerance";
 import { columnOf, copyOf, type Scenario } from "../scenario/scenario";
+import { observed } from "../state/signals";
 import type { Theme } from "../style/theme";
 import { grown, setFont, type Frame, type Scale } from "../support/plot";
 
@@ -19,10 +20,9 @@ export class Agreement {
   tolerance = NaN;
   private key = "";
 
-  constructor(
-    private readonly pool: Pool,
-    private readonly changed: () => void,
-  ) {}
+  constructor(private readonly pool: Pool) {
+    observed(this, ["points"]);
+  }
 
   refresh(scenario: Scenario, { x, y }: Box, tolerance: number): void {
     const base = copyOf(scenario);
@@ -33,18 +33,30 @@ export class Agreement {
     this.points = [];
     this.tolerance = tolerance;
     const restitution = Array.from({ length: columns }, (_, i) => x[0] + ((x[1] - x[0]) * i) / (columns - 1));
-    void this.pool.ask("agreement", { column: columnOf(scenario), restitution, low: y[0], high: y[1], tolerance }).then((gaps) => {
-      if (key !== this.key) return;
-      this.points = restitution.map((e, i) => ({ restitution: e, gap: gaps[i] }));
-      this.changed();
-    });
+    void this.pool
+      .ask("agreement", { column: columnOf(scenario), restitution, low: y[0], high: y[1], tolerance })
+      .then((gaps) => {
+        if (key !== this.key) return;
+        this.points = restitution.map((e, i) => ({ restitution: e, gap: gaps[i] }));
+      });
   }
 }
 
-export function drawTrust(g: CanvasRenderingContext2D, { points, tolerance }: Agreement, x: Scale, y: Scale, f: Frame, theme: Theme, size: number): void {
+export function drawTrust(
+  g: CanvasRenderingContext2D,
+  { points, tolerance }: Agreement,
+  x: Scale,
+  y: Scale,
+  f: Frame,
+  theme: Theme,
+  size: number,
+): void {
   const shown = points.filter((p) => Number.isFinite(p.gap) && p.restitution >= x.low && p.restitution <= x.high);
   if (shown.length < 2) return;
-  for (const [color, width] of [["#14161a", 6], ["#ffffff", 3]] as const) {
+  for (const [color, width] of [
+    ["#14161a", 6],
+    ["#ffffff", 3],
+  ] as const) {
     g.strokeStyle = color;
     g.lineWidth = width * grown(size);
     g.lineJoin = "round";
@@ -67,9 +79,12 @@ export function drawTrust(g: CanvasRenderingContext2D, { points, tolerance }: Ag
   g.lineJoin = "round";
   g.strokeStyle = "#14161a";
   g.fillStyle = "#ffffff";
-  const at: [number, number] = [f.left + 0.5 * f.width, Math.max(Math.min(...shown.map((p) => y.at(p.gap))) - 0.4 * size, f.top + 1.5 * size)];
+  const at: [number, number] = [
+    f.left + 0.5 * f.width,
+    Math.max(Math.min(...shown.map((p) => y.at(p.gap))) - 0.4 * size, f.top + 1.5 * size),
+  ];
   const long = `models agree to ${inPercent(tolerance)} above this line`;
-  const said = g.measureText(long).width < 0.9 * f.width ? long : "models agree above";
-  g.strokeText(said, ...at);
-  g.fillText(said, ...at);
+  const text = g.measureText(long).width < 0.9 * f.width ? long : "models agree above";
+  g.strokeText(text, ...at);
+  g.fillText(text, ...at);
 }

@@ -3,12 +3,11 @@ import type { Comparison } from "../core/core";
 import type { Answered } from "../core/drop";
 import { exactNumbers } from "../core/exact_numbers";
 import { toToml, type Scenario } from "../scenario/scenario";
-import { factsOf, icmCases, newtonCases, warnings } from "./headline";
-import { allOf, chosen, type Sentence } from "./sentence";
+import { allOf, chosen, type Sentence } from "../support/sentence";
+import { factsOf } from "./facts";
+import { icmRows, newtonRows, verdictRows, warningRows, why } from "./sentences";
 import { sharesOf, tenths, type Shares } from "./shares";
 import { rowsOf, type Row } from "./table";
-import { verdictCases } from "./verdict";
-import { why } from "./why";
 
 export interface ShareRow {
   name: string;
@@ -33,23 +32,37 @@ export interface Report {
 export const ballName = (i: number, n: number): string =>
   n > 0 && i === n - 1 ? "top ball" : n > 0 && i === 0 ? "lowest ball" : `ball ${i + 1}`;
 
-const percent = (tenth: number, share: number): string => (tenth === 0 && share > 0 ? "<0.1 %" : `${(tenth / 10).toFixed(1)} %`);
+const percent = (tenth: number, share: number): string =>
+  tenth === 0 && share > 0 ? "<0.1 %" : `${(tenth / 10).toFixed(1)} %`;
 
 function shareRows(newton: Shares, icm: Shares | null, s: Scenario): ShareRow[] {
   const n = s.balls.length;
-  const names = [...s.balls.map((_, i) => ballName(i, s.cradle ? 0 : n)).reverse(), "stored in contacts", "lost in contacts"];
+  const names = [
+    ...s.balls.map((_, i) => ballName(i, s.cradle ? 0 : n)).reverse(),
+    "stored in contacts",
+    "lost in contacts",
+  ];
   const colors = [...s.balls.map((_, i) => `ball${n - i}`), "muted", "lost"];
   const list = (x: Shares): number[] => [...x.balls].reverse().concat(x.stored, x.lost);
   const [a, b] = [list(newton), icm && list(icm)];
   const [ta, tb] = [tenths(a), b && tenths(b)];
-  const rows = names.map((name, i): ShareRow => ({ name, color: colors[i], percent: [percent(ta[i], a[i]), b && percent(tb![i], b[i])] }));
+  const rows = names.map((name, i): ShareRow => ({
+    name,
+    color: colors[i],
+    percent: [percent(ta[i], a[i]), b && percent(tb![i], b[i])],
+  }));
   return rows.filter((_, i) => i !== n || a[i] > 0 || (b?.[i] ?? 0) > 0);
 }
 
 function verdictOf(d: Answered): Report["verdict"] {
   if (!d.icm || !d.comparison) return null;
-  const said = chosen(verdictCases, { ...d.comparison, newtonRun: d.newton.run, icmRun: d.icm.run, floor: !d.scenario.cradle })!;
-  return { ...said, answer: d.comparison.answer };
+  const sentence = chosen(verdictRows, {
+    ...d.comparison,
+    newtonRun: d.newton.run,
+    icmRun: d.icm.run,
+    floor: !d.scenario.cradle,
+  })!;
+  return { ...sentence, answer: d.comparison.answer };
 }
 
 export function reportOf(d: Answered, tolerance: number): Report {
@@ -60,8 +73,8 @@ export function reportOf(d: Answered, tolerance: number): Report {
     setting: d.scenario,
     toml: toToml(d.scenario),
     tolerance,
-    newton: [chosen(newtonCases, facts)!, ...allOf(warnings, facts)],
-    icm: icm ? [chosen(icmCases, { ...facts, icm })!] : [],
+    newton: [chosen(newtonRows, facts)!, ...allOf(warningRows, facts)],
+    icm: icm ? [chosen(icmRows, { ...facts, icm })!] : [],
     why: why({ balls: facts.balls, cradle: facts.cradle, newton: d.newton.run, icm: icm && icm.run }),
     verdict: verdictOf(d),
     table: rowsOf(d),

@@ -1,7 +1,7 @@
 // What a link says of the setting: the example it names, or the one it starts from, with what it changes.
 import { presets, type Preset } from "./presets";
 import { copyOf, fromQuery, type Scenario } from "./scenario";
-import { baseOf } from "./lecture_view";
+import { baseOf } from "./story_view";
 import { firstView, viewFromQuery } from "./view";
 
 export function settingOf(query: URLSearchParams, notes: string[]): { preset: Preset; scenario: Scenario } {

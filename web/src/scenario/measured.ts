@@ -15,7 +15,10 @@ export interface MeasuredBall {
 }
 
 // ε of a ball dropped from `drop` that rebounds to `rise`; both are heights of its lowest point.
-const fromHeights = (drop: number, rise: [number, number]): [number, number] => [Math.sqrt(rise[0] / drop), Math.sqrt(rise[1] / drop)];
+const fromHeights = (drop: number, rise: [number, number]): [number, number] => [
+  Math.sqrt(rise[0] / drop),
+  Math.sqrt(rise[1] / drop),
+];
 
 const psi = 6894.757; // Pa
 export const basketballRadius = 0.7645 / (2 * Math.PI); // m, the middle of the circumferences allowed
@@ -64,7 +67,8 @@ export const measuredBalls: MeasuredBall[] = [
       time: contactTime(middle([0.567, 0.65]), airStiffness(basketballRadius, pressure), 0.76),
       how: "calculated, not measured: from the pressure, 7.5 to 8.5 psi (NBA, Official Rules, Rule 1, Section II), k = 2πRp = 42 kN/m",
     },
-    source: "FIBA, Official Basketball Rules 2000, Art. 3.3 (mass, circumference, rebound), as other publications quote it; the rule book itself was not consulted. Those of 2020 for the equipment, quoted likewise, are narrower: 580 g to 620 g and 75 cm to 77 cm around",
+    source:
+      "FIBA, Official Basketball Rules 2000, Art. 3.3 (mass, circumference, rebound), as other publications quote it; the rule book itself was not consulted. Those of 2020 for the equipment, quoted likewise, are narrower: 580 g to 620 g and 75 cm to 77 cm around",
   },
   {
     id: "tennis",
@@ -75,7 +79,10 @@ export const measuredBalls: MeasuredBall[] = [
     diameter: [0.0654, 0.0686],
     restitution: fromHeights(2.54, [1.35, 1.47]),
     bounce: "dropped from 2.54 m on concrete, it comes back to 1.35 to 1.47 m",
-    contact: { time: 5e-3, how: "approximate; for measured courses of the force see R. Cross, Sports Engineering 2, 23 (1999)" },
+    contact: {
+      time: 5e-3,
+      how: "approximate; for measured courses of the force see R. Cross, Sports Engineering 2, 23 (1999)",
+    },
     source: "ITF, Rules of Tennis, Appendix I (mass, size, rebound)",
   },
   {
@@ -86,7 +93,8 @@ export const measuredBalls: MeasuredBall[] = [
     mass: [0.0027, 0.0027],
     diameter: [0.04, 0.04],
     restitution: fromHeights(0.305, [0.24, 0.26]),
-    bounce: "dropped from 30.5 cm on a steel block, it comes back to 24 to 26 cm; a ball that is not of celluloid to 26.5 cm",
+    bounce:
+      "dropped from 30.5 cm on a steel block, it comes back to 24 to 26 cm; a ball that is not of celluloid to 26.5 cm",
     contact: null,
     source: "ITTF, Laws of Table Tennis 2.03 (mass, diameter) and Technical Leaflet T3, B.7 (bounce)",
   },
@@ -99,6 +107,9 @@ export function measuredLike(b: Ball): MeasuredBall | undefined {
   const inside = ([low, high]: [number, number], x: number): boolean => x >= 0.999 * low && x <= 1.001 * high;
   return measuredBalls.find(({ mass, diameter }) => inside(mass, massOf(b)) && inside(diameter, 2 * b.radius));
 }
+
+// "basketball" where radius and mass are those of one, else what the place in the column says.
+export const nameOfBall = (b: Ball, place: string): string => measuredLike(b)?.short ?? place;
 
 // Heights of the centre [m] to which a measured ball that is let go alone comes back: its lowest point falls by the
 // release less the radius and rises by ε² of that, with the ε of its rules.

@@ -32,7 +32,10 @@ export interface Range {
 }
 
 // Ranges of the sliders, within those of the core.
-const rangeOf = (name: string, slider: Omit<Range, "unit">): Range => ({ ...slider, unit: unitOf(parameterOfColumn(name)) });
+const rangeOf = (name: string, slider: Omit<Range, "unit">): Range => ({
+  ...slider,
+  unit: unitOf(parameterOfColumn(name)),
+});
 
 export const ranges = {
   restitution: { low: 0.02, high: 1, log: false, unit: "" },
@@ -82,7 +85,10 @@ export const constants: Record<string, Constant> = Object.fromEntries(
 
 export const lawOf = (s: Scenario): Law => laws.find((law) => law.name === s.law) ?? laws[0];
 export const restitutionOf = (s: Scenario): Quantity => lawOf(s).parameters.find((p) => p.name === "restitution")!;
-export const constantsOf = (s: Scenario): string[] => lawOf(s).parameters.map((p) => p.name).filter((name) => name !== "restitution");
+export const constantsOf = (s: Scenario): string[] =>
+  lawOf(s)
+    .parameters.map((p) => p.name)
+    .filter((name) => name !== "restitution");
 
 export const clampTo = (r: Range, x: number): number =>
   r.zero && x < r.low ? (x > 0.5 * r.low ? r.low : 0) : Math.min(Math.max(x, r.low), r.high);
@@ -95,7 +101,8 @@ export function within(r: Range, name: string, x: number, notes: string[]): numb
 }
 
 // Parameter of the law of a contact; contact 0 is that with the floor.
-export const constantAt = (s: Scenario, name: string, contact: number): number => (contact > 0 && !s.cradle ? s.own[name]?.[contact - 1] : undefined) ?? s.constants[name];
+export const constantAt = (s: Scenario, name: string, contact: number): number =>
+  (contact > 0 && !s.cradle ? s.own[name]?.[contact - 1] : undefined) ?? s.constants[name];
 // Whether some parameter of the present law differs between the contacts.
 export const hasOwn = (s: Scenario): boolean => !s.cradle && constantsOf(s).some((name) => s.own[name] !== undefined);
 
@@ -105,7 +112,7 @@ export function setOwn(s: Scenario, own: boolean): void {
 }
 
 // Same order of operations as ball_mass in the core, for the same bits: a long sequence of collisions is chaotic.
-export const massOf = ({ radius, density }: Ball): number => ((4 / 3) * Math.PI) * (density * (radius * radius * radius));
+export const massOf = ({ radius, density }: Ball): number => (4 / 3) * Math.PI * (density * (radius * radius * radius));
 export const densityFor = (mass: number, radius: number): number => mass / massOf({ radius, density: 1 });
 
 export const paper = (): Scenario => ({
@@ -134,6 +141,10 @@ export const copyOf = (s: Scenario): Scenario => ({
 
 // A cradle's first gap only delays the first collision: maps vary the others.
 export const firstGap = (s: Scenario): number => (s.cradle && s.gaps.length > 1 ? 1 : 0);
+
+// Height of the top ball's centre at release [m].
+export const releaseHeight = ({ height, balls, gaps }: Scenario): number =>
+  balls.slice(1).reduce((z, b, i) => z + balls[i].radius + gaps[i] + b.radius, height);
 
 // The lowest ball must start above the floor.
 export const lowestHeight = (s: Scenario): number => s.balls[0].radius * 1.001 + 1e-4;
@@ -205,7 +216,13 @@ export function fromQuery(s: Scenario, q: URLSearchParams, notes: string[]): voi
     }
     return within(r, key, x, notes);
   };
-  s.law = choiceOf(q, notes, "law", laws.map((law) => law.name), s.law);
+  s.law = choiceOf(
+    q,
+    notes,
+    "law",
+    laws.map((law) => law.name),
+    s.law,
+  );
   s.cradle = choiceOf(q, notes, "setup", ["drop", "cradle"], s.cradle ? "cradle" : "drop") === "cradle";
   for (const [key, name] of scalars) {
     const text = q.get(key);
@@ -217,7 +234,13 @@ export function fromQuery(s: Scenario, q: URLSearchParams, notes: string[]): voi
     if (n !== radii.length) notes.push(`r: ${radii.length} balls are outside 2 … ${MOST_BALLS}: ${n} used`);
     setBallCount(s, n);
   }
-  const list = (key: string, r: Range, count: number, set: (i: number, x: number) => void, get: (i: number) => number) => {
+  const list = (
+    key: string,
+    r: Range,
+    count: number,
+    set: (i: number, x: number) => void,
+    get: (i: number) => number,
+  ): void => {
     const texts = q.get(key)?.split(",");
     if (!texts) return;
     if (texts.length !== count && key !== "r") notes.push(`${key}: ${texts.length} values for ${count}`);
@@ -230,12 +253,39 @@ export function fromQuery(s: Scenario, q: URLSearchParams, notes: string[]): voi
     s.constants[name] = number(c.key, texts[0], c.range, s.constants[name]);
     delete s.own[name];
     if (texts.length > 1 && texts.length !== n) notes.push(`${c.key}: ${texts.length} values for ${n} contacts`);
-    if (texts.length > 1) s.own[name] = s.gaps.map((_, i) => number(c.key, texts[i + 1] ?? texts[texts.length - 1], c.range, s.constants[name]));
+    if (texts.length > 1)
+      s.own[name] = s.gaps.map((_, i) =>
+        number(c.key, texts[i + 1] ?? texts[texts.length - 1], c.range, s.constants[name]),
+      );
   }
-  list("r", ranges.radius, n, (i, x) => (s.balls[i].radius = x), (i) => s.balls[i].radius);
-  list("rho", ranges.density, n, (i, x) => (s.balls[i].density = x), (i) => s.balls[i].density);
-  list("gap", ranges.gap, n - 1, (i, x) => (s.gaps[i] = x), (i) => s.gaps[i]);
-  list("u", ranges.velocity, n, (i, x) => (s.velocities[i] = x), (i) => s.velocities[i]);
+  list(
+    "r",
+    ranges.radius,
+    n,
+    (i, x) => (s.balls[i].radius = x),
+    (i) => s.balls[i].radius,
+  );
+  list(
+    "rho",
+    ranges.density,
+    n,
+    (i, x) => (s.balls[i].density = x),
+    (i) => s.balls[i].density,
+  );
+  list(
+    "gap",
+    ranges.gap,
+    n - 1,
+    (i, x) => (s.gaps[i] = x),
+    (i) => s.gaps[i],
+  );
+  list(
+    "u",
+    ranges.velocity,
+    n,
+    (i, x) => (s.velocities[i] = x),
+    (i) => s.velocities[i],
+  );
   settle(s, notes);
 }
 
@@ -249,7 +299,8 @@ export function settle(s: Scenario, notes: string[] = []): void {
     }
   });
   if (s.cradle) {
-    if (Object.keys(s.own).length > 0) notes.push("in a cradle all contacts have the same law: that of the first is used");
+    if (Object.keys(s.own).length > 0)
+      notes.push("in a cradle all contacts have the same law: that of the first is used");
     s.own = {};
     const closing = s.velocities.some((v, i) => i > 0 && v < s.velocities[i - 1]);
     if (!closing) {
@@ -257,7 +308,8 @@ export function settle(s: Scenario, notes: string[] = []): void {
       notes.push("in a cradle one ball must approach the next: the first now moves at 1 m/s");
     }
   } else {
-    if (s.velocities.some((v) => v !== 0)) notes.push("a drop starts from rest on this page: the velocities are left out");
+    if (s.velocities.some((v) => v !== 0))
+      notes.push("a drop starts from rest on this page: the velocities are left out");
     s.velocities = s.velocities.map(() => 0);
     if (!(s.height >= lowestHeight(s))) {
       s.height = Number(lowestHeight(s).toPrecision(4)) + 1e-3;
@@ -274,10 +326,15 @@ export function toToml(s: Scenario): string {
   else lines.push(`height = ${toml(s.height)}  # m, centre of the lowest ball`);
   lines.push(`gaps = [${s.gaps.map(toml).join(", ")}]  # m`);
   if (s.velocities.some((v) => v !== 0)) lines.push(`velocities = [${s.velocities.map(toml).join(", ")}]  # m/s`);
-  for (const b of s.balls) lines.push("", "[[balls]]", `radius = ${toml(b.radius)}  # m`, `density = ${toml(b.density)}  # kg/m³`);
+  for (const b of s.balls)
+    lines.push("", "[[balls]]", `radius = ${toml(b.radius)}  # m`, `density = ${toml(b.density)}  # kg/m³`);
   const own = hasOwn(s);
   for (const contact of own ? s.balls.keys() : [0]) {
-    lines.push("", own ? `[[laws]]  # ${contact === 0 ? "floor and ball 1" : `balls ${contact} and ${contact + 1}`}` : "[law]", `name = "${s.law}"`);
+    lines.push(
+      "",
+      own ? `[[laws]]  # ${contact === 0 ? "floor and ball 1" : `balls ${contact} and ${contact + 1}`}` : "[law]",
+      `name = "${s.law}"`,
+    );
     for (const p of lawOf(s).parameters) {
       const value = p.name === "restitution" ? s.restitution : constantAt(s, p.name, contact);
       lines.push(`${p.name} = ${toml(value)}${p.unit === "1" ? "" : `  # ${p.unit}`}`);

@@ -38,13 +38,20 @@ export const namesOf = { newton, icm: independent };
 export const capital = (s: string): string => s[0].toUpperCase() + s.slice(1);
 
 // "restitution ε at impact_speed; every contact …" → "Restitution ε".
-export const labelOf = (q: Quantity): string => capital(q.meaning.split(/[;,(]| at (?:release|[a-z]+_[a-z]+)/)[0].trim().replace("'", "’"));
+export const labelOf = (q: Quantity): string =>
+  capital(
+    q.meaning
+      .split(/[;,(]| at (?:release|[a-z]+_[a-z]+)/)[0]
+      .trim()
+      .replace("'", "’"),
+  );
 
 // The symbol at the end of a label, as in "Mass m"; "": there is none.
 export const symbolOf = (q: Quantity): string => /\s(\S{1,2})$/u.exec(labelOf(q))?.[1] ?? "";
 
 // "kg/m3", "kg/m^3" → "kg/m³".
-export const raised = (text: string): string => text.replace(/(?<=[a-z])\^?([23])(?![.\d])/g, (_, n) => (n === "2" ? "²" : "³"));
+export const raised = (text: string): string =>
+  text.replace(/(?<=[a-z])\^?([23])(?![.\d])/g, (_, n) => (n === "2" ? "²" : "³"));
 
 // The same of a record; "1" → "".
 export const unitOf = (q: Quantity): string => (q.unit === "1" ? "" : raised(q.unit));

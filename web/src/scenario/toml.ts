@@ -3,7 +3,20 @@
 // out, with a note.
 import { parse as parseToml, TomlError } from "smol-toml";
 import { parse, unitsOf } from "../support/format";
-import { constants, densityFor, GRAVITY, laws, MOST_BALLS, paper, ranges, settle, within, type Ball, type Range, type Scenario } from "./scenario";
+import {
+  constants,
+  densityFor,
+  GRAVITY,
+  laws,
+  MOST_BALLS,
+  paper,
+  ranges,
+  settle,
+  within,
+  type Ball,
+  type Range,
+  type Scenario,
+} from "./scenario";
 import { parameterOfColumn, raised, type Law, type Quantity } from "./tables";
 
 // Takes the name for messages and the value of an entry, and returns the value to use.
@@ -16,58 +29,103 @@ function refuse(name: string, what: string, must: string): never {
 }
 
 function got(value: unknown): string {
-  const shown = typeof value === "string" ? `“${value}”` : typeof value === "object" ? JSON.stringify(value) : String(value);
+  const shown =
+    typeof value === "string" ? `“${value}”` : typeof value === "object" ? JSON.stringify(value) : String(value);
   return value === undefined ? "missing" : `got ${shown.slice(0, 60)}`;
 }
 
-const flag: Check<boolean> = (name, value) => (typeof value === "boolean" ? value : refuse(name, got(value), "true or false"));
-const entries: Check<Table> = (name, value) => (typeof value === "object" && !Array.isArray(value) ? (value as Table) : refuse(name, got(value), "a table"));
-const listOf = <T>(check: Check<T>): Check<T[]> => (name, value) => (Array.isArray(value) ? value.map((x, i) => check(`${name}[${i}]`, x)) : refuse(name, got(value), "a list"));
-const oneOrListOf = <T>(check: Check<T>): Check<T | T[]> => (name, value) => (Array.isArray(value) ? listOf(check) : check)(name, value);
+const flag: Check<boolean> = (name, value) =>
+  typeof value === "boolean" ? value : refuse(name, got(value), "true or false");
+const entries: Check<Table> = (name, value) =>
+  typeof value === "object" && !Array.isArray(value) ? (value as Table) : refuse(name, got(value), "a table");
+const listOf =
+  <T>(check: Check<T>): Check<T[]> =>
+  (name, value) =>
+    Array.isArray(value) ? value.map((x, i) => check(`${name}[${i}]`, x)) : refuse(name, got(value), "a list");
+const oneOrListOf =
+  <T>(check: Check<T>): Check<T | T[]> =>
+  (name, value) =>
+    (Array.isArray(value) ? listOf(check) : check)(name, value);
 
-const table = <C extends Checks>(checks: C): Check<{ [K in keyof C]?: ReturnType<C[K]> }> => (name, value) => {
-  const checked = Object.entries(entries(name, value)).map(([key, x]) => {
-    const whole = name ? `${name}.${key}` : key;
-    if (!Object.hasOwn(checks, key)) refuse(whole, "unknown to this page", `one of ${Object.keys(checks).join(", ")}`);
-    return [key, checks[key](whole, x)];
-  });
-  return Object.fromEntries(checked);
-};
+const table =
+  <C extends Checks>(checks: C): Check<{ [K in keyof C]?: ReturnType<C[K]> }> =>
+  (name, value) => {
+    const checked = Object.entries(entries(name, value)).map(([key, x]) => {
+      const whole = name ? `${name}.${key}` : key;
+      if (!Object.hasOwn(checks, key))
+        refuse(whole, "unknown to this page", `one of ${Object.keys(checks).join(", ")}`);
+      return [key, checks[key](whole, x)];
+    });
+    return Object.fromEntries(checked);
+  };
 
 // A number in SI units, or a text with one of the units of the page's fields. What the core refuses is refused here too.
-const quantity = (r: Range, { lowest, highest }: Quantity, notes: string[]): Check<number> => (name, value) => {
-  const x = typeof value === "string" ? parse(raised(value), r.unit) : typeof value === "number" ? value : NaN;
-  const units = [...unitsOf(r.unit).keys()];
-  if (!Number.isFinite(x)) refuse(name, got(value), r.unit === "" ? "a number" : `a number in ${r.unit}${units.length > 1 ? `, or a text with ${units.join(", ")}` : ""}`);
-  const low = lowest ?? -Infinity;
-  if (x < low || (x === low && !r.zero) || x > (highest ?? Infinity)) refuse(name, got(value), `${r.zero ? "≥" : ">"} ${low}${highest === null ? "" : ` and ≤ ${highest}`}`);
-  return within(r, name, x, notes);
-};
+const quantity =
+  (r: Range, { lowest, highest }: Quantity, notes: string[]): Check<number> =>
+  (name, value) => {
+    const x = typeof value === "string" ? parse(raised(value), r.unit) : typeof value === "number" ? value : NaN;
+    const units = [...unitsOf(r.unit).keys()];
+    if (!Number.isFinite(x))
+      refuse(
+        name,
+        got(value),
+        r.unit === ""
+          ? "a number"
+          : `a number in ${r.unit}${units.length > 1 ? `, or a text with ${units.join(", ")}` : ""}`,
+      );
+    const low = lowest ?? -Infinity;
+    if (x < low || (x === low && !r.zero) || x > (highest ?? Infinity))
+      refuse(name, got(value), `${r.zero ? "≥" : ">"} ${low}${highest === null ? "" : ` and ≤ ${highest}`}`);
+    return within(r, name, x, notes);
+  };
 
-const parameter = (name: keyof typeof ranges & string, notes: string[]): Check<number> => quantity(ranges[name], parameterOfColumn(name), notes);
+const parameter = (name: keyof typeof ranges & string, notes: string[]): Check<number> =>
+  quantity(ranges[name], parameterOfColumn(name), notes);
 
-const ball = (notes: string[]): Check<Ball> => (name, value) => {
-  const { radius, density, mass } = table({ radius: parameter("radius", notes), density: parameter("density", notes), mass: parameter("mass", notes) })(name, value);
-  if (radius === undefined) return refuse(`${name}.radius`, "missing", "given");
-  if ((density === undefined) === (mass === undefined)) refuse(`${name}.density | mass`, mass === undefined ? "missing" : "got both", "exactly one of them");
-  return { radius, density: density ?? densityFor(mass!, radius) };
-};
+const ball =
+  (notes: string[]): Check<Ball> =>
+  (name, value) => {
+    const { radius, density, mass } = table({
+      radius: parameter("radius", notes),
+      density: parameter("density", notes),
+      mass: parameter("mass", notes),
+    })(name, value);
+    if (radius === undefined) return refuse(`${name}.radius`, "missing", "given");
+    if ((density === undefined) === (mass === undefined))
+      refuse(`${name}.density | mass`, mass === undefined ? "missing" : "got both", "exactly one of them");
+    return { radius, density: density ?? densityFor(mass!, radius) };
+  };
 
-const lawTable = (notes: string[]): Check<{ law: Law; values: Record<string, number> }> => (name, value) => {
-  const { name: asked, ...given } = entries(name, value);
-  const law = laws.find((l) => l.name === asked) ?? refuse(`${name}.name`, got(asked), `one of ${laws.map((l) => l.name).join(", ")}`);
-  const checks = law.parameters.map((p) => [p.name, quantity(p.name === "restitution" ? ranges.restitution : constants[p.name].range, p, notes)]);
-  const values = table<Record<string, Check<number>>>(Object.fromEntries(checks))(name, given) as Record<string, number>;
-  for (const p of law.parameters) if (!(p.name in values)) refuse(`${name}.${p.name}`, "missing", "given");
-  return { law, values };
-};
+const lawTable =
+  (notes: string[]): Check<{ law: Law; values: Record<string, number> }> =>
+  (name, value) => {
+    const { name: asked, ...given } = entries(name, value);
+    const law =
+      laws.find((l) => l.name === asked) ??
+      refuse(`${name}.name`, got(asked), `one of ${laws.map((l) => l.name).join(", ")}`);
+    const checks = law.parameters.map((p) => [
+      p.name,
+      quantity(p.name === "restitution" ? ranges.restitution : constants[p.name].range, p, notes),
+    ]);
+    const values = table<Record<string, Check<number>>>(Object.fromEntries(checks))(name, given) as Record<
+      string,
+      number
+    >;
+    for (const p of law.parameters) if (!(p.name in values)) refuse(`${name}.${p.name}`, "missing", "given");
+    return { law, values };
+  };
 
+// eslint-disable-next-line @typescript-eslint/explicit-function-return-type -- that of the table of checks
 const column = (notes: string[]) =>
   table({
     balls: listOf(ball(notes)),
     cradle: flag,
     height: parameter("height", notes),
-    gravity: quantity({ low: 0, high: Infinity, log: false, unit: "m/s²", zero: true }, parameterOfColumn("gravity"), notes),
+    gravity: quantity(
+      { low: 0, high: Infinity, log: false, unit: "m/s²", zero: true },
+      parameterOfColumn("gravity"),
+      notes,
+    ),
     gaps: oneOrListOf(parameter("gap", notes)),
     velocities: oneOrListOf(parameter("velocity", notes)),
     law: lawTable(notes),
@@ -76,7 +134,16 @@ const column = (notes: string[]) =>
 
 // Throws an Error whose message is one line.
 export function fromToml(text: string, notes: string[]): Scenario {
-  const { balls = [], cradle = false, height, gravity, gaps, velocities = 0, law, laws: each } = column(notes)("", contentOf(text));
+  const {
+    balls = [],
+    cradle = false,
+    height,
+    gravity,
+    gaps,
+    velocities = 0,
+    law,
+    laws: each,
+  } = column(notes)("", contentOf(text));
   const n = balls.length;
   const contacts = cradle ? n - 1 : n;
   const given = each ?? (law ? [law] : []);
@@ -88,11 +155,24 @@ export function fromToml(text: string, notes: string[]): Scenario {
     [!cradle && gaps === undefined, "gaps", "missing", `a list of ${n - 1}`],
     [!law === !each, "law | laws", law ? "got both" : "missing", "one [law], or one [[laws]] for each contact"],
     [given.length !== 1 && given.length !== contacts, "laws", got(given.length), `1 or ${contacts} tables [[laws]]`],
-    [given.some((g) => g.law !== given[0].law), "laws", got(given.map((g) => g.law.name)), "the same law for all contacts on this page"],
+    [
+      given.some((g) => g.law !== given[0].law),
+      "laws",
+      got(given.map((g) => g.law.name)),
+      "the same law for all contacts on this page",
+    ],
   ];
-  for (const [wrong, ...said] of rules) if (wrong) refuse(...said);
-  if (!cradle && gravity !== undefined && gravity !== GRAVITY) notes.push(`gravity = ${gravity} m/s² is not ${GRAVITY} m/s², which this page uses`);
-  const s: Scenario = { ...paper(), cradle, balls, gaps: repeated("gaps", gaps ?? 0, n - 1), velocities: repeated("velocities", velocities, n), law: given[0].law.name };
+  for (const [wrong, ...refusal] of rules) if (wrong) refuse(...refusal);
+  if (!cradle && gravity !== undefined && gravity !== GRAVITY)
+    notes.push(`gravity = ${gravity} m/s² is not ${GRAVITY} m/s², which this page uses`);
+  const s: Scenario = {
+    ...paper(),
+    cradle,
+    balls,
+    gaps: repeated("gaps", gaps ?? 0, n - 1),
+    velocities: repeated("velocities", velocities, n),
+    law: given[0].law.name,
+  };
   if (height !== undefined) s.height = height;
   for (const { name } of given[0].law.parameters) {
     const [first, ...others] = given.map((g) => g.values[name]);

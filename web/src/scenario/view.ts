@@ -24,7 +24,12 @@ export interface View {
   time: number | null; // cursor [s]; null: at the start, running
 }
 
-export const firstView = (): View => ({ map: { axis: "gap", show: "count", zoom: null }, tolerance: usualTolerance, slow: true, time: null });
+export const firstView = (): View => ({
+  map: { axis: "gap", show: "count", zoom: null },
+  tolerance: usualTolerance,
+  slow: true,
+  time: null,
+});
 
 // The whole map: ε, and the decades around the gap above which collisions are independent.
 export function wholeMap(s: Scenario, axis: MapAxis, floorContact: number, speed: number): Box {
@@ -66,7 +71,8 @@ export function viewFromQuery(v: View, q: URLSearchParams, notes: string[]): voi
   if (zoom !== null) {
     const [x0, x1, y0, y1] = zoom.split(",").map(Number);
     const { x, y } = mapLimits(v.map.axis);
-    if (x0 >= x[0] && x0 < x1 && x1 <= x[1] && y0 >= y[0] && y0 < y1 && y1 <= y[1]) v.map.zoom = { x: [x0, x1], y: [y0, y1] };
+    if (x0 >= x[0] && x0 < x1 && x1 <= x[1] && y0 >= y[0] && y0 < y1 && y1 <= y[1])
+      v.map.zoom = { x: [x0, x1], y: [y0, y1] };
     else notes.push("zoom is no part of the map: the whole map is shown");
   }
   const time = q.get("t");

@@ -1,6 +1,6 @@
 // Layout: the whole page, the story, or a single panel for a lecture or an embedding page.
 import { find, refocus } from "../support/dom";
-import type { PanelName } from "../scenario/lecture_view";
+import type { PanelName } from "../scenario/story_view";
 import { lettering } from "../support/plot";
 import type { State } from "./state";
 
@@ -27,7 +27,7 @@ export class Frames {
 
   private sizeText(): void {
     this.text = parseFloat(getComputedStyle(document.documentElement).fontSize);
-    lettering.lecture = this.mode !== null;
+    lettering.story = this.mode !== null;
     lettering.least = this.mode ? 0.88 * this.textSize() : 13;
   }
 
@@ -37,7 +37,9 @@ export class Frames {
   }
 
   fullScreen(): void {
-    const asked = document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen?.();
+    const asked = document.fullscreenElement
+      ? document.exitFullscreen()
+      : document.documentElement.requestFullscreen?.();
     asked?.catch(() => undefined); // the browser may refuse; the page still fills its window
   }
 }
@@ -52,26 +54,28 @@ export class SinglePanel {
     private readonly state: State,
     private readonly changed: () => void,
   ) {
-    find<HTMLSelectElement>("panel-choice").addEventListener("change", (e) => this.go((e.target as HTMLSelectElement).value as PanelName));
+    find<HTMLSelectElement>("panel-choice").addEventListener("change", (e) =>
+      this.go((e.target as HTMLSelectElement).value as PanelName),
+    );
     find("panel-full").addEventListener("click", () => frames.fullScreen());
     find("panel-leave").addEventListener("click", () => this.go(null));
     find("enlarge").addEventListener("click", () => this.go("film"));
     addEventListener("keydown", (e) => {
-      if (e.key === "Escape" && state.lecture.panel && !embedded()) this.go(null);
+      if (e.key === "Escape" && state.story.panel && !embedded()) this.go(null);
     });
   }
 
   go(panel: PanelName | null): void {
     const { state } = this;
     state.enterHistory();
-    state.lecture.panel = panel;
+    state.story.panel = panel;
     this.changed();
     history.replaceState(null, "", state.link());
     refocus();
   }
 
   show(): void {
-    const { panel, pin } = this.state.lecture;
+    const { panel, pin } = this.state.story;
     find("panel-bar").hidden = panel === null;
     find("panel-tools").hidden = embedded();
     find("panel-whole").hidden = !embedded();
@@ -85,7 +89,7 @@ export class SinglePanel {
 
   // Keeps the link to the whole page in step with the setting.
   refreshLink(): void {
-    if (!this.state.lecture.panel || !embedded()) return;
+    if (!this.state.story.panel || !embedded()) return;
     const url = new URL(this.state.link());
     url.searchParams.delete("panel");
     find<HTMLAnchorElement>("panel-whole").href = url.href;

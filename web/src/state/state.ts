@@ -1,40 +1,41 @@
-// Shared state of the page: the scenario, its solution, the time of the film, and
-// what must be drawn again.
+// Shared state of the page: the scenario, its solution, the time of the film. Its fields are signals.
+import { computed } from "@preact/signals-core";
 import type { Clock } from "../core/clock";
 import type { Answered, Drop } from "../core/drop";
 import { reportOf, type Report } from "../report/report";
-import { firstLectureView, lectureToQuery, scenarioToQuery, type LectureView } from "../scenario/lecture_view";
+import { firstStoryView, storyToQuery, scenarioToQuery, type StoryView } from "../scenario/story_view";
 import type { Scenario } from "../scenario/scenario";
 import type { Theme } from "../style/theme";
 import { firstView, viewToQuery, type View } from "../scenario/view";
+import { Drawing, observed } from "./signals";
 
 export const moves = (): boolean => !matchMedia("(prefers-reduced-motion: reduce)").matches;
 
 export class State {
-  readonly view: View = firstView();
-  readonly lecture: LectureView = firstLectureView();
+  readonly view: View = observed({ ...firstView(), map: observed(firstView().map) });
+  readonly story: StoryView = observed(firstStoryView());
   drop: Drop | null = null;
-  private known: { answer: Answered; tolerance: number } | null = null; // Newton's answer may be there before the drop is
-  private made: Report | null = null;
-  theme!: Theme; // given by the ThemeSwitch
+  answer: { of: Answered; tolerance: number } | null = null; // Newton's results may arrive before the drop
+  theme!: Theme; // set by the ThemeSwitch
   screen = 0; // time in the film [s on the screen]
   playing = false;
-  readonly dirty = { solve: true, plots: true, timeline: true, mapPicture: true, stage: true, said: true, laboratory: true, computed: false };
+  moving = false; // a slider moves
+  revision = 1; // counts changes of the scenario and of the tolerance: each is solved
+  private layout = 0; // counts changes of the size and visibility of pictures, after which all are drawn again
   private linkTimer = 0;
 
   // `edited` is called when a part of the page has changed the scenario.
   constructor(
     public scenario: Scenario,
     readonly edited: () => void,
-  ) {}
-
-  answered(answer: Answered | null): void {
-    this.known = answer && { answer, tolerance: this.view.tolerance };
-    this.made = null;
+  ) {
+    observed(this, ["drop", "answer", "theme", "screen", "playing", "moving", "revision", "layout"]);
   }
-  // What the page says; made when it is read, which is less often than a moving slider is answered.
+
+  // The report is computed when it is read, which is less often than a moving slider is answered.
+  private readonly reported = computed(() => this.answer && reportOf(this.answer.of, this.answer.tolerance));
   get report(): Report | null {
-    return this.known && (this.made ??= reportOf(this.known.answer, this.known.tolerance));
+    return this.reported.value;
   }
 
   clock(): Clock {
@@ -44,17 +45,24 @@ export class State {
     return this.drop ? this.clock().toPhysical(this.screen) : 0;
   }
   redraw(): void {
-    Object.assign(this.dirty, { plots: true, timeline: true, mapPicture: true, stage: true });
+    this.layout++;
+  }
+  // A picture: drawn again after a change of the layout, of the theme, or of what `draw` reads.
+  drawing(draw: () => void): Drawing {
+    return new Drawing(() => {
+      void [this.layout, this.theme];
+      draw();
+    });
   }
 
   link(): string {
     const q = new URLSearchParams();
     scenarioToQuery(this.scenario, q);
-    const map = this.lecture.step ? firstView().map : this.view.map; // the story has its own
+    const map = this.story.step ? firstView().map : this.view.map; // the story has its own
     const stands = !this.playing && (this.screen > 0 || moves()); // without motion a film stands at its start anyway
     const time = this.drop ? (stands ? this.time() : null) : this.view.time;
     viewToQuery({ ...this.view, map, time }, q);
-    lectureToQuery(this.lecture, q);
+    storyToQuery(this.story, q);
     const text = q.toString().replaceAll("%2C", ",");
     return `${location.origin}${location.pathname}${text ? `?${text}` : ""}`;
   }

@@ -1,21 +1,23 @@
 // The story as an article: its chapters, which of them is read, and what each says.
-import { find, setText, Sheet, tell } from "../support/dom";
+import { find, setSentence, setText, Sheet } from "../support/dom";
 import { later } from "../support/later";
 import type { Film } from "../views/film";
 import type { Frames } from "../state/frames";
-import type { Guess } from "./guess";
-import { sameScenario, steps, type LectureView, type Step } from "../scenario/lecture_view";
+import type { Prediction } from "./prediction";
+import { sameScenario, steps, type StoryView, type Step } from "../scenario/story_view";
 import { presets } from "../scenario/presets";
 import type { Scenario } from "../scenario/scenario";
+import { Drawing } from "../state/signals";
 import type { State } from "../state/state";
 import type { View } from "../scenario/view";
-import { joined, type Sentence } from "../report/sentence";
-import { story, titleOf, type Told } from "./story_text";
-import type { Watch } from "./watch";
+import { joined, type Sentence } from "../support/sentence";
+import type { StoryFacts } from "../report/facts";
+import { story, titleOf } from "../report/sentences";
+import type { Observation } from "./observation";
 
 // What the story needs of the page.
-export interface Stagehand {
-  told(): Pick<Told, "gaps" | "trusted">;
+export interface StoryHost {
+  fromPlots(): Pick<StoryFacts, "gaps" | "trusted">;
   arrived(step: Step): void; // a chapter comes into view
   showMap(view: View["map"] | null): void; // null: that of the last chapter
   left(): void;
@@ -23,13 +25,19 @@ export interface Stagehand {
 }
 
 export class Story {
-  dirty = true; // what is said and drawn
-  private untold = true; // the texts are older than the setting
-  private toldAt = -Infinity;
-  moved = true; // the film only
+  private readonly texts = new Drawing(() => this.write());
+  private written = -Infinity; // when the texts were [ms]
   private readonly chapters = steps.map((step) => {
     const section = document.querySelector<HTMLElement>(`.chapter[data-step="${step}"]`)!;
-    return { step, section, title: section.querySelector("h2")!, text: section.querySelector<HTMLElement>(".say")!, beside: section.querySelector<HTMLElement>(".beside"), said: "", seen: true };
+    return {
+      step,
+      section,
+      title: section.querySelector("h2")!,
+      text: section.querySelector<HTMLElement>(".text")!,
+      beside: section.querySelector<HTMLElement>(".beside"),
+      written: "",
+      seen: true,
+    };
   });
   private readonly order = [...find("story").parentElement!.children]; // of the laboratory
   private readonly arrived = new Set<Step>();
@@ -40,25 +48,27 @@ export class Story {
 
   constructor(
     private readonly state: State,
-    private readonly view: LectureView,
+    private readonly view: StoryView,
     private readonly film: Film,
     private readonly frames: Frames,
-    private readonly hand: Stagehand,
-    private readonly watch: Watch,
-    private readonly guess: Guess,
+    private readonly host: StoryHost,
+    private readonly observation: Observation,
+    private readonly prediction: Prediction,
   ) {
     history.scrollRestoration = "manual";
-    find("tell").addEventListener("click", () => this.go("watch"));
+    find("open-story").addEventListener("click", () => this.go("watch"));
     for (const id of ["leave", "leave-too"])
       find(id).addEventListener("click", (e) => {
         e.preventDefault();
         this.go(null);
       });
-    for (const button of find("chapters").querySelectorAll("button")) button.addEventListener("click", () => this.go(button.dataset.step as Step));
-    find("count-other").addEventListener("click", () => hand.load(find("count-other").dataset.example!));
+    for (const button of find("chapters").querySelectorAll("button"))
+      button.addEventListener("click", () => this.go(button.dataset.step as Step));
+    find("count-other").addEventListener("click", () => host.load(find("count-other").dataset.example!));
     addEventListener("scroll", () => (this.scrolled = true), { passive: true });
     addEventListener("resize", () => (this.scrolled = true));
-    for (const act of ["wheel", "touchmove", "keydown"]) addEventListener(act, () => (this.aim = null), { passive: true });
+    for (const act of ["wheel", "touchmove", "keydown"])
+      addEventListener(act, () => (this.aim = null), { passive: true });
   }
 
   go(step: Step | null): void {
@@ -70,17 +80,19 @@ export class Story {
       this.show();
     } else {
       this.leave();
-      this.hand.left();
+      this.host.left();
     }
     history.replaceState(null, "", state.link());
-    find(step ? "chapters" : "tell").querySelector<HTMLElement>(`[data-step="${step}"]`)?.focus({ preventScroll: true });
-    if (!step) find("tell").focus({ preventScroll: true });
+    find(step ? "chapters" : "open-story")
+      .querySelector<HTMLElement>(`[data-step="${step}"]`)
+      ?.focus({ preventScroll: true });
+    if (!step) find("open-story").focus({ preventScroll: true });
   }
 
   // The laboratory has its map again.
   leave(): void {
     this.view.step = null;
-    if (this.kept) this.hand.showMap(this.kept);
+    if (this.kept) this.host.showMap(this.kept);
     this.kept = null;
   }
 
@@ -90,7 +102,8 @@ export class Story {
     find("story").hidden = step === null;
     this.kept = null;
     if (step === null) {
-      if (!find("story").parentElement!.querySelector(":scope > .film")) find("story").parentElement!.append(...this.order);
+      if (!find("story").parentElement!.querySelector(":scope > .film"))
+        find("story").parentElement!.append(...this.order);
       return;
     }
     if (step === "watch") later(() => this.gather());
@@ -98,20 +111,19 @@ export class Story {
     this.frames.show("story", []);
     this.arrived.clear();
     this.aim = step;
-    this.scrolled = this.dirty = true;
+    this.scrolled = true;
     this.scrollTo(step);
   }
 
   // The film begins before anything is said.
   open(): void {
     this.arrived.add("watch");
-    this.hand.arrived("watch");
-    this.watch.open(this.frames.textSize());
+    this.host.arrived("watch");
+    this.observation.open();
   }
 
   // The last chapter's map is made for the column: it is set up again for one that was loaded, or by Undo.
   solved(): void {
-    this.dirty = true;
     if (this.column === this.state.scenario) return;
     this.column = this.state.scenario;
     this.arrived.delete("map");
@@ -121,13 +133,17 @@ export class Story {
   // Each panel into its chapter.
   private gather(): void {
     if (!this.view.step) return;
-    for (const { section, text } of this.chapters) text.after(...(section.dataset.panels?.split(" ") ?? []).map((name) => document.querySelector(`.panel.${name}`)!), ...section.querySelectorAll(".watch, .tale"));
+    for (const { section, text } of this.chapters)
+      text.after(
+        ...(section.dataset.panels?.split(" ") ?? []).map((name) => document.querySelector(`.panel.${name}`)!),
+        ...section.querySelectorAll(".watch, .prediction"),
+      );
   }
 
   prepare(): void {
     if (this.arrived.has("map")) return;
     this.kept ??= { ...this.state.view.map };
-    this.hand.showMap(null);
+    this.host.showMap(null);
   }
 
   private scrollTo(step: Step): void {
@@ -137,30 +153,20 @@ export class Story {
 
   // Whether a film is in view, so that it should go on.
   get plays(): boolean {
-    return this.view.step === null || this.watch.seen || this.film.seen;
+    return this.view.step === null || this.observation.seen || this.film.seen;
   }
 
   // Draws and updates the texts if necessary.
   frame(now: number): void {
     const { state, view } = this;
     if (!view.step || !state.drop) return;
-    if (this.guess.advance(now)) this.dirty = true;
-    const size = this.frames.textSize();
-    if (this.dirty) this.draw(size);
-    else if (this.moved) this.watch.draw(size);
-    this.moved = false;
-    if (this.untold && state.report && (!Sheet.moving || now - this.toldAt >= Sheet.often)) this.tell(now);
+    this.prediction.advance(now);
+    for (const drawing of [this.observation.controls, this.observation.picture, this.prediction.picture])
+      drawing.refresh();
+    if ((!Sheet.moving || now - this.written >= Sheet.often) && this.texts.refresh()) this.written = now;
     if (this.aim && this.aim !== "watch") this.scrollTo(this.aim); // the texts above are there now
     this.aim = null;
     if (this.scrolled) this.look();
-  }
-
-  private draw(size: number): void {
-    this.dirty = false;
-    this.watch.refresh();
-    this.watch.draw(size);
-    this.guess.draw(size);
-    this.untold = true;
   }
 
   // Which chapter is read: the last one that begins above the middle of the window.
@@ -176,7 +182,7 @@ export class Story {
       if (top < 0.9 * innerHeight && bottom > 0 && !this.arrived.has(step)) {
         this.arrived.add(step);
         if (step === "map") this.kept = null;
-        this.hand.arrived(step);
+        this.host.arrived(step);
       }
     }
     const atEnd = scrollY > 0 && scrollY + innerHeight > document.documentElement.scrollHeight - 4;
@@ -192,33 +198,38 @@ export class Story {
 
   // What the chapters say; nothing outside the story.
   sentences(): Record<Step, Sentence[]> | null {
-    const told = this.told();
-    return told && (Object.fromEntries(steps.map((step) => [step, story(step, told)])) as Record<Step, Sentence[]>);
+    const facts = this.facts();
+    return facts && (Object.fromEntries(steps.map((step) => [step, story(step, facts)])) as Record<Step, Sentence[]>);
   }
 
-  private told(): Told | null {
+  private facts(): StoryFacts | null {
     const { state, view } = this;
     if (!view.step || !state.drop || !state.report) return null;
-    return { drop: state.drop, report: state.report, guess: view.guess, fall: this.guess.fall, ...this.hand.told() };
+    return {
+      drop: state.drop,
+      report: state.report,
+      guess: view.guess,
+      fall: this.prediction.fall,
+      ...this.host.fromPlots(),
+    };
   }
 
   // While a slider moves, what is scrolled out of the window waits.
-  private tell(now: number): void {
-    this.untold = Sheet.moving;
-    this.toldAt = now;
-    const told = this.told()!;
-    const { scenario } = this.state;
+  private write(): void {
+    const facts = this.facts();
+    if (!facts) return;
+    const { scenario, moving } = this.state;
     for (const chapter of this.chapters) {
-      if (Sheet.moving && !chapter.seen) continue;
-      const said = story(chapter.step, told);
-      const text = joined(said);
+      if (moving && !chapter.seen) continue;
+      const sentences = story(chapter.step, facts);
+      const text = joined(sentences);
       const title = titleOf(chapter.step, scenario.cradle);
       setText(chapter.title, title);
-      if (text === chapter.said) continue;
-      chapter.said = text;
-      const aside = chapter.beside ? said.slice(1) : [];
-      tell(chapter.text, joined(said.slice(0, said.length - aside.length)));
-      if (chapter.beside) tell(chapter.beside, joined(aside));
+      if (text === chapter.written) continue;
+      chapter.written = text;
+      const aside = chapter.beside ? sentences.slice(1) : [];
+      setSentence(chapter.text, joined(sentences.slice(0, sentences.length - aside.length)));
+      if (chapter.beside) setSentence(chapter.beside, joined(aside));
     }
     // Hard balls touch more often than soft ones; the paper's balls are offered for counting too.
     const other = find("count-other");

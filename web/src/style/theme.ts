@@ -18,7 +18,10 @@ const isDark = (root: HTMLElement): boolean => root.dataset.theme === "dark";
 
 // A colour of the style sheet. As the text of a property light-dark(…, …) is not resolved.
 export const colorOf = (root: HTMLElement, name: string): string =>
-  getComputedStyle(root).getPropertyValue(`--${name}`).trim().replace(/^light-dark\((.*),\s*(.*)\)$/, isDark(root) ? "$2" : "$1");
+  getComputedStyle(root)
+    .getPropertyValue(`--${name}`)
+    .trim()
+    .replace(/^light-dark\((.*),\s*(.*)\)$/, isDark(root) ? "$2" : "$1");
 
 export function themeOf(root: HTMLElement): Theme {
   const css = getComputedStyle(root);
@@ -73,7 +76,9 @@ const counts: Rgb[] = Array.from({ length: MOST_COUNTED + 1 }, (_, n) => {
 export const countColor = (n: number): Rgb => counts[Math.min(Math.max(Math.round(n), 0), MOST_COUNTED)];
 
 // ε_eff/ε from 0 (dark) to 1 (light); above 1, where gravity acts during the contact, a quiet grey-blue.
-const ratios: Rgb[] = Array.from({ length: 101 }, (_, i) => oklch(0.22 + 0.7 * (i / 100), 0.05 + 0.09 * Math.sin((Math.PI * i) / 100), 265 - 165 * (i / 100)));
+const ratios: Rgb[] = Array.from({ length: 101 }, (_, i) =>
+  oklch(0.22 + 0.7 * (i / 100), 0.05 + 0.09 * Math.sin((Math.PI * i) / 100), 265 - 165 * (i / 100)),
+);
 const above: Rgb = [176, 196, 208];
 
 export const ratioColor = (x: number): Rgb => (x > 1.0000001 ? above : ratios[Math.round(100 * Math.max(x, 0))]);

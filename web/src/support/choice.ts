@@ -1,6 +1,12 @@
 // A choice among several values in a link.
 // One of the options, as the link says; an invalid one is reported in `notes`.
-export function choiceOf<T extends string>(q: URLSearchParams, notes: string[], key: string, options: readonly T[], fallback: T): T {
+export function choiceOf<T extends string>(
+  q: URLSearchParams,
+  notes: string[],
+  key: string,
+  options: readonly T[],
+  fallback: T,
+): T {
   const text = q.get(key);
   if (text === null) return fallback;
   if ((options as readonly string[]).includes(text)) return text as T;

@@ -30,11 +30,17 @@ const quantity = /(\d[\d.]* (?:[cmµn]?m(?:\/s)?|[mµn]?s|%)(?![\w/]))/;
 
 // Sets the text of an element; line breaks do not separate numbers from units. Where only words and numbers have changed,
 // its parts stay, which costs less.
-export function tell(element: HTMLElement, text: string): void {
+export function setSentence(element: HTMLElement, text: string): void {
   const parts = text.split(quantity);
   const old = element.childNodes;
-  if (old.length === parts.length && parts.every((_, i) => old[i] instanceof Text === (i % 2 === 0))) parts.forEach((part, i) => setText(old[i], part));
-  else element.replaceChildren(...parts.map((part, i) => (i % 2 === 0 ? part : Object.assign(document.createElement("span"), { className: "whole", textContent: part }))));
+  if (old.length === parts.length && parts.every((_, i) => old[i] instanceof Text === (i % 2 === 0)))
+    parts.forEach((part, i) => setText(old[i], part));
+  else
+    element.replaceChildren(
+      ...parts.map((part, i) =>
+        i % 2 === 0 ? part : Object.assign(document.createElement("span"), { className: "whole", textContent: part }),
+      ),
+    );
 }
 
 // A canvas that fills its box at the screen's resolution.
@@ -63,10 +69,13 @@ export class Sheet {
       if (this.measure()) resized();
     }).observe(this.canvas.parentElement!);
     const watch = (rootMargin: string, see: (inside: boolean) => void): void => {
-      new IntersectionObserver((entries) => {
-        see(entries[entries.length - 1].isIntersecting);
-        resized();
-      }, { rootMargin }).observe(this.canvas.parentElement!);
+      new IntersectionObserver(
+        (entries) => {
+          see(entries[entries.length - 1].isIntersecting);
+          resized();
+        },
+        { rootMargin },
+      ).observe(this.canvas.parentElement!);
     };
     watch("0px", (inside) => {
       this.inWindow = inside;
@@ -86,7 +95,9 @@ export class Sheet {
     Sheet.often = Math.min(Math.max(20 * took, 100), 300);
   }
   // Whether it is displayed, even if scrolled out of view; in the story only what is near the window.
-  readonly shown = (): boolean => this.width > 0 && (this.seen || (!Sheet.moving && (this.near || document.documentElement.dataset.mode !== "story")));
+  readonly shown = (): boolean =>
+    this.width > 0 &&
+    (this.seen || (!Sheet.moving && (this.near || document.documentElement.dataset.mode !== "story")));
 
   // Whether to compute what it shows: once the setting has rested for a while also what is far from the window, so that it
   // is there when it is scrolled to or printed.

@@ -9,9 +9,16 @@ const prefixes: [number, string][] = [
   [1e-9, "n"],
 ];
 const takesPrefix = new Set(["m", "s", "N", "Pa", "J", "m/s", "N/m"]);
-const others: Record<string, [string, number][]> = { m: [["cm", 1e-2]], kg: [["g", 1e-3], ["mg", 1e-6]] };
+const others: Record<string, [string, number][]> = {
+  m: [["cm", 1e-2]],
+  kg: [
+    ["g", 1e-3],
+    ["mg", 1e-6],
+  ],
+};
 
-export const trim = (text: string): string => (text.includes(".") && !text.includes("e") ? text.replace(/\.?0+$/, "") : text);
+export const trim = (text: string): string =>
+  text.includes(".") && !text.includes("e") ? text.replace(/\.?0+$/, "") : text;
 
 export function digits(x: number, n = 3): string {
   if (!Number.isFinite(x)) return "–";
@@ -38,7 +45,8 @@ export function withUnit(x: number, unit: string, n = 3, keepZeros = false): str
   if (unit === "") return tidy(x);
   if (x === 0) return `0 ${unit}`;
   const size = Math.abs(x);
-  if (unit === "kg") return size < 0.9999e-3 ? `${tidy(x * 1e6)} mg` : size < 0.9999 ? `${tidy(x * 1e3)} g` : `${tidy(x)} kg`;
+  if (unit === "kg")
+    return size < 0.9999e-3 ? `${tidy(x * 1e6)} mg` : size < 0.9999 ? `${tidy(x * 1e3)} g` : `${tidy(x)} kg`;
   if (unit === "m/s" && size >= 0.9999e-2) return `${tidy(x)} m/s`;
   if (unit === "m" && size >= 0.9999e-2 && size < 0.9999) return `${tidy(x * 100)} cm`;
   if (!takesPrefix.has(unit)) return `${tidy(x)} ${unit}`;
@@ -55,13 +63,21 @@ export function metres(x: number): string {
 // Two lengths in the same unit.
 export function lengths(a: number, b: number): [string, string] {
   const large = Math.max(Math.abs(a) || 0, Math.abs(b) || 0);
-  const one = (x: number): string => (!Number.isFinite(x) ? "–" : large >= 0.9999 && Math.abs(x) >= 0.01 ? `${minus(x.toPrecision(3))} m` : withUnit(x, "m", 3, true));
+  const one = (x: number): string =>
+    !Number.isFinite(x)
+      ? "–"
+      : large >= 0.9999 && Math.abs(x) >= 0.01
+        ? `${minus(x.toPrecision(3))} m`
+        : withUnit(x, "m", 3, true);
   return [one(a), one(b)];
 }
 
 // The units that may follow a number, with their factors.
 export const unitsOf = (unit: string): Map<string, number> =>
-  new Map([...(takesPrefix.has(unit) ? prefixes : prefixes.slice(3, 4)).map(([f, p]): [string, number] => [p + unit, f]), ...(others[unit] ?? [])]);
+  new Map([
+    ...(takesPrefix.has(unit) ? prefixes : prefixes.slice(3, 4)).map(([f, p]): [string, number] => [p + unit, f]),
+    ...(others[unit] ?? []),
+  ]);
 
 // "0.1 mm" → 1e-4; a bare number is in the base unit. NaN if it is neither.
 export function parse(text: string, unit: string): number {
@@ -83,7 +99,8 @@ export function niceTicks(low: number, high: number, wanted: number): number[] {
   const base = 10 ** Math.floor(Math.log10(raw));
   const step = [1, 2, 5, 10].map((m) => m * base).find((s) => s >= raw * 0.999) ?? 10 * base;
   const ticks: number[] = [];
-  for (let i = Math.ceil(low / step - 1e-9); i * step <= high + 1e-9 * step; i++) ticks.push(Number((i * step).toPrecision(12)));
+  for (let i = Math.ceil(low / step - 1e-9); i * step <= high + 1e-9 * step; i++)
+    ticks.push(Number((i * step).toPrecision(12)));
   return ticks;
 }
 
@@ -93,7 +110,9 @@ export function logTicks(low: number, high: number): number[] {
   if (ticks.length >= 3) return ticks;
   const halves: number[] = [];
   for (let e = Math.floor(Math.log10(low)); e <= Math.log10(high); e++)
-    for (const m of [1, 2, 5]) if (m * 10 ** e >= low * 0.999999 && m * 10 ** e <= high * 1.000001) halves.push(Number((m * 10 ** e).toPrecision(3)));
+    for (const m of [1, 2, 5])
+      if (m * 10 ** e >= low * 0.999999 && m * 10 ** e <= high * 1.000001)
+        halves.push(Number((m * 10 ** e).toPrecision(3)));
   if (halves.length >= 3) return halves;
   const linear = niceTicks(low, high, 5);
   return linear.length > 1 ? linear : ticks;

@@ -6,11 +6,11 @@ export interface Pull {
   label: string;
   range: { low: number; high: number };
   value(): number;
-  say(): string;
+  text(): string;
   set(value: number): void;
   perPixel(): number; // change of the value for a pixel upwards
   size(): number; // an arrow key changes the value by about a fiftieth of this, Page Up and Page Down by a fifth
-  held?(on: boolean): void;
+  dragged?(on: boolean): void; // as the drag begins and ends
 }
 
 export class Handle {
@@ -45,7 +45,7 @@ export class Handle {
       element.setPointerCapture(e.pointerId);
       this.wanted = pull.value();
       this.last = e.clientY;
-      pull.held?.(true);
+      pull.dragged?.(true);
     });
     element.addEventListener("pointermove", (e) => {
       if (!element.hasPointerCapture(e.pointerId)) return;
@@ -54,7 +54,7 @@ export class Handle {
       this.last = e.clientY;
       pull.set(this.wanted);
     });
-    element.addEventListener("lostpointercapture", () => pull.held?.(false));
+    element.addEventListener("lostpointercapture", () => pull.dragged?.(false));
     box.append(element);
   }
 
@@ -72,17 +72,28 @@ export class Handle {
 
   refresh(): void {
     setAttribute(this.element, "aria-valuenow", String(this.pull.value()));
-    setAttribute(this.element, "aria-valuetext", this.pull.say());
+    setAttribute(this.element, "aria-valuetext", this.pull.text());
   }
 
   private key(e: KeyboardEvent): void {
     const { pull } = this;
     const step = niceBelow(pull.size() / 50);
-    const by: Record<string, number> = { ArrowUp: step, ArrowRight: step, ArrowDown: -step, ArrowLeft: -step, PageUp: 10 * step, PageDown: -10 * step, Home: -Infinity, End: Infinity };
+    const by: Record<string, number> = {
+      ArrowUp: step,
+      ArrowRight: step,
+      ArrowDown: -step,
+      ArrowLeft: -step,
+      PageUp: 10 * step,
+      PageDown: -10 * step,
+      Home: -Infinity,
+      End: Infinity,
+    };
     if (!(e.key in by)) return;
     e.preventDefault();
     e.stopPropagation();
     const next = pull.value() + by[e.key];
-    pull.set(Math.min(Math.max(Number.isFinite(next) ? Number(next.toPrecision(9)) : next, pull.range.low), pull.range.high));
+    pull.set(
+      Math.min(Math.max(Number.isFinite(next) ? Number(next.toPrecision(9)) : next, pull.range.low), pull.range.high),
+    );
   }
 }

@@ -44,12 +44,20 @@ export class Room {
   private cost({ left, middle, width, height }: Box): number {
     const [right, top, bottom] = [left + width, middle - 0.5 * height, middle + 0.5 * height];
     const { frame } = this;
-    const outside = left < frame.left || right > frame.left + frame.width || top < frame.top || bottom > frame.top + frame.height;
-    const over = this.taken.some((b) => left < b.left + b.width && b.left < right && Math.abs(middle - b.middle) < 0.5 * (height + b.height));
+    const outside =
+      left < frame.left || right > frame.left + frame.width || top < frame.top || bottom > frame.top + frame.height;
+    const over = this.taken.some(
+      (b) => left < b.left + b.width && b.left < right && Math.abs(middle - b.middle) < 0.5 * (height + b.height),
+    );
     let crossed = 0;
     for (let i = Math.max(Math.floor((left - 2) / strip), 0); i <= (right + 2) / strip; i++)
       for (const y of this.strips[i] ?? []) if (y > top - 1 && y < bottom + 1) crossed++;
-    return (outside ? 1e6 : 0) + (over ? 1e4 : 0) + crossed + 20 * this.lines.filter((x) => x > left - 5 && x < right + 5).length;
+    return (
+      (outside ? 1e6 : 0) +
+      (over ? 1e4 : 0) +
+      crossed +
+      20 * this.lines.filter((x) => x > left - 5 && x < right + 5).length
+    );
   }
 
   // The first of the best positions, which is then reserved.
@@ -61,13 +69,26 @@ export class Room {
   }
 }
 
-export function write(g: CanvasRenderingContext2D, text: string, { left, middle }: Box, color: string, theme: Theme): void {
+export function write(
+  g: CanvasRenderingContext2D,
+  text: string,
+  { left, middle }: Box,
+  color: string,
+  theme: Theme,
+): void {
   g.textAlign = "left";
   g.textBaseline = "middle";
   halo(g, text, left, middle, color, theme);
 }
 
-export function halo(g: CanvasRenderingContext2D, text: string, x: number, y: number, color: string, theme: Theme): void {
+export function halo(
+  g: CanvasRenderingContext2D,
+  text: string,
+  x: number,
+  y: number,
+  color: string,
+  theme: Theme,
+): void {
   g.lineWidth = 5;
   g.lineJoin = "round";
   g.strokeStyle = theme.ground;

@@ -23,7 +23,9 @@ export class Scale {
     return this.log ? Math.log(x) : x;
   }
   at(x: number): number {
-    return this.from + ((this.f(x) - this.f(this.low)) / (this.f(this.high) - this.f(this.low))) * (this.to - this.from);
+    return (
+      this.from + ((this.f(x) - this.f(this.low)) / (this.f(this.high) - this.f(this.low))) * (this.to - this.from)
+    );
   }
   value(pixel: number): number {
     const y = this.f(this.low) + ((pixel - this.from) / (this.to - this.from)) * (this.f(this.high) - this.f(this.low));
@@ -33,10 +35,12 @@ export class Scale {
 
 // Scales with the plot and with the text of the page.
 // Size of text in pictures [px]: at least 13; in a lecture that of the text around them.
-export const lettering = { least: 13, lecture: false };
+export const lettering = { least: 13, story: false };
 
 export const fontSize = (w: number): number =>
-  lettering.lecture ? Math.min(lettering.least, Math.max(w / 26, 13)) : Math.min(Math.max(w / 42, 13), Math.max(16, w / 50));
+  lettering.story
+    ? Math.min(lettering.least, Math.max(w / 26, 13))
+    : Math.min(Math.max(w / 42, 13), Math.max(16, w / 50));
 
 // Lines and marks grow with the text.
 export const grown = (size: number): number => Math.max(1, size / 16);
@@ -54,7 +58,17 @@ export interface AxisText {
 
 // Ticks, grid and titles around a frame. The title of the vertical axis is horizontal, above the axis, so that it can
 // be read easily.
-export function drawAxes(g: CanvasRenderingContext2D, f: Frame, x: Scale, y: Scale, xText: AxisText | null, yText: AxisText, theme: Theme, size: number, grid = true): void {
+export function drawAxes(
+  g: CanvasRenderingContext2D,
+  f: Frame,
+  x: Scale,
+  y: Scale,
+  xText: AxisText | null,
+  yText: AxisText,
+  theme: Theme,
+  size: number,
+  grid = true,
+): void {
   setFont(g, theme, size);
   g.lineWidth = 1;
   g.textBaseline = "middle";
@@ -121,6 +135,9 @@ export function timeTicks(x: Scale, origin: number, factor: number, wanted: numb
   const high = (x.high - origin) * factor;
   return {
     ticks: niceTicks(low, high, Math.max(3, wanted)).map((t) => origin + t / factor),
-    name: (t) => String(Number(((t - origin) * factor).toPrecision(6)) + 0).replace(/^-?\d+\.?\d*e-.*/, "0").replace("-", "−"),
+    name: (t) =>
+      String(Number(((t - origin) * factor).toPrecision(6)) + 0)
+        .replace(/^-?\d+\.?\d*e-.*/, "0")
+        .replace("-", "−"),
   };
 }

@@ -10,11 +10,15 @@ export class Script {
 
   keep(): void {
     // Without it, workers go on loading the file, and say so if they cannot.
-    fetch(this.url).then(async (answer) => answer.ok && (this.url = URL.createObjectURL(await answer.blob()))).catch(() => undefined);
+    fetch(this.url)
+      .then(async (answer) => answer.ok && (this.url = URL.createObjectURL(await answer.blob())))
+      .catch(() => undefined);
   }
 }
 
 export async function compiled(file: string): Promise<WebAssembly.Module> {
   const url = new URL(file, import.meta.url);
-  return WebAssembly.compileStreaming(fetch(url)).catch(async () => WebAssembly.compile(await (await fetch(url)).arrayBuffer()));
+  return WebAssembly.compileStreaming(fetch(url)).catch(async () =>
+    WebAssembly.compile(await (await fetch(url)).arrayBuffer()),
+  );
 }

@@ -11,7 +11,9 @@ export class ThemeSwitch {
     private readonly state: { theme: Theme; redraw(): void },
     draw: () => void,
   ) {
-    find("theme").addEventListener("click", () => this.choose(document.documentElement.dataset.theme === "dark" ? "light" : "dark"));
+    find("theme").addEventListener("click", () =>
+      this.choose(document.documentElement.dataset.theme === "dark" ? "light" : "dark"),
+    );
     systemTheme.addEventListener("change", () => this.apply());
     const printed = (on: boolean): void => {
       Sheet.printing = on;

@@ -7,7 +7,10 @@ const still = 8; // pixels that a resting finger moves
 // Activates a plot on a tap; mouse and pen need no tap.
 function livens(canvas: HTMLElement, tap: Place): void {
   let from: PointerEvent | null = null;
-  canvas.addEventListener("pointerdown", (e) => (from = e.pointerType === "touch" && !isLive(canvas) && e.isPrimary ? e : null));
+  canvas.addEventListener(
+    "pointerdown",
+    (e) => (from = e.pointerType === "touch" && !isLive(canvas) && e.isPrimary ? e : null),
+  );
   canvas.addEventListener("pointercancel", () => (from = null));
   canvas.addEventListener("pointerup", (e) => {
     if (!from || Math.hypot(e.clientX - from.clientX, e.clientY - from.clientY) > still) return;
@@ -23,7 +26,8 @@ function livens(canvas: HTMLElement, tap: Place): void {
 export const isLive = (canvas: HTMLElement): boolean => canvas.dataset.live !== undefined;
 
 // Whether a pointer may drag in a plot.
-const works = (canvas: HTMLElement, e: PointerEvent): boolean => e.button === 0 && (e.pointerType !== "touch" || isLive(canvas));
+const works = (canvas: HTMLElement, e: PointerEvent): boolean =>
+  e.button === 0 && (e.pointerType !== "touch" || isLive(canvas));
 
 // Calls `move` with the position of a pressed pointer.
 export function dragged(canvas: HTMLCanvasElement, move: Place): void {
@@ -36,7 +40,8 @@ export function dragged(canvas: HTMLCanvasElement, move: Place): void {
   canvas.addEventListener("pointermove", (e) => {
     if (canvas.dataset.dragging !== undefined && canvas.hasPointerCapture(e.pointerId)) move(e.offsetX, e.offsetY);
   });
-  for (const type of ["pointerup", "pointercancel"] as const) canvas.addEventListener(type, () => delete canvas.dataset.dragging);
+  for (const type of ["pointerup", "pointercancel"] as const)
+    canvas.addEventListener(type, () => delete canvas.dataset.dragging);
   livens(canvas, move);
 }
 

@@ -3,7 +3,8 @@ import type { State } from "../core/core";
 import type { Drop, Track } from "../core/drop";
 import { forceName, niceBelow, withUnit } from "../support/format";
 import { grown } from "../support/plot";
-import { Line, Painter, type Moment, type Rect } from "./painter";
+import { Line } from "./ball";
+import { Painter, type Moment, type Rect } from "./painter";
 import type { Theme } from "../style/theme";
 
 // Label at a contact.
@@ -19,13 +20,22 @@ interface Tag {
 export function apart(wanted: number[], distance: number, low: number, high: number): number[] {
   const places = [...wanted];
   for (let i = 0; i < places.length; i++) places[i] = Math.max(places[i], i > 0 ? places[i - 1] + distance : low);
-  for (let i = places.length - 1; i >= 0; i--) places[i] = Math.min(places[i], i + 1 < places.length ? places[i + 1] - distance : high);
+  for (let i = places.length - 1; i >= 0; i--)
+    places[i] = Math.min(places[i], i + 1 < places.length ? places[i + 1] - distance : high);
   for (let i = 0; i < places.length; i++) places[i] = Math.max(places[i], i > 0 ? places[i - 1] + distance : low);
   return places;
 }
 
 // The close-up alone.
-export function drawCloseUp(g: CanvasRenderingContext2D, w: number, h: number, d: Drop, m: Moment, theme: Theme, size: number): void {
+export function drawCloseUp(
+  g: CanvasRenderingContext2D,
+  w: number,
+  h: number,
+  d: Drop,
+  m: Moment,
+  theme: Theme,
+  size: number,
+): void {
   g.clearRect(0, 0, w, h);
   new CloseUp(g, d, m, theme, size).draw({ x: 0, y: 0, w, h });
 }
@@ -40,7 +50,13 @@ export class CloseUp extends Painter {
     const width = (cradle ? r.h - 3.6 * size : r.w) / 2;
     const length = cradle ? r.w - 5.6 * size : r.h - 6.4 * size;
     const open = Math.min(2.1 * size, (0.4 * length) / this.d.scenario.balls.length); // room for a gap
-    const radii = this.schematicRadii(length, cradle ? Math.min(0.34 * width, 0.62 * width - 3.2 * size) : width * Math.min(0.27, Math.max(0.16, 0.5 - (3.1 * size) / width)), open); // leaves room for the forces
+    const radii = this.schematicRadii(
+      length,
+      cradle
+        ? Math.min(0.34 * width, 0.62 * width - 3.2 * size)
+        : width * Math.min(0.27, Math.max(0.16, 0.5 - (3.1 * size) / width)),
+      open,
+    ); // leaves room for the forces
     const pairs = Math.max(...this.d.compression.slice(1), 1e-15);
     const magnify = this.d.compression.map((c, j) => (1.1 * size) / Math.max(j === 0 ? c : pairs, 1e-15));
     this.scales(r, magnify);
@@ -61,8 +77,10 @@ export class CloseUp extends Painter {
     const { size, theme } = this;
     const begin = r.x + this.g.measureText("Close-up").width + 0.8 * size;
     this.font(0.88);
-    const said = ["sizes ∝ R⁰·⁴, gaps magnified", "sizes ∝ R⁰·⁴"].find((x) => begin + this.g.measureText(x).width < r.x + r.w);
-    if (said) this.text(said, begin, r.y + 0.9 * size, theme.muted);
+    const note = ["sizes ∝ R⁰·⁴, gaps magnified", "sizes ∝ R⁰·⁴"].find(
+      (x) => begin + this.g.measureText(x).width < r.x + r.w,
+    );
+    if (note) this.text(note, begin, r.y + 0.9 * size, theme.muted);
   }
 
   // Sizes that show all balls: ratios are compressed to their power 0.4.
@@ -80,7 +98,10 @@ export class CloseUp extends Painter {
     const y = r.y + 2.35 * size;
     const bars: [string, number][] = this.d.scenario.cradle
       ? [["gaps and compressions", magnify[1]]]
-      : [["floor", magnify[0]], ["balls", magnify[1]]];
+      : [
+          ["floor", magnify[0]],
+          ["balls", magnify[1]],
+        ];
     g.lineWidth = 2 * grown(size);
     for (const [name, scale] of bars) {
       const metres = niceBelow((2.4 * size) / scale);
@@ -88,7 +109,10 @@ export class CloseUp extends Painter {
       g.strokeStyle = theme.muted;
       this.line(x + 1, y, x + 1 + length, y);
       for (const end of [x + 1, x + 1 + length]) this.line(end, y - 4, end, y + 4);
-      const text = [`${withUnit(metres, "m", 1)} ${name}`, withUnit(metres, "m", 1)].find((t) => x + length + 6 + g.measureText(t).width < r.x + r.w) ?? "";
+      const text =
+        [`${withUnit(metres, "m", 1)} ${name}`, withUnit(metres, "m", 1)].find(
+          (t) => x + length + 6 + g.measureText(t).width < r.x + r.w,
+        ) ?? "";
       this.text(text, x + length + 6, y, theme.muted);
       x += length + 6 + g.measureText(text).width + 0.8 * size;
     }
@@ -96,7 +120,16 @@ export class CloseUp extends Painter {
 
   // `limit`: the widest gap that is drawn [pixels]; a wider one is dotted. `edge`: where the picture ends on the right, or
   // the other model begins.
-  private stack(line: Line, state: State, track: Track, radii: number[], magnify: number[], limit: number, ghost: boolean, edge: number): void {
+  private stack(
+    line: Line,
+    state: State,
+    track: Track,
+    radii: number[],
+    magnify: number[],
+    limit: number,
+    ghost: boolean,
+    edge: number,
+  ): void {
     const { theme, d } = this;
     const n = radii.length;
     const floor = !d.scenario.cradle;
@@ -124,7 +157,7 @@ export class CloseUp extends Painter {
       this.g.lineWidth = 2;
       const low = i > 0 && state.gap[i] < 0 ? cuts[i] : i === 0 && floor ? 0 : -1e4;
       const high = i + 1 < n && state.gap[i + 1] < 0 ? cuts[i + 1] : 1e4;
-      line.ball(centers[i], radii[i], low, high, this.style(ghost, i, radii[i]));
+      line.cutBall(centers[i], radii[i], low, high, this.look(ghost, i, radii[i]));
     }
     const tags: Tag[] = [];
     for (let j = first; j < n; j++) {
@@ -167,7 +200,8 @@ export class CloseUp extends Painter {
 
   private tag(j: number, along: number, s: State, radius: number): Tag {
     const force = this.forceOf(j, s);
-    const gap = s.gap[j] > 0 ? withUnit(s.gap[j], "m", 3, true) : s.gap[j] < 0 && s.force[j] === 0 ? "no force" : "touching";
+    const gap =
+      s.gap[j] > 0 ? withUnit(s.gap[j], "m", 3, true) : s.gap[j] < 0 && s.force[j] === 0 ? "no force" : "touching";
     return {
       along,
       radius,
@@ -181,7 +215,12 @@ export class CloseUp extends Painter {
   // ball, and a gap is left out.
   private tagsBeside(line: Line, tags: Tag[], top: number, edge: number): void {
     const { g, size, theme } = this;
-    const places = apart(tags.map((t) => Math.max(t.along, 0.8 * size)), 1.2 * size, 0.8 * size, Math.max(top + size, 0));
+    const places = apart(
+      tags.map((t) => Math.max(t.along, 0.8 * size)),
+      1.2 * size,
+      0.8 * size,
+      Math.max(top + size, 0),
+    );
     const reach = Math.max(...tags.map((t) => t.radius)) + 0.4 * size;
     tags.forEach((t, i) => {
       this.font(0.92, t.weight);
@@ -228,7 +267,10 @@ export class CloseUp extends Painter {
 
   // An instantaneous collision is shown for 0.4 s of the film.
   private flash(line: Line, pair: number, plane: number, track: Track): void {
-    const last = track.shown.reduce((a, c) => (c.pair === pair && c.begin <= this.m.time ? Math.max(a, c.begin) : a), -Infinity);
+    const last = track.shown.reduce(
+      (a, c) => (c.pair === pair && c.begin <= this.m.time ? Math.max(a, c.begin) : a),
+      -Infinity,
+    );
     const age = (this.m.time - last) / this.m.rate / 0.4;
     if (!(age < 1)) return;
     const { g, size } = this;

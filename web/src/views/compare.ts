@@ -2,10 +2,11 @@
 import { find, refocus, setHidden, setText, type Sheet } from "../support/dom";
 import { dropOf, type Drop } from "../core/drop";
 import { digits, lengths, withUnit } from "../support/format";
-import type { LectureView } from "../scenario/lecture_view";
+import type { StoryView } from "../scenario/story_view";
 import type { Pool } from "../core/pool";
 import { constantAt, constants, constantsOf, copyOf, massOf, type Scenario } from "../scenario/scenario";
 import { drawTrueScale } from "./true_scale";
+import { observed, type Drawing } from "../state/signals";
 import type { State } from "../state/state";
 import { labelOf, namesOf, parameterOfColumn } from "../scenario/tables";
 
@@ -20,17 +21,41 @@ export function differences(a: Scenario, b: Scenario): Row[] {
   row("set-up", a.cradle ? "cradle" : "drop", b.cradle ? "cradle" : "drop");
   row("balls", String(a.balls.length), String(b.balls.length));
   row("ε", digits(a.restitution, 4), digits(b.restitution, 4));
-  if (!a.cradle || !b.cradle) row("height of the lowest centre", withUnit(a.height, "m", 4), withUnit(b.height, "m", 4));
-  for (let i = 0; i < Math.max(a.gaps.length, b.gaps.length); i++) row(a.balls.length === 2 && b.balls.length === 2 ? labelOf(parameterOfColumn("gap")) : `gap ${i + 1}–${i + 2}`, gap(a.gaps[i]), gap(b.gaps[i]));
+  if (!a.cradle || !b.cradle)
+    row("height of the lowest centre", withUnit(a.height, "m", 4), withUnit(b.height, "m", 4));
+  for (let i = 0; i < Math.max(a.gaps.length, b.gaps.length); i++)
+    row(
+      a.balls.length === 2 && b.balls.length === 2 ? labelOf(parameterOfColumn("gap")) : `gap ${i + 1}–${i + 2}`,
+      gap(a.gaps[i]),
+      gap(b.gaps[i]),
+    );
   for (const name of new Set([...constantsOf(a), ...constantsOf(b)])) {
-    const say = (s: Scenario): string => (constantsOf(s).includes(name) ? [...new Set(s.balls.map((_, i) => withUnit(constantAt(s, name, i), constants[name].range.unit, 4)))].join(", ") : "–");
+    const say = (s: Scenario): string =>
+      constantsOf(s).includes(name)
+        ? [...new Set(s.balls.map((_, i) => withUnit(constantAt(s, name, i), constants[name].range.unit, 4)))].join(
+            ", ",
+          )
+        : "–";
     row(constants[name].label, say(a), say(b));
   }
   for (let i = 0; i < Math.max(a.balls.length, b.balls.length); i++) {
     const say = (s: Scenario, f: (k: number) => string): string => (i < s.balls.length ? f(i) : "–");
-    row(`radius of ball ${i + 1}`, say(a, (k) => withUnit(a.balls[k].radius, "m", 4)), say(b, (k) => withUnit(b.balls[k].radius, "m", 4)));
-    row(`mass of ball ${i + 1}`, say(a, (k) => withUnit(massOf(a.balls[k]), "kg", 4)), say(b, (k) => withUnit(massOf(b.balls[k]), "kg", 4)));
-    if (a.cradle || b.cradle) row(`velocity of ball ${i + 1}`, say(a, (k) => withUnit(a.velocities[k], "m/s")), say(b, (k) => withUnit(b.velocities[k], "m/s")));
+    row(
+      `radius of ball ${i + 1}`,
+      say(a, (k) => withUnit(a.balls[k].radius, "m", 4)),
+      say(b, (k) => withUnit(b.balls[k].radius, "m", 4)),
+    );
+    row(
+      `mass of ball ${i + 1}`,
+      say(a, (k) => withUnit(massOf(a.balls[k]), "kg", 4)),
+      say(b, (k) => withUnit(massOf(b.balls[k]), "kg", 4)),
+    );
+    if (a.cradle || b.cradle)
+      row(
+        `velocity of ball ${i + 1}`,
+        say(a, (k) => withUnit(a.velocities[k], "m/s")),
+        say(b, (k) => withUnit(b.velocities[k], "m/s")),
+      );
   }
   return rows;
 }
@@ -41,26 +66,38 @@ function results(a: Drop, b: Drop): { name: string; model: "newton" | "icm"; val
   const models = ["newton", "icm"] as const;
   if (a.scenario.cradle || b.scenario.cradle)
     return models.map((model) => ({
-      name: `Last ball leaves with, ${namesOf[model].short}`, model,
+      name: `Last ball leaves with, ${namesOf[model].short}`,
+      model,
       values: [a, b].map((d) => withUnit(d[model].leaves[top(d)], "m/s", 3, true)) as [string, string],
     }));
-  const rises = models.map((model) => ({ name: `Top ball rises to, ${namesOf[model].short}`, model, values: lengths(a[model].peaks[top(a)], b[model].peaks[top(b)]) }));
-  const counts = models.map((model) => ({ name: `Ball–ball contacts, ${namesOf[model].short}`, model, values: [String(a[model].run.nContacts), String(b[model].run.nContacts)] as [string, string] }));
+  const rises = models.map((model) => ({
+    name: `Top ball rises to, ${namesOf[model].short}`,
+    model,
+    values: lengths(a[model].peaks[top(a)], b[model].peaks[top(b)]),
+  }));
+  const counts = models.map((model) => ({
+    name: `Ball–ball contacts, ${namesOf[model].short}`,
+    model,
+    values: [String(a[model].run.nContacts), String(b[model].run.nContacts)] as [string, string],
+  }));
   return [...rises, ...counts];
 }
 
 export class Compare {
   private drop: Drop | null = null; // of setting A
+  readonly picture: Drawing;
   private fault = "";
   private key = "";
 
   constructor(
     private readonly state: State,
-    private readonly view: LectureView,
+    private readonly view: StoryView,
     private readonly sheet: Sheet,
     private readonly pool: Pool,
     private readonly changed: () => void,
   ) {
+    observed(this, ["drop"]);
+    this.picture = state.drawing(() => this.draw());
     find("pin").addEventListener("click", () => this.set(view.pin ? null : copyOf(state.scenario)));
     find("unpin").addEventListener("click", () => {
       this.set(null);
@@ -90,7 +127,12 @@ export class Compare {
     find("pin").setAttribute("aria-pressed", String(pin !== null));
     setHidden(find("compare"), pin === null);
     document.documentElement.toggleAttribute("data-pinned", pin !== null);
-    setText(find("compare-said"), pin ? "A is pinned, B is the present setting." : "No setting is pinned as A. “Pin as A” is in the menu of the laboratory.");
+    setText(
+      find("compare-state"),
+      pin
+        ? "A is pinned, B is the present setting."
+        : "No setting is pinned as A. “Pin as A” is in the menu of the laboratory.",
+    );
     const key = pin ? JSON.stringify(pin) : "";
     if (key !== this.key) {
       this.key = key;
@@ -98,7 +140,7 @@ export class Compare {
       this.fault = "";
       if (pin) void this.solve(pin, key);
     }
-    this.tell();
+    this.fillTable();
   }
 
   private async solve(pin: Scenario, key: string): Promise<void> {
@@ -106,11 +148,10 @@ export class Compare {
     if (key !== this.key) return;
     if ("reason" in solved) this.fault = solved.reason;
     else this.drop = dropOf(solved);
-    this.tell();
-    this.state.redraw();
+    this.fillTable();
   }
 
-  private tell(): void {
+  private fillTable(): void {
     const { pin } = this.view;
     const b = this.state.drop;
     if (!pin || !b) return;
@@ -121,12 +162,20 @@ export class Compare {
       const th = document.createElement("th");
       th.scope = "row";
       th.textContent = name;
-      tr.append(th, ...values.map((text) => Object.assign(document.createElement("td"), { textContent: text, className: kind })));
+      tr.append(
+        th,
+        ...values.map((text) => Object.assign(document.createElement("td"), { textContent: text, className: kind })),
+      );
       rows.push(tr);
     };
     const changed = differences(pin, b.scenario);
     if (changed.length === 0) add("Settings", ["the same", "the same"], "");
-    for (const [name, x, y] of changed) add(name.replace(/^[a-z]/, (c) => c.toUpperCase()), [x, y], "");
+    for (const [name, x, y] of changed)
+      add(
+        name.replace(/^[a-z]/, (c) => c.toUpperCase()),
+        [x, y],
+        "",
+      );
     if (this.drop) for (const r of results(this.drop, b)) add(r.name, r.values, r.model);
     else add("A", [this.fault || "computing …", ""], "");
     body.replaceChildren(...rows);
@@ -134,19 +183,27 @@ export class Compare {
   }
 
   // Both at the instant of the film.
-  draw(): void {
+  private draw(): void {
     const { sheet, state } = this;
     if (!this.view.pin || !state.drop || sheet.width < 40) return;
     const { g, width, height } = sheet;
     g.clearRect(0, 0, width, height);
     const time = state.time();
     const half = width / 2;
-    const tops = [this.drop, state.drop].map((d) => (d ? d.top : 0));
-    [this.drop, state.drop].forEach((d, k) => {
+    const drops = [this.drop, state.drop];
+    const tops = drops.map((d) => (d ? d.top : 0));
+    drops.forEach((d, k) => {
       if (!d) return;
       const shared = d.scenario.cradle ? d : { ...d, top: Math.max(...tops) }; // one scale for both
       const moment = { time, rate: 1, newton: d.motion.newton.at(time), icm: d.motion.icm.at(time) };
-      drawTrueScale(g, { x: k * half + 4, y: 0, w: half - 12, h: height }, shared, moment, state.theme, k === 0 ? "A" : "B");
+      drawTrueScale(
+        g,
+        { x: k * half + 4, y: 0, w: half - 12, h: height },
+        shared,
+        moment,
+        state.theme,
+        k === 0 ? "A" : "B",
+      );
     });
   }
 }

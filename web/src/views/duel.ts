@@ -2,6 +2,7 @@
 // slow, and goes back to show how high the balls rise.
 import type { State as Balls } from "../core/core";
 import type { Drop, Track } from "../core/drop";
+import { drawBall, shaded } from "./ball";
 import { capital, independent, newton } from "../scenario/tables";
 import type { Theme } from "../style/theme";
 import { metres, niceTicks, withUnit } from "../support/format";
@@ -13,7 +14,7 @@ export interface DuelMoment {
   rate: number; // physical seconds per screen second
   newton: Balls;
   icm: Balls;
-  said: { ball: number; text: string } | null; // what is being dragged, and its value
+  dragged: { ball: number; text: string } | null; // what is being dragged, and its value
 }
 
 interface Place {
@@ -31,7 +32,16 @@ export interface DuelLayout {
 
 const flash = 0.45; // s on the screen for which a collision is shown
 
-export function drawDuel(g: CanvasRenderingContext2D, w: number, h: number, d: Drop, m: DuelMoment, toScreen: (t: number) => number, theme: Theme, size: number): DuelLayout {
+export function drawDuel(
+  g: CanvasRenderingContext2D,
+  w: number,
+  h: number,
+  d: Drop,
+  m: DuelMoment,
+  toScreen: (t: number) => number,
+  theme: Theme,
+  size: number,
+): DuelLayout {
   g.clearRect(0, 0, w, h);
   const floor = h - 2.2 * size;
   const room = floor - 3.4 * size;
@@ -43,12 +53,23 @@ export function drawDuel(g: CanvasRenderingContext2D, w: number, h: number, d: D
     [d.icm, m.icm, theme.icm, half > 18 * size ? capital(independent.label) : independent.short],
   ];
   const places = worlds.map(([track, balls, color, name], k) => {
-    const world = new World(g, d, m, theme, size, k * half + 0.5 * half + (k === 0 ? 1 : -0.4) * size, floor, scale, color, (k + 1) * half);
+    const world = new World(
+      g,
+      d,
+      m,
+      theme,
+      size,
+      k * half + 0.5 * half + (k === 0 ? 1 : -0.4) * size,
+      floor,
+      scale,
+      color,
+      (k + 1) * half,
+    );
     world.shadow(balls);
     world.balls(balls);
     if (k === 0) {
       world.forces(balls);
-      if (m.said) world.note(balls, m.said.ball, m.said.text);
+      if (m.dragged) world.note(balls, m.dragged.ball, m.dragged.text);
     } else {
       g.save();
       g.beginPath();
@@ -86,7 +107,15 @@ function scaleAt(d: Drop, m: DuelMoment, room: number, width: number): number {
   return far * (near / far) ** eased;
 }
 
-function drawRuler(g: CanvasRenderingContext2D, w: number, floor: number, scale: number, room: number, size: number, theme: Theme): void {
+function drawRuler(
+  g: CanvasRenderingContext2D,
+  w: number,
+  floor: number,
+  scale: number,
+  room: number,
+  size: number,
+  theme: Theme,
+): void {
   setFont(g, theme, 0.9 * size);
   g.textAlign = "left";
   g.textBaseline = "bottom";
@@ -129,8 +158,16 @@ class World {
     const [high, low] = [this.y(balls.position[n]), this.y(balls.position[0])];
     const [above, below] = [Math.max(this.radius(n), 22), Math.max(this.radius(0), 22)];
     const middle = 0.5 * (high + this.radius(n) + low - this.radius(0));
-    const between = (from: number, to: number, width: number): Place => ({ x: this.x, y: 0.5 * (from + to), width, height: to - from });
-    return { top: between(high - above, Math.min(high + above, middle), 2 * above), lowest: between(Math.max(low - below, middle), low + below, 2 * below) };
+    const between = (from: number, to: number, width: number): Place => ({
+      x: this.x,
+      y: 0.5 * (from + to),
+      width,
+      height: to - from,
+    });
+    return {
+      top: between(high - above, Math.min(high + above, middle), 2 * above),
+      lowest: between(Math.max(low - below, middle), low + below, 2 * below),
+    };
   }
 
   note(balls: Balls, i: number, text: string): void {
@@ -163,22 +200,13 @@ class World {
   balls(balls: Balls): void {
     const { g, d } = this;
     d.scenario.balls.forEach((b, i) => {
-      const pressed = (pair: number): number => (pair < d.scenario.balls.length ? Math.max(-balls.gap[pair], 0) * (pair === 0 ? 1 : 0.5) : 0);
+      const pressed = (pair: number): number =>
+        pair < d.scenario.balls.length ? Math.max(-balls.gap[pair], 0) * (pair === 0 ? 1 : 0.5) : 0;
       const [low, high] = [balls.position[i] - b.radius + pressed(i), balls.position[i] + b.radius - pressed(i + 1)];
       const ry = Math.max(0.5 * (high - low) * this.scale, 0.3 * this.radius(i), 3);
       const rx = this.radius(i) * Math.sqrt(Math.max(this.radius(i) / ry, 0.5));
       const y = Math.min(this.y(0.5 * (low + high)), this.floor - ry);
-      const light = g.createRadialGradient(this.x - 0.35 * rx, y - 0.4 * ry, 0.1 * rx, this.x, y, 1.15 * rx);
-      light.addColorStop(0, mixed(this.color, "#ffffff", 0.55));
-      light.addColorStop(0.55, mixed(this.color, "#ffffff", 0.12 * (i % 2)));
-      light.addColorStop(1, mixed(this.color, "#000000", 0.35));
-      g.beginPath();
-      g.ellipse(this.x, y, rx, ry, 0, 0, 2 * Math.PI);
-      g.fillStyle = light;
-      g.fill();
-      g.lineWidth = 1.5;
-      g.strokeStyle = mixed(this.color, "#000000", 0.5);
-      g.stroke();
+      drawBall(g, this.x, y, rx, shaded(g, this.x, y, rx, ry, this.color, i), ry);
     });
   }
 
@@ -201,9 +229,10 @@ class World {
       arrow(g, side, y, y - length, 0.45 * size);
       if (pair > 0) arrow(g, side, y, y + length, 0.45 * size);
       g.textAlign = way > 0 ? "left" : "right";
-      const said = withUnit(force, "N", 2);
-      const end = side + way * (0.7 * size + g.measureText(said).width);
-      if (end < this.right && end > this.right - 2 * this.x) g.fillText(said, side + way * 0.7 * size, y - 0.5 * length);
+      const text = withUnit(force, "N", 2);
+      const end = side + way * (0.7 * size + g.measureText(text).width);
+      if (end < this.right && end > this.right - 2 * this.x)
+        g.fillText(text, side + way * 0.7 * size, y - 0.5 * length);
     }
   }
 
@@ -258,12 +287,4 @@ function arrow(g: CanvasRenderingContext2D, x: number, from: number, to: number,
   g.lineTo(x - 0.7 * head, to - way * 1.4 * head);
   g.lineTo(x + 0.7 * head, to - way * 1.4 * head);
   g.fill();
-}
-
-const channels = (color: string): number[] => [1, 3, 5].map((i) => parseInt(color.slice(i, i + 2), 16));
-
-// Two colours #rrggbb; `share` of the second.
-function mixed(a: string, b: string, share: number): string {
-  const [x, y] = [channels(a), channels(b)];
-  return `rgb(${x.map((v, i) => Math.round(v + (y[i] - v) * share)).join(" ")})`;
 }

@@ -2,18 +2,21 @@
 import { find, setAttribute, setText, Sheet } from "../support/dom";
 import type { Drop } from "../core/drop";
 import { drawStage } from "./stage";
+import type { Drawing } from "../state/signals";
 import type { State } from "../state/state";
 import { independent, newton } from "../scenario/tables";
 import { touchable } from "../support/touch";
 
 export class Film {
-  private held = 0; // time for which the last picture has been shown [s]
-  private told = -Infinity; // when the time was written [ms]
+  private shownFor = 0; // time for which the last picture has been shown [s]
+  private written = -Infinity; // when the time was written [ms]
+  readonly picture: Drawing;
 
   constructor(
     private readonly state: State,
     private readonly sheet: Sheet,
   ) {
+    this.picture = state.drawing(() => this.draw());
     find("play").addEventListener("click", () => this.play(!state.playing));
     find("slow").addEventListener("click", () => this.setSlow(!state.view.slow));
     this.refresh();
@@ -28,7 +31,7 @@ export class Film {
 
   open(): void {
     this.sheet.open();
-    this.draw();
+    this.picture.refresh();
   }
 
   get seen(): boolean {
@@ -44,17 +47,15 @@ export class Film {
   seek(time: number): void {
     if (!this.state.drop) return;
     this.state.screen = this.state.clock().toScreen(time);
-    this.held = 0;
-    this.state.dirty.stage = true;
+    this.shownFor = 0;
   }
 
   play(on: boolean): void {
     const { state } = this;
     state.playing = on;
-    this.held = 0;
+    this.shownFor = 0;
     if (on && state.drop && state.screen >= state.clock().length) state.screen = 0;
     this.refresh();
-    state.dirty.stage = true;
     state.writeLink();
   }
 
@@ -76,7 +77,7 @@ export class Film {
   private key(e: KeyboardEvent): void {
     const { state } = this;
     const target = e.target as HTMLElement;
-    if (e.ctrlKey || e.metaKey || e.altKey || !state.drop || state.lecture.step) return; // in the story keys scroll
+    if (e.ctrlKey || e.metaKey || e.altKey || !state.drop || state.story.step) return; // in the story keys scroll
     const letter = e.key.length === 1;
     if (target.closest("input:not([type=range]), select, textarea")) return;
     if (target.closest(letter ? "button, a, summary" : "input, button, a, canvas[tabindex]")) return;
@@ -98,44 +99,51 @@ export class Film {
   advance(passed: number): void {
     const { state } = this;
     const end = state.clock().length;
-    if (state.screen < end) {
-      state.screen = Math.min(state.screen + passed, end);
-      state.dirty.stage = true;
-    } else {
-      this.held += passed;
-      if (this.held > 2.5) {
-        state.screen = this.held = 0;
-        state.dirty.stage = true;
-      }
+    if (state.screen < end) state.screen = Math.min(state.screen + passed, end);
+    else {
+      this.shownFor += passed;
+      if (this.shownFor > 2.5) state.screen = this.shownFor = 0;
     }
   }
 
-  draw(): void {
+  private draw(): void {
     const { state, sheet } = this;
-    if (!sheet.shown() || !(sheet.seen || !state.lecture.step)) return;
+    if (!sheet.shown() || !(sheet.seen || !state.story.step)) return;
     if (sheet.seen) drawMoment(sheet.g, sheet.width, sheet.height, state);
     const now = performance.now();
     const runs = state.playing && state.screen < state.clock().length;
-    if (runs && now - this.told < (Sheet.moving ? Sheet.often : Sheet.legible)) return;
-    this.told = now;
-    this.tell();
+    if (runs && now - this.written < (Sheet.moving ? Sheet.often : Sheet.legible)) return;
+    this.written = now;
+    this.writeTime();
   }
 
-  private tell(): void {
+  private writeTime(): void {
     const { state, sheet } = this;
     const d = state.drop!;
     const time = state.time();
     const rate = rateAt(state);
     const scrubber = find<HTMLInputElement>("scrubber");
     scrubber.value = String(Math.round((2000 * state.screen) / state.clock().length));
-    const told = clockText(time, d);
-    setText(find("time"), `t = ${told}`);
+    const clock = clockText(time, d);
+    setText(find("time"), `t = ${clock}`);
     const slower = 1 / rate;
-    const speed = slower < 1.05 ? "real time" : `${slower < 10 ? slower.toFixed(1) : Math.round(Number(slower.toPrecision(2))).toLocaleString("en").replaceAll(",", " ")} × slower than real`;
+    const speed =
+      slower < 1.05
+        ? "real time"
+        : `${
+            slower < 10
+              ? slower.toFixed(1)
+              : Math.round(Number(slower.toPrecision(2)))
+                  .toLocaleString("en")
+                  .replaceAll(",", " ")
+          } × slower than real`;
     setText(find("speed"), speed);
-    scrubber.setAttribute("aria-valuetext", `${told}, ${speed}`);
+    scrubber.setAttribute("aria-valuetext", `${clock}, ${speed}`);
     if (!state.playing || sheet.canvas.getAttribute("aria-label") === "Animation")
-      sheet.canvas.setAttribute("aria-label", `Animation at ${told}: balls of ${newton.label} beside those of ${independent.label}`);
+      sheet.canvas.setAttribute(
+        "aria-label",
+        `Animation at ${clock}: balls of ${newton.label} beside those of ${independent.label}`,
+      );
   }
 }
 
@@ -155,7 +163,15 @@ export function clockText(time: number, d: Drop): string {
   const span = d.to - d.from;
   const near = time > d.from - 2 * span && time < d.to + 2 * span;
   const short = Math.abs(time - d.origin) < 0.01;
-  const [factor, unit] = !near ? (short ? [1e3, "ms"] : [1, "s"]) : span < 2e-6 ? [1e9, "ns"] : span < 2e-3 ? [1e6, "µs"] : [1e3, "ms"];
+  const [factor, unit] = !near
+    ? short
+      ? [1e3, "ms"]
+      : [1, "s"]
+    : span < 2e-6
+      ? [1e9, "ns"]
+      : span < 2e-3
+        ? [1e6, "µs"]
+        : [1e3, "ms"];
   const places = !near ? 3 : span * factor < 10 ? 3 : span * factor < 100 ? 2 : 1;
   return `${((time - d.origin) * factor).toFixed(places).replace("-", "−")} ${unit}`;
 }

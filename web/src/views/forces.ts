@@ -31,19 +31,31 @@ export function drawForces(g: CanvasRenderingContext2D, w: number, h: number, d:
   shadeContacts(g, d, x, upper, floor ? lower : null, theme, size);
   drawGroup(g, d, x, upper, pairs, theme, size, !floor);
   if (floor) drawGroup(g, d, x, lower, [0], theme, size, true);
-  const said = markIndependent(g, d, x, frames, theme, size);
-  nameGroup(g, upper, pairs, right - left - said - size, theme, size);
+  const taken = markIndependent(g, d, x, frames, theme, size);
+  nameGroup(g, upper, pairs, right - left - taken - size, theme, size);
   if (floor) nameGroup(g, lower, [0], right - left, theme, size);
   return { x, frames };
 }
 
-function drawGroup(g: CanvasRenderingContext2D, d: Drop, x: Scale, f: Frame, pairs: number[], theme: Theme, size: number, last: boolean): void {
+function drawGroup(
+  g: CanvasRenderingContext2D,
+  d: Drop,
+  x: Scale,
+  f: Frame,
+  pairs: number[],
+  theme: Theme,
+  size: number,
+  last: boolean,
+): void {
   const peak = Math.max(...pairs.map((j) => d.peakForce[j]), 1e-12);
   const y = new Scale(0, (pairs[0] === 0 ? 1.1 : 1.28) * peak, f.top + f.height, f.top);
   const [factor, unit] = peak >= 1e3 ? [1e-3, "kN"] : peak >= 1 ? [1, "N"] : [1e3, "mN"];
   const [timeFactor, timeName] = timeUnit(x.high - x.low);
   drawAxes(
-    g, f, x, y,
+    g,
+    f,
+    x,
+    y,
     last
       ? {
           ...timeTicks(x, d.origin, timeFactor, f.width / (5.5 * size)),
@@ -55,7 +67,8 @@ function drawGroup(g: CanvasRenderingContext2D, d: Drop, x: Scale, f: Frame, pai
       name: (v) => (v * factor < 0.01 && v > 0 ? digits(v * factor) : String(Number((v * factor).toPrecision(6)))),
       title: unit,
     },
-    theme, size,
+    theme,
+    size,
   );
   g.save();
   g.beginPath();
@@ -79,7 +92,14 @@ function drawGroup(g: CanvasRenderingContext2D, d: Drop, x: Scale, f: Frame, pai
 }
 
 // Legend beside the title of the axis; long labels only where they fit.
-function nameGroup(g: CanvasRenderingContext2D, f: Frame, pairs: number[], room: number, theme: Theme, size: number): void {
+function nameGroup(
+  g: CanvasRenderingContext2D,
+  f: Frame,
+  pairs: number[],
+  room: number,
+  theme: Theme,
+  size: number,
+): void {
   setFont(g, theme, size * 1.05, 700);
   g.textBaseline = "bottom";
   g.textAlign = "left";
@@ -93,7 +113,15 @@ function nameGroup(g: CanvasRenderingContext2D, f: Frame, pairs: number[], room:
   }
 }
 
-function shadeContacts(g: CanvasRenderingContext2D, d: Drop, x: Scale, upper: Frame, lower: Frame | null, theme: Theme, size: number): void {
+function shadeContacts(
+  g: CanvasRenderingContext2D,
+  d: Drop,
+  x: Scale,
+  upper: Frame,
+  lower: Frame | null,
+  theme: Theme,
+  size: number,
+): void {
   if (d.scenario.balls.length !== 2) return;
   const contacts = d.newton.run.contacts.filter((c) => c.pair === 1 && c.begin <= d.newton.run.last);
   setFont(g, theme, size, 600);
@@ -116,8 +144,18 @@ function shadeContacts(g: CanvasRenderingContext2D, d: Drop, x: Scale, upper: Fr
   });
 }
 
-function markIndependent(g: CanvasRenderingContext2D, d: Drop, x: Scale, frames: Frame[], theme: Theme, size: number): number {
-  const times = d.icm.run.contacts.filter((c) => c.pair > 0).map((c) => c.begin).filter((t) => t >= x.low && t <= x.high);
+function markIndependent(
+  g: CanvasRenderingContext2D,
+  d: Drop,
+  x: Scale,
+  frames: Frame[],
+  theme: Theme,
+  size: number,
+): number {
+  const times = d.icm.run.contacts
+    .filter((c) => c.pair > 0)
+    .map((c) => c.begin)
+    .filter((t) => t >= x.low && t <= x.high);
   if (times.length === 0) return 0;
   g.strokeStyle = theme.icm;
   g.lineWidth = 2 * grown(size);
@@ -134,5 +172,7 @@ function markIndependent(g: CanvasRenderingContext2D, d: Drop, x: Scale, frames:
 }
 
 export const forcesSummary = (d: Drop): string =>
-  `Forces over time. ${d.forces.map((_, j) => (j === 0 && d.scenario.cradle ? "" : `${forceName(j)} up to ${withUnit(d.peakForce[j], "N")}`)).filter(Boolean).join(", ")}; ` +
-  `${counted(d.newton.run.nContacts, "contact")} between balls.`;
+  `Forces over time. ${d.forces
+    .map((_, j) => (j === 0 && d.scenario.cradle ? "" : `${forceName(j)} up to ${withUnit(d.peakForce[j], "N")}`))
+    .filter(Boolean)
+    .join(", ")}; ` + `${counted(d.newton.run.nContacts, "contact")} between balls.`;

@@ -3,7 +3,8 @@ import { find } from "../support/dom";
 import { digits, withUnit } from "../support/format";
 import { experiments, measuredBalls, middle, stiffnessFor, type MeasuredBall } from "../scenario/measured";
 
-const span = ([low, high]: [number, number], say: (x: number) => string): string => (say(low) === say(high) ? say(low) : `${say(low)} to ${say(high)}`);
+const span = ([low, high]: [number, number], say: (x: number) => string): string =>
+  say(low) === say(high) ? say(low) : `${say(low)} to ${say(high)}`;
 
 function facts(b: MeasuredBall): [string, string][] {
   const list: [string, string][] = [
@@ -13,7 +14,10 @@ function facts(b: MeasuredBall): [string, string][] {
   ];
   if (b.contact) {
     const stiffness = stiffnessFor(middle(b.mass), b.contact.time, middle(b.restitution));
-    list.push(["Contact with the floor", `about ${withUnit(b.contact.time, "s", 2)} (${b.contact.how})`], ["Stiffness", `about ${withUnit(stiffness, "N/m", 2)}`]);
+    list.push(
+      ["Contact with the floor", `about ${withUnit(b.contact.time, "s", 2)} (${b.contact.how})`],
+      ["Stiffness", `about ${withUnit(stiffness, "N/m", 2)}`],
+    );
   }
   list.push(["Source", b.source]);
   return list;
@@ -26,12 +30,17 @@ export function fillMeasured(): void {
     const list = document.createElement("dl");
     for (const [term, text] of facts(b)) {
       const row = document.createElement("div");
-      row.append(Object.assign(document.createElement("dt"), { textContent: term }), Object.assign(document.createElement("dd"), { textContent: text }));
+      row.append(
+        Object.assign(document.createElement("dt"), { textContent: term }),
+        Object.assign(document.createElement("dd"), { textContent: text }),
+      );
       list.append(row);
     }
     block.append(name, list);
     return block;
   });
   find("balls").replaceChildren(...blocks);
-  find("experiments").replaceChildren(...experiments.map((textContent) => Object.assign(document.createElement("li"), { textContent })));
+  find("experiments").replaceChildren(
+    ...experiments.map((textContent) => Object.assign(document.createElement("li"), { textContent })),
+  );
 }

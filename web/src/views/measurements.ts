@@ -8,7 +8,7 @@
 // ball's centre above the floor; uncertainty, which may be left out, as may its values. Units of lengths: m, cm, mm,
 // µm or um; m where none is given. Columns are separated by commas, semicolons or tabs; with the last two a decimal
 // comma is understood. Lines that are empty or begin with # are passed over.
-import type { CurveAxis } from "../scenario/lecture_view";
+import type { CurveAxis } from "../scenario/story_view";
 
 export interface Measured {
   x: number;
@@ -22,7 +22,7 @@ export interface Measurements {
 }
 
 const axisOf: Record<string, CurveAxis> = { gap: "gap", restitution: "e", ratio: "ratio" };
-const units: Record<string, number> = { m: 1, cm: 0.01, mm: 1e-3, "µm": 1e-6, "μm": 1e-6, um: 1e-6 };
+const units: Record<string, number> = { m: 1, cm: 0.01, mm: 1e-3, µm: 1e-6, μm: 1e-6, um: 1e-6 };
 const mostLines = 10_000;
 
 interface Column {
@@ -32,20 +32,37 @@ interface Column {
 
 // Throws an Error whose message names the line and the fault.
 export function readMeasurements(text: string): Measurements {
-  const lines = text.replace(/^\uFEFF/, "").split(/\r?\n/).map((content, i) => ({ content: content.trim(), number: i + 1 }));
+  const lines = text
+    .replace(/^\uFEFF/, "")
+    .split(/\r?\n/)
+    .map((content, i) => ({ content: content.trim(), number: i + 1 }));
   const filled = lines.filter((line) => line.content !== "" && !line.content.startsWith("#"));
-  if (filled.length === 0) throw new Error("measurements: the file is empty; its first line must name the columns, as in “gap (mm), height (m)”");
-  if (filled.length > mostLines) throw new Error(`measurements: got ${filled.length} lines, must be at most ${mostLines}`);
+  if (filled.length === 0)
+    throw new Error(
+      "measurements: the file is empty; its first line must name the columns, as in “gap (mm), height (m)”",
+    );
+  if (filled.length > mostLines)
+    throw new Error(`measurements: got ${filled.length} lines, must be at most ${mostLines}`);
   const separator = ["\t", ";", ","].find((s) => filled[0].content.includes(s)) ?? ",";
   const columns = filled[0].content.split(separator).map((cell) => readColumn(cell, filled[0].number));
   const place = (name: string): number => columns.findIndex((c) => c.name === name);
   const x = columns.findIndex((c) => c.name in axisOf);
-  if (x < 0) throw new Error(`line ${filled[0].number}: got the columns ${columns.map((c) => c.name).join(", ")}; one must be gap, restitution or ratio`);
-  if (place("height") < 0) throw new Error(`line ${filled[0].number}: got the columns ${columns.map((c) => c.name).join(", ")}; one must be height`);
+  if (x < 0)
+    throw new Error(
+      `line ${filled[0].number}: got the columns ${columns.map((c) => c.name).join(", ")}; one must be gap, restitution or ratio`,
+    );
+  if (place("height") < 0)
+    throw new Error(
+      `line ${filled[0].number}: got the columns ${columns.map((c) => c.name).join(", ")}; one must be height`,
+    );
   const list = filled.slice(1).map(({ content, number }) => {
     const cells = content.split(separator);
-    if (cells.length > columns.length) throw new Error(`line ${number}: got ${cells.length} values, must be at most ${columns.length}, as many as columns`);
-    const value = (column: number, fallback: number): number => (column < 0 ? fallback : readValue(cells[column] ?? "", columns[column], separator, number, fallback));
+    if (cells.length > columns.length)
+      throw new Error(
+        `line ${number}: got ${cells.length} values, must be at most ${columns.length}, as many as columns`,
+      );
+    const value = (column: number, fallback: number): number =>
+      column < 0 ? fallback : readValue(cells[column] ?? "", columns[column], separator, number, fallback);
     return { x: value(x, NaN), height: value(place("height"), NaN), uncertainty: value(place("uncertainty"), 0) };
   });
   if (list.length === 0) throw new Error("measurements: there is no line of values below the names of the columns");
@@ -56,11 +73,15 @@ function readColumn(cell: string, line: number): Column {
   const match = /^([a-z]+)\s*(?:[([]\s*(\S+?)\s*[)\]])?$/i.exec(cell.trim().replace(/^"(.*)"$/, "$1"));
   const name = match?.[1].toLowerCase() ?? "";
   if (!(name in axisOf) && name !== "height" && name !== "uncertainty")
-    throw new Error(`line ${line}: got the column “${cell.trim().slice(0, 30)}”, must be gap, restitution, ratio, height or uncertainty, with its unit in brackets`);
+    throw new Error(
+      `line ${line}: got the column “${cell.trim().slice(0, 30)}”, must be gap, restitution, ratio, height or uncertainty, with its unit in brackets`,
+    );
   const plain = name === "restitution" || name === "ratio";
   const unit = match![2] ?? (plain ? "1" : "m");
   if (plain ? unit !== "1" : !(unit in units))
-    throw new Error(`line ${line}: got the unit “${unit.slice(0, 10)}” for ${name}, must be ${plain ? "none" : "m, cm, mm or µm"}`);
+    throw new Error(
+      `line ${line}: got the unit “${unit.slice(0, 10)}” for ${name}, must be ${plain ? "none" : "m, cm, mm or µm"}`,
+    );
   return { name, factor: plain ? 1 : units[unit] };
 }
 
@@ -72,6 +93,8 @@ function readValue(cell: string, column: Column, separator: string, line: number
   const positive = column.name === "height" || column.name === "ratio";
   const most = column.name === "restitution" ? 1 : Infinity;
   if (!Number.isFinite(x) || x < 0 || (positive && x === 0) || x > most)
-    throw new Error(`line ${line}, ${column.name}: got “${plain.slice(0, 20)}”, must be a number ${positive ? "above 0" : most === 1 ? "from 0 to 1" : "not below 0"}`);
+    throw new Error(
+      `line ${line}, ${column.name}: got “${plain.slice(0, 20)}”, must be a number ${positive ? "above 0" : most === 1 ? "from 0 to 1" : "not below 0"}`,
+    );
   return x;
 }

@@ -1,27 +1,26 @@
 // A strip with the result and a small film, visible on a phone while the film is scrolled away.
 import { find, Sheet } from "../support/dom";
 import { drawTrueScale } from "./true_scale";
+import { observed, type Drawing } from "../state/signals";
 import type { State } from "../state/state";
 
 export class Mini {
   private readonly sheet: Sheet;
-  private away = false;
+  private away = false; // the film is scrolled out of view
+  readonly picture: Drawing;
 
   constructor(private readonly state: State) {
     this.sheet = new Sheet("mini-stage", () => state.redraw());
+    observed(this, ["away"]);
+    this.picture = state.drawing(() => this.draw());
     new IntersectionObserver(([entry]) => {
       this.away = !entry.isIntersecting && entry.boundingClientRect.top < 0;
-      this.refresh();
+      find("mini").classList.toggle("away", this.away);
     }).observe(find("film"));
     find("mini").addEventListener("click", () => find("film").scrollIntoView({ block: "start" }));
   }
 
-  refresh(): void {
-    find("mini").classList.toggle("away", this.away);
-    this.state.dirty.stage = true;
-  }
-
-  draw(): void {
+  private draw(): void {
     const { state, sheet } = this;
     if (!this.away || !state.drop || sheet.width < 20) return;
     sheet.g.clearRect(0, 0, sheet.width, sheet.height);

@@ -23,21 +23,24 @@ export function fillTable(table: HTMLElement, { table: list }: Report): void {
       tr = document.createElement("tr");
       const th = document.createElement("th");
       th.scope = "row";
-      const [newton, icm] = ["newton", "icm"].map((className) => Object.assign(document.createElement("td"), { className }));
+      const [newton, icm] = ["newton", "icm"].map((className) =>
+        Object.assign(document.createElement("td"), { className }),
+      );
       tr.append(th, newton, icm);
       body.append(tr);
     }
     setAttribute(tr, "class", r.lead ? "lead" : "");
     setAttribute(tr, "data-id", r.id);
     [r.name, ...r.values].forEach((text, k) => {
-      const cell = tr!.children[k] as HTMLElement;
+      const cell = tr.children[k] as HTMLElement;
       if (!text.includes("_")) setText(cell, text);
       else if (cell.textContent !== text.replaceAll("_", "")) cell.replaceChildren(...subscripted(text));
     });
   });
 }
 
-const element = (tag: string, className: string, text = ""): HTMLElement => Object.assign(document.createElement(tag), { className, textContent: text });
+const element = (tag: string, className: string, text = ""): HTMLElement =>
+  Object.assign(document.createElement(tag), { className, textContent: text });
 
 export function fillEnergy(box: HTMLElement, { shares }: Report): void {
   const { rows } = shares;
@@ -48,7 +51,10 @@ export function fillEnergy(box: HTMLElement, { shares }: Report): void {
   models.forEach((model, k) => {
     const part = shares[model]!;
     const bar = box.children[2 * k + 1];
-    bar.setAttribute("aria-label", `${namesOf[model].short}: ${rows.map((r) => `${r.name} ${r.percent[k]}`).join(", ")}`);
+    bar.setAttribute(
+      "aria-label",
+      `${namesOf[model].short}: ${rows.map((r) => `${r.name} ${r.percent[k]}`).join(", ")}`,
+    );
     const widths = [...part.balls].reverse();
     if (rows.length > widths.length + 1) widths.push(part.stored);
     [...widths, part.lost].forEach((share, i) => ((bar.children[i] as HTMLElement).style.width = `${100 * share}%`));
@@ -73,7 +79,8 @@ function buildEnergy(box: HTMLElement, models: ("newton" | "icm")[], rows: Share
     return [element("div", `energy-name ${model}`, namesOf[model].short), bar];
   });
   const legend = element("div", "legend");
-  for (const r of rows) legend.append(colored("i", r), element("span", "", r.name), element("b", "newton"), element("b", "icm"));
+  for (const r of rows)
+    legend.append(colored("i", r), element("span", "", r.name), element("b", "newton"), element("b", "icm"));
   box.replaceChildren(...bars, legend);
 }
 

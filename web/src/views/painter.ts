@@ -1,7 +1,7 @@
-// What the drawings of the balls share: colours, letters, a line of balls that may be pressed flat.
+// What the drawings of the balls share: colours and letters.
 import type { State } from "../core/core";
 import type { Drop, Track } from "../core/drop";
-import { grown } from "../support/plot";
+import { dashed, type Look } from "./ball";
 import { independent, newton } from "../scenario/tables";
 import type { Theme } from "../style/theme";
 
@@ -17,52 +17,6 @@ export interface Moment {
   rate: number; // physical seconds per screen second
   newton: State;
   icm: State;
-}
-
-// A line of balls: `along` grows from the floor upwards, or to the right for a cradle.
-export class Line {
-  constructor(
-    readonly g: CanvasRenderingContext2D,
-    readonly horizontal: boolean,
-    readonly origin: number, // pixel at along = 0
-    readonly center: number, // pixel across
-  ) {}
-  at(along: number, across = 0): [number, number] {
-    return this.horizontal ? [this.origin + along, this.center + across] : [this.center + across, this.origin - along];
-  }
-  segment(a0: number, c0: number, a1: number, c1: number): void {
-    this.g.beginPath();
-    this.g.moveTo(...this.at(a0, c0));
-    this.g.lineTo(...this.at(a1, c1));
-    this.g.stroke();
-  }
-  // A ball, cut off outside [low, high] where it is pressed flat.
-  ball(along: number, radius: number, low: number, high: number, paint: (g: CanvasRenderingContext2D) => void): void {
-    const { g } = this;
-    const [x, y] = this.at(along);
-    const whole = low <= along - radius && high >= along + radius;
-    if (whole) {
-      g.beginPath();
-      g.arc(x, y, radius, 0, 2 * Math.PI);
-      return paint(g);
-    }
-    g.save();
-    g.beginPath();
-    const wide = radius + 4;
-    g.moveTo(...this.at(low, -wide));
-    g.lineTo(...this.at(low, wide));
-    g.lineTo(...this.at(high, wide));
-    g.lineTo(...this.at(high, -wide));
-    g.clip();
-    g.beginPath();
-    g.arc(x, y, radius, 0, 2 * Math.PI);
-    paint(g);
-    g.restore();
-    for (const plane of [low, high]) {
-      const half = radius * radius - (plane - along) ** 2;
-      if (half > 0) this.segment(plane, -Math.sqrt(half), plane, Math.sqrt(half));
-    }
-  }
 }
 
 export class Painter {
@@ -100,18 +54,8 @@ export class Painter {
   }
 
   // Newton's balls are filled, those of the independent-collisions model outlined.
-  protected style(ghost: boolean, ball: number, radius: number): (g: CanvasRenderingContext2D) => void {
-    const { theme } = this;
-    return (g) => {
-      g.fillStyle = ghost ? theme.ground : theme.balls[ball];
-      g.fill();
-      const thick = Math.min(grown(this.size), Math.max(radius / 6, 1));
-      g.lineWidth = ghost ? 2.5 * thick : 1;
-      g.strokeStyle = ghost ? theme.icm : theme.ink;
-      g.setLineDash(ghost && radius > 7 ? [5 * thick, 3.5 * thick] : []);
-      if (ghost) g.stroke();
-      g.setLineDash([]);
-    };
+  protected look(ghost: boolean, ball: number, radius: number): Look {
+    return ghost ? dashed(this.theme, this.size, radius) : { fill: this.theme.balls[ball] };
   }
 
   // Text with a halo, for places where something may lie behind.

@@ -5,6 +5,7 @@ import { drawForces, type ForcesLayout } from "./forces";
 import type { Frame, Scale } from "../support/plot";
 import type { Pool } from "../core/pool";
 import { clampTo, copyOf, ranges } from "../scenario/scenario";
+import { observed, type Drawing } from "../state/signals";
 import type { State } from "../state/state";
 import { Timeline } from "./timeline";
 import type { TimelineLayout } from "./timeline_drawing";
@@ -28,6 +29,8 @@ const cursorsIn = (box: string): HTMLElement[] => [...find(box).querySelectorAll
 // Contact forces; a press chooses the time of the film.
 export class ForcesPanel {
   private layout: ForcesLayout | null = null;
+  readonly picture: Drawing;
+  readonly cursor: Drawing;
   private readonly cursors = cursorsIn("forces-box");
 
   constructor(
@@ -35,17 +38,20 @@ export class ForcesPanel {
     private readonly sheet: Sheet,
     private readonly film: Film,
   ) {
+    observed(this, ["layout"]);
+    this.picture = state.drawing(() => this.draw());
+    this.cursor = state.drawing(() => this.mark());
     dragged(sheet.canvas, (x) => this.layout && this.choose(this.layout.x.value(x)));
     sheet.canvas.addEventListener("keydown", (e) => this.key(e));
   }
 
-  draw(): void {
+  private draw(): void {
     const { state, sheet } = this;
     if (!sheet.shown()) return;
     this.layout = drawForces(sheet.g, sheet.width, sheet.height, state.drop!, state.theme);
   }
 
-  mark(): void {
+  private mark(): void {
     const { layout, state, sheet } = this;
     if (!layout || !sheet.seen) return;
     const time = state.time();
@@ -85,6 +91,8 @@ export class TimelinePanel {
   private readonly cursors = cursorsIn("timeline-box");
   private drawn = 0;
   private layout: TimelineLayout | null = null;
+  readonly picture: Drawing;
+  readonly cursor: Drawing;
   private key = "";
 
   constructor(
@@ -92,10 +100,22 @@ export class TimelinePanel {
     private readonly sheet: Sheet,
     pool: Pool,
   ) {
-    this.timeline = new Timeline(pool, () => (state.dirty.timeline = true), sheet.wanted);
+    this.timeline = new Timeline(pool, sheet.wanted);
+    observed(this, ["layout"]);
+    this.picture = state.drawing(() => this.draw());
+    this.cursor = state.drawing(() => this.mark());
     dragged(sheet.canvas, (_, y) => this.layout && this.choose(this.layout.y.value(y)));
     sheet.canvas.addEventListener("keydown", (e) => {
-      const by: Record<string, number> = { ArrowUp: 0.005, ArrowRight: 0.005, ArrowDown: -0.005, ArrowLeft: -0.005, PageUp: 0.05, PageDown: -0.05, Home: -1, End: 1 };
+      const by: Record<string, number> = {
+        ArrowUp: 0.005,
+        ArrowRight: 0.005,
+        ArrowDown: -0.005,
+        ArrowLeft: -0.005,
+        PageUp: 0.05,
+        PageDown: -0.05,
+        Home: -1,
+        End: 1,
+      };
       if (!(e.key in by)) return;
       e.preventDefault();
       this.choose(this.state.scenario.restitution + by[e.key]);
@@ -114,14 +134,12 @@ export class TimelinePanel {
 
   // Whether to redraw: less often while rows arrive.
   due(now: number): boolean {
-    if (!this.state.dirty.timeline || !this.state.drop || !this.sheet.shown() || (!this.timeline.done && (!this.sheet.seen || now - this.drawn < 120))) return false;
-    this.drawn = now;
-    return true;
+    return this.sheet.shown() && (this.timeline.done || (this.sheet.seen && now - this.drawn >= 120));
   }
 
-  draw(): void {
+  private draw(): void {
     const { state, sheet } = this;
-    state.dirty.timeline = false;
+    this.drawn = performance.now();
     this.layout = this.timeline.draw(sheet.g, sheet.width, sheet.height, state.drop!, state.theme);
     const s = state.scenario;
     sheet.canvas.dataset.computed = String(this.timeline.done);
@@ -129,13 +147,15 @@ export class TimelinePanel {
     const { done, progress, goesOn } = this.timeline;
     const hint =
       (done ? "" : `${Math.floor(100 * progress)} % computed. `) +
-      (exact ? "Dotted edges: the same with the lower ball unaffected by the upper one. " : "") + (s.cradle ? "" : "Dashed: the floor contact ends. ") +
+      (exact ? "Dotted edges: the same with the lower ball unaffected by the upper one. " : "") +
+      (s.cradle ? "" : "Dashed: the floor contact ends. ") +
       (done && goesOn && !s.cradle ? "Some contacts come later than shown. " : "");
     setText(find("timeline-hint"), hint);
   }
 
-  mark(): void {
-    if (this.layout && this.sheet.seen) placeCursors(this.cursors, this.state.time(), this.layout.x, [this.layout.frame]);
+  private mark(): void {
+    const { layout, state, sheet } = this;
+    if (layout && sheet.seen) placeCursors(this.cursors, state.time(), layout.x, [layout.frame]);
   }
 
   private choose(restitution: number): void {

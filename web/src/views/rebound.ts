@@ -1,8 +1,9 @@
 // How high the top ball rises under both models, over the gap, ε or R1/R2: coarse first, then finer where the curve
 // bends or jumps. On a cradle, which has no heights: the velocity of the last ball.
-import type { CurveAxis } from "../scenario/lecture_view";
+import type { CurveAxis } from "../scenario/story_view";
 import { piece, type Piece, type Pool } from "../core/pool";
 import { columnOf, copyOf, firstGap, lowestHeight, ranges, type Scenario } from "../scenario/scenario";
+import { observed } from "../state/signals";
 import { wholeMap } from "../scenario/view";
 
 export interface CurvePoint {
@@ -57,9 +58,9 @@ export class Curve {
 
   constructor(
     private readonly pool: Pool,
-    private readonly changed: () => void,
     shown: () => boolean,
   ) {
+    observed(this, ["points", "touching", "done"]);
     pool.add(() => this.nextBatch(), shown);
   }
 
@@ -112,7 +113,11 @@ export class Curve {
       return null;
     }
     this.sent++;
-    return piece<"curve">({ kind: "curve", ask: { columns }, done: (values, ms) => this.receive(job, places, values, ms) });
+    return piece<"curve">({
+      kind: "curve",
+      ask: { columns },
+      done: (values, ms) => this.receive(job, places, values, ms),
+    });
   }
 
   private receive(job: number, places: number[], values: Float64Array, ms: number): void {
@@ -120,14 +125,11 @@ export class Curve {
     this.sent--;
     const each = Math.max(ms / places.length, 1e-3);
     this.perPoint = this.perPoint > 0 ? 0.5 * (this.perPoint + each) : each;
-    places.forEach((x, k) => {
-      const point = { x, newton: values[2 * k], icm: values[2 * k + 1] };
-      if (x === 0 && this.axis === "gap") this.touching = point;
-      else this.points.push(point);
-    });
-    this.points.sort((a, b) => a.x - b.x);
+    const points = places.map((x, k) => ({ x, newton: values[2 * k], icm: values[2 * k + 1] }));
+    const touching = (p: CurvePoint): boolean => p.x === 0 && this.axis === "gap";
+    this.touching = points.find(touching) ?? this.touching;
+    this.points = [...this.points, ...points.filter((p) => !touching(p))].sort((a, b) => a.x - b.x);
     this.goOn();
-    this.changed();
   }
 
   private goOn(): void {

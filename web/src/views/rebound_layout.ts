@@ -1,6 +1,6 @@
 // What the plot of rebound heights shows, and where: values and pixels.
 import { digits, withUnit } from "../support/format";
-import type { CurveAxis } from "../scenario/lecture_view";
+import type { CurveAxis } from "../scenario/story_view";
 import type { Measurements } from "./measurements";
 import type { Frame, Scale } from "../support/plot";
 import type { CurvePoint, Span } from "./rebound";
@@ -30,17 +30,28 @@ export interface CurveLayout {
   zero: number; // pixel of gap 0; NaN where there is no such place
 }
 
-export const axisTitle: Record<CurveAxis, string> = { gap: "gap Δh", e: "coefficient of restitution ε", ratio: "R₁/R₂" };
+export const axisTitle: Record<CurveAxis, string> = {
+  gap: "gap Δh",
+  e: "coefficient of restitution ε",
+  ratio: "R₁/R₂",
+};
 
 export const nameOf = (axis: CurveAxis, x: number): string =>
-  axis === "gap" ? (x > 0 ? `Δh = ${withUnit(x, "m")}` : "touching") : axis === "e" ? `ε = ${digits(x)}` : `R₁/R₂ = ${digits(x)}`;
+  axis === "gap"
+    ? x > 0
+      ? `Δh = ${withUnit(x, "m")}`
+      : "touching"
+    : axis === "e"
+      ? `ε = ${digits(x)}`
+      : `R₁/R₂ = ${digits(x)}`;
 
 // The point computed nearest to x, and gap 0 by itself.
 export function nearest(p: Pick<CurvePicture, "points" | "touching" | "axis" | "span">, x: number): CurvePoint | null {
   if (p.axis === "gap" && x < 0.75 * p.span.low) return p.touching;
   const place = (v: number): number => (p.span.log ? Math.log(v) : v);
   let best: CurvePoint | null = null;
-  for (const point of p.points) if (!best || Math.abs(place(point.x) - place(x)) < Math.abs(place(best.x) - place(x))) best = point;
+  for (const point of p.points)
+    if (!best || Math.abs(place(point.x) - place(x)) < Math.abs(place(best.x) - place(x))) best = point;
   return best;
 }
 

@@ -8,7 +8,9 @@ import type { Theme } from "../style/theme";
 // Room for labels beside both curves and the present setting.
 export function roomBeside(frame: Frame, l: CurveLayout, p: CurvePicture): Room {
   const curves = models.map((model) => p.points.map((q): [number, number] => [l.x.at(q.x), l.y.at(q[model])]));
-  const points = [p.touching, p.marked].flatMap((q) => (q ? models.map((model): [number, number] => [pixelOf(l, q.x), l.y.at(q[model])]) : []));
+  const points = [p.touching, p.marked].flatMap((q) =>
+    q ? models.map((model): [number, number] => [pixelOf(l, q.x), l.y.at(q[model])]) : [],
+  );
   return new Room(frame, curves, points, [pixelOf(l, p.marked.x), p.pinnedAt === null ? NaN : pixelOf(l, p.pinnedAt)]);
 }
 
@@ -32,27 +34,71 @@ export function drawAlone(g: CanvasRenderingContext2D, f: Frame, y: Scale, p: Cu
   g.globalAlpha = 1;
 }
 
-export function nameAlone(g: CanvasRenderingContext2D, f: Frame, y: Scale, p: CurvePicture, room: Room, theme: Theme, size: number): void {
-  if (p.alone) nameLevel(g, f, [y.at(p.alone.high), y.at(p.alone.low)], ["alone, by the rules", "alone"].map((begin) => `${begin} (${p.alone!.by}): ${metres(p.alone!.low)} to ${metres(p.alone!.high)}`), room, theme, size);
+export function nameAlone(
+  g: CanvasRenderingContext2D,
+  f: Frame,
+  y: Scale,
+  p: CurvePicture,
+  room: Room,
+  theme: Theme,
+  size: number,
+): void {
+  if (p.alone)
+    nameLevel(
+      g,
+      f,
+      [y.at(p.alone.high), y.at(p.alone.low)],
+      ["alone, by the rules", "alone"].map(
+        (begin) => `${begin} (${p.alone!.by}): ${metres(p.alone!.low)} to ${metres(p.alone!.high)}`,
+      ),
+      room,
+      theme,
+      size,
+    );
 }
 
-export function nameRelease(g: CanvasRenderingContext2D, f: Frame, y: Scale, p: CurvePicture, room: Room, theme: Theme, size: number): void {
-  if (Number.isFinite(p.released)) nameLevel(g, f, [y.at(p.released), y.at(p.released)], [`let go at ${metres(p.released)}`], room, theme, size);
+export function nameRelease(
+  g: CanvasRenderingContext2D,
+  f: Frame,
+  y: Scale,
+  p: CurvePicture,
+  room: Room,
+  theme: Theme,
+  size: number,
+): void {
+  if (Number.isFinite(p.released))
+    nameLevel(g, f, [y.at(p.released), y.at(p.released)], [`let go at ${metres(p.released)}`], room, theme, size);
 }
 
 // Above or below a line or a band, depending on the room; the first text that fits into the frame.
-function nameLevel(g: CanvasRenderingContext2D, f: Frame, [top, bottom]: [number, number], texts: string[], room: Room, theme: Theme, size: number): void {
+function nameLevel(
+  g: CanvasRenderingContext2D,
+  f: Frame,
+  [top, bottom]: [number, number],
+  texts: string[],
+  room: Room,
+  theme: Theme,
+  size: number,
+): void {
   setFont(g, theme, 0.92 * size);
   const text = texts.find((x) => g.measureText(x).width < f.width - 12);
   if (text === undefined) return;
   const width = g.measureText(text).width;
   const places: Box[] = [];
   for (const middle of [top - 0.5 * size - 3, bottom + 0.5 * size + 4])
-    for (let left = f.left + f.width - 6 - width; left > f.left + 4; left -= 0.5 * size) places.push({ left, middle, width, height: size });
+    for (let left = f.left + f.width - 6 - width; left > f.left + 4; left -= 0.5 * size)
+      places.push({ left, middle, width, height: size });
   write(g, text, room.take(places), theme.muted, theme);
 }
 
-export function dot(g: CanvasRenderingContext2D, x: number, y: number, radius: number, hollow: boolean, theme: Theme): void {
+export function dot(
+  g: CanvasRenderingContext2D,
+  x: number,
+  y: number,
+  radius: number,
+  hollow: boolean,
+  theme: Theme,
+): void {
   g.beginPath();
   g.arc(x, y, radius, 0, 2 * Math.PI);
   const color = g.fillStyle;
@@ -86,7 +132,14 @@ export function drawMeasured(g: CanvasRenderingContext2D, l: CurveLayout, p: Cur
 }
 
 // The measured heights as numbers, as long as there are not too many to be read.
-export function nameMeasured(g: CanvasRenderingContext2D, l: CurveLayout, p: CurvePicture, room: Room, theme: Theme, size: number): void {
+export function nameMeasured(
+  g: CanvasRenderingContext2D,
+  l: CurveLayout,
+  p: CurvePicture,
+  room: Room,
+  theme: Theme,
+  size: number,
+): void {
   if (p.measured?.axis !== p.axis || p.measured.list.length > 24) return;
   setFont(g, theme, 0.92 * size, 650);
   for (const m of p.measured.list) {
@@ -94,13 +147,26 @@ export function nameMeasured(g: CanvasRenderingContext2D, l: CurveLayout, p: Cur
     if (!Number.isFinite(x)) continue;
     const text = metres(m.height);
     const width = g.measureText(text).width;
-    const places = [1, -1].flatMap((side) => [0, -1, 1, -2, 2].map((down) => ({ left: side > 0 ? x + 10 : x - 10 - width, middle: y + down * 0.9 * size, width, height: size })));
+    const places = [1, -1].flatMap((side) =>
+      [0, -1, 1, -2, 2].map((down) => ({
+        left: side > 0 ? x + 10 : x - 10 - width,
+        middle: y + down * 0.9 * size,
+        width,
+        height: size,
+      })),
+    );
     write(g, text, room.take(places), theme.ink, theme);
   }
 }
 
 // A line at setting A.
-export function drawPinned(g: CanvasRenderingContext2D, l: CurveLayout, p: CurvePicture, theme: Theme, size: number): void {
+export function drawPinned(
+  g: CanvasRenderingContext2D,
+  l: CurveLayout,
+  p: CurvePicture,
+  theme: Theme,
+  size: number,
+): void {
   const at = p.pinnedAt === null ? NaN : pixelOf(l, p.pinnedAt);
   if (!Number.isFinite(at)) return;
   g.strokeStyle = theme.muted;
@@ -115,7 +181,14 @@ export function drawPinned(g: CanvasRenderingContext2D, l: CurveLayout, p: Curve
 }
 
 // A line at the present setting, one under the pointer, and dots where they meet the curves.
-export function drawPlace(g: CanvasRenderingContext2D, l: CurveLayout, p: CurvePicture, room: Room, theme: Theme, size: number): void {
+export function drawPlace(
+  g: CanvasRenderingContext2D,
+  l: CurveLayout,
+  p: CurvePicture,
+  room: Room,
+  theme: Theme,
+  size: number,
+): void {
   for (const thick of [false, true]) {
     const point = thick ? p.marked : p.hovered === null ? null : nearest(p, p.hovered);
     const at = point ? pixelOf(l, point.x) : NaN;
@@ -133,7 +206,16 @@ export function drawPlace(g: CanvasRenderingContext2D, l: CurveLayout, p: CurveP
 }
 
 // The value beside its dot, where there is room; of two that are close the greater one above.
-function nameValue(g: CanvasRenderingContext2D, l: CurveLayout, p: CurvePicture, model: "newton" | "icm", at: number, room: Room, theme: Theme, size: number): void {
+function nameValue(
+  g: CanvasRenderingContext2D,
+  l: CurveLayout,
+  p: CurvePicture,
+  model: "newton" | "icm",
+  at: number,
+  room: Room,
+  theme: Theme,
+  size: number,
+): void {
   const point = p.marked;
   const right = at < l.frame.left + 0.6 * l.frame.width;
   const other = point[model === "newton" ? "icm" : "newton"];
@@ -146,6 +228,11 @@ function nameValue(g: CanvasRenderingContext2D, l: CurveLayout, p: CurvePicture,
   for (const down of close ? [below ? 1 : -1] : [-1, 1])
     for (const far of [1, 1.7, 2.4])
       for (const side of right ? [1, -1] : [-1, 1])
-        places.push({ left: side > 0 ? at + 0.8 * size : at - 0.8 * size - width, middle: l.y.at(point[model]) + down * far * size, width, height: 1.05 * size });
+        places.push({
+          left: side > 0 ? at + 0.8 * size : at - 0.8 * size - width,
+          middle: l.y.at(point[model]) + down * far * size,
+          width,
+          height: 1.05 * size,
+        });
   write(g, text, room.take(places), theme[model], theme);
 }

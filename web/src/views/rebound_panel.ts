@@ -1,14 +1,15 @@
 // The panel of rebound heights: drawing, reading values, pointer, measured heights.
 import { find, setText, type Sheet } from "../support/dom";
 import { digits, metres, withUnit } from "../support/format";
-import type { CurveAxis, LectureView } from "../scenario/lecture_view";
+import type { CurveAxis, StoryView } from "../scenario/story_view";
 import { readMeasurements, type Measurements } from "./measurements";
 import type { Pool } from "../core/pool";
 import { aloneRise } from "../scenario/measured";
 import { Curve, spanOf, valueOn, type CurvePoint } from "./rebound";
 import { nameOf, nearest, valueAt, type CurveLayout, type CurvePicture } from "./rebound_layout";
 import { drawCurves } from "./rebound_plot";
-import { clampTo, firstGap, lowestHeight, ranges, type Scenario } from "../scenario/scenario";
+import { clampTo, firstGap, lowestHeight, ranges, releaseHeight, type Scenario } from "../scenario/scenario";
+import { observed, type Drawing } from "../state/signals";
 import type { State } from "../state/state";
 import { independent, newton } from "../scenario/tables";
 import { dragged } from "../support/touch";
@@ -24,18 +25,18 @@ export class ReboundPanel {
   private hovered: number | null = null;
   private measured: Measurements | null = null;
   private drawn = 0;
-  dirty = true;
-  news = true; // there are other heights than before
+  private readonly picture: Drawing;
 
   constructor(
     private readonly state: State,
-    private readonly view: LectureView,
+    private readonly view: StoryView,
     private readonly sheet: Sheet,
     pool: Pool,
   ) {
-    const changed = (): void => void (this.dirty = this.news = true);
-    this.curve = new Curve(pool, changed, sheet.wanted);
-    this.pinned = new Curve(pool, changed, sheet.wanted);
+    observed(this, ["hovered", "measured", "pinnedKey"]);
+    this.picture = state.drawing(() => this.draw());
+    this.curve = new Curve(pool, sheet.wanted);
+    this.pinned = new Curve(pool, sheet.wanted);
     this.listen();
   }
 
@@ -61,7 +62,6 @@ export class ReboundPanel {
       if (same) this.pinned.start(view.pin!, view.curve, span);
       else this.pinned.stop();
     }
-    this.dirty = true;
   }
 
   private refreshChoices(): void {
@@ -76,43 +76,53 @@ export class ReboundPanel {
 
   // Less often while points arrive.
   drawIfDue(now: number): void {
-    if (!this.dirty || !this.state.drop || this.sheet.width < 40 || !this.sheet.shown()) return;
+    if (!this.state.drop || this.sheet.width < 40 || !this.sheet.shown()) return;
     if (!this.curve.done && (!this.sheet.seen || now - this.drawn < 80)) return;
-    this.dirty = false;
-    this.drawn = now;
+    if (this.picture.refresh()) this.drawn = now;
+  }
+
+  private draw(): void {
     const { sheet, state } = this;
-    this.layout = drawCurves(sheet.g, sheet.width, sheet.height, this.picture(), state.theme);
-    this.tell();
+    this.layout = drawCurves(sheet.g, sheet.width, sheet.height, this.contents(), state.theme);
+    this.write();
     sheet.canvas.dataset.points = String(this.curve.points.length);
     sheet.canvas.dataset.done = String(this.curve.done && (this.pinnedKey === "" || this.pinned.done));
   }
 
-  private picture(): CurvePicture {
+  private contents(): CurvePicture {
     const { state, view, curve } = this;
     const { scenario } = state;
-    const top = scenario.height + scenario.balls.reduce((sum, b, i) => sum + (i > 0 ? 2 * b.radius : 0), 0) + scenario.gaps.reduce((a, b) => a + b, 0) +
-      scenario.balls[0].radius - scenario.balls[scenario.balls.length - 1].radius;
     const pinned = this.pinnedKey !== "";
-    const released = scenario.cradle || view.curve === "ratio" ? NaN : top;
+    const released = scenario.cradle || view.curve === "ratio" ? NaN : releaseHeight(scenario);
     return {
-      axis: view.curve, span: curve.span, points: curve.points, touching: curve.touching,
-      pinned: pinned ? this.pinned.points : [], pinnedTouching: pinned ? this.pinned.touching : null,
+      axis: view.curve,
+      span: curve.span,
+      points: curve.points,
+      touching: curve.touching,
+      pinned: pinned ? this.pinned.points : [],
+      pinnedTouching: pinned ? this.pinned.touching : null,
       pinnedAt: pinned ? valueOn(view.pin!, view.curve) : null,
-      released, alone: Number.isFinite(released) ? aloneRise(scenario.balls[scenario.balls.length - 1], released) : null,
+      released,
+      alone: Number.isFinite(released) ? aloneRise(scenario.balls[scenario.balls.length - 1], released) : null,
       measured: scenario.cradle ? null : this.measured,
-      marked: this.marked(), hovered: this.hovered, cradle: scenario.cradle,
+      marked: this.marked(),
+      hovered: this.hovered,
+      cradle: scenario.cradle,
     };
   }
 
   // The value under the pointer, or that of the present setting.
-  private tell(): void {
-    const picture = this.picture();
+  private write(): void {
+    const picture = this.contents();
     const point = this.hovered === null ? picture.marked : nearest(picture, this.hovered);
-    const text = point ? `${nameOf(picture.axis, point.x)}: ${this.told(point)}` : "computing …";
+    const text = point ? `${nameOf(picture.axis, point.x)}: ${this.describe(point)}` : "computing …";
     setText(find("rebound-reading"), text);
     const { canvas } = this.sheet;
     canvas.setAttribute("aria-valuenow", String(Number(picture.marked.x.toPrecision(4))));
-    canvas.setAttribute("aria-valuetext", `${nameOf(picture.axis, picture.marked.x)}: ${this.told(picture.marked)}`);
+    canvas.setAttribute(
+      "aria-valuetext",
+      `${nameOf(picture.axis, picture.marked.x)}: ${this.describe(picture.marked)}`,
+    );
   }
 
   // The present setting: its own values, not those of the nearest point computed.
@@ -123,8 +133,9 @@ export class ReboundPanel {
     return { x: valueOn(this.state.scenario, this.view.curve), newton: value(newton), icm: value(icm) };
   }
 
-  private told(p: CurvePoint): string {
-    const say = (x: number): string => (!Number.isFinite(x) ? "none" : this.state.scenario.cradle ? withUnit(x, "m/s") : metres(x));
+  private describe(p: CurvePoint): string {
+    const say = (x: number): string =>
+      !Number.isFinite(x) ? "none" : this.state.scenario.cradle ? withUnit(x, "m/s") : metres(x);
     return `${newton.short} ${say(p.newton)}, ${independent.short} ${say(p.icm)}`;
   }
 
@@ -139,7 +150,8 @@ export class ReboundPanel {
   private choose(x: number): void {
     const { scenario: s } = this.state;
     if (this.view.curve === "e") s.restitution = clampTo(ranges.restitution, Number(x.toFixed(3)));
-    else if (this.view.curve === "gap") s.gaps = s.gaps.map((gap, i) => (i < firstGap(s) ? gap : clampTo(ranges.gap, Number(x.toPrecision(3)))));
+    else if (this.view.curve === "gap")
+      s.gaps = s.gaps.map((gap, i) => (i < firstGap(s) ? gap : clampTo(ranges.gap, Number(x.toPrecision(3)))));
     else {
       const before = s.balls[0].radius;
       s.balls[0].radius = clampTo(ranges.radius, Number((x * s.balls[1].radius).toPrecision(4)));
@@ -156,14 +168,12 @@ export class ReboundPanel {
     canvas.addEventListener("pointermove", (e) => {
       if (e.pointerType === "touch" || !this.layout) return;
       this.hovered = valueAt(this.layout, e.offsetX);
-      this.dirty = true;
     });
-    canvas.addEventListener("pointerleave", () => {
-      this.hovered = null;
-      this.dirty = true;
-    });
+    canvas.addEventListener("pointerleave", () => (this.hovered = null));
     canvas.addEventListener("keydown", (e) => this.press(e));
-    find<HTMLSelectElement>("rebound-axis").addEventListener("change", (e) => this.setAxis((e.target as HTMLSelectElement).value as CurveAxis));
+    find<HTMLSelectElement>("rebound-axis").addEventListener("change", (e) =>
+      this.setAxis((e.target as HTMLSelectElement).value as CurveAxis),
+    );
     const file = find<HTMLInputElement>("measured-file");
     find("measured").addEventListener("click", () => (this.measured ? this.setMeasured(null, "") : file.click()));
     file.addEventListener("change", () => {
@@ -189,8 +199,14 @@ export class ReboundPanel {
       return this.view.curve === "gap" && next < 0.999 * low && share < 0 ? 0 : next;
     };
     const to: Record<string, number> = {
-      ArrowRight: by(0.01), ArrowUp: by(0.01), ArrowLeft: by(-0.01), ArrowDown: by(-0.01),
-      PageUp: by(0.1), PageDown: by(-0.1), Home: this.view.curve === "gap" ? 0 : low, End: high,
+      ArrowRight: by(0.01),
+      ArrowUp: by(0.01),
+      ArrowLeft: by(-0.01),
+      ArrowDown: by(-0.01),
+      PageUp: by(0.1),
+      PageDown: by(-0.1),
+      Home: this.view.curve === "gap" ? 0 : low,
+      End: high,
     };
     if (!(e.key in to)) return;
     e.preventDefault();
@@ -201,13 +217,17 @@ export class ReboundPanel {
   // ---- measured heights -------------------------------------------------------------------------------
 
   async load(file: File): Promise<void> {
-    if (file.size > largestFile) return this.setMeasured(null, `${file.name}: got ${file.size} bytes, must be at most ${largestFile}`);
+    if (file.size > largestFile)
+      return this.setMeasured(null, `${file.name}: got ${file.size} bytes, must be at most ${largestFile}`);
     try {
       const found = readMeasurements(await file.text());
       this.setMeasured(found, "");
       if (found.axis !== this.view.curve) this.setAxis(found.axis);
       const [low, high] = [Math.min(...found.list.map((m) => m.height)), Math.max(...found.list.map((m) => m.height))];
-      this.say(`${file.name}: ${found.list.length} measured height${found.list.length === 1 ? "" : "s"}, ${digits(low)} to ${digits(high)} m.`, false);
+      this.say(
+        `${file.name}: ${found.list.length} measured height${found.list.length === 1 ? "" : "s"}, ${digits(low)} to ${digits(high)} m.`,
+        false,
+      );
     } catch (error) {
       this.setMeasured(null, `${file.name}: ${(error as Error).message}`);
     }
@@ -217,7 +237,6 @@ export class ReboundPanel {
     this.measured = measured;
     find("measured").textContent = measured ? "Remove measured heights" : "Load measured heights (CSV)";
     this.say(fault, true);
-    this.dirty = true;
   }
 
   private say(text: string, fault: boolean): void {

@@ -2,11 +2,28 @@
 import { logTicks, niceTicks, withUnit } from "../support/format";
 import { drawAxes, fontSize, grown, Scale, setFont, stroke, type Frame } from "../support/plot";
 import { axisTitle, models, type CurveLayout, type CurvePicture } from "./rebound_layout";
-import { dot, drawAlone, drawMeasured, drawPinned, drawPlace, drawRelease, nameAlone, nameMeasured, nameRelease, roomBeside } from "./rebound_marks";
+import {
+  dot,
+  drawAlone,
+  drawMeasured,
+  drawPinned,
+  drawPlace,
+  drawRelease,
+  nameAlone,
+  nameMeasured,
+  nameRelease,
+  roomBeside,
+} from "./rebound_marks";
 import { independent, newton } from "../scenario/tables";
 import type { Theme } from "../style/theme";
 
-export function drawCurves(g: CanvasRenderingContext2D, w: number, h: number, p: CurvePicture, theme: Theme): CurveLayout {
+export function drawCurves(
+  g: CanvasRenderingContext2D,
+  w: number,
+  h: number,
+  p: CurvePicture,
+  theme: Theme,
+): CurveLayout {
   g.clearRect(0, 0, w, h);
   const size = fontSize(w);
   const left = 3.6 * size;
@@ -24,7 +41,10 @@ export function drawCurves(g: CanvasRenderingContext2D, w: number, h: number, p:
   const places = Math.max(0, -Math.floor(Math.log10(ticks[1] - ticks[0]) + 1e-9));
   const whole: Frame = { ...frame, left, width: frame.width + lane };
   drawAxes(
-    g, whole, x, y,
+    g,
+    whole,
+    x,
+    y,
     {
       ticks: p.span.log ? logTicks(x.low, x.high) : niceTicks(x.low, x.high, Math.max(3, frame.width / (5 * size))),
       name: (t) => (p.axis === "gap" ? withUnit(t, "m", 4) : String(Number(t.toPrecision(4)))),
@@ -32,7 +52,8 @@ export function drawCurves(g: CanvasRenderingContext2D, w: number, h: number, p:
       after: lane > 0 ? zero + size / 3 : undefined, // the name of gap 0
     },
     { ticks, name: (v) => v.toFixed(places).replace("-", "−"), title },
-    theme, size,
+    theme,
+    size,
   );
   if (lane > 0) drawLane(g, frame, zero, theme, size);
   const layout: CurveLayout = { x, y, frame, zero };
@@ -103,7 +124,8 @@ function drawModels(g: CanvasRenderingContext2D, l: CurveLayout, p: CurvePicture
       }
       g.stroke();
       g.setLineDash([]);
-      if (touching && Number.isFinite(touching[model]) && Number.isFinite(l.zero)) dot(g, l.zero, l.y.at(touching[model]), (pale ? 3.5 : 5.5) * thick, model === "icm", theme);
+      if (touching && Number.isFinite(touching[model]) && Number.isFinite(l.zero))
+        dot(g, l.zero, l.y.at(touching[model]), (pale ? 3.5 : 5.5) * thick, model === "icm", theme);
     }
     g.globalAlpha = 1;
   }
@@ -125,16 +147,31 @@ function namesOf(p: CurvePicture, width: number, theme: Theme, size: number): Na
 const lineOfName = (name: Name, size: number): number => (name[2] ? 1.7 * size : name[0] === "measured" ? 14 : 0);
 
 // Whether the legend fits beside the title of the vertical axis.
-function namesFit(g: CanvasRenderingContext2D, width: number, title: string, p: CurvePicture, theme: Theme, size: number): boolean {
+function namesFit(
+  g: CanvasRenderingContext2D,
+  width: number,
+  title: string,
+  p: CurvePicture,
+  theme: Theme,
+  size: number,
+): boolean {
   setFont(g, theme, size);
   let needed = g.measureText(title).width - 2.6 * size;
   setFont(g, theme, size, 600);
-  for (const name of namesOf(p, width, theme, size)) needed += g.measureText(name[0]).width + 6 + lineOfName(name, size) + 0.9 * size;
+  for (const name of namesOf(p, width, theme, size))
+    needed += g.measureText(name[0]).width + 6 + lineOfName(name, size) + 0.9 * size;
   return needed < width;
 }
 
 // Above the frame; in a separate row if there is little room.
-function drawNames(g: CanvasRenderingContext2D, f: Frame, crowded: boolean, p: CurvePicture, theme: Theme, size: number): void {
+function drawNames(
+  g: CanvasRenderingContext2D,
+  f: Frame,
+  crowded: boolean,
+  p: CurvePicture,
+  theme: Theme,
+  size: number,
+): void {
   setFont(g, theme, size, 600);
   g.textBaseline = "bottom";
   g.textAlign = "right";

@@ -3,6 +3,7 @@ import type { TimelineRow } from "../core/core";
 import type { Drop } from "../core/drop";
 import { piece, type Piece, type Pool } from "../core/pool";
 import { columnOf, ranges, type Scenario } from "../scenario/scenario";
+import { observed } from "../state/signals";
 import type { Theme } from "../style/theme";
 import { alike, drawTimeline, type TimelineLayout } from "./timeline_drawing";
 
@@ -29,11 +30,8 @@ export class Timeline {
   private column: Float64Array = new Float64Array();
   private exact = false; // there is an adiabatic solution
 
-  constructor(
-    pool: Pool,
-    private readonly changed: () => void,
-    shown: () => boolean,
-  ) {
+  constructor(pool: Pool, shown: () => boolean) {
+    observed(this, ["rows"]);
     pool.add(() => this.nextBatch(), shown);
     this.wake = () => pool.wake();
   }
@@ -74,11 +72,11 @@ export class Timeline {
     this.sent--;
     this.answered += rows.newton.length;
     this.perRow = 0.5 * (this.perRow || ms) + (0.5 * ms) / rows.newton.length;
-    const merge = (old: TimelineRow[], more: TimelineRow[]): TimelineRow[] => [...old, ...more].sort((a, b) => a.restitution - b.restitution);
+    const merge = (old: TimelineRow[], more: TimelineRow[]): TimelineRow[] =>
+      [...old, ...more].sort((a, b) => a.restitution - b.restitution);
     this.rows = merge(this.rows, rows.newton);
     this.adiabatic = merge(this.adiabatic, rows.adiabatic);
     if (this.done) this.refine();
-    this.changed();
   }
 
   // Bisects the intervals in which the contacts change or their times are not linear.
@@ -100,7 +98,10 @@ export class Timeline {
   // Range of times: the whole floor contact and, for nearly all rows, the last contact between balls. If that is so late that it
   // would compress the floor contact to a strip, the first contact between balls.
   private span(): number {
-    const floor = this.rows.reduce((most, { tFloorEnd }) => (tFloorEnd < Infinity ? Math.max(most, tFloorEnd) : most), 0);
+    const floor = this.rows.reduce(
+      (most, { tFloorEnd }) => (tFloorEnd < Infinity ? Math.max(most, tFloorEnd) : most),
+      0,
+    );
     const last = mostOf(this.rows.map((row) => row.tEnd));
     const first = mostOf(this.rows.map((row) => row.contacts.find((c) => c.pair > 0)?.end ?? 0));
     const room = floor > 0 ? Math.max(longest * floor, 1.3 * first) : Infinity;
@@ -126,7 +127,13 @@ function mostOf(times: number[]): number {
 
 // Whether a line between the rows a and b would miss what is shown of the times between them, judged by the curvature
 // that a third row on either side shows. A curve with the second difference quotient q strays q h²/4 from its chord over h.
-function bends(before: TimelineRow | undefined, a: TimelineRow, b: TimelineRow, after: TimelineRow | undefined, shown: number): boolean {
+function bends(
+  before: TimelineRow | undefined,
+  a: TimelineRow,
+  b: TimelineRow,
+  after: TimelineRow | undefined,
+  shown: number,
+): boolean {
   if (!alike(a, b)) return false;
   const h = b.restitution - a.restitution;
   return [before, after].some((third) => {

@@ -16,13 +16,25 @@ export interface TimelineLayout {
   frame: Frame;
 }
 
-export function drawTimeline(g: CanvasRenderingContext2D, w: number, h: number, p: TimelinePicture, d: Drop, theme: Theme): TimelineLayout {
+export function drawTimeline(
+  g: CanvasRenderingContext2D,
+  w: number,
+  h: number,
+  p: TimelinePicture,
+  d: Drop,
+  theme: Theme,
+): TimelineLayout {
   g.clearRect(0, 0, w, h);
   const size = fontSize(w);
   const f: Frame = { left: 3.2 * size, top: 2.2 * size, width: w - 3.2 * size - 1.4 * size, height: h - 5.4 * size };
   const begin = d.scenario.cradle ? d.from - 0.02 * (d.to - d.from) : Math.min(0, d.from);
   const { span } = p;
-  const x = new Scale(begin, d.scenario.cradle ? Math.max(d.from + 1.15 * (span / 1.15 - d.from), begin + 1.1 * (d.to - begin)) : span, f.left, f.left + f.width);
+  const x = new Scale(
+    begin,
+    d.scenario.cradle ? Math.max(d.from + 1.15 * (span / 1.15 - d.from), begin + 1.1 * (d.to - begin)) : span,
+    f.left,
+    f.left + f.width,
+  );
   const y = new Scale(0, 1, f.top + f.height, f.top);
   g.save();
   g.beginPath();
@@ -34,13 +46,18 @@ export function drawTimeline(g: CanvasRenderingContext2D, w: number, h: number, 
   g.restore();
   const [factor, unit] = timeUnit(x.high - x.low);
   drawAxes(
-    g, f, x, y,
+    g,
+    f,
+    x,
+    y,
     {
       ...timeTicks(x, d.origin, factor, f.width / (5.5 * size)),
       title: `time (${unit})`,
     },
     { ticks: [0, 0.2, 0.4, 0.6, 0.8, 1], name: (v) => v.toFixed(1), title: "ε" },
-    theme, size, false,
+    theme,
+    size,
+    false,
   );
   drawChosen(g, x, y, f, d, theme, size);
   return { x, y, frame: f };
@@ -48,7 +65,14 @@ export function drawTimeline(g: CanvasRenderingContext2D, w: number, h: number, 
 
 // The regions in which two bodies touch. A region continues between rows with the same contacts; where they change,
 // it ends.
-function drawBands(g: CanvasRenderingContext2D, x: Scale, y: Scale, rows: TimelineRow[], several: boolean, theme: Theme): void {
+function drawBands(
+  g: CanvasRenderingContext2D,
+  x: Scale,
+  y: Scale,
+  rows: TimelineRow[],
+  several: boolean,
+  theme: Theme,
+): void {
   // A contact that never ends extends to the edge of the plot.
   const end = (c: Contact): number => x.at(Number.isFinite(c.end) ? c.end : Math.max(c.begin, x.high));
   for (const group of runsOf(rows)) {
@@ -59,14 +83,20 @@ function drawBands(g: CanvasRenderingContext2D, x: Scale, y: Scale, rows: Timeli
       const left = group.map((row, i): [number, number] => [x.at(row.contacts[k].begin), heights[i]]);
       const right = group.map((row, i): [number, number] => [end(row.contacts[k]), heights[i]]);
       const over = several && pair > 0 ? 0 : 0.5; // pixels into the next region, or a hairline shows between them
-      for (const edge of [left, right]) edge.unshift([edge[0][0], bottom + over]), edge.push([edge[last + 1][0], top - over]);
+      for (const edge of [left, right]) {
+        edge.unshift([edge[0][0], bottom + over]);
+        edge.push([edge[last + 1][0], top - over]);
+      }
       g.fillStyle = g.strokeStyle = pair === 0 ? theme.faint : theme.pairs[pair];
       g.globalAlpha = several && pair > 0 ? 0.16 : 1;
       trace(g, [...left, ...right.reverse()]);
       g.fill();
       g.globalAlpha = 1;
       g.lineWidth = pair === 0 ? 0.5 : several ? 2.5 : 1; // bands of several pairs overlap: their edges tell them apart
-      for (const edge of [left, right]) trace(g, edge), g.stroke();
+      for (const edge of [left, right]) {
+        trace(g, edge);
+        g.stroke();
+      }
     });
   }
 }
@@ -84,11 +114,23 @@ function drawAdiabatic(g: CanvasRenderingContext2D, x: Scale, y: Scale, rows: Ti
     group[0].contacts.forEach(({ pair }, k) => {
       if (pair === 0) return;
       for (const edge of ["begin", "end"] as const)
-        dots(g, group.filter((row) => Number.isFinite(row.contacts[k][edge])).map((row) => [x.at(row.contacts[k][edge]), y.at(row.restitution)]));
+        dots(
+          g,
+          group
+            .filter((row) => Number.isFinite(row.contacts[k][edge]))
+            .map((row) => [x.at(row.contacts[k][edge]), y.at(row.restitution)]),
+        );
     });
 }
 
-function drawFloorEnd(g: CanvasRenderingContext2D, x: Scale, y: Scale, rows: TimelineRow[], theme: Theme, thick: number): void {
+function drawFloorEnd(
+  g: CanvasRenderingContext2D,
+  x: Scale,
+  y: Scale,
+  rows: TimelineRow[],
+  theme: Theme,
+  thick: number,
+): void {
   g.strokeStyle = theme.ink;
   g.lineWidth = 2 * thick;
   g.setLineDash([7 * thick, 5 * thick]);
@@ -102,7 +144,15 @@ function drawFloorEnd(g: CanvasRenderingContext2D, x: Scale, y: Scale, rows: Tim
   g.setLineDash([]);
 }
 
-function drawChosen(g: CanvasRenderingContext2D, x: Scale, y: Scale, f: Frame, d: Drop, theme: Theme, size: number): void {
+function drawChosen(
+  g: CanvasRenderingContext2D,
+  x: Scale,
+  y: Scale,
+  f: Frame,
+  d: Drop,
+  theme: Theme,
+  size: number,
+): void {
   const at = y.at(d.scenario.restitution);
   g.strokeStyle = theme.ink;
   g.lineWidth = 3 * grown(size);
@@ -162,7 +212,10 @@ function drawNames(g: CanvasRenderingContext2D, f: Frame, balls: number, theme: 
 
 // Whether two rows have the same contacts, in the same order.
 export const alike = (a: TimelineRow, b: TimelineRow): boolean =>
-  a.contacts.length === b.contacts.length && a.contacts.every((c, k) => c.pair === b.contacts[k].pair && Number.isFinite(c.end) === Number.isFinite(b.contacts[k].end));
+  a.contacts.length === b.contacts.length &&
+  a.contacts.every(
+    (c, k) => c.pair === b.contacts[k].pair && Number.isFinite(c.end) === Number.isFinite(b.contacts[k].end),
+  );
 
 function trace(g: CanvasRenderingContext2D, places: [number, number][]): void {
   g.beginPath();

@@ -3,11 +3,19 @@ import type { Drop, Track } from "../core/drop";
 import { digits, lengths, niceTicks, withUnit } from "../support/format";
 import { laterHeight } from "../report/table";
 import { grown, lettering } from "../support/plot";
-import { Line, Painter, type Moment, type Rect } from "./painter";
+import { Line } from "./ball";
+import { Painter, type Moment, type Rect } from "./painter";
 import type { Theme } from "../style/theme";
 
 // The balls at true scale alone, with a title unless that is empty.
-export function drawTrueScale(g: CanvasRenderingContext2D, r: Rect, d: Drop, m: Moment, theme: Theme, title: string): void {
+export function drawTrueScale(
+  g: CanvasRenderingContext2D,
+  r: Rect,
+  d: Drop,
+  m: Moment,
+  theme: Theme,
+  title: string,
+): void {
   const size = Math.min(Math.max(r.w / 34, lettering.least), r.w / 12, Math.max(lettering.least, 18));
   new TrueScale(g, d, m, theme, size).draw(r, title);
 }
@@ -46,10 +54,7 @@ export class TrueScale extends Painter {
       const line = new Line(g, false, floor, left + (k + 0.5) * lane);
       this.font(nameSize, 600);
       this.text(name, line.center + (k === 0 ? -aside : aside), floor + 1.15 * size, color, "center");
-      d.scenario.balls.forEach((b, i) => {
-        const radius = Math.max(b.radius * scale, 3);
-        line.ball(Math.max(state.position[i] * scale, radius), radius, -1e4, 1e4, this.style(ghost, i, radius));
-      });
+      line.balls(d.scenario.balls, state.position, scale, 3, (i, radius) => this.look(ghost, i, radius));
       if (this.m.time > track.known) this.label("not resolved", line.center, floor - 0.5 * (floor - top), color);
       else if (this.m.time > track.run.last) this.peaks(line, track, scale, lane, color);
     });
@@ -89,8 +94,11 @@ export class TrueScale extends Painter {
     const top = r.y + 2.2 * size;
     const bottom = r.y + r.h - 2.2 * size;
     const row = (bottom - top) / 2;
-    const scale = Math.min((right - left) / (1.02 * (d.top - d.bottom)), (0.8 * row) / (2 * Math.max(...d.scenario.balls.map((b) => b.radius))));
-    const origin = left - d.bottom * scale + ((right - left) - (d.top - d.bottom) * scale) / 2;
+    const scale = Math.min(
+      (right - left) / (1.02 * (d.top - d.bottom)),
+      (0.8 * row) / (2 * Math.max(...d.scenario.balls.map((b) => b.radius))),
+    );
+    const origin = left - d.bottom * scale + (right - left - (d.top - d.bottom) * scale) / 2;
     this.font(0.88);
     const ticks = niceTicks(d.bottom, d.top, Math.min(6, ((d.top - d.bottom) * scale) / (4 * size)));
     for (const z of ticks) {
@@ -103,9 +111,7 @@ export class TrueScale extends Painter {
       const line = new Line(g, true, origin, top + (k + 0.5) * row);
       this.font(1, 600);
       this.text(name, r.x, line.center, color);
-      d.scenario.balls.forEach((b, i) =>
-        line.ball(state.position[i] * scale, Math.max(b.radius * scale, 3), -1e4, 1e4, this.style(ghost, i, b.radius * scale)),
-      );
+      line.balls(d.scenario.balls, state.position, scale, 3, (i, radius) => this.look(ghost, i, radius));
     });
   }
 }

@@ -6,8 +6,11 @@ namespace hardlimit::boxes::rules {
 
 class Constant final : public Rule {
 public:
-    static constexpr RuleRecord record = {
-        "constant", "restitution ε", "ε depends on nothing", "", true, false, 0, {}};
+    static constexpr RuleRecord record = {.name = "constant",
+                                          .meaning = "restitution ε",
+                                          .assumes = "ε depends on nothing",
+                                          .takes_restitution = true,
+                                          .error = "constant"};
     static std::unique_ptr<Rule> make(const RuleChoice& choice, const TypicalParticle&) {
         return std::make_unique<Constant>(choice.restitution);
     }

@@ -9,8 +9,11 @@ namespace hardlimit::boxes::rules {
 
 class RestitutionOfLaw {
 public:
-    static constexpr RuleRecord record = {
-        "law", "ε(v) of `law.between(i, j)`", "contacts take no time", "", false, true, 0, {}};
+    static constexpr RuleRecord record = {.name = "law",
+                                          .meaning = "ε(v) of `law.between(i, j)`",
+                                          .assumes = "contacts take no time",
+                                          .takes_law = true,
+                                          .error = "constant"};
     static std::unique_ptr<Rule> make(const RuleChoice& choice, const TypicalParticle& typical) {
         return with_law<std::unique_ptr<Rule>>(choice.law.law, [&]<class Law>() -> std::unique_ptr<Rule> {
             return std::make_unique<Of<Law>>(choice.law, typical);

@@ -18,16 +18,24 @@ struct RuleParameter {
     const char* unit;
     const char* meaning;
 };
-inline constexpr int max_rule_parameters = 2;
+inline constexpr int max_rule_parameters = 2, max_rule_counts = 3;
 
 struct RuleRecord {
     const char* name;
     const char* meaning;  // what a collision does
     const char* assumes;  // what must hold for the rule to be right
-    const char* source;
-    bool takes_restitution, takes_law;  // both: either of the two
-    int n_parameters;
-    RuleParameter parameters[max_rule_parameters];
+    const char* source = "";
+    bool takes_restitution = false, takes_law = false;  // both: either of the two
+    // Whether the rule knows the duration of contacts: a collapse is then not an artefact of instantaneous collisions.
+    bool knows_duration = false;
+    // Rule of the law of the error (error_law.hpp) with the same error: "constant", "tc" or "soft"; empty if not known.
+    const char* error = "";
+    int n_counts = 0;
+    const char* counts[max_rule_counts] =
+        {};                  // attributes of a result; the last is a share of the collisions
+    const char* share = "";  // what this share means
+    int n_parameters = 0;
+    RuleParameter parameters[max_rule_parameters] = {};
 };
 
 // A rule and its parameters, as chosen in Python and stored in checkpoints.

@@ -8,14 +8,17 @@ namespace hardlimit::boxes::rules {
 
 class Soft {
 public:
-    static constexpr RuleRecord record = {"soft",
-                                          "takes the time of a contact and turns the normal, as the law says",
-                                          "no third body touches meanwhile",
-                                          "Müller & Pöschel, Phys. Rev. E 87, 033301 (2013)",
-                                          false,
-                                          true,
-                                          0,
-                                          {}};
+    static constexpr RuleRecord record = {
+        .name = "soft",
+        .meaning = "takes the time of a contact and turns the normal, as the law says",
+        .assumes = "no third body touches meanwhile",
+        .source = "Müller & Pöschel, Phys. Rev. E 87, 033301 (2013)",
+        .takes_law = true,
+        .knows_duration = true,
+        .error = "soft",
+        .n_counts = 3,
+        .counts = {"n_soft", "n_soft_third_body", "third_body_share"},
+        .share = "with a third body in reach"};
     static std::unique_ptr<Rule> make(const RuleChoice& choice, const TypicalParticle& typical) {
         return with_law<std::unique_ptr<Rule>>(choice.law.law, [&]<class Law>() -> std::unique_ptr<Rule> {
             return std::make_unique<Of<Law>>(choice.law, typical);

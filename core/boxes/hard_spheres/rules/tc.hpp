@@ -9,14 +9,20 @@ namespace hardlimit::boxes::rules {
 class Tc final : public Rule {
 public:
     static constexpr RuleRecord record = {
-        "tc",
-        "elastic where a partner has collided less than t_c ago, with anything; else as constant or law",
-        "contacts of many particles lose little energy",
-        "Luding & McNamara, Granular Matter 1, 113 (1998)",
-        true,
-        true,
-        1,
-        {{"contact_duration", "s", "t_c, within which a second collision is elastic"}}};
+        .name = "tc",
+        .meaning =
+            "elastic where a partner has collided less than t_c ago, with anything; else as constant or law",
+        .assumes = "contacts of many particles lose little energy",
+        .source = "Luding & McNamara, Granular Matter 1, 113 (1998)",
+        .takes_restitution = true,
+        .takes_law = true,
+        .knows_duration = true,
+        .error = "tc",
+        .n_counts = 2,
+        .counts = {"n_elastic_by_tc", "elastic_share"},
+        .share = "made elastic by tc",
+        .n_parameters = 1,
+        .parameters = {{"contact_duration", "s", "t_c, within which a second collision is elastic"}}};
     static std::unique_ptr<Rule> make(const RuleChoice& choice, const TypicalParticle& typical) {
         return std::make_unique<Tc>(choice.parameters[0], choice.law ? RestitutionOfLaw::make(choice, typical)
                                                                      : Constant::make(choice, typical));

@@ -19,7 +19,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,7 +53,7 @@ class Types:
 
 def types_of(system: ParticleSystem, law: Law) -> Types:
     """Sort the particles into the types that LAMMPS needs under a law."""
-    needed = _needs(law)
+    needed = model_of(law).needs(law, contact(law, 1.0, 1.0))
     columns = [getattr(system, name) for name in needed]
     if not columns:
         one = (float(system.mass[0]), float(system.radius[0]))
@@ -68,32 +68,26 @@ def types_of(system: ParticleSystem, law: Law) -> Types:
     return Types(inverse.reshape(-1).astype(np.int64), bodies)
 
 
-def _needs(law: Law) -> tuple[str, ...]:
-    """The attributes of particles on which the coefficients depend."""
+class Model(NamedTuple):
+    """One of our laws in LAMMPS."""
+
+    #: From the law, the contact, and its effective mass [kg] and radius [m].
+    coefficients: Callable[[Law, Any, float, float], str]
+    needs: Callable[[Law, Any], tuple[str, ...]]  #: the attributes of particles on which they depend
+
+
+def model_of(law: Law) -> Model:
+    """The law in LAMMPS. Raises ValueError if it has none."""
     name = law.record["name"]
-    if name not in COEFFICIENTS:
-        raise ValueError(f"law: got {law!r}, must be one of {', '.join(COEFFICIENTS)} for engine 'lammps'")
-    unit = contact(law, 1.0, 1.0)
-    if name == "linear":
-        strong = _damping_ratio(unit, 1.0) > LARGEST_RATIO
-        return ("mass",) if "restitution" in law.parameters and strong else ()
-    if name == "viscoelastic":
-        if unit.values()[1] == 0.0:
-            return ()
-        return ("mass",) if "dissipative_time" in law.parameters else ("mass", "radius")
-    ratio = unit.values()[1] / math.sqrt(5.0)
-    if ratio > LARGEST_RATIO:
-        raise ValueError(
-            f"law: got {law!r}, whose damping is {ratio:.3g} times the critical one, must be at most "
-            f"{LARGEST_RATIO:g} times it for engine 'lammps'"
-        )
-    return ("radius",) if "elastic_prefactor" in law.parameters else ()
+    if name not in MODELS:
+        raise ValueError(f"law: got {law!r}, must be one of {', '.join(MODELS)} for engine 'lammps'")
+    return MODELS[name]
 
 
 def between(law: Law, body: tuple[float, float], other: tuple[float, float]) -> str:
     """The coefficients for a contact of two bodies, given as mass [kg] and radius [m]; both are infinite for a wall."""
     mass, radius = (_core.effective(a, b) for a, b in zip(body, other, strict=True))
-    coefficients = COEFFICIENTS[law.record["name"]](law, contact(law, mass, radius), mass, radius)
+    coefficients = model_of(law).coefficients(law, contact(law, mass, radius), mass, radius)
     return f"{coefficients} {COMMON}"
 
 
@@ -115,10 +109,21 @@ def _linear(law: Law, of: Any, mass: float, radius: float) -> str:
     return f"hooke {stiffness!r} {_lammps_restitution(ratio)!r} damping coeff_restitution"
 
 
+def _linear_needs(law: Law, of: Any) -> tuple[str, ...]:
+    strong = _damping_ratio(of, 1.0) > LARGEST_RATIO
+    return ("mass",) if "restitution" in law.parameters and strong else ()
+
+
 def _viscoelastic(law: Law, of: Any, mass: float, radius: float) -> str:
     rho, time = of.values()
     along = rho / math.sqrt(radius)
     return f"hertz {along!r} {1.5 * along * time / mass!r} damping viscoelastic"
+
+
+def _viscoelastic_needs(law: Law, of: Any) -> tuple[str, ...]:
+    if of.values()[1] == 0.0:
+        return ()
+    return ("mass",) if "dissipative_time" in law.parameters else ("mass", "radius")
 
 
 def _tsuji(law: Law, of: Any, mass: float, radius: float) -> str:
@@ -127,10 +132,20 @@ def _tsuji(law: Law, of: Any, mass: float, radius: float) -> str:
     return f"hertz {prefactor / math.sqrt(radius)!r} {e!r} damping coeff_restitution"
 
 
-COEFFICIENTS: Final[dict[str, Callable[[Law, Any, float, float], str]]] = {
-    "linear": _linear,
-    "viscoelastic": _viscoelastic,
-    "tsuji": _tsuji,
+def _tsuji_needs(law: Law, of: Any) -> tuple[str, ...]:
+    ratio = of.values()[1] / math.sqrt(5.0)
+    if ratio > LARGEST_RATIO:
+        raise ValueError(
+            f"law: got {law!r}, whose damping is {ratio:.3g} times the critical one, must be at most "
+            f"{LARGEST_RATIO:g} times it for engine 'lammps'"
+        )
+    return ("radius",) if "elastic_prefactor" in law.parameters else ()
+
+
+MODELS: Final = {
+    "linear": Model(_linear, _linear_needs),
+    "viscoelastic": Model(_viscoelastic, _viscoelastic_needs),
+    "tsuji": Model(_tsuji, _tsuji_needs),
 }
 
 

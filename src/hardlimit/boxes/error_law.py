@@ -1,0 +1,426 @@
+"""``hl.error_law``: the error of event-driven cooling, proportional to t_c ν.
+
+In a cooling gas the relative error of d√(E(0)/E)/dt of hard spheres, compared with Newton's equations at the same
+energy E, is a(φ, ε) t_c ν. E is the energy not yet dissipated, kinetic and stored in contacts.
+docs/error_law.md derives and measures a; core/boxes/common/error_law.hpp has the formulas and the notation.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+
+from .. import _core
+from ..contact.contact import Law
+from ..support import validation
+from .contacts import mean_contact
+from .rules import RULES
+from .system import ParticleSystem
+from .theory import FLUID
+
+#: Rules of collision whose error is known.
+KNOWN_RULES: Final = tuple(rule.name for rule in RULES.values() if rule.error)
+#: Largest packing fraction of disordered particles, by dimension.
+DENSEST: Final = {2: 0.84, 3: 0.64}
+#: Ranges in which the law was measured, by dimension.
+MEASURED_PACKING: Final = {d: _core.error_law_measured[d - 2][:2] for d in DENSEST}
+MEASURED_RESTITUTION: Final = {d: _core.error_law_measured[d - 2][2] for d in DENSEST}
+#: The same for Hertz' laws: smallest and largest packing fraction, smallest restitution.
+MEASURED_HERTZ: Final = {d: _core.error_law_measured_hertz[d - 2] for d in DENSEST}
+#: Largest t_c ν at which the law was measured.
+MEASURED_TC_NU: Final = _core.error_law_measured_tc_nu
+#: From this ε on the theory has no free parameter.
+NEARLY_ELASTIC: Final = _core.error_law_nearly_elastic
+
+#: Steps to the steady energy under the rule tc.
+FIXED_POINT_STEPS: Final = 60
+
+
+class Fluid(NamedTuple):
+    """Structure of the hard-sphere fluid at a packing fraction."""
+
+    dimension: int
+    packing_fraction: float
+    contact_value: float  #: χ
+    growth: float  #: D φ χ'/χ
+    slope: float  #: s = −g'(d⁺) d/χ
+    density: float  #: D 2^D φ χ: t_c ν for particles whose mean greatest compression is the diameter
+
+
+def fluid(dimension: int, phi: float) -> Fluid:
+    return Fluid(dimension, phi, *_core.hard_sphere_fluid(dimension, phi))
+
+
+class Exponents(NamedTuple):
+    """Exponents of a contact law at small compressions: U ∝ ξ^q, C ∝ ξ^c."""
+
+    energy: float  #: q
+    damping: float  #: c
+
+    @classmethod
+    def of(cls, powers: tuple[int, int]) -> Exponents:
+        """Those of a force K ξ^p + C ξ^q dξ/dt, from 4p and 4q."""
+        return cls(0.25 * powers[0] + 1.0, 0.25 * powers[1])
+
+    @property
+    def mean_compression(self) -> float:
+        """M, the mean of ξ over C e^{−U/mT}, over the range of the repulsion ∫ e^{−U/mT} dξ; 2/π for linear springs."""
+        q, c = self
+        found: float = math.gamma((c + 2) / q) / (math.gamma((c + 1) / q) * math.gamma(1 + 1 / q))
+        return found
+
+    @property
+    def mean_duration(self) -> float:
+        """Mean of t_c over collisions, divided by t_c at the mean impact speed √(πT); t_c ∝ v^{2/q − 1}.
+
+        The impact speeds have the density ∝ v e^{−v²/4T}.
+        """
+        p = 2.0 / self.energy - 1.0
+        return math.gamma(1.0 + 0.5 * p) / float((0.25 * math.pi) ** (0.5 * p))
+
+
+#: Powers of the contact forces that were measured (``Exponents.of``): linear, Tsuji's and viscoelastic.
+MEASURED_POWERS: Final = ((4, 0), (6, 1), (6, 2))
+LINEAR, *HERTZ = map(Exponents.of, MEASURED_POWERS)
+
+
+def exponents(law: Law) -> Exponents:
+    """The exponents of a law; without damping, those of the same law with damping."""
+    return Exponents.of(law.record["powers"])
+
+
+class Softness(NamedTuple):
+    """Contacts of a gas at the mean impact speed √(πT). NaN for particles at rest."""
+
+    duration: float  #: t_c [s]
+    restitution: float  #: ε
+    delta_over_d: float  #: δ/d, greatest compression over the diameter
+
+
+def softness(law: Law, system: ParticleSystem, temperature: Any) -> Softness:
+    """The contact of two particles of mean mass and radius at the mean impact speed at these temperatures [m²/s²].
+
+    For linear springs, whose compression is proportional to the speed, δ/d is the mean over all contacts.
+    """
+    speed = math.sqrt(math.pi) * float(np.sqrt(np.maximum(temperature, 0.0)).mean())
+    if not 0.0 < speed < math.inf:
+        return Softness(math.nan, math.nan, math.nan)
+    contact, at = mean_contact(system, law), np.array([speed])
+    duration, restitution, depth = (
+        float(of(at)[0]) for of in (contact.duration, contact.restitution, contact.compression)
+    )
+    return Softness(duration, restitution, depth / (2.0 * float(system.radius.mean())))
+
+
+class ShearedErrors(NamedTuple):
+    """Relative errors in steady shear at equal shear rate; made by ``ErrorLaw.sheared_errors``."""
+
+    temperature: float  #: of the granular temperature
+    stress: float  #: of shear stress, apparent viscosity and dissipation
+
+
+def viscosity_error(phi: float) -> float:
+    """Error of the shear viscosity of hard spheres at equal kinetic temperature, per t_c ν; ε → 1, linear springs.
+
+    Enskog's viscosity, in units of that of a thin gas, is (1 + P)²/χ + M with P = 8φχ/5 and M = 768φ²χ/(25π). To first
+    order in w/d = t_c ν/(24φχ), the kinetic stress of soft spheres relaxes more slowly by R w/d, their coupling P is
+    less by C w/d, and M, of collisions between layers of the flow, by L w/d: docs/driven_gases.md.
+    """
+    one = fluid(3, phi)
+    chi, s, growth = one.contact_value, one.slope, one.growth
+    coupling, layers = 1.6 * phi * chi, 768.0 / (25.0 * math.pi) * phi**2 * chi
+    kinetic = (1.0 + coupling) ** 2 / chi
+    slower = 0.5 * math.pi + s + growth  # R
+    uncoupled = 7.5 + 0.5 * s + growth  # C
+    lost = 13.0 / 8.0 * math.pi + (1.0 - 0.25 * math.pi) * s + growth  # L
+    change = kinetic * slower - 2.0 * coupling * (1.0 + coupling) / chi * uncoupled - layers * lost
+    return -change / ((kinetic + layers) * one.density)
+
+
+# --- the result ---------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class ErrorLaw:
+    """Error of event-driven cooling in proportion to t_c ν; made by :func:`error_law`.
+
+    The error is (rate of √(E(0)/E) of the hard spheres)/(the same under Newton's equations) − 1 at equal energies E.
+    It is positive if hard spheres cool too fast.
+
+    Notes
+    -----
+    Derived and measured in :doc:`/error_law`. The effect of the rule tc: Luding & Goldshtein, Granular
+    Matter 5, 159 (2003).
+
+    Examples
+    --------
+    >>> law = hl.error_law(packing_fraction=0.2, restitution=0.9)
+    >>> print(law)
+    constant at φ = 0.2, ε = 0.9: error of the cooling 0.63 t_c ν (± 0.03), 1 % at
+    t_c ν = 0.016
+    """
+
+    packing_fraction: float  #: φ
+    restitution: float  #: ε
+    dimension: int  #: 2 or 3
+    rule: str  #: name of the rule
+    coefficient: float  #: a, the error over t_c ν for t_c ν → 0
+    coefficient_error: float  #: its standard error
+    source: str  #: "theory", "measured" or "both"
+    extrapolated: str  #: which argument is outside the measured range, in words; empty if none is
+    decay: float = field(default=0.0, repr=False)  #: 2k of the rule tc; 0 for other rules
+    stored: float = field(default=math.nan, repr=False)  #: share of elastic energy at ε → 1, per t_c ν
+    delay: float = field(default=math.nan, repr=False)  #: mean t_c over t_c at the mean impact speed, over D
+
+    def error(self, tc_nu: float) -> float:
+        """Relative error of the cooling: a t_c ν; for the rule tc (1 + (a + 2k) t_c ν) e^{−2k t_c ν} − 1.
+
+        Parameters
+        ----------
+        tc_nu : float
+            t_c ν at this instant, at least 0: contact duration at the mean impact speed √(πT) times Enskog's rate.
+
+        Returns
+        -------
+        float
+
+        Raises
+        ------
+        ValueError
+            If it is negative or not finite.
+        """
+        return self._values.error(_tc_nu(tc_nu))
+
+    def error_bar(self, tc_nu: float) -> float:
+        """Standard error of :meth:`ErrorLaw.error`. Above the largest measured t_c ν, 0.3, it grows with the excess.
+
+        Argument and errors as for :meth:`ErrorLaw.error`.
+        """
+        return self._values.error_bar(_tc_nu(tc_nu))
+
+    def heated_error(self, tc_nu: float) -> float:
+        """Relative error of the granular temperature in the steady state at equal heating power.
+
+        T of the hard spheres over that under Newton's equations, less 1; NaN where t_c ν is so large that the expansion
+        leaves no kinetic energy. :doc:`/driven_gases` derives it and :doc:`/results` measures it.
+
+        Notes
+        -----
+        Hard spheres of the energy E dissipate 1 + e times as much as a cooling gas under Newton's equations with the
+        same energy not yet dissipated, and both grow as E^(3/2). In a steady state, Newton's gas also holds the energy
+        that contacts in progress will still dissipate, for t_c/2 on average, a share (1 − ε²) t_c ν/(2D), which a
+        cooling gas has lost before. A share (1 − (1 − ε²)/2) t_c ν/(Dq) is stored in contacts (elastic energy ∝ ξ^q)
+        and is no kinetic energy. The rule tc dissipates less at a higher temperature: its factor e^(−2k t_c ν) holds at
+        its own temperature.
+
+        Argument and errors as for :meth:`ErrorLaw.error`, with t_c ν in the steady state under Newton's equations.
+        """
+        x = _tc_nu(tc_nu)
+        slower = 1.0 + (self.coefficient + self.decay) * x
+        if not slower > 0.0:
+            return math.nan
+        root = 1.0  # √(E of the rule/E under Newton's equations)
+        for _ in range(FIXED_POINT_STEPS):
+            root = (math.exp(min(self.decay * x * root, 50.0)) / slower) ** (1.0 / 3.0)
+        return root**2 / self._kinetic_share(x) - 1.0
+
+    def sheared_errors(self, tc_nu: float) -> ShearedErrors:
+        """Relative errors of granular temperature and shear stress in steady shear at equal shear rate.
+
+        Hard spheres over Newton's equations, less 1, for spheres with linear springs and a constant ε.
+        :doc:`/driven_gases` derives them and :doc:`/results` measures them.
+
+        Parameters
+        ----------
+        tc_nu : float
+            t_c ν in the steady state under Newton's equations, at least 0.
+
+        Returns
+        -------
+        ShearedErrors
+            Of temperature and stress; NaN where t_c ν is so large that the expansion leaves no kinetic energy.
+
+        Raises
+        ------
+        ValueError
+            If it is negative or not finite, or for disks, other contact laws, the rules tc and soft, and φ above 0.49.
+
+        Notes
+        -----
+        Shear works η γ̇² per volume. With η ∝ √T and the dissipation ∝ T^(3/2) of hard spheres, their temperature is
+        (1 + e_η)/(1 + e_Γ) times that under Newton's equations, where e are the errors of viscosity and dissipation at
+        equal kinetic temperature. e_Γ is that of :meth:`ErrorLaw.heated_error`; e_η is that of Enskog's viscosity.
+
+        Examples
+        --------
+        >>> law = hl.error_law(packing_fraction=0.3, restitution=0.9)
+        >>> f"stress {law.sheared_errors(0.1).stress:.1%}"
+        'stress 4.6%'
+        """
+        x = _tc_nu(tc_nu)
+        if reason := self.no_shear():
+            accepted = f"spheres up to φ = {FLUID[3]:g} with linear springs and a constant ε"
+            raise ValueError(f"sheared_errors: got {reason}, must be {accepted}")
+        viscosity = 1.0 + x * viscosity_error(self.packing_fraction)
+        kinetic = self._kinetic_share(x)
+        slowed = 1.0 + self.coefficient * x
+        if not (viscosity > 0.0 and kinetic > 0.0 and slowed > 0.0):
+            return ShearedErrors(math.nan, math.nan)
+        temperature = viscosity / (slowed * kinetic**1.5)
+        return ShearedErrors(temperature - 1.0, viscosity * math.sqrt(temperature) - 1.0)
+
+    def _kinetic_share(self, x: float) -> float:
+        """Kinetic energy under Newton's equations over that which contacts will not dissipate; NaN if one is none."""
+        half_lost = 0.5 * (1.0 - self.restitution**2)
+        kinetic, kept = 1.0 - (1.0 - half_lost) * self.stored * x, 1.0 - half_lost * self.delay * x
+        return kinetic / kept if kinetic > 0.0 and kept > 0.0 else math.nan
+
+    def no_shear(self) -> str:
+        """Why the errors under shear are not known; empty if they are.
+
+        :meta private:
+        """
+        if self.dimension != 3:
+            return "disks"
+        if RULES[self.rule].error != "constant":
+            return f"the rule {self.rule}"
+        linear = LINEAR.mean_duration / 3.0
+        if not np.allclose((self.stored, self.delay), (linear / LINEAR.energy, linear), rtol=1e-6):
+            return "another contact law"
+        return f"φ = {self.packing_fraction:g}" if self.packing_fraction > FLUID[3] else ""
+
+    def largest_tc_nu(self, error: float = 0.01) -> float:
+        """The largest t_c ν up to which the size of the error is at most ``error``; at most 0.3, the largest measured.
+
+        Parameters
+        ----------
+        error : float
+            In (0, 1].
+
+        Returns
+        -------
+        float
+
+        Raises
+        ------
+        ValueError
+            If ``error`` is outside its range.
+        """
+        return self._values.largest_tc_nu(validation.number("error", error, 0.0, 1.0, highest_allowed=True))
+
+    def delta_over_d(self, tc_nu: float) -> float:
+        """δ/d, the mean greatest compression of undamped linear contacts over the diameter: t_c ν/(D 2^D φ χ).
+
+        Argument and errors as for :meth:`ErrorLaw.error`.
+        """
+        return _tc_nu(tc_nu) / fluid(self.dimension, self.packing_fraction).density
+
+    @property
+    def _values(self) -> _core.ErrorLaw:
+        return _core.ErrorLaw(self.coefficient, self.coefficient_error, self.decay)
+
+    def __str__(self) -> str:
+        size = f"{self.coefficient:.2g} t_c ν (± {self.coefficient_error:.1g})"
+        limit = f"1 % at t_c ν = {self.largest_tc_nu():.2g}"
+        beyond = f"; {self.extrapolated}" if self.extrapolated else ""
+        where = f"{self.rule} at φ = {self.packing_fraction:g}, ε = {self.restitution:g}"
+        return f"{where}: error of the cooling {size}, {limit}{beyond}"
+
+
+def _tc_nu(value: Any) -> float:
+    return validation.number("tc_nu", value, 0.0, lowest_allowed=True)
+
+
+def error_law(
+    *,
+    packing_fraction: float,
+    restitution: float,
+    dimension: int = 3,
+    rule: str = "constant",
+    law: Law | None = None,
+) -> ErrorLaw:
+    """The error that an event-driven simulation of a cooling gas makes, in proportion to t_c ν.
+
+    The law holds for equal smooth spheres or disks without lasting contacts, with t_c ν up to 0.3 and the compressions
+    that contact laws allow. t_c ν is the value at the instant: it falls while the gas cools.
+
+    Parameters
+    ----------
+    packing_fraction : float
+        φ, up to 0.64 for spheres and 0.84 for disks.
+    restitution : float
+        ε, in [0, 1]; at 1 the limit of weak damping. If it depends on the speed, its value at the mean impact speed
+        √(πT).
+    dimension : int
+        3 for spheres, 2 for disks.
+    rule : {"constant", "law", "tc", "soft"}
+        As for :func:`event_driven`. If ε of the contact law depends on the speed, the rule constant has a further
+        error, which does not vanish with t_c ν and is not contained here.
+    law : Law, optional
+        Contact law under Newton's equations; only the exponents of its elastic and damping forces matter. Default: the
+        linear dashpot. If t_c depends on the speed, as in Hertz' law, t_c ν is taken at the mean impact speed √(πT).
+
+    Returns
+    -------
+    ErrorLaw
+        Outside the range of the measurements its text and ``extrapolated`` say so, and its error is larger. They are
+        0.02 ≤ φ ≤ 0.5, ε ≥ 0.4 for spheres and 0.05 ≤ φ ≤ 0.7, ε ≥ 0.6 for disks with linear springs; 0.05 ≤ φ ≤ 0.5,
+        ε ≥ 0.6 and 0.4 ≤ φ ≤ 0.6, ε ≥ 0.8 for Tsuji's and viscoelastic contacts.
+
+    Raises
+    ------
+    ValueError
+        If an argument is outside its range.
+
+    Notes
+    -----
+    For ε → 1 the coefficient follows from equilibrium averages, without a free parameter; its dependence on ε is partly
+    derived and partly measured (:doc:`/error_law`). Berzi & Jenkins, Soft Matter 11, 4799 (2015), correct
+    kinetic theory for the contact duration by one constant.
+
+    Examples
+    --------
+    >>> law = hl.error_law(packing_fraction=0.2, restitution=0.99)
+    >>> f"{law.coefficient:.2f}"
+    '0.68'
+    """
+    dim = validation.whole("dimension", dimension, 2, 3)
+    phi = validation.number("packing_fraction", packing_fraction, 0.0, DENSEST[dim], highest_allowed=True)
+    epsilon = validation.number(
+        "restitution", restitution, 0.0, 1.0, lowest_allowed=True, highest_allowed=True
+    )
+    name = validation.one_of("rule", rule, KNOWN_RULES)
+    if law is not None and not isinstance(law, Law):
+        raise ValueError(f"law: got {validation.shown(law)}, must be a contact law such as LinearDashpot")
+    return of_exponents(dim, phi, epsilon, name, LINEAR if law is None else exponents(law))
+
+
+def of_exponents(dim: int, phi: float, epsilon: float, name: str, powers: Exponents) -> ErrorLaw:
+    """The law of the error for a contact force with these exponents, from checked arguments."""
+    same = RULES[name].error
+    found = _core.error_law(dim, phi, epsilon, same, *powers, powers.mean_compression, powers.mean_duration)
+    source = "measured" if same == "soft" else "theory" if epsilon >= NEARLY_ELASTIC else "both"
+    beyond = _outside(dim, phi, epsilon, powers)
+    delay = powers.mean_duration / dim
+    values = found.coefficient, found.coefficient_error
+    return ErrorLaw(
+        phi, epsilon, dim, name, *values, source, beyond, found.decay, delay / powers.energy, delay
+    )
+
+
+def _outside(dimension: int, phi: float, epsilon: float, powers: Exponents) -> str:
+    """Which arguments are outside the range of the measurements, in words."""
+    (thin, dense), least = MEASURED_PACKING[dimension], MEASURED_RESTITUTION[dimension]
+    found = []
+    if not np.allclose(powers, LINEAR, atol=1e-3):
+        thin, dense, least = MEASURED_HERTZ[dimension]
+        if not any(np.allclose(powers, one, atol=1e-3) for one in HERTZ):
+            found.append(f"laws with U ∝ ξ^{powers.energy:.3g}, C ∝ ξ^{powers.damping:.3g} were not measured")
+    if not thin <= phi <= dense:
+        found.append(f"the packing fraction {phi:.3g} is outside the measured range {thin:g} to {dense:g}")
+    if epsilon < least:
+        found.append(f"the restitution {epsilon:.3g} is below the measured range from {least:g} on")
+    return " and ".join(found)

@@ -1,0 +1,254 @@
+"""The answer in one sentence: yes, no, or that it cannot be said, with the number that decides."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from decimal import ROUND_CEILING, Context
+
+from ..boxes.error_law import MEASURED_TC_NU
+from ..support.formatting import digits, listed, percent, percent_with_error
+from .contacts import CheckedContact
+from .drive import Drive
+from .expectation import ACCEPTED
+from .result import Finding
+
+#: Options that supply what is missing.
+OPTIONS = {
+    "speeds": "--speed",
+    "packing": "--packing-fraction",
+}
+
+
+#: The error of each quantity, how event-driven simulations are off, and the words for too large and too small.
+ERROR_OF = {
+    "cooling": "the error of the cooling",
+    "temperature": "the error of the temperature",
+    "stress": "the error of the shear stress",
+}
+VERBS = {
+    "cooling": "event-driven cools",
+    "temperature": "event-driven is",
+    "stress": "the shear stress of event-driven is",
+}
+WAYS = {
+    "cooling": ("too fast", "too slowly"),
+    "temperature": ("too hot", "too cold"),
+    "stress": ("too high", "too low"),
+}
+HOMOGENEOUS = "the law of the error is that of a homogeneous gas"
+
+
+@dataclass(frozen=True)
+class Question:
+    """What is asked of the contacts."""
+
+    quantity: str = "cooling"  #: "temperature" of a heated gas, "stress" of a sheared one
+    dumped: bool = False  #: whether a dump was given
+    driven: str = ""  #: what drives the box so that no law of the error holds, in words
+    option: str = ""  #: of ``hardlimit gas compare``, which drives a box in the same way
+    purpose: Drive | None = None  #: what the box is run for, if not to cool
+
+
+def answer(
+    rows: Sequence[CheckedContact],
+    invalidates: Sequence[Finding],
+    unknown: Sequence[Finding],
+    missing: Sequence[str],
+    question: Question = Question(),
+) -> tuple[bool | None, str]:
+    """Whether event-driven simulation is admissible, and the sentence."""
+    if invalidates:
+        return False, _invalid(invalidates)
+    if question.driven:
+        return None, f"Cannot be said: {_driven(rows, question)}."
+    pairs = [row for row in rows if row.types[1] != "wall"]
+    known = [row for row in pairs if judged(row, question) is not None and "speeds" not in missing]
+    if found := _too_wrong(pairs, known, missing, question):
+        return False, f"No: {found}."
+    if unknown:
+        return None, f"Cannot be said: this is not understood: {unknown[0].where or unknown[0].what}"
+    if rubbing := [row for row in pairs if row.friction != 0.0]:
+        return None, f"Cannot be said: {_rubs(rubbing, question)}."
+    if missing or len(known) < len(pairs) or not known:
+        return None, f"Cannot be said: {_not_known(missing, question)}."
+    worst = max(known, key=lambda row: sum(_error(row, question)))
+    if sum(_error(worst, question)) > ACCEPTED:
+        return (
+            None,
+            f"Cannot be said: {_off(worst, question)}, and {percent(ACCEPTED)} is within the error bar.",
+        )
+    small = f"{_off(worst, question)}, less than {percent(ACCEPTED)}"
+    if any(row.friction != 0.0 for row in rows):
+        return None, f"Cannot be said: {small}, but walls rub, which the law of the error leaves out."
+    return True, f"Yes: {small}; {_may(worst)}."
+
+
+def judged(row: CheckedContact, question: Question) -> tuple[float, float] | None:
+    """The error that decides, and its error bar; None if it is not known."""
+    value, bar = {
+        "cooling": row.error.get(row.rule, (None, None)),
+        "temperature": (row.heated_error, row.heated_error_bar),
+        "stress": (row.sheared_error, row.sheared_error_bar),
+    }[question.quantity]
+    return None if value is None or bar is None else (value, bar)
+
+
+def _too_wrong(
+    pairs: Sequence[CheckedContact],
+    known: Sequence[CheckedContact],
+    missing: Sequence[str],
+    question: Question,
+) -> str:
+    """Why the answer is no: contacts last too long, or an error is surely too large; empty if there is no reason."""
+    longest = max(pairs, key=lambda row: row.tc_nu or 0.0, default=None)
+    if longest is not None and (longest.tc_nu or 0.0) > MEASURED_TC_NU and "speeds" not in missing:
+        return f"{_far(longest, question)}{_needs(longest)}"
+    by_size = sorted(known, key=lambda row: sum(_error(row, question)), reverse=True)
+    surest = max(known, key=lambda row: _error(row, question)[0] - _error(row, question)[1], default=None)
+    for row in (*by_size[:1], *([surest] if surest else [])):
+        value, bar = _error(row, question)
+        if value - bar > ACCEPTED:
+            return f"{_off(row, question)}{_needs(row)}"
+    return ""
+
+
+def _driven(rows: Sequence[CheckedContact], question: Question) -> str:
+    """What drives the box, and what to do: our own engines have no friction."""
+    if rubbing := [row for row in rows if row.friction != 0.0]:
+        return f"{question.driven}, grains rub ({_friction(rubbing)}), and {HOMOGENEOUS} without friction"
+    how = f" (hardlimit gas compare {question.option})" if question.option else ""
+    return f"{question.driven}, and {HOMOGENEOUS}: run both{how}"
+
+
+def _friction(rows: Sequence[CheckedContact]) -> str:
+    """The coefficient of friction, or the smallest and the largest."""
+    values = [row.friction for row in rows if row.friction is not None]
+    if len(values) < len(rows):
+        return "μ is not known"
+    return f"μ = {'–'.join(dict.fromkeys(digits(one, 3) for one in (min(values), max(values))))}"
+
+
+def _rubs(rows: Sequence[CheckedContact], question: Question) -> str:
+    """That grains rub, and the error that they would have without friction."""
+    pairs = listed(list(dict.fromkeys("–".join(row.types) for row in rows)))
+    error = ERROR_OF[question.quantity]
+    text = f"grains {pairs} rub ({_friction(rows)}), and {error} is known only without friction"
+    smooth = [row for row in rows if row.frictionless_error is not None]
+    if not smooth:
+        return text
+    worst = max(smooth, key=lambda row: abs(row.frictionless_error or 0.0))
+    value = worst.frictionless_error or 0.0
+    way = WAYS[question.quantity][value < 0.0]
+    return f"{text}, where it is about {percent(abs(value))} ({way}) at {_numbers(worst)}"
+
+
+def _not_known(missing: Sequence[str], question: Question) -> str:
+    """What is missing for an answer."""
+    if missing:
+        are = "is" if list(missing) == ["packing"] else "are"
+        return f"{listed(missing)} {are} not known{given_by(missing, question.dumped)}"
+    if question.quantity == "cooling":
+        return "the error is not known for so dense a packing"
+    return f"{ERROR_OF[question.quantity]} is not known for these grains and this packing"
+
+
+def steady(rows: Sequence[CheckedContact], drive: Drive | None, plain: bool) -> str:
+    """From where the speed of a driven gas comes; rows in SI units."""
+    pairs = [
+        row for row in rows if row.types[1] != "wall" and row.speed is not None and row.tc_nu is not None
+    ]
+    if drive is None or not pairs:
+        return ""
+    worst = max(pairs, key=lambda row: row.tc_nu or 0.0)
+    speed = worst.speed or 0.0
+    shown = digits(speed, 2) if plain else f"{digits(speed, 2)} m/s"
+    text = f" Impacts at {shown} are those of the steady state under {drive.words(plain)}"
+    theory = ["kinetic theory"] * (drive.shear_rate is not None)
+    theory += ["of grains without friction"] * any(row.friction != 0.0 for row in pairs)
+    return f"{text} ({' '.join(theory)})." if theory else f"{text}."
+
+
+def given_by(missing: Sequence[str], dumped: bool) -> str:
+    """Which options give what is missing."""
+    options = [OPTIONS[one] for one in missing if one in OPTIONS]
+    if not options:
+        return " (they are not in the script)"
+    return (
+        f" (not in the dump; give {listed(options)})" if dumped else f" (give --dump, or {listed(options)})"
+    )
+
+
+def _error(row: CheckedContact, question: Question) -> tuple[float, float]:
+    """The size of the error that decides, and its error bar."""
+    value, bar = judged(row, question) or (0.0, 0.0)
+    return abs(value), bar
+
+
+def _invalid(invalidates: Sequence[Finding]) -> str:
+    first = invalidates[0]
+    kinds = tuple(dict.fromkeys(first.types or ()))
+    where = f" of type{'s' * (len(kinds) > 1)} {listed(kinds)}" if kinds else ""
+    others = f" and {len(invalidates) - 1} more" if len(invalidates) > 1 else ""
+    return f"No: {first.what}{where}{others}, which no event-driven simulation can follow."
+
+
+def _off(row: CheckedContact, question: Question) -> str:
+    """How far the quantity is off, and where."""
+    value, bar = judged(row, question) or (0.0, 0.0)
+    pair = "–".join(row.types)
+    rule = "" if row.rule == "constant" else f", rule {row.rule}"
+    size = f"{percent_with_error(abs(value), bar)} {WAYS[question.quantity][value < 0.0]}"
+    return f"{VERBS[question.quantity]} {size} at {_numbers(row)} (grains {pair}{rule})"
+
+
+def _numbers(row: CheckedContact) -> str:
+    return f"t_c ν = {digits(row.tc_nu or 0.0, 2)}, δ/d = {digits(row.delta_over_d or 0.0, 2)}"
+
+
+def _far(row: CheckedContact, question: Question) -> str:
+    """That contacts last too long for the law of the error."""
+    smooth = question.quantity == "cooling" and row.friction == 0.0
+    off = (
+        f"event-driven is off by far more than {percent(ACCEPTED)}" if smooth else "contacts overlap in time"
+    )
+    return (
+        f"t_c ν = {digits(row.tc_nu or 0.0, 2)} (grains {'–'.join(row.types)}) is above {MEASURED_TC_NU:g}, "
+        f"where {off}"
+    )
+
+
+def _needs(row: CheckedContact) -> str:
+    """The stiffness with which the error is 1 %, error bar included; empty if it is not known."""
+    if row.spring is None or row.softening is None:
+        return (
+            ""
+            if row.softening is None
+            else f"; {percent(ACCEPTED)} takes {_at_least(row.softening)} times the stiffness"
+        )
+    name, value, needed = row.spring
+    return f"; {percent(ACCEPTED)} takes {stiffness(name)} of {_with_unit(row, needed)} instead of {digits(value, 3)}"
+
+
+def _may(row: CheckedContact) -> str:
+    """How soft the grains may be."""
+    softer = row.softening or 1.0
+    if row.spring is None or softer >= 1.0:
+        return f"{percent(ACCEPTED)} allows {_at_least(softer)} times the stiffness"
+    name, value, needed = row.spring
+    return f"you may soften to {stiffness(name)} of {_with_unit(row, needed)} from {digits(value, 3)}"
+
+
+def stiffness(name: str) -> str:
+    """The parameter that sets the stiffness, in words."""
+    words = name.replace("_", " ").replace("youngs", "Young's")
+    return f"{'an' if words[0] in 'aeiou' else 'a'} {words}"
+
+
+def _with_unit(row: CheckedContact, value: float) -> str:
+    return f"{_at_least(value)} {row.stiffness_unit}".rstrip()
+
+
+def _at_least(value: float) -> str:
+    """Two digits, rounded up."""
+    return digits(float(Context(2, ROUND_CEILING).create_decimal_from_float(value)), 2)

@@ -1,0 +1,391 @@
+"""The contacts of a script, of a system or of numbers: which bodies meet, and by which force."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from datetime import datetime
+from itertools import permutations
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+
+from .. import _core
+from ..boxes.system import ParticleSystem
+from ..contact.balls import Ball
+from ..contact.contact import Law, law_parameters
+from ..convert.codes import Code, Model, Pair, Written, code
+from ..convert.force import AdhesiveForce, ContactArea, Force
+from ..convert.formulas import DEFAULT_POISSON_RATIO, Numbers
+from ..convert.wanted import LAWS
+from ..support.formatting import digits, listed, quantity
+from ..support.units import SYSTEMS
+from .contacts import Body, Case, CheckedContact, KnownBody
+from .models import selected
+from .scripts import ContactSettings, Description, Grains, Quote, Stage
+
+WALL = "wall"
+#: In place of the name of a wall: the second grain is one of those of its type that do not move.
+FIXED = "fixed"
+#: Most differences in a remark, and the smallest relative one.
+MOST, DIFFERENT = 4, 0.02
+
+
+@dataclass(frozen=True)
+class ModelForce:
+    """The force of a model of a code, with the settings that it was read from."""
+
+    model: Model
+    numbers: Numbers
+    attraction: bool
+    contact: ContactSettings
+    cohesion: tuple[Any, float] | None = None  #: LIGGGHTS' model and its energy density [J/m³]
+    #: The force before versions of the code that changed it, if the version is not known.
+    others: tuple[tuple[str, ModelForce], ...] = ()
+
+    def written(self, first: KnownBody, second: KnownBody | None, speed: float) -> Written:
+        """The model applied to two bodies."""
+        other = KnownBody(math.inf, math.inf, self.contact.wall_mass) if second is None else second
+        mass, radius = _core.effective(first.mass, other.mass), _core.effective(first.radius, other.radius)
+        counted = None if other.formula_mass is None else _core.effective(first.mass, other.formula_mass)
+        pair = Pair("", mass, radius * self.contact.wall_radius, second is None, formula_mass=counted)
+        nu = self.numbers.get("poisson_ratio", DEFAULT_POISSON_RATIO)
+        return Written(self.model, pair, speed, self.attraction, nu)
+
+    def __call__(self, first: KnownBody, second: KnownBody | None, speed: float) -> Force:
+        force = self.written(first, second, speed).force(self.numbers)
+        if self.cohesion is None:
+            return force
+        kind, density = self.cohesion
+        area = ContactArea(kind, first.radius, math.inf if second is None else second.radius)
+        return AdhesiveForce(
+            force.powers, force.stiffness, force.damping, force.effective_mass, density, area
+        )
+
+    @property
+    def spring(self) -> tuple[str, float, float] | None:
+        """The number that sets the stiffness, its value, and the power with which it does."""
+        power = 0.8 if self.model.spring.given == "impact" else 1.0
+        name = next((name for name in SPRINGS if name in self.numbers), None)
+        return None if name is None else (name, self.numbers[name], power)
+
+
+def energy_density(contact: ContactSettings, units: str = "si") -> tuple[Any, float] | None:
+    """LIGGGHTS' model of cohesion and its energy density [J/m³]; None without one, or if that is not known."""
+    mass, length, time = SYSTEMS[units]
+    model, density = (contact.settings.get(name) for name in ("cohesion", "cohesionEnergyDensity"))
+    if model is None or model.words[0] not in ("sjkr", "sjkr2") or density is None:
+        return None
+    return model.words[0], float(density.words[0]) * mass / (length * time**2)
+
+
+#: The numbers of codes that set a stiffness.
+SPRINGS: Final = ("stiffness", "youngs_modulus")
+#: Unit of a stiffness or a modulus, with the power of length.
+STIFFNESS_UNIT: Final = re.compile(r"Pa|N/m(?:\^([\d.]+))?")
+
+
+def _spring_of(law: Law) -> tuple[str, tuple[float, float, float]] | None:
+    """The parameter that sets the stiffness, and the powers of mass, length and time in its unit."""
+    known = law_parameters(type(law))
+    for name in law.parameters:
+        if unit := STIFFNESS_UNIT.fullmatch(known[name]["unit"]):
+            power = 2.0 if unit[0] == "Pa" else float(unit[1] or 1.0)
+            return name, (1.0, 1.0 - power, -2.0)
+    return None
+
+
+@dataclass(frozen=True)
+class LawForce:
+    """The force of one of our own laws."""
+
+    law: Law
+
+    def __call__(self, first: KnownBody, second: KnownBody | None, speed: float) -> Force:
+        ball = Ball(first.radius, mass=first.mass)
+        contact = self.law.between(
+            *[ball] if second is None else [ball, Ball(second.radius, mass=second.mass)]
+        )
+        coefficients = contact.core.coefficients
+        assert coefficients is not None  # check accepts no other law
+        return Force(LAWS[self.law.record["name"]], *coefficients, contact.effective_mass)
+
+
+# --- scripts ------------------------------------------------------------------------------------------------
+
+
+class NotModelled(NamedTuple):
+    """A contact that no model describes."""
+
+    types: tuple[str, str]
+    why: str
+    quote: Quote | None
+
+
+@dataclass(frozen=True)
+class Remarks:
+    """What the contacts of a script add to its lists."""
+
+    versions: tuple[str, ...]  #: what holds only since a version of the code
+    not_modelled: tuple[NotModelled, ...]
+
+
+def of_script(description: Description) -> tuple[list[Case], Remarks]:
+    """Each contact of each stage at the smallest and the largest sizes, in the units of the script.
+
+    A stage whose contacts and time step are those of the stage before is left out, as are pairs that do not move.
+    """
+    found = code(description.code)
+    cases: list[Case] = []
+    since, failed = dict[str, dict[str, None]](), dict[NotModelled, None]()
+    before: Stage | None = None
+    for number, stage in enumerate(description.stages, 1):
+        if before is not None and _state(stage) == _state(before):
+            continue
+        before = stage
+        forces: list[tuple[ContactSettings, ModelForce | None]] = []
+        for contact in stage.contacts:
+            if contact.adhesion and energy_density(contact) is None:
+                forces.append((contact, None))
+                continue
+            try:
+                forces.append((contact, force_of(found, contact, description.version)))
+                if contact.since and description.version is None:
+                    since.setdefault(contact.since, {})["–".join(contact.types)] = None
+            except ValueError as error:
+                why = str(error).removeprefix("input: ")
+                failed[NotModelled(contact.types, why, contact.quotes[0] if contact.quotes else None)] = None
+                forces.append((contact, None))
+        materials = _materials(forces)
+        for contact, known in forces:
+            cases += _ends(number, stage, contact, known, materials)
+    said = [
+        f"{listed(list(names))}: mixed as {found.title} does since {limit}; before, their numbers do not determine ε."
+        for limit, names in since.items()
+    ]
+    return cases, Remarks(tuple(said), tuple(failed))
+
+
+def of_other_versions(
+    title: str, rows: Sequence[CheckedContact], plain: Callable[[CheckedContact], bool]
+) -> Iterator[str]:
+    """What contacts are in other versions of the code, for rows in SI units or, if ``plain(row)``, in ``lj`` units."""
+    found: dict[str, dict[str, dict[str, None]]] = {}
+    for row in rows:
+        for before, *values in row.other_versions:
+            parts = found.setdefault(before, {})
+            for name, old, new in zip(("ε", "t_c"), values, (row.restitution, row.duration), strict=True):
+                if old is not None and new is not None and not math.isclose(old, new, rel_tol=DIFFERENT):
+                    shown = [
+                        digits(x, 3) if plain(row) or name == "ε" else quantity(x, "s", 3) for x in (old, new)
+                    ]
+                    parts.setdefault(f"{name} {shown[0]} instead of {shown[1]}", {})["–".join(row.types)] = (
+                        None
+                    )
+    for before, parts in found.items():
+        texts = [f"{text} ({', '.join(pairs)})" for text, pairs in parts.items()]
+        more = len(texts) - MOST
+        if texts:
+            yield f"{title} before {before}: {'; '.join(texts[:MOST])}{f'; and {more} more' if more > 0 else ''}."
+
+
+def _materials(
+    forces: Sequence[tuple[ContactSettings, ModelForce | None]],
+) -> dict[str, tuple[float, float]]:
+    """Young's modulus and Poisson's ratio of each type; between two types, settings may have effective ones."""
+    return {
+        contact.types[0]: (force.numbers["youngs_modulus"], force.numbers.get("poisson_ratio", 0.0))
+        for contact, force in forces
+        if force is not None and len(set(contact.types)) == 1 and "youngs_modulus" in force.numbers
+    }
+
+
+def _state(stage: Stage) -> object:
+    """What two stages must share for their contacts to be the same."""
+    contacts = [
+        (
+            one.types,
+            one.wall,
+            one.wall_mass,
+            one.wall_radius,
+            one.friction,
+            {name: setting.words for name, setting in one.settings.items()},
+        )
+        for one in stage.contacts
+    ]
+    return contacts, stage.grains, stage.time_step, stage.numerical_damping, stage.units, stage.dimension
+
+
+def force_of(
+    source: Code,
+    contact: ContactSettings,
+    version: str | None,
+    models: Sequence[Model] = (),
+    units: str = "si",
+) -> ModelForce:
+    """The force of a contact as in this version of the code, by default the newest.
+
+    ``models``: those of the code by default. ``units``: of the script, to have the numbers in SI units.
+    """
+    read = selected(source, models or source.models, contact.settings, units)
+    known = None if version is None else _date(version)
+    if contact.since and known is not None and known < (_date(contact.since) or known):
+        raise ValueError(f"not mixed before {contact.since}")
+
+    def force(version: tuple[int, ...] | None) -> ModelForce:
+        model = _as_of(read.model, version, contact.types[1] == WALL)
+        attracts = {"always": True, "never": False}.get(model.attracts, read.attracts)
+        return ModelForce(model, read.numbers, attracts, contact, energy_density(contact, units))
+
+    examined = [one for one in read.model.difference if not one.unknown and known is None]
+    limits = {one.since or one.before for one in examined}
+    older: list[tuple[str, ModelForce]] = []
+    newest = later = force(known)
+    for limit in sorted(limits, key=_just_before, reverse=True):
+        before = force(_just_before(limit))
+        if before.model != later.model:
+            older.append((limit, before))
+        later = before
+    return replace(newest, others=tuple(older))
+
+
+def _as_of(model: Model, version: tuple[int, ...] | None, wall: bool) -> Model:
+    """The model in a version of the code, by default the newest."""
+    for one in model.difference:
+        since = not one.since or version is None or version >= (_date(one.since) or version)
+        before = not one.before or (version is not None and version < (_date(one.before) or version))
+        if since and before and (wall or not one.walls):
+            if one.unknown:
+                raise ValueError(
+                    f"{model.name}: another force from {one.since} to {one.before}, which is not known"
+                )
+            damping, spring = one.damping or model.damping, one.spring or model.spring
+            model = replace(model, damping=damping, spring=spring, attracts=one.attracts or model.attracts)
+    return model
+
+
+def _just_before(limit: str) -> tuple[int, ...]:
+    """A version older than this one, and not older than those before."""
+    *first, last = _date(limit) or (0,)
+    return (*first, last - 1)
+
+
+def _date(version: str) -> tuple[int, ...] | None:
+    """A version as numbers that can be compared: ``2 Sep 2026`` or ``2023.02a``."""
+    if day := re.search(r"\d{1,2} [A-Z][a-z]{2} \d{4}", version):
+        try:
+            moment = datetime.strptime(day[0], "%d %b %Y")
+        except ValueError:
+            return None
+        return moment.year, moment.month, moment.day
+    numbers = re.search(r"\d+(?:\.\d+)+", version)
+    return tuple(map(int, numbers[0].split("."))) if numbers else None
+
+
+def _ends(
+    number: int,
+    stage: Stage,
+    contact: ContactSettings,
+    force: ModelForce | None,
+    materials: Mapping[str, tuple[float, float]],
+) -> Iterator[Case]:
+    """The contact at the smallest and at the largest sizes; one if they are equal. Then those with fixed grains."""
+    grains = [stage.grains.get(name, Grains(name)) for name in contact.types if name != WALL]
+    if all(one.frozen for one in grains):
+        return
+    if not (len(set(contact.types)) == 1 and grains[0].alone):
+        yield from _between(number, stage, contact, force, materials, grains)
+    for first, second in {
+        (one.type, other.type): (one, other) for one, other in permutations(grains, 2)
+    }.values():
+        if second.partly_frozen and not first.frozen:
+            pair = [first, second.fixed or replace(second, frozen=True)]
+            yield from _between(number, stage, replace(contact, wall=FIXED), force, materials, pair)
+
+
+def _between(
+    number: int,
+    stage: Stage,
+    contact: ContactSettings,
+    force: ModelForce | None,
+    materials: Mapping[str, tuple[float, float]],
+    grains: list[Grains],
+) -> Iterator[Case]:
+    """The contact of two grains, or of a grain and a wall, at the ends of their sizes."""
+    grains.sort(key=lambda one: one.frozen)  # the first moves
+    ends = [[body(one, k) for one in grains] for k in (0, 1)]
+    for bodies in ends if ends[0] != ends[1] else ends[:1]:
+        yield Case(
+            contact.types,
+            number,
+            contact.wall,
+            bodies[0],
+            bodies[1] if len(bodies) > 1 else None,
+            force,
+            None if force is None else force.model.name,
+            None if force is None else force.numbers.get("restitution", contact.asked),
+            None if force is None else not force.attraction,
+            stage.time_step,
+            stage.numerical_damping,
+            (materials.get(grains[0].type), materials.get(grains[-1].type)),
+            None if force is None else force.spring,
+            () if force is None else force.others,
+            contact.friction,
+            None if force is None or force.spring is None else force.model.unit(force.spring[0]),
+        )
+
+
+def body(grains: Grains, end: int) -> Body:
+    """The smallest (``end`` 0) or the largest grain."""
+    radius, density, mass = (
+        None if ends is None or not 0.0 < ends[end] < math.inf else ends[end]
+        for ends in (grains.radii, grains.densities, grains.masses)
+    )
+    if radius is not None:
+        volume = 4.0 / 3.0 * math.pi * radius**3
+        if mass is None and density is not None:
+            mass = volume * density or None
+        elif density is None and mass is not None and volume > 0.0:
+            density = mass / volume
+    fixed = grains.frozen and grains.counted
+    return Body(radius, math.inf if grains.frozen and not fixed else mass, density, fixed)
+
+
+# --- systems and numbers --------------------------------------------------------------------------------------
+
+
+def of_law(balls: Sequence[Ball], law: Law, walls: bool, time_step: float | None) -> list[Case]:
+    """The contacts of the smallest and the largest ball under one of our laws, and with a wall."""
+    bodies = [Body(ball.radius, ball.mass, ball.density) for ball in balls]
+    force, p, spring = LawForce(law), law.parameters, _spring_of(law)
+    material = (p["youngs_modulus"], p["poisson_ratio"]) if "youngs_modulus" in p else None
+
+    def case(first: Body, second: Body | None) -> Case:
+        types = (str(bodies.index(first) + 1), WALL if second is None else str(bodies.index(second) + 1))
+        return Case(
+            types,
+            1,
+            None,
+            first,
+            second,
+            force,
+            law.record["name"],
+            law.parameters.get("restitution"),
+            True,
+            time_step,
+            materials=(material, material),
+            spring=spring and (spring[0], p[spring[0]], 1.0),
+            spring_powers=spring and spring[1],
+        )
+
+    pairs = [case(one, other) for i, one in enumerate(bodies) for other in bodies[i:]]
+    return pairs + [case(one, None) for one in bodies] * walls
+
+
+def sizes(system: ParticleSystem) -> list[Ball]:
+    """The smallest and the largest particle of a system."""
+    ends = dict.fromkeys(int(f(system.radius)) for f in (np.argmin, np.argmax))
+    balls = [Ball(float(system.radius[k]), mass=float(system.mass[k])) for k in ends]
+    return balls[:1] if len(set(balls)) == 1 else balls

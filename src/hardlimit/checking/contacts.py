@@ -1,0 +1,378 @@
+"""Compute one contact at one impact speed: restitution, duration, steps, overlap, error of event-driven cooling.
+
+A radius, a mass or a speed may be unknown. A result is then computed for several trial values, and kept if all agree.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, Final, NamedTuple
+
+import scipy
+
+from ..boxes.error_law import KNOWN_RULES, MEASURED_TC_NU
+from ..boxes.rules import DEFAULTS, RULES
+from ..boxes.theory import Gas
+from ..boxes.time_step import DEFAULT_ERROR
+from ..convert.force import AdhesiveForce, Collision, Force
+from .expectation import ACCEPTED, Expected, expected
+
+#: Values tried for an unknown radius, mass and speed, far apart: a contact may be overdamped at two of them only.
+TRIALS: Final = {
+    "radius": (1e-3, 3e-3, 1.0, 1e-6),
+    "mass": (1e-6, 5e-6, 1e30, 1e-30),
+    "speed": (1.0, 0.3, 30.0, 1e-4),
+}
+FIXED_POINT_STEPS: Final = 20  #: of the largest t_c ν
+AGREEMENT: Final = 1e-6  #: relative difference of results that count as equal
+
+
+@dataclass(frozen=True)
+class Body:
+    """A grain in a contact. Its mass is infinite if it does not move; radius and mass are None if unknown."""
+
+    radius: float | None
+    mass: float | None
+    density: float | None = None
+    fixed: bool = False  #: whether it does not move although its mass is finite in the code's formulas
+
+    def tried(self, k: int) -> KnownBody:
+        """The body, with trial values in place of unknown ones."""
+        radius = TRIALS["radius"][k] if self.radius is None else self.radius
+        mass = TRIALS["mass"][k] if self.mass is None else self.mass
+        return KnownBody(radius, math.inf, mass) if self.fixed else KnownBody(radius, mass)
+
+
+class KnownBody(NamedTuple):
+    """Radius and mass of a body, known or tried."""
+
+    radius: float
+    mass: float
+    formula_mass: float | None = None  #: in the code's formulas, if it is another one
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """What is known of the gas in which the contacts take place."""
+
+    dimension: int = 3
+    packing_fraction: float | None = None
+    #: Mean impact speed √(πT) and mean diameter, if measured in a dump; else those of each contact.
+    mean_speed: float | None = None
+    diameter: float | None = None
+    quantity: str = "cooling"  #: that the gas is judged by: a field of ``Expected``
+    #: Error of the temperature over that at equal heating power, at a mean impact speed; None: no bath.
+    heat_share: Callable[[float], float] | None = None
+    restitution_error: float = DEFAULT_ERROR  #: that a time step may cause
+    rubs: bool = False  #: whether there is friction between some of its grains
+
+    def collision_rate(self, speed: float, diameter: float) -> float:
+        """Enskog's collision rate of one grain, where ``speed`` is the mean impact speed √(πT)."""
+        assert self.packing_fraction is not None
+        radius = 0.5 * diameter
+        ball = math.pi * radius**2 if self.dimension == 2 else 4.0 / 3.0 * math.pi * radius**3
+        gas = Gas(1, radius, 1.0, ball / self.packing_fraction, self.dimension)
+        return float(gas.collision_rate(speed * speed / math.pi))
+
+
+#: The force between two bodies, the second of which is None at a wall, at an impact speed.
+MakeForce = Callable[[KnownBody, KnownBody | None, float], Force]
+
+
+@dataclass(frozen=True)
+class Case:
+    """The contacts of two types of grains, or of a type and a wall, at one end of their sizes."""
+
+    types: tuple[str, str]
+    stage: int
+    wall: str | None  #: name of the wall
+    first: Body
+    second: Body | None  #: None at a wall
+    force: MakeForce | None  #: None if no model of normal contacts describes it
+    model: str | None = None
+    restitution_asked: float | None = None
+    clipped: bool | None = None
+    time_step: float | None = None
+    numerical_damping: float | None = None
+    #: Young's modulus and Poisson's ratio of each body.
+    materials: tuple[tuple[float, float] | None, ...] = (None, None)
+    #: Number that sets the stiffness, its value in the units of the script, and the power with which it does.
+    spring: tuple[str, float, float] | None = None
+    #: The force before versions of the code that changed it.
+    others: tuple[tuple[str, MakeForce], ...] = ()
+    friction: float | None = 0.0  #: coefficient of sliding friction; None if not known
+    #: Powers of mass, length and time in the unit of the number that sets the stiffness.
+    spring_powers: tuple[float, float, float] | None = None
+
+
+class OtherVersion(NamedTuple):
+    """A contact in older versions of its code; returned by :func:`hardlimit.check`. None: not known."""
+
+    before: str  #: the version that changed the force
+    restitution: float | None  #: ε before it
+    duration: float | None  #: [s]
+
+
+#: The error of cooling and its error bar, by rule of collision.
+Errors = Mapping[str, tuple[float, float]]
+
+
+@dataclass(frozen=True)
+class CheckedContact:
+    """A contact at one impact speed; returned by :func:`hardlimit.check`. None stands for what is not known."""
+
+    types: tuple[str, str]  #: the second is ``"wall"`` at a wall
+    stage: int  #: number of the run in the script, from 1
+    wall: str | None  #: name of the wall
+    model: str | None  #: as in :func:`hardlimit.convert`
+    radius: float | None  #: [m]
+    other_radius: float | None  #: [m]; None at a wall
+    density: float | None  #: of the first body [kg/m³]
+    restitution_asked: float | None  #: ε in the script
+    clipped: bool | None  #: whether the force never attracts
+    speed: float | None  #: impact speed [m/s]
+    adhesive: bool = False  #: whether the bodies attract each other beside the damping
+    restitution: float | None = None  #: ε that the code really gives
+    duration: float | None = None  #: [s]
+    steps_per_contact: int | None = None  #: whole time steps in a contact
+    restitution_error_of_step: float | None = None  #: error of ε by the time step
+    time_step: float | None = None  #: [s], with the error of ε that is accepted, by default 0.001
+    rayleigh_time: float | None = None  #: πR√(ρ/G)/(0.1631 ν + 0.8766) [s], G = Y/(2 + 2ν); the shorter
+    p_wave_time: float | None = None  #: R√(ρ/Y) [s]; the shorter of both grains
+    largest_overlap: float | None = None  #: over the smaller radius
+    tc_nu: float | None = None  #: duration times collision rate of a grain
+    delta_over_d: float | None = None  #: greatest overlap at the mean impact speed, over the diameter
+    error: Errors = field(default_factory=dict)  #: of event-driven cooling
+    rule: str = "constant"  #: of the event-driven simulation that the answer is about: "law" if ε depends on the speed
+    heated_error: float | None = None  #: of the temperature of an event-driven gas at equal heating
+    heated_error_bar: float | None = None  #: its standard error
+    sheared_error: float | None = None  #: of the shear stress of event-driven spheres at equal shear rate
+    sheared_error_bar: float | None = None  #: its standard error
+    friction: float | None = 0.0  #: coefficient of sliding friction; with friction, no error is known
+    frictionless_error: float | None = None  #: of the quantity asked for, without friction
+    softening: float | None = None  #: factor of the stiffness at an error of 1 %, with its bar
+    spring: tuple[str, float, float] | None = None  #: name of the stiffness, value, value after this change
+    other_versions: tuple[OtherVersion, ...] = ()  #: of the code, if the script does not state its version
+    stiffness_unit: str = ""  #: in which these values are; empty in lj units
+
+
+def examine(case: Case, speeds: Sequence[float | None], gas: Surroundings) -> list[CheckedContact]:
+    """The contact at each speed, None if no speed is known; one without a speed if nothing depends on it."""
+    rows = [_at(case, speed, gas) for speed in speeds]
+    if rows[0].largest_overlap is None and list(speeds) != [None]:  # known, it depends on the speed
+        anywhere = _at(case, None, gas)
+        if all(replace(row, speed=None) == anywhere for row in rows):
+            return [anywhere]
+    return rows
+
+
+def _at(case: Case, speed: float | None, gas: Surroundings) -> CheckedContact:
+    row = CheckedContact(
+        case.types,
+        case.stage,
+        case.wall,
+        case.model,
+        case.first.radius,
+        None if case.second is None else case.second.radius,
+        case.first.density,
+        case.restitution_asked,
+        case.clipped,
+        speed,
+        friction=case.friction,
+    )
+    if case.force is None:
+        return row
+    bodies = (case.first, case.second or case.first)
+    known = speed is not None and all(body.radius is not None and body.mass is not None for body in bodies)
+    tried = [
+        (
+            case.first.tried(k),
+            None if case.second is None else case.second.tried(k),
+            TRIALS["speed"][k] if speed is None else speed,
+        )
+        for k in range(1 if known else len(TRIALS["speed"]))
+    ]
+    found = [_results(case, *one, gas) for one in tried]
+    kept: dict[str, Any] = {name: _agreed([one.get(name) for one in found]) for name in found[0]}
+    errors = {str(rule): (kept.pop(rule), kept.pop(f"{rule}±")) for rule in KNOWN_RULES if rule in kept}
+    if (steps := kept.get("steps_per_contact")) is not None:
+        kept["steps_per_contact"] = math.floor(steps)
+    if case.spring is not None and kept.get("softening") is not None:
+        name, value, power = case.spring
+        kept["spring"] = name, value, value * kept["softening"] ** (1.0 / power)
+    kept["other_versions"] = tuple(_other_version(case, *one, tried) for one in case.others)
+    return replace(row, **kept, error={rule: pair for rule, pair in errors.items() if None not in pair})
+
+
+def _other_version(
+    case: Case, before: str, make: MakeForce, tried: Sequence[tuple[KnownBody, KnownBody | None, float]]
+) -> OtherVersion:
+    found = [collision_of(make(*one), one[2], case.numerical_damping) for one in tried]
+    return OtherVersion(before, _agreed([c.restitution for c in found]), _agreed([c.duration for c in found]))
+
+
+def _agreed(values: Sequence[Any]) -> Any:
+    """The common value; None if the values differ or one of them is missing or infinite."""
+    if isinstance(values[0], str):
+        return values[0]
+    known = [value for value in values if value is not None and math.isfinite(value)]
+    if len(known) < len(values):
+        return None
+    close = all(math.isclose(value, known[0], rel_tol=AGREEMENT, abs_tol=1e-12) for value in known)
+    return known[0] if close else None
+
+
+def _results(
+    case: Case, first: KnownBody, second: KnownBody | None, speed: float, gas: Surroundings
+) -> dict[str, Any]:
+    """All results for known bodies and a known speed."""
+    assert case.force is not None
+    force = case.force(first, second, speed)
+    collision = collision_of(force, speed, case.numerical_damping)
+    smaller = first.radius if second is None else min(first.radius, second.radius)
+    found: dict[str, Any] = {
+        "rule": usual_rule(force),
+        "adhesive": isinstance(force, AdhesiveForce),
+        "restitution": collision.restitution,
+        "duration": collision.duration,
+        "time_step": force.longest_step(speed, gas.restitution_error),
+        "largest_overlap": collision.compression / smaller,
+    }
+    waves = [
+        _wave_times(body, material)
+        for body, material in zip((first, second), case.materials, strict=True)
+        if body is not None and material is not None and math.isfinite(body.mass)
+    ]
+    if waves:
+        found["p_wave_time"], found["rayleigh_time"] = map(min, zip(*waves, strict=True))
+    if case.time_step is not None:
+        found["steps_per_contact"] = (
+            collision.duration / case.time_step if math.isfinite(collision.duration) else None
+        )
+        found["restitution_error_of_step"] = force.error_of_step(speed, case.time_step)
+    return found | _in_gas(case, force, first, second, speed, gas, collision)
+
+
+def _wave_times(body: KnownBody, material: tuple[float, float]) -> tuple[float, float]:
+    """Times of the P wave and of the Rayleigh wave in a grain of this Young's modulus and Poisson's ratio."""
+    modulus, nu = material
+    wave = body.radius * math.sqrt(body.mass / (4.0 / 3.0 * math.pi * body.radius**3) / modulus)
+    return wave, math.pi * wave * math.sqrt(2.0 + 2.0 * nu) / (0.1631 * nu + 0.8766)
+
+
+def _in_gas(
+    case: Case,
+    force: Force,
+    first: KnownBody,
+    second: KnownBody | None,
+    speed: float,
+    gas: Surroundings,
+    collision: Collision,
+) -> dict[str, Any]:
+    """δ/d, t_c ν and the error of event-driven cooling."""
+    diameter = first.radius + (first.radius if second is None else second.radius)
+    mean = collision
+    if gas.mean_speed is not None:
+        force = case.force(first, second, gas.mean_speed) if case.force else force
+        mean = collision_of(force, gas.mean_speed, case.numerical_damping)
+    found: dict[str, Any] = {"delta_over_d": mean.compression / diameter}
+    if gas.packing_fraction is None or not math.isfinite(mean.duration):
+        return found
+    rate = gas.collision_rate(gas.mean_speed or speed, gas.diameter or diameter)
+    tc_nu = found["tc_nu"] = mean.duration * rate
+    if second is None or isinstance(force, AdhesiveForce):
+        return found
+    exponent = 0.25 * force.powers.elastic + 1.0
+    clipped = replace(force, powers=replace(force.powers, attracts=False))
+    prolonged = 1.0 - clipped.collision(gas.mean_speed or speed).duration / mean.duration
+    # It is the law of equal grains: others have another collision rate, by about the ratio of their radii.
+    radii = first.radius, second.radius
+    unequal = min(max(radii) / min(radii) - 1.0, 1.0)
+
+    def with_bar(rule: str, tc_nu: float) -> Expected | None:
+        assert gas.packing_fraction is not None
+        one = expected(rule, gas.dimension, gas.packing_fraction, mean.restitution, force.powers, tc_nu)
+        # Measured for forces that never attract; attraction prolongs the contact.
+        if one is not None and one.temperature is not None and gas.heat_share is not None:
+            share = gas.heat_share(gas.mean_speed or speed)
+            one = one._replace(temperature=(one.temperature[0] * share, one.temperature[1] * share))
+        return one and one.wider(math.hypot(prolonged, unequal))
+
+    usual = usual_rule(force)
+    known = with_bar(usual, tc_nu)
+    if case.friction != 0.0 or gas.rubs:
+        asked = None if known is None else getattr(known, gas.quantity)
+        return found | {"frictionless_error": None if asked is None else asked[0]}
+    for rule in KNOWN_RULES:
+        if RULES[rule].has_constant_restitution and usual == DEFAULTS["law"]:
+            continue  # its error has another cause as well, the ε that depends on the speed
+        if (one := with_bar(rule, tc_nu)) is not None:
+            found[rule], found[f"{rule}±"] = one.cooling
+    if known is not None:
+        found["heated_error"], found["heated_error_bar"] = known.temperature or (None, None)
+        found["sheared_error"], found["sheared_error_bar"] = known.stress or (None, None)
+        largest = _largest_tc_nu(lambda x: getattr(with_bar(usual, x), gas.quantity))
+        found["softening"] = None if largest is None else (tc_nu / largest) ** exponent
+    return found
+
+
+def _largest_tc_nu(error: Callable[[float], tuple[float, float] | None]) -> float | None:
+    """t_c ν at which error and bar make 1 %, at most the largest measured; None if the error is not known.
+
+    Both are nearly in proportion to t_c ν, so that a few steps of a fixed point suffice.
+    """
+    x = MEASURED_TC_NU
+    for _ in range(FIXED_POINT_STEPS):
+        if (one := error(x)) is None:
+            return None
+        size, before = abs(one[0]) + one[1], x
+        x = MEASURED_TC_NU if size == 0.0 else min(x * ACCEPTED / size, MEASURED_TC_NU)
+        if math.isclose(x, before, rel_tol=1e-12):
+            break
+    return x
+
+
+def restitution_of(case: Case, speed: float) -> float:
+    """ε of a contact whose bodies are known, at an impact speed."""
+    assert case.force is not None
+    second = None if case.second is None else case.second.tried(0)
+    return collision_of(
+        case.force(case.first.tried(0), second, speed), speed, case.numerical_damping
+    ).restitution
+
+
+def usual_rule(force: Force) -> str:
+    """The rule for this force in an event-driven simulation: "law" if ε depends on the speed, else "constant"."""
+    constant = 2 * force.powers.damping == force.powers.elastic - 4 and not isinstance(force, AdhesiveForce)
+    return DEFAULTS["restitution" if constant else "law"]
+
+
+def collision_of(force: Force, speed: float, damping: float | None) -> Collision:
+    """The collision, with the numerical damping of the integrator if there is one."""
+    if not damping:
+        return force.collision(speed)
+    found = force.numerically_damped(speed, damping)
+    lasts = found.restitution == 0.0
+    return replace(found, duration=math.inf if lasts else _duration(force, damping, speed))
+
+
+def _duration(force: Force, damping: float, speed: float) -> float:
+    """Duration with a numerical damping d: the force counts 1 + d times while it decelerates, then 1 − d times."""
+    _, time = force.scales(speed)
+    p, q, c = 0.25 * force.powers.elastic, 0.25 * force.powers.damping, force.relative_damping(speed)
+
+    def push(x: float, v: float) -> float:
+        return float(max(x, 0.0) ** p + c * max(x, 0.0) ** q * v)
+
+    def rates(_: float, y: Sequence[float]) -> list[float]:
+        a = push(*y)
+        return [y[1], -a * (1.0 + damping * math.copysign(1.0, a * y[1]))]
+
+    def end(_: float, y: Sequence[float]) -> float:
+        return float(y[0] if force.powers.attracts or y[1] > 0.0 else min(push(*y), y[0]))
+
+    end.terminal, end.direction = True, -1.0  # type: ignore[attr-defined]
+    done = scipy.integrate.solve_ivp(rates, (0.0, 1e4), [0.0, 1.0], events=end, rtol=1e-9, atol=1e-12)
+    return float(done.t[-1] * time) if done.status == 1 else math.inf

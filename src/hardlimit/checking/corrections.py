@@ -1,0 +1,165 @@
+"""Lines of a script with the numbers that give the restitution that was asked for, and a time step that resolves it."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import Final, NamedTuple
+
+from ..convert import texts
+from ..support.formatting import digits
+from .cases import FIXED, ModelForce
+from .contacts import Case, CheckedContact, Surroundings, examine
+from .scripts import Setting
+from .scripts.formulas import NUMBER
+
+#: Differences of ε from the one asked for, and errors of ε by the time step, that need no correction.
+TOLERATED: Final = 5e-3
+ENOUGH: Final = 1.05  #: times the accepted error
+STEP: Final = {"yade": "O.dt = {}"}
+DAMPING_LAW: Final = "Law2_ScGeom_MindlinPhys_Mindlin()"
+DAMPED: Final = "NewtonIntegrator(damping=0)  # in O.engines, with its other arguments; ε is then {}"
+
+Examined = Sequence[tuple[Case, CheckedContact]]
+
+
+def lines(code: str, examined: Examined, accepted: float, with_step: bool = True) -> list[str]:
+    """Corrected lines; ``accepted`` is the error of ε that the time step may cause.
+
+    A numerical damping is left out only if the script asks for an ε: without it, grains may be undamped.
+    """
+    found = dict.fromkeys(_numbers(examined))
+    steps = [row.time_step for _, row in examined if row.time_step and _too_long(row, accepted)]
+    asked = [one.restitution_asked for one, _ in examined if one.restitution_asked is not None]
+    damped = bool(asked and examined[-1][0].numerical_damping)
+    then = span(asked) if found else undamped(examined)
+    if steps and with_step:
+        found[STEP.get(code, "timestep {}").format(texts.rounded_down(min(steps)))] = None
+    if damped and then is not None:
+        found[DAMPED.format(then)] = None
+    return list(found)
+
+
+def undamped(examined: Examined) -> str | None:
+    """ε without numerical damping; None if it is not known."""
+    rows = [
+        examine(replace(case, numerical_damping=None), [row.speed], Surroundings())[0]
+        for case, row in examined
+    ]
+    epsilons = [row.restitution for row in rows if row.restitution is not None]
+    return span(epsilons) if epsilons and len(epsilons) == len(rows) else None
+
+
+def span(values: Sequence[float]) -> str:
+    """The smallest and the largest value in words."""
+    return " to ".join(dict.fromkeys(digits(one, 3) for one in (min(values), max(values))))
+
+
+def _too_long(row: CheckedContact, accepted: float) -> bool:
+    """Whether the time step changes ε."""
+    error = row.restitution_error_of_step
+    return row.steps_per_contact is not None and (
+        error is None or error > ENOUGH * accepted
+    )  # None: the contact does not end
+
+
+class Need(NamedTuple):
+    """The number that a contact needs in a statement, and the statement with it; no line if it has this number."""
+
+    case: Case
+    number: str
+    line: str | None
+
+
+def _numbers(examined: Examined) -> Iterator[str]:
+    """The lines whose number gives another ε than the one asked for."""
+    needed: dict[tuple[str, ...], list[Need]] = {}
+    for case, row in examined:
+        asked, force = case.restitution_asked, case.force
+        if asked is None or not isinstance(force, ModelForce) or row.restitution is None or row.adhesive:
+            continue
+        if force.contact.asked is not None:
+            yield f"{DAMPING_LAW}  # in place of {force.contact.settings['betan'].text}"
+            continue
+        bodies = case.first.tried(0), None if case.second is None else case.second.tried(0)
+        name = force.model.damping.number
+        setting, place = _place(force, name)
+        new, line = setting.words[place], None
+        made = force(*bodies, 1.0)
+        if abs(made.collision(1.0).restitution - asked) > TOLERATED:
+            numbers = force.written(*bodies, 1.0).numbers(made.stiffness, asked)
+            if numbers is None:
+                yield f"# {_label(case)}: this model cannot have ε = {asked:g}"
+                continue
+            new = f"{numbers[name]:.6g}"
+            line = (
+                replaced(setting, place, new)
+                or f"# {name} {new} in place of {setting.words[place]}: {setting.text}"
+            )
+        needed.setdefault((setting.text, *setting.words), []).append(Need(case, new, line))
+    for needs in needed.values():
+        yield from _corrected(needs)
+
+
+def _corrected(needs: Sequence[Need]) -> Iterator[str]:
+    """A line for each number that contacts need in one statement; which contacts, if they need several."""
+    numbers: dict[str, dict[str, None]] = {}
+    for pair in dict.fromkeys(_label(one.case) for one in needs):
+        members = [one for one in needs if _label(one.case) == pair]
+        several = len({one.number for one in members}) > 1
+        runs = len({one.case.stage for one in members}) > 1
+        for one in members:
+            numbers.setdefault(one.number, {})[_label(one.case, several, runs)] = None
+    for number, contacts in numbers.items():
+        line = next((one.line for one in needs if one.number == number and one.line), None)
+        others = [
+            f"{', '.join(labels)} need{'s' * (len(labels) == 1)} {n}"
+            for n, labels in numbers.items()
+            if n != number
+        ]
+        if line is not None:
+            yield f"{line}  # {', '.join(contacts)}; {'; '.join(others)}" if others else line
+
+
+def _label(case: Case, full: bool = False, run: bool = False) -> str:
+    """The types of a contact; if ``full``, its wall and its radii in the script's unit, and its ``run``."""
+    pair = "–".join(case.types) + (f" {FIXED}" if case.wall == FIXED else "")
+    if not full:
+        return pair
+    radii = [one.radius for one in (case.first, case.second) if one is not None and one.radius is not None]
+    sizes = ", ".join(dict.fromkeys(map(digits, radii)))
+    wall = f" {case.wall}" if case.wall not in (None, FIXED) else ""
+    return f"{pair}{wall}{f' R {sizes}' if sizes else ''}{f' in run {case.stage}' if run else ''}"
+
+
+def _place(force: ModelForce, name: str) -> tuple[Setting, int]:
+    """The setting that has a number, and which of its words it is."""
+    for setting, words in force.model.input.reads.items():
+        for k, word in enumerate(words.split()):
+            if word == f"{{{name}}}":
+                return force.contact.settings[setting], k
+    raise AssertionError(name)
+
+
+def replaced(setting: Setting, place: int, new: str) -> str | None:
+    """The statement with another number; None if it stands there as a variable or cannot be told from others."""
+    text = setting.text.strip()
+    words = r"\s+".join(f"({re.escape(word)})" for word in setting.words)
+    matches = list(re.finditer(rf"(?<!\S){words}(?!\S)", text))
+    spans = [match.span(place + 1) for match in matches]
+    if len(setting.words) == 1:
+        spans = [
+            m.span()
+            for m in re.finditer(r"(?<![\w.])[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?(?![\w.])", text)
+            if _equal(m[0], setting.words[0])
+        ]
+    if len(spans) != 1:
+        return None
+    first, last = spans[0]
+    return text[:first] + new + text[last:]
+
+
+def _equal(word: str, other: str) -> bool:
+    return NUMBER.fullmatch(other) is not None and math.isclose(float(word), float(other), rel_tol=1e-12)

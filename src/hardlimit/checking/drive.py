@@ -1,0 +1,253 @@
+"""What drives a gas: the temperature at which collisions dissipate what heating or shear supplies, and shaken walls."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from ..boxes.system import ParticleSystem
+from ..boxes.theory import FLUID, Gas
+from ..boxes.thermostats import Andersen, RandomKicks
+from ..support import validation
+from ..support.formatting import digits, quantity
+from .contacts import Case, restitution_of
+from .scripts import ContactSettings, Stage
+from .scripts.description import WALL, Motion
+from .scripts.motion import acceleration
+
+#: Number of steps in which ε and the speed, on which it may depend, become consistent.
+STEPS: Final = 40
+#: Restitution below which kinetic theory of shear is not used.
+LEAST_IN_SHEAR: Final = 0.5
+#: 1 − ε below which grains count as elastic: more than the rounding error of a computed ε.
+ELASTIC: Final = 1e-10
+
+
+@dataclass(frozen=True)
+class Drive:
+    """What keeps a gas in motion: a heating power of each grain, a shear rate, Andersen's bath, or shear and power."""
+
+    power: float | None = None
+    shear_rate: float | None = None
+    bath: tuple[float, float] | None = None  #: temperature, or energy k_B T, and rate at which it is restored
+    per_mass: bool = True  #: whether the bath has a temperature in m²/s², not an energy
+
+    def in_units(self, mass: float, length: float, time: float) -> Drive:
+        """The same in units of these sizes."""
+        power = None if self.power is None else self.power * time**3 / (mass * length**2)
+        rate = None if self.shear_rate is None else self.shear_rate * time
+        bath = self.bath
+        if bath is not None:
+            unit = (1.0 if self.per_mass else mass) * (length / time) ** 2
+            bath = bath[0] / unit, bath[1] * time
+        return Drive(power, rate, bath, self.per_mass)
+
+    @property
+    def quantity(self) -> str:
+        """The quantity for which the box is run, whose error decides."""
+        return "temperature" if self.shear_rate is None else "stress"
+
+    def words(self, plain: bool) -> str:
+        """What supplies the energy."""
+        if self.power is not None and self.shear_rate is not None:
+            return "shear and a thermostat"
+        if self.power is not None:
+            return f"a power of {digits(self.power, 3) if plain else quantity(self.power, 'W', 3)} for each grain"
+        if self.shear_rate is not None:
+            return f"a shear rate of {digits(self.shear_rate, 3)}{'' if plain else '/s'}"
+        return "the thermostat"
+
+    def temperature(self, gas: Gas, restitution: float) -> float:
+        """Granular temperature in the steady state. ``gas`` has one grain."""
+        if self.power is not None:
+            return gas.heated_temperature(self.power, restitution)
+        if self.shear_rate is not None:
+            return gas.sheared_temperature(self.shear_rate, restitution)
+        assert self.bath is not None
+        hot, rate = self.bath[0] / (1.0 if self.per_mass else gas.mass), self.bath[1]
+        # rate (T_b − T) = (1 − ε²) ν(T) T/d with ν ∝ √T, in x = √(T/T_b): x² + c x³ = 1.
+        c = (1.0 - restitution**2) * float(gas.collision_rate(hot)) / (gas.dimension * rate)
+        roots = np.roots([c, 1.0, 0.0, -1.0]) if c > 0.0 else np.array([1.0])
+        x = next(float(one.real) for one in roots if abs(one.imag) < 1e-9 and one.real > 0.0)
+        return hot * x * x
+
+    def heat_share(self, gas: Gas, speed: float) -> float:
+        """Error of the temperature over that at equal heating power, at this mean impact speed.
+
+        A bath restores the temperature: with r(T_b − T) ∝ T^(3/2) and a relative error of the loss, the change of T
+        is −(T_b − T)/(T + 3/2 (T_b − T)) of that error, at equal power −2/3.
+        """
+        assert self.bath is not None
+        temperature = speed**2 / math.pi
+        below = max(self.bath[0] / (1.0 if self.per_mass else gas.mass) - temperature, 0.0)
+        return 1.5 * below / (temperature + 1.5 * below)
+
+    def speed(self, case: Case, dimension: int, packing_fraction: float | None) -> float | None:
+        """Mean impact speed √(πT) of a contact's grains; None if it is not known, or theory does not apply.
+
+        ε is that of the contact at this speed. Grains of two sizes count as equal ones of their mean size and mass.
+        """
+        gas = None if case.force is None else self.gas(case, dimension, packing_fraction)
+        if gas is None:
+            return None
+        speed, restitution = 0.0, 0.9
+        for _ in range(STEPS):
+            before, speed = speed, math.sqrt(math.pi * self.temperature(gas, restitution))
+            if not 0.0 < speed < math.inf:
+                return None
+            restitution = restitution_of(case, speed)
+            least = LEAST_IN_SHEAR if self.shear_rate is not None else 0.0
+            if (restitution > 1.0 - ELASTIC and self.bath is None) or restitution < least:
+                return None
+            if abs(speed - before) <= 1e-12 * speed:
+                break
+        return speed
+
+    def gas(self, case: Case, dimension: int, packing_fraction: float | None) -> Gas | None:
+        """One grain of the mean size and mass of a contact's grains, in its share of the box; None if not known."""
+        bodies = (case.first, case.second or case.first)
+        radii, masses = [one.radius for one in bodies], [one.mass for one in bodies]
+        if None in radii or None in masses or self.why_not(dimension, packing_fraction):
+            return None
+        assert packing_fraction is not None
+        radius = 0.5 * math.fsum(one for one in radii if one is not None)
+        finite = [one for one in masses if one is not None and math.isfinite(one)]
+        if not finite:
+            return None
+        ball = math.pi * radius**2 if dimension == 2 else 4.0 / 3.0 * math.pi * radius**3
+        return Gas(1, radius, math.fsum(finite) / len(finite), ball / packing_fraction, dimension)
+
+    def why_not(self, dimension: int, packing_fraction: float | None) -> str:
+        """Why kinetic theory gives no speed; empty if it does, or if it depends on ε."""
+        if packing_fraction is None:
+            return "the packing is not known"
+        if packing_fraction > FLUID[dimension]:
+            return f"kinetic theory is that of a fluid, up to a packing fraction of {FLUID[dimension]:g}"
+        if self.shear_rate is not None and dimension == 2:
+            return "kinetic theory of shear is that of spheres"
+        if self.shear_rate is not None and self.power is not None:
+            return "kinetic theory of shear has no thermostat"
+        return ""
+
+
+def checked_drive(power: float | None, shear_rate: float | None, speeds: tuple[float, ...]) -> Drive | None:
+    """The options of a check."""
+    given = {"speed": speeds or None, "power": power, "shear_rate": shear_rate}
+    names = [name for name, value in given.items() if value is not None]
+    if len(names) > 1:
+        raise ValueError(f"{' | '.join(names)}: got {len(names)} of them, must be at most one")
+    if power is not None:
+        return Drive(power=validation.number("power", power, 0.0))
+    if shear_rate is not None:
+        return Drive(shear_rate=validation.number("shear_rate", shear_rate, 0.0))
+    return None
+
+
+def of_stage(stage: Stage, mass: float, length: float, time: float) -> Drive | None:
+    """The drive of a script's run, in SI units; None without shear and thermostat."""
+    if stage.shear_rate is None and stage.bath is None:
+        return None
+    power = math.nan if stage.shear_rate is not None and stage.bath is not None else None
+    bath = None if stage.shear_rate is not None else stage.bath
+    return Drive(power, stage.shear_rate, bath, False).in_units(1.0 / mass, 1.0 / length, 1.0 / time)
+
+
+def of_system(system: ParticleSystem) -> Drive | None:
+    """The drive of a system; None without shear and thermostat."""
+    thermostat = system.thermostat
+    if isinstance(thermostat, Andersen):
+        return Drive(bath=(thermostat.temperature, thermostat.rate))
+    power = thermostat.power / system.n if isinstance(thermostat, RandomKicks) else None
+    shear_rate = abs(system.shear_rate) if system.shear_rate != 0.0 else None
+    return None if power is None and shear_rate is None else Drive(power, shear_rate)
+
+
+# --- grains that rest, and shaken ones ------------------------------------------------------------------------
+
+
+class Support(NamedTuple):
+    """What holds grains against gravity, and how it moves."""
+
+    rests: bool  #: whether grains can rest on it
+    moves: bool  #: whether walls move
+    shaking: float | None = (
+        None  #: Γ = A ω²/g of what holds the grains; None if nothing oscillates, or if not known
+    )
+    motion: Motion | None = None  #: this oscillation
+
+
+def support(stage: Stage) -> Support:
+    """Grains rest on a wall that stops their fall, unless its acceleration exceeds that of gravity."""
+    walls = [one for one in stage.contacts if one.types[1] == WALL or fixed(stage, one.types)]
+    moves = any(one.motion is not None for one in walls)
+    holding = [one for one in walls if holds(stage, one)] if stage.gravity else []
+    if not holding or not stage.gravity:
+        return Support(False, moves)
+
+    def strength(motion: Motion | None) -> float:
+        return 0.0 if motion is None else acceleration(motion, stage.down) / (stage.gravity or math.inf)
+
+    still = any(one.pushes and stage.down and strength(one.motion) <= 1.0 for one in holding)
+    strongest = max((one.motion for one in holding), key=strength)
+    largest = strength(strongest)
+    known = strongest is not None and math.isfinite(largest) and largest > 0.0
+    return Support(still or largest <= 1.0, moves, largest if known else None, strongest if known else None)
+
+
+def support_of_system(system: ParticleSystem) -> Support:
+    """As :func:`support`. Γ is that of the wall towards which the grains fall."""
+    supported = system.gravity - system.domain.common_fall  # by walls
+    if system.thermostat is not None or system.shear_rate != 0.0 or not supported.any():
+        return Support(False, system._walls_move)
+    largest, motion = 0.0, None
+    for axis, pull in enumerate(map(float, supported)):
+        wall = system.walls.get(f"{'xyz'[axis]}{'-' if pull < 0.0 else '+'}") if pull else None
+        if wall is None or not wall.fastest:
+            continue
+        sine = wall.waveform != "triangle" and not wall.velocity
+        strength = wall.acceleration / abs(pull) if sine else math.inf
+        if strength > largest:
+            along = tuple(wall.amplitude * (k == axis) for k in range(3))
+            largest, motion = strength, Motion(along, 2.0 * math.pi * wall.frequency)
+    known = 0.0 < largest < math.inf
+    rests = largest <= 1.0 and not any(one.velocity for one in system.walls.values())
+    return Support(rests, system._walls_move, largest if known else None, motion if known else None)
+
+
+def holds(stage: Stage, contact: ContactSettings) -> bool:
+    """Whether a wall, or grains that do not move, may stop the fall of grains; true if the directions are not known."""
+    if contact.types[1] != WALL:
+        return fixed(stage, contact.types)
+    if stage.down is None or contact.pushes is None:
+        return True
+    return any(sum(p * g for p, g in zip(push, stage.down, strict=True)) < -1e-12 for push in contact.pushes)
+
+
+def fixed(stage: Stage, types: Sequence[str]) -> bool:
+    """Whether some grains of these types do not move."""
+    grains = [stage.grains[name] for name in types if name in stage.grains]
+    return any(one.frozen or one.partly_frozen for one in grains)
+
+
+def words_of(stage: Stage | None, walls: Support) -> str:
+    """What drives a box for which there is no law of the error; empty if nothing does."""
+    if walls.shaking is not None:
+        return f"walls drive this box (Γ = A ω²/g = {digits(walls.shaking, 3)})"
+    if walls.moves:
+        return "walls drive this box"
+    notes = () if stage is None else (*stage.driven, *stage.pressed)
+    return f"{notes[0].what} drives this box" if notes else ""
+
+
+def option_of(walls: Support, length: float, time: float) -> str:
+    """The option of ``hardlimit gas`` that shakes a box in the same way; the units of length and time are in SI."""
+    motion = walls.motion
+    if walls.shaking is None or motion is None or motion.amplitude is None or motion.frequency is None:
+        return ""
+    size, rate = math.hypot(*motion.amplitude) * length, motion.frequency / (2.0 * math.pi * time)
+    values = (quantity(size, "m", 3), quantity(rate, "Hz", 3))
+    return f"--shake {':'.join(one.replace(' ', '') for one in values)}"

@@ -1,0 +1,212 @@
+"""``hl.convert_back``: the restitution that a contact in an input of a code really has."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import Any, Final
+
+from ..convert.codes import Code, Model, code
+from ..convert.conversion import pair_of, stepping_of
+from ..convert.force import MAX_SPEED, MIN_SPEED, Force
+from ..convert.formulas import Numbers
+from ..support import validation
+from ..support.units import SYSTEMS
+from .cases import ModelForce, energy_density, force_of
+from .contacts import KnownBody, collision_of
+from .scripts import CODES, ContactSettings, Stage, read_text
+from .scripts.description import WALL
+from .scripts.statements import refusal
+from .scripts.yade import NUMERICAL_DAMPING
+
+#: Relative difference of two forces from rounding.
+ROUNDING: Final = 1e-9
+
+
+@dataclass(frozen=True)
+class Obtained:
+    """The contact that an input of a code really produces; returned by :func:`hardlimit.convert_back`."""
+
+    code: Code  #: its name, title, version and sources
+    model: Model  #: its name, title and formulas
+    attraction: bool  #: whether the force attracts at the end of a contact
+    numbers: Numbers  #: as read, in SI units
+    numerical_damping: float  #: damping of the integrator, as a fraction of every force
+    restitution: float  #: 0 if the bodies stay together
+    duration: float  #: [s]
+    compression: float  #: largest [m]
+    force: float  #: largest [N]
+    time_step: float  #: [s]; NaN if the bodies stay together
+    restitution_error: float  #: error of ε by the time step
+    notes: tuple[str, ...]  #: remarks
+
+    def __repr__(self) -> str:
+        return f"<Obtained from {self.code.name} {self.model.name}: restitution {self.restitution:.6g}>"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything as a plain dictionary, in SI units.
+
+        Returns
+        -------
+        dict
+        """
+        plain = asdict(replace(self, code=None, model=None))  # type: ignore[arg-type]
+        return {**plain, "code": self.code.name, "version": self.code.version, "model": self.model.name}
+
+
+def obtained(
+    text: Any,
+    ball: Any,
+    other: Any,
+    name: Any,
+    model: Any,
+    speed: Any,
+    restitution_error: Any,
+    time_step: Any,
+    contact: Any,
+) -> Obtained:
+    """As :func:`hardlimit.convert_back`."""
+    source = code(validation.one_of("code", name, CODES))
+    second = ball if other is None else other
+    wall = pair_of(ball, second, 1, 1).wall
+    if not isinstance(text, str):
+        raise ValueError(f"input: got {validation.shown(text)}, must be a text")
+    if contact is not None and not isinstance(contact, str):
+        raise ValueError(f"contact: got {validation.shown(contact)}, must be a name such as '1-2'")
+    v = validation.number("speed", speed, MIN_SPEED, MAX_SPEED)
+    stepping = stepping_of(restitution_error, time_step)
+    models = source.models if model is None else [source.model(model)]
+    bodies = KnownBody(ball.radius, ball.mass), None if wall else KnownBody(second.radius, second.mass)
+    stage, version = _last_stage(text, source, contact)
+    contacts, damping = _selected(stage, source, wall, contact), stage.numerical_damping
+    units = stage.units if stage.units in SYSTEMS else "si"
+    forms = [_form(one, source, models, version or source.version, units) for _, one in contacts]
+    try:
+        force = _only_force([form(*bodies, v) for form in forms], [name for name, _ in contacts], contact)
+        step, error = stepping.of(force, v)
+        collision = collision_of(force, v, damping)
+        notes = [*_notes(source, damping, force, v)]
+        newest = None if version else force_of(source, contacts[0][1], None, models, units)
+        if newest and newest.model != forms[0].model:
+            changed = collision_of(newest(*bodies, v), v, damping).restitution
+            notes.append(f"since {source.title} {newest.others[0][0]}, ε = {changed:.4g}")
+    except (OverflowError, ZeroDivisionError):
+        numbers = ", ".join(f"{name} {value:.6g}" for name, value in forms[0].numbers.items())
+        raise ValueError(
+            f"input: got {numbers}, must give a compression and a duration within the range of double precision"
+        ) from None
+    return Obtained(
+        source,
+        forms[0].model,
+        forms[0].attraction,
+        forms[0].numbers,
+        damping or 0.0,
+        collision.restitution,
+        collision.duration,
+        collision.compression,
+        collision.force,
+        step,
+        error,
+        tuple(notes),
+    )
+
+
+def _last_stage(text: str, source: Code, contact: str | None) -> tuple[Stage, str | None]:
+    """The last run with contacts, and the version that a log states. Ranges of types include those of ``contact``."""
+    types = [int(word) for word in re.findall(r"\d{1,6}", contact or "") if source.name == "lammps"]
+    try:
+        script = read_text(
+            text.removeprefix("\ufeff"), code=source.name, types_seen=max(types, default=0), part=True
+        )
+    except ValueError as error:
+        message = str(error).partition(": give them with --var")[0]
+        raise ValueError(message.replace("script: ", "input: ", 1)) from None
+    if script.refused:
+        raise ValueError(script.refused[0])
+    stages = [stage for stage in script.stages if stage.contacts]
+    if not stages:
+        raise ValueError(f"input: has no granular contacts of {source.title}")
+    stage = stages[-1]
+    if stage.units_given and stage.units not in SYSTEMS:
+        known = ", ".join(SYSTEMS)
+        raise ValueError(
+            f"input: got units {stage.units}, must be units {known}, which can be converted to SI"
+        )
+    return stage, script.version
+
+
+def _selected(
+    stage: Stage, source: Code, wall: bool, wanted: str | None
+) -> list[tuple[str, ContactSettings]]:
+    """The selected contacts with their names, such as ``1-2``, or ``1-floor`` for a wall of that name."""
+    named = [
+        (_name(contact, contact.wall or contact.types[1], source), contact) for contact in stage.contacts
+    ]
+    fitting = [(name, contact) for name, contact in named if (contact.types[1] == WALL) == wall]
+    if not fitting:
+        kind = "a ball and a wall" if wall else "balls"
+        raise ValueError(f"input: got no contact of {kind}, only {named[0][0]}")
+    if wanted is None:
+        return fitting
+    ends = [end.replace(" ", "") for end in wanted.replace("–", "-").split("-")]
+    orders = {"-".join(ends), "-".join(reversed(ends))}
+    selected = [(name, contact) for name, contact in fitting if name.replace(" ", "") in orders]
+    if wall and not selected:
+        selected = [pair for pair in fitting if _name(pair[1], WALL, source).replace(" ", "") in orders]
+    if not selected:
+        choices = ", ".join(dict.fromkeys(name for name, _ in fitting))
+        raise ValueError(f"contact: got {validation.shown(wanted)}, must be one of {choices}")
+    return selected
+
+
+def _name(contact: ContactSettings, second: str, source: Code) -> str:
+    """The name of a contact with a second body. Materials of YADE count from 1."""
+    ends = (contact.types[0], second)
+    return "-".join(str(int(end) + 1) if source.name == "yade" and end.isdecimal() else end for end in ends)
+
+
+def _form(
+    contact: ContactSettings, source: Code, models: Sequence[Model], version: str | None, units: str
+) -> ModelForce:
+    """The force of a contact, with its numbers in SI units."""
+    if contact.adhesion and energy_density(contact) is None:
+        quote = contact.quotes[0]
+        raise refusal(quote.line, quote.text, f"be without {contact.adhesion}")
+    return force_of(source, contact, version, models, units)
+
+
+def _only_force(forces: Sequence[Force], names: Sequence[str], wanted: str | None) -> Force:
+    """The force of all contacts."""
+    if not all(_alike(force, forces[0]) for force in forces):
+        got = "missing" if wanted is None else f"got {validation.shown(wanted)}"
+        choices = ", ".join(dict.fromkeys(names))
+        raise ValueError(
+            f"contact: {got}, must be one of {choices}, which have different forces in the input"
+        )
+    return forces[0]
+
+
+def _alike(force: Force, other: Force) -> bool:
+    """Whether two forces differ by rounding only."""
+    names = ("stiffness", "damping", "energy_density")
+    pairs = [(getattr(force, name, 0.0), getattr(other, name, 0.0)) for name in names]
+    return force.powers == other.powers and all(math.isclose(a, b, rel_tol=ROUNDING) for a, b in pairs)
+
+
+def _notes(source: Code, damping: float | None, force: Force, speed: float) -> Iterator[str]:
+    """Remarks on numerical damping, for a code that has one."""
+    if source.name != "yade":
+        return
+    if damping is None:
+        default = force.numerically_damped(speed, NUMERICAL_DAMPING).restitution
+        yield (
+            f"without NewtonIntegrator in the input, its damping is taken as 0; its default, {NUMERICAL_DAMPING}, "
+            f"gives ε = {default:.4g}"
+        )
+    elif damping > 0.0:
+        yield (
+            f"NewtonIntegrator's damping of {damping:g} acts on each body separately: this ε holds at a "
+            "wall, or for two bodies whose common centre of mass is at rest"
+        )

@@ -1,0 +1,128 @@
+"""What a script says about grains and contacts, in the script's own units."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+#: Second type of a contact with a wall.
+WALL = "wall"
+
+Range = tuple[float, float]  #: smallest and largest value
+Direction = tuple[float, ...]  #: a unit vector
+
+
+@dataclass(frozen=True)
+class Setting:
+    """A setting and its place in the script."""
+
+    words: tuple[str, ...]
+    line: int
+    text: str
+
+
+Settings = dict[str, Setting]
+
+
+@dataclass(frozen=True)
+class Quote:
+    """A statement as messages quote it."""
+
+    file: str  #: path as the script names it; empty for text that is not a file
+    line: int  #: counted from 1
+    text: str  #: one line
+    part: str = ""  #: words of it that were not understood; empty for all
+
+
+@dataclass(frozen=True)
+class Grains:
+    """The grains of one type. A range is None if the script does not state it.
+
+    At most one of ``densities`` and ``masses`` is given: in LAMMPS, another diameter leaves the mass as it is.
+    """
+
+    type: str
+    radii: Range | None = None
+    densities: Range | None = None
+    masses: Range | None = None
+    frozen: bool = False  #: whether none of them moves
+    counted: bool = False  #: whether the code's formulas use their mass although none of them moves
+    partly_frozen: bool = False  #: whether some of them, but not all, do not move
+    fixed: Grains | None = None  #: those, if their sizes are not those of the others
+    alone: bool = False  #: whether only one of them moves, which then touches none like itself
+
+
+@dataclass(frozen=True)
+class Motion:
+    """How a wall, or grains that follow no force, move. None stands for what is not known."""
+
+    amplitude: Direction | None = None  #: of an oscillation along each axis
+    frequency: float | None = None  #: angular, of this oscillation
+
+
+@dataclass(frozen=True)
+class ContactSettings:
+    """The settings of the normal force between two types, or between a type and a wall."""
+
+    types: tuple[str, str]  #: the second is :data:`WALL` at a wall
+    wall: str | None  #: name of the wall; None between grains
+    settings: Settings  #: by name, as in ``reads`` of the files in ``hardlimit/convert/codes``
+    quotes: tuple[Quote, ...]  #: the statements that these settings come from
+    wall_mass: float | None = None  #: of a fixed wall if the code's formulas use it, as for YADE's boxes
+    wall_radius: float = 1.0  #: effective radius in the code's formulas over that at other walls
+    asked: float | None = None  #: restitution in the script if the force leaves it out
+    pushes: tuple[Direction, ...] | None = None  #: of a wall on grains; None if not known
+    since: str = ""  #: first version of the code in which they mean this, if not all do
+    adhesion: str = ""  #: what makes its force adhesive or plastic, in words
+    friction: float | None = (
+        0.0  #: coefficient of sliding friction, 0 without tangential forces; None if not known
+    )
+    motion: Motion | None = None  #: of the wall, or of the grains that do not follow forces; None at rest
+
+
+@dataclass(frozen=True)
+class Note:
+    """Something that is in the script beside the normal contacts."""
+
+    what: str
+    types: tuple[str, ...] | None = None  #: the types that it concerns; None for all
+    quote: Quote | None = None
+
+
+@dataclass(frozen=True)
+class Stage:
+    """What holds during one run."""
+
+    quote: Quote  #: the command that runs
+    time_step: float | None
+    time_step_given: bool  #: False for the code's default
+    steps: int | None
+    contacts: tuple[ContactSettings, ...]
+    grains: dict[str, Grains]  #: by type
+    gravity: float | None  #: magnitude; None without gravity
+    numerical_damping: float | None  #: of the integrator; None in codes without it
+    down: Direction | None = None  #: the direction of gravity; None if not known
+    pressed: tuple[Note, ...] = ()  #: what prescribes a pressure or shrinks the box
+    driven: tuple[Note, ...] = ()  #: what else moves the box or its walls, or heats the grains
+    shear_rate: float | None = None  #: of a box in steady shear
+    bath: tuple[float, float] | None = (
+        None  #: energy k_B T of a thermostat, and the rate at which it restores T
+    )
+    units: str = "si"  #: those of the system that runs; ``clear`` begins another one
+    units_given: bool = True  #: False for the code's default
+    dimension: int = 3
+
+
+@dataclass(frozen=True)
+class Description:
+    """What a script says: the state of its settings at each run, and what else affects its grains."""
+
+    code: str
+    version: str | None  #: only a log states it
+    stages: tuple[Stage, ...]
+    ignored: tuple[Note, ...] = field(default=())  #: leaves head-on collisions as they are
+    invalidates: tuple[Note, ...] = field(
+        default=()
+    )  #: makes contacts sticky, dissipates elsewhere, ties grains
+    unknown: tuple[Quote, ...] = field(default=())  #: statements that were not understood
+    #: Messages that refuse those of them, and of what invalidates, on which the force of contacts depends.
+    refused: tuple[str, ...] = field(default=())

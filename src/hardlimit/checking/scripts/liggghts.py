@@ -1,0 +1,369 @@
+"""Contacts and insertions of LIGGGHTS: ``pair_style gran``, properties, walls and particle templates."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+from . import granular_words, motion
+from .description import ContactSettings, Quote, Range, Setting, Settings
+from .formulas import NUMBER
+from .granular_words import PROPERTIES, Words, is_zero, unaccelerated
+from .materials import one_material
+from .population import Batch
+from .state import MAX_TYPES, Fix, State
+from .statements import Statement, refused, same_word, settings
+
+#: Properties that the models read; each depends on two types.
+OF_CONTACT: Final = (
+    *("youngsModulus", "poissonsRatio", "coefficientRestitution", "characteristicVelocity", "kn", "gamman"),
+    *("cohesionEnergyDensity", "surfaceTension", "fluidViscosity"),
+)
+#: Normal models with plasticity or adhesion.
+STICKY_MODELS: Final = ("hooke/hysteresis", "edinburgh", "edinburgh/stiffness", "luding", "thornton_ning")
+#: Models of cohesion with the properties to which their force is proportional.
+COHESION: Final[dict[str, tuple[str, ...]]] = {
+    **dict.fromkeys(("sjkr", "sjkr2"), ("cohesionEnergyDensity",)),
+    **dict.fromkeys(
+        ("easo/capillary/viscous", "washino/capillary/viscous"), ("surfaceTension", "fluidViscosity")
+    ),
+}
+
+
+@dataclass(frozen=True)
+class Property:
+    """A global property."""
+
+    statement: Statement
+    kind: str  #: a key of ``PROPERTIES``
+    values: tuple[str, ...]
+
+    def types(self) -> int:
+        """Number of types for which it is given; 0 for all."""
+        return property_types(self.statement, self.kind, self.values)
+
+    def between(self, i: int, j: int) -> tuple[str, str] | None:
+        """The values of two types, or of the pair and of its mirror image; None if they are not given."""
+        count = self.types()
+        if self.kind == "scalar":
+            return self.values[0], self.values[0]
+        if max(i, j) > count:
+            return None
+        if self.kind == "peratomtype":
+            return self.values[i - 1], self.values[j - 1]
+        first, second = (self.values[1 + count * (a - 1) + b - 1] for a, b in ((i, j), (j, i)))
+        if not same_word(first, second):
+            raise refused(self.statement, f"have one number for {i}-{j} and {j}-{i}")
+        return first, second
+
+    def setting(self, word: str) -> Setting:
+        """A setting that comes from this property."""
+        return Setting((word,), self.statement.line, self.statement.text)
+
+
+def property_types(statement: Statement, kind: str, given: Sequence[str]) -> int:
+    """Number of types for which a property is given; 0 for a scalar."""
+    if kind == "peratomtypepair":
+        count = int(given[0]) if given and given[0].isdecimal() and len(given[0]) < 6 else 0
+        if count < 1 or len(given) != 1 + count * count:
+            raise refused(statement, "be a number of types and one number for each pair of types")
+        return count
+    if not given or (kind == "scalar" and len(given) != 1):
+        raise refused(statement, "have its numbers")
+    return 0 if kind == "scalar" else len(given)
+
+
+def sticky(contact: ContactSettings) -> ContactSettings:
+    """A contact without cohesion whose constants are 0, and with words for other adhesion or plasticity."""
+    settings = contact.settings
+    model, cohesion = (
+        settings["model"].words[0],
+        (settings["cohesion"].words if "cohesion" in settings else ("off",))[0],
+    )
+    if model in STICKY_MODELS:
+        return replace(contact, adhesion=f"plastic deformation or adhesion ({model})")
+    constants = [settings.get(name) for name in COHESION.get(cohesion, ())]
+    if cohesion == "off" or (
+        constants and all(one is not None and is_zero(one.words[0]) for one in constants)
+    ):
+        return replace(contact, settings={name: one for name, one in settings.items() if name != "cohesion"})
+    return replace(contact, adhesion=f"cohesion ({cohesion})")
+
+
+class Liggghts(State):
+    """A script or log of LIGGGHTS."""
+
+    def reset(self) -> None:
+        """As the command ``clear``."""
+        super().reset()
+        self.model: tuple[Settings, Quote] | None = None
+        self.properties: dict[str, Property] = {}
+        self.templates: dict[str, tuple[int, Batch]] = {}
+        self.distributions: dict[str, list[str]] = {}
+        self.meshes: dict[str, int] = {}
+        self.coarse = 1.0
+
+    def statement(self, statement: Statement) -> None:
+        """Read one statement. A part of a script may be ``model NAME …`` alone."""
+        alone = statement.words[0] == "model"
+        super().statement(
+            replace(statement, words=("pair_style", "gran", *statement.words)) if alone else statement
+        )
+
+    # --- pair style, properties, walls --------------------------------------------------------------------------
+
+    def command_pair_style(self, statement: Statement) -> None:
+        self.last = statement
+        if not statement.words[1:] or unaccelerated(statement.words[1]) != "gran":
+            raise refused(statement, "be pair_style gran model NAME")
+        self.model, self.granular = None, True
+        if self.understood(
+            statement, lambda: granular_words.gran_model(statement, statement.words[2:], True)
+        ):
+            self.model = (self.words(statement, statement.words[2:]), statement.quote)
+
+    def command_pair_coeff(self, statement: Statement) -> None:
+        self.last = statement
+
+    def command_coarsegraining(self, statement: Statement) -> None:
+        self.coarse = self.number(statement, (*statement.words, "")[1])
+        self.ignore("coarse graining: radii are those of the coarse grains", statement)
+
+    def words(self, statement: Statement, words: Sequence[str]) -> Settings:
+        """The settings of a model; what is special about it is noted."""
+        parsed = granular_words.gran_model(statement, words, True)
+        for what in parsed.beside:
+            self.ignore(what, statement)
+        return self.resolve(statement, settings(statement, parsed.settings))
+
+    def own_fix(self, fix: Fix) -> bool:
+        """Properties, walls, meshes, templates and insertions."""
+        readers: dict[str, Callable[[Fix], None]] = {
+            "property/global": self.property,
+            "wall/gran": self.read_wall,
+            "particletemplate/sphere": self.template,
+            "particledistribution/discrete": self.distribution,
+            "insert": self.insert,
+            "mesh/surface": self.mesh,
+            "move/mesh": self.moving_mesh,
+            "pour": self.pour,
+        }
+        for style, read in readers.items():
+            if fix.style.startswith(style):
+                contacts = style in ("property/global", "wall/gran", "mesh/surface")
+                if not self.understood(fix.statement, lambda read=read: read(fix), contacts):  # type: ignore[misc]
+                    self.forget(fix)
+                self.last = fix.statement
+                return True
+        return False
+
+    def forget(self, fix: Fix) -> None:
+        """Drop a fix that was not understood."""
+        self.fixes = {name: one for name, one in self.fixes.items() if one is not fix}
+        if fix.style.startswith(("particle", "insert", "pour")):
+            self.population.elsewhere = True
+
+    def property(self, fix: Fix) -> None:
+        """A property of types or of pairs of types. A later one replaces an earlier one of the same name."""
+        name, kind, *values = (*fix.words, "", "")
+        if kind not in PROPERTIES:
+            return
+        given = [one for one in values if one]
+        if given[-2:-1] == ["every"]:
+            given = given[:-2]
+        if name in OF_CONTACT:
+            given = [one if NUMBER.fullmatch(one) else repr(self.number(fix.statement, one)) for one in given]
+        found = Property(fix.statement, kind, tuple(given))
+        self.types = max(self.types, min(found.types(), MAX_TYPES))
+        self.properties[name] = found
+
+    def mesh(self, fix: Fix) -> None:
+        """The material type of a mesh."""
+        kind = self.option(fix, "type")
+        self.meshes[fix.statement.words[1]] = self.type_of(kind) if kind else 0
+        if "servo" in fix.style:
+            self.moving_mesh(fix)
+
+    def moving_mesh(self, fix: Fix) -> None:
+        """A mesh that moves."""
+        self.ignore(f"a moving wall ({fix.style})", fix.statement)
+
+    def pour(self, fix: Fix) -> None:
+        """Pouring as before LIGGGHTS 3: ``pour`` and ``pour/legacy``, with ``diam`` and ``dens`` STYLE LO HI."""
+        kind = self.type_of((*fix.words, "", "")[1])
+        if fix.style not in ("pour", "pour/legacy") or not 1 <= kind <= MAX_TYPES:
+            raise refused(fix.statement, "be fix pour/legacy with a type, or fix insert")
+        found: dict[str, Range | None] = {"diam": (1.0, 1.0), "dens": (1.0, 1.0)}
+        found |= self.random(fix, tuple(found))
+        diameters, densities = found.values()
+        radii = None if diameters is None else (0.5 * diameters[0], 0.5 * diameters[1])
+        self.population.add(kind, Batch(radii, densities))
+
+    def random(self, fix: Fix, names: Sequence[str]) -> dict[str, Range | None]:
+        """Smallest and largest value after each of these words; None for a distribution without them, quoted."""
+        found: dict[str, Range | None] = {}
+        words = fix.words
+        for k, name in enumerate(words):
+            if name in names:
+                style, *rest = (*words[k + 1 :], "")
+                if style in ("uniform", "gaussian") and rest[0] in ("number", "mass"):
+                    del rest[0]
+                if NUMBER.fullmatch(style):  # LO HI
+                    style, rest = "uniform", [style, *rest]
+                found[name] = self.ends(fix, style, [one for one in rest if one])
+                if found[name] is None:
+                    self.unknown[fix.statement.quote] = None
+        if any(one and not 0.0 < one[0] <= one[1] for one in found.values()):
+            raise refused(fix.statement, "have positive sizes and densities")
+        return found
+
+    def ends(self, fix: Fix, style: str, words: Sequence[str]) -> Range | None:
+        """Smallest and largest value of a distribution; LIGGGHTS draws a Gaussian one again beyond 3σ."""
+        count = {"constant": 1, "uniform": 2, "discrete": 2, "gaussian": 2}.get(style)
+        if count is None:
+            return None
+        if len(words) < count:
+            raise refused(fix.statement, f"have {count} number{'s' * (count > 1)} after {style}")
+        first, last = (self.number(fix.statement, word) for word in (words[0], words[count - 1]))
+        return (first - 3.0 * last, first + 3.0 * last) if style == "gaussian" else (first, last)
+
+    def option(self, fix: Fix, name: str) -> str:
+        """The word after a keyword of a fix; empty if it is missing."""
+        words = (*fix.words, "")
+        return words[words.index(name) + 1] if name in words[:-1] else ""
+
+    def parsed_wall(self, fix: Fix) -> tuple[Words, list[int]]:
+        """The words of a wall and the types of its material."""
+        parsed = granular_words.gran_model(fix.statement, fix.words, True)
+        rest = parsed.rest
+        if "primitive" in rest:
+            kind = self.type_of(self.option(fix, "type"))
+            if not kind:
+                raise refused(fix.statement, "have a type")
+            return parsed, [kind]
+        if "mesh" not in rest or "meshes" not in rest:
+            raise refused(fix.statement, "have primitive or mesh n_meshes N meshes NAME …")
+        count = self.option(fix, "n_meshes")
+        at = rest.index("meshes") + 1
+        names = rest[at : at + (int(count) if count.isdecimal() and len(count) < 5 else 0)]
+        return parsed, sorted({self.meshes[name] for name in names if self.meshes.get(name)})
+
+    def read_wall(self, fix: Fix) -> None:
+        """Check a wall, and note what is special about it."""
+        self.granular = True
+        parsed, kinds = self.parsed_wall(fix)
+        self.words(fix.statement, fix.words)
+        if not kinds:
+            raise refused(fix.statement, "name meshes with a type")
+        if any(one.endswith("cylinder") for one in parsed.rest):
+            self.ignore("curvature of a wall, which is taken as a plane", fix.statement)
+        if "shear" in parsed.rest:
+            self.ignore("a moving wall (shear)", fix.statement)
+
+    def contacts(self) -> Iterator[ContactSettings]:
+        """Pairs of types, then walls; cohesion whose constants are 0 is left out."""
+        return map(sticky, self.all_contacts())
+
+    def all_contacts(self) -> Iterator[ContactSettings]:
+        """The contacts with their settings as given."""
+        kinds = self.present()
+        if self.model is not None:
+            model, quote = self.model
+            for i in kinds:
+                for j in kinds[kinds.index(i) :]:
+                    found, quotes = self.between(i, j)
+                    yield ContactSettings(
+                        (str(i), str(j)),
+                        None,
+                        {**model, **found},
+                        (quote, *quotes),
+                        friction=self.friction(model, i, j),
+                        motion=motion.strongest([motion.of_grains(self, k) for k in (i, j)]),
+                    )
+        for name, fix in self.fixes.items():
+            if fix.style.startswith("wall/gran"):
+                parsed, ends = self.parsed_wall(fix)
+                model = settings(fix.statement, parsed.settings)
+                shapes = [granular_words.pushes(word) for word in parsed.rest]
+                pushes = next((one for one in shapes if one is not None), None)
+                moves = motion.strongest([motion.of_mesh(self, word) for word in parsed.rest], self.down())
+                for kind in kinds:
+                    for end in ends:
+                        found, quotes = self.between(kind, end)
+                        wall = name if len(ends) == 1 else f"{name} (type {end})"
+                        friction = self.friction(model, kind, end)
+                        moving = motion.of_wall(self, parsed.rest, 0, friction != 0.0) or moves
+                        yield self.wall_contact(
+                            kind,
+                            wall,
+                            {**model, **found},
+                            (fix.statement.quote, *quotes),
+                            pushes,
+                            friction,
+                            moving,
+                        )
+
+    def friction(self, model: Settings, i: int, j: int) -> float | None:
+        """The coefficient of friction of two types; 0 if the model has no tangential forces."""
+        tangential = model.get("tangential")
+        if tangential is None or tangential.words[0] == "off":
+            return 0.0
+        given = self.properties.get("coefficientFriction")
+        pair = None if given is None else given.between(i, j)
+        return None if pair is None else self.coefficient(pair[0])
+
+    def between(self, i: int, j: int) -> tuple[Settings, tuple[Quote, ...]]:
+        """The properties of a pair of types. Two materials are replaced by one with the same effective modulus."""
+        found: Settings = {}
+        quotes: dict[Quote, None] = {}
+        values: dict[str, tuple[str, str]] = {}
+        for name in OF_CONTACT:
+            one = self.properties.get(name)
+            pair = None if one is None else one.between(i, j)
+            if one is not None and pair is not None:
+                values[name] = pair
+                found[name] = one.setting(pair[0])
+                quotes[one.statement.quote] = None
+        moduli, ratios = values.get("youngsModulus"), values.get("poissonsRatio")
+        if moduli and ratios and not (same_word(*moduli) and same_word(*ratios)):
+            modulus, ratio = one_material(
+                *((float(y), float(nu)) for y, nu in zip(moduli, ratios, strict=True))
+            )
+            found["youngsModulus"] = replace(found["youngsModulus"], words=(repr(modulus),))
+            found["poissonsRatio"] = replace(found["poissonsRatio"], words=(repr(ratio),))
+        return found, tuple(quotes)
+
+    # --- templates and insertions -------------------------------------------------------------------------------
+
+    def template(self, fix: Fix) -> None:
+        """Radius and density of a particle template."""
+        kind = self.type_of(self.option(fix, "atom_type") or "1")
+        found = self.random(fix, ("radius", "density"))
+        radii = found.get("radius")
+        if not 1 <= kind <= MAX_TYPES:
+            raise refused(fix.statement, "have a type")
+        if radii is not None:
+            radii = (radii[0] * self.coarse, radii[1] * self.coarse)
+        self.templates[fix.statement.words[1]] = (kind, Batch(radii, found.get("density")))
+
+    def distribution(self, fix: Fix) -> None:
+        """The templates of a distribution."""
+        self.distributions[fix.statement.words[1]] = list(fix.words[2::2])
+
+    def insert(self, fix: Fix) -> None:
+        """Insertion of a distribution."""
+        name = self.option(fix, "distributiontemplate")
+        templates = [self.templates.get(one) for one in self.distributions.get(name, [])]
+        if not templates or None in templates:
+            raise refused(fix.statement, "have a distribution of spheres")
+        for one in templates:
+            if one is not None:
+                self.population.add(*one)
+
+    def changed(self, keyword: str, value: float | None) -> Callable[[Batch], Batch]:
+        """What a keyword of ``set`` does to grains. In LIGGGHTS, another diameter keeps the density."""
+        if keyword == "diameter":
+            radius = None if value is None else 0.5 * value * self.coarse
+            return lambda one: one.with_radius(radius)
+        return super().changed(keyword, value)

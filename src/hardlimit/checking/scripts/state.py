@@ -1,0 +1,1014 @@
+"""The state of a LAMMPS or LIGGGHTS simulation as its script is read: groups, grains, fixes, time step, stages."""
+
+from __future__ import annotations
+
+import copy
+import math
+import re
+from collections.abc import Callable, Collection, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import reduce
+from pathlib import Path
+from typing import Final, Self
+
+from ...support.formatting import listed
+from . import conditions, motion, population
+from .commands import SILENT, UNRESOLVED, USE_LOG, Variables, text_of
+from .description import WALL, ContactSettings, Description, Direction, Motion, Note, Quote, Settings, Stage
+from .formulas import NUMBER
+from .granular_words import unaccelerated
+from .population import Batch, Population
+from .statements import Branch, Place, Refusal, Statement, Undefined, refused
+
+#: Default time step of each system of units.
+TIME_STEPS: Final = {
+    "lj": 0.005,
+    "real": 1.0,
+    "metal": 0.001,
+    "si": 1e-8,
+    "cgs": 1e-8,
+    "electron": 0.001,
+    "micro": 2.0,
+    "nano": 4.5e-4,
+}
+#: Grains that ``create_atoms`` makes: radius 0.5, density 1.
+CREATED: Final = Batch((0.5, 0.5), (1.0, 1.0))
+MAX_TYPES: Final = 100
+MAX_NUMBER: Final = 10**9  #: of a grain
+MAX_FORKS: Final = 3  #: states at a label with which a new one is compared
+ZEROS: Final = {"0", "0.0", "0."}
+#: Styles of ``group``, ``create_atoms`` and ``fix gravity``.
+GROUP_STYLES: Final = """
+type id molecule region union subtract intersect empty include variable clear delete dynamic static initialize
+"""
+PLACES: Final = {"box", "region", "single", "random", "mesh"}
+DIRECTIONS: Final = (("chute",), ("spherical",), ("vector",))
+#: Logical operators of ``group … type``.
+COMPARISONS: Final[dict[str, Callable[[int, int, int], bool]]] = {
+    "<": lambda k, a, _: k < a,
+    ">": lambda k, a, _: k > a,
+    "<=": lambda k, a, _: k <= a,
+    ">=": lambda k, a, _: k >= a,
+    "==": lambda k, a, _: k == a,
+    "!=": lambda k, a, _: k != a,
+    "<>": lambda k, a, b: a <= k <= b,
+}
+#: Keywords of ``set`` that change sizes or masses, and types.
+SET_KEYWORDS: Final = ("diameter", "density", "density/disc", "mass", "shape")
+TYPE_KEYWORDS: Final = ("type", "type/fraction", "type/ratio", "type/subset")
+#: Keywords of ``set`` in LAMMPS and LIGGGHTS, by the number of their values.
+SET_WORDS: Final = {
+    1: """
+type diameter density density/disc mass mol x y z vx vy vz omegax omegay omegaz inertiax inertiay inertiaz charge
+quat/random length tri theta theta/random volume temperature bond angle dihedral improper rheo/rho rheo/status
+sph/e sph/cv sph/rho meso/e meso/cv meso/rho epsilon dpd/theta edpd/temp edpd/cv
+meso_e meso_cv meso_rho sphkernel add until
+""",
+    2: "dipole/random spin/random spin/atom/random cc blockiness roundness aspect_ratio",
+    3: "type/fraction type/ratio type/subset shape dipole angmom omega image spin",
+    4: "quat quat_direct spin/atom",
+}
+SET_COUNTS: Final = {word: count for count, words in SET_WORDS.items() for word in words.split()}
+#: Section of a data file with contacts.
+COEFFICIENTS: Final = re.compile(r"^\s*Pair(?:IJ)? Coeffs\b", re.MULTILINE)
+#: Properties that ``fix property/atom`` defines.
+CUSTOM: Final = re.compile(r"[id]2?_\w+")
+#: Commands that are read below, or that affect neither contacts nor grains.
+HARMLESS_NAMES: Final = """
+angle_coeff angle_style atom_modify balance boundary box change_box comm_modify comm_style communicate create_bonds
+delete_bonds dihedral_coeff dihedral_style displace_atoms improper_coeff improper_style kspace_modify
+label lattice log mass min_modify min_style minimize modify_timing neb neighbor newton package partition
+processors replicate rerun reset_atom_ids reset_atoms reset_ids reset_mol_ids reset_timestep shell thermo_log
+special_bonds suffix velocity hard_particles soft_particles next jump fix_modify bond_coeff pair_modify pair_write
+group2ndx ndx2group quit partitioner_style extract_surface extrude_surface
+"""
+HARMLESS: Final = SILENT | frozenset(HARMLESS_NAMES.split())
+#: Fixes that only observe, or affect how the program runs.
+HARMLESS_FIX_NAMES: Final = """
+ave/ print store/ balance enforce2d property/atom vector recenter check/timestep dt/reset halt restart massflow/mesh
+mesh/surface mesh/volume particledistribution contacthistory particletemplate/sphere property/global region/variable
+neigh_history NEIGH_HISTORY momentum nve/noforce diam/max calculate/ contactproperty/ contactcounter/ pair
+"""
+HARMLESS_FIXES: Final = tuple(HARMLESS_FIX_NAMES.split())
+#: Fixes whose effect is not in their own words, or has none.
+ELSEWHERE: Final = (*HARMLESS_FIXES, "pour", "deposit", "insert")
+#: What the settings of contacts do not depend on.
+NO_SETTINGS_NAMES: Final = """
+variables folder version code types_seen part ignored invalidates unknown refused stages last granular changed_since
+undefined forks unclear steps_done regions fixes time_step
+"""
+NO_SETTINGS: Final = frozenset(NO_SETTINGS_NAMES.split())
+#: Fixes that move grains whatever forces act on them.
+PRESCRIBED: Final = ("nve/noforce", "move")
+INTEGRATORS: Final = ("nve", "nvt", "npt", "nph", "rigid", "poems", "multisphere", "brownian", "move")
+#: Fixes that add forces beside contacts, with the words for the report.
+FORCES: Final = {
+    "viscous": "viscous drag",
+    "drag": "drag",
+    "damping/cundall": "damping beside contacts",
+    "langevin": "a thermostat",
+    "nvt": "a thermostat",
+    "npt": "a thermostat and a barostat",
+    "nph": "a barostat",
+    "temp/": "a thermostat",
+    "press/": "a barostat",
+    "brownian": "Brownian dynamics",
+    "couple/cfd": "drag of a fluid",
+    "lb/": "drag of a fluid",
+    "buoyancy": "buoyancy",
+    "lubricat": "lubrication",
+    "efield": "an electric field",
+    "addforce": "an additional force",
+    "spring": "springs",
+    "bond": "bonds",
+    "rheo": "a fluid",
+    "sph": "a fluid",
+    "nve/limit": "limited displacements",
+}
+CLUMPS: Final = ("rigid", "poems", "multisphere", "particletemplate/multi", "shake", "rattle", "nve/asphere")
+CLUMP_STYLES: Final = ("ellipsoid", "line", "tri", "body", "superquadric", "convexhull", "bpm")
+
+
+@dataclass(frozen=True)
+class Group:
+    """The types of a group's grains; None for any type."""
+
+    types: frozenset[int] | None
+    whole: bool  #: whether all grains of these types belong to it
+
+
+@dataclass(frozen=True)
+class Fix:
+    """A fix that is in force."""
+
+    statement: Statement
+    group: str
+    style: str
+    words: tuple[str, ...]  #: after the style
+
+
+@dataclass
+class State:
+    """Commands that LAMMPS and LIGGGHTS share; a subclass reads the contacts."""
+
+    variables: Variables
+    folder: Path | None = None
+    version: str | None = None
+    code: str = "lammps"
+    types_seen: int = 0  #: largest type in a dump
+    part: bool = False  #: whether this is a part of a script, at whose end the settings matter
+
+    def __post_init__(self) -> None:
+        self.ignored: dict[Note, None] = {}
+        self.invalidates: dict[Note, None] = {}
+        self.unknown: dict[Quote, None] = {}
+        self.refused: dict[str, None] = {}
+        self.stages: list[Stage] = []
+        self.last: Statement | None = None
+        self.granular = False  #: whether there are granular contacts, understood or not
+        self.changed_since = True  #: whether settings may differ from those of the last stage
+        self.undefined: dict[str, Statement] = {}  #: variables without a value, and where they matter
+        self.forks: dict[Place, list[tuple[Statement, State]]] = {}  #: states that go on at a later label
+        self.reset()
+
+    def reset(self) -> None:
+        """As the command ``clear``."""
+        self.units, self.units_given, self.dimension = "lj", False, 3
+        self.groups = {"all": Group(None, True)}
+        self.labels: dict[str, int] = {}
+        self.population, self.types = Population(), 0
+        self.fixes: dict[str, Fix] = {}
+        self.time_step: float | None = None
+        self.steps_done, self.atom_style = 0, ""
+        self.molecules: dict[str, list[tuple[int, Batch]]] = {}
+        self.regions: dict[str, tuple[str, ...]] = {}
+        self.excluded: dict[tuple[str, str], None] = {}  #: pairs of types that do not meet
+        self.unclear: dict[conditions.Part, None] = {}  #: what depends on a condition that only a run knows
+        self.edges: dict[str, float] = {}  #: of the box
+        self.squeezed: list[Note] = []  #: commands that shrank the box
+        self.variables.keywords["dt"] = TIME_STEPS[self.units]
+
+    # --- what subclasses provide --------------------------------------------------------------------------------
+
+    def contacts(self) -> Iterator[ContactSettings]:
+        """The settings that hold now."""
+        raise NotImplementedError
+
+    def own_fix(self, fix: Fix) -> bool:
+        """Read a fix; False if it is not one of contacts or insertions of this code."""
+        raise NotImplementedError
+
+    # --- reading ------------------------------------------------------------------------------------------------
+
+    def read(self, statements: Iterator[Statement]) -> Description:
+        """Read all statements."""
+        try:
+            for statement in statements:
+                self.statement(statement)
+        except Undefined as error:  # the file that comes next
+            self.missing(error.statement)
+        except Refusal:
+            if not self.undefined:
+                raise
+        if self.undefined:
+            raise self.without_values()
+        for (condition, _), *_ in self.forks.values():
+            raise refused(condition, f"have a condition that is known without running; {USE_LOG}")
+        if (self.part or not self.stages) and self.last is not None and self.changed_since:
+            self.stage(self.last.quote, None)
+        if not self.granular or not self.stages:
+            raise ValueError("script: has no granular contacts")
+        return Description(
+            self.code,
+            self.version,
+            tuple(self.stages),
+            tuple(self.ignored),
+            tuple(self.invalidates),
+            tuple(self.unknown),
+            tuple(self.refused),
+        )
+
+    def without_values(self) -> ValueError:
+        """The error that names all variables whose values are missing."""
+        names = [name for name in self.undefined if name]
+        what = f"values for {listed(names)}" if names else "variables that are known"
+        return refused(
+            next(iter(self.undefined.values())), f"have {what}: give them with --var, or {USE_LOG}"
+        )
+
+    def statement(self, statement: Statement) -> None:
+        """Read one statement."""
+        command = statement.words[0]
+        self.changed_since = self.changed_since or (command != "run" and command not in HARMLESS)
+        own = getattr(self, f"command_{command}", None)
+        if own is not None:
+            try:
+                own(statement)
+            except Undefined as error:
+                self.missing(error.statement)
+        elif command not in HARMLESS:
+            self.unknown[statement.quote] = None
+
+    def missing(self, statement: Statement) -> None:
+        """Note the variables of a statement that have no value."""
+        for name in list(self.variables.missing(statement.text)) or [""]:
+            self.undefined.setdefault(name, statement)
+
+    def understood(self, statement: Statement, read: Callable[[], object], contacts: bool = True) -> bool:
+        """Whether a statement is understood. If not, it is quoted, or refused if a variable in it is not known.
+
+        ``contacts``: whether the force of contacts depends on it.
+        """
+        try:
+            read()
+        except ValueError as error:
+            if UNRESOLVED.search(statement.text):
+                raise Undefined(statement) from None
+            self.refused |= {str(error): None} if contacts else {}
+            part = getattr(error, "part", "")
+            whole = part == " ".join(statement.text.split())
+            self.unknown[replace(statement.quote, part="" if whole else part)] = None
+            return False
+        return True
+
+    def number(self, statement: Statement, word: str) -> float:
+        """A number of a statement, or of a variable ``v_name``."""
+        if NUMBER.fullmatch(word):
+            return float(word)
+        found = self.variables.of(word[2:]) if word.startswith("v_") else None
+        if found is None:
+            raise self.no_number(statement, "a number", word)
+        return found
+
+    def resolve(self, statement: Statement, settings: Settings) -> Settings:
+        """Settings whose numbers are all known."""
+        for name, one in settings.items():
+            for word in one.words:
+                if is_variable(word):
+                    raise self.no_number(statement, f"a number for {name}", word)
+        return settings
+
+    def no_number(self, statement: Statement, what: str, word: str) -> ValueError:
+        """The error for a word that is no number, or a variable without a known value."""
+        return Undefined(statement) if is_variable(word) else refused(statement, f"have {what}, not {word}")
+
+    # --- conditions that only a run knows -----------------------------------------------------------------------
+
+    def command_if(self, statement: Statement) -> None:
+        """Read all branches that may run. What all leave alike stays; the rest is not known from then on."""
+        if not any(
+            one.words[0] not in HARMLESS for branch in statement.branches for one in branch.statements
+        ):
+            for branch in statement.branches:
+                self.fork(statement, branch, self)
+            return
+        ends = [(branch, self.after(branch)) for branch in statement.branches]
+        going = [end for branch, end in ends if not branch.ends and not branch.place]
+        leading = [end for branch, end in ends if branch.place]
+        for branch, end in ends:
+            self.fork(statement, branch, end)
+        before = self.stages
+        vars(self).update(vars((going or leading or [self])[0].copied()))
+        for _, end in ends:
+            self.ignored |= end.ignored
+            self.unknown |= end.unknown
+            self.refused |= end.refused
+            self.undefined |= end.undefined
+        self.stages = self.joined(before, [end.stages for _, end in ends])
+        self.variables.keywords["dt"] = self.time_step or TIME_STEPS[self.units]
+        for end in going[1:]:
+            self.compare(statement, end)
+
+    def fork(self, condition: Statement, branch: Branch, end: State) -> None:
+        """Keep the state with which a branch goes on at a later label."""
+        if branch.place:
+            known = self.forks.setdefault(branch.place, [])
+            if not any(end.as_well(one) for _, one in known[-MAX_FORKS:]):
+                known.append((condition, end.copied()))
+
+    def command_label(self, statement: Statement) -> None:
+        """A label to which branches lead that leave out what was read since."""
+        if statement.place:
+            for condition, end in self.forks.pop(statement.place, ()):
+                self.compare(condition, end)
+
+    def after(self, branch: Branch) -> Self:
+        """The state after the commands of a branch."""
+        keywords, end = dict(self.variables.keywords), self.copied()
+        for statement in branch.statements:
+            end.statement(statement)
+        self.variables.keywords = keywords
+        return end
+
+    def copied(self) -> Self:
+        """A copy that changes on its own."""
+        new = copy.copy(self)
+        for name, value in vars(self).items():
+            if name == "population":
+                batches = {kind: list(each) for kind, each in value.batches.items()}
+                new.population = replace(value, batches=batches)
+            elif isinstance(value, list | dict) and name != "forks":
+                setattr(new, name, copy.copy(value))
+        return new
+
+    def joined(self, before: Sequence[Stage], ends: Sequence[Sequence[Stage]]) -> list[Stage]:
+        """The stages before a condition, and those of all its branches."""
+        found = list(before)
+        for stage in (one for end in ends for one in end[len(before) :]):
+            if not any(conditions.settings_of(one) == conditions.settings_of(stage) for one in found):
+                found.append(stage)
+        if found and any(list(end) != list(before) for end in ends):
+            k = max(0, len(before) - 1)
+            found[k:] = [replace(one, steps=None) for one in found[k:]]
+        return found
+
+    def as_well(self, other: State) -> bool:
+        """Whether all settings on which contacts depend now or later are those of another state."""
+        fixes, others = (
+            {name: fix for name, fix in one.fixes.items() if not fix.style.startswith(ELSEWHERE)}
+            for one in (self, other)
+        )
+        values = [
+            (value, getattr(other, name)) for name, value in vars(self).items() if name not in NO_SETTINGS
+        ]
+        values += [(fixes, others), (self.step_now(), other.step_now())]
+        return all(a == b or conditions.plain(a) == conditions.plain(b) for a, b in values)
+
+    def compare(self, condition: Statement, other: State) -> None:
+        """Note what a branch leaves in another state, and quote its condition."""
+        forces = [note for note in self.invalidates if note not in other.invalidates]
+        differ = list(forces or set(other.invalidates) - set(self.invalidates))
+        for note in forces:
+            del self.invalidates[note]
+        what = [f"{note.what}" for note in differ]
+        if not self.as_well(other):
+            quote = condition.quote
+            parts = list(conditions.differences(self.now(quote, None), other.now(quote, None)))
+            self.unclear |= dict.fromkeys(parts)
+            what += [str(part[0]) for part in parts] or ["what follows"]
+        if what:
+            if conditions.CONTACTS in what:
+                must = f"have a condition that is known without running; {USE_LOG}"
+                self.refused[str(refused(condition, must))] = None
+            words = listed(list(dict.fromkeys(what)))
+            self.quote_with(condition, f"only a run knows the condition; branches differ in {words}")
+            if any(name not in self.variables.known for name in self.variables.missing(condition.text)):
+                self.missing(condition)
+
+    def quote_with(self, statement: Statement, reason: str = "") -> None:
+        """Quote a statement that is not understood, with the reason."""
+        quote = statement.quote
+        if not any((one.file, one.line) == (quote.file, quote.line) for one in self.unknown):
+            self.unknown[replace(quote, text=f"{quote.text} ({reason})" if reason else quote.text)] = None
+
+    # --- types and groups ---------------------------------------------------------------------------------------
+
+    def type_of(self, word: str) -> int:
+        """A type by its number or label; 0 if it is neither."""
+        if word.isdecimal() and len(word) < 7:
+            return int(word)
+        return self.labels.get(word, 0)
+
+    def types_of(self, word: str) -> range:
+        """Types within ``2``, ``*``, ``2*``, ``*3`` or ``1*3``, also those that only a later command makes known."""
+        low, star, high = word.partition("*")
+        if not star:
+            kind = self.type_of(word)
+            return range(kind, kind + 1) if kind else range(0)
+        first = self.type_of(low) if low else 1
+        last = self.type_of(high) if high else MAX_TYPES
+        return range(first, min(last, MAX_TYPES) + 1)
+
+    def count(self) -> int:
+        """Number of types, as far as it is known."""
+        return min(max([self.types, self.types_seen, *self.population.batches, 1]), MAX_TYPES)
+
+    def present(self) -> list[int]:
+        """Types of which there are grains, or all if these are not known."""
+        if self.population.batches and not self.population.elsewhere:
+            return sorted(self.population.batches)
+        return list(range(1, self.count() + 1))
+
+    def members(self, group: str) -> Group:
+        """A group; any part of the grains if it is not known."""
+        return self.groups.get(group, Group(None, False))
+
+    def within(self, group: Group) -> Collection[int]:
+        """The types of a group among those present."""
+        return [one for one in self.present() if group.types is None or one in group.types]
+
+    def command_group(self, statement: Statement) -> None:
+        name, style, *words = (*statement.words[1:], "", "")
+        words = [one for one in words if one]
+        if style not in GROUP_STYLES.split():
+            self.unknown[statement.quote] = None
+        old = self.groups.get(name)
+        if style in ("delete", "clear"):
+            self.groups.pop(name, None)
+        elif name != "all":
+            if style == "type":
+                new = self.group_of_types(words)
+            else:
+                new = self.group_of_atoms(words) if style == "id" else self.combined(style, words)
+            if old is not None and old.types is not None and new.types is not None:
+                new = Group(old.types | new.types, old.whole and new.whole)  # a second command adds grains
+            self.groups[name] = new
+
+    def group_of_types(self, words: Sequence[str]) -> Group:
+        """Grains of types such as ``1 3``, ``1:3``, ``> 2`` or ``<> 2 4``."""
+        if words[:1] and words[0] in COMPARISONS:
+            limits = [int(one) for one in words[1:] if one.isdecimal()]
+            within = COMPARISONS[words[0]]
+            every = range(1, self.count() + 1) if limits else ()
+            return Group(frozenset(k for k in every if within(k, limits[0], limits[-1])), True)
+        kinds: set[int] = set()
+        for word in words:
+            first, _, last = word.partition(":")
+            last = last.partition(":")[0]
+            if not self.population.batches:  # a part of a script, whose types are those that it names
+                self.types = max(self.types, min(self.type_of(last or first), MAX_TYPES))
+            kinds |= set(self.types_of(f"{first}*{last}" if last else first))
+        return Group(frozenset(kinds), True)
+
+    def group_of_atoms(self, words: Sequence[str]) -> Group:
+        """Grains with numbers such as ``1 3`` or ``1:3``; any part of the grains if their types are not known."""
+        ends = [word.partition(":") for word in words]
+        if self.population.elsewhere or not all(
+            word.isdecimal() and len(word) < 10 for first, _, last in ends for word in (first, last or first)
+        ):
+            return Group(None, False)
+        ranges = [range(int(first), int(last or first) + 1) for first, _, last in ends]
+        chosen = {
+            kind: [one.atom is not None and any(one.atom in r for r in ranges) for one in held]
+            for kind, held in self.population.batches.items()
+        }
+        if any(one.atom is None for held in self.population.batches.values() for one in held):
+            return Group(None, False)
+        chosen = {kind: each for kind, each in chosen.items() if any(each)}
+        return Group(frozenset(chosen), all(map(all, chosen.values())))
+
+    def combined(self, style: str, names: Sequence[str]) -> Group:
+        """A union, difference or intersection of groups; any part of the grains for other styles, such as region."""
+        parts = [self.members(one) for one in names]
+        known = [one.types for one in parts if one.types is not None]
+        whole = all(one.whole for one in parts)
+        if style == "empty":
+            return Group(frozenset(), True)
+        if style == "union" and len(known) == len(parts):
+            return Group(frozenset().union(*known), whole)
+        if style == "union" and any(one.types is None and one.whole for one in parts):
+            return Group(None, True)
+        if style == "intersect" and parts:
+            return Group(frozenset.intersection(*known) if known else None, whole)
+        if style == "subtract" and parts:
+            first, *others = parts
+            types = first.types
+            if types is None and first.whole:
+                types = frozenset(range(1, self.count() + 1))
+            minus = frozenset().union(*(one.types for one in others if one.types is not None and one.whole))
+            exact = whole and all(one.types is not None for one in others)
+            return Group(None if types is None else types - minus, exact)
+        return Group(None, False)
+
+    def command_labelmap(self, statement: Statement) -> None:
+        if statement.words[1:2] == ("atom",):
+            words = statement.words[2:]
+            for number, label in zip(words[::2], words[1::2], strict=False):
+                if number.isdecimal():
+                    self.labels[label] = int(number)
+
+    # --- settings of the run ------------------------------------------------------------------------------------
+
+    def command_units(self, statement: Statement) -> None:
+        if len(statement.words) != 2 or statement.words[1] not in TIME_STEPS:
+            raise refused(statement, f"be units {', '.join(TIME_STEPS)}")
+        self.units, self.units_given, self.time_step = statement.words[1], True, None  # also in LAMMPS
+        self.variables.keywords["dt"] = TIME_STEPS[self.units]
+
+    def command_dimension(self, statement: Statement) -> None:
+        if statement.words[1:] not in (("2",), ("3",)):
+            raise refused(statement, "be dimension 2 or 3")
+        self.dimension = int(statement.words[1])
+
+    def command_timestep(self, statement: Statement) -> None:
+        step = self.number(statement, (*statement.words, "")[1])
+        if step <= 0.0:
+            raise refused(statement, "have a positive time step")
+        self.time_step = self.variables.keywords["dt"] = step
+        self.last = statement
+
+    def command_atom_style(self, statement: Statement) -> None:
+        words = [one for one in statement.words[1:] if not one.isdecimal()]
+        self.atom_style = " ".join(words)
+        for word in words:
+            if word.startswith(CLUMP_STYLES):
+                what = (
+                    "bonds between grains"
+                    if word.startswith("bpm")
+                    else f"grains that are no spheres ({word})"
+                )
+                self.invalidate(what, statement)
+
+    def command_bond_style(self, statement: Statement) -> None:
+        if statement.words[1:2] not in (("none",), ("zero",)):
+            self.invalidate("bonds between grains", statement)
+
+    def command_kspace_style(self, statement: Statement) -> None:
+        if statement.words[1:2] != ("none",):
+            self.invalidate("long-range forces", statement)
+
+    def command_partition(self, statement: Statement) -> None:
+        """A command for some partitions only."""
+        if not set(statement.words[3:4]) <= HARMLESS:
+            self.unknown[statement.quote] = None
+
+    def command_run_style(self, statement: Statement) -> None:
+        if statement.words[1:2] not in (("verlet",), ("verlet/split",)):
+            self.unknown[statement.quote] = None
+
+    def command_neigh_modify(self, statement: Statement) -> None:
+        """Pairs of types that do not meet: ``exclude type I J`` or ``exclude group A B``."""
+        words = statement.words
+        for k, word in enumerate(words[:-1]):
+            if word == "exclude" and words[k + 1] == "none":
+                self.excluded = {}
+            elif word == "exclude" and words[k + 1] in ("type", "group"):
+                typed = words[k + 1] == "type"
+                ends = [
+                    Group(frozenset(self.types_of(one)), True) if typed else self.members(one)
+                    for one in words[k + 2 : k + 4]
+                ]
+                if len(ends) == 2 and all(one.whole for one in ends):
+                    pairs = [(i, j) for i in self.within(ends[0]) for j in self.within(ends[1])]
+                    self.excluded |= dict.fromkeys((str(min(pair)), str(max(pair))) for pair in pairs)
+
+    def command_delete_atoms(self, statement: Statement) -> None:
+        """Grains of whole types may be deleted; of others, some may be left."""
+        words = statement.words
+        group = self.members(words[2]) if words[1:2] == ("group",) and len(words) > 2 else Group(None, False)
+        if group.whole:
+            for kind in self.within(group):
+                self.population.batches.pop(kind, None)
+
+    def command_clear(self, statement: Statement) -> None:
+        self.reset()
+
+    def command_reset_timestep(self, statement: Statement) -> None:
+        count = (*statement.words, "")[1]
+        self.steps_done = int(count) if count.isdecimal() and len(count) < 19 else 0
+
+    def command_run(self, statement: Statement) -> None:
+        words = statement.words
+        count = words[1] if len(words) > 1 else ""
+        steps: int | None = None
+        if NUMBER.fullmatch(count) and float(count) < 1e18:
+            steps = int(float(count))
+            if "upto" in words:
+                steps = max(0, steps - self.steps_done)
+            self.steps_done += steps
+        if steps == 0:
+            self.last = statement
+            return
+        self.stage(statement.quote, steps)
+
+    def stage(self, quote: Quote, steps: int | None) -> None:
+        """Note what holds now. A run with the same settings as that before continues its stage."""
+        if self.stages and not self.changed_since:
+            self.longer(steps)
+            return
+        self.changed_since = False
+        new = conditions.without(self.now(quote, steps), self.unclear)
+        self.note_adhesion(new.contacts)
+        if self.stages and replace(self.stages[-1], quote=quote, steps=steps) == new:
+            self.longer(steps)
+        else:
+            self.stages.append(new)
+
+    def now(self, quote: Quote, steps: int | None) -> Stage:
+        """What holds now."""
+        disks = self.code == "liggghts" and self.dimension == 2
+        grains = {}
+        for kind in self.present():
+            frozen, freezes = self.frozen(kind), self.stopped("freeze", kind)
+            partly = [one for one in ("freeze", "setforce") if not frozen and self.stopped(one, kind, False)]
+            grains[str(kind)] = self.population.grains(
+                kind, str(kind), frozen, not freezes and "freeze" not in partly, disks, bool(partly)
+            )
+        return Stage(
+            quote,
+            self.step_now(),
+            self.time_step is not None,
+            steps,
+            tuple(one for one in self.contacts() if one.types not in self.excluded),
+            grains,
+            self.gravity(),
+            None,
+            self.down(),
+            *motion.driven(self),
+            self.units,
+            self.units_given,
+            self.dimension,
+        )
+
+    def note_adhesion(self, contacts: Sequence[ContactSettings]) -> None:
+        """Note the statements that make contacts adhesive or plastic, each with all types that it concerns."""
+        for one in contacts:
+            if one.adhesion:
+                same = [n for n in self.invalidates if (n.what, n.quote) == (one.adhesion, one.quotes[0])]
+                types = {*one.types, *(name for note in same for name in note.types or ())} - {WALL}
+                for note in same:
+                    del self.invalidates[note]
+                note = Note(one.adhesion, tuple(sorted(types, key=int)), one.quotes[0])
+                self.invalidates[note] = None
+
+    def step_now(self) -> float | None:
+        """The time step; None if a fix changes it."""
+        if any(one.style.startswith("dt/reset") for one in self.fixes.values()):
+            return None
+        return TIME_STEPS[self.units] if self.time_step is None else self.time_step
+
+    def longer(self, steps: int | None) -> None:
+        """Continue the last stage."""
+        old = self.stages[-1]
+        both = None if steps is None or old.steps is None else old.steps + steps
+        self.stages[-1] = replace(old, steps=both)
+
+    # --- grains -------------------------------------------------------------------------------------------------
+
+    def command_create_box(self, statement: Statement) -> None:
+        self.types = max(self.types, min(self.type_of((*statement.words, "")[1]), MAX_TYPES))
+        shape, *ends = (*self.regions.get((*statement.words, "", "")[2], ()), "")
+        numbers = [self.coefficient(word) for word in ends[:6]] if shape in ("block", "prism") else []
+        for axis, low, high in zip("xyz", numbers[::2], numbers[1::2], strict=False):
+            if low is not None and high is not None and high > low:
+                self.edges[axis] = high - low
+
+    def command_change_box(self, statement: Statement) -> None:
+        kind, _ = motion.deformation(self, statement.words[2:])
+        self.edges = {}
+        if kind == "pressed":
+            self.squeezed.append(Note("change_box", None, statement.quote))
+
+    def command_region(self, statement: Statement) -> None:
+        if len(statement.words) > 2:
+            self.regions[statement.words[1]] = statement.words[2:]
+
+    def parts_of(self, region: str) -> dict[str, tuple[str, ...]]:
+        """A region, or those of which it is a union or an intersection."""
+        found: dict[str, tuple[str, ...]] = {}
+        pending = [region]
+        while pending:
+            name = pending.pop()
+            words = self.regions.get(name, ())
+            if name not in found:
+                found[name] = words
+                if words[:1] and words[0] in ("union", "intersect"):
+                    pending += words[2:]
+        return found
+
+    def command_create_atoms(self, statement: Statement) -> None:
+        words = statement.words
+        kind = self.type_of(words[1]) if len(words) > 1 else 0
+        if not set(words[2:3]) <= PLACES:
+            self.unknown[statement.quote] = None
+        template = words[words.index("mol") + 1 : words.index("mol") + 2] if "mol" in words else ()
+        if template:
+            self.add_molecule(statement, template[0], kind)
+        elif 1 <= kind <= MAX_TYPES:
+            one = words[2:3] == ("single",)
+            self.population.add(kind, replace(CREATED, atom=self.population.next_atom()) if one else CREATED)
+            for k, word in enumerate(words[:-2]):
+                if word == "basis" and self.type_of(words[k + 2]):
+                    self.population.add(self.type_of(words[k + 2]), CREATED)
+        else:
+            self.elsewhere(statement)
+
+    def add_molecule(self, statement: Statement, template: str, offset: int) -> None:
+        """Grains of a molecule file."""
+        if template not in self.molecules:
+            self.elsewhere(statement)
+            return
+        for kind, batch in self.molecules[template]:
+            if 1 <= kind + offset <= MAX_TYPES:
+                self.population.add(kind + offset, batch)
+
+    def command_molecule(self, statement: Statement) -> None:
+        found: list[tuple[int, Batch]] = []
+        words = statement.words[1:]
+        for name in words[1:]:
+            text = None if self.folder is None else text_of(self.folder / name)
+            if text is None:
+                if not found:
+                    self.unknown[statement.quote] = None
+                break
+            try:
+                found += population.molecule(text)
+            except (ValueError, KeyError, IndexError):
+                self.unknown[statement.quote] = None
+                return
+        if found:
+            self.molecules[words[0]] = found
+            if len(found) > 1:
+                self.invalidate("molecules of several grains", statement)
+
+    def elsewhere(self, statement: Statement, reason: str = "") -> None:
+        """Grains whose sizes are not in the script."""
+        self.population.elsewhere = True
+        self.quote_with(statement, reason)
+
+    def command_read_data(self, statement: Statement) -> None:
+        words = statement.words
+        name = (*words, "")[1]
+        text = None if self.folder is None else text_of(self.folder / name)
+        if text is None:
+            why = "cannot be opened" if self.folder else "give the script as a file, to which it is relative"
+            self.elsewhere(statement, why)
+            return
+        more = words[words.index("extra/atom/types") + 1 :][:1] if "extra/atom/types" in words else []
+        shift = words[words.index("offset") + 1 :][:1] if "offset" in words else []
+        offset = self.type_of(shift[0]) if shift else 0
+        types = population.header(text, "atom types") + (self.type_of(more[0]) if more else 0) + offset
+        self.types = min(max(self.types, types), MAX_TYPES)
+        for name in words[words.index("group") + 1 :][:1] if "group" in words else ():
+            self.groups.setdefault(name, Group(None, False))
+        if COEFFICIENTS.search(text):
+            self.quote_with(statement, "its pair coefficients are not read")
+        if population.header(text, "bonds"):
+            self.invalidate("bonds between grains", statement)
+        try:
+            found = population.merged(population.atoms(text, self.atom_style))
+        except (ValueError, IndexError):
+            found = {}
+        if not found:
+            self.elsewhere(statement, "only atom style sphere is read")
+        for kind, batch in found.items():
+            if 1 <= kind + offset <= MAX_TYPES:
+                self.population.add(kind + offset, batch)
+
+    def command_read_restart(self, statement: Statement) -> None:
+        self.elsewhere(statement, "such files are not read")
+
+    command_read_dump = command_read_restart
+
+    def command_set(self, statement: Statement) -> None:
+        words = statement.words
+        if len(words) < 4:
+            self.unknown[statement.quote] = None
+            return
+        style, name = words[1], words[2]
+        if style == "type":
+            chosen = Group(frozenset(self.types_of(name)), True)
+        elif style == "group":
+            chosen = self.members(name)
+        else:
+            chosen = Group(None, style == "atom" and name == "*")
+        atoms = atoms_of(name) if style == "atom" else None
+        changes: list[Callable[[Batch], Batch]] = []
+        k = 3
+        while k < len(words):
+            word, values = words[k], words[k + 1 :]
+            if word.startswith("property/atom"):  # a property of its own with all its values
+                break
+            if not (count := SET_COUNTS.get(word, 1 if CUSTOM.match(word) else 0)) or len(values) < count:
+                self.quote_with(statement, f"{word} is not understood")
+                break
+            if word in TYPE_KEYWORDS:
+                self.set_type(statement, chosen, word, values[:count], atoms)
+            elif word in SET_KEYWORDS:
+                value = None if word == "shape" else self.set_number(statement, values[0])
+                if value is None or value < 0.0:
+                    self.unknown[statement.quote] = None
+                    value = None
+                changes.append(self.changed(word, value))
+            k += 1 + count
+        self.last = statement
+        self.population.change(
+            self.within(chosen),
+            chosen.whole,
+            lambda one: reduce(lambda now, change: change(now), changes, one),
+            atoms,
+        )
+
+    def set_type(
+        self, statement: Statement, chosen: Group, word: str, values: Sequence[str], atoms: range | None
+    ) -> None:
+        """Another type for grains: ``type T``, ``type/fraction T share seed``, or a number of grains."""
+        kind = self.type_of(values[0])
+        share = 1.0 if word == "type" else None
+        if word == "type/subset":
+            share = 0.0 if values[1] == "0" else None
+        elif word != "type":
+            share = self.number(statement, values[1])
+        if not 1 <= kind <= MAX_TYPES or not 0.0 <= (0.5 if share is None else share) <= 1.0:
+            self.elsewhere(statement)
+        elif share != 0.0:
+            whole = share == 1.0
+            self.population.convert(
+                self.within(chosen), chosen.whole and whole, kind, atoms if whole else None
+            )
+
+    def set_number(self, statement: Statement, word: str) -> float | None:
+        """A number of ``set``; None if it differs from grain to grain."""
+        if word.startswith("v_"):
+            return self.variables.of(word[2:])
+        return self.number(statement, word)
+
+    def changed(self, keyword: str, value: float | None) -> Callable[[Batch], Batch]:
+        """What a keyword of ``set`` does to grains. In LAMMPS, another diameter leaves the mass as it is."""
+        same = None if value is None else (value, value)
+        if keyword == "diameter":
+            radius = None if value is None else 0.5 * value
+            return lambda one: one.with_mass_of(3).with_radius(radius)
+        if keyword == "density/disc":
+            return lambda one: replace(one, densities=same, masses=None).with_mass_of(2)
+        if keyword == "shape":
+            return lambda one: replace(one, radii=None)
+        if keyword == "mass":
+            return lambda one: replace(one, densities=None, masses=same)
+        return lambda one: replace(one, densities=same, masses=None)
+
+    # --- fixes --------------------------------------------------------------------------------------------------
+
+    def command_fix(self, statement: Statement) -> None:
+        words = statement.words
+        if len(words) < 4:
+            self.unknown[statement.quote] = None
+            return
+        if words[2] not in self.groups and not self.population.elsewhere:
+            self.quote_with(statement, f"the group {words[2]} is not defined")
+        fix = Fix(statement, words[2], unaccelerated(words[3]), words[4:])
+        self.fixes[words[1]] = fix
+        if not self.own_fix(fix):
+            self.other_fix(fix)
+
+    def command_unfix(self, statement: Statement) -> None:
+        self.fixes.pop((*statement.words, "")[1], None)
+
+    def other_fix(self, fix: Fix) -> None:
+        """A fix beside contacts and insertions."""
+        style, group = fix.style, self.members(fix.group)
+        types = None if group.types is None else tuple(str(one) for one in sorted(group.types))
+        known = style.startswith((*HARMLESS_FIXES, *INTEGRATORS, "freeze", "gravity"))
+        if style.startswith(CLUMPS):
+            self.invalidate(f"clumps ({style})", fix.statement, types)
+        elif style.startswith("heat"):
+            self.ignore(f"heat ({style})", fix.statement, types)
+        elif style.startswith(("move", "deform")):
+            self.ignore(f"prescribed motion ({style})", fix.statement, types)
+        elif style.startswith("langevin") and motion.bath(self, fix) is not None:
+            self.ignore(f"a thermostat ({style})", fix.statement, types)
+        elif style == "adapt" and ("diameter" in fix.words or "diameter/disc" in fix.words):
+            self.elsewhere(fix.statement)
+        elif style == "gravity" and fix.words[1:2] not in DIRECTIONS:
+            self.unknown[fix.statement.quote] = None
+        elif style.startswith("dt/reset"):
+            self.ignore("a time step that adapts (dt/reset)", fix.statement)
+        elif style == "setforce" and set(fix.words[:3]) <= {*ZEROS, "NULL"}:
+            self.ignore("forces set to zero (setforce)", fix.statement, types)
+        else:
+            what = next((what for start, what in FORCES.items() if style.startswith(start)), "")
+            if what:
+                self.invalidate(f"{what} ({style})", fix.statement, types)
+                if style.startswith("damping/"):
+                    self.refused[str(refused(fix.statement, f"be without {what}"))] = None
+            elif not known:
+                self.unknown[fix.statement.quote] = None
+
+    def invalidate(self, what: str, statement: Statement, types: tuple[str, ...] | None = None) -> None:
+        """Note what makes hard spheres wrong."""
+        self.invalidates[Note(what, types, statement.quote)] = None
+
+    def ignore(self, what: str, statement: Statement, types: tuple[str, ...] | None = None) -> None:
+        """Note what leaves head-on collisions as they are."""
+        self.ignored[Note(what, types, statement.quote)] = None
+
+    def frozen(self, kind: int) -> bool:
+        """Whether no contact changes the velocity of a grain of a type."""
+        integrated = False
+        integrators = [
+            one
+            for one in self.fixes.values()
+            if one.style.startswith(INTEGRATORS) and not one.style.startswith(PRESCRIBED)
+        ]
+        for fix in integrators:
+            group = self.members(fix.group)
+            integrated = integrated or group.types is None or kind in group.types
+        stopped = self.stopped("freeze", kind) or self.stopped("setforce", kind)
+        return stopped or bool(integrators and not integrated)
+
+    def stopped(self, style: str, kind: int, whole: bool = True) -> bool:
+        """Whether ``fix freeze``, or ``fix setforce`` with three zeros, acts on all grains of a type, or on some."""
+        return any(
+            one.style == style
+            and (style == "freeze" or (len(one.words) >= 3 and set(one.words[:3]) <= ZEROS))
+            and (self.members(one.group).whole or not whole)
+            and kind in self.within(self.members(one.group))
+            for one in self.fixes.values()
+        )
+
+    def gravity(self) -> float | None:
+        """The magnitude of gravity."""
+        for fix in self.fixes.values():
+            if fix.style == "gravity" and fix.words:
+                word = fix.words[0]
+                if word.startswith("v_") and self.variables.of(word[2:]) is None:
+                    self.unknown[fix.statement.quote] = None  # it changes in time
+                    return None
+                return self.number(fix.statement, word)
+        return None
+
+    def down(self) -> Direction | None:
+        """The direction of gravity, as in LAMMPS' ``FixGravity``."""
+        fix = next((one for one in self.fixes.values() if one.style == "gravity"), None)
+        if fix is None or len(fix.words) < 3:
+            return None
+        _, style, *rest = fix.words
+        words = rest[: {"chute": 1, "spherical": 2, "vector": self.dimension}.get(style, 0)]
+        if not words or any(is_variable(one) and self.variables.of(one[2:]) is None for one in words):
+            return None
+        given = [self.number(fix.statement, word) for word in words]
+        if style == "vector":
+            size = math.hypot(*given)
+            return (*(x / size for x in given), *(0.0,) * (3 - len(given))) if size > 0.0 else None
+        azimuth, polar = map(math.radians, given if style == "spherical" else (0.0, 180.0 - given[0]))
+        if self.dimension == 2:
+            return math.sin(polar), math.cos(polar), 0.0
+        return math.sin(polar) * math.cos(azimuth), math.sin(polar) * math.sin(azimuth), math.cos(polar)
+
+    def walls_of(self, group: str) -> list[int]:
+        """The types that meet the wall of a group."""
+        return list(self.within(self.members(group)))
+
+    def wall_contact(
+        self,
+        kind: int,
+        name: str,
+        settings: Settings,
+        quotes: tuple[Quote, ...],
+        pushes: tuple[Direction, ...] | None,
+        friction: float | None,
+        motion: Motion | None,
+    ) -> ContactSettings:
+        """A contact with a wall."""
+        return ContactSettings(
+            (str(kind), WALL), name, settings, quotes, pushes=pushes, friction=friction, motion=motion
+        )
+
+    def coefficient(self, word: str) -> float | None:
+        """A number that need not be known."""
+        found = float(word) if NUMBER.fullmatch(word) else None
+        return self.variables.of(word[2:]) if word.startswith("v_") else found
+
+
+def atoms_of(word: str) -> range | None:
+    """Numbers of grains within ``2``, ``2*``, ``*3`` or ``1*3``; None if it is not of this form."""
+    low, star, high = word.partition("*")
+    if not all(one.isdecimal() and len(one) < 10 for one in (low, high) if one) or word == "*" or not word:
+        return None
+    last = int(high) if high else MAX_NUMBER if star else int(low)
+    return range(int(low or 1), last + 1)
+
+
+def is_variable(word: str) -> bool:
+    """Whether a word contains a variable."""
+    return word.startswith("v_") or UNRESOLVED.search(word) is not None

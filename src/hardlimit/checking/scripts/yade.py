@@ -1,0 +1,1401 @@
+"""Materials, contacts, bodies and engines of a YADE script, which is Python. Nothing in it is executed."""
+
+from __future__ import annotations
+
+import ast
+import math
+import re
+import sys
+import textwrap
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+from .description import (
+    WALL,
+    ContactSettings,
+    Description,
+    Direction,
+    Grains,
+    Motion,
+    Note,
+    Quote,
+    Range,
+    Setting,
+    Settings,
+    Stage,
+)
+from .formulas import NUMBER
+from .materials import one_material
+from .motion import STEADY, UNKNOWN, strongest
+from .population import union
+from .python import Evaluator, Instance, Unknown, flat
+from .statements import quoted, refusal
+
+DEFAULT_TIME_STEP: Final = 1e-8  #: of a scene
+NUMERICAL_DAMPING: Final = 0.2  #: NewtonIntegrator's default
+#: Radius of a body over that of the sphere that it touches: 1e8 with ``hertzian=True``.
+SIZES: Final = {"facets": 2.0, "walls": 1.0, "boxes": 1.0}
+#: The engines of a script that sets none.
+DEFAULT_ENGINES: Final = """[
+    ForceResetter(),
+    InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Facet_Aabb(), Bo1_Box_Aabb()], label='collider'),
+    InteractionLoop(
+        [Ig2_Sphere_Sphere_ScGeom(), Ig2_Facet_Sphere_ScGeom(), Ig2_Box_Sphere_ScGeom()],
+        [Ip2_FrictMat_FrictMat_FrictPhys()], [Law2_ScGeom_FrictPhys_CundallStrack()], label='interactionLoop'),
+    GlobalStiffnessTimeStepper(timeStepUpdateInterval=10, label='timeStepper'),
+    NewtonIntegrator(label='newton'),
+]"""
+#: Materials that are read, with the defaults of their numbers.
+MATERIALS: Final[dict[str, dict[str, float]]] = {
+    "FrictMat": {"young": 1e9, "poisson": 0.25, "density": 1000.0},
+    "ViscElMat": {"young": 1e9, "poisson": 0.25, "density": 1000.0},
+    "CohFrictMat": {"young": 1e9, "poisson": 0.25, "density": 1000.0, "normalCohesion": -1.0},
+}
+FRICTION_ANGLE: Final = 0.5  #: default of these materials
+DEFAULT_MATERIAL: Final = {"young": 1e7, "poisson": 0.3, "density": 1000.0, "label": "defaultMat"}
+OF_VISCOELASTIC: Final = "Ip2_ViscElMat_ViscElMat_ViscElPhys"
+#: Functors that create contacts, with the material that they need.
+PHYSICS: Final = {
+    "Ip2_FrictMat_FrictMat_MindlinPhys": "FrictMat",
+    "Ip2_FrictMat_FrictMat_FrictPhys": "FrictMat",
+    OF_VISCOELASTIC: "ViscElMat",
+    "Ip2_CohFrictMat_CohFrictMat_CohFrictPhys": "CohFrictMat",
+}
+#: Attributes of each of these and of the integrator in YADE 2023.02a; others are misspelt, or of another version.
+OF_MATERIALS: Final = "young poisson density frictionAngle id label dead ompThreads "
+ATTRIBUTES: Final = {
+    "FrictMat": OF_MATERIALS,
+    "ViscElMat": OF_MATERIALS
+    + "tc en et kn cn ks cs mR mRtype lubrication viscoDyn roughnessScale SPHmode mu "
+    "KernFunctionPressure KernFunctionVisco",
+    "CohFrictMat": OF_MATERIALS
+    + "isCohesive alphaKr alphaKtw etaRoll etaTwist normalCohesion shearCohesion fragile momentRotationLaw",
+    "Ip2_FrictMat_FrictMat_MindlinPhys": "gamma eta krot ktwist en es betan betas frictAngle label",
+    "Ip2_FrictMat_FrictMat_FrictPhys": "kn ks frictAngle label",
+    "Ip2_ViscElMat_ViscElMat_ViscElPhys": "tc en et frictAngle label",
+    "Ip2_CohFrictMat_CohFrictMat_CohFrictPhys": "setCohesionNow setCohesionOnNewContacts normalCohesion shearCohesion"
+    " frictAngle label cohesionDefinitionIteration",
+    "NewtonIntegrator": "damping gravity maxVelocitySq exactAsphericalRot prevVelGrad warnNoForceReset kinSplit"
+    " dampGravity mask densityScaling label dead ompThreads",
+}
+LAWS: Final = (
+    "Law2_ScGeom_MindlinPhys_Mindlin",
+    "Law2_ScGeom_FrictPhys_CundallStrack",
+    "Law2_ScGeom_ViscElPhys_Basic",
+    "Law2_ScGeom6D_CohFrictPhys_CohesionMoment",
+)
+#: Physics whose normal force is that of another.
+LIKE: Final = {"CohFrictPhys": "FrictPhys"}
+#: Laws that leave out the damping of MindlinPhys.
+UNDAMPED_LAWS: Final = (
+    "Law2_ScGeom_MindlinPhys_HertzWithLinearShear",
+    "Law2_ScGeom_MindlinPhys_MindlinDeresiewitz",
+)
+STICKY_PARTS: Final = "Coh JCFpm Cpm Wire Cap Luding Mortar Bubble Lubrication CDM Bshd"
+STICKY: Final = tuple(STICKY_PARTS.split())
+#: What adds forces beside contacts.
+FORCES: Final = {
+    "Drag": "drag",
+    "Hydro": "drag of a fluid",
+    "Flow": "a fluid",
+    "Buoyancy": "buoyancy",
+    "Capillarity": "capillary bridges",
+    "Thermal": "heat",
+    "Radial": "a radial force",
+    "Interpolating": "an additional force",
+    "ForceEngine": "an additional force",
+    "Centrifugal": "an additional force",
+}
+MOTION_NAMES: Final = """
+TranslationEngine RotationEngine HelixEngine HarmonicMotionEngine HarmonicRotationEngine BicyclePedalEngine
+StepDisplacer ServoPIDController TriaxialStressController TriaxialCompressionEngine PeriTriaxController
+PeriIsoCompressor Peri3dController CombinedKinematicEngine UniaxialStrainer KinemCTDEngine KinemSimpleShearBox
+"""
+MOTION: Final = frozenset(MOTION_NAMES.split())
+#: Those that prescribe a stress or a strain of all grains.
+PRESSING_NAMES: Final = """
+TriaxialStressController TriaxialCompressionEngine PeriTriaxController PeriIsoCompressor Peri3dController
+UniaxialStrainer ServoPIDController KinemCTDEngine KinemSimpleShearBox
+"""
+PRESSING: Final = frozenset(PRESSING_NAMES.split())
+#: Those that move walls or grains steadily.
+STEADY_MOTION: Final = ("TranslationEngine", "RotationEngine", "HelixEngine")
+#: Amplitude and frequency of ``HarmonicMotionEngine``, with their defaults.
+HARMONIC: Final = (("A", (0.0, 0.0, 0.0)), ("f", (0.0, 0.0, 0.0)))
+#: Engines that change neither contacts nor grains.
+ENGINE_NAMES: Final = """
+ForceResetter InsertionSortCollider SpatialQuickSortCollider FlatGridCollider InteractionLoop NewtonIntegrator PyRunner
+PeriodicPythonRunner PeriodicEngine DomainLimiter SnapshotEngine BoxFactory CircularFactory GravityEngine
+GlobalStiffnessTimeStepper ResetRandomPosition IntrCallback ParallelEngine BoundDispatcher
+"""
+ENGINES: Final = frozenset(ENGINE_NAMES.split())
+#: Functions that make bodies other than spheres: facets, walls and boxes.
+SHAPES: Final = {
+    "facet": "facets",
+    **dict.fromkeys(
+        ("facetBox", "facetCylinder", "facetSphere", "facetCone", "facetPolygon", "facetBunker"), "facets"
+    ),
+    **dict.fromkeys(
+        ("facetHelix", "facetParallelepiped", "facetTorus", "stl", "gts", "gmsh", "unv", "iges"), "facets"
+    ),
+    **dict.fromkeys(("gtsSurface2Facets", "textFacets", "blockMeshFacets"), "facets"),
+    "wall": "walls",
+    "box": "boxes",
+    "aabbWalls": "boxes",
+}
+#: Functions that make spheres of sizes that are not in the script.
+FILES: Final = ("text", "textExt", "textClumps", "gengeo", "gengeoFile", "ele", "load", "loadTmp")
+PACK_FILES: Final = (
+    "load",
+    "fromFile",
+    "fromList",
+    "particleSD",
+    "particleSD2",
+    "particleSD_2d",
+    "makeOverlappingCloud",
+)
+CLUMPS: Final = (
+    "appendClumped",
+    "makeClumpCloud",
+    "clump",
+    "clumpTemplate",
+    "replaceByClumps",
+    "polyhedron",
+    "tetra",
+)
+#: Modules whose functions of the same names make no bodies.
+READERS: Final = ("export", "pickle", "cPickle", "np", "numpy", "json", "yaml", "plot", "pd", "pandas")
+#: Bodies that are no spheres, whose contacts are not read.
+OTHER_SHAPES: Final = (
+    "gridNode",
+    "gridConnection",
+    "pfacet",
+    "chainedCylinder",
+    "levelSetBody",
+    "lsSimpleShape",
+)
+#: Attributes that change contacts, grains or time steps while the script runs.
+CHANGING_NAMES: Final = """
+young poisson density en betan kn cn tc gravity damping radius mass mat material dynamic blockedDOFs dt engines active
+dead isCohesive normalCohesion setCohesionNow setCohesionOnNewContacts hertzian functors SPHmode
+"""
+CHANGING: Final = frozenset(CHANGING_NAMES.split())
+#: Those that change the force of contacts.
+OF_CONTACTS: Final = CHANGING - {
+    *("density", "gravity", "radius", "mass", "dynamic", "blockedDOFs", "dt", "active", "dead")
+}
+#: Attributes of ``O`` that change neither contacts nor grains.
+SCENE_NAMES: Final = """
+trackEnergy timingEnabled stopAtIter stopAtTime subStepping subStep tags periodic miscParams numThreads speed iter time
+"""
+#: Methods of ``O`` that change neither contacts nor grains.
+SCENE_METHODS: Final = """
+pause wait resetTime exitNoBacktrace labeledEngine plugins lsTmp isChildClassOf childClassesNonrecursive
+disableGdb realtime sceneToString tmpToFile tmpToString
+"""
+#: Where a script gets names from that cannot change the scene unseen.
+MODULE_NAMES: Final = """
+yade numpy scipy matplotlib pylab pandas mpi4py minieigen minieigenHP gts vtk past builtins future h5py sklearn tqdm
+IPython PyQt4 PyQt5 cPickle ConfigParser Queue StringIO sympy mpmath numba networkx seaborn cv2 PIL plotly meshio
+"""
+KNOWN_MODULES: Final = frozenset(MODULE_NAMES.split()) | sys.stdlib_module_names
+#: The scene and its bodies, by whatever name.
+SCENE: Final = Unknown("O")
+BODIES: Final = Unknown("O.bodies")
+#: Functions that may have the scene or its bodies as an argument and leave it as it is.
+PLAIN: Final = (
+    "print",
+    "len",
+    "str",
+    "repr",
+    "type",
+    "dir",
+    "id",
+    "list",
+    "isinstance",
+    "enumerate",
+    "sorted",
+)
+#: Calls that change bodies, or add forces to those of contacts.
+FORCE_METHODS: Final = ("addF", "setPermF", "addForce")
+TOUCHING: Final = (
+    "toSimulation",
+    "growParticles",
+    "growParticle",
+    "load",
+    "loadTmp",
+    "reload",
+    "reset",
+    *FORCE_METHODS,
+)
+#: Most bodies that a loop runs over one by one.
+MAX_BODIES: Final = 1000
+#: Shapes in the names of functors.
+SHAPE_NAMES: Final = {"sphere": "Sphere", "facets": "Facet", "walls": "Wall", "boxes": "Box"}
+#: Functions that run a text that is not read.
+HIDDEN: Final = ("exec", "execfile", "runpy", "run_path", "run_module", "import_module", "__import__")
+
+
+@dataclass
+class Body:
+    """Spheres of one call, or a wall."""
+
+    kind: str  #: "sphere", or what the wall is made of
+    radii: Range | None
+    material: int
+    frozen: bool
+    quote: Quote
+    mass: float | None = None  #: of a box; None for other bodies, and if it is not known
+    several: bool = False  #: whether there may be more than one
+
+
+class Yade(Evaluator):
+    """A script of YADE."""
+
+    def __init__(
+        self, text: str, file: str = "", variables: Mapping[str, str] = {}, part: bool = False
+    ) -> None:
+        self.part = (
+            part  #: whether this is a part of a script: at its end, and also at a ``wall`` that it lacks
+        )
+        self.given = {
+            name: float(word) if NUMBER.fullmatch(word) else word for name, word in variables.items()
+        }
+        super().__init__(text, file, dict(self.given))
+        self.names["__name__"] = "__main__"
+        self.materials: list[Instance] = []
+        self.bodies: list[Body] = []
+        self.numbered = 0  #: bodies from the first on whose numbers are known
+        self.engines_quote: Quote | None = None
+        self.engines_given = False
+        self.changed = True  #: whether anything may have changed since the last run
+        self.saved: tuple[list[Instance], list[Body], list[Any], bool] | None = None
+        self.foreign: set[str] = set()  #: names of modules that are not known
+        self.table: dict[str, Any] = {}
+        self.time_step: float | None = None
+        self.time_step_given = self.elsewhere = False
+        self.strain: tuple[Any, Quote] | None = None  #: of the periodic cell, as velGrad
+        self.stages: list[Stage] = []
+        self.ignored: dict[Note, None] = {}
+        self.invalidates: dict[Note, None] = {}
+        self.unknown: dict[Quote, None] = {}
+        self.refused: dict[str, None] = {}
+        self.engines: list[Any] = self.value(ast.parse(DEFAULT_ENGINES, mode="eval").body)
+        self.instances.clear()
+        self.label(self.engines)
+
+    def quote(self, line: int, text: str) -> Quote:
+        return quoted(self.file, line, text)
+
+    # --- what the script does -----------------------------------------------------------------------------------
+
+    def assign(self, target: ast.expr, value: Any, node: ast.AST) -> None:
+        """Names of the command line keep their values."""
+        if not (isinstance(target, ast.Name) and target.id in self.given and self.depth == 0):
+            super().assign(target, value, node)
+
+    def forget(self, node: ast.AST) -> None:
+        super().forget(node)
+        self.names |= self.given
+
+    def items(self, node: ast.expr) -> list[Any] | None:
+        """What an iteration runs over: also the centres and the smallest and largest radius of a SpherePack."""
+        found = self.value(node)
+        if isinstance(found, Instance) and found.name == "SpherePack":
+            centre = Unknown("a centre")
+            sizes = list(dict.fromkeys(one for one in found.made if not isinstance(one, Body))) or [None]
+            ends = [(None, None) if one is None else one for one in sizes]
+            return [(centre, Unknown("a radius") if r is None else r) for end in ends for r in end]
+        if found == BODIES:
+            known = [self.body_at(k) for k in range(min(len(self.bodies), MAX_BODIES))]
+            return None if None in known or len(known) < len(self.bodies) else known
+        return super().items(node)
+
+    def compared(self, node: ast.Compare, values: list[Any]) -> Any:
+        """A comparison with a value that is not known. A feature that a script asks for is taken to be there."""
+        if len(values) == 2 and isinstance(values[1], Unknown) and values[1].text.endswith("features"):
+            return isinstance(node.ops[0], ast.In)
+        return super().compared(node, values)
+
+    def body_at(self, k: Any) -> Instance | None:
+        """A body by its number; None if it is not known which one that is."""
+        if not isinstance(k, int) or not -len(self.bodies) <= k < len(self.bodies) or self.elsewhere:
+            return None
+        while self.numbered < len(self.bodies) and not self.bodies[self.numbered].several:
+            self.numbered += 1
+        k %= len(self.bodies)
+        if k >= self.numbered:
+            return None
+        one = self.bodies[k]
+        return Instance("Body", (), {}, one.quote.line, one.quote.text, [one])
+
+    def imported(self, node: ast.Import | ast.ImportFrom) -> None:
+        """An import. A name of a module that is not known may stand for anything."""
+        super().imported(node)
+        inside = isinstance(node, ast.ImportFrom)
+        for one in node.names:
+            root = "." * node.level + (node.module or "") if isinstance(node, ast.ImportFrom) else one.name
+            if root.partition(".")[0] in KNOWN_MODULES:
+                continue
+            if one.name == "*":
+                self.not_understood(node)
+            self.foreign |= {one.asname or one.name, one.name if inside else one.name.partition(".")[0]}
+
+    def not_understood(self, node: ast.AST, attribute: str = "") -> None:
+        """Quote a statement, such as the assignment of an attribute."""
+        quote = self.quote(getattr(node, "lineno", 1), self.source(node).partition("\n")[0])
+        self.unknown[quote] = None
+        if attribute in OF_CONTACTS:
+            self.refuse(quote, "be an attribute of an object of the script, which always has this value")
+
+    def refuse(self, quote: Quote, must: str) -> None:
+        """Note a statement on which the force of contacts depends."""
+        self.refused[str(refusal(quote.line, quote.text, must, self.file))] = None
+
+    def tried(self, node: ast.Try | ast.TryStar) -> None:
+        """``try``; what handles an error may change the scene as well."""
+        super().tried(node)
+        for handler in node.handlers:
+            if any(map(touches, handler.body)):
+                self.uncertain(handler, [handler.body])
+
+    def member(self, owner: Any, name: str, node: ast.Attribute) -> Any:
+        if name == "O" and isinstance(owner, str):
+            return SCENE  # as in yade.O
+        if owner == "O":
+            if name == "materials":
+                return self.materials
+            if name == "engines":
+                return list(self.engines)  # YADE copies it
+            if name == "dt" and (self.time_step is not None or not self.time_step_given):
+                return self.time_step or DEFAULT_TIME_STEP
+        if owner in ("table", "params.table", "yade.params.table") and name in self.table:
+            return self.table[name]
+        if isinstance(owner, Instance) and name in MATERIALS.get(owner.name, {}):
+            return owner.attributes.get(name, MATERIALS[owner.name][name])
+        if isinstance(owner, Instance) and name in ("state", "shape") and body_of(owner):
+            return owner
+        return super().member(owner, name, node)
+
+    def item(self, held: Any, place: ast.expr, node: ast.expr) -> Any:
+        if held is self.materials:
+            key = self.value(place)
+            named = [
+                one for one in self.materials if isinstance(key, str) and one.attributes.get("label") == key
+            ]
+            if named:
+                return named[0]
+        if held == BODIES and (body := self.body_at(self.value(place))) is not None:
+            return body
+        return super().item(held, place, node)
+
+    def statement(self, node: ast.stmt) -> None:
+        if isinstance(node, ast.ImportFrom) and (node.module or "").endswith("params.table"):
+            self.names |= {name: one for name, one in self.table.items() if name not in self.given}
+        super().statement(node)
+
+    def assigned(self, owner: Any, name: str, value: Any, node: ast.AST) -> None:
+        """An attribute. A change that may be made or not, or that is not understood, is quoted."""
+        self.changed = True
+        if owner == "O":
+            self.scene_assigned(name, value, node)
+        elif owner == "O.cell" and name in ("velGrad", "nextVelGrad"):
+            quote = self.quote(getattr(node, "lineno", 1), self.source(node))
+            self.strain = value, quote
+            self.ignored[Note(f"a box that deforms (O.cell.{name})", None, quote)] = None
+        elif isinstance(owner, Instance):
+            body = body_of(owner)
+            if body is not None and name in CHANGING:
+                if self.repeats or not self.body_assigned(body, name, value):
+                    self.not_understood(node)
+            elif self.repeats and name in CHANGING and owner.attributes.get(name) != value:
+                self.not_understood(node, name)
+        elif name in CHANGING and not (name == "blockedDOFs" and isinstance(value, str) and not fixes(value)):
+            self.not_understood(node, name)
+        super().assigned(owner, name, value, node)
+
+    def scene_assigned(self, name: str, value: Any, node: ast.AST) -> None:
+        """An attribute of ``O``."""
+        if name == "dt":
+            known = isinstance(value, int | float) and not isinstance(value, bool) and 0.0 < value < math.inf
+            before, self.time_step = self.time_step, float(value) if known else None
+            self.time_step_given = True
+            if self.repeats and self.time_step != before:
+                self.time_step = None
+            if self.time_step is None:
+                self.not_understood(node)
+        elif name == "engines":
+            parts = flat([value])
+            engines = [one for one in parts if isinstance(one, Instance)]
+            if len(engines) < len(parts) or (self.repeats and engines != self.engines):
+                self.not_understood(node, name)
+            self.engines, self.engines_given = engines, True
+            self.engines_quote = self.quote(getattr(node, "lineno", 1), self.source(node))
+            self.label(self.engines)
+        elif name in ("dynDt", "usesTimeStepper") and isinstance(value, bool | int):
+            for one in self.used("GlobalStiffnessTimeStepper"):
+                one.attributes["active"] = bool(value)
+        elif name not in SCENE_NAMES.split():
+            self.not_understood(node)
+
+    def body_assigned(self, body: Body, name: str, value: Any) -> bool:
+        """An attribute of a body; False if it is not understood."""
+        if name == "dynamic" and isinstance(value, bool | int):
+            body.frozen = not value
+        elif name == "blockedDOFs" and isinstance(value, str):
+            body.frozen = fixes(value)
+        elif name in ("mat", "material") and isinstance(value, Instance):
+            body.material = self.index(value)
+        else:
+            return False
+        return True
+
+    def label(self, instances: Iterable[Any]) -> None:
+        """Labels of engines and functors are names in the script."""
+        for one in instances:
+            if isinstance(one, Instance):
+                name = one.attributes.get("label")
+                if isinstance(name, str):
+                    self.names[name] = one
+                self.label(flat(one.arguments))
+
+    def called(self, name: str, owner: Any, instance: Instance) -> Any:
+        super().called(name, owner, instance)
+        self.changed |= not (owner == "O" and name in ("run", "step")) and name not in PLAIN
+        if isinstance(owner, list):
+            return self.list_method(name, owner, instance)
+        if owner == "O":
+            return self.scene_method(name, instance)
+        if owner == "O.bodies":
+            return self.bodies_method(name, instance)
+        if owner == "O.forces" and name in FORCE_METHODS:
+            note = Note(
+                f"an additional force (O.forces.{name})", None, self.quote(instance.line, instance.text)
+            )
+            self.invalidates[note] = None
+        if isinstance(owner, Instance) and owner.name == "SpherePack":
+            self.pack_method(name, owner, instance)
+            return instance
+        if name == "Omega":
+            return SCENE
+        return self.new_bodies(name, owner, instance)
+
+    def new_bodies(self, name: str, owner: Any, instance: Instance) -> Any:
+        """Functions that make bodies or packings, and parameters of a table."""
+        if name == "SpherePack" and instance.arguments and isinstance(instance.arguments[0], list | tuple):
+            pairs = [
+                entry for entry in instance.arguments[0] if isinstance(entry, tuple | list) and len(entry) > 1
+            ]
+            instance.made += [as_range(entry[1]) for entry in pairs] or [None]
+        if name == "sphere":
+            self.sphere(instance)
+        elif name in SHAPES:
+            self.shape(instance)
+        elif name in ("regularHexa", "regularOrtho", "randomDensePack", "hexaNet", "filterSpherePack"):
+            self.packing(instance)
+        elif name in FILES and not (isinstance(owner, str) and owner.partition(".")[0] in READERS):
+            self.from_file(instance)
+        elif name in CLUMPS or name in OTHER_SHAPES:
+            self.clumps(instance)
+        elif name == "readParamsFromTable":
+            plain = {
+                key: one for key, one in instance.attributes.items() if key not in ("noTableOk", "unknownOk")
+            }
+            self.table |= {**plain, **{key: one for key, one in self.given.items() if key in plain}}
+        else:
+            return self.function(name, owner, instance)
+        return instance
+
+    def function(self, name: str, owner: Any, instance: Instance) -> Any:
+        """A function that makes no bodies."""
+        arguments = instance.arguments
+        if name in ("PWaveTimeStep", "RayleighWaveTimeStep"):
+            step = self.wave_time(rayleigh=name.startswith("R"))
+            return Unknown(instance.text) if step is None else step
+        if name == "SpherePWaveTimeStep":
+            radius, density, young = (
+                instance.argument(k, key) for k, key in enumerate(("radius", "density", "young"))
+            )
+            return radius / math.sqrt(young / density)
+        if name == "typedEngine" and arguments:
+            return next((one for one in self.engines if one.name == arguments[0]), Unknown(instance.text))
+        if name == "isinstance" and len(arguments) == 2 and (body := body_of(arguments[0])) is not None:
+            kind = arguments[1].text.rpartition(".")[2] if isinstance(arguments[1], Unknown) else ""
+            return body.kind == {"Sphere": "sphere", "Facet": "facets", "Wall": "walls", "Box": "boxes"}.get(
+                kind
+            )
+        if name == "runningInBatch":
+            return False
+        root = owner.partition(".")[0] if isinstance(owner, str) else name if owner is None else ""
+        passed = owner is None and name not in PLAIN and any(one in (SCENE, BODIES) for one in arguments)
+        if name in HIDDEN or name.startswith("growParticle") or root in self.foreign or passed:
+            self.unknown[self.quote(instance.line, instance.text)] = None
+        return instance
+
+    def list_method(self, name: str, owner: list[Any], instance: Instance) -> Any:
+        """Methods of lists, and of ``O.materials`` and ``O.engines``."""
+        arguments = instance.arguments
+        if owner is self.materials and name == "append":
+            added = [one for one in flat(arguments) if isinstance(one, Instance)]
+            indices = [self.index(one) for one in added]
+            return indices[0] if len(indices) == 1 and not isinstance(arguments[0], list) else indices
+        if name == "append" and arguments:
+            owner.append(arguments[0])
+        elif name == "extend" and arguments and isinstance(arguments[0], list | tuple):
+            owner.extend(arguments[0])
+        elif name == "insert" and len(arguments) == 2 and isinstance(arguments[0], int):
+            owner.insert(*arguments)
+        else:
+            return Unknown(instance.text)
+        if re.search(r"\.engines\.(append|insert|extend)\(", instance.text):
+            what = "a method of a copy of O.engines, which adds no engine"
+            self.ignored[Note(what, None, self.quote(instance.line, instance.text))] = None
+        return None
+
+    def scene_method(self, name: str, instance: Instance) -> Any:
+        """Methods of ``O``."""
+        if name in ("run", "step"):
+            steps = instance.argument(0, "steps", -1) if name == "run" else 1
+            count = int(steps) if isinstance(steps, int | float) and 0 <= steps < 1e18 else None
+            self.stage(self.quote(instance.line, instance.text), count)
+        elif name in ("load", "loadTmp", "reload"):
+            self.loaded(instance)
+        elif self.repeats and name.startswith("reset") and name != "resetTime":
+            self.unknown[self.quote(instance.line, instance.text)] = None
+        elif name in ("reset", "resetThisScene", "resetCurrentScene", "resetAllScenes"):
+            self.materials.clear()
+            self.bodies, self.numbered = [], 0
+            self.engines, self.engines_given, self.engines_quote = [], True, None
+            self.elsewhere, self.time_step, self.time_step_given = False, None, False
+        elif name == "labeledEngine" and instance.arguments:
+            return self.names.get(str(instance.arguments[0]), Unknown(instance.text))
+        elif name in ("save", "saveTmp"):
+            self.saved = (list(self.materials), list(self.bodies), self.engines, self.elsewhere)
+        elif name not in SCENE_METHODS.split():
+            self.unknown[self.quote(instance.line, instance.text)] = None
+        return Unknown(instance.text)
+
+    def loaded(self, instance: Instance) -> None:
+        """The scene from a file: the one that the script saved last, if it did."""
+        if self.saved is None:
+            self.from_file(instance)
+            return
+        self.materials[:], self.bodies[:], self.engines, self.elsewhere = self.saved
+        self.numbered = 0
+
+    def bodies_method(self, name: str, instance: Instance) -> Any:
+        """Methods of ``O.bodies``. The value is the number of a body, if it is known."""
+        quote = self.quote(instance.line, instance.text)
+        if name in ("clear", "replace") and self.repeats:
+            self.unknown[quote] = None
+        elif name in ("clear", "replace"):
+            self.bodies, self.numbered, self.elsewhere = [], 0, False
+        if name in ("append", "appendClumped", "replace", "insertAtId"):
+            before = len(self.bodies)
+            self.append(instance, clumped=name == "appendClumped")
+            new = range(before, len(self.bodies))
+            if name == "append" and new and self.body_at(new[-1]):
+                several = isinstance(instance.argument(0, "bodies"), list | tuple)
+                return list(new) if several else new[-1]
+        elif name in CLUMPS or "lump" in name:
+            self.clumps(instance)
+        elif name == "erase":
+            self.ignored[Note("bodies that are removed (O.bodies.erase)", None, quote)] = None
+        elif name not in ("clear", "getRoundness"):
+            self.unknown[quote] = None
+        return Unknown(instance.text)
+
+    # --- bodies -------------------------------------------------------------------------------------------------
+
+    def index(self, material: Instance) -> int:
+        """The number of a material, which is added to ``O.materials`` if it is new."""
+        for k, one in enumerate(self.materials):
+            if one is material:
+                return k
+        self.materials.append(material)
+        return len(self.materials) - 1
+
+    def material_of(self, instance: Instance, place: int = -1) -> int:
+        """The material of a body: given by number, label or instance; the last one by default."""
+        given = instance.argument(place, "material", -1)
+        if isinstance(given, Unknown) and given.text in self.functions:
+            # The function makes the material of each body.
+            call = ast.parse(f"{given.text}()", mode="eval").body
+            given = self.value(ast.copy_location(call, self.functions[given.text]))
+        if isinstance(given, Instance):
+            return self.index(given)
+        if isinstance(given, str):
+            labels = [one.attributes.get("label") for one in self.materials]
+            if given in labels:
+                return labels.index(given)
+            raise refusal(
+                instance.line, instance.text, f"have a material of the script, not {given}", self.file
+            )
+        if not self.materials:
+            self.index(Instance("FrictMat", (), dict(DEFAULT_MATERIAL), instance.line, "default material"))
+        if isinstance(given, int) and -len(self.materials) <= given < len(self.materials):
+            return given % len(self.materials)
+        if given is None:
+            return len(self.materials) - 1
+        raise refusal(instance.line, instance.text, "have a known material", self.file)
+
+    def body(self, instance: Instance, kind: str, radii: Range | None, place: int = -1) -> Body:
+        moves = instance.attributes.get("dynamic")
+        frozen = bool(instance.attributes.get("fixed") in (True, 1) or moves in (False, 0))
+        material = self.material_of(instance, place)
+        quote, several = self.quote(instance.line, instance.text), self.repeats > 0
+        if "fixed" in instance.attributes or "dynamic" in instance.attributes:
+            known = all(
+                isinstance(instance.attributes.get(name, False), bool | int | None)
+                for name in ("fixed", "dynamic")
+            )
+            if not known:
+                self.unknown[quote] = None
+        return Body(kind, radii, material, frozen, quote, None, several)
+
+    def sphere(self, instance: Instance) -> None:
+        """``sphere(center, radius, …)``."""
+        radius = instance.argument(1, "radius")
+        instance.made.append(self.body(instance, "sphere", as_range(radius)))
+
+    def shape(self, instance: Instance) -> None:
+        """Facets, walls and boxes."""
+        found = self.body(instance, SHAPES[instance.name], None)
+        found.several |= instance.name not in ("facet", "wall", "box")
+        found.frozen |= instance.name != "box"
+        if instance.name == "box":
+            half = instance.argument(1, "extents")
+            if isinstance(half, list | tuple) and len(half) == 3 and all(as_range(x) or x == 0 for x in half):
+                density = self.number(self.materials[found.material], "density")
+                found.mass = 8.0 * math.prod(half) * density
+        instance.made.append(found)
+
+    def packing(self, instance: Instance) -> None:
+        """Regular and random packings: ``(predicate, radius, …, rRelFuzz=)``."""
+        source = instance.argument(1, "spherePack") if instance.name == "filterSpherePack" else None
+        if isinstance(source, Instance):
+            sizes = [one for one in source.made if not isinstance(one, Body)]
+        else:
+            place = 0 if instance.name == "hexaNet" else 1
+            sizes = [fuzzy(instance.argument(place, "radius"), instance.attributes.get("rRelFuzz", 0.0))]
+        if instance.attributes.get("returnSpherePack") is True:
+            instance.name = "SpherePack"
+            instance.made += sizes
+        else:
+            place = 2 if instance.name == "randomDensePack" else -1
+            made = [self.body(instance, "sphere", one, place) for one in sizes]
+            instance.made += [replace(one, several=True) for one in made]
+
+    def pack_method(self, name: str, pack: Instance, instance: Instance) -> None:
+        """Methods of a SpherePack."""
+        if name == "makeCloud":
+            sizes = instance.argument(7, "psdSizes")
+            if isinstance(sizes, list | tuple) and sizes and "num" not in instance.attributes:
+                radii = union([as_range(one) for one in sizes])
+                pack.made.append(None if radii is None else (0.5 * radii[0], 0.5 * radii[1]))
+            elif sizes:
+                pack.made.append(None)  # YADE may scale the sizes down
+            else:
+                pack.made.append(fuzzy(instance.argument(2, "rMean"), instance.argument(3, "rRelFuzz", 0.0)))
+        elif name == "add":
+            pack.made.append(as_range(instance.argument(1, "radius")))
+        elif name in PACK_FILES:
+            pack.made.append(None)
+        elif name == "makeClumpCloud":
+            self.clumps(instance)
+            pack.made.append(None)
+        elif name == "toSimulation":
+            sizes = list(dict.fromkeys(pack.made)) or [None]
+            made = [self.body(instance, "sphere", one) for one in sizes]
+            self.bodies += [replace(one, several=True) for one in made]
+        elif name == "scale":
+            factor = as_range(instance.argument(0, "scaleFactor"))
+            pack.made = [
+                None if one is None or factor is None else (factor[0] * one[0], factor[0] * one[1])
+                for one in pack.made
+            ]
+        elif name == "toList":
+            instance.name, instance.made = "SpherePack", pack.made
+
+    def append(self, instance: Instance, clumped: bool) -> None:
+        """``O.bodies.append``: bodies, lists of them, or packings."""
+        for one in flat([*instance.arguments, *instance.attributes.values()]):
+            made = [body for body in one.made if isinstance(body, Body)] if isinstance(one, Instance) else []
+            self.bodies += made
+            if clumped and isinstance(one, Instance):
+                self.clumps(replace(one, name="appendClumped"))
+            other = isinstance(one, Instance) and one.name in (*CLUMPS, *OTHER_SHAPES)
+            if isinstance(one, Unknown | Instance) and not made and not other:
+                self.elsewhere = True
+                if not (isinstance(one, Instance) and one.name in FILES):
+                    self.unknown[self.quote(instance.line, instance.text)] = None
+
+    def from_file(self, instance: Instance) -> None:
+        """Spheres whose sizes are not in the script."""
+        self.elsewhere = True
+        self.unknown[self.quote(instance.line, instance.text)] = None
+
+    def clumps(self, instance: Instance) -> None:
+        note = Note(
+            f"clumps or shapes that are no spheres ({instance.name})",
+            None,
+            self.quote(instance.line, instance.text),
+        )
+        self.invalidates[note] = None
+
+    def wave_time(self, rayleigh: bool) -> float | None:
+        """Time in which a wave crosses the smallest sphere; None if sizes are not known."""
+        times = []
+        for body in self.bodies:
+            if body.kind == "sphere":
+                material = self.materials[body.material]
+                young, poisson, density = (
+                    self.number(material, name) for name in ("young", "poisson", "density")
+                )
+                if body.radii is None:
+                    return None
+                if rayleigh:
+                    shear = young / (2.0 * (1.0 + poisson))
+                    time = (
+                        math.pi * body.radii[0] / (0.1631 * poisson + 0.876605) * math.sqrt(density / shear)
+                    )
+                else:
+                    time = body.radii[0] * math.sqrt(density / young)
+                times.append(time)
+        if self.elsewhere or (rayleigh and not times):
+            return None
+        return min(times, default=1.0)  # YADE's value before there are spheres
+
+    # --- what holds at a run ------------------------------------------------------------------------------------
+
+    def number(self, instance: Instance, name: str) -> float:
+        """A number of a material, or its default."""
+        default = MATERIALS.get(instance.name, {"density": 1000.0}).get(name)
+        found = instance.attributes.get(name, instance.attributes.get("**", default))
+        if isinstance(found, bool) or not isinstance(found, int | float) or not math.isfinite(found):
+            said = found.text if isinstance(found, Unknown) else found
+            raise refusal(
+                instance.line, instance.text, f"have a known number for {name}, not {said}", self.file
+            )
+        return float(found)
+
+    @property
+    def bare(self) -> bool:
+        """Whether the script has no bodies, and no functors in ``O.engines`` that make contacts."""
+        functors = self.engines_given and any(inside(self.engines, "Ip2_"))
+        return not (functors or self.bodies or self.elsewhere)
+
+    @property
+    def apart(self) -> bool:
+        """Whether a script makes engines and does not enter them in ``O.engines``, as a part of a script may."""
+        parts = ("Ip2_", "Law2_", "NewtonIntegrator", *["ViscElMat"] * self.bare)
+        entered = self.engines_given and not self.bare
+        return not entered and any(one.name.startswith(parts) for one in self.instances)
+
+    def used(self, start: str) -> list[Instance]:
+        """Instances whose name begins so: those of ``O.engines``, or all of a script that makes them beside it."""
+        return list(inside(self.instances if self.apart else self.engines, start))
+
+    def stage(self, quote: Quote, steps: int | None) -> None:
+        """Note what holds now. A run with the same settings as that before continues its stage."""
+        if self.stages and not self.changed:
+            self.continue_stage(steps)
+            return
+        self.changed = False
+        for one in self.instances if self.bare else ():
+            if one.name in MATERIALS:
+                self.index(one)  # although the part does not append it
+        integrators = self.used("NewtonIntegrator")
+        new = Stage(
+            quote,
+            self.step_now(),
+            self.time_step_given,
+            steps,
+            tuple(self.contacts()),
+            self.grains(),
+            self.gravity(integrators),
+            self.damping(integrators),
+            self.down(integrators),
+            *self.driven(),
+        )
+        if self.stages and replace(self.stages[-1], quote=quote, steps=steps) == new:
+            self.continue_stage(steps)
+        else:
+            self.stages.append(new)
+            self.notes()
+            if new.contacts:
+                self.missing_engines()
+
+    def continue_stage(self, steps: int | None) -> None:
+        """More steps of the last stage."""
+        old = self.stages[-1].steps
+        self.stages[-1] = replace(
+            self.stages[-1], steps=None if steps is None or old is None else old + steps
+        )
+
+    def step_now(self) -> float | None:
+        """The time step; None if it is not known or an engine changes it."""
+        if any(is_active(one) for one in self.used("GlobalStiffnessTimeStepper")):
+            return None
+        return self.time_step if self.time_step_given else DEFAULT_TIME_STEP
+
+    def damping(self, integrators: list[Instance]) -> float | None:
+        # A part of a script may set that of the integrator that YADE makes.
+        integrators = integrators or [one for one in self.engines if "damping" in one.attributes]
+        if not integrators:
+            return None
+        found = integrators[-1].argument(0, "damping", NUMERICAL_DAMPING)
+        if not isinstance(found, int | float) or not 0.0 <= found < 1.0:
+            one = integrators[-1]
+            raise refusal(one.line, one.text, "have a number in [0, 1) for damping", self.file)
+        return float(found)
+
+    def gravity(self, integrators: list[Instance]) -> float | None:
+        for one in [*integrators, *self.used("GravityEngine")]:
+            found = one.attributes.get("gravity")
+            if isinstance(found, tuple | list) and all(isinstance(x, int | float) for x in found):
+                size = math.hypot(*found)
+                return size or None
+            if found is not None:
+                self.unknown[self.quote(one.line, one.text)] = None
+        return None
+
+    def down(self, integrators: list[Instance]) -> Direction | None:
+        """The direction of gravity."""
+        for one in [*integrators, *self.used("GravityEngine")]:
+            found = one.attributes.get("gravity")
+            if isinstance(found, tuple | list) and all(isinstance(x, int | float) for x in found):
+                size = math.hypot(*found)
+                return tuple(x / size for x in found) if size else None
+        return None
+
+    def driven(self) -> tuple[tuple[Note, ...], tuple[Note, ...], float | None]:
+        """What presses the grains, what else drives them, and the shear rate."""
+        pressed = [
+            Note(one.name, None, self.quote(one.line, one.text))
+            for one in self.used("")
+            if one.name in PRESSING
+        ]
+        if self.strain is None:
+            return tuple(pressed), (), None
+        value, quote = self.strain
+        rates = flat([value.arguments]) if isinstance(value, Instance) else []
+        if "Zero" in (value.text if isinstance(value, Unknown) else str(value)):
+            return tuple(pressed), (), None  # Matrix3.Zero
+        if len(rates) != 9 or not all(isinstance(x, int | float) for x in rates):
+            return tuple(pressed), (Note("O.cell.velGrad", None, quote),), None
+        sheared = [abs(x) for k, x in enumerate(rates) if k % 4 and x]
+        growth, largest = rates[0] + rates[4] + rates[8], max(map(abs, rates))
+        if growth < -1e-9 * largest:
+            pressed.append(Note("a cell that shrinks (velGrad)", None, quote))
+        other = (Note("O.cell.velGrad", None, quote),) if any(rates[::4]) or len(sheared) > 1 else ()
+        return tuple(pressed), other, sheared[0] if len(sheared) == 1 and not other else None
+
+    def motion(self) -> Motion | None:
+        """The fastest motion of walls and of fixed spheres; which of them move is not read."""
+        found: list[Motion | None] = []
+        for one in self.used(""):
+            if one.name == "HarmonicMotionEngine":
+                sizes, rates = (one.attributes.get(name, default) for name, default in HARMONIC)
+                vectors = all(
+                    isinstance(each, list | tuple) and all(isinstance(x, int | float) for x in each)
+                    for each in (sizes, rates)
+                )
+                waves = [
+                    Motion(tuple(a * (k == axis) for k in range(3)), 2.0 * math.pi * f)
+                    for axis, (a, f) in enumerate(zip(sizes, rates, strict=False) if vectors else ())
+                ]
+                found += waves or [UNKNOWN]
+            elif one.name in MOTION and one.name not in PRESSING:
+                found.append(STEADY if one.name in STEADY_MOTION else UNKNOWN)
+        return strongest(found, self.down(self.used("NewtonIntegrator")))
+
+    def name(self, k: int) -> str:
+        """The name of a material: its label, or its number."""
+        label = self.materials[k].attributes.get("label")
+        return label if isinstance(label, str) and label else str(k)
+
+    def spheres(self) -> list[Body]:
+        """Spheres of the script, and those that factories will make."""
+        found = [one for one in self.bodies if one.kind == "sphere"]
+        for one in (*self.used("BoxFactory"), *self.used("CircularFactory")):
+            given = one.attributes
+            radii = union([as_range(given.get(name)) for name in ("rMin", "rMax")])
+            number, quote = given.get("materialId", -1), self.quote(one.line, one.text)
+            if isinstance(number, int) and -len(self.materials) <= number < len(self.materials):
+                sizes = None if "PSDsizes" in given else radii
+                material = number % len(self.materials)
+                found.append(Body("sphere", sizes, material, False, quote, several=True))
+            else:
+                self.unknown[quote] = None
+        return found
+
+    def kinds(self) -> list[int]:
+        """Materials of spheres, or all if the script makes none."""
+        found = sorted({one.material for one in self.spheres()})
+        return list(range(len(self.materials))) if self.elsewhere or not found else found
+
+    def grains(self) -> dict[str, Grains]:
+        """The grains of each material: those that move, if some do."""
+        grains, several = {}, self.elsewhere or len(self.bodies) > 1
+        for k in self.kinds():
+            held = [one for one in self.spheres() if one.material == k]
+            fixed = [one for one in held if one.frozen]
+            moving = [one for one in held if not one.frozen]
+            frozen = bool(fixed) and not self.elsewhere and not moving
+            one = self.grains_of(k, fixed if frozen else moving, frozen)
+            if fixed and not frozen:
+                one = replace(one, partly_frozen=True, fixed=self.grains_of(k, fixed, True))
+            lone = len(moving) == 1 and not moving[0].several and several and not self.elsewhere
+            grains[one.type] = replace(one, alone=lone)
+        return grains
+
+    def grains_of(self, k: int, held: list[Body], frozen: bool) -> Grains:
+        """Spheres of one material."""
+        radii = None if self.elsewhere and not frozen else union([one.radii for one in held])
+        density = self.number(self.materials[k], "density") if held or self.elsewhere else None
+        # ViscElPhys takes the mass of a fixed sphere; MindlinPhys does not.
+        counted = self.materials[k].name == "ViscElMat" and any(
+            PHYSICS.get(one.name) == "ViscElMat" for one in self.used("Ip2_")
+        )
+        densities = None if density is None else (density, density)
+        return Grains(self.name(k), radii, densities, None, frozen, counted)
+
+    def contacts(self) -> Iterator[ContactSettings]:
+        """Pairs of materials, then walls, without damping if the law leaves it out."""
+        undamped = [one for one in self.used("Law2_ScGeom_MindlinPhys_") if one.name in UNDAMPED_LAWS]
+        moves = self.motion()
+        for contact in self.all_contacts():
+            settings = contact.settings
+            if undamped and settings["physics"].words[0] == "MindlinPhys":
+                law, en = undamped[-1], settings.get("en")
+                kept = {name: one for name, one in settings.items() if name not in ("en", "betan")}
+                zero = Setting(("0.0",), law.line, law.text)
+                asked = None if en is None else float(en.words[0])
+                contact = replace(contact, settings={**kept, "betan": zero}, asked=asked)
+            yield replace(contact, motion=moves)
+
+    def all_contacts(self) -> Iterator[ContactSettings]:
+        """The contacts, whose damping is that of the functor."""
+        functors = {PHYSICS[one.name]: one for one in self.used("Ip2_") if one.name in PHYSICS}
+        if self.bare and self.apart and not functors:  # only one functor reads this material
+            functors = {one.name: replace(one, name=OF_VISCOELASTIC) for one in self.used("ViscElMat")[:1]}
+        kinds, grains = self.kinds(), self.grains()
+        still = {k for k in kinds if grains[self.name(k)].frozen}
+        for i in kinds if self.touching("sphere") is not None else []:
+            one = grains[self.name(i)]
+            for j in kinds[kinds.index(i) :]:
+                if {i, j} <= still or (i == j and one.alone and not one.partly_frozen):
+                    continue  # they do not meet
+                found = self.between(functors, i, j)
+                if found is not None:
+                    types, friction = (self.name(i), self.name(j)), self.friction(functors, i, j)
+                    yield ContactSettings(types, None, *found, friction=friction)
+        walls = {(one.kind, one.material, one.mass): one.quote for one in self.bodies if one.kind != "sphere"}
+        assumed = self.part and not walls
+        if assumed:
+            materials = {k: self.materials[k] for k in kinds}
+            walls = {("walls", k, None): self.quote(one.line, one.text) for k, one in materials.items()}
+        several = len({material for _, material, _ in walls}) > 1
+        for i in sorted({*kinds} - still):
+            for (kind, j, mass), quote in walls.items():
+                size = self.touching(kind)
+                found = None if size is None else self.between(functors, i, j, size)
+                if found is None or size is None:
+                    continue
+                words = found[0]
+                counted = words["physics"].words[0] == "ViscElPhys" and "en" in words and kind == "boxes"
+                if counted and mass is None:
+                    self.unknown[quote] = None  # its mass is in the formulas
+                    continue
+                name = self.name(j) if assumed else f"{kind} of {self.name(j)}" if several else kind
+                larger = 2.0 if math.isinf(size) else 2.0 * size / (1.0 + size)
+                types = (self.name(i), WALL)
+                # YADE takes a body without mass to have that of the sphere.
+                friction = self.friction(functors, i, j)
+                mass = (mass or None) if counted else None
+                yield ContactSettings(types, name, *found, mass, larger, friction=friction)
+
+    def friction(self, functors: Mapping[str, Instance], i: int, j: int) -> float | None:
+        """tan of the smaller angle of friction, or of the functor's; None if it is not known."""
+        pair = self.materials[i], self.materials[j]
+        functor = functors.get(pair[0].name) if pair[0].name == pair[1].name else None
+        functor = functor or functors.get("FrictMat")
+        if functor is not None and "frictAngle" in functor.attributes:
+            try:
+                angle = self.matched(functor, "frictAngle", (i, j))
+            except ValueError:
+                angle = None
+            return None if angle is None else math.tan(angle)
+        angles = [one.attributes.get("frictionAngle", FRICTION_ANGLE) for one in pair]
+        known = all(isinstance(one, int | float) and not isinstance(one, bool) for one in angles)
+        return math.tan(min(angles)) if known and not any("**" in one.attributes for one in pair) else None
+
+    def touching(self, kind: str) -> float | None:
+        """The size of bodies of this kind over that of a sphere in YADE's formulas; None if they touch no sphere."""
+        shape, size = (SHAPE_NAMES[kind], SIZES.get(kind, 1.0))
+        meet = [one for one in self.used("Ig2_") if one.name.startswith(f"Ig2_{shape}_Sphere_")]
+        seen = [*self.used(f"Bo1_{shape}_Aabb"), *self.used("FlatGridCollider")]
+        if not (self.apart or (meet and seen)):
+            missing = f"Bo1_{shape}_Aabb" if meet else f"Ig2_{shape}_Sphere_…"
+            what = f"{kind if kind in SIZES else 'spheres'} without contacts: no {missing}"
+            self.ignored[Note(what, None, self.engines_quote)] = None
+            return None
+        for one in meet:
+            hertzian = one.attributes.get("hertzian", False)
+            if isinstance(hertzian, bool | int):
+                size = math.inf if hertzian else size
+            else:
+                self.unknown[self.quote(one.line, one.text)] = None
+        return size
+
+    def functor_of(
+        self, functors: Mapping[str, Instance], pair: tuple[Instance, Instance]
+    ) -> Instance | None:
+        """The functor that makes the contacts of two materials, with a law for them; None if there is none."""
+        names = {one.name for one in pair}
+        functor = functors.get(pair[0].name) if len(names) == 1 else None
+        if functor is None and names <= MATERIALS.keys():
+            functor = functors.get("FrictMat")  # the others are FrictMat as well
+        if functor is None:
+            return None
+        laws, physics = self.used("Law2_"), functor.name.rpartition("_")[2]
+        if (laws or not self.apart) and not any(f"_{physics}_" in one.name for one in laws):
+            self.unknown[self.quote(functor.line, f"{functor.text} without its law")] = None
+            return None
+        return functor
+
+    def between(
+        self, functors: Mapping[str, Instance], i: int, j: int, wall: float | None = None
+    ) -> tuple[Settings, tuple[Quote, ...]] | None:
+        """The settings of two materials; None if no functor makes their contacts, or if they are no springs.
+
+        ``wall`` is the size of a wall of the second material over that of the sphere.
+        """
+        pair = self.materials[i], self.materials[j]
+        functor = self.functor_of(functors, pair)
+        if functor is None:
+            return None
+        types = (self.name(i), self.name(j) if wall is None else WALL)
+        what = self.no_spring(functor, pair)
+        if what:
+            self.invalidates[Note(what, types, self.quote(functor.line, functor.text))] = None
+            return None
+        numbers = self.numbers(functor, pair, (i, j), wall)
+        if numbers is None:
+            missing = (
+                pair if functor.attributes.keys().isdisjoint(("en", "betan", "tc", "kn")) else (functor,)
+            )
+            self.unknown.update(dict.fromkeys(self.quote(one.line, one.text) for one in missing))
+            return None
+        physics = functor.name.rpartition("_")[2]
+        found = {"physics": Setting((LIKE.get(physics, physics),), functor.line, functor.text)}
+        for name, (value, source) in numbers.items():
+            found[name] = Setting((repr(value),), source.line, source.text)
+        quotes = dict.fromkeys(self.quote(one.line, one.text) for one in (*pair, functor))
+        return found, tuple(quotes)
+
+    def no_spring(self, functor: Instance, pair: tuple[Instance, Instance]) -> str:
+        """Why a contact is none of a spring and a dashpot; empty if it is one."""
+        if functor.name.endswith("ViscElPhys") and all(one.attributes.get("SPHmode", False) for one in pair):
+            return "smoothed-particle hydrodynamics (SPHmode)"
+        if not functor.name.endswith("CohFrictPhys"):
+            return ""
+        bonds = [
+            functor.attributes.get(name, False) for name in ("setCohesionNow", "setCohesionOnNewContacts")
+        ]
+        cohesive = [one.attributes.get("isCohesive", True) for one in pair]
+        given = functor.attributes.get("normalCohesion")
+        if isinstance(given, Instance):
+            given = given.attributes.get("val") if not list(entries(given)) else 1.0
+        strengths = [one.attributes.get("normalCohesion", -1.0) for one in pair] if given is None else [given]
+        positive = all(not isinstance(x, int | float) or x > 0.0 for x in strengths)
+        return f"adhesion or bonds ({functor.name})" if any(bonds) and all(cohesive) and positive else ""
+
+    def numbers(
+        self,
+        functor: Instance,
+        pair: tuple[Instance, Instance],
+        ends: tuple[int, int],
+        wall: float | None,
+    ) -> dict[str, tuple[float, Instance]] | None:
+        """Numbers of a contact with the object that gives them; None if one material cannot replace the two."""
+        one = pair[0]
+        if functor.name.endswith("ViscElPhys"):
+            return self.viscoelastic(functor, pair, ends, wall)
+        young = [self.number(each, "young") for each in pair]
+        if functor.name.endswith("FrictPhys"):
+            if "kn" in functor.attributes:
+                return None  # a stiffness instead of the modulus
+            mean = self.mean_modulus(young, ends, wall)
+            return None if mean is None else {"young": (mean, one)}
+        ratios = [self.number(each, "poisson") for each in pair]
+        modulus, ratio = young[0], ratios[0]
+        if young[0] != young[1] or ratios[0] != ratios[1]:
+            modulus, ratio = one_material((young[0], ratios[0]), (young[1], ratios[1]))
+        found = {"young": (modulus, one), "poisson": (ratio, one)}
+        for name in ("en", "betan"):
+            if name in functor.attributes:
+                value = self.matched(functor, name, ends)
+                if value is None:
+                    return None
+                found[name] = (value, functor)
+        if "en" not in found and "betan" not in found:
+            found["betan"] = (0.0, functor)
+        return found
+
+    def viscoelastic(
+        self,
+        functor: Instance,
+        pair: tuple[Instance, Instance],
+        ends: tuple[int, int],
+        wall: float | None,
+    ) -> dict[str, tuple[float, Instance]] | None:
+        """ViscElMat: tc, en and et; or kn, cn, ks and cs; or Young's modulus and en. None if YADE refuses them.
+
+        Of two materials, tc and en are means, and springs and dashpots are in series.
+        """
+        one = pair[0]
+
+        def have(*names: str) -> bool:
+            return all(name in each.attributes for each in pair for name in names)
+
+        def mean(name: str) -> tuple[float, Instance] | None:
+            if name not in functor.attributes:
+                return 0.5 * sum(self.number(each, name) for each in pair), one
+            value = self.matched(functor, name, ends)
+            return None if value is None else (value, functor)
+
+        found: dict[str, tuple[float, Instance] | None] = {}
+        if have("tc", "en", "et") or {"tc", "en", "et"} <= functor.attributes.keys():
+            found = {name: mean(name) for name in ("tc", "en")}
+        elif have("kn", "cn", "ks", "cs"):
+            found = {name: (self.in_series(name, pair), one) for name in ("kn", "cn")}
+        elif have("en") or have("cn", "cs"):
+            young = self.mean_modulus([self.number(each, "young") for each in pair], ends, wall)
+            found["young"] = None if young is None else (young, one)
+            found |= {"cn": (self.in_series("cn", pair), one)} if have("cn", "cs") else {"en": mean("en")}
+        known = {name: value for name, value in found.items() if value is not None}
+        return known if found and len(known) == len(found) else None
+
+    def in_series(self, name: str, pair: tuple[Instance, Instance]) -> float:
+        """Twice the number of two springs or dashpots in series; a zero is left out."""
+        values = [self.number(each, name) for each in pair]
+        inverse = sum(1.0 / value for value in values if value)
+        return values[0] if values[0] == values[1] else 2.0 / inverse
+
+    def mean_modulus(self, young: list[float], ends: tuple[int, int], wall: float | None) -> float | None:
+        """The modulus of two springs 2 Y R in series; None if the sizes of grains differ as well as the moduli.
+
+        ``wall`` is the size of the second body over that of the first: 2 s Y/(1 + s) is 2 s Y₁ Y₂/(Y₁ + s Y₂).
+        """
+        if wall is not None:
+            return young[0] * (
+                1.0 if math.isinf(wall) else (1.0 + wall) * young[1] / (young[0] + wall * young[1])
+            )
+        if young[0] == young[1]:
+            return young[0]
+        sizes = union([one.radii for one in self.spheres() if one.material in ends])
+        if sizes is None or sizes[0] != sizes[1]:
+            return None
+        return 2.0 * young[0] * young[1] / (young[0] + young[1])
+
+    def matched(self, functor: Instance, name: str, ends: tuple[int, int]) -> float | None:
+        """A number of a functor: the same for all contacts, or that of a MatchMaker; None if it has none."""
+        given = functor.attributes[name]
+        if isinstance(given, Instance) and given.name == "MatchMaker":
+            for entry in entries(given):
+                if sorted(entry[:2]) == sorted(ends):
+                    return entry[2]
+            given = given.attributes.get("val")
+            if given is None:
+                return None
+        if isinstance(given, bool) or not isinstance(given, int | float):
+            raise refusal(functor.line, functor.text, f"have a known number for {name}", self.file)
+        return float(given)
+
+    # --- the description ----------------------------------------------------------------------------------------
+
+    def description(self) -> Description:
+        """Run the script and describe it."""
+        self.run()
+        contacts = [one for stage in self.stages for one in stage.contacts]
+        if not self.stages or not contacts or (self.part and self.changed):
+            last = self.instances[-1] if self.instances else None
+            self.stage(self.quote(last.line if last else 1, last.text if last else self.text[:80]), None)
+        self.notes()
+        self.callbacks()
+        found = Description(
+            "yade",
+            None,
+            tuple(self.stages),
+            tuple(self.ignored),
+            tuple(self.invalidates),
+            tuple(self.unknown),
+            tuple(self.refused),
+        )
+        if not any(stage.contacts for stage in found.stages) and not found.invalidates and not found.unknown:
+            raise ValueError("script: has no granular contacts")
+        return found
+
+    def notes(self) -> None:
+        """What is in the engines beside normal contacts."""
+        if (
+            len(self.bodies) == 1
+            and len(self.spheres()) == 1
+            and not (self.bodies[0].several or self.elsewhere)
+        ):
+            what = "only one sphere: its contact is that with another like it"
+            self.ignored[Note(what, None, self.bodies[0].quote)] = None
+        self.unknown |= {one.quote: None for one in self.bodies if one.kind == "boxes" and not one.frozen}
+        known = [one for one in self.materials if one.name in MATERIALS]
+        for one in dict.fromkeys([*self.used(""), *known]):
+            quote, name = self.quote(one.line, one.text), one.name
+            strange = (
+                one.attributes.keys() - {"**"} - set(ATTRIBUTES.get(name, " ".join(one.attributes)).split())
+            )
+            if strange:
+                self.unknown[quote] = None
+                self.refuse(quote, f"have known words, not {', '.join(sorted(strange))}")
+            if name.startswith(("Ip2_", "Law2_")) or (name.endswith("Mat") and name[:1].isupper()):
+                self.contact_note(one, quote)
+            elif name in MOTION:
+                self.ignored[Note(f"prescribed motion ({name})", None, quote)] = None
+            elif name == "GlobalStiffnessTimeStepper" and is_active(one):
+                self.ignored[Note("a time step that adapts (GlobalStiffnessTimeStepper)", None, quote)] = None
+            elif name == "PyRunner":
+                self.runner_note(one, quote)
+            elif one in self.engines:
+                what = next((what for sign, what in FORCES.items() if sign in name), "")
+                if what:
+                    self.invalidates[Note(f"{what} ({name})", None, quote)] = None
+                elif name not in ENGINES and not name.endswith("Recorder"):
+                    self.unknown[quote] = None
+
+    def missing_engines(self) -> None:
+        """Engines without which nothing moves or forces are never reset."""
+        given = self.engines_quote
+        for part in ("ForceResetter", "Integrator") if given is not None and self.engines_given else ():
+            if given is not None and not any(part in one.name for one in self.engines):
+                self.unknown[self.quote(given.line, f"no {part} in {given.text}")] = None
+
+    def contact_note(self, one: Instance, quote: Quote) -> None:
+        name = one.name
+        law, force = name.startswith("Law2_"), ""
+        if any(sign in name for sign in STICKY) and name not in (*MATERIALS, *PHYSICS, *LAWS):
+            force = f"adhesion or bonds ({name})"
+        elif name in (*LAWS, *UNDAMPED_LAWS) and one.attributes.get("includeAdhesion") not in (
+            None,
+            False,
+            0,
+        ):
+            force = "adhesion (includeAdhesion)"
+        elif name == "ViscElMat" and one.attributes.get("lubrication", False):
+            force = "a fluid (lubrication)"
+        if force:
+            self.invalidates[Note(force, None, quote)] = None
+            self.refuse(quote, f"be without {force}")
+        elif name not in (*MATERIALS, *PHYSICS, *LAWS, *UNDAMPED_LAWS):
+            self.unknown[quote] = None
+            self.refuse(
+                quote, f"be one of {', '.join(LAWS if law else MATERIALS if 'Mat' in name[-3:] else PHYSICS)}"
+            )
+        elif law:
+            self.ignored[Note(f"tangential forces ({name})", None, quote)] = None
+
+    def runner_note(self, one: Instance, quote: Quote) -> None:
+        """A callback that changes contacts or grains."""
+        command = one.argument(0, "command", "")
+        if not isinstance(command, str):
+            return
+        pending, named = [command], dict[str, ast.FunctionDef]()
+        while pending:
+            new = self.functions.keys() & set(re.findall(r"\w+", pending.pop())) - named.keys()
+            named |= {name: self.functions[name] for name in new}
+            pending += [self.source(self.functions[name]) for name in new]
+        self.executed |= set(named.values())
+        try:
+            parts = [*named.values(), ast.parse(textwrap.dedent(command))]
+        except SyntaxError:
+            parts = [*named.values()]
+        if any(map(touches, parts)):
+            self.unknown[quote] = None
+
+    def callbacks(self) -> None:
+        """Functions that were not run here, although the script may run them."""
+        named = {one.id for one in ast.walk(self.tree) if isinstance(one, ast.Name)}
+        methods = [one for each in self.classes.values() for one in each.values()]
+        for one in [*(one for name, one in self.functions.items() if name in named), *methods]:
+            if one not in self.executed and touches(one):
+                self.unknown[self.quote(one.lineno, f"def {one.name}({ast.unparse(one.args)})")] = None
+
+
+def inside(instances: Iterable[Any], start: str) -> Iterator[Instance]:
+    """These instances and those in their arguments whose name begins so, each once."""
+    pending, seen = list(reversed([*instances])), set[int]()
+    while pending:
+        one = pending.pop()
+        if isinstance(one, Instance) and id(one) not in seen:
+            seen.add(id(one))
+            if one.name.startswith(start):
+                yield one
+            pending += reversed(flat([*one.arguments, *one.attributes.values()]))
+
+
+def touches(part: ast.AST) -> bool:
+    """Whether statements change contacts, bodies, engines or the time step."""
+    for one in ast.walk(part):
+        targets = one.targets if isinstance(one, ast.Assign) else [getattr(one, "target", None)]
+        if any(isinstance(each, ast.Attribute) and each.attr in CHANGING - {"dead"} for each in targets):
+            return True
+        if isinstance(one, ast.Call):
+            owner, _, name = ast.unparse(one.func).rpartition(".")
+            if name in TOUCHING or name in HIDDEN or owner.endswith((".bodies", ".materials")):
+                return True
+    return False
+
+
+def body_of(value: Any) -> Body | None:
+    """The body of ``sphere(…)``, ``wall(…)`` or ``O.bodies[…]``; None for anything else."""
+    made = value.made if isinstance(value, Instance) else []
+    return made[0] if len(made) == 1 and isinstance(made[0], Body) and value.name != "SpherePack" else None
+
+
+def fixes(degrees: str) -> bool:
+    """Whether a body cannot move with these blocked degrees of freedom."""
+    return set("xyz") <= set(degrees)
+
+
+def is_active(engine: Instance) -> bool:
+    """Whether an engine is neither dead nor inactive."""
+    return not engine.attributes.get("dead", False) and bool(engine.attributes.get("active", True))
+
+
+def as_range(value: Any) -> Range | None:
+    """One known positive number as a range."""
+    if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 < value < math.inf:
+        return None
+    return float(value), float(value)
+
+
+def fuzzy(mean: Any, fuzz: Any) -> Range | None:
+    """Radii around a mean with a relative half-width."""
+    known = as_range(mean)
+    if known is None or isinstance(fuzz, bool) or not isinstance(fuzz, int | float) or not 0.0 <= fuzz < 1.0:
+        return None
+    return known[0] * (1.0 - fuzz), known[0] * (1.0 + fuzz)
+
+
+def entries(matcher: Instance) -> Iterator[tuple[int, int, float]]:
+    """Entries (number, number, value) of a MatchMaker."""
+    matches = matcher.argument(0, "matches", ())
+    for entry in matches if isinstance(matches, list | tuple) else ():
+        numbers = isinstance(entry, list | tuple) and all(isinstance(x, int | float) for x in entry)
+        if numbers and len(entry) == 3:
+            yield int(entry[0]), int(entry[1]), float(entry[2])
+
+
+def read(text: str, file: str, variables: Mapping[str, str], part: bool = False) -> Description:
+    """Describe a script of YADE."""
+    return Yade(text, file, variables, part).description()

@@ -1,0 +1,636 @@
+"""What is read from scripts of YADE: materials, functors, bodies, engines, the time step."""
+
+import math
+
+import pytest
+
+import hardlimit as hl
+from hardlimit.checking.scripts import read
+
+LOOP = """O.engines = [
+    ForceResetter(),
+    InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Facet_Aabb(), Bo1_Wall_Aabb(), Bo1_Box_Aabb()]),
+    InteractionLoop(
+        [Ig2_Sphere_Sphere_ScGeom(), Ig2_Facet_Sphere_ScGeom(), Ig2_Wall_Sphere_ScGeom(), Ig2_Box_Sphere_ScGeom()],
+        [{}], [{}]),
+    NewtonIntegrator({}),
+]
+"""
+MINDLIN = ("Ip2_FrictMat_FrictMat_MindlinPhys(en=0.7, es=0.7)", "Law2_ScGeom_MindlinPhys_Mindlin()")
+FRICT = ("Ip2_FrictMat_FrictMat_FrictPhys()", "Law2_ScGeom_FrictPhys_CundallStrack()")
+VISCEL = ("Ip2_ViscElMat_ViscElMat_ViscElPhys()", "Law2_ScGeom_ViscElPhys_Basic()")
+GLASS = "O.materials.append(FrictMat(young=1e7, poisson=0.3, density=2500, label='glass'))\n"
+SPHERE = "O.bodies.append(sphere((0, 0, 0), 0.01))\n"
+
+
+def numbers(contact):
+    """The numbers of a contact; names as they are."""
+    return {
+        name: one.words[0] if name == "physics" else float(one.words[0])
+        for name, one in contact.settings.items()
+    }
+
+
+def script(
+    pair=MINDLIN, material=GLASS, bodies=SPHERE, integrator="damping=0", rest="O.dt = 1e-6\nO.run(10)\n"
+):
+    return f"from yade import pack\n{material}{bodies}{LOOP.format(*pair, integrator)}{rest}"
+
+
+def test_a_script():
+    found = read(script(integrator="gravity=(0, 0, -9.81), damping=0.3"))
+    stage = found.stages[0]
+    assert (found.code, found.stages[0].units, len(found.stages)) == ("yade", "si", 1) and not found.unknown
+    assert (stage.time_step, stage.time_step_given, stage.steps) == (1e-6, True, 10)
+    assert (stage.gravity, stage.numerical_damping) == (9.81, 0.3)
+    assert stage.grains["glass"].radii == (0.01, 0.01) and stage.grains["glass"].densities == (2500.0, 2500.0)
+    (one,) = stage.contacts
+    assert one.types == ("glass", "glass")
+    assert numbers(one) == {"physics": "MindlinPhys", "young": 1e7, "poisson": 0.3, "en": 0.7}
+
+
+def test_defaults():
+    """Of the material, the integrator, the functor and the time step."""
+    stage = read(script(material="", integrator="", rest="O.run()\n")).stages[0]
+    assert stage.numerical_damping == 0.2 and (stage.time_step, stage.time_step_given) == (1e-8, False)
+    assert stage.steps is None and stage.gravity is None
+    assert numbers(stage.contacts[0]) == {"physics": "MindlinPhys", "young": 1e7, "poisson": 0.3, "en": 0.7}
+    assert stage.contacts[0].types == ("defaultMat", "defaultMat")
+    bare = script(
+        material="O.materials.append(FrictMat())\n", pair=("Ip2_FrictMat_FrictMat_MindlinPhys()", MINDLIN[1])
+    )
+    stage = read(bare).stages[0]
+    assert numbers(stage.contacts[0]) == {
+        "physics": "MindlinPhys",
+        "young": 1e9,
+        "poisson": 0.25,
+        "betan": 0.0,
+    }
+    assert stage.grains["0"].densities == (1000.0, 1000.0)
+
+
+@pytest.mark.parametrize(
+    "keywords,expected",
+    [
+        ("kn=1e5, ks=1, cn=2, cs=1", {"kn": 1e5, "cn": 2.0}),
+        ("tc=1e-3, en=0.7, et=1", {"tc": 1e-3, "en": 0.7}),
+        ("young=1e6, en=0.7, et=1", {"young": 1e6, "en": 0.7}),
+    ],
+)
+def test_viscoelastic_materials(keywords, expected):
+    found = read(script(VISCEL, f"O.materials.append(ViscElMat({keywords}, density=2000))\n"))
+    assert numbers(found.stages[0].contacts[0]) == {"physics": "ViscElPhys", **expected}
+
+
+def test_two_materials():
+    """Mindlin: moduli in series; ViscElMat: springs in series and means of tc and en."""
+    steel = GLASS + "steel = O.materials.append(FrictMat(young=2e11, poisson=0.25, label='steel'))\n"
+    bodies = "O.bodies.append([sphere((0, 0, 0), r, material=m) for r, m in 2 * [(0.01, 'glass'), (0.02, steel)]])\n"
+    contacts = read(script(material=steel, bodies=bodies)).stages[0].contacts
+    assert [one.types for one in contacts] == [("glass", "glass"), ("glass", "steel"), ("steel", "steel")]
+    mixed = numbers(contacts[1])
+    effective = 1.0 / ((1.0 - 0.3**2) / 1e7 + (1.0 - 0.25**2) / 2e11)
+    assert 0.5 * mixed["young"] / (1.0 - mixed["poisson"] ** 2) == pytest.approx(effective, rel=1e-12)
+    both = "a = O.materials.append(ViscElMat({}))\nb = O.materials.append(ViscElMat({}))\n"
+    bodies = "O.bodies.append([sphere((0, 0, z), 0.01, material=m) for z in (0, 1) for m in (a, b)])\n"
+    for first, second, expected in (
+        ("kn=1e5, cn=1, ks=1, cs=1", "kn=3e5, cn=3, ks=1, cs=1", {"kn": 1.5e5, "cn": 1.5}),
+        ("tc=1e-3, en=.5, et=1", "tc=3e-3, en=.7, et=1", {"tc": 2e-3, "en": 0.6}),
+    ):
+        mixed = numbers(read(script(VISCEL, both.format(first, second), bodies)).stages[0].contacts[1])
+        assert mixed.pop("physics") == "ViscElPhys" and mixed == pytest.approx(expected)
+    bodies = "O.bodies.append([sphere((0, 0, z), 0.01, material=k) for z in (0, 1) for k in (0, 1)])\n"
+    differ = read(script(FRICT, steel, bodies))
+    assert numbers(differ.stages[0].contacts[1])["young"] == pytest.approx(2e7 / (1.0 + 1e7 / 2e11))
+
+
+def test_match_makers():
+    pair = (
+        "Ip2_FrictMat_FrictMat_MindlinPhys(en=MatchMaker(matches=((a, a, .7), (a, b, .5)), val=.3))",
+        MINDLIN[1],
+    )
+    material = (
+        "a, b = O.materials.append([FrictMat(young=1e7, poisson=.3), FrictMat(young=1e7, poisson=.3)])\n"
+    )
+    bodies = "for k in (a, b, a, b):\n    O.bodies.append(sphere((0, 0, k), 0.01, material=k))\n"
+    contacts = read(script(pair, material, bodies)).stages[0].contacts
+    assert [numbers(one)["en"] for one in contacts] == [0.7, 0.5, 0.3]
+    assert [one.types for one in contacts] == [("0", "0"), ("0", "1"), ("1", "1")]
+    found = read(script((pair[0].replace(", val=.3", ""), pair[1]), material, bodies))
+    assert [one.types for one in found.stages[0].contacts] == [("0", "0"), ("0", "1")]
+    assert ["MatchMaker" in one.text for one in found.unknown] == [True]
+
+
+def test_factories():
+    lines = "O.engines += [BoxFactory(rMin=0.1, rMax=0.3, materialId=0)]\nO.run(1)\n"
+    found = read(script(bodies="", rest=lines))
+    assert found.stages[0].grains["glass"].radii == (0.1, 0.3) and not found.unknown
+    last = GLASS + "O.materials.append(FrictMat(young=1e7, poisson=0.3, label='last'))\n"
+    found = read(script(material=last, bodies="", rest=lines.replace(", materialId=0", "")))
+    assert list(found.stages[0].grains) == ["last"]
+    assert read(script(bodies="", rest=lines.replace("materialId=0", "materialId=kind()"))).unknown
+
+
+CLOUD = "sp = pack.SpherePack()\nsp.makeCloud((0, 0, 0), (1, 1, 1), {})\nsp.toSimulation(material='glass')\n"
+PACK = CLOUD.format("rMean=0.05, rRelFuzz=0.2").rpartition("sp.toSimulation")[0]
+FUNCTION = """
+def add(r, n=2):
+    for i in range(n):
+        O.bodies.append(sphere((i, 0, 0), r))
+add(0.1)
+add(r=0.3, n=1)
+"""
+
+
+@pytest.mark.parametrize(
+    "bodies,radii",
+    [
+        (CLOUD.format("rMean=0.05, rRelFuzz=0.2"), (0.04, 0.06)),
+        (CLOUD.format(".05, .2, 99"), (0.04, 0.06)),
+        (CLOUD.format("psdSizes=[.1, .2, .4], psdCumm=[0, .5, 1]"), (0.05, 0.2)),
+        (CLOUD.format("psdSizes=[.1, .2, .4], psdCumm=[0, .5, 1], num=9"), None),  # may be scaled down
+        (CLOUD.format("num=100"), None),
+        ("sp = pack.SpherePack()\nsp.load('a.txt')\nsp.toSimulation()\n", None),
+        ("O.bodies.append(pack.regularHexa(pack.inSphere((0, 0, 0), 1), radius=0.1, gap=0))\n", (0.1, 0.1)),
+        ("O.bodies.append(pack.regularOrtho(pack.inAlignedBox(a, b), 0.1, gap=0))\n", (0.1, 0.1)),
+        (
+            "sp = pack.randomDensePack(p, .1, rRelFuzz=.5, returnSpherePack=True)\nsp.toSimulation()\n",
+            (0.05, 0.15),
+        ),
+        ("for i in range(3):\n    O.bodies.append(sphere((0, 0, i), radius=0.1 * (i + 1)))\n", (0.1, 0.3)),
+        (
+            "r = 0.1\nr *= 2\nO.bodies.append([utils.sphere([i, 0, 0], r / (i + 1)) for i in range(2)])\n",
+            (0.1, 0.2),
+        ),
+        (FUNCTION, (0.1, 0.3)),
+        ("import math\nO.bodies.append(sphere((0, 0, 0), math.sqrt(4) * 10**-1))\n", (0.2, 0.2)),
+        ("O.bodies.append(sphere((0, 0, 0), random.uniform(.1, .2)))\n", None),
+        (PACK + "O.bodies.append([sphere(c, r) for c, r in sp])\n", (0.04, 0.06)),
+        (PACK + "for s in sp: O.bodies.append(sphere(s[0], 2 * s[1]))\n", (0.08, 0.12)),
+        (PACK + "O.bodies.append([sphere(c, radius=r) for c, r in sp.toList()])\n", (0.04, 0.06)),
+        ("pack.SpherePack([((0, 0, k), 0.1 * k) for k in (1, 2)]).toSimulation()\n", (0.1, 0.2)),
+        (PACK + "sp.scale(3)\nsp.toSimulation()\n", (0.12, 0.18)),
+        (
+            "balls = []\nfor k in 1, 2: balls += [sphere((0, 0, k), 0.1 * k)]\nO.bodies.append(balls)\n",
+            (0.1, 0.2),
+        ),
+        ("O.bodies.append(ymport.text('a.txt'))\n", None),
+    ],
+)
+def test_sizes(bodies, radii):
+    found = read(script(bodies=bodies)).stages[0].grains["glass"].radii
+    assert found == (None if radii is None else pytest.approx(radii))
+
+
+def test_walls_and_frozen_spheres():
+    material = GLASS + "O.materials.append(FrictMat(young=1e9, poisson=0.3, label='wall'))\n"
+    bodies = """
+O.bodies.append(sphere((0, 0, 0), 0.01, material='glass'))
+O.bodies.append(geom.facetBox((0, 0, 0), (1, 1, 1), material='wall'))
+O.bodies.append(wall(0, axis=2, material='glass'))
+O.bodies.append(aabbWalls(material='glass'))
+O.bodies.append(ymport.stl('a.stl', material='wall'))
+"""
+    contacts = [one for one in read(script(material=material, bodies=bodies)).stages[0].contacts if one.wall]
+    assert [one.wall for one in contacts] == ["facets of wall", "walls of glass", "boxes of glass"]
+    assert {one.types for one in contacts} == {("glass", "wall")}
+    for word, frozen in (("fixed=True", True), ("dynamic=False", True), ("dynamic=True", False)):
+        bodies = (
+            f"O.bodies.append([sphere((0, 0, 0), 0.01, {word}), sphere((0, 0, 1), 0.01, material='wall')])\n"
+        )
+        found = read(
+            script(material=material, bodies=bodies.replace(f"{word})", f"{word}, material='glass')"))
+        )
+        assert found.stages[0].grains["glass"].frozen is frozen
+    both = "O.bodies.append([sphere((0, 0, 0), 1, fixed=True), sphere((0, 0, 3), 1)])\n"
+    assert not read(script(bodies=both)).stages[0].grains["glass"].frozen
+
+
+def test_fixed_bodies_whose_mass_is_in_the_formulas():
+    """ViscElMat: boxes and fixed spheres, but neither walls nor facets. A box that is not fixed moves."""
+    material = "O.materials.append(ViscElMat({}, density=2000))\n"
+    for numbers, mass in (("tc=1e-3, en=0.7, et=1", 2000 * 0.048), ("kn=1, ks=1, cn=0, cs=0", None)):
+        for body, counted in (
+            ("box((0, 0, 0), (0.1, 0.2, 0.3), fixed=True)", mass),
+            ("facet([(0, 0, 0), (1, 0, 0), (0, 1, 0)])", None),
+        ):
+            bodies = (
+                f"O.bodies.append([sphere((0, 0, 0), 0.01), sphere((0, 0, 1), 0.02, fixed=True), {body}])\n"
+            )
+            found = read(script(VISCEL, material.format(numbers), bodies))
+            (wall,) = (one for one in found.stages[0].contacts if one.wall)
+            assert wall.wall_mass == (None if counted is None else pytest.approx(counted))
+            assert wall.wall_radius == (4 / 3 if wall.wall == "facets" else 1.0)
+            assert found.stages[0].grains["0"].counted and not found.unknown
+    bodies = f"{SPHERE}O.bodies.append(aabbWalls())\n"
+    found = read(script(VISCEL, material.format("tc=1e-3, en=0.7, et=1"), bodies))
+    assert [one.text for one in found.unknown] == ["aabbWalls()"]
+    found = read(script(bodies=f"{SPHERE}O.bodies.append(box((0, 0, 0), (1, 1, 1)))\n"))
+    assert [one.text for one in found.unknown] == ["box((0, 0, 0), (1, 1, 1))"]
+    later = f"{SPHERE}k = O.bodies.append(box((0, 0, 0), (1, 1, 1)))\nO.bodies[k].dynamic = False\n"
+    assert not read(script(bodies=later)).unknown
+    assert (
+        not read(script(bodies=f"{SPHERE}O.bodies.append(sphere((0, 0, 0), 1, fixed=True))\n"))
+        .stages[0]
+        .grains["glass"]
+        .counted
+    )
+
+
+@pytest.mark.parametrize(
+    "functor,wall,modulus,larger",
+    [
+        ("", "facet([(0, 0, 0), (1, 0, 0), (0, 1, 0)])", 3e7 / (1.0 + 2.0 * 100), 4 / 3),
+        ("", "wall(0, axis=2)", 2e7 / (1.0 + 100), 1.0),
+        ("hertzian=True", "facet([(0, 0, 0), (1, 0, 0), (0, 1, 0)])", 1e7, 2.0),
+        ("hertzian=True", "wall(0, axis=2)", 1e7, 2.0),
+    ],
+)
+def test_walls_of_another_modulus(functor, wall, modulus, larger):
+    """CundallStrack's stiffness depends on the modulus and the size of each body: 2 R, with hertzian 1e8 R."""
+    material = GLASS + "O.materials.append(FrictMat(young=1e9, poisson=0.3, density=1))\n"
+    text = script(FRICT, material, f"O.bodies.append([sphere((0, 0, 0), 1, material=0), {wall}])\n")
+    for name in "Facet", "Wall":
+        text = text.replace(f"{name}_Sphere_ScGeom()", f"{name}_Sphere_ScGeom({functor})")
+    found = read(text)
+    (contact,) = (one for one in found.stages[0].contacts if one.wall)
+    expected = modulus if functor else modulus * 100
+    assert numbers(contact)["young"] == pytest.approx(expected) and contact.wall_radius == pytest.approx(
+        larger
+    )
+    assert not found.unknown
+
+
+def test_the_time_step_of_waves():
+    step = 0.5 * 0.01 * math.sqrt(2500 / 1e7)
+    assert read(script(rest="O.dt = 0.5 * PWaveTimeStep()\n")).stages[0].time_step == pytest.approx(step)
+    rayleigh = math.pi * 0.01 / (0.1631 * 0.3 + 0.876605) * math.sqrt(2500 / (1e7 / 2.6))
+    assert read(script(rest="O.dt = utils.RayleighWaveTimeStep()\n")).stages[0].time_step == pytest.approx(
+        rayleigh
+    )
+    unknown = read(script(bodies="O.bodies.append(ymport.text('a.txt'))\n", rest="O.dt = PWaveTimeStep()\n"))
+    assert unknown.stages[0].time_step is None and any("PWave" in one.text for one in unknown.unknown)
+    adapts = script(rest="O.engines = O.engines + [GlobalStiffnessTimeStepper()]\nO.run(1)\n")
+    assert read(adapts).stages[0].time_step is None
+    assert read(adapts.replace("Stepper()", "Stepper(active=False)")).stages[0].time_step == 1e-8
+
+
+def test_engines_of_motion_are_named():
+    lines = "O.engines += [CombinedKinematicEngine() + TranslationEngine() + RotationEngine()]\nO.run(1)\n"
+    said = " ".join(one.what for one in read(script(rest=lines)).ignored)
+    assert "CombinedKinematicEngine" in said and "TranslationEngine" in said
+    facets = script().replace("Ig2_Facet_Sphere_ScGeom()", "Ig2_Facet_Sphere_ScGeom(hertzian=whether())")
+    facets = facets.replace(SPHERE, SPHERE + "O.bodies.append(facet([(0, 0, 0), (1, 0, 0), (0, 1, 0)]))\n")
+    assert "hertzian" in read(facets).unknown[0].text
+
+
+def test_stages_and_labels():
+    """Labels of engines are names; a change at the integrator is a new stage."""
+    text = script(
+        integrator="damping=0.4, label='newton'",
+        rest="O.dt = 1e-6\nO.run(5, True)\nO.run(5)\nnewton.damping = 0.1\nO.run(3)\n",
+    )
+    found = read(text).stages
+    assert [(one.numerical_damping, one.steps) for one in found] == [(0.4, 10), (0.1, 3)]
+
+
+def test_callbacks_that_change_settings_are_quoted():
+    for body, quoted in (
+        ("print(O.iter)", False),
+        ("newton.damping = 0.9", True),
+        ("O.bodies.append(sphere((0,0,0), 1))", True),
+    ):
+        text = (
+            f"def check():\n    {body}\n{script()}O.engines += [PyRunner(command='check()', iterPeriod=10)]\n"
+        )
+        assert any("PyRunner" in one.text for one in read(text + "O.run(1)\n").unknown) is quoted
+
+
+@pytest.mark.parametrize(
+    "pair,material,rest,what",
+    [
+        (
+            (
+                "Ip2_CohFrictMat_CohFrictMat_CohFrictPhys(setCohesionOnNewContacts=True)",
+                "Law2_ScGeom6D_CohFrictPhys_CohesionMoment()",
+            ),
+            "O.materials.append(CohFrictMat(young=1e7, normalCohesion=1e6))\n",
+            "",
+            "adhesion",
+        ),
+        ((MINDLIN[0], "Law2_ScGeom_MindlinPhys_Mindlin(includeAdhesion=True)"), GLASS, "", "adhesion"),
+        (
+            MINDLIN,
+            GLASS,
+            "O.bodies.appendClumped([sphere((0, 0, 0), 1), sphere((0, 0, 1), 1)])\nO.run(1)\n",
+            "clumps",
+        ),
+        (MINDLIN, GLASS, "O.engines += [LinearDragEngine(nu=0.1)]\nO.run(1)\n", "drag"),
+        (VISCEL, "O.materials.append(ViscElMat(tc=1, en=1, et=1, lubrication=True))\n", "", "fluid"),
+        (MINDLIN, GLASS, "O.forces.setPermF(0, (0, 0, 1))\nO.run(1)\n", "force"),
+    ],
+)
+def test_what_makes_hard_spheres_wrong(pair, material, rest, what):
+    assert any(what in one.what for one in read(script(pair, material, rest=rest)).invalidates)
+
+
+def test_variables_replace_names_and_parameters():
+    text = "en = 0.5\n" + script(("Ip2_FrictMat_FrictMat_MindlinPhys(en=en, es=en)", MINDLIN[1]))
+    assert numbers(read(text).stages[0].contacts[0])["en"] == 0.5
+    assert numbers(read(text, variables={"en": "0.9"}).stages[0].contacts[0])["en"] == 0.9
+    table = "readParamsFromTable(noTableOk=True, en=0.6)\nfrom yade.params.table import *\n"
+    assert numbers(read(table + text.partition("\n")[2]).stages[0].contacts[0])["en"] == 0.6
+
+
+@pytest.mark.parametrize(
+    "text,must",
+    [
+        (
+            script(material="O.materials.append(FrictMat(young=E, poisson=.3))\n"),
+            "have a known number for young, not E",
+        ),
+        (
+            script(("Ip2_FrictMat_FrictMat_MindlinPhys(en=random())", MINDLIN[1])),
+            "have a known number for en",
+        ),
+        (script(integrator="damping=d"), "have a number in .0, 1. for damping"),
+        (
+            script(bodies="O.bodies.append(sphere((0, 0, 0), 1, material='stone'))\n"),
+            "have a material of the script",
+        ),
+        (script() + "def broken(:\n", "be Python"),
+        ("O.engines = []\n", "has no granular contacts"),
+    ],
+)
+def test_what_cannot_be_read_is_refused(text, must):
+    with pytest.raises(ValueError, match=must) as caught:
+        read(text)
+    assert "\n" not in str(caught.value)
+
+
+def test_python_2():
+    assert read(script() + "print 'done', O.iter\nif 1: print O.dt\n").stages[0].contacts
+
+
+def test_nothing_is_executed(tmp_path):
+    """Neither files nor functions of Python are used."""
+    target = tmp_path / "made"
+    text = (
+        script()
+        + f"import os\nos.system('touch {target}')\nopen({str(target)!r}, 'w').write('x')\n__import__('os')\n"
+    )
+    assert read(text).stages and not target.exists()
+
+
+def test_lists_of_materials_in_loops():
+    """Materials made in a loop with ``enumerate``, spheres in comprehensions with ``zip`` and several loops."""
+    made = (
+        "mats = []\n"
+        "for k, (E, e) in enumerate([(1e7, 0.8), (2e7, 0.5)]):\n"
+        "    mats.append(O.materials.append(FrictMat(young=E, poisson=0.2, density=2500, label=f'm{k}')))\n"
+    )
+    bodies = (
+        "O.bodies.append([sphere((0, 0, z), r, material=mats[0]) for z, r in zip((0, 1), (1e-3, 2e-3))])\n"
+        "O.bodies.append([sphere((x, y, 0), 3e-3, material=mats[1]) for x in range(3) for y in range(4) if x != y])\n"
+    )
+    stage = read(script(material=made, bodies=bodies)).stages[0]
+    assert stage.grains["m0"].radii == (1e-3, 2e-3) and stage.grains["m1"].radii == (3e-3, 3e-3)
+
+
+@pytest.mark.parametrize("numbers_of", ["dict(young=2e7, poisson=0.2)", "{'young': 2e7, 'poisson': 0.2}"])
+def test_keywords_in_a_dictionary(numbers_of):
+    text = script(material=f"given = {numbers_of}\nO.materials.append(FrictMat(density=2500, **given))\n")
+    assert numbers(read(text).stages[0].contacts[0])["young"] == 2e7
+
+
+def test_keywords_that_are_not_known_are_no_defaults():
+    with pytest.raises(ValueError, match="known number for young"):
+        read(script(material="O.materials.append(FrictMat(density=2500, **given))\n"))
+
+
+@pytest.mark.parametrize("law", ["HertzWithLinearShear", "MindlinDeresiewitz"])
+def test_laws_without_damping(law):
+    found = read(script(pair=(MINDLIN[0], f"Law2_ScGeom_MindlinPhys_{law}()")))
+    (one,) = found.stages[0].contacts
+    assert numbers(one)["betan"] == 0.0 and one.asked == 0.7 and not found.unknown
+
+
+def test_a_long_loop_of_single_steps():
+    rest = "O.dt = 1e-6\nfor k in range(15000):\n    O.step()\n    print(O.bodies[0].state.vel[2], k)\n"
+    assert read(script(rest=rest)).stages[0].time_step == 1e-6
+
+
+def test_numbers_of_a_class():
+    """A class that only holds parameters; its names are not those of the script."""
+    held = "class Grain:\n    radius = 2e-3\n    en: float = 0.6\n    def radius_of(self): return 1\n"
+    bodies = f"{held}O.bodies.append(sphere((0, 0, 0), Grain.radius))\n"
+    functor = "Ip2_FrictMat_FrictMat_MindlinPhys(en=Grain.en)"
+    stage = read(script(bodies=bodies, pair=(functor, MINDLIN[1]))).stages[0]
+    assert stage.grains["glass"].radii == (2e-3, 2e-3) and numbers(stage.contacts[0])["en"] == 0.6
+    with pytest.raises(ValueError, match="known number for en"):
+        read(script(bodies=bodies, pair=(functor.replace("Grain.en", "en"), MINDLIN[1])))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "bodies",
+    [
+        "O.bodies.append([sphere((i, j, k), 2e-3) for i in range(90) for j in range(90) for k in range(90)])\n",
+        "for i in range(90):\n for j in range(90):\n  for k in range(90): O.bodies.append(sphere((i, j, k), 2e-3))\n",
+        SPHERE.replace("0.01", "2e-3")
+        + "while True:\n  for i in range(20000):\n    for j in range(20000): pass\n",
+    ],
+)
+def test_a_large_lattice(bodies):
+    assert read(script(bodies=bodies)).stages[0].grains["glass"].radii == (2e-3, 2e-3)
+
+
+@pytest.mark.parametrize(
+    "before,name",
+    [
+        ("o = Omega()", "o"),
+        ("O2 = O", "O2"),
+        ("import yade\no = yade.Omega()", "o"),
+        ("from yade.wrapper import Omega as Scene\no = Scene()", "o"),
+        ("import yade as y", "y.O"),
+        ("from yade import *", "O"),
+        ("", "Omega()"),
+    ],
+)
+def test_the_scene_under_other_names(before, name):
+    """Time step, bodies, materials, engines and runs."""
+    text = f"{before}\n{script(rest='O.dt = 2e-5; O.run(7)')}".replace("O.", f"{name}.")
+    stage = read(text).stages[0]
+    assert (stage.time_step, stage.time_step_given, stage.steps) == (2e-5, True, 7)
+    assert stage.grains["glass"].radii == (0.01, 0.01) and numbers(stage.contacts[0])["en"] == 0.7
+
+
+@pytest.mark.parametrize(
+    "rest,step",
+    [
+        ("setattr(O, 'dt', 2e-5)", 2e-5),
+        ("step = PWaveTimeStep\nO.dt = 2 * step()", 2 * 0.01 * math.sqrt(2500 / 1e7)),
+        ("O.dt = SpherePWaveTimeStep(0.01, 2500, 1e7)", 0.01 * math.sqrt(2500 / 1e7)),
+        ("import sys\nO.dt = float(sys.argv[1]) if len(sys.argv) > 1 else 3e-6", 3e-6),
+        ("import sys\ntry:\n    dt = float(sys.argv[1])\nexcept IndexError:\n    dt = 3e-6\nO.dt = dt", 3e-6),
+        ("p = ArgumentParser()\np.add_argument('--dt', default=4e-6)\nO.dt = p.parse_args().dt", 4e-6),
+        ("class Run:\n    def __init__(self, dt): O.dt = dt\nRun(5e-6)", 5e-6),
+        ("def main():\n    O.dt = 6e-6\nif __name__ == '__main__':\n    main()", 6e-6),
+        ("if 'VTK' in features:\n    O.dt = 7e-6", 7e-6),
+        ("O.dt = 1e-6\nO.dt *= 8", 8e-6),
+        ("O.dt = 9e-6\nif quick(): O.dt = 9e-6", 9e-6),
+        ("O.dt = 1e-6 if quick() else 2e-6", None),
+        ("if quick(): O.dt = 1e-6\nelse: O.dt = 2e-6", None),
+    ],
+)  # fmt: skip
+def test_where_a_time_step_comes_from(rest, step):
+    found = read(script(rest=rest + "\nO.run(1)\n"))
+    assert found.stages[0].time_step == (None if step is None else pytest.approx(step))
+    assert bool(found.unknown) is (step is None)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "exec(open('more.py').read())",
+        "from parameters import *",
+        "from ours import make\nmake()",
+        "prepare(O)",
+        "O.switchScene()",
+        "O.bodies.append(blocks())",
+        "growParticles(2)",
+        "for b in O.bodies: b.state.blockedDOFs = 'xyzXYZ'",
+        "if quick(): O.engines = []",
+        "if quick(): O.materials[0].young = 1e6",
+        "O.bodies[0].state.mass = 3",
+        "if quick(): O.reset()",
+        "if quick(): O.bodies.clear()",
+        "match quick():\n    case 1: O.dt = 3",
+        "O.materials[0].yuong = 1e6",
+        "O.engines[-1].damp = 0.3",
+        "class Setup:\n    def later(self): O.dt = 1e-3",
+        "try:\n    O.bodies.append(sphere((0, 0, 2), 0.01))\nexcept: O.dt = 3",
+        "def later(): newton.damping = 0.5\nstart(later)",
+    ],
+)
+def test_what_may_change_the_scene_is_quoted(line):
+    assert read(script(bodies=CLOUD.format(".05"), rest=f"{line}\nO.run(1)\n")).unknown
+
+
+def test_engines_by_default():
+    """YADE's own, with their labels, if a script sets none; their time step adapts."""
+    text = f"{GLASS}{SPHERE}{SPHERE}newton.damping = 0.4\nnewton.gravity = (0, 0, -2)\nO.run(1)\n"
+    stage = read(text).stages[0]
+    assert (stage.time_step, stage.numerical_damping, stage.gravity) == (None, 0.4, 2.0)
+    assert numbers(stage.contacts[0]) == {"physics": "FrictPhys", "young": 1e7}
+    assert read(text.replace("O.run", "O.dynDt = False\nO.dt = 1e-6\nO.run")).stages[0].time_step == 1e-6
+    for body, touched in (("facet([(0, 0, 0), (1, 0, 0), (0, 1, 0)])", True), ("wall(0, axis=2)", False)):
+        contacts = (
+            read(f"{text.rpartition('O.run')[0]}O.bodies.append({body})\nO.run(1)\n").stages[0].contacts
+        )
+        assert any(one.wall for one in contacts) is touched
+
+
+@pytest.mark.parametrize(
+    "rest,damping",
+    [
+        ("O.engines.append(NewtonIntegrator(damping=0.5))", 0.0),  # YADE copies the list
+        ("O.engines = O.engines[:-1] + [NewtonIntegrator(damping=0.5)]", 0.5),
+        ("O.engines[-1].damping = 0.5", 0.5),
+        ("utils.typedEngine('NewtonIntegrator').damping = 0.5", 0.5),
+    ],
+)
+def test_parts_of_the_engines(rest, damping):
+    found = read(script(rest=f"{rest}\nO.run(1)\n"))
+    assert found.stages[0].numerical_damping == damping and not found.unknown
+    assert any("copy" in one.what for one in found.ignored) is (".append" in rest)
+
+
+def test_fixed_spheres_of_another_size():
+    """Bodies that are fixed later as well. A sphere that moves alone touches none like itself."""
+    spheres = "".join(f"O.bodies.append(sphere((0, 0, {k}), {r}))\n" for k, r in enumerate((0.06, 0.02)))
+    for fixed in ("O.bodies[0].dynamic = False", "O.bodies[0].state.blockedDOFs = 'xyzXYZ'", ""):
+        bodies = f"{spheres}{fixed}\n" if fixed else spheres.replace("0.06)", "0.06, fixed=True)")
+        grains = read(script(bodies=bodies)).stages[0].grains["glass"]
+        assert grains.radii == (0.02, 0.02) and grains.fixed.radii == (0.06, 0.06)
+        assert grains.partly_frozen and grains.alone and not grains.frozen
+        assert [
+            (row.wall, row.radius, row.other_radius) for row in hl.check(script(bodies=bodies), speed=1).rows
+        ] == [("fixed", 0.02, 0.06)]
+    both = script(bodies=spheres.replace("0.06)", "0.06, fixed=True)") + spheres.splitlines()[1] + "\n")
+    assert {(row.wall, row.other_radius) for row in hl.check(both, speed=1).rows} == {
+        ("fixed", 0.06),
+        (None, 0.02),
+    }
+
+
+@pytest.mark.parametrize("missing", ["Bo1_Facet_Aabb()", "Ig2_Facet_Sphere_ScGeom()"])
+def test_walls_that_touch_nothing(missing):
+    bodies = SPHERE + SPHERE + "O.bodies.append(facet([(0, 0, 0), (1, 0, 0), (0, 1, 0)]))\n"
+    assert any(one.wall for one in read(script(bodies=bodies)).stages[0].contacts)
+    found = read(script(bodies=bodies).replace(missing, "None"))
+    assert not any(one.wall for one in found.stages[0].contacts)
+    assert any("facets without contacts" in one.what for one in found.ignored)
+
+
+COHESIVE = (
+    "O.materials.append([CohFrictMat(young=1e8, {}, label='a'), CohFrictMat(young=1e8, {}, label='b')])\n"
+)
+BOND = "normalCohesion=1e6, shearCohesion=1e6"
+
+
+@pytest.mark.parametrize(
+    "functor,first,second,sticky",
+    [  # as seen in YADE 2023.02a
+        ("", BOND, BOND, False),
+        ("setCohesionOnNewContacts=True", BOND, BOND, True),
+        ("setCohesionNow=True", BOND, BOND, True),
+        ("setCohesionNow=True", BOND, BOND + ", isCohesive=False", False),
+        ("setCohesionOnNewContacts=True", "poisson=0.3", BOND, False),
+        ("setCohesionOnNewContacts=True", "normalCohesion=0, shearCohesion=1e6", BOND, False),
+        ("setCohesionOnNewContacts=True", "normalCohesion=0, fragile=False", BOND, False),
+        ("setCohesionOnNewContacts=True, normalCohesion=MatchMaker(algo='val', val=0)", BOND, BOND, False),
+        ("setCohesionOnNewContacts=True", "normalCohesion=strength()", BOND, True),
+    ],
+)
+def test_cohesion(functor, first, second, sticky):
+    """Without cohesion, CohFrictPhys has the normal force of FrictPhys."""
+    pair = (
+        f"Ip2_CohFrictMat_CohFrictMat_CohFrictPhys({functor})",
+        "Law2_ScGeom6D_CohFrictPhys_CohesionMoment()",
+    )
+    bodies = "O.bodies.append([sphere((0, 0, k), 0.01, material=m) for k, m in enumerate('ab')])\n"
+    found = read(script(pair, COHESIVE.format(first, second), bodies))
+    assert [one.types for one in found.invalidates if "adhesion" in one.what] == [("a", "b")] * sticky
+    assert [numbers(one) for one in found.stages[0].contacts] == [{"physics": "FrictPhys", "young": 1e8}] * (
+        not sticky
+    )
+
+
+def test_models_that_are_no_springs():
+    fluid = "O.materials.append(ViscElMat(tc=1e-3, en=0.7, et=1, SPHmode=True, mu=1e-3))\n"
+    found = read(script(VISCEL, fluid, SPHERE + SPHERE))
+    assert not found.stages[0].contacts and "particle hydrodynamics" in found.invalidates[0].what
+
+
+@pytest.mark.parametrize(
+    "keywords,functor,expected",
+    [  # as seen in YADE 2023.02a
+        ("tc=1e-3, en=0.7", "", {"young": 1e9, "en": 0.7}),
+        ("kn=1e4, cn=0.6, ks=1, cs=0, tc=1e-3, en=0.7", "", {"kn": 1e4, "cn": 0.6}),
+        ("tc=1e-3, en=0.7, et=1, kn=1e4, cn=0.6, ks=1, cs=0", "", {"tc": 1e-3, "en": 0.7}),
+        ("young=1e6, en=0.6", "", {"young": 1e6, "en": 0.6}),
+        ("young=1e6, cn=0.5, cs=0, en=0.6", "", {"young": 1e6, "cn": 0.5}),
+        ("young=1e6", "tc=1e-3, en=0.7, et=1", {"tc": 1e-3, "en": 0.7}),
+        ("tc=1e-3, en=0.7, et=1", "en=0.5", {"tc": 1e-3, "en": 0.5}),
+        ("kn=1e4, cn=0.6", "", None),
+        ("young=1e6", "en=0.5, et=0.5", None),
+        ("young=1e6", "", None),
+    ],
+)
+def test_which_numbers_of_viscoelastic_materials_count(keywords, functor, expected):
+    pair = (f"Ip2_ViscElMat_ViscElMat_ViscElPhys({functor})", VISCEL[1])
+    found = read(script(pair, f"O.materials.append(ViscElMat({keywords}))\n", SPHERE + SPHERE))
+    contacts = [numbers(one) for one in found.stages[0].contacts]
+    assert contacts == ([] if expected is None else [{"physics": "ViscElPhys", **expected}])
+    assert bool(found.unknown) is (expected is None)

@@ -1,0 +1,717 @@
+// All sentences of the laboratory and of the story, a table for each place. The verdict has the words of
+// hl.compare(column).verdict; its answer and numbers come from the core.
+import type { Track } from "../core/drop";
+import type { Step } from "../scenario/story_view";
+import { capital, independent } from "../scenario/tables";
+import { inPercent } from "../scenario/tolerance";
+import { digits, metres, withUnit } from "../support/format";
+import { allOf, always, chosen, type Numbers, type Row, type Sentence } from "../support/sentence";
+import {
+  agree,
+  alone,
+  bothValues,
+  comparedWithRelease,
+  contactFacts,
+  count,
+  cradle,
+  heights,
+  icm,
+  lastVelocity,
+  lowName,
+  newton,
+  outcomes,
+  ratioOf,
+  release,
+  rises,
+  speed,
+  top,
+  topName,
+  type BothFacts,
+  type ContactFacts,
+  type Facts,
+  type RunFacts,
+  type StoryFacts,
+  type VerdictFacts,
+} from "./facts";
+import { bodiesOf, counted, duration, spell, times } from "./words";
+
+// ---- the headline: Newton's equations ----------------------------------------------------------------------
+
+// Compression over the smaller radius above which a contact law is questionable.
+const SHALLOW = 0.05;
+
+// The contacts of the sequence, and whether later ones count for the heights.
+function contacts(t: Track): string {
+  const n = t.run.nContacts;
+  const text = counted(n, "contact");
+  return t.run.meetsAgain && n > 0 ? `${text} before the lowest ball is back on the floor, more after it` : text;
+}
+
+const atRest = (f: Facts): boolean => f.newton.run.outcome === outcomes.atRest;
+const noContact = (f: Facts): boolean => f.newton.run.nContacts === 0;
+const rise = (f: Facts): Numbers => ({ contacts: f.newton.run.nContacts, height: top(f.newton) });
+
+export const newtonRows: Row<Facts>[] = [
+  [
+    "too-deep",
+    (f) => f.newton.run.outcome === outcomes.tooDeep,
+    ({ newton: { run } }) =>
+      `No answer by Newton’s equations: after ${duration(run.last)} ${bodiesOf(run.tooDeep)} are compressed ` +
+      "by half of the smaller radius, which no contact law describes.",
+    ({ newton: { run } }) => ({ time: run.last, pair: run.tooDeep }),
+  ],
+  [
+    "unresolved",
+    (f) => f.newton.run.outcome === outcomes.unresolved,
+    ({ newton: { run } }) =>
+      `No answer by Newton’s equations: after two million steps and ${counted(run.events, "contact")} ` +
+      "there is no end in sight.",
+    (f) => ({ events: f.newton.run.events }),
+  ],
+  ["cradle-no-contact", (f) => f.cradle && noContact(f), () => "No two balls meet."],
+  [
+    "cradle",
+    (f) => f.cradle,
+    ({ newton: t }) =>
+      `${capital(counted(t.run.nContacts, "contact"))}; the last ball leaves with ${speed(lastVelocity(t))}.`,
+    ({ newton: t }) => ({ contacts: t.run.nContacts, velocity: lastVelocity(t) }),
+  ],
+  [
+    "at-rest",
+    (f) => atRest(f) && rises(f.newton),
+    (f) =>
+      `${capital(counted(f.newton.run.nContacts, "contact"))} between balls; one contact, of balls or with the floor, ` +
+      `never ends because gravity holds it closed. After its first bounce the top ball reaches ${heights(f)[0]}.`,
+    rise,
+  ],
+  ["at-rest-flat", atRest, () => "A contact never ends because gravity holds it closed; the top ball does not bounce."],
+  [
+    "no-contact-rises",
+    (f) => noContact(f) && rises(f.newton),
+    (f) =>
+      "The balls do not meet before the lowest one is back on the floor; " +
+      `the top ball reaches ${heights(f)[0]} after a later bounce.`,
+    rise,
+  ],
+  ["no-contact", noContact, () => "The balls do not meet before the lowest one is back on the floor."],
+  [
+    "no-bounce",
+    (f) => !rises(f.newton),
+    (f) => `${capital(contacts(f.newton))}; the top ball does not bounce before the floor is met again.`,
+    (f) => ({ contacts: f.newton.run.nContacts }),
+  ],
+  ["rises", always, (f) => `${capital(contacts(f.newton))}, and the top ball rises to ${heights(f)[0]}.`, rise],
+];
+
+// Added to the sentence above.
+export const warningRows: Row<Facts>[] = [
+  [
+    "compressed",
+    ({ newton: { run } }) => run.largestCompression >= SHALLOW && run.outcome !== outcomes.tooDeep,
+    ({ newton: { run } }) =>
+      `A contact is compressed by ${digits(100 * run.largestCompression, 2)} % of the smaller radius; ` +
+      `contact laws are meant for less than ${inPercent(SHALLOW)}.`,
+    (f) => ({ compression: f.newton.run.largestCompression }),
+  ],
+];
+
+// ---- the headline: independent collisions ------------------------------------------------------------------
+
+// How a height compares with Newton's.
+const ratioRows: Row<{ ratio: number; tolerance: number }>[] = [
+  ["alone", (f) => !(f.ratio > 0 && f.ratio < Infinity), () => ""],
+  ["same", (f) => Math.abs(f.ratio - 1) <= f.tolerance, (f) => `, the same to ${inPercent(f.tolerance)}`],
+  ["times", (f) => f.ratio >= 1.995, (f) => `, ${digits(f.ratio, 2)} times as high`],
+  ["higher", (f) => f.ratio > 1, (f) => `, ${digits(100 * (f.ratio - 1), 2)} % higher`],
+  ["lower", always, (f) => `, ${digits(100 * (1 - f.ratio), 2)} % lower`],
+];
+
+const ICM = capital(independent.label);
+const compared = (f: BothFacts): string => chosen(ratioRows, { ratio: ratioOf(f), tolerance: f.tolerance })!.text;
+const heightCompared = (f: BothFacts): string => heights(f)[1] + compared(f);
+const collapses = (f: BothFacts): boolean => f.icm.run.outcome === outcomes.collapse;
+const comesToRest = (f: BothFacts): boolean => f.icm.run.outcome === outcomes.atRest;
+const icmNumber = (f: BothFacts): Numbers => ({ contacts: f.icm.run.nContacts });
+const icmHeight = (f: BothFacts): Numbers => ({ height: top(f.icm), ratio: ratioOf(f) });
+const icmRise = (f: BothFacts): Numbers => ({ ...icmNumber(f), ...icmHeight(f) });
+const endless = `${ICM}: infinitely many in a finite time, `;
+
+export const icmRows: Row<BothFacts>[] = [
+  [
+    "unresolved",
+    (f) => f.icm.run.outcome === outcomes.unresolved,
+    (f) => `${ICM}: ${f.icm.run.events} were followed, and there is no end in sight.`,
+    (f) => ({ events: f.icm.run.events }),
+  ],
+  ["cradle-no-contact", (f) => f.cradle && f.icm.run.nContacts === 0, () => `${ICM}: no two balls meet.`],
+  [
+    "cradle-collapse",
+    (f) => f.cradle && collapses(f),
+    (f) => `${endless}an inelastic collapse; the last ball then has ${speed(lastVelocity(f.icm))}.`,
+    (f) => ({ velocity: lastVelocity(f.icm) }),
+  ],
+  [
+    "cradle",
+    (f) => f.cradle,
+    (f) => `${ICM}: ${spell(f.icm.run.nContacts)}, and ${speed(lastVelocity(f.icm))}.`,
+    (f) => ({ ...icmNumber(f), velocity: lastVelocity(f.icm) }),
+  ],
+  [
+    "collapse",
+    (f) => collapses(f) && rises(f.icm),
+    (f) => `${endless}an inelastic collapse; the top ball has reached ${heightCompared(f)}.`,
+    icmHeight,
+  ],
+  ["collapse-flat", collapses, () => `${endless}an inelastic collapse.`],
+  [
+    "at-rest",
+    (f) => comesToRest(f) && rises(f.icm),
+    (f) => `${endless}and the balls come to rest; the top ball has reached ${heightCompared(f)}.`,
+    icmHeight,
+  ],
+  ["at-rest-flat", comesToRest, () => `${endless}and the balls come to rest.`],
+  [
+    "no-contact-rises",
+    (f) => f.icm.run.nContacts === 0 && rises(f.icm),
+    (f) =>
+      `${ICM}: none before the lowest ball is back on the floor; ` +
+      `up to ${heights(f)[1]} after a later bounce${compared(f)}.`,
+    icmRise,
+  ],
+  ["no-contact", (f) => f.icm.run.nContacts === 0, () => `${ICM}: the top ball is not met.`],
+  [
+    "no-bounce",
+    (f) => !rises(f.icm),
+    (f) => `${ICM}: ${contacts(f.icm)}, and the top ball does not bounce.`,
+    icmNumber,
+  ],
+  [
+    "rises-later",
+    (f) => f.icm.run.meetsAgain,
+    (f) => `${ICM}: ${contacts(f.icm)}; up to ${heightCompared(f)}.`,
+    icmRise,
+  ],
+  ["rises", always, (f) => `${ICM}: ${spell(f.icm.run.nContacts)}, and up to ${heightCompared(f)}.`, icmRise],
+];
+
+// ---- the verdict -------------------------------------------------------------------------------------------
+
+const because =
+  (ground: VerdictFacts["ground"]) =>
+  (f: VerdictFacts): boolean =>
+    f.ground === ground;
+const inTime = (f: VerdictFacts): string => (f.floor ? " before the second floor contact" : "");
+const outcome = (run: VerdictFacts["icmRun"]): string => run.message.split(":")[0];
+const notNewtons = "in a finite time; that of Newton’s equations does not.";
+
+function overlaps({ overlapping, newtonRun: { nContacts: n }, later }: VerdictFacts): string {
+  const last = later ? ", under one model the last one follows the second floor contact" : "";
+  if (overlapping === 0) return `no contacts overlap in time${last}`;
+  const number = overlapping < n ? `${overlapping} of ${n}` : n === 1 ? "the" : n === 2 ? "both" : `all ${n}`;
+  const verb = overlapping === 1 || n === 1 ? "overlaps" : "overlap";
+  return `${number} ball–ball contact${n > 1 ? "s" : ""} ${verb} another contact in time${last}`;
+}
+
+function difference(f: VerdictFacts): string {
+  const touches = "the second floor contact begins before the balls separate";
+  if (f.ground === "newton-touches-again") return `under Newton’s equations ${touches}`;
+  if (f.ground === "independent-touches-again") return `in the event-driven model ${touches}`;
+  const what = f.ball < 0 ? "separation velocity" : `final velocity of ball ${f.ball + 1}`;
+  return f.error <= f.tolerance
+    ? `the event-driven ${what} is right to ${roundedUp(f.error)}`
+    : `the event-driven ${what} is ${twoVelocities(f.independent, f.newton)}`;
+}
+
+// Two velocities with as many digits as needed to differ.
+function twoVelocities(a: number, b: number): string {
+  let texts: string[] = [];
+  for (let n = 3; n < 18; n++) {
+    texts = [a, b].map((x) => general(x, n).replaceAll("-", "−"));
+    if (texts[0] !== texts[1]) break;
+  }
+  return `${texts[0]} m/s instead of ${texts[1]} m/s`;
+}
+
+// An error in per cent with one digit, rounded up.
+function roundedUp(error: number): string {
+  const percent = 100 * error;
+  if (percent <= 0.001) return "0.001 %";
+  const unit = 10 ** Math.floor(Math.log10(percent));
+  return `${general(Math.ceil((percent / unit) * (1 - 1e-12)) * unit, 1)} %`;
+}
+
+// n significant digits without trailing zeros, as %.ng of C.
+function general(x: number, n: number): string {
+  if (x === 0) return Object.is(x, -0) ? "-0" : "0";
+  const [mantissa, power] = x.toExponential(n - 1).split("e");
+  const exponent = Number(power);
+  const bare = (text: string): string => (text.includes(".") ? text.replace(/\.?0+$/, "") : text);
+  if (exponent >= -4 && exponent < n) return bare(x.toFixed(Math.max(n - 1 - exponent, 0)));
+  return `${bare(mantissa)}e${exponent < 0 ? "-" : "+"}${String(Math.abs(exponent)).padStart(2, "0")}`;
+}
+
+const verdictNumbers = (f: VerdictFacts): Numbers => ({
+  overlapping: f.overlapping,
+  contacts: f.newtonRun.nContacts,
+  error: f.error,
+  independent: f.independent,
+  newton: f.newton,
+  tolerance: f.tolerance,
+});
+
+export const verdictRows: Row<VerdictFacts>[] = [
+  [
+    "newton-unclear",
+    because("newton-unclear"),
+    (f) => `No verdict: the outcome of Newton’s equations is “${outcome(f.newtonRun)}”.`,
+  ],
+  [
+    "independent-unclear",
+    because("independent-unclear"),
+    (f) => `No verdict: the outcome of the event-driven model is “${outcome(f.icmRun)}”.`,
+  ],
+  ["no-contact", because("no-contact"), () => "No verdict: the balls do not meet before the second floor contact."],
+  [
+    "newton-at-rest",
+    because("newton-at-rest"),
+    () => "No: under Newton’s equations a contact never ends, but event-driven collisions are instantaneous.",
+  ],
+  [
+    "collapse",
+    because("collapse"),
+    () => "No: the event-driven sequence ends in an inelastic collapse, infinitely many collisions " + notNewtons,
+  ],
+  [
+    "independent-at-rest",
+    because("independent-at-rest"),
+    () => "No: the event-driven sequence comes to rest by infinitely many collisions " + notNewtons,
+  ],
+  [
+    "only-newton-meets",
+    because("only-newton-meets"),
+    (f) => `No: the balls meet under Newton’s equations but not in the event-driven model${inTime(f)}.`,
+  ],
+  [
+    "only-independent-meets",
+    because("only-independent-meets"),
+    (f) => `No: the balls meet in the event-driven model but not under Newton’s equations${inTime(f)}.`,
+  ],
+  [
+    "by-luck",
+    (f) => f.answer === "by luck",
+    (f) => `Only by luck: ${overlaps(f)}, yet ${difference(f)}.`,
+    verdictNumbers,
+  ],
+  ["yes", (f) => f.answer === "yes", (f) => `Yes: ${overlaps(f)}, and ${difference(f)}.`, verdictNumbers],
+  ["no", always, (f) => `No: ${overlaps(f)}${f.overlapping ? ";" : ", yet"} ${difference(f)}.`, verdictNumbers],
+];
+
+// ---- why the models differ or agree ------------------------------------------------------------------------
+
+const pushes = (f: ContactFacts): string => `The floor pushes for ${duration(f.floor!.end)}`;
+const letsGo = (f: ContactFacts, balls: string): string =>
+  `${pushes(f)} and has let go when ${balls} meet after ${duration(f.first)}`;
+const inTurn = "one collision after the other, as the collision model has it";
+const together = ({ most }: ContactFacts): string =>
+  `Up to ${spell(most)} contacts press at the same time; the collision model takes them one after another.`;
+const touchOften = ({ list, longest }: ContactFacts): string => {
+  const lasts = Number.isFinite(longest) ? `, ${list.length === 1 ? "for" : "for up to"} ${duration(longest)}` : "";
+  return `touch ${times(list.length)}${lasts}`;
+};
+const floorEnd = (f: ContactFacts): Numbers => ({ floorEnd: f.floor!.end });
+const firstAndFloor = (f: ContactFacts): Numbers => ({ ...floorEnd(f), first: f.first });
+const mostTogether = (f: ContactFacts): Numbers => ({ ...firstAndFloor(f), most: f.most });
+const listNumbers = (f: ContactFacts): Numbers => ({ contacts: f.list.length, longest: f.longest });
+
+const cradleRows: Row<ContactFacts>[] = [
+  ["cradle-none", (f) => f.list.length === 0, () => "No two balls meet."],
+  [
+    "cradle-once",
+    (f) => f.list.length === 1,
+    (f) => `Two balls ${touchOften(f)}, and no other pair does: a single collision, as the collision model has it.`,
+    (f) => ({ longest: f.longest }),
+  ],
+  [
+    "cradle-in-turn",
+    (f) => f.most < 2,
+    (f) => `The balls ${touchOften(f)}, never two pairs at a time: ${inTurn}.`,
+    listNumbers,
+  ],
+  [
+    "cradle-together",
+    always,
+    (f) =>
+      `The balls ${touchOften(f)}, up to ${spell(f.most)} pairs at the same time; ` +
+      "the collision model passes the impulse on one pair at a time.",
+    (f) => ({ ...listNumbers(f), most: f.most }),
+  ],
+];
+
+const failureRows: Row<ContactFacts>[] = [
+  ["too-deep", (f) => f.newton.tooDeep >= 0, () => "The contacts need to be stiffer for an answer."],
+  [
+    "unresolved",
+    (f) => f.newton.outcome === outcomes.unresolved,
+    () => "Newton’s equations have more contacts here than can be followed.",
+  ],
+];
+
+const two = (f: ContactFacts): boolean => f.balls === 2;
+const afterFloor = (f: ContactFacts): boolean => two(f) && f.first >= f.floor!.end;
+const floorRows: Row<ContactFacts>[] = [
+  [
+    "never-meet",
+    (f) => f.between.length === 0 || f.newton.nContacts === 0,
+    ({ newton: { tFloorEnd }, icm }) => {
+      const begin = Number.isFinite(tFloorEnd) ? `The floor pushes for ${duration(tFloorEnd)}, and the` : "The";
+      const other = icm === null ? "" : icm.nContacts > 0 ? "; in the collision model they do" : ", in neither model";
+      return `${begin} balls do not meet before the lowest one is back on the floor${other}.`;
+    },
+    ({ newton: { tFloorEnd } }): Numbers => (Number.isFinite(tFloorEnd) ? { floorEnd: tFloorEnd } : {}),
+  ],
+  [
+    "floor-stays",
+    (f) => !f.floor || f.floor.end === Infinity,
+    () => "The floor never lets go: the lowest ball comes to rest on it, and the others land on a ball at rest.",
+  ],
+  [
+    "two-after-once",
+    (f) => afterFloor(f) && f.between.length === 1,
+    (f) => `${letsGo(f, "the balls")}: ${inTurn}.`,
+    firstAndFloor,
+  ],
+  [
+    "two-after-often",
+    afterFloor,
+    (f) =>
+      `${letsGo(f, "the balls")}; even so they touch ${times(f.between.length)}` +
+      `${f.icm ? `, the collision model says ${times(f.icm.nContacts)}` : ""}.`,
+    (f) => ({ ...firstAndFloor(f), contacts: f.between.length }),
+  ],
+  ["two-pending", (f) => two(f) && !f.icm, (f) => `${pushes(f)}.`, floorEnd],
+  [
+    "two-not-met",
+    (f) => two(f) && !(f.instant >= 0),
+    (f) => `${pushes(f)}; in the collision model the balls do not meet at all.`,
+    floorEnd,
+  ],
+  [
+    "two-at-once",
+    (f) => two(f) && f.instant === 0,
+    (f) =>
+      `${pushes(f)}; the collision model lets the balls meet at the very instant of the floor touch, the floor first.`,
+    floorEnd,
+  ],
+  [
+    "two-meet",
+    two,
+    (f) =>
+      `${pushes(f)}; the collision model lets the balls meet after ${duration(f.instant)}, ` +
+      `${f.instant < f.floor!.end ? "while the floor is still pushing" : "when it has let go"}.`,
+    (f) => ({ ...floorEnd(f), instant: f.instant }),
+  ],
+  [
+    "many-together",
+    (f) => f.most >= 2 && f.first < f.floor!.end,
+    (f) => `${pushes(f)}; the first two balls meet after ${duration(f.first)}, while it still does. ${together(f)}`,
+    mostTogether,
+  ],
+  [
+    "many-together-later",
+    (f) => f.most >= 2,
+    (f) => `${letsGo(f, "the first two balls")}. ${together(f)}`,
+    mostTogether,
+  ],
+  [
+    "many-in-turn",
+    always,
+    (f) => `${letsGo(f, "the first two balls")}; no two contacts overlap, as the collision model has it.`,
+    firstAndFloor,
+  ],
+];
+
+// Two balls that meet while the floor pushes: how they touch.
+const byNewton = "By Newton’s equations ";
+const lasting = ({ between: [{ end }], first }: ContactFacts): number => end - first;
+const touchOnce = (f: ContactFacts): string => `${byNewton}they touch once, for ${duration(lasting(f))}, `;
+const lastEnd = ({ between }: ContactFacts): number => between[between.length - 1].end;
+const touchRows: Row<ContactFacts>[] = [
+  [
+    "touch-often",
+    (f) => f.between.length > 1,
+    (f) => {
+      const end = Number.isFinite(lastEnd(f)) ? duration(lastEnd(f)) : "the time when they stay together";
+      return `${byNewton}they touch ${times(f.between.length)}, between ${duration(f.first)} and ${end}.`;
+    },
+    (f) => ({ contacts: f.between.length, first: f.first, end: lastEnd(f) }),
+  ],
+  ["touch-for-ever", (f) => f.between[0].end === Infinity, () => `${byNewton}the balls stay together.`],
+  [
+    "touch-beyond-floor",
+    (f) => f.between[0].end > f.floor!.end,
+    (f) => `${touchOnce(f)}until after the floor has let go.`,
+    (f) => ({ lasts: lasting(f) }),
+  ],
+  ["touch-on-floor", always, (f) => `${touchOnce(f)}all of it while the floor pushes.`, (f) => ({ lasts: lasting(f) })],
+];
+
+// All rows that hold are added.
+const breakdownRows: Row<ContactFacts>[] = [
+  [
+    "breaks-down",
+    (f) => f.icm?.outcome === outcomes.collapse,
+    () =>
+      "The collision model breaks down: its collisions follow each other ever faster, infinitely many in a finite time, " +
+      "as the balls come to rest on each other.",
+  ],
+  [
+    "too-many",
+    (f) => f.icm?.outcome === outcomes.unresolved,
+    (f) => `The collision model breaks down: the collisions of its ${spell(f.balls)} balls become too many to count.`,
+  ],
+];
+
+// One or two sentences from the contacts of this setting.
+export function why(facts: RunFacts): Sentence[] {
+  const f = contactFacts(facts);
+  const failure = chosen(failureRows, f);
+  if (failure) return [failure];
+  const first = chosen(f.cradle ? cradleRows : floorRows, f)!;
+  const how = first.id.startsWith("two-") && f.first < f.floor!.end ? [chosen(touchRows, f)!] : [];
+  return [first, ...how, ...allOf(breakdownRows, f)];
+}
+
+// ---- the story ---------------------------------------------------------------------------------------------
+
+const newtonRises = (t: StoryFacts): string => `By Newton’s equations the ${topName(t)} rises to ${metres(newton(t))}`;
+const newtonLeaves = (t: StoryFacts): string => `By Newton’s equations the last ball leaves with ${speed(newton(t))}`;
+const agreement = (t: StoryFacts): string => inPercent(t.report.tolerance);
+const newtonOnly = (t: StoryFacts): Numbers => ({ newton: newton(t) });
+const has = (x: number): boolean => Number.isFinite(x);
+
+const watch: Row<StoryFacts>[] = [
+  [
+    "watch-cradle",
+    (t) => cradle(t) && has(newton(t)) && has(icm(t)),
+    (t) => `${newtonLeaves(t)}, by one collision after the other with ${speed(icm(t))}.`,
+    bothValues,
+  ],
+  [
+    "watch-newton-only",
+    (t) => has(newton(t)) && !has(icm(t)),
+    (t) =>
+      cradle(t)
+        ? `${newtonLeaves(t)}; one collision after the other gives no answer.`
+        : `${newtonRises(t)}; one collision after the other gives no height.`,
+    newtonOnly,
+  ],
+  [
+    "watch-agree",
+    (t) => has(newton(t)) && agree(t),
+    (t) =>
+      `The ${topName(t)} rises to ${metres(newton(t))}, and one collision after the other says the same to ${agreement(t)}.`,
+    bothValues,
+  ],
+  [
+    "watch-differ",
+    (t) => has(newton(t)),
+    (t) => `${newtonRises(t)}; the textbook, one collision after the other, promises ${metres(icm(t))}.`,
+    bothValues,
+  ],
+  [
+    "watch-textbook-only",
+    (t) => has(icm(t)),
+    (t) =>
+      cradle(t)
+        ? `One collision after the other says ${speed(icm(t))} for the last ball; Newton’s equations give no velocity.`
+        : `The textbook, one collision after the other, promises ${metres(icm(t))} for the ${topName(t)}; ` +
+          "Newton’s equations give no height.",
+    (t) => ({ icm: icm(t) }),
+  ],
+  ["watch-none", always, (t) => `The ${cradle(t) ? "last ball" : topName(t)} does not bounce.`],
+];
+
+const before = (t: StoryFacts): boolean => t.fall === "before";
+const falling = (t: StoryFacts): boolean => t.fall === "falling";
+const textbook = "The textbook, one collision after the other, ";
+const predicted = (t: StoryFacts): string => {
+  if (t.guess === null) return "";
+  return ` You said ${withUnit(t.guess, "m", 2)}${Math.abs(t.guess / newton(t) - 1) < 0.1 ? ": well guessed!" : "."}`;
+};
+const rose = (t: StoryFacts): string =>
+  `The ${topName(t)} rises to ${metres(newton(t))}, ${comparedWithRelease(t)}.${predicted(t)}`;
+const column = (t: StoryFacts): string =>
+  count(t) === 2 && topName(t) !== "top ball" && lowName(t) !== "lowest ball"
+    ? `A ${topName(t)} above a ${lowName(t)}: both`
+    : `${capital(spell(count(t)))} balls, one above the other,`;
+
+const predict: Row<StoryFacts>[] = [
+  [
+    "predict-cradle",
+    (t) => before(t) && cradle(t),
+    (t) =>
+      `${capital(spell(count(t)))} balls in a line, and no floor. The first arrives: ` +
+      "with what speed will the last one leave?",
+  ],
+  [
+    "predict",
+    before,
+    (t) =>
+      `${column(t)} are let go together, the ${topName(t)} ${metres(release(t))} above the floor. ` +
+      `How high will the ${topName(t)} rise after the bounce? Drag the line there, then let them drop.`,
+    (t) => ({ release: release(t) }),
+  ],
+  ["drop-wait-cradle", (t) => cradle(t) && falling(t), () => "Watch the last ball …"],
+  [
+    "drop-cradle",
+    cradle,
+    (t) =>
+      `The last ball leaves with ${speed(newton(t))}; the textbook, one collision after the other, says ${speed(icm(t))}.`,
+    bothValues,
+  ],
+  ["drop-wait", falling, () => "Watch the ruler …"],
+  ["drop-none", (t) => !has(newton(t)), (t) => `The ${topName(t)} does not bounce.`],
+  ["drop-newton-only", (t) => !has(icm(t)), rose, newtonOnly],
+  ["drop-agree", agree, (t) => `${rose(t)} ${textbook}agrees to ${agreement(t)}: ${metres(icm(t))}.`, bothValues],
+  ["drop-differ", always, (t) => `${rose(t)} ${textbook}promises ${metres(icm(t))}.`, bothValues],
+];
+
+const touch = ({ drop: { scenario, newton } }: StoryFacts): string =>
+  `At ε = ${Number(scenario.restitution.toPrecision(3))} ` +
+  `${scenario.balls.length === 2 ? "the balls" : "neighbouring balls"} touch ${times(newton.run.nContacts)}`;
+const counts = ({ drop: { newton, icm } }: StoryFacts): Numbers => ({
+  newton: newton.run.nContacts,
+  icm: icm.run.nContacts,
+});
+const countAgain = "The bands show when they touch, for every ε: drag the line to another ε, and count again.";
+const asOften = "as often as in the collision model";
+const countRows: Row<StoryFacts>[] = [
+  [
+    "count-without-end",
+    ({ drop: { icm } }) => [outcomes.collapse, outcomes.unresolved].includes(icm.run.outcome),
+    (t) => `${touch(t)}; the collision model counts without end. ${countAgain}`,
+    counts,
+  ],
+  [
+    "count-differs",
+    ({ drop: { newton, icm } }) => newton.run.nContacts !== icm.run.nContacts,
+    (t) => `${touch(t)}; the collision model counts ${counted(t.drop.icm.run.nContacts, "collision")}. ${countAgain}`,
+    counts,
+  ],
+  [
+    "count-overlaps",
+    (t) => t.drop.comparison.overlapping > 0,
+    (t) => {
+      const { overlapping } = t.drop.comparison;
+      const single = t.drop.newton.run.nContacts === 1;
+      const verb = overlapping === 1 ? "overlaps" : "overlap";
+      const which = single ? "the contact overlaps" : `${spell(overlapping)} of the contacts ${verb}`;
+      return `${touch(t)}, ${asOften}; but here ${which} another one in time. ${countAgain}`;
+    },
+    (t) => ({ ...counts(t), overlapping: t.drop.comparison.overlapping }),
+  ],
+  ["count-same", always, (t) => `${touch(t)}, ${asOften}. ${countAgain}`, counts],
+];
+
+const measured =
+  "Drag in the plot to change the gap. That balls dropped closer together rebound lower was measured in Bristol in 2015.";
+const touching = (t: StoryFacts): string => `Let go touching, the ${topName(t)} reaches ${metres(t.gaps!.touching)}`;
+const gap: Row<StoryFacts>[] = [
+  [
+    "gap-cradle",
+    cradle,
+    () =>
+      "Drag in the plot to change the gaps between the balls: the wider they are, " +
+      "the more they collide one after the other.",
+  ],
+  ["gap-unknown", (t) => !t.gaps || !has(t.gaps.touching) || !has(t.gaps.best), () => measured],
+  [
+    "gap-none-better",
+    (t) => !(t.gaps!.at > 0),
+    (t) => `${touching(t)}; no gap brings it higher. ${measured}`,
+    (t) => ({ touching: t.gaps!.touching }),
+  ],
+  [
+    "gap-better",
+    always,
+    (t) => `${touching(t)}; ${withUnit(t.gaps!.at, "m", 2)} apart, ${metres(t.gaps!.best)}. ${measured}`,
+    (t) => ({ ...t.gaps! }),
+  ],
+];
+
+const noHeights = "Of these balls together we know no published heights as numbers; your own can be loaded.";
+const experiment: Row<StoryFacts>[] = [
+  [
+    "alone",
+    (t) => !cradle(t) && alone(t) !== null,
+    (t) => {
+      const { low, high, by } = alone(t)!;
+      return (
+        `${noHeights} Alone, the ${topName(t)} would come back to ${metres(low)} to ${metres(high)}, ` +
+        `by the bounce that the rules of the ${by} ask of it.`
+      );
+    },
+    (t) => ({ low: alone(t)!.low, high: alone(t)!.high }),
+  ],
+  ["no-experiment", (t) => !cradle(t), () => noHeights],
+];
+
+const tolerance = (t: StoryFacts): Numbers => ({ tolerance: t.report.tolerance });
+const map: Row<StoryFacts>[] = [
+  [
+    "map-cradle",
+    cradle,
+    () => "The map counts contacts. Event-driven simulation is right where no two of them overlap.",
+  ],
+  [
+    "map-many",
+    (t) => count(t) > 2,
+    (t) =>
+      "Event-driven simulation takes contacts one after another. " +
+      `Where the map counts more than ${spell(count(t) - 1)}, one for each pair of neighbours, it leaves some out; ` +
+      "where it counts as many, they may still overlap.",
+  ],
+  [
+    "map-pending",
+    (t) => t.trusted === null,
+    (t) => `The line will show from which gap on both models agree to ${agreement(t)}.`,
+    tolerance,
+  ],
+  [
+    "map-nowhere",
+    (t) => t.trusted === Infinity,
+    (t) =>
+      `At the present ε the models agree to ${agreement(t)} at no gap of this map: even where no contacts overlap, ` +
+      "gravity acts while they last. Choose another tolerance, or stiffer balls.",
+    tolerance,
+  ],
+  [
+    "map",
+    always,
+    (t) =>
+      `Above the line both models agree to ${agreement(t)}; at the present ε that takes a gap above ` +
+      `${withUnit(t.trusted!, "m", 2)}. Just below the line they differ by more.`,
+    (t) => ({ ...tolerance(t), gap: t.trusted! }),
+  ],
+];
+
+const chapters: Record<Exclude<Step, "slow">, Row<StoryFacts>[]> = { watch, predict, count: countRows, gap, map };
+
+// The chapter on the contact has the report's reasons.
+export function story(step: Step, t: StoryFacts): Sentence[] {
+  if (step === "slow") return t.report.why;
+  const measurements = step === "gap" ? chosen(experiment, t) : null;
+  return [chosen(chapters[step], t)!, ...(measurements ? [measurements] : [])];
+}
+
+const titles: Record<Step, string> = {
+  watch: "One bounce, two models",
+  predict: "How high will it fly?",
+  slow: "Slowly, through the contact",
+  count: "Count the contacts",
+  gap: "Change the gap",
+  map: "Where event-driven simulation may be trusted",
+};
+
+export const titleOf = (step: Step, onCradle: boolean): string =>
+  onCradle && step === "predict" ? "How fast will the last one leave?" : titles[step];

@@ -1,0 +1,100 @@
+// State of the lecture in the link: story step, guess, single panel, curve axis, setting A.
+import { presets } from "./presets";
+import { copyOf, fromQuery, toQuery, type Scenario } from "./scenario";
+
+export const steps = ["watch", "predict", "slow", "count", "gap", "map"] as const; // chapters of the story
+export type Step = (typeof steps)[number];
+
+export const panels = ["film", "numbers", "energy", "forces", "timeline", "rebound", "map", "compare"] as const;
+export type PanelName = (typeof panels)[number];
+
+export const curveAxes = ["gap", "e", "ratio"] as const; // what the rebound height is drawn over
+export type CurveAxis = (typeof curveAxes)[number];
+
+export interface StoryView {
+  step: Step | null; // chapter that is read; null: the laboratory or a single panel
+  guess: number | null; // height the viewer expects [m]
+  panel: PanelName | null; // shown alone
+  curve: CurveAxis;
+  pin: Scenario | null; // setting A
+}
+
+export const firstStoryView = (): StoryView => ({
+  step: "watch",
+  guess: null,
+  panel: null,
+  curve: "gap",
+  pin: null,
+});
+
+export const highestPrediction = 1000; // m
+
+const queryOf = (s: Scenario): URLSearchParams => {
+  const q = new URLSearchParams();
+  toQuery(s, q);
+  return q;
+};
+const opening = presets[0].scenario;
+export const sameScenario = (a: Scenario, b: Scenario): boolean => queryOf(a).toString() === queryOf(b).toString();
+
+// The page opens with the first example; the link stores differences from the paper's Fig. 2.
+export function scenarioToQuery(s: Scenario, q: URLSearchParams): void {
+  if (sameScenario(s, opening)) return;
+  const own = queryOf(s);
+  if (own.size === 0) q.set("example", "fig2");
+  for (const [key, value] of own) q.set(key, value);
+}
+
+const scenarioKeys = (): Set<string> =>
+  new Set(presets.flatMap((p) => [...queryOf(p.scenario).keys()]).concat("u", "setup", "law"));
+const describes = (q: URLSearchParams): boolean => [...q.keys()].some((key) => scenarioKeys().has(key));
+
+// The example that a link without a name starts from.
+export const baseOf = (q: URLSearchParams): string => (describes(q) ? "fig2" : presets[0].id);
+
+const prefix = "a."; // of the parameters of setting A
+
+export function storyToQuery(v: StoryView, q: URLSearchParams): void {
+  if (v.step && v.step !== "watch") q.set("story", v.step);
+  if (!v.step && !v.panel && !v.pin) q.set("page", "lab");
+  if (v.step === "watch" && v.pin) q.set("page", "story"); // a link with a setting A opens the laboratory
+  if (v.guess !== null) q.set("guess", String(v.guess));
+  if (v.panel) q.set("panel", v.panel);
+  if (v.curve !== "gap") q.set("curve", v.curve);
+  if (!v.pin) return;
+  const own = new URLSearchParams();
+  scenarioToQuery(v.pin, own);
+  if (own.size === 0) own.set("example", presets[0].id);
+  for (const [key, value] of own) q.set(prefix + key, value);
+}
+
+export function storyFromQuery(v: StoryView, q: URLSearchParams, notes: string[]): void {
+  const choice = <T extends string>(key: string, options: readonly T[]): T | null => {
+    const text = q.get(key);
+    if (text === null || (options as readonly string[]).includes(text)) return text as T | null;
+    notes.push(`${key} = “${text.slice(0, 20)}” is none of ${options.join(", ")}: left out`);
+    return null;
+  };
+  if (q.get("story") === "drop") q.set("story", "predict"); // in older links
+  const asked = choice("story", steps);
+  v.panel = asked ? null : choice("panel", panels);
+  const pinned = [...q.keys()].some((key) => key.startsWith(prefix));
+  const laboratory = choice("page", ["lab", "story"]) === "lab" || (pinned && !q.has("page"));
+  v.step = asked ?? (v.panel || laboratory ? null : "watch");
+  v.curve = choice("curve", curveAxes) ?? "gap";
+  const guess = q.get("guess");
+  if (guess !== null) {
+    const x = guess.trim() === "" ? NaN : Number(guess);
+    if (x >= 0 && x <= highestPrediction) v.guess = x;
+    else notes.push(`guess = “${guess.slice(0, 20)}” is not a height from 0 to ${highestPrediction} m: left out`);
+  }
+  const own = new URLSearchParams(
+    [...q].filter(([key]) => key.startsWith(prefix)).map(([key, value]) => [key.slice(prefix.length), value]),
+  );
+  if (own.size === 0) return;
+  const named = presets.find((p) => p.id === own.get("example")) ?? presets.find((p) => p.id === baseOf(own))!;
+  v.pin = copyOf(named.scenario);
+  const pinNotes: string[] = [];
+  fromQuery(v.pin, own, pinNotes);
+  notes.push(...pinNotes.map((text) => `A: ${text}`));
+}

@@ -1,0 +1,211 @@
+// First drawing of the story: the balls at true scale beside a ruler, the viewer's guess as a line,
+// and, during the fall, both models side by side.
+import type { State as Balls } from "../core/core";
+import type { Drop } from "../core/drop";
+import { Sheet } from "../support/dom";
+import { metres, niceTicks, withUnit } from "../support/format";
+import { drawBall, filled, Line, outlined } from "../views/ball";
+import { halo } from "../support/labels";
+import { setFont, stroke } from "../support/plot";
+import { nameOfBall } from "../scenario/measured";
+import { massOf, releaseHeight } from "../scenario/scenario";
+import { capital, independent, newton } from "../scenario/tables";
+import type { Theme } from "../style/theme";
+
+export interface PredictionPicture {
+  drop: Drop;
+  newton: Balls;
+  icm: Balls;
+  falling: boolean; // both models; otherwise the balls at release
+  guess: number | null; // m
+  reached: [number, number]; // heights to mark for Newton and independent collisions [m]; NaN: not yet
+}
+
+export interface PredictionLayout {
+  floor: number; // pixel
+  scale: number; // pixels per metre
+  left: number; // pixels between which the ruler lies
+  right: number;
+  asked: number; // m where the viewer is asked for a guess
+}
+
+// The ruler covers every possible guess and does not reveal the result.
+export function rulerTop(d: Drop, guess: number | null, falling: boolean): number {
+  const least = 5 * releaseHeight(d.scenario);
+  const seen = falling ? Math.min(1.05 * d.top, 20 * releaseHeight(d.scenario)) : 0;
+  return Math.max(least, seen, 1.1 * (guess ?? 0));
+}
+
+export function drawPrediction(
+  g: CanvasRenderingContext2D,
+  whole: number,
+  h: number,
+  t: PredictionPicture,
+  size: number,
+  theme: Theme,
+): PredictionLayout {
+  g.clearRect(0, 0, whole, h);
+  const room = !t.falling && whole > 39 * size; // for the balls themselves, with what is written beside them
+  const w = room ? 0.52 * whole : whole;
+  if (room) drawPortrait(g, t.drop, w + 2 * size, whole - w - 2 * size, h, size, theme);
+  const floor = h - 2.4 * size;
+  const top = rulerTop(t.drop, t.guess, t.falling);
+  const scale = (floor - 1.2 * size) / top;
+  const left = 3.4 * size;
+  const asked = 0.55 * top;
+  drawRuler(g, left, w, floor, scale, top, size, theme);
+  const lanes = t.falling ? 2 : 1;
+  const lane = (w - left) / lanes;
+  const columns: ["newton" | "icm", string, Balls][] = [
+    ["newton", newton.label, t.newton],
+    ["icm", lane > 16 * size ? capital(independent.label) : independent.short, t.icm],
+  ];
+  const release = releaseHeight(t.drop.scenario);
+  const label = t.falling && lane < 16 * size ? "" : `let go at ${metres(release)}`; // heights need the room
+  drawLevel(g, left, w, floor - release * scale, label, theme.muted, [2, 5], 1.5, size, theme, "left");
+  columns.slice(0, lanes).forEach(([model, name, balls], k) => {
+    const middle = left + (k + 0.5) * lane;
+    if (t.falling) {
+      setFont(g, theme, 1.05 * size, 650);
+      g.textAlign = "center";
+      g.textBaseline = "middle";
+      g.fillStyle = theme[model];
+      g.fillText(name, middle, floor + 1.3 * size);
+    }
+    const line = new Line(g, false, floor, middle);
+    line.balls(t.drop.scenario.balls, balls.position, scale, 0.25 * size, (i) =>
+      model === "icm" ? outlined(theme, Math.max(3, size / 7)) : filled(theme, i, 1),
+    );
+    const z = t.reached[k];
+    if (t.falling && Number.isFinite(z)) {
+      g.strokeStyle = theme[model];
+      g.lineWidth = Math.max(3, size / 6);
+      const y = floor - z * scale;
+      stroke(g, middle - 0.3 * lane, y, middle + 0.3 * lane, y);
+      setFont(g, theme, 1.5 * size, 700);
+      g.textAlign = "center";
+      g.textBaseline = "bottom";
+      const bottom = Math.max(y - 0.3 * size, 1.8 * size);
+      const wide = g.measureText(metres(z)).width + 0.6 * size; // no line of the ruler runs through the number
+      g.fillStyle = theme.ground;
+      g.fillRect(middle - 0.5 * wide, bottom - 1.45 * size, wide, 1.35 * size);
+      g.fillStyle = theme[model];
+      g.fillText(metres(z), middle, bottom);
+    }
+  });
+  if (t.guess === null && !t.falling && !Sheet.printing) {
+    setFont(g, theme, 1.1 * size, 650);
+    g.textAlign = "center";
+    g.textBaseline = "middle";
+    halo(g, "↕ drag: my guess", left + 0.5 * (w - left), floor - asked * scale, theme.ink, theme);
+  }
+  if (t.guess !== null)
+    drawLevel(
+      g,
+      left,
+      w,
+      floor - t.guess * scale,
+      `${t.falling ? "your guess" : "my guess"}: ${t.guess} m`,
+      theme.ink,
+      [],
+      3,
+      size,
+      theme,
+      "right",
+    );
+  return { floor, scale, left, right: w, asked };
+}
+
+// The balls at a common scale, with their names.
+function drawPortrait(
+  g: CanvasRenderingContext2D,
+  d: Drop,
+  x: number,
+  w: number,
+  h: number,
+  size: number,
+  theme: Theme,
+): void {
+  const { balls, gaps } = d.scenario;
+  const tall = balls.reduce((sum, b) => sum + 2 * b.radius, 0);
+  const wide = Math.max(...balls.map((b) => b.radius));
+  const scale = Math.min((0.72 * h) / tall, Math.max(0.5 * (w - 14 * size), 2 * size) / wide); // the names need 14 letters' heights
+  let bottom = 0.5 * h + 0.5 * tall * scale;
+  const middle = x + wide * scale;
+  balls.forEach((b, i) => {
+    const radius = b.radius * scale;
+    const center = bottom - radius;
+    drawBall(g, middle, center, radius, filled(theme, i, 1.5));
+    const name = nameOfBall(b, i === 0 ? "lowest ball" : i === balls.length - 1 ? "top ball" : `ball ${i + 1}`);
+    const left = middle + wide * scale + 1.2 * size;
+    setFont(g, theme, 1.15 * size, 650);
+    g.textAlign = "left";
+    g.textBaseline = "bottom";
+    g.fillStyle = theme.ink;
+    g.fillText(name[0].toUpperCase() + name.slice(1), left, center);
+    setFont(g, theme, size);
+    g.textBaseline = "top";
+    g.fillStyle = theme.muted;
+    g.fillText(`${withUnit(massOf(b), "kg")}, ${withUnit(2 * b.radius, "m")} across`, left, center + 0.1 * size);
+    bottom -= 2 * radius;
+  });
+  setFont(g, theme, size);
+  g.textBaseline = "top";
+  g.textAlign = "left";
+  g.fillStyle = theme.muted;
+  const apart = gaps.every((gap) => gap === 0)
+    ? "let go touching"
+    : `let go ${[...new Set(gaps.map((gap) => withUnit(gap, "m")))].join(", ")} apart`;
+  g.fillText(apart, x, 0.5 * h + 0.5 * tall * scale + 0.8 * size);
+}
+
+function drawRuler(
+  g: CanvasRenderingContext2D,
+  left: number,
+  w: number,
+  floor: number,
+  scale: number,
+  top: number,
+  size: number,
+  theme: Theme,
+): void {
+  setFont(g, theme, size);
+  g.textBaseline = "middle";
+  g.textAlign = "right";
+  const ticks = niceTicks(0, top, Math.min(8, (top * scale) / (2.4 * size)));
+  for (const z of ticks) {
+    const y = floor - z * scale;
+    g.strokeStyle = theme.faint;
+    g.lineWidth = 1;
+    stroke(g, left, y, w, y);
+    g.fillStyle = theme.muted;
+    if (y > size) g.fillText(z === ticks[ticks.length - 1] ? `${z} m` : String(z), left - 8, y);
+  }
+  g.strokeStyle = theme.ink;
+  g.lineWidth = Math.max(3, size / 7);
+  stroke(g, left, floor + 1.5, w, floor + 1.5);
+}
+
+function drawLevel(
+  g: CanvasRenderingContext2D,
+  left: number,
+  right: number,
+  y: number,
+  text: string,
+  color: string,
+  dash: number[],
+  width: number,
+  size: number,
+  theme: Theme,
+  align: "left" | "right",
+): void {
+  g.strokeStyle = color;
+  g.lineWidth = width * Math.max(1, size / 18);
+  g.setLineDash(dash);
+  stroke(g, left, y, right, y);
+  g.setLineDash([]);
+  setFont(g, theme, width > 2 ? 1.2 * size : size, width > 2 ? 700 : 400);
+  g.textAlign = align;
+  g.textBaseline = "bottom";
+  halo(g, text, align === "left" ? left + 8 : right - 8, Math.max(y - 4, 1.5 * size), color, theme);
+}
