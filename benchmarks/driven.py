@@ -70,7 +70,7 @@ def of_hard_spheres(system: hl.ParticleSystem) -> float:
 def of_newton(system: hl.ParticleSystem, make: Callable[..., Any], *step: float) -> float:
     """CPU time of a contact [s]. step: that of the engine, in units of the duration of a contact."""
     rate = rate_of(system)
-    run = make(system, law_of(SOFTNESS / rate), *(one * SOFTNESS / rate for one in step))
+    run = make(system, law_of(SOFTNESS / rate), *(factor * SOFTNESS / rate for factor in step))
     run.advance(WARM / rate)
     begin, before = time.process_time(), run.n_contacts
     run.advance(run.time + MEASURED / rate)
@@ -91,19 +91,19 @@ def main() -> None:
     parser.add_argument("--n", type=int, nargs="+", default=[4000, 32_000])
     parser.add_argument("--repetitions", type=int, default=9)
     parser.add_argument("--write", action="store_true", help="write the table into README.md")
-    given = parser.parse_args()
+    arguments = parser.parse_args()
     rows = []
-    for n in given.n:
+    for n in arguments.n:
         starts = boxes(n)
         for name, engine in ENGINES.items():
             measured = np.array(
-                [[engine(system) for system in starts.values()] for _ in range(given.repetitions)]
+                [[engine(system) for system in starts.values()] for _ in range(arguments.repetitions)]
             )
             ratios = np.median(measured / measured[:, :1], axis=0)
-            for box, found, ratio in zip(starts, np.median(measured, axis=0), ratios, strict=True):
-                rows.append([name, f"{n:g}", box, f"{1e6 * found:.2f}", f"{ratio:.2f}"])
+            for box, seconds, ratio in zip(starts, np.median(measured, axis=0), ratios, strict=True):
+                rows.append([name, f"{n:g}", box, f"{1e6 * seconds:.2f}", f"{ratio:.2f}"])
     head = ["engine", "spheres", "box", "collision [µs]", "over periodic"]
-    publish("driven", table(head, rows), write=given.write)
+    publish("driven", table(head, rows), write=arguments.write)
 
 
 if __name__ == "__main__":

@@ -157,7 +157,7 @@ def over_tc_nu(_: int) -> Iterable[list[Point]]:
         yield of_newton("t_c ν", tc_nu, system, tc_nu, ("events", "steps"))
 
 
-def draw(found: dict[tuple[str, str], list[tuple[float, float]]]) -> plt.Figure:
+def draw(panels: dict[tuple[str, str], list[tuple[float, float]]]) -> plt.Figure:
     figure, axes = plt.subplots(1, 4, figsize=(13, 3.6), sharey=True, layout="constrained")
     labels = {
         "N": "number of particles N",
@@ -166,7 +166,7 @@ def draw(found: dict[tuple[str, str], list[tuple[float, float]]]) -> plt.Figure:
         "t_c ν": "t_c ν",
     }
     for ax, panel in zip(axes, labels, strict=True):
-        for (of, engine), points in found.items():
+        for (of, engine), points in panels.items():
             if of == panel:
                 colour, marker = STYLE[engine]
                 ax.loglog(*zip(*sorted(points), strict=True), color=colour, marker=marker, label=engine)
@@ -189,20 +189,20 @@ def draw(found: dict[tuple[str, str], list[tuple[float, float]]]) -> plt.Figure:
 
 def main() -> None:
     a = arguments(__doc__, 10_000_000, 3)
-    found: dict[tuple[str, str], list[tuple[float, float]]] = {}
+    times: dict[tuple[str, str], list[tuple[float, float]]] = {}
     rows = []
     for panel in (over_n, over_fraction, over_ratio, over_tc_nu):
         for points in panel(a.size):
             costs = np.median([[cost(p) for p in points] for _ in range(a.repetitions)], axis=0)
             for p, microseconds in zip(points, costs, strict=True):
-                found.setdefault((p.panel, p.engine), []).append((p.at, float(microseconds)))
+                times.setdefault((p.panel, p.engine), []).append((p.at, float(microseconds)))
                 memory = f"{p.bytes:.0f}" if math.isfinite(p.bytes) else "–"
                 rows.append([p.panel, f"{p.at:g}", p.engine, f"{microseconds:.3g}", memory])
                 print(*rows[-1], flush=True)
     head = ["varied", "value", "engine", "µs per collision (CPU)", "bytes/particle"]
     publish("growth", table(head, rows), a.write)
     if a.write:
-        draw(found).savefig(FIGURE, dpi=150)
+        draw(times).savefig(FIGURE, dpi=150)
 
 
 if __name__ == "__main__":

@@ -39,8 +39,8 @@ LINE = re.compile(r"Simtime: ([\d.]+), Collisions: (\d+)")
 
 def start(n: int, fraction: float, **other: Any) -> hl.ParticleSystem:
     """Random spheres, by default of diameter 1 and mass 1."""
-    given = {"radius": 0.5, "density": 6.0 / math.pi, "rms_speed": math.sqrt(3.0), "seed": 1} | other
-    return hl.ParticleSystem.random(n, fraction, **given)
+    settings = {"radius": 0.5, "density": 6.0 / math.pi, "rms_speed": math.sqrt(3.0), "seed": 1} | other
+    return hl.ParticleSystem.random(n, fraction, **settings)
 
 
 class Ours:
@@ -73,10 +73,10 @@ def peer_rate(program: str, directory: Path, seconds: float) -> float:
     points: list[tuple[float, int]] = []
     try:
         for line in process.stdout:
-            found = LINE.match(line)
-            if not found:
+            match = LINE.match(line)
+            if not match:
                 continue
-            points.append((cpu_seconds(process.pid), int(found[2])))
+            points.append((cpu_seconds(process.pid), int(match[2])))
             if len(points) > 2 and points[-1][0] - points[1][0] > seconds:
                 break
     finally:
@@ -166,19 +166,21 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=2.0, help="CPU time of one measurement")
     parser.add_argument("--repetitions", type=int, default=5)
     parser.add_argument("--tables", nargs="+", choices=TABLES, default=list(TABLES))
-    given = parser.parse_args()
-    peers = dict(item.split("=", 1) for item in given.peer)
-    n = int(given.n[0])
-    if "rates" in given.tables:
-        cases = [(int(n), fraction) for n in given.n for fraction in given.fraction]
-        rows = [compare(n, fraction, peers, given.repetitions, given.seconds) for n, fraction in cases]
+    arguments = parser.parse_args()
+    peers = dict(item.split("=", 1) for item in arguments.peer)
+    n = int(arguments.n[0])
+    if "rates" in arguments.tables:
+        cases = [(int(n), fraction) for n in arguments.n for fraction in arguments.fraction]
+        rows = [
+            compare(n, fraction, peers, arguments.repetitions, arguments.seconds) for n, fraction in cases
+        ]
         head = ["spheres", "φ", "ours [1/s]", "bytes/sphere", "best peer", "peer [1/s]", "ours faster by"]
         publish("hard_spheres", table(head, rows), write=False)
-    if "kinds" in given.tables:
+    if "kinds" in arguments.tables:
         head = ["spheres", "φ", "kind", "collisions/s", "share of constant"]
-        rows = kinds(n, 0.3, given.repetitions, given.seconds)
+        rows = kinds(n, 0.3, arguments.repetitions, arguments.seconds)
         publish("hard_spheres_kinds", table(head, rows), write=False)
-    if "cooling" in given.tables:
+    if "cooling" in arguments.tables:
         head = ["spheres", "ε", "collisions/sphere", "at the start [µs]", "end/start"]
         publish("hard_spheres_cooling", table(head, [cooling(n, e) for e in (0.9, 0.95)]), write=False)
 

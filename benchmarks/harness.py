@@ -60,9 +60,9 @@ def compare(ours: Sequence[tuple[Method, Callable]], peers, points, columns, rep
         at_points.append(lambda call=call: ((r := call()).n_contacts, r.relative_velocity))
     interleave(methods, repetitions)
     rows = []
-    for m, found in zip(methods, at_points, strict=True):
+    for m, measure_point in zip(methods, at_points, strict=True):
         ratio = [np.median(np.array(getattr(m, k)) / getattr(methods[0], k)) for k in ("cpu", "wall")]
-        equal, p50, p95 = accuracy(*found(), n, v, speed)
+        equal, p50, p95 = accuracy(*measure_point(), n, v, speed)
         row = [m.name, m.setting, f"{1 / np.median(m.cpu):.3g}", f"{1 / np.median(m.wall):.3g}"]
         row += [f"{p50:.1e}", f"{p95:.1e}", f"{100 * equal:.2f} %", f"{m.count}"]
         rows.append([*row, *(f"{r:.3g}" for r in ratio)])
@@ -142,10 +142,10 @@ def _processor() -> str:
 
 def lanes() -> str:
     """The vector kernels in use: base, avx2 or avx512."""
-    given = os.environ.get("HARDLIMIT_LANES")
+    chosen_lanes = os.environ.get("HARDLIMIT_LANES")
     cpuinfo = Path("/proc/cpuinfo")
     flags = cpuinfo.read_text() if cpuinfo.exists() else ""
-    return given or next((n for n in ("avx512", "avx2") if n in flags), "base")
+    return chosen_lanes or next((n for n in ("avx512", "avx2") if n in flags), "base")
 
 
 def _versions() -> str:

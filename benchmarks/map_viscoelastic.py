@@ -45,9 +45,9 @@ def main() -> None:
         elastic=np.array([[c.elastic_prefactor for c in col.contacts] for col in columns]),
         dissipative_time=np.array([[c.dissipative_time for c in col.contacts] for col in columns]),
     )
-    given = {"restitution": restitution, "gap": gap}
+    axes = {"restitution": restitution, "gap": gap}
     ours = [
-        sweep_method(setting, column(0.7, 1e-4), (i, j), a.size**2, tolerance=tolerance, **given)
+        sweep_method(setting, column(0.7, 1e-4), (i, j), a.size**2, tolerance=tolerance, **axes)
         for setting, tolerance in OURS
     ]
     publish("map_viscoelastic", compare(ours, PEERS, points, columns, a.repetitions), a.write)

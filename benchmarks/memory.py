@@ -27,12 +27,12 @@ print(before, status('VmHWM'), ds.nbytes)
 def main() -> None:
     a = arguments(__doc__, 2000)
     rows = []
-    for what, given in (
+    for what, settings in (
         ("all variables, 1 thread", "threads=1,"),
         ("all variables, 2 threads", "threads=2,"),
         ("counts only, 1 thread", "threads=1, variables=['n_contacts'],"),
     ):
-        *_, printed = fresh_process(CODE.format(arguments=given, n=a.size))
+        *_, printed = fresh_process(CODE.format(arguments=settings, n=a.size))
         before, peak, outputs = (int(x) for x in printed.split())
         beyond = peak - before - outputs
         cells = [f"{x / MIB:.1f}" for x in (outputs, before, peak, beyond)]

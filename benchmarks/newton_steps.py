@@ -36,15 +36,15 @@ def rows_of(n: int, fraction: float, repetitions: int) -> list[list[str]]:
     duration = STIFFNESS_OF_TOUCH / rate_of(system)
     law, step = law_of(duration), duration / STEPS_PER_CONTACT
     steps = max(20, 20_000_000 // system.n)
-    one, two = (Run(by_steps(system, law, step), steps * step, threads) for threads in (1, 2))
-    one()  # chooses its skin
-    skin = one.engine.statistics()["skin"]
+    single, two = (Run(by_steps(system, law, step), steps * step, threads) for threads in (1, 2))
+    single()  # chooses its skin
+    skin = single.engine.statistics()["skin"]
     lammps = lammps_box(system, law, step, skin)
     lammps.run(steps)
-    check_energy(one, system, lammps)
+    check_energy(single, system, lammps)
     count = system.n * steps
     methods = [
-        Method("hardlimit", "1 thread", one, count),
+        Method("hardlimit", "1 thread", single, count),
         Method("hardlimit", "2 threads", two, count),
         Method("LAMMPS", "same skin", lambda: lammps.run(steps // 4), count // 4),
     ]
@@ -52,9 +52,9 @@ def rows_of(n: int, fraction: float, repetitions: int) -> list[list[str]]:
     return [row(system, fraction, m, methods[0], skin) for m in methods]
 
 
-def check_energy(one: Run, system: hl.ParticleSystem, lammps) -> None:
+def check_energy(single: Run, system: hl.ParticleSystem, lammps) -> None:
     """Check that both have lost about the same energy: the same physics is timed."""
-    kinetic = [one.engine.observe()["kinetic_energy"], lammps.kinetic_energy()]
+    kinetic = [single.engine.observe()["kinetic_energy"], lammps.kinetic_energy()]
     lost = 1.0 - np.array(kinetic) / system.kinetic_energy
     if not np.ptp(lost) < 0.1 * lost[0] + 3e-3:
         raise RuntimeError(f"energies lost differ: {lost}")

@@ -77,11 +77,11 @@ def main() -> int:
         "--allowed", type=float, default=1.5, help="largest factor beyond the ratio in ratios.toml"
     )
     parser.add_argument("--write", action="store_true", help="put the ratios of this run into ratios.toml")
-    given = parser.parse_args()
-    kernels, found = lanes(), ratios()
+    arguments = parser.parse_args()
+    kernels, measured = lanes(), ratios()
     known = tomllib.loads(RATIOS.read_text()) if RATIOS.exists() else {}
-    if given.write:
-        known[kernels] = {name: float(f"{ratio:.3g}") for name, ratio in found.items()}
+    if arguments.write:
+        known[kernels] = {name: float(f"{ratio:.3g}") for name, ratio in measured.items()}
         RATIOS.write_text(
             "# CPU time over that of the fixed loop of regression.py, for each set of vector kernels.\n"
             + "".join(
@@ -90,12 +90,14 @@ def main() -> int:
             )
         )
     slower = 0
-    for name, ratio in found.items():
+    for name, ratio in measured.items():
         before = known[kernels][name]
-        slower += ratio > given.allowed * before
+        slower += ratio > arguments.allowed * before
         print(f"{name:14} {ratio:6.3g}, before {before:6.3g}: {ratio / before:.2f} of it")
     if slower:
-        print(f"{slower} of {len(found)} became slower than {given.allowed:g} times what ratios.toml says")
+        print(
+            f"{slower} of {len(measured)} became slower than {arguments.allowed:g} times what ratios.toml says"
+        )
     return 1 if slower else 0
 
 

@@ -19,12 +19,12 @@ def main() -> None:
     column = hl.Column.paper()
     methods = [Method(f"{k}", "", lambda k=k: hl.sweep(column, threads=k, **axes), a.size**2) for k in (1, 2)]
     interleave(methods, a.repetitions)
-    one = methods[0]
+    single = methods[0]
     rows = []
     for m in methods:
         wall, cpu = np.array(m.wall), np.array(m.cpu)
         row = [m.name, f"{1 / np.median(wall):.3g}", f"{1 / wall.min():.3g}", f"{np.median(cpu / wall):.2f}"]
-        ratios = np.median(np.array(one.wall) / wall), min(one.wall) / wall.min()
+        ratios = np.median(np.array(single.wall) / wall), min(single.wall) / wall.min()
         rows.append([*row, *(f"{ratio:.2f}" for ratio in ratios)])
     head = ["threads", "points/s (median wall)", "points/s (best)", "CPU/wall"]
     head += ["speed-up (median)", "speed-up (best)"]

@@ -41,9 +41,6 @@ auto planar_path(const Contact& c, double distance, double normal, double tangen
                  double gravity) {
     const Approach approach{c.pair.effective_mass, distance, normal, tangential, gravity};
     const std::size_t n = times.shape(0);
-    for (std::size_t i = 0; i < n; ++i)
-        hl::bindings::require(times.data()[i] >= (i == 0 ? 0.0 : times.data()[i - 1]),
-                              "times: must not be negative and must not fall");
     std::vector<hl::boxes::PlanarState> states(n);
     std::visit(
         [&](const auto& law) {

@@ -3,6 +3,7 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <array>
 #include <atomic>
 #include <memory>
 #include <optional>
@@ -39,34 +40,23 @@ using Rows = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cp
 // --- checks -------------------------------------------------------------------------------------------------
 
 void require_particles(std::size_t n) {
-    if (n == 0) throw value_error("positions: got no particles, must be at least one");
-    if (n >= (std::size_t{1} << 27))
-        throw value_error("positions: got " + std::to_string(n) + " particles, must be < 2^27");
+    require(n > 0 && n < (std::size_t{1} << 27),
+            "positions: got " + std::to_string(n) + " particles, must be at least 1 and < 2^27");
 }
 
-std::string of_particle(const char* name, std::size_t i) {
-    return std::string(name) + "[" + std::to_string(i) + "]: got ";
+// The engines index cells by positions and sizes. Python has checked the values.
+void require_no_fault(const box::Fault& fault) {
+    require(fault.kind == box::Fault::none,
+            "system: got values of particle " + std::to_string(fault.particle) +
+                " out of range or out of the box, must be those of a ParticleSystem");
 }
 
-std::string message_of(const box::Fault& f, const box::System& s) {
-    const std::string edge = shown(s.box.edge[f.axis]), along = " along axis " + std::to_string(f.axis);
-    switch (f.kind) {
-        case box::Fault::not_finite:
-            return "positions, velocities: got a value of particle " + std::to_string(f.particle) +
-                   " that is not finite, must be finite";
-        case box::Fault::radius:
-            return of_particle("radius", f.particle) + shown(f.value) + ", must be > 0 and finite";
-        case box::Fault::mass:
-            return of_particle("mass", f.particle) + shown(f.value) + ", must be > 0 and finite";
-        case box::Fault::box:
-            return "box: got " + edge + along + ", must be >= " + shown(f.value) + ", the largest diameter";
-        case box::Fault::outside:
-            return of_particle("positions", f.particle) + shown(f.value) + along +
-                   ", must be >= 0 and <= " + edge;
-        case box::Fault::none:
-            break;
-    }
-    return {};
+// The place of a word among those of an argument.
+template <std::size_t n>
+int place_of(const char* argument, const std::string& word, const char* const (&words)[n]) {
+    const auto* const place = std::ranges::find(words, std::string_view(word));
+    require(place != std::end(words), std::string(argument) + ": got " + word + ", must be a known word");
+    return static_cast<int>(place - words);
 }
 
 // --- the box ------------------------------------------------------------------------------------------------
@@ -81,20 +71,10 @@ using WallMotions = std::vector<std::tuple<hl::i64, double, double, double, doub
 void move_walls(box::Box& made, const WallMotions& moving) {
     for (const auto& [number, offset, velocity, amplitude, frequency, phase, waveform] : moving) {
         const box::WallId id{static_cast<std::int32_t>(number)};
-        if (number >= 0 || number < -box::most_walls || !made.has_walls(id.axis()))
-            throw value_error("moving_walls: got the number " + std::to_string(number) +
-                              ", must be that of a wall");
+        require(number < 0 && number >= -box::most_walls && made.has_walls(id.axis()),
+                "moving_walls: got the number " + std::to_string(number) + ", must be that of a wall");
         box::WallMotion m{offset, velocity, amplitude, frequency, phase / (2.0 * hl::math::pi)};
-        const auto* const found = std::ranges::find(waveform_names, std::string_view(waveform));
-        if (found == std::end(waveform_names))
-            throw value_error("moving_walls: got " + waveform + ", must be a waveform");
-        m.waveform = static_cast<box::Waveform>(found - waveform_names);
-        for (const double x : {offset, velocity, amplitude, frequency, phase})
-            if (!hl::math::is_finite(x))
-                throw value_error("moving_walls: got " + shown(x) + ", must be finite");
-        if (m.oscillates() && !(frequency > 0.0 && amplitude > 0.0))
-            throw value_error("moving_walls: got " + shown(amplitude) + " and " + shown(frequency) +
-                              ", must be an amplitude and a frequency > 0");
+        m.waveform = static_cast<box::Waveform>(place_of("moving_walls", waveform, waveform_names));
         made.move_wall(id, m);
     }
 }
@@ -103,29 +83,18 @@ box::Box make_box(const std::vector<double>& edges, const std::vector<std::strin
                   const std::optional<std::vector<double>>& gravity, const WallMotions& moving_walls,
                   double shear_rate, double shear_displacement) {
     const std::size_t d = edges.size();
-    if (d != 2 && d != 3) throw value_error("box: got " + std::to_string(d) + " edges, must be 2 or 3");
+    require(d == 2 || d == 3, "box: got " + std::to_string(d) + " edges, must be 2 or 3");
     require_values("boundary", boundary.size(), d, "one for each axis");
     if (gravity) require_values("gravity", gravity->size(), d, "one for each axis");
     box::Box made;
     made.dimension = static_cast<int>(d);
     for (std::size_t k = 0; k < d; ++k) {
         made.edge[k] = edges[k];
-        if (!(edges[k] > 0.0)) throw value_error("box: got " + shown(edges[k]) + ", must be > 0");
         if (gravity) made.gravity[k] = (*gravity)[k];
-        if (!hl::math::is_finite(made.gravity[k]))
-            throw value_error("gravity: got " + shown(made.gravity[k]) + ", must be finite");
-        const auto* const found = std::ranges::find(boundary_names, std::string_view(boundary[k]));
-        if (found == std::end(boundary_names) || found == boundary_names)
-            throw value_error("boundary: got " + boundary[k] + ", must be periodic, wall or lees-edwards");
-        made.boundary[k] = static_cast<box::Boundary>(found - boundary_names);
-        if (made.boundary[k] != box::Boundary::lees_edwards) continue;
-        if (k == 0 || made.is_sheared() || !made.is_periodic(0))
-            throw value_error("boundary: got lees-edwards along axis " + std::to_string(k) +
-                              ", must be on one axis, not the first, which must be periodic");
-        made.shear(static_cast<int>(k), shear_rate, shear_displacement);
+        made.boundary[k] = static_cast<box::Boundary>(place_of("boundary", boundary[k], boundary_names));
+        if (made.boundary[k] == box::Boundary::lees_edwards)
+            made.shear(static_cast<int>(k), shear_rate, shear_displacement);
     }
-    for (const double x : {shear_rate, shear_displacement})
-        if (!hl::math::is_finite(x)) throw value_error("shear_rate: got " + shown(x) + ", must be finite");
     move_walls(made, moving_walls);
     return made;
 }
@@ -166,25 +135,14 @@ box::RuleChoice rule_choice(const std::string& name, double restitution, const s
     box::RuleChoice choice;
     if (law) choice.law = law_choice(*law);
     while (choice.rule < box::rule_count && name != box::rule_records[choice.rule].name) ++choice.rule;
-    if (choice.rule == box::rule_count)
-        throw value_error("rule: got " + name + ", must be a registered rule");
+    require(choice.rule < box::rule_count, "rule: got " + name + ", must be a registered rule");
     const box::RuleRecord& record = box::rule_records[choice.rule];
-    if (!record.takes_restitution && !law)
-        throw value_error("law: got None, must be a law for the rule " + name);
+    require(record.takes_restitution || law, "law: got None, must be a law for the rule " + name);
     if (!record.takes_law) choice.law = {};
-    if (!choice.law) {
-        if (!(restitution >= 0.0 && restitution <= 1.0))
-            throw value_error("restitution: got " + shown(restitution) + ", must be >= 0 and <= 1");
-        choice.restitution = restitution;
-    }
+    if (!choice.law) choice.restitution = restitution;
     require_values("rule_parameters", parameters.size(), static_cast<std::size_t>(record.n_parameters),
                    "those of the rule");
-    for (std::size_t k = 0; k < parameters.size(); ++k) {
-        if (!(parameters[k] >= 0.0))
-            throw value_error(std::string(record.parameters[k].name) + ": got " + shown(parameters[k]) +
-                              ", must be >= 0");
-        choice.parameters[k] = parameters[k];
-    }
+    std::ranges::copy(parameters, choice.parameters);
     return choice;
 }
 
@@ -233,9 +191,6 @@ public:
     }
 
     void advance(double until, hl::u64 max_work, int threads) {
-        if (hl::math::is_nan(until)) throw value_error("until: got nan, must be a time");
-        if (max_work < 1) throw value_error("max_work: got 0, must be >= 1");
-        if (threads < 1) throw value_error("threads: got " + std::to_string(threads) + ", must be >= 1");
         box::Engine& engine = get();
         const Running running(running_);
         unlocked([&](hl::Stop& stop) {
@@ -276,10 +231,6 @@ Engine make_engine(const std::string& kind, const box::Box& bounds, Rows positio
         arguments.rule.law = law_choice(*law);
     else
         throw value_error("law: got None, must be a contact law");
-    if (bounds.is_sheared() && !record.sheared)
-        throw value_error("boundary: got lees-edwards, must be periodic or wall for the engine " + kind);
-    if (kind == "newton_steps" && !(time_step > 0.0))
-        throw value_error("time_step: got " + shown(time_step) + ", must be > 0");
     arguments.time_step = time_step;
     arguments.log = log;
     box::Fault fault;
@@ -287,7 +238,7 @@ Engine make_engine(const std::string& kind, const box::Box& bounds, Rows positio
         fault = box::validate(s);
         return fault.kind == box::Fault::none ? record.make(s, arguments, stop) : nullptr;
     });
-    if (!engine) throw value_error(message_of(fault, s));
+    require_no_fault(fault);
     return Engine(record.name, std::move(engine));
 }
 
@@ -352,10 +303,11 @@ nb::dict observe(const Engine& e) {
 
 // The fields of an observation: name, unit, and the engines that sample it.
 nb::tuple observed_fields() {
-    static constexpr const char* engines[] = {"all", "collisions", "contacts", ""};
+    constexpr std::array samplers{"all", "collisions", "contacts", ""};  // by Sampled
     nb::list fields;
     box::for_fields({}, [&](const char* name, const char* unit, box::Sampled by, const auto&) {
-        fields.append(dict_of("name", name, "unit", unit, "engines", engines[static_cast<int>(by)]));
+        fields.append(
+            dict_of("name", name, "unit", unit, "engines", samplers.at(static_cast<std::size_t>(by))));
     });
     return nb::tuple(fields);
 }
@@ -388,8 +340,7 @@ std::optional<std::tuple<double, std::vector<hl::i64>, std::optional<hl::i64>>> 
 nb::object grow_packing(const box::Box& bounds, In radius, hl::u64 seed, const nb::object& progress) {
     box::System s{bounds, radius.size(), nullptr, nullptr, radius.data(), nullptr};
     require_particles(s.n);
-    if (const box::Fault fault = box::fault_of_sizes(s); fault.kind != box::Fault::none)
-        throw value_error(message_of(fault, s));
+    require_no_fault(box::fault_of_sizes(s));
     const std::string fraction = "packing_fraction: got " + shown(s.packing_fraction());
     if (!(s.packing_fraction() < 1.0)) throw value_error(fraction + ", must be < 1");
     bool stopped, refused = false;
@@ -419,9 +370,6 @@ auto deepest_overlap(const box::Box& bounds, Rows positions, In radius) {
     require_values("positions", positions.shape(1), static_cast<std::size_t>(bounds.dimension),
                    "one for each axis of the box");
     require_values("radius", radius.size(), positions.shape(0), "one for each particle");
-    for (std::size_t i = 0; i < radius.size(); ++i)
-        if (!(radius.data()[i] > 0.0))
-            throw value_error(of_particle("radius", i) + shown(radius.data()[i]) + ", must be > 0");
     const box::Overlap found = unlocked([&](hl::Stop& stop) {
         return box::deepest_overlap(bounds, positions.data(), radius.data(), positions.shape(0), stop);
     });

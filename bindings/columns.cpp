@@ -42,8 +42,14 @@ col::SharedColumn<Law> column_under(bool floor, double gravity, const std::vecto
         if (!law) throw value_error("law: every contact of a column must follow the same kind of law");
         laws.push_back(*law);
     }
-    return std::make_shared<const col::Column<Law>>(col::Column<Law>{
-        static_cast<int>(mass.size()), floor, gravity, mass, radius, std::move(laws), gaps, velocity});
+    return std::make_shared<const col::Column<Law>>(col::Column<Law>{.balls = static_cast<int>(mass.size()),
+                                                                     .floor = floor,
+                                                                     .gravity = gravity,
+                                                                     .mass = mass,
+                                                                     .radius = radius,
+                                                                     .contacts = std::move(laws),
+                                                                     .gaps = gaps,
+                                                                     .velocity = velocity});
 }
 
 Column make_column(bool floor, double gravity, const std::vector<double>& mass,

@@ -1,8 +1,12 @@
 // Bindings of the contact laws: their records, and one contact of two bodies.
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/vector.h>
 
+#include <optional>
 #include <string>
 #include <type_traits>
+#include <utility>
 
 #include "../core/contact/powers.hpp"
 #include "arrays.hpp"
@@ -110,12 +114,10 @@ void bind_contacts(nb::module_& m) {
             "coefficients",
             [](const Contact& c) {
                 return std::visit(
-                    []<class Law>(const Law& law) -> nb::object {
-                        if constexpr (hl::PowerLaw<Law>) {
-                            const hl::Coefficients k = law.coefficients();
-                            return nb::make_tuple(k.elastic, k.damping);
-                        }
-                        return nb::none();
+                    []<class Law>(const Law& law) -> std::optional<std::pair<double, double>> {
+                        if constexpr (hl::PowerLaw<Law>)
+                            return std::pair(law.coefficients().elastic, law.coefficients().damping);
+                        return {};
                     },
                     c.law);
             },

@@ -23,7 +23,6 @@ struct EngineRecord {
     std::unique_ptr<boxes::Engine> (*make)(const boxes::System&, const EngineArguments&, Stop&);
     // Returns nullptr if the data are damaged.
     std::unique_ptr<boxes::Engine> (*load)(const char* data, std::size_t n);
-    bool sheared = false;  // whether it can run boxes with a Lees–Edwards boundary
 };
 // Random positions without overlap; empty if there was not enough space. report(fraction of the final radii,
 // collisions) returns whether to continue.

@@ -10,7 +10,7 @@ const EngineRecord hard_spheres_engine = {
     [](const boxes::System& s, const EngineArguments& a, Stop& stop) {
         return boxes::make_hard_spheres(s, a.rule, a.log, touch_kernels(), stop);
     },
-    [](const char* data, std::size_t n) { return boxes::load_hard_spheres(data, n, touch_kernels()); }, true};
+    [](const char* data, std::size_t n) { return boxes::load_hard_spheres(data, n, touch_kernels()); }};
 
 namespace {
 

@@ -9,7 +9,6 @@ const EngineRecord newton_events_engine = {
     [](const boxes::System& s, const EngineArguments& a, Stop&) {
         return boxes::make_newton_events(s, a.rule.law, a.log, touch_kernels());
     },
-    [](const char* data, std::size_t n) { return boxes::load_newton_events(data, n, touch_kernels()); },
-    true};
+    [](const char* data, std::size_t n) { return boxes::load_newton_events(data, n, touch_kernels()); }};
 
 }  // namespace hardlimit::bindings

@@ -9,6 +9,6 @@ const EngineRecord newton_steps_engine = {
     [](const boxes::System& s, const EngineArguments& a, Stop&) {
         return boxes::make_newton_steps(s, a.rule.law, a.log, a.time_step);
     },
-    [](const char* data, std::size_t n) { return boxes::load_newton_steps(data, n); }, true};
+    [](const char* data, std::size_t n) { return boxes::load_newton_steps(data, n); }};
 
 }  // namespace hardlimit::bindings

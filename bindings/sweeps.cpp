@@ -69,11 +69,6 @@ LawEntry law_named(const std::string& law) {
     });
 }
 
-sw::Model model_of(int number) {
-    require(number >= 0 && number <= static_cast<int>(sw::Model::independent), "model: must be 0, 1 or 2");
-    return static_cast<sw::Model>(number);
-}
-
 std::vector<sw::Axis> axes_of(int balls, const std::vector<Values>& values,
                               const std::vector<hl::u64>& strides) {
     const auto numbers = static_cast<std::size_t>(sw::law_of(balls, balls));
@@ -100,7 +95,6 @@ sw::Outputs outputs(const nb::dict& out, hl::u64 count) {
 template <class Job>
 void run(Job& job, void (*work)(Job&, hl::u64, hl::Stop&), hl::u64 most, int threads,
          const nb::object& progress) {
-    require(threads >= 1, "threads: must be >= 1");
     const hl::u64 share = job.count / (8 * static_cast<hl::u64>(threads)) + 1;
     const hl::u64 size = std::min<hl::u64>(most, share), batches = (job.count + size - 1) / size;
     bool raised = false;
@@ -137,7 +131,7 @@ nb::list run_map(const std::string& law, int model, int alternative, bool densit
             "restitution_at: must be a field among the parameters of the law, or -1");
     sw::Job job{};
     job.axes = axes_of(2, values, strides);
-    job.setting = {model_of(model), alternative, density_1, density_2, restitution_at};
+    job.setting = {static_cast<sw::Model>(model), alternative, density_1, density_2, restitution_at};
     if (!entry.has_kernel(job.setting.model) && !hl::math::is_nan(tolerance))
         job.setting.tolerance = tolerance;
     job.kernel = kernel_named(instruction_set);
@@ -157,9 +151,8 @@ void run_columns(const std::string& law, int model, int alternative, const std::
                  hl::u64 count, int threads, double tolerance, const nb::dict& out, nb::object progress) {
     const LawEntry entry = law_named(law);
     hl::bindings::require_alternative(*entry.record, alternative);
-    require(!density.empty(), "density: must have an entry for each ball");
     const int balls = static_cast<int>(density.size());
-    require(model_of(model) != sw::Model::adiabatic || (balls == 2 && entry.exact),
+    require(static_cast<sw::Model>(model) != sw::Model::adiabatic || (balls == 2 && entry.exact),
             "model: the adiabatic one is that of two balls under a law with an exact solver");
     const hl::u64 of_balls = count * density.size();
     sw::ColumnJob job{};
@@ -172,18 +165,17 @@ void run_columns(const std::string& law, int model, int alternative, const std::
                output<double>(out, "t_floor_end", count),
                output<double>(out, "rebound_height", of_balls),
                output<double>(out, "final_velocity", of_balls)};
-    job.setting = {model_of(model),
-                   alternative,
-                   {density.begin(), density.end()},
-                   tolerance,
-                   job.out.rebound_height != nullptr,
-                   job.out.final_velocity != nullptr};
+    job.setting = {.model = static_cast<sw::Model>(model),
+                   .alternative = alternative,
+                   .density = {density.begin(), density.end()},
+                   .tolerance = tolerance,
+                   .rebound_heights = job.out.rebound_height != nullptr,
+                   .final_velocities = job.out.final_velocity != nullptr};
     run(job, entry.work_columns, 64, threads, progress);
 }
 
 // The parameters that can be swept for a column of N balls, with their indices in the row of a point.
 nb::list swept_parameters(int balls) {
-    require(balls >= 1, "balls: must be >= 1");
     constexpr const char* per[] = {"column", "ball", "gap"};
     return hl::bindings::list_of(sw::swept_records, [&](const sw::SweptRecord& r) {
         return hl::bindings::dict_of("name", r.name, "per", per[static_cast<int>(sw::per(r.field))], "first",
@@ -212,13 +204,15 @@ void bind_sweep(nb::module_& m) {
           "strides"_a, "first"_a, "count"_a, "threads"_a, "tolerance"_a, "out"_a, "progress"_a.none());
     m.def(
         "has_kernel",
-        [](const std::string& law, int model) { return law_named(law).has_kernel(model_of(model)); }, "law"_a,
-        "model"_a, "Whether two-ball points of this law and model are solved by a vector kernel.");
+        [](const std::string& law, int model) {
+            return law_named(law).has_kernel(static_cast<sw::Model>(model));
+        },
+        "law"_a, "model"_a, "Whether two-ball points of this law and model are solved by a vector kernel.");
     m.def(
         "has_gpu_kernel",
         [](const std::string& law, int model) {
             const LawEntry entry = law_named(law);
-            return entry.on_gpu && entry.has_kernel(model_of(model));
+            return entry.on_gpu && entry.has_kernel(static_cast<sw::Model>(model));
         },
         "law"_a, "model"_a, "Whether such points can be solved on a GPU.");
     m.def(

@@ -89,7 +89,7 @@ void set_contacts(col::Column<Law>& c, double restitution = hl::math::nan) {
 template <class Law>
 col::Column<Law> make_column() {
     const int n = balls();
-    col::Column<Law> c{n, on_floor(), request[4], {}, {}, {}, {}, {}};
+    col::Column<Law> c{.balls = n, .floor = on_floor(), .gravity = request[4]};
     for (int i = 0; i < n; ++i) {
         c.mass.push_back(ball(i)[0]);
         c.radius.push_back(ball(i)[1]);
@@ -230,9 +230,7 @@ struct Way<LinearDashpot> {
     static bool enter(Points<LinearDashpot>& p, long i, col::Start& s, col::CompressionBound& bound) {
         const col::Column<LinearDashpot>& c = p.column(i);
         bound = col::drop::bound_of(c, col::Coupling::full, hl::deepest_compression);
-        s = col::start_two_ball(c.contacts[0], c.contacts[1], c.mass[0], c.mass[1], c.gravity,
-                                {c.gaps[0], c.velocity[0], c.gaps[1], c.velocity[1] - c.velocity[0]},
-                                col::Coupling::full);
+        s = col::drop::start_drop(c, col::Coupling::full);
         return s.outcome == hl::Outcome::ok && hl::math::is_finite(s.groups.gravity + s.first.w);
     }
     static void solve(const Batch& b) { hl::sweep::solve_batch<Pair>(b); }
@@ -250,18 +248,18 @@ struct Way<Viscoelastic> {
             argument = hl::sweep::LossTable::shared().argument(-hl::math::log(restitution));
         }
         const col::Column<Viscoelastic>& c = p.c;
-        hl::sweep::Parameters q{c.radius[0],
-                                c.radius[1],
-                                hl::math::nan,
-                                c.mass[0],
-                                c.mass[1],
-                                c.gaps[1],
-                                c.gaps[0] + c.radius[0],
-                                c.velocity[0],
-                                c.velocity[1],
-                                c.gravity,
-                                {},
-                                {}};
+        hl::sweep::Parameters q{.radius_1 = c.radius[0],
+                                .radius_2 = c.radius[1],
+                                .radius_ratio = hl::math::nan,
+                                .matter_1 = c.mass[0],
+                                .matter_2 = c.mass[1],
+                                .gap = c.gaps[1],
+                                .height = c.gaps[0] + c.radius[0],
+                                .velocity_1 = c.velocity[0],
+                                .velocity_2 = c.velocity[1],
+                                .gravity = c.gravity,
+                                .floor_law = {},
+                                .pair_law = {}};
         std::copy_n(parameters_of(0), hl::max_parameters, q.floor_law);
         std::copy_n(parameters_of(1), hl::max_parameters, q.pair_law);
         const hl::sweep::Setting setting{col::Model::newton, alternative(), false, false,

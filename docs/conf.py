@@ -94,7 +94,7 @@ def read_lessons_first(app: Sphinx, env: BuildEnvironment, names: list[str]) -> 
     names.sort(key=lambda name: name == "notebooks/index")  # a stable sort
 
 
-def hide_signature(app: Sphinx, what: str, name: str, item: Any, *given: Any) -> tuple[str, str] | None:
+def hide_signature(app: Sphinx, what: str, name: str, item: Any, *_: Any) -> tuple[str, str] | None:
     """Hide the signature of a class that functions return, which has no Parameters section."""
     returned = what == "class" and "\nParameters\n---" not in (inspect.getdoc(item) or "")
     return ("", "") if returned else None

@@ -75,15 +75,15 @@ def observables() -> str:
     from hardlimit.boxes.observables import KINDS, OBSERVABLES
 
     lines = ["| variable | unit | meaning | shape | engines |", "|---|---|---|---|---|"]
-    for one in OBSERVABLES.values():
-        engines = [name for name, engine in ENGINES.items() if set(one.needs) <= set(engine.records)]
+    for record in OBSERVABLES.values():
+        engines = [name for name, engine in ENGINES.items() if set(record.needs) <= set(engine.records)]
         if not engines:
             continue
         shown = "all" if len(engines) == len(ENGINES) else ", ".join(engines).replace("_", " ")
-        unit = f"{one.unit} (disks: {one.unit_of_disks})" if one.unit_of_disks else one.unit
+        unit = f"{record.unit} (disks: {record.unit_of_disks})" if record.unit_of_disks else record.unit
         unit = unit.replace("m2/s2", "m²/s²")
-        meaning = (one.meaning + KINDS[one.kind]).replace("|", "\\|")
-        lines.append(f"| `{one.name}` | {unit} | {meaning} | {one.shape} | {shown} |")
+        meaning = (record.meaning + KINDS[record.kind]).replace("|", "\\|")
+        lines.append(f"| `{record.name}` | {unit} | {meaning} | {record.shape} | {shown} |")
     return "\n".join([NOTE, *lines, ""])
 
 

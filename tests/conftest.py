@@ -199,9 +199,9 @@ def alternative(name: str, restitution: bool) -> list[dict]:
 
 def law_of(name: str, restitution: float, speed: float = 1.0) -> hl.Law:
     """A law of the given kind whose contacts have ``restitution`` at ``speed``."""
-    given = {"restitution": restitution, "impact_speed": speed}
+    values = {"restitution": restitution, "impact_speed": speed}
     parameters = alternative(name, restitution=True)
-    return hl.LAWS[name](**{p["name"]: given.get(p["name"], typical(p)) for p in parameters})
+    return hl.LAWS[name](**{p["name"]: values.get(p["name"], typical(p)) for p in parameters})
 
 
 def damping_name(name: str) -> str:
@@ -290,7 +290,7 @@ def free_columns(draw, law=None, least=2, most=5) -> hl.Column:
     return hl.Column.cradle(balls, velocities, draw(laws()) if law is None else draw(law), gaps)
 
 
-def lattice(n=27, dimension=3, seed=0, spread=1.0, **given) -> hl.ParticleSystem:
+def lattice(n=27, dimension=3, seed=0, spread=1.0, **changes) -> hl.ParticleSystem:
     """Grains near the points of a lattice, with random velocities; radii from 1 mm to 1 mm/spread."""
     rng = np.random.default_rng(seed)
     along = max(2, math.ceil(n ** (1.0 / dimension)))
@@ -299,4 +299,4 @@ def lattice(n=27, dimension=3, seed=0, spread=1.0, **given) -> hl.ParticleSystem
     radius = 1e-3 * spread ** -rng.random(n)
     velocities = rng.normal(size=(n, dimension))
     values = {"density": 2500.0, "box": [along * 3e-3] * dimension}
-    return hl.ParticleSystem(at, velocities, radius, **(values | given))
+    return hl.ParticleSystem(at, velocities, radius, **(values | changes))

@@ -37,12 +37,12 @@ def boxes(figure: Figure) -> list[tuple[str, Bbox]]:
         for label in axis.get_ticklabels(which="both")
         for at in along(axis, [label.get_position()[i]])
     }
-    found = []
+    shown = []
     for text in figure.findobj(Text):
         if text.get_text().strip() and text.get_visible() and ticks.get(text, True):
             # A text box holds the room of ascenders and descenders: what overlaps by less is no overlap.
-            found.append((text.get_text(), text.get_window_extent().padded(-1.0)))
-    return found
+            shown.append((text.get_text(), text.get_window_extent().padded(-1.0)))
+    return shown
 
 
 def assert_legible(figure: Figure, **look: Any) -> None:
@@ -53,8 +53,8 @@ def assert_legible(figure: Figure, **look: Any) -> None:
     for text, box in shown:
         assert page.x0 <= box.x0 and box.x1 <= page.x1, f"{text!r} runs off the picture"
         assert page.y0 <= box.y0 and box.y1 <= page.y1, f"{text!r} runs off the picture"
-    for (one, first), (other, second) in combinations(shown, 2):
-        assert not first.overlaps(second), f"{one!r} and {other!r} overlap"
+    for (label, first), (other, second) in combinations(shown, 2):
+        assert not first.overlaps(second), f"{label!r} and {other!r} overlap"
 
 
 def coloured(picture: Path | np.ndarray) -> float:
@@ -92,4 +92,4 @@ def assert_moves(film: Path, width: int, count: int = 10**9) -> None:
     frames = frames_of(film, shape)
     assert 1 < len(frames) <= count
     assert all(frame.shape == (*shape, 3) and coloured(frame) > 3e-3 for frame in frames)
-    assert any(np.any(one != frames[0]) for one in frames)
+    assert any(np.any(frame != frames[0]) for frame in frames)

@@ -5,12 +5,12 @@ from typing import Any
 import numpy as np
 
 
-def same_samples(one: Any, other: Any) -> bool:
+def same_samples(left: Any, other: Any) -> bool:
     """Whether records and observed values of two results are bit-identical."""
     return all(
         mine.keys() == theirs.keys()
         and all(np.array_equal(mine[name], theirs[name], equal_nan=True) for name in mine)
-        for mine, theirs in ((one.samples, other.samples), (_observed(one), _observed(other)))
+        for mine, theirs in ((left.samples, other.samples), (_observed(left), _observed(other)))
     )
 
 

@@ -24,8 +24,8 @@ def collisions(system: Any, restitution: float, count: int) -> list[tuple[float,
     touch = (system.radius[first] + system.radius[second])[:, None]
     flags = np.array(list(itertools.product((-1, 0, 1), repeat=d)))
     speed = rate * edges[axis]
-    displaced, now, last, found = system.shear_displacement, 0.0, None, []
-    while len(found) < count:
+    displaced, now, last, events = system.shear_displacement, 0.0, None, []
+    while len(events) < count:
         # Relative position and velocity of all images (pairs, images, d).
         shift = flags * edges
         shift[:, 0] += flags[:, axis] * displaced
@@ -52,13 +52,13 @@ def collisions(system: Any, restitution: float, count: int) -> list[tuple[float,
             impulse = (1.0 + restitution) * impact / (1.0 / system.mass[i] + 1.0 / system.mass[j])
             v[i] -= impulse / system.mass[i] * normal
             v[j] += impulse / system.mass[j] * normal
-            found.append((now, i, j, impact))
+            events.append((now, i, j, impact))
             last = (pair, slice(None))
         crossed = np.floor(x[:, axis] / edges[axis])
         x[:, 0] -= crossed * displaced
         v[:, 0] -= crossed * speed
         x -= edges * np.floor(x / edges)
-    return found
+    return events
 
 
 def closest(system: hl.ParticleSystem, unfolded: Any = None, time: float = 0.0) -> float:

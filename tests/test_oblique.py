@@ -74,10 +74,10 @@ def columns(seed: int) -> hl.Column:
 @pytest.mark.parametrize("seed", range(9))
 def test_without_offset_it_is_the_column(seed: int) -> None:
     column = columns(seed)
-    found, straight = hl.oblique_drop(column, 0.0), hl.newton(column)
+    drop, straight = hl.oblique_drop(column, 0.0), hl.newton(column)
     scale = 1e-8 * column.impact_speed
-    assert found.sideways_velocity == 0.0 and found.estimate == 0.0
-    assert found.separation_velocity == pytest.approx(straight.separation_velocity, abs=scale)
+    assert drop.sideways_velocity == 0.0 and drop.estimate == 0.0
+    assert drop.separation_velocity == pytest.approx(straight.separation_velocity, abs=scale)
 
 
 @example(1.0, 1e-4, 1.0)  # contacts after the separation, in another bounce
@@ -93,15 +93,15 @@ def test_without_offset_it_ends_as_the_column(ratio: float, gap: float, restitut
         with pytest.raises(RuntimeError, match="before the lower one meets the floor again"):
             hl.oblique_drop(column, 0.0)
         return
-    found = hl.oblique_drop(column, 0.0)
-    assert found.n_contacts == straight.n_contacts
-    assert found.separation_velocity == pytest.approx(straight.separation_velocity, abs=1e-6)
+    drop = hl.oblique_drop(column, 0.0)
+    assert drop.n_contacts == straight.n_contacts
+    assert drop.separation_velocity == pytest.approx(straight.separation_velocity, abs=1e-6)
 
 
 def test_balls_of_equal_size_with_a_small_offset() -> None:
     """One contact turns them, as the estimate says; those of later bounces do not count."""
-    found = hl.oblique_drop(hl.Column.paper(radius_ratio=1.0, gap=1e-4, restitution=1.0), 1e-6)
-    assert found.sideways_velocity == pytest.approx(found.estimate, rel=0.1)
+    drop = hl.oblique_drop(hl.Column.paper(radius_ratio=1.0, gap=1e-4, restitution=1.0), 1e-6)
+    assert drop.sideways_velocity == pytest.approx(drop.estimate, rel=0.1)
 
 
 def test_a_lower_ball_that_gravity_holds_on_the_floor_does_not_leave() -> None:
@@ -118,14 +118,14 @@ def test_a_lower_ball_that_gravity_holds_on_the_floor_does_not_leave() -> None:
 def test_offsets_are_mirrored_and_keep_momentum(seed: int) -> None:
     column = columns(seed)
     offset = 0.05 * column.balls[1].radius
-    one, other = hl.oblique_drop(column, offset), hl.oblique_drop(column, -offset)
+    drop, other = hl.oblique_drop(column, offset), hl.oblique_drop(column, -offset)
     scale = column.impact_speed
-    assert one.sideways_velocity == pytest.approx(-other.sideways_velocity, abs=1e-9 * scale)
-    assert one.separation_velocity == pytest.approx(other.separation_velocity, abs=1e-9 * scale)
+    assert drop.sideways_velocity == pytest.approx(-other.sideways_velocity, abs=1e-9 * scale)
+    assert drop.separation_velocity == pytest.approx(other.separation_velocity, abs=1e-9 * scale)
     masses = np.array([ball.mass for ball in column.balls])
-    assert abs(masses @ one.velocities[:, 0]) < 1e-9 * masses[0] * scale
-    assert one.run.energy_error < 1e-9
-    assert one.tilt == -other.tilt and one.throw_angle > 0.0
+    assert abs(masses @ drop.velocities[:, 0]) < 1e-9 * masses[0] * scale
+    assert drop.run.energy_error < 1e-9
+    assert drop.tilt == -other.tilt and drop.throw_angle > 0.0
 
 
 def linear_response(column: hl.Column) -> float:
@@ -170,10 +170,10 @@ def test_collisions_far_apart_give_the_estimate_in_closed_form() -> None:
     column = hl.Column.paper(restitution=0.9, gap=5e-3, stiffness=1e10, gravity=1e-9, height=0.11).replace(
         velocities=-3.0
     )
-    found = hl.oblique_drop(column, 1e-5)
+    drop = hl.oblique_drop(column, 1e-5)
     ratio = column.balls[1].mass / column.balls[0].mass
-    closed = 1.9**2 * 3.0 / (1.0 + ratio) * found.tilt
-    assert found.sideways_velocity == pytest.approx(closed, rel=1e-3)
+    closed = 1.9**2 * 3.0 / (1.0 + ratio) * drop.tilt
+    assert drop.sideways_velocity == pytest.approx(closed, rel=1e-3)
 
 
 TWO_LAWS = [hl.LinearDashpot(stiffness=k, restitution=0.9) for k in (1e6, 2e6)]

@@ -23,8 +23,13 @@ FLOOR = {"boundary": ["periodic", "periodic", "wall"], "gravity": [0.0, 0.0, -9.
 
 
 def box(n: int = 30, **options: Any) -> hl.ParticleSystem:
-    given = {"packing_fraction": 0.05, "radius": [1e-3, 2e-3], "density": 2500.0, "rms_speed": 1.0} | options
-    return hl.ParticleSystem.random(n, **given)
+    arguments = {
+        "packing_fraction": 0.05,
+        "radius": [1e-3, 2e-3],
+        "density": 2500.0,
+        "rms_speed": 1.0,
+    } | options
+    return hl.ParticleSystem.random(n, **arguments)
 
 
 def seen(time: float, system: hl.ParticleSystem) -> dict[str, Any]:
@@ -65,18 +70,18 @@ def test_a_run_comes_back(name: str, tmp_path: Path) -> None:
     """All of it with ``hl.load``; series, log and final state also with xarray, the series from the root."""
     kept = RUNS[name]()
     path = kept.save(tmp_path / "run.nc")
-    found = hl.load(path)
-    assert type(found) is type(kept) and repr(found) == repr(kept)
+    loaded = hl.load(path)
+    assert type(loaded) is type(kept) and repr(loaded) == repr(kept)
     apart = ("log", "samples", "observed")
-    for one in [one.name for one in dataclasses.fields(kept) if one.name not in apart]:
-        assert getattr(found, one) == getattr(kept, one), one
-    assert same_arrays(found.samples, kept.samples) and found.series.identical(kept.series)
-    assert (found.system.unfolded_positions == kept.system.unfolded_positions).all()
+    for attribute in [field.name for field in dataclasses.fields(kept) if field.name not in apart]:
+        assert getattr(loaded, attribute) == getattr(kept, attribute), attribute
+    assert same_arrays(loaded.samples, kept.samples) and loaded.series.identical(kept.series)
+    assert (loaded.system.unfolded_positions == kept.system.unfolded_positions).all()
     with xr.open_dataset(path) as root, xr.open_dataset(path, group="final") as final:
         assert root.drop_attrs().equals(kept.series.drop_attrs())
         assert final.equals(kept.system.dataset)
     if kept.log is not None:
-        assert same_arrays(dict(enumerate(found.log)), dict(enumerate(kept.log)))
+        assert same_arrays(dict(enumerate(loaded.log)), dict(enumerate(kept.log)))
         logged = kept.collisions if isinstance(kept, hl.ParticleResult) else kept.contacts
         with xr.open_dataset(path, group=f"{kept.logged}s") as log:
             assert log.identical(logged)
@@ -114,9 +119,9 @@ def test_a_name_of_the_user_that_is_a_component_is_refused() -> None:
 
 def test_a_comparison_comes_back(tmp_path: Path) -> None:
     kept = hl.fidelity(box(20), law=LAW, until=0.01, replicas=2, samples=4, resolution=0.02)
-    found = hl.load(kept.save(tmp_path / "compare.nc"))
-    assert found.summary() == kept.summary() and found.plan == kept.plan and found.start == kept.start
-    assert found.dataset.identical(kept.dataset) and found.replicas.identical(kept.replicas)
+    loaded = hl.load(kept.save(tmp_path / "compare.nc"))
+    assert loaded.summary() == kept.summary() and loaded.plan == kept.plan and loaded.start == kept.start
+    assert loaded.dataset.identical(kept.dataset) and loaded.replicas.identical(kept.replicas)
     with xr.open_dataset(tmp_path / "compare.nc") as root:
         assert root.drop_attrs().equals(kept.dataset.drop_attrs())
 

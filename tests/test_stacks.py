@@ -28,60 +28,60 @@ def test_the_best_masses_for_collisions_are_a_geometric_progression(seed: int) -
     n, e, ratio = int(rng.integers(2, 21)), rng.uniform(0.7, 1.0), rng.uniform(0.05, 0.6)
     law = hl.LinearDashpot(stiffness=1e7, restitution=e)
     top = 2.0 * ratio ** (n - 1)
-    found = hl.stack(n, law, bottom_mass=2.0, top_mass=top, model="independent")
-    np.testing.assert_allclose(found.masses, np.geomspace(2.0, top, n), rtol=1e-12)
-    assert found.speed == pytest.approx((1 + e) ** n / (1 + ratio) ** (n - 1) - 1, rel=1e-11)
+    best = hl.stack(n, law, bottom_mass=2.0, top_mass=top, model="independent")
+    np.testing.assert_allclose(best.masses, np.geomspace(2.0, top, n), rtol=1e-12)
+    assert best.speed == pytest.approx((1 + e) ** n / (1 + ratio) ** (n - 1) - 1, rel=1e-11)
     for _ in range(5):
-        inner = np.exp(rng.normal(0.0, 0.1, n - 2)) * found.masses[1:-1]
+        inner = np.exp(rng.normal(0.0, 0.1, n - 2)) * best.masses[1:-1]
         masses = [2.0, *inner, top]
-        assert top_speed(masses, law, model=hl.independent) <= found.speed * (1 + 1e-12)
+        assert top_speed(masses, law, model=hl.independent) <= best.speed * (1 + 1e-12)
 
 
 def test_the_lightest_balls_are_best_for_collisions() -> None:
-    found = hl.stack(3, ELASTIC, bottom_mass=1.0, model="independent", ratio_limits=(0.02, 1.0))
-    np.testing.assert_allclose(found.ratios, 0.02)
+    best = hl.stack(3, ELASTIC, bottom_mass=1.0, model="independent", ratio_limits=(0.02, 1.0))
+    np.testing.assert_allclose(best.ratios, 0.02)
 
 
 def test_collisions_with_a_restitution_that_depends_on_speed_are_searched() -> None:
     law = hl.Viscoelastic(youngs_modulus=1e9, poisson_ratio=0.3, restitution=0.6, impact_speed=1.0)
-    found = hl.stack(3, law, bottom_mass=1.0, top_mass=0.01, model="independent")
-    column = found.column
+    best = hl.stack(3, law, bottom_mass=1.0, top_mass=0.01, model="independent")
+    column = best.column
     for middle in np.geomspace(0.011, 0.99, 60):
         radius = (0.75 * middle / (math.pi * 1000.0)) ** (1 / 3)
         balls = [column.balls[0], hl.Ball(radius, mass=middle), column.balls[2]]
-        assert hl.independent(column.replace(balls=balls)).final_velocities[-1] <= found.speed + 1e-9
-    assert abs(found.masses[1] - 0.1) > 1e-3  # not the geometric mean
+        assert hl.independent(column.replace(balls=balls)).final_velocities[-1] <= best.speed + 1e-9
+    assert abs(best.masses[1] - 0.1) > 1e-3  # not the geometric mean
 
 
 @pytest.mark.parametrize("stiffness_ratio", [0.2, 1.0, 5.0])
 def test_two_balls_against_a_grid(stiffness_ratio: float) -> None:
     laws = [ELASTIC, ELASTIC.replace(stiffness=1e7 * stiffness_ratio)]
-    found = hl.stack(2, laws, bottom_mass=1.0)
+    best = hl.stack(2, laws, bottom_mass=1.0)
     grid = np.geomspace(1e-3, 1.0, 1500)
     speeds = [top_speed([1.0, m], laws) for m in grid]
-    assert found.speed >= max(speeds) - 1e-9
-    assert found.speed < max(speeds) + 1e-4
-    assert found.masses[1] == pytest.approx(grid[np.argmax(speeds)], rel=0.02)
+    assert best.speed >= max(speeds) - 1e-9
+    assert best.speed < max(speeds) + 1e-4
+    assert best.masses[1] == pytest.approx(grid[np.argmax(speeds)], rel=0.02)
 
 
 def test_three_balls_against_a_grid() -> None:
-    found = hl.stack(3, ELASTIC, bottom_mass=1.0, top_mass=0.01)
+    best = hl.stack(3, ELASTIC, bottom_mass=1.0, top_mass=0.01)
     grid = np.geomspace(0.0101, 0.999, 400)
     speeds = [top_speed([1.0, m, 0.01], ELASTIC) for m in grid]
-    assert max(speeds) - 1e-9 <= found.speed < max(speeds) + 1e-3
+    assert max(speeds) - 1e-9 <= best.speed < max(speeds) + 1e-3
     collisions = hl.stack(3, ELASTIC, bottom_mass=1.0, top_mass=0.01, model="independent")
-    assert found.speed > collisions.speed_under("newton") + 0.2
-    assert found.speed_under("independent") < collisions.speed
+    assert best.speed > collisions.speed_under("newton") + 0.2
+    assert best.speed_under("independent") < collisions.speed
 
 
 @pytest.mark.slow
 def test_three_free_balls_against_a_grid() -> None:
     law = hl.LinearDashpot(stiffness=1e7, restitution=0.9)
     for gaps in (0.0, 1e-4):
-        found = hl.stack(3, law, bottom_mass=1.0, gaps=gaps)
+        best = hl.stack(3, law, bottom_mass=1.0, gaps=gaps)
         grid = np.geomspace(1e-3, 1.0, 60)
         speeds = [top_speed([1.0, a, a * b], law, gaps) for a in grid for b in grid]
-        assert max(speeds) - 1e-9 <= found.speed < max(speeds) + 0.05
+        assert max(speeds) - 1e-9 <= best.speed < max(speeds) + 0.05
 
 
 @pytest.mark.parametrize("n", [4, slow(6)])
@@ -90,12 +90,12 @@ def test_optimality_conditions(n: int, top: float | None) -> None:
     """Slopes of the top speed over x_k = ln(m_{k+1}/m_k) are equal (0 without a given top mass) where x_k is between
     its limits, at least as large at the upper limit, at most as large at the lower one (Karush, Kuhn & Tucker)."""
     law, (low, high) = hl.LinearDashpot(stiffness=1e7, restitution=0.9), np.log([1e-2, 1.0])
-    found = hl.stack(n, law, bottom_mass=1.0, top_mass=top, ratio_limits=(1e-2, 1.0))
+    best = hl.stack(n, law, bottom_mass=1.0, top_mass=top, ratio_limits=(1e-2, 1.0))
 
     def speed(x: np.ndarray) -> float:
         return top_speed(list(np.exp(np.concatenate([[0.0], np.cumsum(x)]))), law)
 
-    x, step = np.log(found.ratios), 1e-5 * np.eye(n - 1)
+    x, step = np.log(best.ratios), 1e-5 * np.eye(n - 1)
     slope = np.array([(speed(x + e) - speed(x - e)) / 2e-5 for e in step])
     at_high, at_low = x > high - 1e-6, x < low + 1e-6
     free = ~(at_high | at_low)
@@ -115,47 +115,47 @@ def test_no_neighbour_is_better(seed: int) -> None:
         hl.Tsuji(elastic_prefactor=1e10, restitution=rng.uniform(0.7, 1.0)),
     ][seed % 2]
     gap = float(rng.choice([0.0, 1e-5, 1e-4]))
-    found = hl.stack(n, law, bottom_mass=1.0, top_mass=float(rng.uniform(0.003, 0.1)), gaps=gap)
+    best = hl.stack(n, law, bottom_mass=1.0, top_mass=float(rng.uniform(0.003, 0.1)), gaps=gap)
     for size in (1e-4, 1e-2):
         for _ in range(30):
             factors = np.exp(rng.normal(0.0, size, n - 2))
-            masses = [found.masses[0], *(found.masses[1:-1] * factors), found.masses[-1]]
+            masses = [best.masses[0], *(best.masses[1:-1] * factors), best.masses[-1]]
             if np.max(np.array(masses[1:]) / masses[:-1]) > 1.0:
                 continue
             balls = [
                 hl.Ball(b.radius * (m / b.mass) ** (1 / 3), mass=m)
-                for b, m in zip(found.column.balls, masses, strict=True)
+                for b, m in zip(best.column.balls, masses, strict=True)
             ]
-            column = found.column.replace(balls=balls, height=balls[0].radius)
-            assert hl.newton(column).final_velocities[-1] <= found.speed + 1e-5
+            column = best.column.replace(balls=balls, height=balls[0].radius)
+            assert hl.newton(column).final_velocities[-1] <= best.speed + 1e-5
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("n", [12, 20])
 def test_many_balls(n: int) -> None:
     """No exchange between two mass ratios, within the limits, makes the top ball faster."""
-    found = hl.stack(n, ELASTIC, bottom_mass=1.0, top_mass=0.01)
+    best = hl.stack(n, ELASTIC, bottom_mass=1.0, top_mass=0.01)
     collisions = hl.stack(n, ELASTIC, bottom_mass=1.0, top_mass=0.01, model="independent")
-    assert found.masses.size == n and found.speed > collisions.speed_under("newton") + 0.2
+    assert best.masses.size == n and best.speed > collisions.speed_under("newton") + 0.2
     for i in range(n - 1):
         for j in range(n - 1):
-            steps = np.log(found.ratios)
+            steps = np.log(best.ratios)
             steps[i] += 0.01
             steps[j] -= 0.01
             if np.max(steps) > 1e-12:
                 continue
             masses = np.exp(np.concatenate([[0.0], np.cumsum(steps)]))
-            assert top_speed(list(masses), ELASTIC) <= found.speed + 1e-6
+            assert top_speed(list(masses), ELASTIC) <= best.speed + 1e-6
 
 
 def test_twenty_balls_of_collisions_under_newton() -> None:
-    found = hl.stack(20, ELASTIC, bottom_mass=1.0, top_mass=0.01, model="independent")
-    assert 3.0 < found.speed_under("newton") < 0.25 * found.speed
+    best = hl.stack(20, ELASTIC, bottom_mass=1.0, top_mass=0.01, model="independent")
+    assert 3.0 < best.speed_under("newton") < 0.25 * best.speed
 
 
 def test_wide_gaps_make_both_models_one() -> None:
-    found = hl.stack(3, ELASTIC, bottom_mass=1.0, top_mass=0.01, model="independent")
-    over = found.over_gaps(np.array([0.0, 20.0]) * found.contact_way)
+    best = hl.stack(3, ELASTIC, bottom_mass=1.0, top_mass=0.01, model="independent")
+    over = best.over_gaps(np.array([0.0, 20.0]) * best.contact_way)
     assert over.newton[1] == pytest.approx(float(over.independent[1]), rel=1e-9)
     assert float(over.newton[0]) < 0.3 * float(over.independent[0])
 
@@ -163,16 +163,16 @@ def test_wide_gaps_make_both_models_one() -> None:
 @pytest.mark.parametrize("n", [slow(8), 12, 20])
 def test_a_push_that_is_slower_than_the_lowest_ball_arrives(n: int) -> None:
     """With wide gaps the lowest ball returns to the floor long before the top one is hit."""
-    found = hl.stack(n, ELASTIC, bottom_mass=1.0, top_mass=0.01, model="independent")
+    best = hl.stack(n, ELASTIC, bottom_mass=1.0, top_mass=0.01, model="independent")
     expected = 2.0**n / (1.0 + 0.01 ** (1.0 / (n - 1))) ** (n - 1) - 1.0
     for gap in (1.0, 3.0, 10.0):
         for model in ("newton", "independent"):
-            assert found.speed_under(model, gap * found.contact_way) == pytest.approx(expected, rel=1e-9)
+            assert best.speed_under(model, gap * best.contact_way) == pytest.approx(expected, rel=1e-9)
     # Each ball of the best masses is touched by one neighbour at a time: they are those of collisions.
     if n == 8:
-        wide = hl.stack(n, ELASTIC, bottom_mass=1.0, top_mass=0.01, gaps=3.0 * found.contact_way)
+        wide = hl.stack(n, ELASTIC, bottom_mass=1.0, top_mass=0.01, gaps=3.0 * best.contact_way)
         assert wide.speed == pytest.approx(expected, rel=1e-9)
-        np.testing.assert_allclose(wide.masses, found.masses, rtol=1e-3)
+        np.testing.assert_allclose(wide.masses, best.masses, rtol=1e-3)
 
 
 def test_only_ratios_of_stiffnesses_masses_and_no_speed_matter_where_balls_touch() -> None:
@@ -201,16 +201,16 @@ def test_only_ratios_of_stiffnesses_masses_and_no_speed_matter_where_balls_touch
     ],
 )
 def test_bad_input_is_refused(arguments: dict, message: str) -> None:
-    given = {"n": 3, "law": ELASTIC, "bottom_mass": 1.0} | arguments
-    assert refusal(lambda: hl.stack(given.pop("n"), given.pop("law"), **given)).startswith(message)
+    changed = {"n": 3, "law": ELASTIC, "bottom_mass": 1.0} | arguments
+    assert refusal(lambda: hl.stack(changed.pop("n"), changed.pop("law"), **changed)).startswith(message)
 
 
 @pytest.mark.slow
 def test_the_command_and_its_picture() -> None:
     words = ["stack", "--balls", 3, "--top-mass", "10g", "--stiffness", 1e7, "--restitution", 1]
-    found = printed(*words)
+    output = printed(*words)
     direct = hl.stack(3, ELASTIC, bottom_mass=1.0, top_mass=0.01)
-    np.testing.assert_allclose(found["best_under_newton"]["masses"], direct.masses, rtol=1e-12)
+    np.testing.assert_allclose(output["best_under_newton"]["masses"], direct.masses, rtol=1e-12)
     text = run(*words).stdout
     assert "1.34087" in text and "5.61157" in text
     assert_legible(plots.stack(direct))
@@ -233,5 +233,5 @@ def test_balls_that_may_be_heavier_than_those_below(
 ) -> None:
     """Their masses need not fall, and a ball may be hit several times."""
     law = hl.LinearDashpot(stiffness=1e6, restitution=1.0)
-    found = hl.stack(n, law, bottom_mass=1.0, top_mass=top, ratio_limits=(0.1, 10.0), gaps=gap, model=model)
-    assert found.speed > fastest * (1.0 - 1e-4)
+    best = hl.stack(n, law, bottom_mass=1.0, top_mass=top, ratio_limits=(0.1, 10.0), gaps=gap, model=model)
+    assert best.speed > fastest * (1.0 - 1e-4)

@@ -68,13 +68,13 @@ def read_faults(path: Path = FAULTS) -> list[Fault]:
 
 def digest(fault: Fault, source: Path) -> str:
     """A hash of everything that the verdict depends on."""
-    found = hashlib.sha256(repr(fault).encode())
+    hash_of = hashlib.sha256(repr(fault).encode())
     for folder in ("core", "bindings"):
         for path in sorted((source / folder).rglob("*.?pp")):
-            found.update(path.read_bytes())
+            hash_of.update(path.read_bytes())
     for test in sorted({t.split("::")[0] for t in fault.tests}):
-        found.update((source / test).read_bytes())
-    return found.hexdigest()
+        hash_of.update((source / test).read_bytes())
+    return hash_of.hexdigest()
 
 
 class Workplace:
@@ -123,14 +123,14 @@ class Workplace:
     def is_imported(self) -> bool:
         """Whether tests import the package of this folder: the hook of an editable install would go before it."""
         command = [sys.executable, "-c", "import hardlimit; print(hardlimit.__file__)"]
-        found = subprocess.run(
+        origin = subprocess.run(
             command,
             env=os.environ | {"PYTHONPATH": str(self.site)},
             check=True,
             capture_output=True,
             text=True,
         ).stdout
-        return Path(found).is_relative_to(self.site)
+        return Path(origin).is_relative_to(self.site)
 
     def make_faulty(self, fault: Fault) -> None:
         """Compile the units of the fault and link them before all others."""

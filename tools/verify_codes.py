@@ -94,20 +94,20 @@ def spring(model: Model) -> dict[str, float]:
 
 def cases(name: str) -> Iterator[Case]:
     """All collisions of a code after which the bodies separate."""
-    found = code(name)
-    for model in found.models:
+    particle_code = code(name)
+    for model in particle_code.models:
         if model.damping.formula == "none":
             continue
         for attraction in (False, True) if model.attracts == "unless" else (False,):
             for restitution in RESTITUTIONS:
                 for speed in SPEEDS:
-                    made = hl.convert(
+                    conversion = hl.convert(
                         hl.Ball(RADIUS, density=DENSITY),
                         restitution=restitution,
                         speed=speed,
                         **spring(model),
                     )
-                    for contact in made.contacts[: 2 if speed == SPEEDS[-1] else 1]:
+                    for contact in conversion.contacts[: 2 if speed == SPEEDS[-1] else 1]:
                         wall = contact.pair.endswith("wall")
                         pair = Pair(contact.pair, contact.effective_mass, contact.effective_radius, wall)
                         written = Written(model, pair, speed, attraction, POISSON)
@@ -115,25 +115,25 @@ def cases(name: str) -> Iterator[Case]:
                         numbers = numbers or written.numbers(contact.stiffness, restitution)
                         duration = written.force(numbers).collision(speed).duration
                         step = float(f"{duration / STEPS:.4g}")
-                        yield Case(found, model, pair, attraction, speed, numbers, step, duration)
+                        yield Case(particle_code, model, pair, attraction, speed, numbers, step, duration)
 
 
 def bed_cases(name: str) -> Iterator[Case]:
     """Every contact of a bed of two sizes and a wall with one common input, for ε = 0.7."""
-    found = code(name)
+    particle_code = code(name)
     balls = [hl.Ball(radius, density=DENSITY) for radius in RADII]
-    for model in found.models:
+    for model in particle_code.models:
         if not model.input.matrix:
             continue
-        made = hl.convert(balls, restitution=0.7, **spring(model), code=name, model=model.name)
-        for row in made.models[0].contacts:
+        conversion = hl.convert(balls, restitution=0.7, **spring(model), code=name, model=model.name)
+        for row in conversion.models[0].contacts:
             wall = row.pair.endswith("wall")
             first, second = (int(x) for x in re.findall(r"\d", row.pair + (row.pair[0] if wall else "")))
-            contact = next(one for one in made.contacts if one.pair == row.pair)
+            contact = next(contact for contact in conversion.contacts if contact.pair == row.pair)
             pair = Pair(row.pair, contact.effective_mass, contact.effective_radius, wall, first, second)
             duration = Written(model, pair, 1.0).force(row.numbers).collision(1.0).duration
             step = float(f"{duration / STEPS:.4g}")
-            yield Case(found, model, pair, False, 1.0, row.numbers, step, duration, made.text)
+            yield Case(particle_code, model, pair, False, 1.0, row.numbers, step, duration, conversion.text)
 
 
 @dataclass(frozen=True)
@@ -197,8 +197,8 @@ def liggghts(case: Case, folder: Path) -> Measured:
         f"run {case.end}",
     ]
     (folder / "in.two").write_text("\n".join(body) + "\n")
-    found = results(["liggghts", "-in", "in.two", "-log", "none"], folder)
-    return Measured.of(found, case.time_step)
+    speeds = results(["liggghts", "-in", "in.two", "-log", "none"], folder)
+    return Measured.of(speeds, case.time_step)
 
 
 YADE_HEAD = """
@@ -257,8 +257,8 @@ def yade_lines(case: Case) -> str:
 def yade(cases: list[Case], folder: Path) -> list[Measured]:
     """All runs in one process, because YADE starts slowly."""
     (folder / "two.py").write_text(YADE_HEAD + "".join(map(yade_lines, cases)))
-    found = iter(results(["yade", "-n", "-x", "two.py"], folder))
-    return [Measured.of([next(found) for _ in range(case.end)], case.time_step) for case in cases]
+    speeds = iter(results(["yade", "-n", "-x", "two.py"], folder))
+    return [Measured.of([next(speeds) for _ in range(case.end)], case.time_step) for case in cases]
 
 
 EMPTY = "Begin ModelPartData\nEnd ModelPartData\nBegin Properties 0\nEnd Properties\n"
@@ -420,10 +420,10 @@ def results(command: list[str], folder: Path) -> list[float]:
     """The numbers after RESULT in the output of a program."""
     environment = {**os.environ, "OMP_NUM_THREADS": "1"}
     done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=600)
-    found = re.findall(r"RESULT (\S+) *$", done.stdout, re.MULTILINE)
-    if not found:
+    numbers = re.findall(r"RESULT (\S+) *$", done.stdout, re.MULTILINE)
+    if not numbers:
         raise RuntimeError(f"{command[0]}: {(done.stdout + done.stderr)[-800:]}")
-    return [float(number) for number in found]
+    return [float(number) for number in numbers]
 
 
 Runs = Callable[[list[Case], Path], list[Measured]]
@@ -438,8 +438,8 @@ def rows(name: str, run: Runs) -> Iterator[dict[str, object]]:
     """One row of the file for each case."""
     listed = [*cases(name), *bed_cases(name)]
     with tempfile.TemporaryDirectory() as folder:
-        found = run(listed, Path(folder))
-    for case, measured in zip(listed, found, strict=True):
+        measurements = run(listed, Path(folder))
+    for case, measured in zip(listed, measurements, strict=True):
         numbers = {key: float(f"{value:.12g}") for key, value in case.numbers.items()}
         yield {
             "code": name,
@@ -474,20 +474,20 @@ def main() -> None:
     parser.add_argument("file", type=Path)
     parser.add_argument("--kratos-python", help="a Python with the wheel KratosDEMApplication")
     parser.add_argument("--mujoco-python", help="a Python with the wheel mujoco")
-    given = parser.parse_args()
+    arguments = parser.parse_args()
     runs: dict[str, Iterator[dict[str, object]]] = {}
     if shutil.which("liggghts"):
         runs["liggghts"] = rows("liggghts", each(liggghts))
     if shutil.which("yade"):
         runs["yade"] = rows("yade", yade)
-    if given.kratos_python:
-        python = given.kratos_python
+    if arguments.kratos_python:
+        python = arguments.kratos_python
         runs["kratos"] = rows("kratos", each(lambda case, folder: kratos(case, folder, python)))
-    if given.mujoco_python:
-        simulator = given.mujoco_python
+    if arguments.mujoco_python:
+        simulator = arguments.mujoco_python
         runs["mujoco"] = rows("mujoco", each(lambda case, folder: mujoco(case, folder, simulator)))
     for name, lines in runs.items():
-        write(given.file, list(lines))
+        write(arguments.file, list(lines))
         print(f"{name}: done", flush=True)
 
 

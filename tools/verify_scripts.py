@@ -54,11 +54,11 @@ def measured(code: str, text: str, wall: bool, speed: float) -> Measured:
             before, run, steps = text.rpartition("run ")
             lines = LIGGGHTS.format("vz[1]" if wall else "vz[2]-vz[1]")
             (folder / "in.script").write_text(f"{before}{lines}{run}{steps}")
-            found = results(["liggghts", "-in", "in.script", "-log", "none"], folder)
+            speeds = results(["liggghts", "-in", "in.script", "-log", "none"], folder)
         else:
             (folder / "script.py").write_text(re.sub(r"O\.run\((\d+), True\)", YADE, text))
-            found = results(["yade", "-n", "-x", "script.py"], folder)
-        return Measured.of([v / speed for v in found], 1.0)
+            speeds = results(["yade", "-n", "-x", "script.py"], folder)
+        return Measured.of([v / speed for v in speeds], 1.0)
 
 
 def main() -> None:
@@ -67,28 +67,28 @@ def main() -> None:
     )
     parser.add_argument("file", type=Path)
     parser.add_argument("--only", default="", help="only scripts whose name contains this")
-    given = parser.parse_args()
+    arguments = parser.parse_args()
     rows: dict[str, dict[str, object]] = {}
-    if given.file.exists():
-        with given.file.open(encoding="utf-8") as file:
+    if arguments.file.exists():
+        with arguments.file.open(encoding="utf-8") as file:
             rows = {row["script"]: dict(row) for row in csv.DictReader(file)}
     scripts = tomllib.loads(SCRIPTS.read_text(encoding="utf-8"))["script"]
-    for one in scripts:
-        name = one["name"]
+    for script in scripts:
+        name = script["name"]
         code = name.split()[0]
-        if given.only in name and shutil.which(code):
-            found = measured(code, one["text"], one["types"][1] == "wall", one["speed"])
+        if arguments.only in name and shutil.which(code):
+            outcome = measured(code, script["text"], script["types"][1] == "wall", script["speed"])
             rows[name] = {
                 "script": name,
                 "version": VERSIONS[code],
-                "restitution": f"{found.restitution:.6f}",
-                "steps": round(found.duration),
+                "restitution": f"{outcome.restitution:.6f}",
+                "steps": round(outcome.duration),
             }
-            print(name, f"{found.restitution:.6f}", round(found.duration), flush=True)
-    with given.file.open("w", newline="", encoding="utf-8") as file:
+            print(name, f"{outcome.restitution:.6f}", round(outcome.duration), flush=True)
+    with arguments.file.open("w", newline="", encoding="utf-8") as file:
         table = csv.DictWriter(file, ["script", "version", "restitution", "steps"], lineterminator="\n")
         table.writeheader()
-        table.writerows(rows[one["name"]] for one in scripts if one["name"] in rows)
+        table.writerows(rows[script["name"]] for script in scripts if script["name"] in rows)
 
 
 if __name__ == "__main__":

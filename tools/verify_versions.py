@@ -73,7 +73,7 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("file", type=Path)
-    given = parser.parse_args()
+    arguments = parser.parse_args()
     rows = []
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -83,11 +83,11 @@ def main() -> None:
             version = re.search(r"Simulator - (.+)", said)
             assert version is not None
             for setting in (*PAIRS, *WALLS):
-                found = measured(program, environment, setting, folder)
-                if found is not None:
-                    rows.append([version[1].strip(), setting, f"{found[0]:.5f}", f"{found[1]:.4g}"])
+                outcome = measured(program, environment, setting, folder)
+                if outcome is not None:
+                    rows.append([version[1].strip(), setting, f"{outcome[0]:.5f}", f"{outcome[1]:.4g}"])
             print(version[1], len(rows), flush=True)
-    with given.file.open("w", newline="", encoding="utf-8") as file:
+    with arguments.file.open("w", newline="", encoding="utf-8") as file:
         csv.writer(file, lineterminator="\n").writerows([COLUMNS, *rows])
 
 

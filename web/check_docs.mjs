@@ -1,7 +1,7 @@
-// The built documentation in Chromium, without a network: node check_docs.mjs FOLDER
-// Every page asks for nothing outside itself, sets all of its formulas, complains of nothing and fits a phone; the search
-// works. Prints a line for each fault. Pages named after FOLDER are looked at instead of all. CHROMIUM: the browser. SHOTS:
-// a folder for a picture of each page, light and dark, wide and on a phone.
+// The built documentation in Chromium, without a network: node check_docs.mjs FOLDER Every page asks for nothing
+// outside itself, sets all of its formulas, complains of nothing and fits a phone; the search works. Prints a line for
+// each fault. Pages named after FOLDER are looked at instead of all. CHROMIUM: the browser. SHOTS: a folder for a
+// picture of each page, light and dark, wide and on a phone.
 import { createServer } from "node:http";
 import { mkdirSync, readdirSync, readFileSync } from "node:fs";
 import { extname, join, normalize } from "node:path";
@@ -60,7 +60,8 @@ async function watched(context, note) {
   const page = await context.newPage();
   page.on(
     "request",
-    (asked) => !/^(data|blob):/.test(asked.url()) && !asked.url().startsWith(base) && note("asks for " + asked.url()),
+    (request) =>
+      !/^(data|blob):/.test(request.url()) && !request.url().startsWith(base) && note("asks for " + request.url()),
   );
   page.on("console", (message) => message.type() === "error" && note(message.text()));
   page.on("pageerror", (error) => note(String(error)));
@@ -103,10 +104,12 @@ async function faultsOfBlocks() {
     .map((e) => "a block of code is cut: " + e.innerText.slice(0, 60));
   for (const frame of document.querySelectorAll("article iframe")) {
     frame.loading = "eager";
-    for (let k = 0; k < 600 && !frame.contentDocument?.querySelector("svg, canvas"); k++) await new Promise(requestAnimationFrame);
-    const inside = frame.contentDocument.scrollingElement;
-    const excess = Math.max(inside.scrollWidth - frame.clientWidth, inside.scrollHeight - frame.clientHeight);
-    if (excess > 0) faults.push(`${frame.title}: ${excess} px larger than its frame`);
+    const excess = () => {
+      const inside = frame.contentDocument?.querySelector("svg, canvas") && frame.contentDocument.scrollingElement;
+      return inside ? Math.max(inside.scrollWidth - frame.clientWidth, inside.scrollHeight - frame.clientHeight) : Infinity;
+    };
+    for (let k = 0; k < 600 && excess() > 0; k++) await new Promise(requestAnimationFrame); // until it is laid out
+    if (excess() > 0) faults.push(`${frame.title}: ${excess()} px larger than its frame`);
   }
   return faults;
 }
@@ -128,9 +131,9 @@ for (const name of pages) {
   const page = await watched(context, note);
   await page.setViewportSize({ width: 1280, height: 900 });
   await page.goto(base + name, { waitUntil: "load" });
-  const [count, ...found] = await page.evaluate(faultsOfContent);
+  const [count, ...match] = await page.evaluate(faultsOfContent);
   formulas += count;
-  found.forEach(note);
+  match.forEach(note);
   (await page.evaluate(faultsOfWidth)).forEach(note);
   (await page.evaluate(faultsOfBlocks)).forEach(note);
   await picture(page, name, "wide");

@@ -15,12 +15,12 @@ export function tables(wasm) {
   core.record_ranges(bounds);
   const range = Array.from(new Float64Array(core.memory.buffer, bounds, 2 * lines.length));
   const quantity = ([name, unit, meaning]) => ({ name, unit, meaning, lowest: range.shift(), highest: range.shift() });
-  const found = { laws: [], swept: [], models: [] };
+  const value = { laws: [], swept: [], models: [] };
   for (const [kind, ...rest] of lines) {
-    if (kind === "law") found.laws.push({ name: rest[0], alternative: Number(rest[1]), parameters: [] });
-    if (kind === "parameter") found.laws.at(-1).parameters.push(quantity(rest));
-    if (kind === "swept") found.swept.push(quantity(rest));
-    if (kind === "model") found.models.push({ name: rest[0], label: rest[1], short: rest[2] });
+    if (kind === "law") value.laws.push({ name: rest[0], alternative: Number(rest[1]), parameters: [] });
+    if (kind === "parameter") value.laws.at(-1).parameters.push(quantity(rest));
+    if (kind === "swept") value.swept.push(quantity(rest));
+    if (kind === "model") value.models.push({ name: rest[0], label: rest[1], short: rest[2] });
   }
-  return JSON.stringify(found); // writes an infinity as null
+  return JSON.stringify(value); // writes an infinity as null
 }

@@ -33,12 +33,12 @@ def solve(row, tol: float):
     for event in (floor_event, pair_event):
         event.terminal, event.direction = True, -1.0
     while True:
-        found = solve_ivp(
+        solution = solve_ivp(
             slopes, (t, math.inf), y, "DOP853", events=(floor_event, pair_event), rtol=tol, atol=tol
         )
-        at_floor, _ = found.t_events
-        t = found.t[-1]
-        u, w, p, q = found.y[:, -1]
+        at_floor, _ = solution.t_events
+        t = solution.t[-1]
+        u, w, p, q = solution.y[:, -1]
         if len(at_floor):  # exactly on the event surface, where the next event function starts
             u = 0.0 if not s.floor and p < 0.0 else -d1 * p
             over = s.floor_switches(u, p, q)

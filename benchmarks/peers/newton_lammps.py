@@ -45,9 +45,11 @@ class Box:
             np.ascontiguousarray(system.velocities).ravel(),
         )
         n = system.n
-        made = self._lmp.create_atoms(n, list(range(1, n + 1)), [1] * n, flat[0].tolist(), flat[1].tolist())
-        if made != n:
-            raise RuntimeError(f"LAMMPS took {made} of {n} particles")
+        created = self._lmp.create_atoms(
+            n, list(range(1, n + 1)), [1] * n, flat[0].tolist(), flat[1].tolist()
+        )
+        if created != n:
+            raise RuntimeError(f"LAMMPS took {created} of {n} particles")
         radius = float(system.radius[0])
         self._lmp.commands_string(
             FORCES.format(

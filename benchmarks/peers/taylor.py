@@ -44,10 +44,10 @@ class Scalar:
     def __init__(self, problem: Problem, tol: float) -> None:
         self.problem, self.sequence = problem, None
         equations, events = problem.system()
-        made = problem.events(hy.t_event, events, self._callback)
+        t_events = problem.events(hy.t_event, events, self._callback)
         state = [0.0] * problem.n_variables
         self.ta = hy.taylor_adaptive(
-            equations, state, pars=[0.0] * problem.n_parameters, t_events=made, tol=tol
+            equations, state, pars=[0.0] * problem.n_parameters, t_events=t_events, tol=tol
         )
 
     def _callback(self, which):
@@ -74,10 +74,10 @@ class Batch:
     def __init__(self, problem: Problem, tol: float) -> None:
         self.problem = problem
         equations, events = problem.system()
-        made = problem.events(hy.t_event_batch, events, self._callback)
+        t_events = problem.events(hy.t_event_batch, events, self._callback)
         self.lanes = n = hy.recommended_simd_size()
         zeros = {"state": np.zeros((problem.n_variables, n)), "pars": np.zeros((problem.n_parameters, n))}
-        self.ta = hy.taylor_adaptive_batch(equations, t_events=made, tol=tol, **zeros)
+        self.ta = hy.taylor_adaptive_batch(equations, t_events=t_events, tol=tol, **zeros)
 
     def _callback(self, which):
         def call(ta, sign, lane):

@@ -152,7 +152,8 @@ private:
     }
 
     template <int i, int width, class Real>
-    HL_FN static void combine_some(const double* y, double h, int n, const double* k, double* out, int c) {
+    HL_FN_INLINE static void combine_some(const double* y, double h, int n, const double* k, double* out,
+                                          int c) {
         constexpr int step = Lanes<Real>::count;
         constexpr const double (&weight)[stages] = i < stages ? a[i < stages ? i : 0] : b;
         Real sum[width];

@@ -37,6 +37,13 @@
 #define HL_FN_APART_ON_GPU HL_FN
 #endif
 
+// Always inlined, where the choice of the compiler would depend on what else the source file holds.
+#if defined(__CUDACC__) || defined(__CUDACC_RTC__)
+#define HL_FN_INLINE HL_FN __forceinline__
+#else
+#define HL_FN_INLINE __attribute__((always_inline)) inline
+#endif
+
 #if defined(__linux__) && !defined(__CUDACC__) && !defined(__CUDACC_RTC__)
 #include <sys/mman.h>
 #endif
@@ -56,13 +63,13 @@ static_assert(sizeof(i64) == 8 && sizeof(double) == 8);
 // Prefetches a cache line into the second-level cache; the first-level cache has too few line-fill buffers for many
 // prefetches at once. gcc treats a function that only prefetches as pure and drops its calls; the empty asm prevents
 // it.
-__attribute__((always_inline)) inline void prefetch(const void* p) {
+HL_FN_INLINE void prefetch(const void* p) {
     __builtin_prefetch(p, 0, 2);
     __asm__ volatile("" : : "r"(p));
 }
 
 // The same for a line that will be written; other processors give up their copies.
-__attribute__((always_inline)) inline void prefetch_to_write(const void* p) {
+HL_FN_INLINE void prefetch_to_write(const void* p) {
 #if defined(__x86_64__) || defined(__i386__)
     __asm__ volatile("prefetchw %0" : : "m"(*static_cast<const char*>(p)));
 #else

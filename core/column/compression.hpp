@@ -20,22 +20,21 @@ namespace hardlimit::column {
 struct CompressionBound {
     double m1, m2, gravity;
     double height, v1, v2;                         // gap of the floor, and velocities, at release
-    double floor, pair;                            // L1, L2 [m]
-    double floor_energy = 0.0, pair_energy = 0.0;  // stored at L1 and L2 [J]
     bool coupled = true;                           // the lower ball feels the upper one
+    double floor = 0.0, pair = 0.0;                // L1, L2 [m]
+    double floor_energy = 0.0, pair_energy = 0.0;  // stored at L1 and L2 [J]
     double stored = 0.0;                           // in the contacts at release [J]
 
     // The bound for L1 and L2 equal to `part` times the smaller radius.
     template <class Law>
-    HL_FN static CompressionBound of(double part, const Law& floor, const Law& pair, double m1, double m2,
-                                     double r1, double r2, double gravity, double height, double v1,
-                                     double v2, bool coupled) {
+    HL_FN CompressionBound within(double part, double r1, double r2, const Law& of_floor,
+                                  const Law& of_pair) const {
         constexpr int p = Law::onset_power;
-        const double l1 = part * r1, l2 = part * math::min(r1, r2);
-        CompressionBound b{m1, m2, gravity, height, v1, v2, l1, l2};
-        b.floor_energy = floor.energy(onset_root<p>(l1));
-        b.pair_energy = pair.energy(onset_root<p>(l2));
-        b.coupled = coupled;
+        CompressionBound b = *this;
+        b.floor = part * r1;
+        b.pair = part * math::min(r1, r2);
+        b.floor_energy = of_floor.energy(onset_root<p>(b.floor));
+        b.pair_energy = of_pair.energy(onset_root<p>(b.pair));
         return b;
     }
 

@@ -137,7 +137,7 @@ inline bool some_approach(const States& end, std::size_t lowest) {
 // All balls but the lowest, in free fall from a state in which they do not overlap.
 template <class Law>
 SharedColumn<Law> without_lowest(const Column<Law>& c, const States& at) {
-    Column<Law> r{c.balls - 1, false, c.gravity, {}, {}, {}, {}, {}};
+    Column<Law> r{.balls = c.balls - 1, .floor = false, .gravity = c.gravity};
     for (std::size_t j = 1; j < at.balls; ++j) {
         r.mass.push_back(c.mass[j]);
         r.radius.push_back(c.radius[j]);

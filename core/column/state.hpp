@@ -14,14 +14,15 @@ namespace hardlimit::column {
 
 template <class Law>
 struct Column {
-    int balls;                     // N
-    bool floor;                    // false: cradle
-    double gravity;                // [m/s²], downwards
-    std::vector<double> mass;      // [N], bottom first [kg]
-    std::vector<double> radius;    // [N] [m]
-    std::vector<Law> contacts;     // [N], pair 0 first; contacts[0] is unused without a floor
-    std::vector<double> gaps;      // [N], gaps[0] = height of the lowest ball's underside above the floor [m]
-    std::vector<double> velocity;  // [N] at release, upwards [m/s]
+    int balls;                        // N
+    bool floor;                       // false: cradle
+    double gravity;                   // [m/s²], downwards
+    std::vector<double> mass = {};    // [N], bottom first [kg]
+    std::vector<double> radius = {};  // [N] [m]
+    std::vector<Law> contacts = {};   // [N], pair 0 first; contacts[0] is unused without a floor
+    std::vector<double> gaps =
+        {};  // [N], gaps[0] = height of the lowest ball's underside above the floor [m]
+    std::vector<double> velocity = {};  // [N] at release, upwards [m/s]
 };
 
 // Smaller radius [m] of the bodies of pair j, by which compressions are divided; for pair 0 the radius of the ball.

@@ -16,8 +16,7 @@
 //   duration(speed, m)       time from first touch to zero force [s]
 //   from_parameters(...)     the law of one contact from the user's parameters
 //   values(...)              the constants of the contact, in the order of record.constants
-//   record                   names, units, powers and documentation of the law, read by bindings, command line, docs and
-//                            tests
+//   record                   names, units, powers and documentation, read by bindings, command line, docs and tests
 //
 // A law with friction provides in addition (concept FrictionalLaw)
 //   History                  state of one contact: trivially copyable, value-initialized at touch; reverse() swaps the

@@ -91,6 +91,14 @@ HL_FN bool measure(const Setting& setting, Parameters& q, Bodies& b) {
     return b.height >= 0.0;
 }
 
+// The balls of a point at release.
+HL_FN column::TwoBalls released(const Parameters& q, const Bodies& b) {
+    return {.m1 = b.m1,
+            .m2 = b.m2,
+            .gravity = q.gravity,
+            .released = {b.height, q.velocity_1, q.gap, q.velocity_2 - q.velocity_1}};
+}
+
 // Converts a point to a drop for linear_kernel.hpp; false if that kernel cannot solve it. The damping ratios β/ω0 of
 // floor and pair are used if the law is specified by ε.
 HL_FN bool enter(const Setting& setting, Parameters& q, double floor_ratio, double pair_ratio,
@@ -106,7 +114,7 @@ HL_FN bool enter(const Setting& setting, Parameters& q, double floor_ratio, doub
         given ? LinearDashpot::from_damping_ratio(q.pair_law[0], pair_ratio, effective(m1, m2))
               : LinearDashpot{q.pair_law[0], q.pair_law[1]};
     s = column::start_two_ball(
-        floor, pair, m1, m2, q.gravity, {b.height, q.velocity_1, q.gap, q.velocity_2 - q.velocity_1},
+        floor, pair, released(q, b),
         setting.model == Model::newton ? column::Coupling::full : column::Coupling::adiabatic);
     return s.outcome == Outcome::ok && math::is_finite(s.groups.gravity + s.first.w);
 }
@@ -115,9 +123,14 @@ HL_FN bool enter(const Setting& setting, Parameters& q, double floor_ratio, doub
 template <class Law>
 HL_FN column::CompressionBound bound_of(const Setting& setting, const Parameters& q, const Bodies& b,
                                         const Law& floor, const Law& pair) {
-    return column::CompressionBound::of(deepest_compression, floor, pair, b.m1, b.m2, q.radius_1, q.radius_2,
-                                        q.gravity, b.height, q.velocity_1, q.velocity_2,
-                                        setting.model == Model::newton);
+    return column::CompressionBound{.m1 = b.m1,
+                                    .m2 = b.m2,
+                                    .gravity = q.gravity,
+                                    .height = b.height,
+                                    .v1 = q.velocity_1,
+                                    .v2 = q.velocity_2,
+                                    .coupled = setting.model == Model::newton}
+        .within(deepest_compression, q.radius_1, q.radius_2, floor, pair);
 }
 // The same for a point that enter() accepted.
 HL_FN column::CompressionBound linear_bound(const Setting& setting, Parameters q) {

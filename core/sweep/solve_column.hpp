@@ -30,7 +30,7 @@ column::SharedColumn<Law> column_of(const ColumnSetting& setting, const double* 
     const int n = setting.balls();
     const auto at = [&](Field field) { return p + first_of(field, n); };
     const std::size_t balls = setting.density.size();
-    column::Column<Law> c{n, true, *at(Field::gravity), {}, {}, {}, {}, {}};
+    column::Column<Law> c{.balls = n, .floor = true, .gravity = *at(Field::gravity)};
     c.radius.assign(at(Field::radius), at(Field::radius) + n);
     const double ratio = *at(Field::radius_ratio);
     if (n > 1 && !math::is_nan(ratio)) c.radius[0] = ratio * c.radius[1];

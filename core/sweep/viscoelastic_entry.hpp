@@ -132,8 +132,7 @@ inline bool enter_viscoelastic(const Setting& setting, Parameters& q, double flo
     const Viscoelastic floor = law(q.floor_law, floor_argument, {b.m1, q.radius_1});
     const Viscoelastic pair = law(q.pair_law, pair_argument, {reduced, effective(q.radius_1, q.radius_2)});
     const double speed = column::impact_speed(b.height, q.velocity_1, q.gravity);
-    s = column::start_two_ball(floor, pair, b.m1, b.m2, q.gravity,
-                               {b.height, q.velocity_1, q.gap, q.velocity_2 - q.velocity_1},
+    s = column::start_two_ball(floor, pair, released(q, b),
                                {speed, rate(pair.elastic_prefactor, reduced, speed)});
     const column::TwoBall& g = s.groups;
     return s.outcome == Outcome::ok &&

@@ -16,14 +16,15 @@ HL_FN double viscoelastic_rate(double elastic_prefactor, double mass, double spe
 }
 
 // Scales a problem, given the units.
-HL_FN Start start_two_ball(const contact::Viscoelastic& floor, const contact::Viscoelastic& pair, double m1,
-                           double m2, double gravity, Gaps released, const Units& units) {
-    const double reduced = effective(m1, m2);
-    const TwoBall groups = {{(floor.elastic_prefactor / pair.elastic_prefactor) * (reduced / m1),
-                             reduced / m1, 1.5 * floor.dissipative_time * units.rate,
-                             1.5 * pair.dissipative_time * units.rate, gravity / (units.speed * units.rate)},
-                            upper_share(reduced, m1, m2)};
-    return start_scaled(groups, units, gravity, released);
+HL_FN Start start_two_ball(const contact::Viscoelastic& floor, const contact::Viscoelastic& pair,
+                           const TwoBalls& balls, const Units& units) {
+    const double m1 = balls.m1, m2 = balls.m2, reduced = effective(m1, m2);
+    const TwoBall groups = {
+        {(floor.elastic_prefactor / pair.elastic_prefactor) * (reduced / m1), reduced / m1,
+         1.5 * floor.dissipative_time * units.rate, 1.5 * pair.dissipative_time * units.rate,
+         balls.gravity / (units.speed * units.rate)},
+        upper_share(reduced, m1, m2)};
+    return start_scaled(groups, units, balls.gravity, balls.released);
 }
 
 }  // namespace hardlimit::column

@@ -96,8 +96,8 @@ def __getattr__(name: str) -> object:
         return import_module(f".{name}", __name__)
     for module, names in _LATER.items():
         if name in names:
-            globals()[name] = found = getattr(import_module(f".{module}", __name__), name)
-            return found
+            globals()[name] = attribute = getattr(import_module(f".{module}", __name__), name)
+            return attribute
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 

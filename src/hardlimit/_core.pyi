@@ -30,7 +30,7 @@ class Contact:
     def values(self) -> list[float]: ...
 
     @property
-    def coefficients(self) -> object:
+    def coefficients(self) -> tuple[float, float] | None:
         """
         K and C of the force K ξ^p + C ξ^q dξ/dt; None if the force is not of this form.
         """

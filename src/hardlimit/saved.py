@@ -84,5 +84,5 @@ def _store(path: Path) -> xr.Dataset:
         raise ValueError(f"{path}: must be a NetCDF file or the Zarr store of a sweep")
     import xarray as xr
 
-    found: xr.Dataset = xr.open_zarr(path, chunks=None, consolidated=True)
-    return found
+    dataset: xr.Dataset = xr.open_zarr(path, chunks=None, consolidated=True)
+    return dataset

@@ -128,7 +128,7 @@ class Stack:
         import xarray as xr
 
         at = np.atleast_1d(validation.array("gaps", gaps, lowest=0.0, lowest_allowed=True))
-        found = {
+        speeds = {
             model: ("gap", [self.speed_under(model, float(g)) for g in at], {"units": "1", "long_name": name})
             for model, name in MODELS.items()
         }
@@ -138,7 +138,7 @@ class Stack:
             "column": repr(self.column),
             "contact_way": self.contact_way,
         }
-        return xr.Dataset(found, coords={"gap": gap}, attrs=attrs)
+        return xr.Dataset(speeds, coords={"gap": gap}, attrs=attrs)
 
     def plot(self) -> Figure:
         """Plot the masses, and the speed of the top ball as a function of the gap."""
@@ -222,19 +222,29 @@ def stack(
     rho = validation.numbers("density", density, count, lowest=0.0)
     speed = validation.number("impact_speed", impact_speed, 0.0)
     total = None if top is None else math.log(top / bottom)
-    search = _Search(count, law, bottom, limits, model, gaps, rho, speed, total)
+    search = _Search(
+        n=count,
+        law=law,
+        bottom=bottom,
+        limits=limits,
+        model=model,
+        gaps=gaps,
+        density=rho,
+        speed=speed,
+        total=total,
+    )
     with reporter(progress, "stack", "searches") as report:
         logarithms = search.best(report)
     column = search.column(logarithms)
-    found = _final_state(column, model)
-    if found._core.too_deep >= 0:
-        raise ValueError(f"law: got {validation.shown(law)}, must be stiffer: {found.outcome}")
-    compression.warn(found.largest_compression, stacklevel=3)
-    return Stack(column, model, _top_speed(found))
+    state = _final_state(column, model)
+    if state._core.too_deep >= 0:
+        raise ValueError(f"law: got {validation.shown(law)}, must be stiffer: {state.outcome}")
+    compression.warn(state.largest_compression, stacklevel=3)
+    return Stack(column, model, _top_speed(state))
 
 
-def _limits(given: Any) -> tuple[float, float]:
-    low, high = validation.numbers("ratio_limits", given, 2, lowest=0.0)
+def _limits(limits: Any) -> tuple[float, float]:
+    low, high = validation.numbers("ratio_limits", limits, 2, lowest=0.0)
     if not low < high:
         raise ValueError(f"ratio_limits: got {low:g} and {high:g}, must be a smaller and a larger number")
     return low, high
@@ -307,25 +317,25 @@ class _Search:
         # Where a ball may be heavier than that below it, it may be hit several times.
         if self.model == "independent" and self.limits[1] <= 1.0 and not self._depends_on_speed(geometric):
             return geometric
-        found = []
+        minima = []
         starts = self._starts()
         for done, start in enumerate(starts):
             report(done, len(starts))
-            found.append(self._minimize(start))
-        best: list[float] = min(found, key=lambda one: one[0])[1].tolist()
+            minima.append(self._minimize(start))
+        best: list[float] = min(minima, key=lambda minimum: minimum[0])[1].tolist()
         if self.total is not None:
             best[-1] += self.total - math.fsum(best)  # rounding
         return best
 
     def _depends_on_speed(self, logarithms: Sequence[float]) -> bool:
         speeds = self.speed * np.array([0.5, 1.0, 5.0])
-        found = [contact.restitution(speeds) for contact in self.column(logarithms).contacts]
-        return bool(np.ptp(np.array(found)) > 1e-12)
+        restitutions = [contact.restitution(speeds) for contact in self.column(logarithms).contacts]
+        return bool(np.ptp(np.array(restitutions)) > 1e-12)
 
     def _cost(self, logarithms: Any) -> float:
         """Minus the speed of the top ball."""
-        found = _top_speed(_final_state(self.column(logarithms), self.model, SEARCH_TOLERANCE))
-        return -found if math.isfinite(found) else 1.0
+        speed = _top_speed(_final_state(self.column(logarithms), self.model, SEARCH_TOLERANCE))
+        return -speed if math.isfinite(speed) else 1.0
 
     def _minimize(self, start: Floats) -> tuple[float, Floats]:
         """Lowest cost found by SLSQP, and its point. The cost may jump, so the last point need not be the lowest."""
@@ -361,16 +371,16 @@ class _Search:
         allowed = ([self._nearest(x) for x in each] for each in candidates)
         return [start for each in allowed for start in sorted(each, key=self._cost)[:count]]
 
-    def _nearest(self, given: Floats) -> Floats:
+    def _nearest(self, masses: Floats) -> Floats:
         """A point of the domain: all x_k are shifted equally until their sum is right, but not beyond a bound."""
         if self.total is None:
-            return np.clip(given, *self.bounds)
+            return np.clip(masses, *self.bounds)
         from scipy.optimize import brentq
 
         def moved(shift: float) -> Floats:
-            return np.clip(given + shift, *self.bounds)
+            return np.clip(masses + shift, *self.bounds)
 
-        low, high = self.bounds[0] - float(given.max()), self.bounds[1] - float(given.min())
+        low, high = self.bounds[0] - float(masses.max()), self.bounds[1] - float(masses.min())
         total = min(max(self.total, moved(low).sum()), moved(high).sum())  # rounding
         return moved(brentq(lambda shift: moved(shift).sum() - total, low, high, xtol=1e-15))
 

@@ -193,8 +193,8 @@ def test_threads_may_share_a_fresh_result() -> None:
     with ThreadPoolExecutor(4) as pool:
         for _ in range(500):
             fresh = hl.newton(column)
-            for found in pool.map(ask, [fresh] * 4):
-                np.testing.assert_array_equal(found, expected)
+            for values in pool.map(ask, [fresh] * 4):
+                np.testing.assert_array_equal(values, expected)
 
 
 @pytest.mark.slow

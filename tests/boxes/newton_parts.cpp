@@ -32,8 +32,8 @@ void predict(int i, events::Paths<Law>& paths, const events::BodyCells<Law>& cel
     body.now = paths.now;
     const Vector3 x = paths.position(i, paths.now), v = paths.velocity(i, paths.now);
     std::copy_n(x.data(), 3, body.position), std::copy_n(v.data(), 3, body.velocity);
-    events::predict_self_event(paths.pending[i], paths.box, cells.cells(), cells.grid(), cells.place(i), body,
-                               true);
+    events::predict_self_event(paths.pending[i], paths.box, cells.cells(), cells.level(), cells.place(i),
+                               body, true);
 }
 
 void fly() {

@@ -19,11 +19,11 @@ from sheared_boxes import displaced
 WAVEFORMS = ("none", "sine", "triangle", "parabola")
 #: Each rule, under a restitution or a law, and each engine of ours: arguments, which a drawn law completes.
 SOLVERS: dict[str, dict[str, Any]] = {
-    f"{rule['name']}, {given}": {"rule": rule["name"], given: 0.9}
+    f"{rule['name']}, {quantity}": {"rule": rule["name"], quantity: 0.9}
     | {parameter["name"]: 1e-5 for parameter in rule["parameters"]}
     for rule in _core.rules
-    for given in ("restitution", "law")
-    if rule[given]
+    for quantity in ("restitution", "law")
+    if rule[quantity]
 } | {"events": {"engine": "events"}, "steps": {"engine": "steps", "restitution_error": 1e-4}}
 each_solver = pytest.mark.parametrize("name", SOLVERS)
 #: Error of the energies over the largest one; 1e-11 of rules. That of equal steps is of second order in the step.

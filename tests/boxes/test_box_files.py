@@ -198,7 +198,7 @@ OTHER_UNITS = {
 
 def in_units(length, density, speed):
     """``LAMMPS`` with its numbers in other units."""
-    found = []
+    converted = []
     for line in LAMMPS.splitlines()[1:]:
         words = line.split()
         kinds = {"xlo": "LL", "ylo": "LL", "zlo": "LL"}.get(words[2] if len(words) > 2 else "", "")
@@ -206,8 +206,8 @@ def in_units(length, density, speed):
         for k, kind in enumerate(kinds):
             if kind != ".":
                 words[k] = repr(float(words[k]) / {"L": length, "D": density, "V": speed}[kind])
-        found.append(" ".join(words) if kinds else line)
-    return "\n".join([*found, ""])
+        converted.append(" ".join(words) if kinds else line)
+    return "\n".join([*converted, ""])
 
 
 @pytest.mark.parametrize("units", OTHER_UNITS)

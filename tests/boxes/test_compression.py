@@ -250,12 +250,12 @@ def test_fidelity_says_how_deep_contacts_were() -> None:
     gas = hl.ParticleSystem.random(30, 0.3, radius=1e-3, density=2500.0, rms_speed=1.0)
     law = hl.LinearDashpot(stiffness=2e3, restitution=0.8)
     with pytest.warns(hl.CompressionWarning, match="contacts were compressed by more than"):
-        found = hl.fidelity(gas, law=law, until=5e-4, replicas=2, samples=2)
+        fidelity = hl.fidelity(gas, law=law, until=5e-4, replicas=2, samples=2)
     run = hl.molecular_dynamics(gas, law=law, until=5e-4, samples=2, engine="events")
-    assert found.largest_compression > 0.999 * run.largest_compression > 0.05
-    deepest = found.dataset.largest_compression.sel(statistic="mean")
+    assert fidelity.largest_compression > 0.999 * run.largest_compression > 0.05
+    deepest = fidelity.dataset.largest_compression.sel(statistic="mean")
     assert np.isnan(deepest.sel(model=["constant", "tc"])).all()
     assert (deepest.sel(model=["law", "soft"]) > 0.05).all()
     soft = law.replace(stiffness=40.0)
-    found = hl.fidelity(gas, law=soft, until=2e-3, replicas=2, samples=2, models=["newton", "law"])
-    assert "contact too deep for its law" in str(found)
+    fidelity = hl.fidelity(gas, law=soft, until=2e-3, replicas=2, samples=2, models=["newton", "law"])
+    assert "contact too deep for its law" in str(fidelity)

@@ -19,15 +19,15 @@ LAW = hl.LinearDashpot(stiffness=1e5, restitution=0.9)
 GRAIN = hl.Ball(1e-3, density=2500.0)
 
 
-def gas(n: int = 300, phi: float = 0.3, **given: Any) -> hl.ParticleSystem:
+def gas(n: int = 300, phi: float = 0.3, **options: Any) -> hl.ParticleSystem:
     return hl.ParticleSystem.random(
-        **({"n": n, "packing_fraction": phi, "radius": 1e-3, "density": 2500.0, "rms_speed": 1.0} | given)
+        **({"n": n, "packing_fraction": phi, "radius": 1e-3, "density": 2500.0, "rms_speed": 1.0} | options)
     )
 
 
-def bed(**given: Any) -> hl.ParticleSystem:
+def bed(**options: Any) -> hl.ParticleSystem:
     """A bed of settling disks: the first system of the issue."""
-    return gas(dimension=2, rms_speed=0.1, boundary=["periodic", "wall"], gravity=9.81, **given)
+    return gas(dimension=2, rms_speed=0.1, boundary=["periodic", "wall"], gravity=9.81, **options)
 
 
 def softened(system: hl.ParticleSystem, tc_nu: float, restitution: float = 0.9) -> hl.LinearDashpot:
@@ -73,15 +73,15 @@ def test_a_gas_takes_events_up_to_where_both_cost_the_same(
 ) -> None:
     """Both engines cost the same at t_c ν between 0.1 and 0.2, by measurement (docs/engines.md)."""
     system = gas(phi=phi, dimension=dimension)
-    found = {}
+    engines = {}
     for tc_nu in (1e-4, 0.01, 0.1, 0.3, 3.0):
         law = softened(system, tc_nu, restitution)
         engine, reason = engine_choice.estimated(system, law, 1.0)
-        found[tc_nu] = engine
+        engines[tc_nu] = engine
         # Each particle has n − 1 possible partners.
         said = float(reason.split("t_c ν = ")[1].split()[0])
         assert said == pytest.approx(tc_nu * 299 / 300, rel=0.06) and "at the start a contact costs" in reason
-    assert found == {1e-4: "events", 0.01: "events", 0.1: "events", 0.3: "steps", 3.0: "steps"}
+    assert engines == {1e-4: "events", 0.01: "events", 0.1: "events", 0.3: "steps", 3.0: "steps"}
 
 
 def test_the_costs_that_are_said_are_those_of_the_formula() -> None:
@@ -260,16 +260,18 @@ def test_auto_runs_as_the_engine_that_it_says(system: hl.ParticleSystem, law: hl
     speed = time_step.largest_speed(system)
     until = min(1e-4, 1e-3 / speed if speed > 0.0 else 1.0, 20.0 * time_step.chosen(system, law, None, None))
     options = {"law": law, "until": until, "samples": 2, "log": True}
-    found = outcome(system, **options)
+    chosen = outcome(system, **options)
     each = {name: outcome(system, engine=name, **options) for name in ("events", "steps")}
-    if isinstance(found, str):
-        assert all(isinstance(one, str) for one in each.values()), (found, each)
+    if isinstance(chosen, str):
+        assert all(isinstance(result, str) for result in each.values()), (chosen, each)
         return
-    same = each[found.engine]
-    assert found.engine_reason and same.engine_reason == "" and repr(same) in repr(found).replace(";", ">", 1)
-    assert same_samples(found, same)
-    assert np.array_equal(found.system.positions, same.system.positions)
-    assert all(np.array_equal(a, b, equal_nan=True) for a, b in zip(found.log, same.log, strict=True))
+    same = each[chosen.engine]
+    assert (
+        chosen.engine_reason and same.engine_reason == "" and repr(same) in repr(chosen).replace(";", ">", 1)
+    )
+    assert same_samples(chosen, same)
+    assert np.array_equal(chosen.system.positions, same.system.positions)
+    assert all(np.array_equal(a, b, equal_nan=True) for a, b in zip(chosen.log, same.log, strict=True))
 
 
 # --- reporting ----------------------------------------------------------------------------------------------
@@ -296,9 +298,9 @@ def test_a_checkpoint_goes_on_with_the_same_engine(tmp_path: Any) -> None:
         hl.molecular_dynamics(
             start, law=law, until=0.1, samples=10, checkpoint=path, progress=interrupt_at(3)
         )
-    found = hl.resume(path)
-    assert found.engine == whole.engine == "steps" and found.engine_reason == whole.engine_reason
-    assert same_samples(found, whole)
+    resumed = hl.resume(path)
+    assert resumed.engine == whole.engine == "steps" and resumed.engine_reason == whole.engine_reason
+    assert same_samples(resumed, whole)
     first = hl.molecular_dynamics(start, law=law, until=1e-3, samples=10, checkpoint=path)
     later = hl.resume(path, until=2e-3)
     assert first.engine == later.engine == "events" and later.engine_reason == first.engine_reason != ""
@@ -307,10 +309,10 @@ def test_a_checkpoint_goes_on_with_the_same_engine(tmp_path: Any) -> None:
 def test_the_command_line_says_it(tmp_path: Any) -> None:
     start = lattice(27, seed=1).write(tmp_path / "start.xyz")
     options = ["gas", start, "--law", "linear", "--stiffness", "1e6", "--restitution", 0.9, "--until", "2ms"]
-    found = printed(*options, "--engine", "auto")
-    assert found["engine"] == "events" and found["engine_reason"].startswith("at t_c ν = ")
+    output = printed(*options, "--engine", "auto")
+    assert output["engine"] == "events" and output["engine_reason"].startswith("at t_c ν = ")
     text = " ".join(run(*options, "--engine", "auto", "--save", tmp_path / "run.nc").stdout.split())
-    assert f"Chose events: {found['engine_reason']}." in text
+    assert f"Chose events: {output['engine_reason']}." in text
     assert "Chose" not in run(*options, "--engine", "events").stdout
     assert printed(*options, "--engine", "auto", "--time-step", "0.1us")["engine"] == "steps"
 
@@ -322,10 +324,10 @@ def test_fidelity_chooses_once_for_all_replicas(tmp_path: Any) -> None:
         law = softened(system, tc_nu)
         options = {"law": law, "until": 1e-4, "samples": 2, "models": ["newton"], "replicas": 2}
         store = tmp_path / engine
-        found = hl.fidelity(system, **options, store=store)
-        assert found.dataset.attrs["engine"] == engine
+        fidelity = hl.fidelity(system, **options, store=store)
+        assert fidelity.dataset.attrs["engine"] == engine
         told: list[tuple[int, int]] = []
         again = hl.fidelity(
             system, **options, engine=engine, store=store, progress=lambda *seen, told=told: told.append(seen)
         )
-        assert again.dataset.identical(found.dataset) and told[0][0] == told[-1][1]
+        assert again.dataset.identical(fidelity.dataset) and told[0][0] == told[-1][1]

@@ -23,8 +23,8 @@ VISCOELASTIC = hl.Viscoelastic(youngs_modulus=1e9, poisson_ratio=0.3, restitutio
 TSUJI = hl.LAWS["tsuji"](elastic_prefactor=1e7, restitution=0.9)
 
 
-def law(packing_fraction, restitution, **given):
-    return hl.error_law(packing_fraction=packing_fraction, restitution=restitution, **given)
+def law(packing_fraction, restitution, **options):
+    return hl.error_law(packing_fraction=packing_fraction, restitution=restitution, **options)
 
 
 #: φ, and a measured at ε = 0.9999 and t_c ν = 0.1 with 20,000 spheres, with its standard error.
@@ -34,9 +34,9 @@ NEARLY_ELASTIC = {0.2: (0.690, 0.006), 0.35: (0.519, 0.006), 0.5: (0.435, 0.007)
 @pytest.mark.parametrize("phi", NEARLY_ELASTIC)
 def test_nearly_elastic_spheres(phi):
     value, error = NEARLY_ELASTIC[phi]
-    found = law(phi, 0.9999)
-    assert abs(found.coefficient - value) < 2.0 * math.hypot(error, found.coefficient_error)
-    assert found.source == "theory"
+    expected_law = law(phi, 0.9999)
+    assert abs(expected_law.coefficient - value) < 2.0 * math.hypot(error, expected_law.coefficient_error)
+    assert expected_law.source == "theory"
 
 
 #: (φ, ε): a measured at t_c ν = 0.1 with 20,000 spheres, and its standard error.
@@ -51,8 +51,8 @@ INELASTIC = {
 @pytest.mark.parametrize("phi, epsilon", INELASTIC)
 def test_inelastic_spheres(phi, epsilon):
     value, error = INELASTIC[phi, epsilon]
-    found = law(phi, epsilon)
-    assert abs(found.coefficient - value) < 2.0 * math.hypot(error, found.coefficient_error)
+    expected_law = law(phi, epsilon)
+    assert abs(expected_law.coefficient - value) < 2.0 * math.hypot(error, expected_law.coefficient_error)
 
 
 #: (dimension, law, φ): ε, a of Hertz' laws (and of the linear law, where it was low) and its standard error, measured
@@ -89,9 +89,11 @@ def test_the_law_covers_other_contacts():
     deviations = []
     for (dimension, name, phi), values in HERTZ.items():
         for epsilon, value, error in values:
-            found = law(phi, epsilon, dimension=dimension, law=law_of(name, 0.9))
-            assert found.extrapolated == ""
-            deviations.append((value - found.coefficient) / math.hypot(error, found.coefficient_error))
+            expected_law = law(phi, epsilon, dimension=dimension, law=law_of(name, 0.9))
+            assert expected_law.extrapolated == ""
+            deviations.append(
+                (value - expected_law.coefficient) / math.hypot(error, expected_law.coefficient_error)
+            )
     assert np.mean(np.abs(deviations) < 2.0) >= 0.95 and abs(np.mean(deviations)) < 0.5
     assert law(0.3, 0.9, dimension=3, law=TSUJI).coefficient == pytest.approx(0.509, abs=0.01)
 
@@ -100,9 +102,9 @@ def test_the_law_covers_other_contacts():
     ("phi", "epsilon", "dimension"), [(0.03, 0.9, 3), (0.2, 0.5, 3), (0.2, 0.9, 2), (0.5, 0.7, 2)]
 )
 def test_hertz_laws_have_their_own_range(phi, epsilon, dimension):
-    one, linear = (law(phi, epsilon, dimension=dimension, law=contact) for contact in (TSUJI, None))
-    assert "measured range" in one.extrapolated and linear.extrapolated == ""
-    assert one.coefficient_error / one.coefficient > linear.coefficient_error / linear.coefficient
+    hertz, linear = (law(phi, epsilon, dimension=dimension, law=contact) for contact in (TSUJI, None))
+    assert "measured range" in hertz.extrapolated and linear.extrapolated == ""
+    assert hertz.coefficient_error / hertz.coefficient > linear.coefficient_error / linear.coefficient
 
 
 @pytest.mark.parametrize(
@@ -111,8 +113,8 @@ def test_hertz_laws_have_their_own_range(phi, epsilon, dimension):
 def test_theory_without_correlations(phi, values):
     """Values of an independent evaluation at t_c ν = 0.1, where the second order is smaller than the tolerance."""
     for epsilon, value in zip((0.99, 0.9, 0.8, 0.7, 0.5), values, strict=True):
-        found = _core.error_law_inelastic(3, phi, 1.0 - epsilon**2)
-        assert found == pytest.approx(value, abs=2e-3)
+        coefficient = _core.error_law_inelastic(3, phi, 1.0 - epsilon**2)
+        assert coefficient == pytest.approx(value, abs=2e-3)
 
 
 @pytest.mark.parametrize("phi, value", [(0.05, -0.64), (0.2, -1.35), (0.35, -1.50), (0.5, -1.60)])
@@ -130,8 +132,10 @@ def test_exponents_of_laws():
 
 def test_a_thin_gas_depends_on_the_compression_only():
     for phi in (1e-3, 1e-5):
-        found = law(phi, 1.0)
-        assert found.error(1e-6) == pytest.approx(4.0 / math.pi * found.delta_over_d(1e-6), rel=0.02)
+        expected_law = law(phi, 1.0)
+        assert expected_law.error(1e-6) == pytest.approx(
+            4.0 / math.pi * expected_law.delta_over_d(1e-6), rel=0.02
+        )
 
 
 @draws(100)
@@ -145,14 +149,14 @@ def test_a_thin_gas_depends_on_the_compression_only():
     error=st.floats(1e-6, 1.0),
 )
 def test_any_setting_gives_a_bounded_law(phi, epsilon, dimension, rule, contact, tc_nu, error):
-    found = law(phi, epsilon, dimension=dimension, rule=rule, law=contact)
-    assert found.error(0.0) == 0.0 == found.error_bar(0.0)
-    assert math.isfinite(found.error(tc_nu)) and found.error(tc_nu) > -1.0
-    assert 0.0 < found.coefficient_error < math.inf and found.error_bar(tc_nu) >= 0.0
-    assert found.error_bar(tc_nu) >= found.error_bar(0.5 * tc_nu)
-    limit = found.largest_tc_nu(error)
-    assert 0.0 <= limit <= module.MEASURED_TC_NU and abs(found.error(limit)) <= error * (1 + 1e-9)
-    assert found.largest_tc_nu(min(1.0, 2.0 * error)) >= limit
+    expected_law = law(phi, epsilon, dimension=dimension, rule=rule, law=contact)
+    assert expected_law.error(0.0) == 0.0 == expected_law.error_bar(0.0)
+    assert math.isfinite(expected_law.error(tc_nu)) and expected_law.error(tc_nu) > -1.0
+    assert 0.0 < expected_law.coefficient_error < math.inf and expected_law.error_bar(tc_nu) >= 0.0
+    assert expected_law.error_bar(tc_nu) >= expected_law.error_bar(0.5 * tc_nu)
+    limit = expected_law.largest_tc_nu(error)
+    assert 0.0 <= limit <= module.MEASURED_TC_NU and abs(expected_law.error(limit)) <= error * (1 + 1e-9)
+    assert expected_law.largest_tc_nu(min(1.0, 2.0 * error)) >= limit
 
 
 def test_outside_the_measured_range_it_says_so():
@@ -166,11 +170,11 @@ def test_outside_the_measured_range_it_says_so():
 
 def test_a_denser_or_more_dissipative_gas_of_spheres_has_a_smaller_coefficient():
     for epsilon in (0.99, 0.8, 0.6):
-        found = [law(phi, epsilon).coefficient for phi in (0.02, 0.05, 0.1, 0.2, 0.35, 0.5)]
-        assert found == sorted(found, reverse=True)
+        coefficients = [law(phi, epsilon).coefficient for phi in (0.02, 0.05, 0.1, 0.2, 0.35, 0.5)]
+        assert coefficients == sorted(coefficients, reverse=True)
     for phi in (0.02, 0.1, 0.3, 0.5):
-        found = [law(phi, epsilon).coefficient for epsilon in (1.0, 0.9, 0.8, 0.6, 0.4)]
-        assert found == sorted(found, reverse=True)
+        coefficients = [law(phi, epsilon).coefficient for epsilon in (1.0, 0.9, 0.8, 0.6, 0.4)]
+        assert coefficients == sorted(coefficients, reverse=True)
 
 
 @pytest.mark.parametrize("name", ["linear", "viscoelastic", "tsuji"])
@@ -213,15 +217,15 @@ def test_a_measurement_agrees(dimension, phi, rule):
     ratios = []
     for k in range(6):
         start = equilibrated(random, k)
-        asked = {"contact_duration": tc_nu / rate} if rule == "tc" else {}
-        hard = hl.event_driven(start, restitution=epsilon, rule=rule, until=until, **asked)
+        options = {"contact_duration": tc_nu / rate} if rule == "tc" else {}
+        hard = hl.event_driven(start, restitution=epsilon, rule=rule, until=until, **options)
         newton = hl.molecular_dynamics(start, law=spring, until=until, engine="events")
         ratios.append(duration(newton, start) / duration(hard, start) - 1.0)
-    found = law(phi, epsilon, dimension=dimension, rule=rule)
+    expected_law = law(phi, epsilon, dimension=dimension, rule=rule)
     instant = tc_nu * np.log(energies[1] / energies[0]) / (energies[1] - energies[0])
-    bar = math.hypot(np.std(ratios, ddof=1) / math.sqrt(len(ratios)), found.error_bar(instant))
-    assert abs(np.mean(ratios) - found.error(instant)) < 4.0 * bar
-    assert bar < 0.3 * abs(found.error(instant))
+    bar = math.hypot(np.std(ratios, ddof=1) / math.sqrt(len(ratios)), expected_law.error_bar(instant))
+    assert abs(np.mean(ratios) - expected_law.error(instant)) < 4.0 * bar
+    assert bar < 0.3 * abs(expected_law.error(instant))
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
@@ -232,12 +236,14 @@ def test_a_heated_gas_to_first_order(dimension, contact, rule, epsilon):
     """−(2/3)a − x/(2D) + (1 − x/2)/(Dq): the error of the cooling, the loss that is delayed by t_c/2, and the energy in
     contacts. The mean t_c over that at √(πT) is that of Hertz's impact, t_c ∝ v^(−1/5), over v e^(−v²/4T)."""
     law = law_of(contact, 0.99)
-    found = hl.error_law(packing_fraction=0.2, restitution=epsilon, dimension=dimension, rule=rule, law=law)
+    expected_law = hl.error_law(
+        packing_fraction=0.2, restitution=epsilon, dimension=dimension, rule=rule, law=law
+    )
     q, ratio = (2.0, 1.0) if contact == "linear" else (2.5, math.gamma(0.9) / (math.pi / 4.0) ** -0.1)
     x = 1.0 - epsilon**2
-    expected = -2.0 / 3.0 * found.coefficient + ratio * (-x / 2.0 + (1.0 - x / 2.0) / q) / dimension
-    assert found.heated_error(1e-6) / 1e-6 == pytest.approx(expected, rel=1e-4, abs=1e-5)
-    assert found.heated_error(0.0) == 0.0
+    expected = -2.0 / 3.0 * expected_law.coefficient + ratio * (-x / 2.0 + (1.0 - x / 2.0) / q) / dimension
+    assert expected_law.heated_error(1e-6) / 1e-6 == pytest.approx(expected, rel=1e-4, abs=1e-5)
+    assert expected_law.heated_error(0.0) == 0.0
 
 
 @pytest.mark.parametrize("phi", [0.02, 0.05, 0.2, 0.35, 0.5])
@@ -247,9 +253,9 @@ def test_the_stored_energy_cancels_at_equal_temperature(phi):
     growth = 3.0 / (1.0 - phi) - 0.5 / (1.0 - phi / 2.0)  # χ'/χ
     slope = 9.0 * phi * (1.0 + phi) / (2.0 - phi) * (1.0 + 2.9 * phi**2 + 3.4 * phi**3)
     left = (4.0 / math.pi + (1.0 - 2.0 / math.pi) * slope + 3.0 * phi * growth) / (24.0 * phi * chi)
-    found = hl.error_law(packing_fraction=phi, restitution=1.0)
+    expected_law = hl.error_law(packing_fraction=phi, restitution=1.0)
     rest = 2.2 * phi**8 if phi > 0.3 else 1e-3  # what h leaves of dense spheres
-    assert found.heated_error(1e-6) / 1e-6 == pytest.approx(-2.0 / 3.0 * left, rel=1e-3 + rest)
+    assert expected_law.heated_error(1e-6) / 1e-6 == pytest.approx(-2.0 / 3.0 * left, rel=1e-3 + rest)
 
 
 @draws(100)
@@ -267,13 +273,13 @@ def test_the_rule_tc_balances_at_its_own_temperature(phi, epsilon, tc_nu):
 
 def mean(values):
     """The mean over replicas and its standard error."""
-    found = values.dropna("replica")
-    return float(found.mean()), float(found.std(ddof=1)) / math.sqrt(found.sizes["replica"])
+    known = values.dropna("replica")
+    return float(known.mean()), float(known.std(ddof=1)) / math.sqrt(known.sizes["replica"])
 
 
 def test_the_heated_gas_agrees_with_its_measurement():
     """studies/heated_gas.nc: 22 points of constant ε within 3 standard errors of measurement and law, and 11 of
-    tc at ε = 0.9 within 4. (tc at ε = 0.7 is hotter in dense gases, as docs/heated_gas.md says.)"""
+    tc at ε = 0.9 within 4. (tc at ε = 0.7 is hotter in dense gases, as docs/driven_gases.md says.)"""
     with xr.open_dataset(STUDIES / "heated_gas.nc") as file:
         ds = file.load()
 
@@ -286,11 +292,11 @@ def test_the_heated_gas_agrees_with_its_measurement():
         x = float(tc_nu) * math.sqrt(float(here.temperature.sel(model="newton").mean()))
         for rule, limit in (("constant", 3.0), ("tc", 4.0 if epsilon == 0.9 else math.inf)):
             hard, other = mean(here.dissipation.sel(model=rule))
-            found = (hard / true) ** (-2.0 / 3.0)
-            one = law(float(phi), float(epsilon), rule=rule)
-            predicted = 1.0 + one.heated_error(x)
-            bar = 2.0 / 3.0 * found * math.hypot(error / true, other / hard, one.error_bar(x))
-            assert abs(found - predicted) < limit * bar, (phi, epsilon, tc_nu, rule)
+            measured = (hard / true) ** (-2.0 / 3.0)
+            predicted_law = law(float(phi), float(epsilon), rule=rule)
+            predicted = 1.0 + predicted_law.heated_error(x)
+            bar = 2.0 / 3.0 * measured * math.hypot(error / true, other / hard, predicted_law.error_bar(x))
+            assert abs(measured - predicted) < limit * bar, (phi, epsilon, tc_nu, rule)
             compared += 1
     assert compared == 44
 
@@ -339,17 +345,17 @@ def soft_collisions(n, slope):
 @pytest.mark.parametrize("phi", [0.02, 0.1, 0.3, 0.45])
 def test_the_viscosity_of_soft_spheres_follows_from_their_collisions(phi):
     """Enskog's viscosity with collisions that last: rarer by s + 3φχ'/χ, and changed as random collisions are."""
-    one = module.fluid(3, phi)
-    chi, rarer = one.contact_value, one.slope + one.growth
-    relaxes, couples, layers = (x - rarer for x in soft_collisions(400_000, one.slope))
+    gas = module.fluid(3, phi)
+    chi, rarer = gas.contact_value, gas.slope + gas.growth
+    relaxes, couples, layers = (x - rarer for x in soft_collisions(400_000, gas.slope))
     p, m = 1.6 * phi * chi, 768.0 / (25.0 * math.pi) * phi**2 * chi
 
     def viscosity(w):
         return (1.0 + p * (1.0 + couples * w)) ** 2 / chi / (1.0 + relaxes * w) + m * (1.0 + layers * w)
 
     small = 1e-6
-    expected = (viscosity(0.0) / viscosity(small) - 1.0) / small / one.density
-    bar = 0.05 / one.density * 3.0  # 400,000 collisions
+    expected = (viscosity(0.0) / viscosity(small) - 1.0) / small / gas.density
+    bar = 0.05 / gas.density * 3.0  # 400,000 collisions
     assert module.viscosity_error(phi) == pytest.approx(expected, rel=0.02, abs=bar)
 
 
@@ -357,9 +363,9 @@ def test_the_viscosity_of_soft_spheres_follows_from_their_collisions(phi):
 @given(st.floats(0.02, 0.49), st.floats(0.4, 1.0), st.floats(0.0, 0.3))
 def test_work_and_dissipation_balance_under_shear(phi, epsilon, tc_nu):
     """(1 + stress) = (1 + e_Γ) (1 + temperature)^(3/2), with e_Γ from the heated gas at equal power."""
-    one = law(phi, epsilon)
-    temperature, stress = one.sheared_errors(tc_nu)
-    dissipation = (1.0 + one.heated_error(tc_nu)) ** -1.5
+    driven = law(phi, epsilon)
+    temperature, stress = driven.sheared_errors(tc_nu)
+    dissipation = (1.0 + driven.heated_error(tc_nu)) ** -1.5
     assert 1.0 + stress == pytest.approx(dissipation * (1.0 + temperature) ** 1.5)
     assert 1.0 + stress == pytest.approx(
         (1.0 + tc_nu * module.viscosity_error(phi)) * math.sqrt(1.0 + temperature)
@@ -371,8 +377,8 @@ def test_shear_is_known_for_linear_spheres_with_constant_restitution():
         {"dimension": 2}, {"rule": "tc"}, {"rule": "soft"}, {"packing_fraction": 0.55},
         {"law": law_of("viscoelastic", 0.9)},
     ):  # fmt: skip
-        one = hl.error_law(**{"packing_fraction": 0.2, "restitution": 0.9} | more)
-        assert refusal(lambda one=one: one.sheared_errors(0.1)).startswith("sheared_errors: got ")
+        driven = hl.error_law(**{"packing_fraction": 0.2, "restitution": 0.9} | more)
+        assert refusal(lambda driven=driven: driven.sheared_errors(0.1)).startswith("sheared_errors: got ")
     assert law(0.2, 0.9).sheared_errors(0.0) == (0.0, 0.0)
 
 
@@ -391,8 +397,10 @@ def test_the_sheared_gas_agrees_with_its_measurement():
         stress = here.viscosity * np.sqrt(here.temperature)
         of_stress = law(float(phi), float(epsilon)).sheared_errors(x).stress
         for values, error in ((here.viscosity, x * module.viscosity_error(float(phi))), (stress, of_stress)):
-            (hard, one), (soft, other) = (mean(values.sel(model=model)) for model in ("constant", "newton"))
-            bar = hard / soft * math.hypot(one / hard, other / soft)
+            (hard, hard_error), (soft, other) = (
+                mean(values.sel(model=model)) for model in ("constant", "newton")
+            )
+            bar = hard / soft * math.hypot(hard_error / hard, other / soft)
             assert abs(hard / soft - 1.0 - error) < 3.0 * bar + 0.1 * x, (phi, epsilon, tc_nu)
             compared += 1
     assert compared == 32
@@ -403,10 +411,10 @@ def test_no_energy_means_no_number(rule):
     """The expansion in t_c ν ends where it leaves no kinetic energy; until then the temperature is positive."""
     for restitution in (0.1, 0.5, 0.9, 1.0 - 1e-6):
         law = hl.error_law(packing_fraction=0.2, restitution=restitution, rule=rule)
-        found = np.array([law.heated_error(x) for x in np.geomspace(1e-3, 1e3, 200)])
-        known = np.isfinite(found)
+        errors = np.array([law.heated_error(x) for x in np.geomspace(1e-3, 1e3, 200)])
+        known = np.isfinite(errors)
         assert known[0] and not known[-1] and (np.diff(known.astype(int)) <= 0).all()
-        assert (found[known] > -1.0).all()
+        assert (errors[known] > -1.0).all()
 
 
 @pytest.mark.parametrize(
@@ -417,7 +425,7 @@ def test_no_energy_means_no_number(rule):
     ],
 )
 def test_a_law_without_damping_is_the_limit_of_weak_damping(elastic: hl.Law, damped: hl.Law) -> None:
-    one, other = (
+    left, other = (
         hl.error_law(packing_fraction=0.3, restitution=1.0, law=law).coefficient for law in (elastic, damped)
     )
-    assert one == pytest.approx(other, rel=1e-9)
+    assert left == pytest.approx(other, rel=1e-9)

@@ -56,8 +56,8 @@ def events_of(name, until):
         step = RUNS[name][1].get("time_step")
         whole = newton.start(name, system, NewtonSettings(LAW), until, Output(1), step)
     else:
-        given = dict.fromkeys(("law", "restitution", "rule", "contact_duration")) | RUNS[name][1]
-        settings = rules.checked_settings(**given)
+        arguments = dict.fromkeys(("law", "restitution", "rule", "contact_duration")) | RUNS[name][1]
+        settings = rules.checked_settings(**arguments)
         whole = hard_spheres.start(system, settings, hard_spheres.End(until, None), Output(1))
     whole.run(lambda done, total: None)
     return whole.engine.compiled.statistics()["n_lists" if name == "steps" else "n_events"]

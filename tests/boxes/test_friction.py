@@ -9,10 +9,10 @@ from box_engines import compiled
 
 @pytest.fixture(scope="module")
 def ask(tmp_path_factory):
-    made = compiled("friction", tmp_path_factory.mktemp("friction"))
+    program = compiled("friction", tmp_path_factory.mktemp("friction"))
 
     def ask(word):
-        done = subprocess.check_output([made, word], text=True, timeout=120)
+        done = subprocess.check_output([program, word], text=True, timeout=120)
         return [float(number) for number in done.split()]
 
     return ask

@@ -94,10 +94,10 @@ def test_pressure_of_spheres(packing_fraction: float) -> None:
     n = 4000
     run = gas(n, packing_fraction)
     run_rows(run, 40 * n)
-    found, error = compressibility(run, n, 3, 30 * n)
+    measured, error = compressibility(run, n, 3, 30 * n)
     known = COMPRESSIBILITY[packing_fraction]
     assert error < 2e-3 * known
-    assert abs(found - known) < 4.0 * error + KNOWN_TO
+    assert abs(measured - known) < 4.0 * error + KNOWN_TO
 
 
 def disk_lattice() -> np.ndarray:
@@ -112,10 +112,10 @@ def test_pressure_of_dense_disks(packing_fraction: float) -> None:
     velocity = maxwell(np.random.default_rng(2), DISKS, 2)
     run = engine(edge * disk_lattice(), velocity, edge)
     run_rows(run, 2000 * DISKS)
-    found, error = compressibility(run, DISKS, 2, 250 * DISKS)
+    measured, error = compressibility(run, DISKS, 2, 250 * DISKS)
     reduced = 4.0 * packing_fraction / math.pi
-    assert error < 4e-3 * found
-    assert abs(found * reduced - DISK_PRESSURE[packing_fraction]) < 4.0 * error * reduced + 3e-4
+    assert error < 4e-3 * measured
+    assert abs(measured * reduced - DISK_PRESSURE[packing_fraction]) < 4.0 * error * reduced + 3e-4
 
 
 @pytest.mark.parametrize("packing_fraction", [0.1, 0.3])
@@ -125,21 +125,21 @@ def test_collision_rate(packing_fraction: float) -> None:
     run = gas(n, packing_fraction, seed=3)
     run_rows(run, 20 * n)
     rates = [2.0 * pairs / (n * time) for time, _, pairs in blocks(run, 10 * n)]
-    found, error = mean_and_error(rates)
+    measured, error = mean_and_error(rates)
     number_density = packing_fraction / (4.0 / 3.0 * math.pi)
     contact_value = (COMPRESSIBILITY[packing_fraction] - 1.0) / (4.0 * packing_fraction)
     enskog = 4.0 * math.sqrt(math.pi) * number_density * 4.0 * contact_value
-    assert abs(found / enskog - 1.0) < 4.0 * error / enskog + KNOWN_TO
+    assert abs(measured / enskog - 1.0) < 4.0 * error / enskog + KNOWN_TO
 
 
 def test_collision_rate_of_disks() -> None:
     n, packing_fraction = 4000, 0.3
     run = gas(n, packing_fraction, dimension=2, seed=4)
     run_rows(run, 20 * n)
-    found, error = mean_and_error([2.0 * pairs / (n * time) for time, _, pairs in blocks(run, 10 * n)])
+    measured, error = mean_and_error([2.0 * pairs / (n * time) for time, _, pairs in blocks(run, 10 * n)])
     contact_value = (1.0 - 7.0 * packing_fraction / 16.0) / (1.0 - packing_fraction) ** 2
     enskog = 2.0 * math.sqrt(math.pi) * packing_fraction / math.pi * 2.0 * contact_value
-    assert abs(found / enskog - 1.0) < 4.0 * error / enskog + 3e-3  # χ is Henderson's approximation
+    assert abs(measured / enskog - 1.0) < 4.0 * error / enskog + 3e-3  # χ is Henderson's approximation
 
 
 def test_mean_free_path_and_self_diffusion() -> None:
@@ -164,8 +164,8 @@ def test_mean_free_path_and_self_diffusion() -> None:
         rates.append(2.0 * (run.statistics()["n_pairs"] - pairs) / (n * (late - time)))
     rate, _ = mean_and_error(rates)
     assert 0.5 / rate == pytest.approx(0.1303, rel=3e-3)
-    found, error = mean_and_error(diffusion)
-    assert abs(found - 0.247 * 0.97) < 4.0 * error + 0.01 * 0.247
+    measured, error = mean_and_error(diffusion)
+    assert abs(measured - 0.247 * 0.97) < 4.0 * error + 0.01 * 0.247
 
 
 def test_maxwell_distribution_comes_about_and_stays() -> None:
@@ -179,11 +179,11 @@ def test_maxwell_distribution_comes_about_and_stays() -> None:
     velocity *= math.sqrt(3 * (n - 1) / np.sum(velocity * velocity))
     run = engine(position, velocity, edge)
     assert scipy.stats.kstest(np.ravel(velocity), "norm").pvalue < 1e-6
-    found = []
+    probabilities = []
     for _ in range(10):
         run_rows(run, 20 * n)
-        found.append(scipy.stats.kstest(np.ravel(run.state()[1]), "norm").pvalue)
-    assert min(found) > 1e-3 and max(found) > 0.2
+        probabilities.append(scipy.stats.kstest(np.ravel(run.state()[1]), "norm").pvalue)
+    assert min(probabilities) > 1e-3 and max(probabilities) > 0.2
 
 
 @pytest.mark.parametrize("restitution", [0.7, 0.8, 0.9, 0.95])
@@ -208,8 +208,8 @@ def test_cooling_gas(restitution: float) -> None:
     expected = -(1.0 - restitution**2) / 3.0
     assert slope == pytest.approx(expected, rel=0.015)
     if restitution in FOURTH_CUMULANT:
-        found, error = mean_and_error(cumulants)
-        assert abs(found - FOURTH_CUMULANT[restitution]) < 4.0 * error + 4e-3
+        measured, error = mean_and_error(cumulants)
+        assert abs(measured - FOURTH_CUMULANT[restitution]) < 4.0 * error + 4e-3
 
 
 def test_cooling_with_a_contact_duration() -> None:
@@ -266,6 +266,6 @@ def test_barometric_profile() -> None:
     assert total[1] == pytest.approx(total[0], rel=1e-11)
     scale = float(np.mean(temperatures)) / gravity
     cut = -math.expm1(-room / scale)
-    found = scipy.stats.kstest(np.concatenate(heights), lambda z: -np.expm1(-z / scale) / cut)
+    fit = scipy.stats.kstest(np.concatenate(heights), lambda z: -np.expm1(-z / scale) / cut)
     # 18,000 heights would resolve 0.01; the excluded volume has an effect of up to 4φ = 0.01 at the floor.
-    assert found.statistic < 0.02
+    assert fit.statistic < 0.02

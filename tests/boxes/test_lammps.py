@@ -66,13 +66,13 @@ def test_the_longest_step_keeps_to_the_error(law, speed, error):
 
 def leapfrog(contact, gap, speed, step):
     """The compressions of one head-on contact at all steps until after its end, as computed by LAMMPS."""
-    depth, rate, found = -gap, speed, []
+    depth, rate, depths = -gap, speed, []
     while depth > -4.0 * gap:
-        found.append(depth)
+        depths.append(depth)
         force = contact.force(np.array([depth]), np.array([rate]))[0] if depth > 0.0 else 0.0
         rate -= step * force / contact.effective_mass
         depth += rate * step
-    return np.array(found)
+    return np.array(depths)
 
 
 def two_balls():
@@ -113,13 +113,13 @@ def test_a_contact_is_found_in_its_overlaps(law, phase, cuts):
 
 
 def overlapped_slowly(begin, end, first, second):
-    found = np.zeros(len(begin), bool)
+    overlaps = np.zeros(len(begin), bool)
     for i in range(len(begin)):
         for j in range(len(begin)):
             bodies = {first[i], second[i]} & {first[j], second[j]} - set(range(-9, 0))
             if i != j and bodies and begin[i] < (end[j] if end[j] == end[j] else math.inf):
-                found[i] |= begin[j] < (end[i] if end[i] == end[i] else math.inf)
-    return found
+                overlaps[i] |= begin[j] < (end[i] if end[i] == end[i] else math.inf)
+    return overlaps
 
 
 @draws(30)
@@ -318,18 +318,18 @@ def differences(run, exact, duration):
     assert theirs["first"].tolist() == ours["first"].tolist()
     assert theirs["second"].tolist() == ours["second"].tolist()
     assert theirs["overlapped"].tolist() == ours["overlapped"].tolist()
-    found = []
+    errors = []
     for name in ("begin", "end", "impact_speed", "separation_speed"):
         assert np.array_equal(np.isnan(theirs[name]), np.isnan(ours[name]))
         scale = duration if name in ("begin", "end") else ours["impact_speed"].max()
-        found.append(math.sqrt(np.nanmean((theirs[name] - ours[name]) ** 2)) / scale)
+        errors.append(math.sqrt(np.nanmean((theirs[name] - ours[name]) ** 2)) / scale)
     energies = [
         run.series[n].values - exact.series[n].values for n in ("kinetic_energy", "dissipated_energy")
     ]
-    found += [np.abs(e).max() / exact.samples["kinetic_energy"][0] for e in energies]
+    errors += [np.abs(e).max() / exact.samples["kinetic_energy"][0] for e in energies]
     speed = np.abs(exact.system.velocities).max()
-    found.append(np.sqrt(((run.system.velocities - exact.system.velocities) ** 2).mean()) / speed)
-    return np.array(found)
+    errors.append(np.sqrt(((run.system.velocities - exact.system.velocities) ** 2).mean()) / speed)
+    return np.array(errors)
 
 
 def shortest(system, law):
@@ -463,8 +463,8 @@ def test_a_contact_keeps_to_the_error_of_the_restitution():
     ball = hl.Ball(1e-3, density=2500.0)
     for law in (LAWS["linear"], LAWS["viscoelastic"], LAWS["tsuji"]):
         run = by_lammps(start, law, 1.5e-3, restitution_error=1e-3, log=True, samples=1)
-        found = float(run.contacts.separation_speed[0] / run.contacts.impact_speed[0])
-        assert found == pytest.approx(law.between(ball, ball).restitution(1.0), abs=1.05e-3)
+        restitution = float(run.contacts.separation_speed[0] / run.contacts.impact_speed[0])
+        assert restitution == pytest.approx(law.between(ball, ball).restitution(1.0), abs=1.05e-3)
         assert float(run.contacts.impact_speed[0]) == pytest.approx(1.0, rel=1e-6)
 
 
@@ -474,14 +474,14 @@ def test_two_ranks_are_one_to_rounding(log):
     """Few steps, because the ranks wait for each other at each step, which is slow on a busy machine."""
     system = mixed(5, 3, ("periodic", "wall", "periodic"), 9.81)
     soft, options = SOFT.replace(stiffness=300.0), {"time_step": 1e-5, "log": log, "samples": 2}
-    one, two = (by_lammps(system, soft, 3e-4, ranks=ranks, **options) for ranks in (1, 2))
-    assert one.series.n_in_contact.values[-1] > 2
-    for key, values in one.samples.items():
+    single, two = (by_lammps(system, soft, 3e-4, ranks=ranks, **options) for ranks in (1, 2))
+    assert single.series.n_in_contact.values[-1] > 2
+    for key, values in single.samples.items():
         assert two.samples[key] == pytest.approx(values, rel=1e-9, abs=1e-20, nan_ok=True)
-    assert np.abs(one.system.positions - two.system.positions).max() < 1e-15
-    assert np.abs(one.system.velocities - two.system.velocities).max() < 1e-12
+    assert np.abs(single.system.positions - two.system.positions).max() < 1e-15
+    assert np.abs(single.system.velocities - two.system.velocities).max() < 1e-12
     if log:
-        for name, values in log_of(one).items():
+        for name, values in log_of(single).items():
             assert log_of(two)[name] == pytest.approx(values, rel=1e-9, abs=1e-12, nan_ok=True)
 
 
@@ -495,9 +495,9 @@ def test_a_folder_taken_elsewhere_comes_back(tmp_path):
     here = program.find(1)
     command, environment = here.command(1, "-in", "in.hardlimit"), here.environment()
     subprocess.run(command, cwd=tmp_path, env=environment, check=True, stdout=subprocess.DEVNULL)
-    found, run = hl.lammps_result(tmp_path), by_lammps(system, SOFT, 3e-4, **options)
-    assert same_samples(found, run) and found.contacts.identical(run.contacts)
-    assert np.array_equal(found.system.positions, run.system.positions)
+    result, run = hl.lammps_result(tmp_path), by_lammps(system, SOFT, 3e-4, **options)
+    assert same_samples(result, run) and result.contacts.identical(run.contacts)
+    assert np.array_equal(result.system.positions, run.system.positions)
     dump = (tmp_path / "pairs.dump").read_text()
     (tmp_path / "pairs.dump").write_text(dump[: len(dump) // 2])
     with pytest.raises(ValueError, match="must contain the output of a run that ended"):

@@ -1,7 +1,6 @@
 """Walls with a constant velocity: exact collisions, Galilean invariance and the energy balance, in all engines."""
 
 import itertools
-import math
 from typing import Any
 
 import numpy as np
@@ -186,13 +185,13 @@ def test_a_chain_pressed_by_two_pistons(name: str) -> None:
 def test_steps_have_the_same_bits_with_any_number_of_threads(threads: int) -> None:
     x, v = lattice(24, 2, 0.03, seed=13)
     walls = [(0.5, -0.8), (0.3, 0.4)]
-    one, several = (engine("steps, linear", x, v, 0.72, walls) for _ in range(2))
-    one.advance(0.01, threads=1)
+    single, several = (engine("steps, linear", x, v, 0.72, walls) for _ in range(2))
+    single.advance(0.01, threads=1)
     several.advance(0.01, threads=threads)
-    assert one.n_contacts > 50
-    for a, b in zip(one.state(), several.state(), strict=True):
+    assert single.n_contacts > 50
+    for a, b in zip(single.state(), several.state(), strict=True):
         assert (a == b).all()
-    assert one.observe()["wall_work"] == several.observe()["wall_work"] != 0.0
+    assert single.observe()["wall_work"] == several.observe()["wall_work"] != 0.0
 
 
 def test_a_ball_rests_on_a_piston_that_rises() -> None:
@@ -210,16 +209,11 @@ def test_a_ball_rests_on_a_piston_that_rises() -> None:
 @pytest.mark.parametrize(
     ("motion", "message"),
     [
-        ((-1, 0.0, math.nan, 0.0, 0.0, 0.0, "none"), "moving_walls: got nan, must be finite"),
         ((-3, 0.0, 1.0, 0.0, 0.0, 0.0, "none"), "moving_walls: got the number -3, must be that of a wall"),
-        (
-            (-1, 0.0, 0.0, 1.0, 0.0, 0.0, "sine"),
-            "moving_walls: got 1 and 0, must be an amplitude and a frequency > 0",
-        ),
-        ((-1, 0.0, 0.0, 1.0, 1.0, 0.0, "saw"), "moving_walls: got saw, must be a waveform"),
+        ((-1, 0.0, 0.0, 1.0, 1.0, 0.0, "saw"), "moving_walls: got saw, must be a known word"),
     ],
 )
-def test_a_motion_out_of_range_is_refused(motion: tuple[Any, ...], message: str) -> None:
+def test_a_motion_of_no_wall_or_waveform_is_refused(motion: tuple[Any, ...], message: str) -> None:
     with pytest.raises(ValueError, match=f"^{message}$"):
         _core.Box([1.0, 1.0], ["wall", "periodic"], None, [motion])
 

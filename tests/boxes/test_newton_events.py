@@ -63,10 +63,10 @@ def test_reference_boxes(kind: str, k: int) -> None:
     run = by_events(reference_system(case), law=reference_law(case), until=case["until"], log=True, samples=7)
     assert run.outcome == "ok"
     wanted = sorted(map(tuple, case["contacts"]))
-    found = rows(run)
-    assert [row[2:] for row in found] == [row[2:] for row in wanted]
+    contacts = rows(run)
+    assert [row[2:] for row in contacts] == [row[2:] for row in wanted]
     scale = max(1e-9, 10.0 * case["tolerance"]) * case["until"]
-    for row, other in zip(found, wanted, strict=True):
+    for row, other in zip(contacts, wanted, strict=True):
         assert row[0] == pytest.approx(other[0], abs=scale)
         if other[1] is None or not other[1] <= case["until"]:
             assert math.isnan(row[1])
@@ -100,26 +100,26 @@ def test_a_column_in_a_box_is_that_of_the_column_solver(law: hl.Law, count: int)
     fall = math.sqrt(2.0 * (height - balls[0].radius) / 9.81)
     run = by_events(system, law=law, until=fall + 0.03, log=True, samples=3)
     assert run.outcome == "ok"
-    found = [(-1 if j < 0 else i, begin - fall, end - fall) for begin, end, i, j in rows(run)]
+    contacts = [(-1 if j < 0 else i, begin - fall, end - fall) for begin, end, i, j in rows(run)]
     pairs = wanted.contacts.pair.values
     other = [
         (int(p) - 1, float(b), float(e))
         for p, b, e in zip(pairs, wanted.contacts.begin.values, wanted.contacts.end.values, strict=True)
     ]
-    assert [row[0] for row in found] == [row[0] for row in other]
-    for row, one in zip(found, other, strict=True):
-        assert row[1:] == pytest.approx(one[1:], abs=1e-8 * 0.03, nan_ok=True)
+    assert [row[0] for row in contacts] == [row[0] for row in other]
+    for row, solved in zip(contacts, other, strict=True):
+        assert row[1:] == pytest.approx(solved[1:], abs=1e-8 * 0.03, nan_ok=True)
 
 
 def _overlapped(run: Any) -> list[bool]:
     """Contacts that share a particle with another contact at the same time, from the log rows."""
     known = rows(run)
     until = run.time
-    found = []
+    overlaps = []
     for a in range(len(known)):
         begin, end, *bodies = known[a]
         mine = {b for b in bodies if b >= 0}
-        found.append(
+        overlaps.append(
             any(
                 mine & {b for b in other[2:] if b >= 0}
                 and max(begin, other[0]) < min(_or(end, until), _or(other[1], until))
@@ -127,7 +127,7 @@ def _overlapped(run: Any) -> list[bool]:
                 if k != a
             )
         )
-    return found
+    return overlaps
 
 
 def _or(end: float, until: float) -> float:
@@ -171,10 +171,10 @@ def frequent(seed: int) -> tuple[hl.ParticleSystem, hl.Law, float, float]:
 
 def begins(run: Any) -> dict[tuple[int, int], list[float]]:
     """Begin times of the contacts of each pair."""
-    found: dict[tuple[int, int], list[float]] = defaultdict(list)
+    times_of: dict[tuple[int, int], list[float]] = defaultdict(list)
     for begin, _, first, second in rows(run):
-        found[first, second].append(begin)
-    return found
+        times_of[first, second].append(begin)
+    return times_of
 
 
 @pytest.mark.slow
@@ -247,8 +247,8 @@ def printed_by(name: str, folder: Path) -> list[str]:
 @pytest.mark.slow
 def test_touch_times_of_the_kernels(tmp_path: Path) -> None:
     """Times of the kernels for a radius that is enlarged for a limited time, against distances at many times."""
-    asked, in_space, later, wrong, unlike = printed_by("touch_kernel", tmp_path)
-    assert int(asked) > 50_000 and int(in_space) > 10_000 and int(later) > 5000
+    touches, in_space, later, wrong, unlike = printed_by("touch_kernel", tmp_path)
+    assert int(touches) > 50_000 and int(in_space) > 10_000 and int(later) > 5000
     assert float(wrong) < 1e-13 and int(unlike) == 0
 
 
@@ -267,6 +267,16 @@ def test_parts_of_the_engine_alone(tmp_path: Path) -> None:
     assert int(crossings) > 500 and int(parts) > 1000
     assert float(off) < 1e-12 and float(unbalanced) < 1e-12
     assert int(wrong) == 0
+
+
+@pytest.mark.slow
+def test_parts_of_a_cluster(tmp_path: Path) -> None:
+    """Its equations create neither momentum nor energy; no two components of its state share a place."""
+    momentum, energy, components, misplaced, changed, gap = printed_by("cluster_parts", tmp_path)
+    assert float(momentum) < 1e-13 and float(energy) < 1e-13
+    assert int(components) > 5000 and int(misplaced) == 0
+    assert int(changed) == 0
+    assert float(gap) < 1e-12
 
 
 @pytest.mark.slow
@@ -312,10 +322,10 @@ def test_no_wall_is_missed(seed: int) -> None:
     run = by_events(system, law=law, until=until, log=True, samples=1)
     near = by_small_steps(system, law=law, until=until, restitution_error=1e-6)
     assert run.outcome == "ok" and run.energy_error < 1e-9
-    found, expected = begins(run), begins(near)
-    assert {pair: len(times) for pair, times in found.items()} == {p: len(t) for p, t in expected.items()}
+    times_of, expected = begins(run), begins(near)
+    assert {pair: len(times) for pair, times in times_of.items()} == {p: len(t) for p, t in expected.items()}
     for pair, times in expected.items():
-        assert found[pair] == pytest.approx(times, abs=1e-2 * duration)
+        assert times_of[pair] == pytest.approx(times, abs=1e-2 * duration)
 
 
 @pytest.mark.parametrize(
@@ -385,8 +395,8 @@ def test_the_order_within_cells_does_not_matter() -> None:
         for run in (whole, saved):
             run.advance(0.25e-3 * k)
         assert whole.outcome == "ok"
-        for one, other in zip(whole.state(), saved.state(), strict=True):
-            assert np.array_equal(one, other)
+        for left, other in zip(whole.state(), saved.state(), strict=True):
+            assert np.array_equal(left, other)
         saved = _core.load_engine("newton_events", saved.save())
 
 
@@ -421,8 +431,8 @@ def test_a_cradle_of_touching_balls(law: hl.Law, count: int, moving: int) -> Non
     )  # fmt: skip
     run = by_events(system, law=law, until=0.01, samples=1)
     assert run.outcome == "ok"
-    found = run.system.velocities[:, 0]
-    assert found == pytest.approx(-wanted.velocities[::-1], abs=1e-8)
+    velocities = run.system.velocities[:, 0]
+    assert velocities == pytest.approx(-wanted.velocities[::-1], abs=1e-8)
     assert np.abs(run.system.velocities[:, 1:]).max() == 0.0
 
 
@@ -503,12 +513,12 @@ def test_contact_energy_is_that_of_all_overlaps(name: str, restitution: float) -
         )  # fmt: skip
         for until in (1e-3, 2.3e-3):
             run = by_events(system, law=law, until=until, samples=100)
-            lost, held = run.series.dissipated_energy.values, run.series.contact_energy.values
+            lost, stored_energy = run.series.dissipated_energy.values, run.series.contact_energy.values
             scale = float(run.series.kinetic_energy.values[0])
             assert run.energy_error < 1e-9
             assert np.diff(lost).min() >= -1e-11 * scale and lost[0] == 0.0
-            assert held[-1] == pytest.approx(stored(run.system, law), rel=1e-6, abs=1e-10 * scale)
-            without_force += np.sum((held > 0.0) & (run.series.n_in_contact.values == 0))
+            assert stored_energy[-1] == pytest.approx(stored(run.system, law), rel=1e-6, abs=1e-10 * scale)
+            without_force += np.sum((stored_energy > 0.0) & (run.series.n_in_contact.values == 0))
     assert without_force > 0
 
 
@@ -558,10 +568,10 @@ def test_overlap_without_force_at_the_start_holds_energy(name: str) -> None:
     )
     before = stored(system, law)
     for run in (events, steps):
-        held, lost = run.series.contact_energy.values, run.series.dissipated_energy.values
-        assert run.n_contacts == 0 and held[0] == pytest.approx(before, rel=1e-9) and lost[0] == 0.0
-        assert held[-1] == 0.0 and lost[-1] == pytest.approx(before, rel=5e-3)
-        assert (np.diff(held) <= 0.0).all() and (np.diff(lost) >= 0.0).all()
+        stored_energy, lost = run.series.contact_energy.values, run.series.dissipated_energy.values
+        assert run.n_contacts == 0 and stored_energy[0] == pytest.approx(before, rel=1e-9) and lost[0] == 0.0
+        assert stored_energy[-1] == 0.0 and lost[-1] == pytest.approx(before, rel=5e-3)
+        assert (np.diff(stored_energy) <= 0.0).all() and (np.diff(lost) >= 0.0).all()
     assert steps.series.contact_energy.values == pytest.approx(
         events.series.contact_energy.values, abs=1e-9 * before
     )
@@ -854,9 +864,13 @@ FOUND = {
 
 @pytest.mark.parametrize("name", FOUND)
 def test_bodies_that_fit_exactly(name: str) -> None:
-    law, given, until = FOUND[name]
+    law, arguments, until = FOUND[name]
     run = hl.molecular_dynamics(
-        hl.ParticleSystem(**({"boundary": "wall"} | given)), law=law, until=until, samples=4, engine="events"
+        hl.ParticleSystem(**({"boundary": "wall"} | arguments)),
+        law=law,
+        until=until,
+        samples=4,
+        engine="events",
     )
     assert run.outcome == "ok" and run.time == until
     assert run.n_contacts < 300
@@ -939,7 +953,7 @@ def test_a_ball_that_comes_to_rest_on_the_floor_stays_there() -> None:
 
 
 @pytest.mark.parametrize(
-    ("given", "message"),
+    ("changes", "message"),
     [
         (
             {"time_step": 1e-7},
@@ -949,10 +963,10 @@ def test_a_ball_that_comes_to_rest_on_the_floor_stays_there() -> None:
         ({"threads": 2}, "threads: got 2, must be left out"),
     ],
 )
-def test_bad_input_is_refused_in_one_line(given: dict[str, Any], message: str) -> None:
+def test_bad_input_is_refused_in_one_line(changes: dict[str, Any], message: str) -> None:
     system = random_system(1, n=8, phi=0.1, d=3, boundary="periodic", mixed=False)
     with pytest.raises(ValueError, match=message) as refused:
-        by_events(**({"system": system, "law": LAWS[0], "until": 1e-3} | given))
+        by_events(**({"system": system, "law": LAWS[0], "until": 1e-3} | changes))
     assert "\n" not in str(refused.value)
 
 

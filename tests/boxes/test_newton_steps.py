@@ -104,14 +104,14 @@ def test_a_contact_in_the_box_keeps_to_the_error_of_the_restitution(impact):
     system, law, speed, gap, second, contact = impact
     until = gap / speed + 2.0 * contact.duration(speed)
     run = molecular_dynamics(system, law=law, until=until, restitution_error=1e-3, log=True, samples=3)
-    found = run.contacts.isel(contact=0)
-    assert (found["first"], found["second"]) == (0, second)
-    assert float(found.separation_speed / found.impact_speed) == pytest.approx(
+    logged = run.contacts.isel(contact=0)
+    assert (logged["first"], logged["second"]) == (0, second)
+    assert float(logged.separation_speed / logged.impact_speed) == pytest.approx(
         contact.restitution(speed), abs=1.05e-3
     )
-    assert float(found.impact_speed) == pytest.approx(speed, rel=1e-9)
-    assert float(found.begin) == pytest.approx(gap / speed, rel=1e-9)
-    assert float(found.end - found.begin) == pytest.approx(contact.duration(speed), rel=0.1)
+    assert float(logged.impact_speed) == pytest.approx(speed, rel=1e-9)
+    assert float(logged.begin) == pytest.approx(gap / speed, rel=1e-9)
+    assert float(logged.end - logged.begin) == pytest.approx(contact.duration(speed), rel=0.1)
 
 
 #: Down to nearly perfectly inelastic contacts.
@@ -232,10 +232,10 @@ def test_a_column_of_balls_in_a_box_is_that_of_newton(name, gravity):
     errors = []
     for per_contact in STEPS:
         run = by_steps(column_in_a_box(column, 0.2), law, until, per_contact)
-        found = run.contacts.isel(contact=slice(m))
-        pair = np.where(found["second"] < 0, 0, found["second"])  # pair j consists of balls j − 1 and j
+        contacts = run.contacts.isel(contact=slice(m))
+        pair = np.where(contacts["second"] < 0, 0, contacts["second"])  # pair j consists of balls j − 1 and j
         assert pair.tolist() == wanted["pair"].values.tolist()
-        late = [found[name].values - touch - wanted[name].values for name in ("begin", "end")]
+        late = [contacts[name].values - touch - wanted[name].values for name in ("begin", "end")]
         errors.append([np.linalg.norm(late[0][1:]), np.linalg.norm(late[1])])
         assert np.abs(run.system.velocities[:, 0]).max() == 0.0
     duration = float((wanted.end - wanted.begin).min())
@@ -315,7 +315,7 @@ def boxes(draw, most=40):
 
 def overlaps(system):
     """All overlapping pairs, walls as negative numbers, found without neighbour lists."""
-    found = set()
+    pairs = set()
     shifts = [(0,) if side == "wall" else (-2, -1, 0, 1, 2) for side in system.boundary]
     sliding = [system.shear_displacement * (side == "lees-edwards") for side in system.boundary]
     i, j = np.triu_indices(system.n, 1)
@@ -323,14 +323,14 @@ def overlaps(system):
         d = system.positions[j] - system.positions[i] + np.array(shift) * system.box
         d[:, 0] += np.dot(shift, sliding)
         near = (d**2).sum(axis=1) < (system.radius[i] + system.radius[j]) ** 2
-        found.update(zip(i[near].tolist(), j[near].tolist(), strict=True))
+        pairs.update(zip(i[near].tolist(), j[near].tolist(), strict=True))
     for i, axis in itertools.product(range(system.n), range(system.dimension)):
         if system.boundary[axis] == "wall":
             if system.positions[i, axis] < system.radius[i]:
-                found.add((i, -1 - 2 * axis))
+                pairs.add((i, -1 - 2 * axis))
             if system.box[axis] - system.positions[i, axis] < system.radius[i]:
-                found.add((i, -2 - 2 * axis))
-    return found
+                pairs.add((i, -2 - 2 * axis))
+    return pairs
 
 
 @draws(25)
@@ -379,17 +379,17 @@ def test_pauses_threads_and_saving_do_not_change_a_bit(system, law, data):
     ],
 )
 def test_the_same_bits_with_any_number_of_threads(dimension, boundary):
-    given = {"boundary": boundary, "gravity": 9.81}
+    options = {"boundary": boundary, "gravity": 9.81}
     if boundary == "lees-edwards":
-        given = {"boundary": ["periodic", boundary, "periodic"][:dimension], "shear_rate": 100.0}
-    system = lattice(1500, dimension, seed=4, spread=1.3, **given)
-    found = set()
+        options = {"boundary": ["periodic", boundary, "periodic"][:dimension], "shear_rate": 100.0}
+    system = lattice(1500, dimension, seed=4, spread=1.3, **options)
+    states = set()
     for threads in (1, 2, 3, 8):
         engine = engine_of(system, GLASS, 2e-6)
         for k in (1, 2):
             engine.advance(k * 1e-3, threads=threads)
-        found.add(everything(engine))
-    assert len(found) == 1 and engine.n_contacts > 500 and engine.statistics()["n_lists"] > 5
+        states.add(everything(engine))
+    assert len(states) == 1 and engine.n_contacts > 500 and engine.statistics()["n_lists"] > 5
 
 
 @pytest.mark.parametrize("stiffness", [1e5, 1e9])
@@ -404,7 +404,7 @@ def test_who_becomes_fast_between_two_meetings_of_the_threads_changes_no_bit(see
     slow, shape = (0.0, 1e-3)[seed // 2] * calm.velocities, {"box": calm.box, "allowed_overlap": 0.9}
     system = hl.ParticleSystem(calm.positions, slow, large, density=2500.0, **shape, **sides)
     step = 2e-6 * math.sqrt(1e5 / stiffness)
-    found = set()
+    states = set()
     for threads in (1, 2, 3, 8):
         engine = engine_of(system, hl.LinearDashpot(stiffness=stiffness, restitution=0.5), step)
         for k in (1, 2):
@@ -413,8 +413,8 @@ def test_who_becomes_fast_between_two_meetings_of_the_threads_changes_no_bit(see
                 if threads == 3 and engine.paused:
                     engine = _core.load_engine("newton_steps", engine.save())
                 assert engine.outcome == "ok"
-        found.add(everything(engine) + repr(engine.statistics()["n_lists"]).encode())
-    assert len(found) == 1 and engine.n_logged > 10 and engine.statistics()["n_lists"] > 3
+        states.add(everything(engine) + repr(engine.statistics()["n_lists"]).encode())
+    assert len(states) == 1 and engine.n_logged > 10 and engine.statistics()["n_lists"] > 3
 
 
 def test_overlapped_contacts_are_those_that_share_a_particle_while_they_last():
@@ -440,9 +440,9 @@ def test_mirror_images_move_as_mirror_images():
         positions=system.positions * flip + np.array([system.box[0], 0.0, 0.0]),
         velocities=system.velocities * flip,
     )
-    one, other = (by_steps(s, GLASS, 2e-3, 30) for s in (system, mirrored))
-    assert np.allclose(other.system.velocities * flip, one.system.velocities, atol=1e-6)
-    assert one.n_contacts == other.n_contacts > 30
+    run, other = (by_steps(s, GLASS, 2e-3, 30) for s in (system, mirrored))
+    assert np.allclose(other.system.velocities * flip, run.system.velocities, atol=1e-6)
+    assert run.n_contacts == other.n_contacts > 30
 
 
 @pytest.mark.slow
@@ -547,7 +547,7 @@ def test_the_step_is_found_for_the_system():
 
 
 @pytest.mark.parametrize(
-    ("given", "message"),
+    ("changes", "message"),
     [
         ({"time_step": 1e-3}, r"time_step: got 0\.001 s, must be <= .* s, the longest step"),
         ({"time_step": 0.0}, r"time_step: got 0, must be > 0"),
@@ -566,8 +566,8 @@ def test_the_step_is_found_for_the_system():
         ({"progress": 3}, "progress: got 3, must be"),
     ],
 )
-def test_bad_input_is_refused_in_one_line(given, message):
-    arguments = {"system": lattice(8), "law": GLASS, "until": 1e-3} | given
+def test_bad_input_is_refused_in_one_line(changes, message):
+    arguments = {"system": lattice(8), "law": GLASS, "until": 1e-3} | changes
     with pytest.raises(ValueError, match=message) as refused:
         molecular_dynamics(**arguments)
     assert "\n" not in str(refused.value)

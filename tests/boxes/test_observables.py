@@ -48,29 +48,29 @@ def units():
 
 def test_units_are_those_of_the_table_of_the_core():
     """A record of the core that is an observable itself has the same unit; each is sampled by an engine or none."""
-    table = {one["name"]: one for one in _core.observed_fields}
+    table = {field["name"]: field for field in _core.observed_fields}
     assert len(table) == len(_core.observed_fields)
-    assert {one["engines"] for one in table.values()} == {"all", "collisions", "contacts", ""}
+    assert {field["engines"] for field in table.values()} == {"all", "collisions", "contacts", ""}
     for name in table.keys() & OBSERVABLES.keys():
         assert OBSERVABLES[name].unit == table[name]["unit"], name
     recorded = {name for engine in ENGINES.values() for name in engine.records}
-    assert all(need in recorded for one in OBSERVABLES.values() for need in one.needs)
+    assert all(need in recorded for record in OBSERVABLES.values() for need in record.needs)
 
 
 @every_observable
 def test_a_record_is_whole(name, units):
-    one = OBSERVABLES[name]
-    assert one.name == name and name not in RESERVED and one.meaning and one.needs
+    record = OBSERVABLES[name]
+    assert record.name == name and name not in RESERVED and record.meaning and record.needs
     for dimension in (2, 3):
-        unit = re.sub(r"(?<=[a-z])(\d)", r"**\1", one.unit_in(dimension)).replace(" ", " * ")
+        unit = re.sub(r"(?<=[a-z])(\d)", r"**\1", record.unit_in(dimension)).replace(" ", " * ")
         units.parse_units(unit)
-    assert (one.kind in ("value", "sum", "rate") and one.kind == "sum") or not one.never_falls
+    assert (record.kind in ("value", "sum", "rate") and record.kind == "sum") or not record.never_falls
 
 
 @every_result
 def test_a_series_has_what_its_engine_provides(at):
     series = result_of(*at).series
-    assert list(series) == [one.name for one in provided(ENGINES[at[0]].records)]
+    assert list(series) == [record.name for record in provided(ENGINES[at[0]].records)]
     assert "momentum" in series and series.axis.values.tolist() == ["x", "y", "z"][: at[1]]
 
 
@@ -78,21 +78,21 @@ def test_a_series_has_what_its_engine_provides(at):
 @every_result
 def test_values_are_as_the_record_says(at, name):
     engine, dimension = at
-    one, run = OBSERVABLES[name], result_of(*at)
-    if not set(one.needs) <= set(ENGINES[engine].records):
+    record, run = OBSERVABLES[name], result_of(*at)
+    if not set(record.needs) <= set(ENGINES[engine].records):
         assert name not in run.series
         return
-    found = run.series[name]
-    assert found.dims == one.dims() and found.attrs["units"] == one.unit_in(dimension)
+    values = run.series[name]
+    assert values.dims == record.dims() and values.attrs["units"] == record.unit_in(dimension)
     sizes = {"scalar": (), "vector": (dimension,), "tensor": (len(components(dimension)),)}
     sizes["walls"] = (2 * dimension,)
-    assert found.shape == (11, *sizes[one.shape])
-    assert np.isnan(found.values[0]).all() == (one.kind == "rate")
-    assert np.isfinite(found.values[1:].astype(float)).all()
-    if one.kind == "sum":
-        assert (found[0] == 0).all()
-    if one.never_falls:
-        assert (np.diff(found.values) >= -ROUNDING * abs(found.values).max()).all()
+    assert values.shape == (11, *sizes[record.shape])
+    assert np.isnan(values.values[0]).all() == (record.kind == "rate")
+    assert np.isfinite(values.values[1:].astype(float)).all()
+    if record.kind == "sum":
+        assert (values[0] == 0).all()
+    if record.never_falls:
+        assert (np.diff(values.values) >= -ROUNDING * abs(values.values).max()).all()
 
 
 @every_result
@@ -100,8 +100,8 @@ def test_values_of_the_last_sample_are_those_of_the_system(at):
     """With the time-stepping engine to the error of a step; positions and velocities refer to the same instant."""
     run = result_of(*at)
     for name in ("kinetic_energy", "momentum", "granular_temperature"):
-        found, scale = run.series[name].values[-1], abs(run.series[name].values).max()
-        assert found == pytest.approx(getattr(run.system, name), rel=1e-9, abs=1e-12 * scale)
+        last, scale = run.series[name].values[-1], abs(run.series[name].values).max()
+        assert last == pytest.approx(getattr(run.system, name), rel=1e-9, abs=1e-12 * scale)
 
 
 def test_components_are_in_the_order_of_lammps():
@@ -192,9 +192,9 @@ def check_sums(engine, mass, gravity=0.0):
 
 @draws(300, deadline=None)
 @given(boxes_of_the_core())
-def test_sums_of_hard_spheres_are_those_of_the_velocities(made):
+def test_sums_of_hard_spheres_are_those_of_the_velocities(system):
     """The engine updates them at each collision."""
-    engine, mass, gravity = made
+    engine, mass, gravity = system
     for _ in range(40):
         engine.advance(engine.time + 10.0, 200)
         check_sums(engine, mass, gravity)

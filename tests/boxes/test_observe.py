@@ -45,16 +45,16 @@ def look(time, system):
 def test_values_are_those_of_the_samples(name, seed, dimension, boundary, gravity, samples):
     system = grains(seed, dimension, boundary, gravity)
     plain = run(name, system, samples=samples)
-    found = run(name, system, samples=samples, observe=look)
-    assert found.system == plain.system  # observing does not change the run
-    series = found.series
+    result = run(name, system, samples=samples, observe=look)
+    assert result.system == plain.system  # observing does not change the run
+    series = result.series
     assert np.array_equal(series["at"], series.time) and series.at.dims == ("time",)
     assert series.speed.dims == ("time", "speed_0") and series.stress.dims == ("time", "stress_0", "stress_1")
     assert series.left.dtype.kind == "i" and series.sizes["speed_0"] == system.n
     assert series.temperature.values == pytest.approx(series.granular_temperature.values, rel=1e-9)
-    for key, value in look(found.time, found.system).items():
+    for key, value in look(result.time, result.system).items():
         assert np.array_equal(series[key].values[-1], value)
-    assert series.drop_vars(list(found.observed.data)).equals(plain.series)
+    assert series.drop_vars(list(result.observed.data)).equals(plain.series)
 
 
 @every_run
@@ -84,19 +84,19 @@ def test_an_exception_ends_the_run_and_loses_nothing(name, k, tmp_path):
 
 
 def test_a_run_without_an_end_in_time_keeps_the_values_of_its_samples(tmp_path):
-    path, given = tmp_path / "run.checkpoint", {"restitution": 0.9, "samples": 5, "observe": look}
-    whole = hl.event_driven(grains(), max_collisions=300, **given)
+    path, options = tmp_path / "run.checkpoint", {"restitution": 0.9, "samples": 5, "observe": look}
+    whole = hl.event_driven(grains(), max_collisions=300, **options)
     assert np.array_equal(whole.series["at"], whole.series.time)
-    hl.event_driven(grains(), max_collisions=100, checkpoint=path, **given)
+    hl.event_driven(grains(), max_collisions=100, checkpoint=path, **options)
     resumed = hl.resume(path, max_collisions=300, observe=look)
     assert resumed.system == whole.system and np.array_equal(resumed.series["at"], resumed.series.time)
 
 
 def labelled(system, name="z", values=(1.0, 2.0, 3.0), unit="m"):
     """A DataArray over a coordinate."""
-    found = np.array(values) * system.granular_temperature
+    labels = np.array(values) * system.granular_temperature
     return xr.DataArray(
-        found, {name: (name, list(values), {"units": unit})}, name, attrs={"units": "J", "n": 3}
+        labels, {name: (name, list(values), {"units": unit})}, name, attrs={"units": "J", "n": 3}
     )
 
 

@@ -299,8 +299,6 @@ def test_what_is_refused() -> None:
     assert _core.planar_contact(contact, 1.0, 2.0 * (1.0 + 1e-12), 0.0)["outcome"] == "too_deep"
     end = _core.planar_contact(contact, 1.0, 2.0 * (1.0 - 1e-12), 0.0)
     assert end["outcome"] == "ok" and end["duration"] == pytest.approx(math.pi / 4.0, rel=1e-14)
-    with pytest.raises(ValueError, match=r"^times: "):
-        _core.planar_path(contact, 1.0, 1.0, 0.0, np.array([0.2, 0.1]))
 
 
 # ---- polynomials -------------------------------------------------------------------------------------------

@@ -45,9 +45,9 @@ def matrix(components):
     """The symmetric matrix with these components."""
     dimension = {3: 2, 6: 3}[len(components)]
     first, second = component_axes(dimension)
-    found = np.zeros((dimension, dimension))
-    found[first, second] = found[second, first] = components
-    return found
+    tensor = np.zeros((dimension, dimension))
+    tensor[first, second] = tensor[second, first] = components
+    return tensor
 
 
 def virial(run):
@@ -83,10 +83,10 @@ def integrated(system, law, until):
 
     start = np.concatenate([system.positions.ravel(), system.velocities.ravel(), np.zeros(9)])
     step = contact.duration(1.0) / 10
-    found = scipy.integrate.solve_ivp(
+    solution = scipy.integrate.solve_ivp(
         rates, (0.0, until), start, "DOP853", rtol=1e-11, atol=1e-16, max_step=step
     )
-    return found.y[6 * n :, -1].reshape(3, 3)
+    return solution.y[6 * n :, -1].reshape(3, 3)
 
 
 @pytest.mark.parametrize(
@@ -132,10 +132,10 @@ def test_a_head_on_collision_along_an_axis_has_this_component_only(engine):
             box=0.1,
         )
         run = run_of(engine, system, LAWS["linear"], 2e-3, samples=1)
-        found = virial(run)
-        assert found[axis, axis] > 0.0
-        found[axis, axis] = 0.0
-        assert (found == 0.0).all()
+        sums = virial(run)
+        assert sums[axis, axis] > 0.0
+        sums[axis, axis] = 0.0
+        assert (sums == 0.0).all()
         tensor = matrix(run.series.pressure_tensor.values[-1])
         tensor[axis, axis] = 0.0
         assert abs(tensor - np.diag(np.diag(tensor))).max() == 0.0
@@ -212,10 +212,10 @@ def test_the_pressure_is_the_mean_of_the_diagonal(engine, dimension):
 def test_a_gas_at_rest_has_equal_pressure_along_all_axes(dimension):
     system = hl.ParticleSystem.random(400, 0.3, RADIUS, 2500.0, 1.0, dimension=dimension, seed=2)
     series = hl.event_driven(system, restitution=1.0, until=0.1, samples=40).series
-    found = series.pressure_tensor.values[1:]
-    ideal, error = np.zeros(found.shape[1]), found.std(axis=0, ddof=1) / math.sqrt(len(found))
+    pressure = series.pressure_tensor.values[1:]
+    ideal, error = np.zeros(pressure.shape[1]), pressure.std(axis=0, ddof=1) / math.sqrt(len(pressure))
     ideal[:dimension] = series.pressure.values[1:].mean()
-    assert (abs(found.mean(axis=0) - ideal) < 4.0 * error).all()
+    assert (abs(pressure.mean(axis=0) - ideal) < 4.0 * error).all()
     assert (error[:dimension] < 0.02 * ideal[0]).all()
 
 

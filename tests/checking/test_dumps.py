@@ -63,11 +63,11 @@ def written(folder, content, name="dump.box"):
 )
 def test_packing_and_temperature_of_any_columns(columns, scaled, name, tmp_path):
     frame = dumps.read(written(tmp_path, text(columns=columns, scaled=scaled), name))[0]
-    found = dumps.state(frame, {}, 3)
-    assert found.packing_fraction == pytest.approx(GAS.packing_fraction, rel=1e-9)
-    assert found.temperature == pytest.approx(GAS.granular_temperature, rel=1e-9)
-    assert (found.step, found.grains, found.coordination, found.largest_overlap) == (100, 400, 0.0, 0.0)
-    assert found.mean_diameter == pytest.approx(2e-3)
+    state = dumps.state(frame, {}, 3)
+    assert state.packing_fraction == pytest.approx(GAS.packing_fraction, rel=1e-9)
+    assert state.temperature == pytest.approx(GAS.granular_temperature, rel=1e-9)
+    assert (state.step, state.grains, state.coordination, state.largest_overlap) == (100, 400, 0.0, 0.0)
+    assert state.mean_diameter == pytest.approx(2e-3)
 
 
 def test_sizes_of_a_script_replace_a_missing_column(tmp_path):
@@ -119,8 +119,8 @@ def test_lasting_contacts_are_found(tmp_path):
     packed = hl.ParticleSystem(
         places + 1e-3, 1e-3 * np.ones((216, 3)), 1e-3, 2500.0, box=6 * 1.99e-3, allowed_overlap=0.1
     )
-    found = hl.check(BEAD, law=LAW, dump=written(tmp_path, text(packed)))
-    assert found.admissible is False and "6 contacts on average" in found.sentence
+    verdict = hl.check(BEAD, law=LAW, dump=written(tmp_path, text(packed)))
+    assert verdict.admissible is False and "6 contacts on average" in verdict.sentence
 
 
 BAD = {
@@ -169,11 +169,11 @@ def test_sizes_and_masses_of_a_dump_replace_missing_ones(columns, tmp_path):
             " ".join([*line.split()[:-1], "2500"]) if len(line.split()) == 10 else line
             for line in content.replace(" mass ", " density ").splitlines()
         )
-    found = hl.check(script, dump=written(tmp_path, content, "dump.gas.gz"))
-    (row, *_) = found.rows
+    verdict = hl.check(script, dump=written(tmp_path, content, "dump.gas.gz"))
+    (row, *_) = verdict.rows
     assert (row.radius, row.density) == (pytest.approx(1e-3), pytest.approx(2500.0))
     assert row.restitution is not None and row.steps_per_contact and row.tc_nu
-    assert not found.missing and not found.unknown and found.admissible is not None
+    assert not verdict.missing and not verdict.unknown and verdict.admissible is not None
 
 
 def test_types_that_only_the_dump_shows_are_examined(tmp_path):
@@ -184,13 +184,15 @@ def test_types_that_only_the_dump_shows_are_examined(tmp_path):
     pair = "hooke 2e4 0.9 damping coeff_restitution\n"
     script = f"units si\natom_style sphere\nread_restart old\npair_style granular\npair_coeff * * {pair}"
     run = "timestep 1e-7\nfix 1 all nve/sphere\nrun 100\n"
-    found = hl.check(script + run, dump=dump)
-    assert {row.types for row in found.rows} == {("1", "1"), ("1", "2"), ("2", "2")}
-    assert found.sentence == hl.check(f"{script}pair_coeff 2 2 {pair}{run}", dump=dump).sentence
+    verdict = hl.check(script + run, dump=dump)
+    assert {row.types for row in verdict.rows} == {("1", "1"), ("1", "2"), ("2", "2")}
+    assert verdict.sentence == hl.check(f"{script}pair_coeff 2 2 {pair}{run}", dump=dump).sentence
     grains = "region all block 0 1 0 1 0 1\ncreate_box 1 all\ncreate_atoms 1 single 0 0 0\nset type 1 diameter 2e-3"
     other = hl.check(script.replace("read_restart old", grains) + run, dump=dump)
     assert other.admissible is not True
-    assert "grains of type 2 are in the dump, but not in the script" in [one.what for one in other.unknown]
+    assert "grains of type 2 are in the dump, but not in the script" in [
+        quote.what for quote in other.unknown
+    ]
 
 
 def test_temperature_counts_masses(tmp_path):
@@ -205,8 +207,8 @@ def test_temperature_counts_masses(tmp_path):
     ):
         frame = dumps.read(written(tmp_path, text(mixed, f"{columns} {more}", types=1 + heavy)))[0]
         radii, densities = known or ({}, {})
-        found = dumps.state(frame, radii, 3, densities).temperature
-        assert found == pytest.approx(mixed.granular_temperature, rel=1e-9)
+        temperature = dumps.state(frame, radii, 3, densities).temperature
+        assert temperature == pytest.approx(mixed.granular_temperature, rel=1e-9)
     script = (
         "units si\natom_style sphere\nregion all block 0 1 0 1 0 1\ncreate_box 2 all\n"
         "create_atoms 1 single 0 0 0\ncreate_atoms 2 single 0 0 1\nset type 1 diameter 2e-3 density 1000\n"
@@ -223,6 +225,6 @@ def test_temperature_counts_masses(tmp_path):
 def test_a_dump_of_disks_needs_no_third_column(scaled, tmp_path):
     disks = hl.ParticleSystem.random(200, 0.3, 1e-3, 2500.0, rms_speed=0.3, dimension=2)
     columns = "id type xs ys vx vy radius" if scaled else "id type x y vx vy radius"
-    found = dumps.state(dumps.read(written(tmp_path, text(disks, columns, scaled=scaled)))[0], {}, 2)
-    assert found.temperature == pytest.approx(disks.granular_temperature, rel=1e-9)
-    assert found.packing_fraction == pytest.approx(0.3) and found.coordination == 0.0
+    state = dumps.state(dumps.read(written(tmp_path, text(disks, columns, scaled=scaled)))[0], {}, 2)
+    assert state.temperature == pytest.approx(disks.granular_temperature, rel=1e-9)
+    assert state.packing_fraction == pytest.approx(0.3) and state.coordination == 0.0

@@ -93,9 +93,9 @@ class Written:
     def liggghts(self):
         every = range(self.types)
         moduli, ratios = ([self.value(low, high) for _ in every] for low, high in ((1e6, 1e8), (0.1, 0.4)))
-        given = {(i, j): self.value(0.1, 0.9) for i in every for j in every if i <= j}
+        restitutions = {(i, j): self.value(0.1, 0.9) for i in every for j in every if i <= j}
         self.add(f"create_box {self.types} box")
-        matrix = [self.written(given[min(i, j), max(i, j)]) for i in every for j in every]
+        matrix = [self.written(restitutions[min(i, j), max(i, j)]) for i in every for j in every]
         for name, words in (
             ("youngsModulus peratomtype", [self.written(x) for x in moduli]),
             ("poissonsRatio peratomtype", [self.written(x) for x in ratios]),
@@ -119,9 +119,9 @@ class Written:
 
         def contact(i, j):
             effective = 1.0 / sum((1.0 - ratios[k] ** 2) / moduli[k] for k in (i, j))
-            return given[min(i, j), max(i, j)], effective, bool(limited)
+            return restitutions[min(i, j), max(i, j)], effective, bool(limited)
 
-        self.pairs = {(str(i + 1), str(j + 1)): contact(i, j) for i, j in given}
+        self.pairs = {(str(i + 1), str(j + 1)): contact(i, j) for i, j in restitutions}
         self.walls = {(str(i + 1), "wall"): contact(i, end) for i in every}
 
     def model(self):
@@ -144,17 +144,17 @@ def test_random_scripts(seed):
     expected |= {
         ((str(k), "wall"), wall): m for wall, m in written.walls.items() for k in range(1, written.types + 1)
     }
-    found = {}
-    for one in stage.contacts:
-        name, *numbers = one.settings["normal"].words
+    contacts = {}
+    for contact in stage.contacts:
+        name, *numbers = contact.settings["normal"].words
         normal = [name, *(pytest.approx(float(x), rel=1e-12) for x in numbers)]
-        found[one.types, one.wall] = (
+        contacts[contact.types, contact.wall] = (
             normal,
-            one.settings["damping"].words[0],
-            "limit_damping" in one.settings,
+            contact.settings["damping"].words[0],
+            "limit_damping" in contact.settings,
         )
-    assert found == expected
-    assert {kind: one.radii for kind, one in stage.grains.items()} == {
+    assert contacts == expected
+    assert {kind: grains.radii for kind, grains in stage.grains.items()} == {
         kind: pytest.approx(radii) for kind, radii in written.radii.items()
     }
 
@@ -164,15 +164,15 @@ def test_random_scripts_of_liggghts(seed):
     written = Written(seed)
     written.liggghts()
     stage = read(written.text()).stages[-1]
-    found = {}
-    for one in stage.contacts:
+    contacts = {}
+    for contact in stage.contacts:
         names = ("coefficientRestitution", "youngsModulus", "poissonsRatio")
-        restitution, modulus, ratio = (float(one.settings[name].words[0]) for name in names)
+        restitution, modulus, ratio = (float(contact.settings[name].words[0]) for name in names)
         effective = 0.5 * modulus / (1.0 - ratio**2)
-        limited = "limitForce" in one.settings
-        found[one.types] = (restitution, pytest.approx(effective, rel=1e-12), limited)
-    assert found == {**written.pairs, **written.walls}
-    assert {kind: one.radii for kind, one in stage.grains.items()} == written.radii
+        limited = "limitForce" in contact.settings
+        contacts[contact.types] = (restitution, pytest.approx(effective, rel=1e-12), limited)
+    assert contacts == {**written.pairs, **written.walls}
+    assert {kind: grains.radii for kind, grains in stage.grains.items()} == written.radii
 
 
 # --- faults -----------------------------------------------------------------------------------------------------

@@ -20,9 +20,9 @@ def stage(text, **more):
 
 def normal(text, types=("1", "1"), **more):
     """Words of the normal force of a pair of types."""
-    found = [one for one in stage(text, **more).contacts if one.types == types]
-    assert len(found) == 1
-    return found[0].settings["normal"].words
+    contact = [contact for contact in stage(text, **more).contacts if contact.types == types]
+    assert len(contact) == 1
+    return contact[0].settings["normal"].words
 
 
 def refused(text, **more):
@@ -73,8 +73,8 @@ def refused(text, **more):
 )
 def test_words_are_those_of_lammps(lines, stiffness, monkeypatch):
     monkeypatch.setenv("HARDLIMIT_STIFFNESS", "4e5")
-    found = normal(f"{BOX}{POUR}pair_style granular\n{lines}run 1\n")
-    assert found[0] == "hooke" and float(found[1]) == pytest.approx(stiffness, rel=1e-12)
+    words = normal(f"{BOX}{POUR}pair_style granular\n{lines}run 1\n")
+    assert words[0] == "hooke" and float(words[1]) == pytest.approx(stiffness, rel=1e-12)
 
 
 def test_variables_of_the_command_line_win():
@@ -87,8 +87,8 @@ def test_an_unknown_variable_is_refused_where_it_matters():
     line = refused(f"{BOX}{POUR}pair_style granular\npair_coeff * * hooke ${{k}} 0.5\nrun 1\n")
     assert line.startswith("input: line 5: got 'pair_coeff * * hooke ${k} 0.5', must ") and "--var" in line
     assert "--var" in refused(f"{BASE}timestep ${{dt}}\nrun 1\n")
-    found = read(f"{BASE}dump d all atom ${{n}} d.txt\nthermo $n\nrun ${{steps}}\n")
-    assert found.stages[0].steps is None and not found.unknown
+    description = read(f"{BASE}dump d all atom ${{n}} d.txt\nthermo $n\nrun ${{steps}}\n")
+    assert description.stages[0].steps is None and not description.unknown
 
 
 def test_include_files_are_relative_to_the_script(tmp_path):
@@ -96,9 +96,9 @@ def test_include_files_are_relative_to_the_script(tmp_path):
     (tmp_path / "in.main").write_text(f"{BOX}{POUR}variable k equal 1e5\ninclude more/in.pair\nrun 5\n")
     (tmp_path / "more" / "in.pair").write_text("pair_style granular\ninclude in.coeff\n")
     (tmp_path / "more" / "in.coeff").write_text("pair_coeff * * hooke $k 0.5\n")
-    found = read(tmp_path / "in.main").stages[0].contacts[0]
-    assert found.settings["normal"].words == ("hooke", "100000", "0.5")
-    assert found.quotes[0].file == "in.coeff" and found.quotes[0].line == 1
+    description = read(tmp_path / "in.main").stages[0].contacts[0]
+    assert description.settings["normal"].words == ("hooke", "100000", "0.5")
+    assert description.quotes[0].file == "in.coeff" and description.quotes[0].line == 1
     (tmp_path / "more" / "in.coeff").unlink()
     assert refused(tmp_path / "in.main").startswith(
         "more/in.pair: line 2: got 'include in.coeff', must name a file"
@@ -118,11 +118,16 @@ jump SELF again
 if "2 > 1 && a == a" then "timestep 1e-4" "timestep 1e-5" else "timestep 1"
 if "2 < 1" then "timestep 1" elif "a != b" "timestep 2e-5" else "timestep 3"
 """
-    found = read(text.replace('"timestep 2e-5"', 'then "timestep 2e-5"') + "run 20\n").stages
-    assert [one.contacts[0].settings["normal"].words[1] for one in found] == ["1e5", "2e5", "3e5", "3e5"]
-    assert [one.time_step for one in found] == [0.005, 0.005, 0.005, 2e-5]
-    assert [one.time_step_given for one in found] == [False, False, False, True]
-    assert [one.steps for one in found] == [10, 10, 10, 20]
+    description = read(text.replace('"timestep 2e-5"', 'then "timestep 2e-5"') + "run 20\n").stages
+    assert [stage.contacts[0].settings["normal"].words[1] for stage in description] == [
+        "1e5",
+        "2e5",
+        "3e5",
+        "3e5",
+    ]
+    assert [stage.time_step for stage in description] == [0.005, 0.005, 0.005, 2e-5]
+    assert [stage.time_step_given for stage in description] == [False, False, False, True]
+    assert [stage.steps for stage in description] == [10, 10, 10, 20]
     forever = refused(f"{BASE}label a\nrun 1\njump SELF a\n")
     assert "shorter loop" in forever and "log" in forever
     assert "label" in refused(f"{BASE}jump SELF nowhere\n")
@@ -156,9 +161,13 @@ KE = f"{BASE}variable e equal ke\n"
     ],
 )
 def test_conditions_that_only_a_run_knows_and_that_touch_no_contact(lines, steps):
-    found = read(KE + lines)
-    assert [one.steps for one in found.stages] == [steps] and not found.unknown and not found.invalidates
-    assert found.stages[0].contacts and found.stages[0].time_step == 1e-8
+    description = read(KE + lines)
+    assert (
+        [stage.steps for stage in description.stages] == [steps]
+        and not description.unknown
+        and not description.invalidates
+    )
+    assert description.stages[0].contacts and description.stages[0].time_step == 1e-8
 
 
 @pytest.mark.parametrize(
@@ -182,13 +191,13 @@ def test_branches_that_differ_are_quoted(branch, what, tmp_path):
     """What may be one or the other is not known; the rest is as without the condition."""
     (tmp_path / "more.in").write_text("timestep 1e-6\n")
     (tmp_path / "in.main").write_text(f"{KE}run 5\n{QUIET} {branch}\nrun 7\n")
-    found = read(tmp_path / "in.main")
-    before, after = found.stages[0], found.stages[-1]
-    (quote,) = found.unknown
+    description = read(tmp_path / "in.main")
+    before, after = description.stages[0], description.stages[-1]
+    (quote,) = description.unknown
     assert not after.pressed and not after.driven and after.shear_rate is None
-    assert quote.line == 10 and f"branches differ in {what}" in quote.text and not found.invalidates
+    assert quote.line == 10 and f"branches differ in {what}" in quote.text and not description.invalidates
     assert (after.time_step is None) == (what == "the time step")
-    pairs = [one for one in after.contacts if not one.wall]
+    pairs = [contact for contact in after.contacts if not contact.wall]
     assert (pairs == list(before.contacts)) == ("pair_coeff" not in branch) and after.gravity is None
     assert len(pairs) == len(after.contacts)
     assert (after.grains["1"].radii == (0.01, 0.01)) == (what != "grains")
@@ -226,10 +235,10 @@ def test_all_variables_without_a_value_are_named():
 
 
 def test_commands_inside_a_run_and_of_some_partitions():
-    found = read(f"{BASE}run 100 every 10 'print x' 'variable y equal ke'\n")
-    assert [(one.time_step, one.steps) for one in found.stages] == [(1e-8, 100)]
-    found = read(f"{BASE}run 100 every 10 'timestep 1e-6'\nrun 5\n")
-    assert [(one.time_step, one.steps) for one in found.stages] == [(1e-8, 10), (1e-6, None)]
+    description = read(f"{BASE}run 100 every 10 'print x' 'variable y equal ke'\n")
+    assert [(stage.time_step, stage.steps) for stage in description.stages] == [(1e-8, 100)]
+    description = read(f"{BASE}run 100 every 10 'timestep 1e-6'\nrun 5\n")
+    assert [(stage.time_step, stage.steps) for stage in description.stages] == [(1e-8, 10), (1e-6, None)]
     assert not read(f"{BASE}run 100 every 10 \"if '$(ke) < 1' then quit\"\nrun 5\n").unknown
     assert len(read(f"{BASE}partition yes 1 timestep 1e-6\npartition no 1 print a\nrun 5\n").unknown) == 1
 
@@ -248,9 +257,9 @@ def test_commands_inside_a_run_and_of_some_partitions():
 )
 def test_walls_that_move_by_a_variable(region, wall, moves):
     lines = f"variable top equal ramp(1,0.5)\nvariable fixed equal 2*3\nregion piston {region}\n"
-    found = read(f"{BASE}{lines}fix w all wall/gran/region granular hooke 1 .5 {wall}\nrun 1\n")
-    assert any("moving wall" in note.what for note in found.ignored) == moves
-    assert [one.wall for one in found.stages[0].contacts] == [None, "w"]
+    description = read(f"{BASE}{lines}fix w all wall/gran/region granular hooke 1 .5 {wall}\nrun 1\n")
+    assert any("moving wall" in note.what for note in description.ignored) == moves
+    assert [stage.wall for stage in description.stages[0].contacts] == [None, "w"]
 
 
 @pytest.mark.slow
@@ -270,10 +279,10 @@ jump SELF again
 label done
 run 10
 """
-    found = read(text)
-    assert sum(one.steps for one in found.stages) == 100_010
+    description = read(text)
+    assert sum(stage.steps for stage in description.stages) == 100_010
     # The loop may end before its last round.
-    assert [one.grains["1"].radii for one in found.stages] == [(0.01, 0.01), (0.01, 0.02), None]
+    assert [stage.grains["1"].radii for stage in description.stages] == [(0.01, 0.01), (0.01, 0.02), None]
 
 
 # --- pairs ------------------------------------------------------------------------------------------------------
@@ -324,7 +333,7 @@ def test_wildcards_hold_for_types_that_are_not_known_yet(tmp_path):
     (tmp_path / "in.more").write_text(
         f"{reads}{pairs}create_atoms 2 single 0.1 0.1 0.1\nset type 2 diameter 0.01\nrun 1\n"
     )
-    types = [one.types for one in read(tmp_path / "in.more").stages[-1].contacts]
+    types = [stage.types for stage in read(tmp_path / "in.more").stages[-1].contacts]
     assert types == [("1", "1"), ("1", "2"), ("2", "2")]
 
 
@@ -343,16 +352,16 @@ def test_adhesion_whose_constant_is_0_is_none(model):
     numbers = "damping velocity tangential none"
     text = f"{head}pair_coeff 1 1 {model} 1e6 4 0.3 0.0 {numbers}\npair_coeff 2 2 {model} 3e6 9 0.2 7 {numbers}\n"
     wall = f"fix w all wall/gran granular {model} 1e6 4 0.3 0 {numbers} zplane 0 NULL\n"
-    found = read(f"{text}{wall}run 1\n")
-    contacts = {(one.types, one.wall): one for one in found.stages[0].contacts}
+    description = read(f"{text}{wall}run 1\n")
+    contacts = {(stage.types, stage.wall): stage for stage in description.stages[0].contacts}
     material = ("hertz/material", "1e6", "4", "0.3")
     for ends in ((("1", "1"), None), (("1", "wall"), "w"), (("2", "wall"), "w")):
         assert contacts[ends].settings["normal"].words == material and not contacts[ends].adhesion
     modulus = 1.0 / ((1.0 - 0.09) / 1e6 + (1.0 - 0.04) / 3e6)
     words = contacts[("1", "2"), None].settings["normal"].words
     assert words[0] == "hertz" and [float(x) for x in words[1:]] == pytest.approx([4.0 / 3.0 * modulus, 6.0])
-    assert [one.types for one in contacts.values() if one.adhesion] == [("2", "2")]
-    assert [(note.what, note.types) for note in found.invalidates] == [(f"adhesion ({model})", ("2",))]
+    assert [contact.types for contact in contacts.values() if contact.adhesion] == [("2", "2")]
+    assert [(note.what, note.types) for note in description.invalidates] == [(f"adhesion ({model})", ("2",))]
     later = read(f"{text}pair_coeff * * hooke 1e5 4 {numbers}\nrun 1\n")
     assert not later.invalidates  # a later line overrides an earlier one
 
@@ -360,32 +369,32 @@ def test_adhesion_whose_constant_is_0_is_none(model):
 def test_mixing_is_that_of_lammps():
     """Geometric means; moduli in series."""
     both = f"{BOX}create_atoms 1 box\ncreate_atoms 2 box\npair_style granular\n"
-    found = normal(f"{both}pair_coeff 1 1 hooke 1e4 0.4\npair_coeff 2 2 hooke 4e4 0.9\nrun 1\n", ("1", "2"))
-    assert found[0] == "hooke" and [float(x) for x in found[1:]] == pytest.approx([2e4, 0.6])
+    mixed = normal(f"{both}pair_coeff 1 1 hooke 1e4 0.4\npair_coeff 2 2 hooke 4e4 0.9\nrun 1\n", ("1", "2"))
+    assert mixed[0] == "hooke" and [float(x) for x in mixed[1:]] == pytest.approx([2e4, 0.6])
     text = f"{both}pair_coeff 1 1 hertz/material 1e6 0.4 0.3\npair_coeff 2 2 hertz/material 3e6 0.9 0.2 limit_damping\n"
-    pair = next(one for one in stage(f"{text}run 1\n").contacts if one.types == ("1", "2"))
+    pair = next(contact for contact in stage(f"{text}run 1\n").contacts if contact.types == ("1", "2"))
     modulus = 1.0 / ((1.0 - 0.09) / 1e6 + (1.0 - 0.04) / 3e6)
     words = pair.settings["normal"].words
     assert words[0] == "hertz" and [float(x) for x in words[1:]] == pytest.approx([4.0 / 3.0 * modulus, 0.6])
     assert "limit_damping" in pair.settings and len(pair.quotes) == 2
-    given = f"{text}pair_coeff 1 2 hertz/material 5e6 0.5 0.3\nrun 1\n"
-    assert normal(given, ("1", "2")) == ("hertz/material", "5e6", "0.5", "0.3")
+    own = f"{text}pair_coeff 1 2 hertz/material 5e6 0.5 0.3\nrun 1\n"
+    assert normal(own, ("1", "2")) == ("hertz/material", "5e6", "0.5", "0.3")
     differ = read(f"{both}pair_coeff 1 1 hooke 1 0.4\npair_coeff 2 2 hertz 1 0.9\nrun 1\n")
-    assert [one.types for one in differ.stages[0].contacts] == [("1", "1"), ("2", "2")] and len(
+    assert [stage.types for stage in differ.stages[0].contacts] == [("1", "1"), ("2", "2")] and len(
         differ.unknown
     ) == 2
 
 
 def test_defaults_that_carry_physics():
     """Without the keyword damping, the second number is no ε."""
-    found = stage(
+    stage_now = stage(
         f"{BOX}{POUR}pair_style granular\npair_coeff * * hertz/material 1e9 0.7 0.3\nrun 1\n"
     ).contacts[0]
-    assert found.settings["damping"].words == ("viscoelastic",)
-    found = stage(
+    assert stage_now.settings["damping"].words == ("viscoelastic",)
+    stage_now = stage(
         f"{BOX}{POUR}pair_style gran/hooke/history/omp 1e5 NULL 50 NULL 0.5 1 limit_damping\nrun 1\n"
     )
-    settings = found.contacts[0].settings
+    settings = stage_now.contacts[0].settings
     assert settings["normal"].words == ("gran/hooke", "1e5", "50") and settings["limit_damping"].words == ()
 
 
@@ -398,26 +407,26 @@ pair_coeff 2 2 gran/hooke
 pair_coeff 1 2 lj/cut 1.0 1.0
 run 1
 """
-    found = read(text)
+    description = read(text)
     assert normal(text)[1] == "1e5" and normal(text, ("2", "2")) == ("gran/hooke", "7", "8")
-    assert len(found.stages[0].contacts) == 2 and "lj/cut" in found.invalidates[0].what
+    assert len(description.stages[0].contacts) == 2 and "lj/cut" in description.invalidates[0].what
 
 
 def test_units_and_their_time_steps():
     steps = {"lj": 0.005, "real": 1.0, "metal": 0.001, "si": 1e-8, "cgs": 1e-8, "electron": 0.001}
     for units, step in {**steps, "micro": 2.0, "nano": 4.5e-4}.items():
-        found = read(f"units {units}\n{BOX}{PAIR}{POUR}run 1\n")
-        assert (found.stages[0].units, found.stages[0].units_given) == (units, True)
-        assert (found.stages[0].time_step, found.stages[0].time_step_given) == (step, False)
-    found = read(f"{BOX}{PAIR}{POUR}timestep 0.1\nrun 1\n")
-    last = found.stages[0]
+        description = read(f"units {units}\n{BOX}{PAIR}{POUR}run 1\n")
+        assert (description.stages[0].units, description.stages[0].units_given) == (units, True)
+        assert (description.stages[0].time_step, description.stages[0].time_step_given) == (step, False)
+    description = read(f"{BOX}{PAIR}{POUR}timestep 0.1\nrun 1\n")
+    last = description.stages[0]
     assert (last.units, last.units_given, last.time_step) == ("lj", False, 0.1)
 
 
 def test_units_reset_the_time_step():
     """As LAMMPS warns: "Changing timestep from … due to changing units"."""
-    found = read(f"timestep 1e-5\nunits si\n{BOX}{PAIR}{POUR}run 1\n")
-    assert (found.stages[0].time_step, found.stages[0].time_step_given) == (1e-8, False)
+    description = read(f"timestep 1e-5\nunits si\n{BOX}{PAIR}{POUR}run 1\n")
+    assert (description.stages[0].time_step, description.stages[0].time_step_given) == (1e-8, False)
 
 
 def test_styles_of_the_run():
@@ -469,8 +478,8 @@ def test_styles_of_the_run():
     ],
 )
 def test_sizes(lines, radii, densities, masses):
-    found = stage(f"{BOX}{PAIR}{lines}\nrun 1\n").grains["1"]
-    for here, expected in ((found.radii, radii), (found.densities, densities), (found.masses, masses)):
+    grains = stage(f"{BOX}{PAIR}{lines}\nrun 1\n").grains["1"]
+    for here, expected in ((grains.radii, radii), (grains.densities, densities), (grains.masses, masses)):
         assert here == (None if expected is None else pytest.approx(expected))
 
 
@@ -523,8 +532,8 @@ Velocities
     (tmp_path / "grains.data").write_text(
         (tmp_path / "grains.data").read_text().replace("# sphere", "# hybrid")
     )
-    found = read(script)
-    assert found.stages[0].grains["1"].radii is None and len(found.unknown) == 1
+    description = read(script)
+    assert description.stages[0].grains["1"].radii is None and len(description.unknown) == 1
 
 
 def test_data_files_that_are_added(tmp_path):
@@ -535,7 +544,7 @@ def test_data_files_that_are_added(tmp_path):
     assert list(read(script).stages[0].grains) == ["1", "3"]
     with (tmp_path / "one.data").open("a") as file:
         file.write("\nPairIJ Coeffs # granular\n\n1 1 hooke 1e5 0.5\n")
-    assert [one.text.partition(" (")[2] for one in read(script).unknown] == [
+    assert [quote.text.partition(" (")[2] for quote in read(script).unknown] == [
         "its pair coefficients are not read)"
     ] * 2
 
@@ -544,14 +553,16 @@ def test_pairs_that_are_excluded_and_grains_that_are_deleted():
     text = f"{FOUR_TYPES}group a type 3 4\npair_style gran/hooke 1 NULL 1 NULL 0 0\n{{}}\nrun 1\n"
 
     def pairs(line):
-        return ["".join(one.types) for one in stage(text.format(line)).contacts]
+        return ["".join(contact.types) for contact in stage(text.format(line)).contacts]
 
     every = ["11", "12", "13", "14", "22", "23", "24", "33", "34", "44"]
     assert pairs("neigh_modify delay 0") == every
     assert pairs("neigh_modify every 1 exclude type 2 1 exclude type 4 4") == [
-        one for one in every if one not in ("12", "44")
+        pair for pair in every if pair not in ("12", "44")
     ]
-    assert pairs("neigh_modify exclude group a a") == [one for one in every if one not in ("33", "34", "44")]
+    assert pairs("neigh_modify exclude group a a") == [
+        pair for pair in every if pair not in ("33", "34", "44")
+    ]
     assert pairs("neigh_modify exclude group a a\nneigh_modify exclude none") == every
     assert pairs("delete_atoms group a") == ["11", "12", "22"]
     assert pairs("region r block 0 1 0 1 0 1\ndelete_atoms region r") == every
@@ -562,12 +573,12 @@ def test_molecules(tmp_path):
     script = tmp_path / "in.mol"
     lines = "molecule m pair.mol\nfix r all rigid/small molecule mol m\nfix i all pour 5 0 1 region box mol m rigid r\n"
     script.write_text(f"{BOX}{PAIR}{lines}run 1\n")
-    found = read(script)
-    assert {kind: one.radii for kind, one in found.stages[0].grains.items()} == {
+    description = read(script)
+    assert {kind: stage.radii for kind, stage in description.stages[0].grains.items()} == {
         "1": (0.1, 0.1),
         "2": (0.2, 0.2),
     }
-    assert any("clumps" in one.what for one in found.invalidates)
+    assert any("clumps" in finding.what for finding in description.invalidates)
 
 
 def test_frozen_grains():
@@ -582,7 +593,7 @@ run 1
         grains = stage(text.format(lines)).grains
         assert (grains["1"].frozen, grains["2"].frozen) == (False, True)
     for lines in ("fix 1 all nve/sphere", "group some id 1 2\nfix 1 all nve\nfix 2 some freeze", ""):
-        assert not any(one.frozen for one in stage(text.format(lines)).grains.values())
+        assert not any(grains.frozen for grains in stage(text.format(lines)).grains.values())
     for lines, counted in (
         ("fix 1 all nve/sphere\nfix 2 floor freeze", False),
         ("fix 1 mobile nve/sphere", True),
@@ -623,8 +634,8 @@ def test_set_changes_the_grains_with_these_numbers():
 )
 def test_all_words_of_set_are_understood_or_quoted(words, understood):
     line = f"set type 1 {words}"
-    found = read(f"{BOX}{PAIR}create_atoms 1 box\n{line}\nrun 1\n")
-    assert [one.text.startswith(line) for one in found.unknown] == [True] * (not understood)
+    description = read(f"{BOX}{PAIR}create_atoms 1 box\n{line}\nrun 1\n")
+    assert [quote.text.startswith(line) for quote in description.unknown] == [True] * (not understood)
 
 
 def test_fractions_of_types():
@@ -650,7 +661,7 @@ def test_files_that_cannot_be_read_say_why(tmp_path):
         ("read_restart old", "such files are not read"),
     ):
         script.write_text(f"atom_style sphere\n{line}\n{PAIR}run 1\n")
-        assert [one.text for one in read(script).unknown] == [f"{line} ({why})"]
+        assert [quote.text for quote in read(script).unknown] == [f"{line} ({why})"]
     (quote,) = read(f"read_data none.data\n{PAIR}run 1\n").unknown
     assert "give the script as a file" in quote.text
 
@@ -676,9 +687,13 @@ unfix w2
 run 1
 """
     text = "region blade block 0 1 0 1 0 1 rotate v_t 0 0 0 0 0 1\nregion drum intersect 2 box blade\n" + text
-    found = read(text)
-    first, second = found.stages
-    walls = [(one.types, one.wall, one.settings["normal"].words[0]) for one in first.contacts if one.wall]
+    description = read(text)
+    first, second = description.stages
+    walls = [
+        (contact.types, contact.wall, contact.settings["normal"].words[0])
+        for contact in first.contacts
+        if contact.wall
+    ]
     assert walls == [
         (("1", "wall"), "w1", "gran/hertz"),
         (("2", "wall"), "w1", "gran/hertz"),
@@ -686,8 +701,8 @@ run 1
         (("1", "wall"), "w3", "hertz/material"),
         (("2", "wall"), "w3", "hertz/material"),
     ]
-    assert {one.wall for one in second.contacts if one.wall} == {"w1", "w3"}
-    said = " ".join(one.what for one in found.ignored)
+    assert {contact.wall for contact in second.contacts if contact.wall} == {"w1", "w3"}
+    said = " ".join(note.what for note in description.ignored)
     assert (
         "curvature" in said
         and "moving wall (wiggle)" in said
@@ -698,8 +713,8 @@ run 1
 
 def test_settings_that_change_are_stages():
     text = f"{BASE}timestep 1e-5\nrun 100\nunfix ins\nrun 100\ntimestep 2e-5\nrun 7\nrun 1000 upto\nclear\n"
-    found = read(text).stages
-    assert [(one.time_step, one.steps) for one in found] == [(1e-5, 200), (2e-5, 800)]
+    description = read(text).stages
+    assert [(stage.time_step, stage.steps) for stage in description] == [(1e-5, 200), (2e-5, 800)]
     again = read(text + BASE.replace("1e5", "3e5") + "run 5\n").stages
     assert len(again) == 3 and again[2].contacts[0].settings["normal"].words[1] == "3e5"
     assert again[2].time_step == 1e-8
@@ -728,8 +743,10 @@ pair_style gran/hooke 1 NULL 1 NULL 0 0
         "g": "23",
         "h": "",
     }.items():
-        found = stage(f"{text}fix w {name} wall/gran hooke 1 NULL 1 NULL 0 0 zplane 0 NULL\nrun 1\n").contacts
-        assert "".join(one.types[0] for one in found if one.wall) == types, name
+        contact = stage(
+            f"{text}fix w {name} wall/gran hooke 1 NULL 1 NULL 0 0 zplane 0 NULL\nrun 1\n"
+        ).contacts
+        assert "".join(contact.types[0] for contact in contact if contact.wall) == types, name
 
 
 def test_a_group_that_is_not_defined_is_quoted():
@@ -748,20 +765,20 @@ def test_labels_of_types():
 
 
 def test_time_steps_that_adapt():
-    found = read(
+    description = read(
         f"{BASE}timestep 1e-6\nfix d all dt/reset 10 NULL 1e-6 0.1\nrun 1\nreset_timestep 0\nrun 5 upto\n"
     )
-    assert [(one.time_step, one.steps) for one in found.stages] == [(None, 6)]
-    assert any("adapts" in one.what for one in found.ignored)
+    assert [(stage.time_step, stage.steps) for stage in description.stages] == [(None, 6)]
+    assert any("adapts" in note.what for note in description.ignored)
 
 
 def test_gravity_dimension_and_steps():
     text = f"dimension 2\n{BOX}{PAIR}{POUR}fix g all gravity 9.81 vector 0 -1 0\nrun 10\n"
-    found = read(text)
+    description = read(text)
     assert (
-        found.stages[0].dimension == 2
-        and found.stages[0].gravity == 9.81
-        and found.stages[0].numerical_damping is None
+        description.stages[0].dimension == 2
+        and description.stages[0].gravity == 9.81
+        and description.stages[0].numerical_damping is None
     )
     assert read(f"{BASE}run 10\n").stages[0].gravity is None
 
@@ -782,7 +799,7 @@ def test_gravity_dimension_and_steps():
     ],
 )
 def test_what_makes_hard_spheres_wrong(line, what):
-    assert any(what in one.what for one in read(f"{BASE}{line}\nrun 1\n").invalidates)
+    assert any(what in finding.what for finding in read(f"{BASE}{line}\nrun 1\n").invalidates)
 
 
 def test_words_of_2026_leave_the_normal_contact():
@@ -792,24 +809,26 @@ def test_words_of_2026_leave_the_normal_contact():
             BASE
             + f"pair_coeff * * hooke 1e5 0.5 tangential {word} 2e4 1.0 0.5 0.4 damping coeff_restitution\nrun 1\n"
         )
-        found = read(text)
-        assert not found.unknown and f"tangential {word}" in [one.what for one in found.ignored]
+        description = read(text)
+        assert not description.unknown and f"tangential {word}" in [note.what for note in description.ignored]
         assert normal(text) == ("hooke", "1e5", "0.5")
     for words in ("epa_linear 1e5 0.5 2 1e4 0.05 0.1", "epa_nonlinear 1e7 0.5 0.3 0.5 0 1e3 1.5 1"):
-        found = read(BASE + f"pair_coeff * * {words} tangential mindlin/static NULL 1 0.5 0.4\nrun 1\n")
-        assert [one.what for one in found.invalidates] == [f"plastic deformation ({words.split()[0]})"]
-        assert not found.unknown and all(one.adhesion for one in found.stages[0].contacts)
+        description = read(BASE + f"pair_coeff * * {words} tangential mindlin/static NULL 1 0.5 0.4\nrun 1\n")
+        assert [finding.what for finding in description.invalidates] == [
+            f"plastic deformation ({words.split()[0]})"
+        ]
+        assert not description.unknown and all(stage.adhesion for stage in description.stages[0].contacts)
     strange = read(BASE + "pair_coeff * * hooke 1e5 0.5 tangential mindlin/magic 1 2 3\nrun 1\n").unknown
-    assert [one.part for one in strange] == ["tangential mindlin/magic"]
+    assert [quote.part for quote in strange] == ["tangential mindlin/magic"]
 
 
 def test_what_is_unknown_is_quoted():
     lines = ["fix new all granular/magic 1", "strange command", "pair_coeff 1 1 hooke 1e5 0.5 damping magic"]
     lines += ["group a typ 1", "create_atoms 1 rndom 5 7 box", "fix g all gravity 9.81 vetor 0 0 -1"]
     text = BASE + "\n".join(lines) + "\nrun 1\n"
-    found = read(text)
-    assert [one.text for one in found.unknown] == lines
-    assert [text.splitlines()[one.line - 1] for one in found.unknown] == lines
+    description = read(text)
+    assert [quote.text for quote in description.unknown] == lines
+    assert [text.splitlines()[quote.line - 1] for quote in description.unknown] == lines
     harmless = "thermo 10\ndump d all custom 1 d id x\nfix a all ave/time 1 1 1 c_x\ncompute x all ke\nneighbor 1 bin\n"
     assert not read(f"{BASE}{harmless}fix e all enforce2d\nfix n all nve/sphere disc\nrun 1\n").unknown
 

@@ -29,23 +29,25 @@ SCRIPT = f"{HEAD}{PROPERTIES}{MODEL}{INSERT}"
 
 def words(contact):
     """The words of all settings."""
-    return {name: one.words for name, one in contact.settings.items()}
+    return {name: setting.words for name, setting in contact.settings.items()}
 
 
 def test_pairs_and_their_properties():
     text = SCRIPT.replace("atom_type 1 density constant 2600", "atom_type 2 density constant 2600")
-    found = read(f"{text}timestep 1e-6\nrun 100\n")
-    assert (found.code, found.stages[0].units) == ("liggghts", "si")
-    one, mixed, other = found.stages[0].contacts
-    assert words(one)["model"] == ("hertz",) and words(one)["limitForce"] == ("on",)
-    assert words(one)["youngsModulus"] == ("5e6",) and words(one)["coefficientRestitution"] == ("0.9",)
+    description = read(f"{text}timestep 1e-6\nrun 100\n")
+    assert (description.code, description.stages[0].units) == ("liggghts", "si")
+    contact, mixed, other = description.stages[0].contacts
+    assert words(contact)["model"] == ("hertz",) and words(contact)["limitForce"] == ("on",)
+    assert words(contact)["youngsModulus"] == ("5e6",) and words(contact)["coefficientRestitution"] == (
+        "0.9",
+    )
     assert words(other)["youngsModulus"] == ("2e7",) and words(other)["coefficientRestitution"] == ("0.7",)
     assert words(mixed)["coefficientRestitution"] == ("0.5",)
     modulus, ratio = (float(words(mixed)[name][0]) for name in ("youngsModulus", "poissonsRatio"))
     effective = 1.0 / ((1.0 - 0.45**2) / 5e6 + (1.0 - 0.3**2) / 2e7)
     assert 0.5 * modulus / (1.0 - ratio**2) == pytest.approx(effective, rel=1e-12)
-    assert [one.text.split()[1] for one in mixed.quotes[1:]] == ["m1", "m2", "m3"]
-    assert [one.what for one in found.ignored] == ["tangential history"]
+    assert [quote.text.split()[1] for quote in mixed.quotes[1:]] == ["m1", "m2", "m3"]
+    assert [note.what for note in description.ignored] == ["tangential history"]
 
 
 def test_templates():
@@ -75,10 +77,10 @@ def test_templates():
     ],
 )
 def test_distributions_of_templates(words, ends):
-    found = read(f"{SCRIPT.replace('uniform 0.002 0.004', words)}run 1\n")
-    radii = found.stages[0].grains["1"].radii
+    description = read(f"{SCRIPT.replace('uniform 0.002 0.004', words)}run 1\n")
+    radii = description.stages[0].grains["1"].radii
     assert radii is None if ends is None else radii == pytest.approx(ends)
-    assert any(words in one.text for one in found.unknown) == (ends is None)
+    assert any(words in end.text for end in description.unknown) == (ends is None)
 
 
 @pytest.mark.parametrize("style", ["pour", "pour/legacy"])
@@ -95,10 +97,10 @@ def test_distributions_of_templates(words, ends):
 def test_pouring(style, words, radii, densities):
     """As LIGGGHTS before version 3."""
     line = f"fix ins all {style} 100 2 4567 region box vol 0.2 50 {words} vel uniform 0 0 0 0 -1\n"
-    found = read(f"{HEAD}{PROPERTIES}{MODEL}{line}run 1\n")
-    grains = found.stages[0].grains["2"]
+    description = read(f"{HEAD}{PROPERTIES}{MODEL}{line}run 1\n")
+    grains = description.stages[0].grains["2"]
     assert grains.radii == (None if radii is None else pytest.approx(radii))
-    assert grains.densities == pytest.approx(densities) and bool(found.unknown) == (radii is None)
+    assert grains.densities == pytest.approx(densities) and bool(description.unknown) == (radii is None)
 
 
 def test_two_dimensions():
@@ -119,18 +121,18 @@ fix move all move/mesh mesh cad linear 1 0 0
 fix m5 all property/global characteristicVelocity scalar 2.0
 run 1
 """
-    found = read(text)
-    walls = {one.wall: words(one) for one in found.stages[0].contacts if one.wall}
+    description = read(text)
+    walls = {stage.wall: words(stage) for stage in description.stages[0].contacts if stage.wall}
     assert list(walls) == ["w1 (type 1)", "w1 (type 2)", "w2", "w3"]
     assert walls["w1 (type 1)"]["youngsModulus"] == ("5e6",) and walls["w1 (type 1)"]["limitForce"] == ("on",)
     assert walls["w1 (type 2)"]["coefficientRestitution"] == ("0.5",)
     assert walls["w2"]["model"] == ("hooke",) and walls["w2"]["characteristicVelocity"] == ("2.0",)
-    pushes = {one.wall: one.pushes for one in found.stages[0].contacts if one.wall}
+    pushes = {stage.wall: stage.pushes for stage in description.stages[0].contacts if stage.wall}
     assert pushes["w1 (type 1)"] is None and pushes["w2"] == ((0, 0, 1), (0, 0, -1))  # grains on both sides
     assert pushes["w3"] == ((1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0))
-    said = [one.what for one in found.ignored]
+    said = [note.what for note in description.ignored]
     assert "a moving wall (move/mesh)" in said and "a moving wall (shear)" in said
-    assert any("curvature" in one for one in said)
+    assert any("curvature" in note for note in said)
 
 
 def test_hooke_stiffness_has_a_matrix():
@@ -142,8 +144,8 @@ pair_style gran model hooke/stiffness
 run 1
 """
     text = text.replace("pair_style gran ", "pair_style gran/omp ").replace("1 2 2 3", "v_g 2 2 3 every 1")
-    found = words(read(f"variable g equal 1\n{text}").stages[0].contacts[0])
-    assert found["kn"] == ("100000",) and found["gamman"] == ("1.0",)
+    contact = words(read(f"variable g equal 1\n{text}").stages[0].contacts[0])
+    assert contact["kn"] == ("100000",) and contact["gamman"] == ("1.0",)
 
 
 @pytest.mark.parametrize(
@@ -161,7 +163,7 @@ run 1
     ],
 )
 def test_what_makes_hard_spheres_wrong(line, what):
-    assert any(what in one.what for one in read(f"{SCRIPT}{line}\nrun 1\n").invalidates)
+    assert any(what in finding.what for finding in read(f"{SCRIPT}{line}\nrun 1\n").invalidates)
 
 
 COHESIVE = """
@@ -190,18 +192,23 @@ CAPILLARY = "fix c1 all property/global surfaceTension scalar {}\nfix c2 all pro
 def test_cohesion_concerns_contacts_whose_constant_is_not_0(model, constants, sticky, types, before):
     """Wherever the constants are: they count at the run."""
     lines = [HEAD.replace("box 2 reg", "box 3 reg"), constants, COHESIVE.format(model)]
-    found = read("".join(lines if before else [lines[0], lines[2], lines[1]]) + "run 1\n")
-    contacts = found.stages[0].contacts
-    assert [one.types for one in contacts if one.adhesion] == sticky and len(contacts) == 5
-    assert {name for note in found.invalidates for name in note.types} == set(types) and not found.unknown
+    description = read("".join(lines if before else [lines[0], lines[2], lines[1]]) + "run 1\n")
+    contacts = description.stages[0].contacts
+    assert [contact.types for contact in contacts if contact.adhesion] == sticky and len(contacts) == 5
+    assert {name for note in description.invalidates for name in note.types} == set(
+        types
+    ) and not description.unknown
 
 
 def test_cohesion_may_begin_with_a_later_run():
     text = f"{HEAD}{COHESIVE.format('sjkr').replace('type 3', 'type 2')}"
     constants = "fix c1 all property/global cohesionEnergyDensity peratomtypepair 2 {0} {0} {0} {0}\nrun 1\n"
-    found = read(text + constants.format(0) + constants.format(9))
-    assert [any(one.adhesion for one in stage.contacts) for stage in found.stages] == [False, True]
-    assert [note.types for note in found.invalidates] == [("1", "2")] * 2
+    description = read(text + constants.format(0) + constants.format(9))
+    assert [any(contact.adhesion for contact in stage.contacts) for stage in description.stages] == [
+        False,
+        True,
+    ]
+    assert [note.types for note in description.invalidates] == [("1", "2")] * 2
 
 
 @pytest.mark.parametrize(
@@ -243,6 +250,6 @@ def test_what_is_unknown_is_quoted():
         "fix x all magic 1",
         "fix ins2 all insert/pack seed 1 distributiontemplate none",
     ]
-    found = read(SCRIPT + "\n".join(lines) + "\nrun 1\n")
-    assert [one.text for one in found.unknown] == lines
-    assert found.stages[0].contacts == () and found.stages[0].grains["1"].radii is None
+    description = read(SCRIPT + "\n".join(lines) + "\nrun 1\n")
+    assert [quote.text for quote in description.unknown] == lines
+    assert description.stages[0].contacts == () and description.stages[0].grains["1"].radii is None

@@ -82,11 +82,11 @@ Total wall time: 0:00:00
 def plain(description):
     """A description without places, which differ."""
     stages = []
-    for one in description.stages:
+    for stage in description.stages:
         contacts = [
-            (c.types, c.wall, {name: s.words for name, s in c.settings.items()}) for c in one.contacts
+            (c.types, c.wall, {name: s.words for name, s in c.settings.items()}) for c in stage.contacts
         ]
-        stages.append(dataclasses.replace(one, quote=None, contacts=contacts))
+        stages.append(dataclasses.replace(stage, quote=None, contacts=contacts))
     notes = [
         [(note.what, note.types) for note in part] for part in (description.ignored, description.invalidates)
     ]
@@ -97,7 +97,7 @@ def test_a_log_gives_the_same_as_its_script():
     script, log = read(SCRIPT), read(LOG)
     assert plain(script) == plain(log)
     assert (script.version, log.version) == (None, "22 Jul 2025 - Update 1")
-    assert [one.contacts[0].settings["normal"].words[1] for one in log.stages] == ["1e5", "2e5", "2e5"]
+    assert [stage.contacts[0].settings["normal"].words[1] for stage in log.stages] == ["1e5", "2e5", "2e5"]
     assert log.stages[0].grains["1"].radii == pytest.approx((0.01, 0.02)) and log.stages[2].time_step == 1e-5
     quote = log.stages[0].contacts[0].quotes[0]
     assert LOG.splitlines()[quote.line - 1].startswith("pair_coeff * * hooke ${k}")
@@ -118,9 +118,11 @@ def test_logs_that_begin_later_or_with_lines_of_another_program(before, headed):
     first, rest = LOG.split("\n", 1)
     log = foam * (before // 4 + 1) * headed + (f"{first}\n" if headed else "units lj\n") + rest
     log = log.replace("WARNING: something", "WARNING: it doesn't")
-    script, found = read(SCRIPT), read(log)
-    assert plain(found)[0] == [dataclasses.replace(one, units_given=not headed) for one in plain(script)[0]]
-    assert found.version == ("22 Jul 2025 - Update 1" if headed else None) and not found.unknown
+    script, description = read(SCRIPT), read(log)
+    assert plain(description)[0] == [
+        dataclasses.replace(stage, units_given=not headed) for stage in plain(script)[0]
+    ]
+    assert description.version == ("22 Jul 2025 - Update 1" if headed else None) and not description.unknown
     (late,) = read(rest).unknown
     assert late.text == "units: the log begins after them"
 
@@ -141,9 +143,9 @@ Created 1 atoms
 run 1
 Setting up run at Sat Jan  1 00:00:00 2022
 """
-    found = read(log)
-    assert found.code == "liggghts" and found.version.startswith("LIGGGHTS-PUBLIC 3.8.0")
-    assert found.stages[0].contacts[0].settings["coefficientRestitution"].words == ("0.9",)
+    description = read(log)
+    assert description.code == "liggghts" and description.version.startswith("LIGGGHTS-PUBLIC 3.8.0")
+    assert description.stages[0].contacts[0].settings["coefficientRestitution"].words == ("0.9",)
 
 
 def test_a_log_without_commands_is_refused():

@@ -60,34 +60,34 @@ NAMES = {
 )
 def test_the_text_of_a_bed_is_read_back(name, model, restitution, speed, duration, attraction):
     """Every contact that the text holds, by its name: the same ε, numbers and duration as were written."""
-    found = code(name).model(model)
-    stiff = {"stiffness": 1e5} if found.elastic == "hooke" else STEEL
-    restitution = 1.0 if found.damping.formula == "none" else restitution
+    source = code(name).model(model)
+    stiff = {"stiffness": 1e5} if source.elastic == "hooke" else STEEL
+    restitution = 1.0 if source.damping.formula == "none" else restitution
     given_as = (
-        {"duration": 2e-5, "law": "linear" if found.elastic == "hooke" else "tsuji"} if duration else stiff
+        {"duration": 2e-5, "law": "linear" if source.elastic == "hooke" else "tsuji"} if duration else stiff
     )
     options = {"restitution_error": 0.05, "attraction": attraction, **given_as}
-    made = hl.convert(BED, restitution=restitution, speed=speed, code=name, model=model, **options)
-    rows = made.models[0].contacts
-    live = [line for line in made.text.splitlines() if not line.startswith(code(name).comment)]
+    conversion = hl.convert(BED, restitution=restitution, speed=speed, code=name, model=model, **options)
+    rows = conversion.models[0].contacts
+    live = [line for line in conversion.text.splitlines() if not line.startswith(code(name).comment)]
     every = NAMES.get(name, NAMES["liggghts"])
-    once = "choose those of one" in made.text and not found.input.apart
+    once = "choose those of one" in conversion.text and not source.input.apart
     for row, contact in zip(rows, every, strict=True):
         if row.numbers is None:
             continue  # the code cannot have this ε
         wall = row.pair.endswith("wall")
         first, second = (int(x) for x in re.findall(r"\d", row.pair + row.pair[0] * wall))
         bodies = {"ball": BED[first - 1], "other": hl.FLOOR if wall else BED[second - 1], "speed": speed}
-        if once or found.input.shared:
+        if once or source.input.shared:
             own = [f"{row.numbers[n]:.12g}" for n in row.numbers]
             if not all(any(number in line for line in live) for number in own):
                 continue  # commented out
-            named = (found.input.matrix and "types 1" in made.text) or (found.input.apart and wall)
+            named = (source.input.matrix and "types 1" in conversion.text) or (source.input.apart and wall)
             contact = contact if named else None
-        elif found.input.once and not all(f"{row.numbers[n]:.12g}" in "\n".join(live) for n in row.numbers):
+        elif source.input.once and not all(f"{row.numbers[n]:.12g}" in "\n".join(live) for n in row.numbers):
             continue
-        again = back(made.text, name, contact=contact, **bodies)
-        assert again.model is found and again.numbers == pytest.approx(row.numbers, rel=1e-11)
+        again = back(conversion.text, name, contact=contact, **bodies)
+        assert again.model is source and again.numbers == pytest.approx(row.numbers, rel=1e-11)
         assert again.restitution == pytest.approx(row.restitution, abs=1e-9)
         assert again.numerical_damping == 0.0 and bool(again.notes) == (name == "lammps" and "tsuji" in model)
 
@@ -95,12 +95,12 @@ def test_the_text_of_a_bed_is_read_back(name, model, restitution, speed, duratio
 @pytest.mark.parametrize("name", CODES)
 def test_a_contact_that_is_not_named_is_asked_for(name):
     """Where contacts have different numbers: their names are listed, and each of them is understood."""
-    for found in code(name).models:
-        if found.input.shared and not found.input.matrix:
+    for model in code(name).models:
+        if model.input.shared and not model.input.matrix:
             continue
-        asked = {"stiffness": 1e5} if found.elastic == "hooke" else STEEL
+        asked = {"stiffness": 1e5} if model.elastic == "hooke" else STEEL
         text = hl.convert(
-            BED, restitution=0.7, code=name, model=found.name, restitution_error=0.05, **asked
+            BED, restitution=0.7, code=name, model=model.name, restitution_error=0.05, **asked
         ).text
         try:
             back(text, name)
@@ -110,9 +110,9 @@ def test_a_contact_that_is_not_named_is_asked_for(name):
                 str(error),
             )
             assert listed, error
-            for one in listed[1].split(", "):
-                assert back(text, name, contact=one).model is found
-            assert back(text, name, contact=one.replace("-", " – ")).model is found
+            for contact in listed[1].split(", "):
+                assert back(text, name, contact=contact).model is model
+            assert back(text, name, contact=contact.replace("-", " – ")).model is model
         assert re.match(r"contact: got '7-9', must be one of .", refused(text, name, contact="7-9"))
 
 
@@ -194,7 +194,7 @@ def test_walls_are_told_apart_by_their_names(name, after, choices):
     line = f"must be one of {choices}, which have different forces in the input"
     assert refused(text, name, other=hl.FLOOR, contact="1-wall") == f"contact: got '1-wall', {line}"
     assert refused(text, name, other=hl.FLOOR).startswith("contact: missing")
-    first, second = (back(text, name, other=hl.FLOOR, contact=one) for one in choices.split(", "))
+    first, second = (back(text, name, other=hl.FLOOR, contact=choice) for choice in choices.split(", "))
     assert first.numbers != second.numbers
     if "unfix" not in after:
         named = text.replace("fix b", "fix wall")
@@ -222,8 +222,8 @@ def rows_and_back(text, name, speed):
 
 
 SCRIPTS = {
-    one["name"]: one["text"]
-    for one in tomllib.loads((HERE / "data/two_grains.toml").read_text(encoding="utf-8"))["script"]
+    table["name"]: table["text"]
+    for table in tomllib.loads((HERE / "data/two_grains.toml").read_text(encoding="utf-8"))["script"]
 }
 
 
@@ -231,9 +231,9 @@ SCRIPTS = {
 def test_check_and_convert_agree_on_the_recorded_scripts(name):
     """ε and contact time, of one density: two grains, a grain and a wall, in LIGGGHTS and YADE."""
     text = re.sub(r"(density *=? *(?:constant )?)[\d.e]+", r"\g<1>2500", SCRIPTS[name])
-    for row, found in rows_and_back(text, name.split()[0], 0.5):
-        assert found.restitution == pytest.approx(row.restitution, rel=1e-9), row
-        assert found.duration == pytest.approx(row.duration, rel=1e-9), row
+    for row, obtained in rows_and_back(text, name.split()[0], 0.5):
+        assert obtained.restitution == pytest.approx(row.restitution, rel=1e-9), row
+        assert obtained.duration == pytest.approx(row.duration, rel=1e-9), row
 
 
 @pytest.mark.parametrize("seed", [seed if seed < 6 else slow(seed) for seed in range(40)])
@@ -242,11 +242,11 @@ def test_check_and_convert_agree_on_random_scripts(name, seed):
     """Where the newest version has another force, ``check`` has that of the version before as well."""
     script = Written(seed)
     getattr(script, name)()
-    for row, found in rows_and_back(script.text(), name, 1.0):
+    for row, obtained in rows_and_back(script.text(), name, 1.0):
         if row.types[1] in (row.types[0], "wall"):  # otherwise, the second density is not in the row
-            older = row.other_versions[0] if found.notes else row
-            assert found.restitution == pytest.approx(older.restitution, rel=1e-9), row
-            assert found.duration == pytest.approx(older.duration, rel=1e-9), row
+            older = row.other_versions[0] if obtained.notes else row
+            assert obtained.restitution == pytest.approx(older.restitution, rel=1e-9), row
+            assert obtained.duration == pytest.approx(older.duration, rel=1e-9), row
 
 
 # --- the words of LAMMPS and LIGGGHTS ---------------------------------------------------------------------------
@@ -314,9 +314,9 @@ def formatted(draw, words):
 @draws(60)
 @given(text=formatted(HOOKE))
 def test_the_form_of_a_lammps_command_does_not_matter(text):
-    found = back(text)
-    assert found.model.name == "hooke-restitution" and not found.attraction
-    assert found.restitution == pytest.approx(0.7182013610, abs=1e-8)
+    obtained = back(text)
+    assert obtained.model.name == "hooke-restitution" and not obtained.attraction
+    assert obtained.restitution == pytest.approx(0.7182013610, abs=1e-8)
 
 
 @draws(60)
@@ -328,8 +328,8 @@ def test_the_form_of_a_liggghts_command_does_not_matter(text, model):
     """A matrix of two types, whose lines are continued."""
     moduli = "fix m1 all property/global youngsModulus peratomtype 1e9 &\n1e9\n"
     rest = f"{moduli}fix m2 all property/global poissonsRatio peratomtype .3 .3\n"
-    found = back(f"{model}\n{rest}{text}", "liggghts")
-    assert not found.attraction and found.restitution == pytest.approx(0.7182013610, abs=1e-8)
+    obtained = back(f"{model}\n{rest}{text}", "liggghts")
+    assert not obtained.attraction and obtained.restitution == pytest.approx(0.7182013610, abs=1e-8)
 
 
 @pytest.mark.parametrize(
@@ -492,13 +492,13 @@ def test_loops_and_conditions_are_followed(lines, stiffness):
     ],
 )
 def test_common_inputs_of_lammps(text, same):
-    one, other = back(text), back(same)
+    obtained, other = back(text), back(same)
     limited = "limit_damping" in same
     if limited:
-        assert one.attraction and not other.attraction
+        assert obtained.attraction and not other.attraction
     else:
-        assert one.restitution == pytest.approx(other.restitution, abs=1e-12)
-    assert one.duration == pytest.approx(other.duration, rel=1e-12 if not limited else 0.1)
+        assert obtained.restitution == pytest.approx(other.restitution, abs=1e-12)
+    assert obtained.duration == pytest.approx(other.duration, rel=1e-12 if not limited else 0.1)
 
 
 def test_units_are_those_of_the_whole_command():
@@ -511,7 +511,7 @@ fix m2 all property/global poissonsRatio peratomtype 0.3
 fix m3 all property/global coefficientRestitution peratomtypepair 1 0.7
 fix m4 all property/global characteristicVelocity scalar {}
 """
-    si, cgs = (back(text.format(*given), "liggghts") for given in (("si", 1e8, 2.0), ("cgs", 1e9, 200.0)))
+    si, cgs = (back(text.format(*numbers), "liggghts") for numbers in (("si", 1e8, 2.0), ("cgs", 1e9, 200.0)))
     assert cgs.numbers == pytest.approx(si.numbers) and cgs.duration == pytest.approx(si.duration, rel=1e-12)
 
 
@@ -544,9 +544,9 @@ def test_numerical_damping_of_yade(share):
         for e in (0.9, 0.5):
             damping = damping_for(Powers(p, q), e)
             force = Force(Powers(p, q), 1.0, damping, 1.0)
-            found = force.numerically_damped(1.0, share).restitution
-            assert found == pytest.approx(braked(p / 4, q / 4, damping, share, 1000), abs=2e-3)
-            assert found == pytest.approx(e * math.sqrt((1 - share) / (1 + share)), abs=0.02)
+            restitution = force.numerically_damped(1.0, share).restitution
+            assert restitution == pytest.approx(braked(p / 4, q / 4, damping, share, 1000), abs=2e-3)
+            assert restitution == pytest.approx(e * math.sqrt((1 - share) / (1 + share)), abs=0.02)
         elastic = Force(Powers(p, q), 1.0, 0.0, 1.0).numerically_damped(1.0, share)
         assert elastic.restitution == pytest.approx(math.sqrt((1 - share) / (1 + share)), abs=1e-9)
         assert math.isnan(elastic.duration)
@@ -590,10 +590,10 @@ def test_numerical_damping_is_read_and_said():
     ],
 )
 def test_common_inputs_of_yade(text, model, gives):
-    found = back(text, "yade")
-    assert found.model.name == model
+    obtained = back(text, "yade")
+    assert obtained.model.name == model
     if gives is not None:
-        assert found.restitution == pytest.approx(gives, abs=2e-4)
+        assert obtained.restitution == pytest.approx(gives, abs=2e-4)
 
 
 @pytest.mark.parametrize(
@@ -628,11 +628,11 @@ def test_frictphys_has_the_spring_of_yade():
     """kn = 2 E r1 E r2/(E r1 + E r2); undamped: the duration is π√(m/k); and the "
     "default numerical damping alone brakes."""
     text = "FrictMat(young=2e7, poisson=.2)\nIp2_FrictMat_FrictMat_FrictPhys()\nNewtonIntegrator()"
-    found = back(text.replace("NewtonIntegrator()", ""), "yade", BED[0], other=BED[1])
+    obtained = back(text.replace("NewtonIntegrator()", ""), "yade", BED[0], other=BED[1])
     stiffness = 2.0 * 2e7 * 5e-4 * 1e-3 / 1.5e-3
     mass = BED[0].mass * BED[1].mass / (BED[0].mass + BED[1].mass)
-    assert found.restitution == pytest.approx(1.0, abs=1e-12)
-    assert found.duration == pytest.approx(math.pi * math.sqrt(mass / stiffness), rel=1e-9)
+    assert obtained.restitution == pytest.approx(1.0, abs=1e-12)
+    assert obtained.duration == pytest.approx(math.pi * math.sqrt(mass / stiffness), rel=1e-9)
     assert back(text, "yade").restitution == pytest.approx(math.sqrt(0.8 / 1.2), abs=1e-9)
 
 

@@ -136,7 +136,9 @@ def test_no_statement_is_dropped_in_silence(name):
     assert changes
     assert not silent
     # Properties may be those of pairs that the script does not have; what is deleted may be the default.
-    used = [one for one in changes if "property/global" not in one[0] and one[0] != "«O.dt = 1e-8»"]
+    used = [
+        change for change in changes if "property/global" not in change[0] and change[0] != "«O.dt = 1e-8»"
+    ]
     drawn = random.Random(name).sample(used, min(4, len(used)))
     before = answer(text)
     assert not [marked for marked, changed in drawn if answer(changed) == before]

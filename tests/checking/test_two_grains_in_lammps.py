@@ -27,7 +27,7 @@ TANGENTIAL = "tangential linear_nohistory 0.0 0.0"
 def mixed(first: str, second: str, damping: str) -> str:
     """Two types without a pair_coeff of their own."""
     lines = [
-        f"pair_coeff {k} {k} {one} damping {damping} {TANGENTIAL}" for k, one in ((1, first), (2, second))
+        f"pair_coeff {k} {k} {model} damping {damping} {TANGENTIAL}" for k, model in ((1, first), (2, second))
     ]
     return "\n".join(["pair_style granular", *lines])
 
@@ -186,7 +186,7 @@ def measured(text: str, folder) -> float:
 def row(name: str, source, speed: float):
     """The contact of a setting as ``check`` prints it."""
     kind = ("1", "wall") if name in WALLS else ("1", "2")
-    return next(one for one in hl.check(source, speed=speed).rows if one.types == kind)
+    return next(row for row in hl.check(source, speed=speed).rows if row.types == kind)
 
 
 def settled(name: str, steps: int) -> tuple[str, float, float]:
@@ -222,27 +222,30 @@ def test_restitution_is_that_of_two_grains_in_lammps(name, tmp_path):
 
 
 with (DATA / "lammps_versions.csv").open(encoding="utf-8") as file:
-    RECORDED = [tuple(one.values()) for one in csv.DictReader(file)]
+    RECORDED = [tuple(record.values()) for record in csv.DictReader(file)]
 #: One row for each formula that differs between versions.
 CHANGED = ("wall material velocity", "hertz tsuji", "material mixed, velocity", "wall jkr of constant 0")
 
 
 @pytest.mark.parametrize(
     "version,name,restitution,duration",
-    [one if one[1] in CHANGED and not one[0].startswith("29 Aug") else slow(*one) for one in RECORDED],
+    [
+        record if record[1] in CHANGED and not record[0].startswith("29 Aug") else slow(*record)
+        for record in RECORDED
+    ],
 )
 def test_the_version_in_a_log_decides_between_formulas(version, name, restitution, duration):
     """Against runs of several versions, written by ``tools/verify_versions.py``."""
     text, speed, _ = settled(name, 4600)
-    found = row(name, f"LAMMPS ({version})\n{text}", speed)
+    contact = row(name, f"LAMMPS ({version})\n{text}", speed)
     if (
         "2022" in version and name == "material mixed, velocity"
     ):  # memory that was not set, so that k is in N/m
-        assert found.restitution is None
+        assert contact.restitution is None
         return
-    assert found.restitution == pytest.approx(float(restitution), abs=2e-3)
-    assert found.duration == pytest.approx(float(duration), rel=3e-3)
-    assert not found.other_versions
+    assert contact.restitution == pytest.approx(float(restitution), abs=2e-3)
+    assert contact.duration == pytest.approx(float(duration), rel=3e-3)
+    assert not contact.other_versions
 
 
 @pytest.mark.parametrize(
@@ -253,11 +256,11 @@ def test_both_numbers_are_given_where_the_version_is_not_known(name):
     text, speed, _ = settled(name, 4600)
     newest = row(name, text, speed)
     versions = {"2 Sep 2026": "22 Jul 2025", "28 Mar 2023": "23 Jun 2022"}
-    for one in newest.other_versions:
-        logged = row(name, f"LAMMPS ({versions[one.before]})\n{text}", speed)
-        assert (one.restitution, one.duration) == (logged.restitution, logged.duration)
-        assert one.restitution != newest.restitution
-    befores = [one.before for one in newest.other_versions]
+    for version in newest.other_versions:
+        logged = row(name, f"LAMMPS ({versions[version.before]})\n{text}", speed)
+        assert (version.restitution, version.duration) == (logged.restitution, logged.duration)
+        assert version.restitution != newest.restitution
+    befores = [version.before for version in newest.other_versions]
     assert befores == [
         limit for limit, part in (("2 Sep 2026", "tsuji"), ("28 Mar 2023", "wall material")) if part in name
     ]

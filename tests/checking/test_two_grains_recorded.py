@@ -10,8 +10,8 @@ import hardlimit as hl
 
 HERE = Path(__file__).parent
 SCRIPTS = {
-    one["name"]: one
-    for one in tomllib.loads((HERE / "data/two_grains.toml").read_text(encoding="utf-8"))["script"]
+    table["name"]: table
+    for table in tomllib.loads((HERE / "data/two_grains.toml").read_text(encoding="utf-8"))["script"]
 }
 with (HERE.parent / "data/script_restitution.csv").open(encoding="utf-8") as file:
     MEASURED = {row["script"]: row for row in csv.DictReader(file)}
@@ -19,10 +19,10 @@ with (HERE.parent / "data/script_restitution.csv").open(encoding="utf-8") as fil
 
 @pytest.mark.parametrize("name", SCRIPTS)
 def test_restitution_is_that_in_the_code(name):
-    one, real = SCRIPTS[name], MEASURED[name]
-    found = hl.check(one["text"], speed=one["speed"])
-    row = next(row for row in found.rows if list(row.types) == one["types"])
-    assert found.code == name.split()[0] and not found.unknown
+    script, real = SCRIPTS[name], MEASURED[name]
+    verdict = hl.check(script["text"], speed=script["speed"])
+    row = next(row for row in verdict.rows if list(row.types) == script["types"])
+    assert verdict.code == name.split()[0] and not verdict.unknown
     assert row.restitution == pytest.approx(float(real["restitution"]), abs=3e-4)
     assert row.steps_per_contact == pytest.approx(int(real["steps"]), abs=2)
 

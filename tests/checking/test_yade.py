@@ -26,8 +26,8 @@ SPHERE = "O.bodies.append(sphere((0, 0, 0), 0.01))\n"
 def numbers(contact):
     """The numbers of a contact; names as they are."""
     return {
-        name: one.words[0] if name == "physics" else float(one.words[0])
-        for name, one in contact.settings.items()
+        name: setting.words[0] if name == "physics" else float(setting.words[0])
+        for name, setting in contact.settings.items()
     }
 
 
@@ -38,15 +38,19 @@ def script(
 
 
 def test_a_script():
-    found = read(script(integrator="gravity=(0, 0, -9.81), damping=0.3"))
-    stage = found.stages[0]
-    assert (found.code, found.stages[0].units, len(found.stages)) == ("yade", "si", 1) and not found.unknown
+    description = read(script(integrator="gravity=(0, 0, -9.81), damping=0.3"))
+    stage = description.stages[0]
+    assert (description.code, description.stages[0].units, len(description.stages)) == (
+        "yade",
+        "si",
+        1,
+    ) and not description.unknown
     assert (stage.time_step, stage.time_step_given, stage.steps) == (1e-6, True, 10)
     assert (stage.gravity, stage.numerical_damping) == (9.81, 0.3)
     assert stage.grains["glass"].radii == (0.01, 0.01) and stage.grains["glass"].densities == (2500.0, 2500.0)
-    (one,) = stage.contacts
-    assert one.types == ("glass", "glass")
-    assert numbers(one) == {"physics": "MindlinPhys", "young": 1e7, "poisson": 0.3, "en": 0.7}
+    (contact,) = stage.contacts
+    assert contact.types == ("glass", "glass")
+    assert numbers(contact) == {"physics": "MindlinPhys", "young": 1e7, "poisson": 0.3, "en": 0.7}
 
 
 def test_defaults():
@@ -78,8 +82,8 @@ def test_defaults():
     ],
 )
 def test_viscoelastic_materials(keywords, expected):
-    found = read(script(VISCEL, f"O.materials.append(ViscElMat({keywords}, density=2000))\n"))
-    assert numbers(found.stages[0].contacts[0]) == {"physics": "ViscElPhys", **expected}
+    description = read(script(VISCEL, f"O.materials.append(ViscElMat({keywords}, density=2000))\n"))
+    assert numbers(description.stages[0].contacts[0]) == {"physics": "ViscElPhys", **expected}
 
 
 def test_two_materials():
@@ -87,7 +91,11 @@ def test_two_materials():
     steel = GLASS + "steel = O.materials.append(FrictMat(young=2e11, poisson=0.25, label='steel'))\n"
     bodies = "O.bodies.append([sphere((0, 0, 0), r, material=m) for r, m in 2 * [(0.01, 'glass'), (0.02, steel)]])\n"
     contacts = read(script(material=steel, bodies=bodies)).stages[0].contacts
-    assert [one.types for one in contacts] == [("glass", "glass"), ("glass", "steel"), ("steel", "steel")]
+    assert [contact.types for contact in contacts] == [
+        ("glass", "glass"),
+        ("glass", "steel"),
+        ("steel", "steel"),
+    ]
     mixed = numbers(contacts[1])
     effective = 1.0 / ((1.0 - 0.3**2) / 1e7 + (1.0 - 0.25**2) / 2e11)
     assert 0.5 * mixed["young"] / (1.0 - mixed["poisson"] ** 2) == pytest.approx(effective, rel=1e-12)
@@ -114,20 +122,20 @@ def test_match_makers():
     )
     bodies = "for k in (a, b, a, b):\n    O.bodies.append(sphere((0, 0, k), 0.01, material=k))\n"
     contacts = read(script(pair, material, bodies)).stages[0].contacts
-    assert [numbers(one)["en"] for one in contacts] == [0.7, 0.5, 0.3]
-    assert [one.types for one in contacts] == [("0", "0"), ("0", "1"), ("1", "1")]
-    found = read(script((pair[0].replace(", val=.3", ""), pair[1]), material, bodies))
-    assert [one.types for one in found.stages[0].contacts] == [("0", "0"), ("0", "1")]
-    assert ["MatchMaker" in one.text for one in found.unknown] == [True]
+    assert [numbers(contact)["en"] for contact in contacts] == [0.7, 0.5, 0.3]
+    assert [contact.types for contact in contacts] == [("0", "0"), ("0", "1"), ("1", "1")]
+    description = read(script((pair[0].replace(", val=.3", ""), pair[1]), material, bodies))
+    assert [stage.types for stage in description.stages[0].contacts] == [("0", "0"), ("0", "1")]
+    assert ["MatchMaker" in quote.text for quote in description.unknown] == [True]
 
 
 def test_factories():
     lines = "O.engines += [BoxFactory(rMin=0.1, rMax=0.3, materialId=0)]\nO.run(1)\n"
-    found = read(script(bodies="", rest=lines))
-    assert found.stages[0].grains["glass"].radii == (0.1, 0.3) and not found.unknown
+    description = read(script(bodies="", rest=lines))
+    assert description.stages[0].grains["glass"].radii == (0.1, 0.3) and not description.unknown
     last = GLASS + "O.materials.append(FrictMat(young=1e7, poisson=0.3, label='last'))\n"
-    found = read(script(material=last, bodies="", rest=lines.replace(", materialId=0", "")))
-    assert list(found.stages[0].grains) == ["last"]
+    description = read(script(material=last, bodies="", rest=lines.replace(", materialId=0", "")))
+    assert list(description.stages[0].grains) == ["last"]
     assert read(script(bodies="", rest=lines.replace("materialId=0", "materialId=kind()"))).unknown
 
 
@@ -178,8 +186,8 @@ add(r=0.3, n=1)
     ],
 )
 def test_sizes(bodies, radii):
-    found = read(script(bodies=bodies)).stages[0].grains["glass"].radii
-    assert found == (None if radii is None else pytest.approx(radii))
+    description = read(script(bodies=bodies)).stages[0].grains["glass"].radii
+    assert description == (None if radii is None else pytest.approx(radii))
 
 
 def test_walls_and_frozen_spheres():
@@ -191,17 +199,19 @@ O.bodies.append(wall(0, axis=2, material='glass'))
 O.bodies.append(aabbWalls(material='glass'))
 O.bodies.append(ymport.stl('a.stl', material='wall'))
 """
-    contacts = [one for one in read(script(material=material, bodies=bodies)).stages[0].contacts if one.wall]
-    assert [one.wall for one in contacts] == ["facets of wall", "walls of glass", "boxes of glass"]
-    assert {one.types for one in contacts} == {("glass", "wall")}
+    contacts = [
+        stage for stage in read(script(material=material, bodies=bodies)).stages[0].contacts if stage.wall
+    ]
+    assert [contact.wall for contact in contacts] == ["facets of wall", "walls of glass", "boxes of glass"]
+    assert {contact.types for contact in contacts} == {("glass", "wall")}
     for word, frozen in (("fixed=True", True), ("dynamic=False", True), ("dynamic=True", False)):
         bodies = (
             f"O.bodies.append([sphere((0, 0, 0), 0.01, {word}), sphere((0, 0, 1), 0.01, material='wall')])\n"
         )
-        found = read(
+        description = read(
             script(material=material, bodies=bodies.replace(f"{word})", f"{word}, material='glass')"))
         )
-        assert found.stages[0].grains["glass"].frozen is frozen
+        assert description.stages[0].grains["glass"].frozen is frozen
     both = "O.bodies.append([sphere((0, 0, 0), 1, fixed=True), sphere((0, 0, 3), 1)])\n"
     assert not read(script(bodies=both)).stages[0].grains["glass"].frozen
 
@@ -217,16 +227,16 @@ def test_fixed_bodies_whose_mass_is_in_the_formulas():
             bodies = (
                 f"O.bodies.append([sphere((0, 0, 0), 0.01), sphere((0, 0, 1), 0.02, fixed=True), {body}])\n"
             )
-            found = read(script(VISCEL, material.format(numbers), bodies))
-            (wall,) = (one for one in found.stages[0].contacts if one.wall)
+            description = read(script(VISCEL, material.format(numbers), bodies))
+            (wall,) = (stage for stage in description.stages[0].contacts if stage.wall)
             assert wall.wall_mass == (None if counted is None else pytest.approx(counted))
             assert wall.wall_radius == (4 / 3 if wall.wall == "facets" else 1.0)
-            assert found.stages[0].grains["0"].counted and not found.unknown
+            assert description.stages[0].grains["0"].counted and not description.unknown
     bodies = f"{SPHERE}O.bodies.append(aabbWalls())\n"
-    found = read(script(VISCEL, material.format("tc=1e-3, en=0.7, et=1"), bodies))
-    assert [one.text for one in found.unknown] == ["aabbWalls()"]
-    found = read(script(bodies=f"{SPHERE}O.bodies.append(box((0, 0, 0), (1, 1, 1)))\n"))
-    assert [one.text for one in found.unknown] == ["box((0, 0, 0), (1, 1, 1))"]
+    description = read(script(VISCEL, material.format("tc=1e-3, en=0.7, et=1"), bodies))
+    assert [quote.text for quote in description.unknown] == ["aabbWalls()"]
+    description = read(script(bodies=f"{SPHERE}O.bodies.append(box((0, 0, 0), (1, 1, 1)))\n"))
+    assert [quote.text for quote in description.unknown] == ["box((0, 0, 0), (1, 1, 1))"]
     later = f"{SPHERE}k = O.bodies.append(box((0, 0, 0), (1, 1, 1)))\nO.bodies[k].dynamic = False\n"
     assert not read(script(bodies=later)).unknown
     assert (
@@ -252,13 +262,13 @@ def test_walls_of_another_modulus(functor, wall, modulus, larger):
     text = script(FRICT, material, f"O.bodies.append([sphere((0, 0, 0), 1, material=0), {wall}])\n")
     for name in "Facet", "Wall":
         text = text.replace(f"{name}_Sphere_ScGeom()", f"{name}_Sphere_ScGeom({functor})")
-    found = read(text)
-    (contact,) = (one for one in found.stages[0].contacts if one.wall)
+    description = read(text)
+    (contact,) = (stage for stage in description.stages[0].contacts if stage.wall)
     expected = modulus if functor else modulus * 100
     assert numbers(contact)["young"] == pytest.approx(expected) and contact.wall_radius == pytest.approx(
         larger
     )
-    assert not found.unknown
+    assert not description.unknown
 
 
 def test_the_time_step_of_waves():
@@ -269,7 +279,7 @@ def test_the_time_step_of_waves():
         rayleigh
     )
     unknown = read(script(bodies="O.bodies.append(ymport.text('a.txt'))\n", rest="O.dt = PWaveTimeStep()\n"))
-    assert unknown.stages[0].time_step is None and any("PWave" in one.text for one in unknown.unknown)
+    assert unknown.stages[0].time_step is None and any("PWave" in quote.text for quote in unknown.unknown)
     adapts = script(rest="O.engines = O.engines + [GlobalStiffnessTimeStepper()]\nO.run(1)\n")
     assert read(adapts).stages[0].time_step is None
     assert read(adapts.replace("Stepper()", "Stepper(active=False)")).stages[0].time_step == 1e-8
@@ -277,7 +287,7 @@ def test_the_time_step_of_waves():
 
 def test_engines_of_motion_are_named():
     lines = "O.engines += [CombinedKinematicEngine() + TranslationEngine() + RotationEngine()]\nO.run(1)\n"
-    said = " ".join(one.what for one in read(script(rest=lines)).ignored)
+    said = " ".join(note.what for note in read(script(rest=lines)).ignored)
     assert "CombinedKinematicEngine" in said and "TranslationEngine" in said
     facets = script().replace("Ig2_Facet_Sphere_ScGeom()", "Ig2_Facet_Sphere_ScGeom(hertzian=whether())")
     facets = facets.replace(SPHERE, SPHERE + "O.bodies.append(facet([(0, 0, 0), (1, 0, 0), (0, 1, 0)]))\n")
@@ -290,8 +300,8 @@ def test_stages_and_labels():
         integrator="damping=0.4, label='newton'",
         rest="O.dt = 1e-6\nO.run(5, True)\nO.run(5)\nnewton.damping = 0.1\nO.run(3)\n",
     )
-    found = read(text).stages
-    assert [(one.numerical_damping, one.steps) for one in found] == [(0.4, 10), (0.1, 3)]
+    description = read(text).stages
+    assert [(stage.numerical_damping, stage.steps) for stage in description] == [(0.4, 10), (0.1, 3)]
 
 
 def test_callbacks_that_change_settings_are_quoted():
@@ -303,7 +313,7 @@ def test_callbacks_that_change_settings_are_quoted():
         text = (
             f"def check():\n    {body}\n{script()}O.engines += [PyRunner(command='check()', iterPeriod=10)]\n"
         )
-        assert any("PyRunner" in one.text for one in read(text + "O.run(1)\n").unknown) is quoted
+        assert any("PyRunner" in quote.text for quote in read(text + "O.run(1)\n").unknown) is quoted
 
 
 @pytest.mark.parametrize(
@@ -331,7 +341,7 @@ def test_callbacks_that_change_settings_are_quoted():
     ],
 )
 def test_what_makes_hard_spheres_wrong(pair, material, rest, what):
-    assert any(what in one.what for one in read(script(pair, material, rest=rest)).invalidates)
+    assert any(what in finding.what for finding in read(script(pair, material, rest=rest)).invalidates)
 
 
 def test_variables_replace_names_and_parameters():
@@ -383,8 +393,8 @@ def test_nothing_is_executed(tmp_path):
 
 
 def test_lists_of_materials_in_loops():
-    """Materials made in a loop with ``enumerate``, spheres in comprehensions with ``zip`` and several loops."""
-    made = (
+    """Materials loops in a loop with ``enumerate``, spheres in comprehensions with ``zip`` and several loops."""
+    loops = (
         "mats = []\n"
         "for k, (E, e) in enumerate([(1e7, 0.8), (2e7, 0.5)]):\n"
         "    mats.append(O.materials.append(FrictMat(young=E, poisson=0.2, density=2500, label=f'm{k}')))\n"
@@ -393,7 +403,7 @@ def test_lists_of_materials_in_loops():
         "O.bodies.append([sphere((0, 0, z), r, material=mats[0]) for z, r in zip((0, 1), (1e-3, 2e-3))])\n"
         "O.bodies.append([sphere((x, y, 0), 3e-3, material=mats[1]) for x in range(3) for y in range(4) if x != y])\n"
     )
-    stage = read(script(material=made, bodies=bodies)).stages[0]
+    stage = read(script(material=loops, bodies=bodies)).stages[0]
     assert stage.grains["m0"].radii == (1e-3, 2e-3) and stage.grains["m1"].radii == (3e-3, 3e-3)
 
 
@@ -410,9 +420,9 @@ def test_keywords_that_are_not_known_are_no_defaults():
 
 @pytest.mark.parametrize("law", ["HertzWithLinearShear", "MindlinDeresiewitz"])
 def test_laws_without_damping(law):
-    found = read(script(pair=(MINDLIN[0], f"Law2_ScGeom_MindlinPhys_{law}()")))
-    (one,) = found.stages[0].contacts
-    assert numbers(one)["betan"] == 0.0 and one.asked == 0.7 and not found.unknown
+    description = read(script(pair=(MINDLIN[0], f"Law2_ScGeom_MindlinPhys_{law}()")))
+    (contact,) = description.stages[0].contacts
+    assert numbers(contact)["betan"] == 0.0 and contact.asked == 0.7 and not description.unknown
 
 
 def test_a_long_loop_of_single_steps():
@@ -422,8 +432,8 @@ def test_a_long_loop_of_single_steps():
 
 def test_numbers_of_a_class():
     """A class that only holds parameters; its names are not those of the script."""
-    held = "class Grain:\n    radius = 2e-3\n    en: float = 0.6\n    def radius_of(self): return 1\n"
-    bodies = f"{held}O.bodies.append(sphere((0, 0, 0), Grain.radius))\n"
+    grain = "class Grain:\n    radius = 2e-3\n    en: float = 0.6\n    def radius_of(self): return 1\n"
+    bodies = f"{grain}O.bodies.append(sphere((0, 0, 0), Grain.radius))\n"
     functor = "Ip2_FrictMat_FrictMat_MindlinPhys(en=Grain.en)"
     stage = read(script(bodies=bodies, pair=(functor, MINDLIN[1]))).stages[0]
     assert stage.grains["glass"].radii == (2e-3, 2e-3) and numbers(stage.contacts[0])["en"] == 0.6
@@ -484,9 +494,9 @@ def test_the_scene_under_other_names(before, name):
     ],
 )  # fmt: skip
 def test_where_a_time_step_comes_from(rest, step):
-    found = read(script(rest=rest + "\nO.run(1)\n"))
-    assert found.stages[0].time_step == (None if step is None else pytest.approx(step))
-    assert bool(found.unknown) is (step is None)
+    description = read(script(rest=rest + "\nO.run(1)\n"))
+    assert description.stages[0].time_step == (None if step is None else pytest.approx(step))
+    assert bool(description.unknown) is (step is None)
 
 
 @pytest.mark.parametrize(
@@ -528,7 +538,7 @@ def test_engines_by_default():
         contacts = (
             read(f"{text.rpartition('O.run')[0]}O.bodies.append({body})\nO.run(1)\n").stages[0].contacts
         )
-        assert any(one.wall for one in contacts) is touched
+        assert any(contact.wall for contact in contacts) is touched
 
 
 @pytest.mark.parametrize(
@@ -541,9 +551,9 @@ def test_engines_by_default():
     ],
 )
 def test_parts_of_the_engines(rest, damping):
-    found = read(script(rest=f"{rest}\nO.run(1)\n"))
-    assert found.stages[0].numerical_damping == damping and not found.unknown
-    assert any("copy" in one.what for one in found.ignored) is (".append" in rest)
+    description = read(script(rest=f"{rest}\nO.run(1)\n"))
+    assert description.stages[0].numerical_damping == damping and not description.unknown
+    assert any("copy" in note.what for note in description.ignored) is (".append" in rest)
 
 
 def test_fixed_spheres_of_another_size():
@@ -567,10 +577,10 @@ def test_fixed_spheres_of_another_size():
 @pytest.mark.parametrize("missing", ["Bo1_Facet_Aabb()", "Ig2_Facet_Sphere_ScGeom()"])
 def test_walls_that_touch_nothing(missing):
     bodies = SPHERE + SPHERE + "O.bodies.append(facet([(0, 0, 0), (1, 0, 0), (0, 1, 0)]))\n"
-    assert any(one.wall for one in read(script(bodies=bodies)).stages[0].contacts)
-    found = read(script(bodies=bodies).replace(missing, "None"))
-    assert not any(one.wall for one in found.stages[0].contacts)
-    assert any("facets without contacts" in one.what for one in found.ignored)
+    assert any(stage.wall for stage in read(script(bodies=bodies)).stages[0].contacts)
+    description = read(script(bodies=bodies).replace(missing, "None"))
+    assert not any(stage.wall for stage in description.stages[0].contacts)
+    assert any("facets without contacts" in note.what for note in description.ignored)
 
 
 COHESIVE = (
@@ -600,17 +610,19 @@ def test_cohesion(functor, first, second, sticky):
         "Law2_ScGeom6D_CohFrictPhys_CohesionMoment()",
     )
     bodies = "O.bodies.append([sphere((0, 0, k), 0.01, material=m) for k, m in enumerate('ab')])\n"
-    found = read(script(pair, COHESIVE.format(first, second), bodies))
-    assert [one.types for one in found.invalidates if "adhesion" in one.what] == [("a", "b")] * sticky
-    assert [numbers(one) for one in found.stages[0].contacts] == [{"physics": "FrictPhys", "young": 1e8}] * (
-        not sticky
-    )
+    description = read(script(pair, COHESIVE.format(first, second), bodies))
+    assert [finding.types for finding in description.invalidates if "adhesion" in finding.what] == [
+        ("a", "b")
+    ] * sticky
+    assert [numbers(stage) for stage in description.stages[0].contacts] == [
+        {"physics": "FrictPhys", "young": 1e8}
+    ] * (not sticky)
 
 
 def test_models_that_are_no_springs():
     fluid = "O.materials.append(ViscElMat(tc=1e-3, en=0.7, et=1, SPHmode=True, mu=1e-3))\n"
-    found = read(script(VISCEL, fluid, SPHERE + SPHERE))
-    assert not found.stages[0].contacts and "particle hydrodynamics" in found.invalidates[0].what
+    description = read(script(VISCEL, fluid, SPHERE + SPHERE))
+    assert not description.stages[0].contacts and "particle hydrodynamics" in description.invalidates[0].what
 
 
 @pytest.mark.parametrize(
@@ -630,7 +642,12 @@ def test_models_that_are_no_springs():
 )
 def test_which_numbers_of_viscoelastic_materials_count(keywords, functor, expected):
     pair = (f"Ip2_ViscElMat_ViscElMat_ViscElPhys({functor})", VISCEL[1])
-    found = read(script(pair, f"O.materials.append(ViscElMat({keywords}))\n", SPHERE + SPHERE))
-    contacts = [numbers(one) for one in found.stages[0].contacts]
+    description = read(script(pair, f"O.materials.append(ViscElMat({keywords}))\n", SPHERE + SPHERE))
+    contacts = [numbers(stage) for stage in description.stages[0].contacts]
     assert contacts == ([] if expected is None else [{"physics": "ViscElPhys", **expected}])
-    assert bool(found.unknown) is (expected is None)
+    assert bool(description.unknown) is (expected is None)
+
+
+def test_a_reset_begins_another_system():
+    rest = "O.run(10)\nO.reset()\n" + script(rest="O.dt = 2e-6\nO.run(20)\n")
+    assert [stage.system for stage in read(script(rest=rest)).stages] == [0, 1]

@@ -57,9 +57,9 @@ def test_the_list_of_commands_says_what_each_does() -> None:
 
 
 def command(name: str) -> click.Command:
-    found = main.get_command(click.Context(main), name)
-    assert found is not None
-    return found
+    subcommand = main.get_command(click.Context(main), name)
+    assert subcommand is not None
+    return subcommand
 
 
 @pytest.mark.parametrize("name", COMMANDS)
@@ -72,8 +72,8 @@ def test_the_line_in_the_list_is_the_first_of_the_commands_own_help(name: str) -
 
 
 def every_option() -> Iterator[tuple[str, click.Option]]:
-    for name, asked in [*((name, command(name)) for name in COMMANDS), ("gas compare", compare)]:
-        yield from ((name, option) for option in asked.params if isinstance(option, click.Option))
+    for name, subcommand in [*((name, command(name)) for name in COMMANDS), ("gas compare", compare)]:
+        yield from ((name, option) for option in subcommand.params if isinstance(option, click.Option))
 
 
 def test_every_option_is_explained() -> None:
@@ -140,14 +140,14 @@ def test_drop_prints_contacts_and_comparison() -> None:
 
 
 def test_drop_as_json_is_the_result() -> None:
-    found = printed("drop", "--restitution", 0.9, "--gap", 5e-4)
+    output = printed("drop", "--restitution", 0.9, "--gap", 5e-4)
     r = hl.newton(hl.Column.paper(restitution=0.9, gap=5e-4))
-    newton = found["models"]["newton"]
+    newton = output["models"]["newton"]
     assert newton["relative_velocity"] == r.relative_velocity and newton["n_contacts"] == 1
     assert newton["contacts"]["begin"] == r.contacts["begin"].values.tolist()
-    assert found["models"].keys() == {"newton", "adiabatic", "independent"}
-    assert found["column"]["law"] == {"name": "linear", "stiffness": 5e7, "restitution": 0.9}
-    assert found["verdict"]["event_driven"] == "no"
+    assert output["models"].keys() == {"newton", "adiabatic", "independent"}
+    assert output["column"]["law"] == {"name": "linear", "stiffness": 5e7, "restitution": 0.9}
+    assert output["verdict"]["event_driven"] == "no"
 
 
 @pytest.mark.parametrize(
@@ -171,8 +171,8 @@ def test_rebound_height_of_the_textbook() -> None:
 
 
 def test_drop_options_reach_the_column() -> None:
-    given = ["--radius-ratio", 5, "--density", 1000, "--height", 0.7, "--gravity", 1.62]
-    column = printed("drop", *given)["column"]
+    options = ["--radius-ratio", 5, "--density", 1000, "--height", 0.7, "--gravity", 1.62]
+    column = printed("drop", *options)["column"]
     assert column["balls"] == [{"radius": 0.05, "density": 1000.0}, {"radius": 0.01, "density": 1000.0}]
     assert column["height"] == 0.7 and column["gravity"] == 1.62
     balls = ["--radius", 0.1, "--radius", 0.05, "--radius", 0.02, "--density", 900, "--velocity", -1]
@@ -213,10 +213,10 @@ def test_cradle_has_no_floor() -> None:
 def test_one_ball(options: list[str]) -> None:
     text = run("drop", "--radius", 0.05, "--restitution", 0.8, *options).stdout
     if options:
-        found = json.loads(text)
-        assert len(found["column"]["balls"]) == 1 and found["models"].keys() == {"newton", "independent"}
-        speed = found["impact_speed"]
-        for model in found["models"].values():
+        output = json.loads(text)
+        assert len(output["column"]["balls"]) == 1 and output["models"].keys() == {"newton", "independent"}
+        speed = output["impact_speed"]
+        for model in output["models"].values():
             assert model["rebound_heights"][0] == pytest.approx(0.05 + 0.64 * speed**2 / 2 / 9.81, rel=1e-3)
     else:
         assert "ball 1" in text and "ball 2" not in text and "nan" not in text and "t_f" not in text
@@ -239,8 +239,8 @@ def test_units_of_options(options: list[str], where: str, value: object) -> None
 
 
 def test_units_of_balls_and_laws() -> None:
-    given = ["--density", "0.84 g/cm^3", "--stiffness", "5e4 N/mm", "--radius-2", "1 cm"]
-    assert printed("drop", *given)["column"] == printed("drop")["column"]
+    options = ["--density", "0.84 g/cm^3", "--stiffness", "5e4 N/mm", "--radius-2", "1 cm"]
+    assert printed("drop", *options)["column"] == printed("drop")["column"]
     law = ["--youngs-modulus", "50 MPa", "--poisson-ratio", "0.45", "--dissipative-time", "10 us"]
     law_table = printed("drop", *law)["column"]["law"]
     assert law_table["youngs_modulus"] == 5e7 and law_table["dissipative_time"] == 1e-5
@@ -251,17 +251,17 @@ def test_units_of_balls_and_laws() -> None:
 
 def test_usual_formula() -> None:
     assert "a request for ε = 0.5 results in 0.5503" in run("contact", "--restitution", 0.5).stdout
-    for asked, obtained in ((0.9, 0.9020), (0.7, 0.7182), (0.5, 0.5503), (0.3, 0.3971), (0.1, 0.2527)):
-        found = printed("contact", "--restitution", asked)
-        assert found["usual_formula"]["restitution"] == pytest.approx(obtained, abs=5e-5)
-        assert found["restitution"][0] == pytest.approx(asked, rel=1e-13)
+    for requested, obtained in ((0.9, 0.9020), (0.7, 0.7182), (0.5, 0.5503), (0.3, 0.3971), (0.1, 0.2527)):
+        output = printed("contact", "--restitution", requested)
+        assert output["usual_formula"]["restitution"] == pytest.approx(obtained, abs=5e-5)
+        assert output["restitution"][0] == pytest.approx(requested, rel=1e-13)
 
 
 def test_contact_over_speeds() -> None:
     law = [*HERTZ, "--restitution", 0.7, "--impact-speed", 3]
-    found = printed("contact", *law, "--speed", 3, "--speed", 0.1, "--other-radius", 0.02)
-    assert found["restitution"][0] == pytest.approx(0.7, rel=1e-10) and found["restitution"][1] > 0.8
-    assert found["effective_radius"] == pytest.approx(0.01 * 0.02 / 0.03)
+    output = printed("contact", *law, "--speed", 3, "--speed", 0.1, "--other-radius", 0.02)
+    assert output["restitution"][0] == pytest.approx(0.7, rel=1e-10) and output["restitution"][1] > 0.8
+    assert output["effective_radius"] == pytest.approx(0.01 * 0.02 / 0.03)
     text = run("contact", *law).stdout
     assert "dissipative time" in text and "\n3 " in text
 
@@ -269,10 +269,10 @@ def test_contact_over_speeds() -> None:
 @pytest.mark.parametrize("law", sorted(hl.LAWS))
 def test_speeds_are_shown_where_they_matter(law: str) -> None:
     """A duration may depend on the speed where the restitution does not."""
-    made = law_of(law, 0.7)
-    given = [f"--{name.replace('_', '-')}={value!r}" for name, value in made.parameters.items()]
-    text = run("contact", "--law", law, *given).stdout
-    contact = made.between(hl.Ball(0.01, density=840))
+    law_object = law_of(law, 0.7)
+    options = [f"--{name.replace('_', '-')}={value!r}" for name, value in law_object.parameters.items()]
+    text = run("contact", "--law", law, *options).stdout
+    contact = law_object.between(hl.Ball(0.01, density=840))
     same = all(f(0.01) == pytest.approx(f(10.0), rel=1e-12) for f in (contact.restitution, contact.duration))
     assert ("At any impact speed" in text) == same and ("\n0.01 " in text) == (not same)
 
@@ -290,9 +290,9 @@ MAP_AXES = {"restitution": np.linspace(0.4, 1, 7), "gap": np.geomspace(1e-6, 1e-
 
 
 def test_sweep_is_the_map(tmp_path: Path) -> None:
-    found = printed("sweep", *MAP, "--out", tmp_path / "map.nc", "--plot", tmp_path / "map.png")
-    assert found["points"] == 63 and found["sizes"] == {"restitution": 7, "gap": 9}
-    assert found["outcomes"] == {"ok": 63}
+    output = printed("sweep", *MAP, "--out", tmp_path / "map.nc", "--plot", tmp_path / "map.png")
+    assert output["points"] == 63 and output["sizes"] == {"restitution": 7, "gap": 9}
+    assert output["outcomes"] == {"ok": 63}
     expected = hl.sweep(hl.Column.paper(), **MAP_AXES)
     with xr.open_dataset(tmp_path / "map.nc", engine="h5netcdf") as ds:
         for name in expected.data_vars:
@@ -307,16 +307,16 @@ def test_order_of_the_axes_is_that_of_the_options() -> None:
 def test_sweep_of_a_variable_with_one_value_per_ball(tmp_path: Path) -> None:
     """The ranges and the picture are those of one ball each; the default of the picture is the highest one."""
     words = ["sweep", *MAP, "--variable", "rebound_height"]
-    found = printed(*words)["ranges"]
+    ranges = printed(*words)["ranges"]
     ds = hl.sweep(hl.Column.paper(), variables=["rebound_height"], **MAP_AXES)
     for ball in (1, 2):
         values = ds.rebound_height.sel(ball=ball)
-        assert found[f"rebound_height of ball {ball}"] == [float(values.min()), float(values.max())]
+        assert ranges[f"rebound_height of ball {ball}"] == [float(values.min()), float(values.max())]
     assert "rebound_height of ball 2 [m]" in run(*words).stdout
     for name, options in {"highest": [], "2": ["--ball", "2"], "1": ["--ball", "1"]}.items():
         run(*words, "--plot", tmp_path / f"{name}.png", "--dpi", "50", *options)
-    one, two, highest = ((tmp_path / f"{name}.png").read_bytes() for name in ("1", "2", "highest"))
-    assert highest == two != one
+    first, two, highest = ((tmp_path / f"{name}.png").read_bytes() for name in ("1", "2", "highest"))
+    assert highest == two != first
 
 
 def test_sweep_resumes_a_store(tmp_path: Path) -> None:
@@ -672,8 +672,8 @@ def test_drop_loads_only_what_it_needs() -> None:
 def test_completion(shell: str) -> None:
     script = run("completion", shell).stdout
     assert script.startswith("# Install with: hardlimit completion ") and f"{shell}_complete" in script
-    asked = {"COMP_WORDS": "hardlimit drop --rad", "COMP_CWORD": "--rad" if shell == "fish" else "2"}
-    env = os.environ | asked | {"_HARDLIMIT_COMPLETE": f"{shell}_complete"}
+    variables = {"COMP_WORDS": "hardlimit drop --rad", "COMP_CWORD": "--rad" if shell == "fish" else "2"}
+    env = os.environ | variables | {"_HARDLIMIT_COMPLETE": f"{shell}_complete"}
     command = [sys.executable, "-m", "hardlimit"]
     answer = subprocess.run(command, env=env, capture_output=True, text=True, check=True).stdout
     assert {"--radius", "--radius-1", "--radius-ratio"} <= set(re.findall(r"--[\w-]+", answer))

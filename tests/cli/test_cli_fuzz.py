@@ -228,7 +228,7 @@ def test_json_of_any_column(tmp_path_factory: pytest.TempPathFactory, column: hl
     files.write(column, path)
     result = CliRunner().invoke(main, ["drop", str(path), "--json"])
     assert result.exit_code == 0, result.stderr
-    found = parsed(result.stdout)
-    assert len(found["models"]["newton"]["positions"]) == len(column.balls)
+    output = parsed(result.stdout)
+    assert len(output["models"]["newton"]["positions"]) == len(column.balls)
     table = CliRunner().invoke(main, ["drop", str(path)])
     assert table.exit_code == 0 and max(map(len, table.stdout.splitlines())) <= 100

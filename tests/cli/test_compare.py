@@ -23,14 +23,16 @@ def start(tmp_path: Path) -> Path:
 
 
 def test_json_agrees_with_the_library(start: Path) -> None:
-    found = printed("gas", "compare", start, "--restitution", 0.8, "--stiffness", 2e5, "--replicas", 2, *FAST)
+    output = printed(
+        "gas", "compare", start, "--restitution", 0.8, "--stiffness", 2e5, "--replicas", 2, *FAST
+    )
     law = hl.LinearDashpot(stiffness=2e5, restitution=0.8)
     f = hl.fidelity(hl.ParticleSystem.read(start), law=law, until=1e-3, samples=5, replicas=2)
-    assert found["summary"] == str(f) and found["tc_nu"] == f.tc_nu
-    assert found["models"] == list(f.models) and found["outcomes"]["soft"] == ["ok", "ok"]
-    difference = found["variables"]["difference"]
+    assert output["summary"] == str(f) and output["tc_nu"] == f.tc_nu
+    assert output["models"] == list(f.models) and output["outcomes"]["soft"] == ["ok", "ok"]
+    difference = output["variables"]["difference"]
     assert difference["dims"] == ["quantity", "model", "time", "statistic"]
-    at = found["coordinates"]["quantity"].index("pressure"), found["models"].index("tc")
+    at = output["coordinates"]["quantity"].index("pressure"), output["models"].index("tc")
     assert difference["values"][at[0]][at[1]][-1][0] == f.final_difference("pressure", "tc").value
 
 
@@ -52,8 +54,8 @@ def test_tables_pictures_and_files(tmp_path: Path) -> None:
 
 
 def test_one_replica_and_one_model(start: Path) -> None:
-    one = run("gas", "compare", start, "--replicas", 1, *FAST).stdout
-    assert "one replica has no error bars" in " ".join(one.split())
+    text = run("gas", "compare", start, "--replicas", 1, *FAST).stdout
+    assert "one replica has no error bars" in " ".join(text.split())
     alone = run("gas", "compare", start, "--replicas", 2, "--models", "newton", *FAST).stdout
     assert "no rule to compare with" in " ".join(alone.split()) and "Difference" not in alone
 
@@ -69,11 +71,11 @@ def test_differences_that_are_not_resolved(start: Path) -> None:
         r"% with 3 replicas \(99 % confidence\); for ± 1 % about \d+ replicas would be needed\.", text
     )
     assert "? not resolved: bars over 1 %" in text and not re.search(r"\de[+-]?\d+ ?%", text)
-    found = printed("gas", "compare", *options, "--resolution", 1)
-    assert found["resolution"] == 1.0 and "is not significantly different" in found["summary"]
-    needed = found["variables"]["replicas_needed"]
+    output = printed("gas", "compare", *options, "--resolution", 1)
+    assert output["resolution"] == 1.0 and "is not significantly different" in output["summary"]
+    needed = output["variables"]["replicas_needed"]
     assert needed["dims"] == ["quantity", "model"]
-    at = found["coordinates"]["quantity"].index("cooling"), found["models"].index("soft")
+    at = output["coordinates"]["quantity"].index("cooling"), output["models"].index("soft")
     assert 2 <= needed["values"][at[0]][at[1]] <= 3
 
 
@@ -93,9 +95,9 @@ def test_a_job_gives_start_law_and_end(tmp_path: Path) -> None:
         '[random]\nn = 30\npacking_fraction = 0.2\nradius = "1 mm"\ndensity = 2500\nrms_speed = 1\n'
         '[event_driven]\nrestitution = 0.7\nuntil = "0.5 ms"\nrule = "constant"\n'
     )
-    found = printed("gas", "compare", job, "--replicas", 2, "--workers", 1, "--samples", 3)
-    assert found["law"] == "LinearDashpot(stiffness=1000000.0, restitution=0.7)"
-    assert found["coordinates"]["time"][-1] == 5e-4 and found["system"].startswith(
+    output = printed("gas", "compare", job, "--replicas", 2, "--workers", 1, "--samples", 3)
+    assert output["law"] == "LinearDashpot(stiffness=1000000.0, restitution=0.7)"
+    assert output["coordinates"]["time"][-1] == 5e-4 and output["system"].startswith(
         "<ParticleSystem of 30 spheres"
     )
 
@@ -120,11 +122,11 @@ def test_bad_input_is_refused_in_one_line(message: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "given", [{}, {"replicas": 1}, {"models": ("newton",)}, {"until": 0.0}, {"law": ELASTIC}]
+    "options", [{}, {"replicas": 1}, {"models": ("newton",)}, {"until": 0.0}, {"law": ELASTIC}]
 )
-def test_pictures_can_be_read(given: dict) -> None:
+def test_pictures_can_be_read(options: dict) -> None:
     law = hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, dissipative_time=2e-5)
-    arguments = {"law": law, "until": 2e-3, "samples": 8, "replicas": 2} | given
+    arguments = {"law": law, "until": 2e-3, "samples": 8, "replicas": 2} | options
     assert_legible(hl.fidelity(lattice(27, seed=2), **arguments).plot())
 
 
@@ -137,7 +139,7 @@ def test_pictures_can_be_read(given: dict) -> None:
     ],
 )
 def test_completion(words: list[str], offered: set[str]) -> None:
-    asked = {"COMP_WORDS": " ".join(["hardlimit", *words]), "COMP_CWORD": str(len(words))}
-    env = asked | {"_HARDLIMIT_COMPLETE": "bash_complete"}
-    found = CliRunner().invoke(main, prog_name="hardlimit", env=env)
-    assert set(found.stdout.split()) == offered
+    variables = {"COMP_WORDS": " ".join(["hardlimit", *words]), "COMP_CWORD": str(len(words))}
+    env = variables | {"_HARDLIMIT_COMPLETE": "bash_complete"}
+    completed = CliRunner().invoke(main, prog_name="hardlimit", env=env)
+    assert set(completed.stdout.split()) == offered

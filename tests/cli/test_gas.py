@@ -50,16 +50,16 @@ def test_the_table_has_theory_beside_it(start: Path) -> None:
 
 
 def test_json_agrees_with_the_library(start: Path) -> None:
-    found = printed("gas", start, "--restitution", 0.8, *FAST)
+    output = printed("gas", start, "--restitution", 0.8, *FAST)
     result = hl.event_driven(hl.ParticleSystem.read(start), restitution=0.8, until=0.01, samples=10)
-    assert found["n_collisions"] == result.n_collisions and found["outcome"] == {
+    assert output["n_collisions"] == result.n_collisions and output["outcome"] == {
         "name": "ok",
         "message": "ok",
     }
-    assert found["series"]["granular_temperature"] == result.series.granular_temperature.values.tolist()
-    assert found["series"]["pressure"][0] is None and len(found["series"]["time"]) == 11
-    assert found["system"]["n"] == 64 and found["rule"] == "constant" and found["restitution"] == 0.8
-    assert set(found["theory"]) == {
+    assert output["series"]["granular_temperature"] == result.series.granular_temperature.values.tolist()
+    assert output["series"]["pressure"][0] is None and len(output["series"]["time"]) == 11
+    assert output["system"]["n"] == 64 and output["rule"] == "constant" and output["restitution"] == 0.8
+    assert set(output["theory"]) == {
         "mean collision rate [1/s]",
         "mean pressure [Pa]",
         "granular temperature at the end [m²/s²]",
@@ -67,24 +67,24 @@ def test_json_agrees_with_the_library(start: Path) -> None:
 
 
 def test_without_anything_it_is_a_gas_of_glass_beads() -> None:
-    found = printed("gas", "--n", 300)
+    output = printed("gas", "--n", 300)
     system = hl.ParticleSystem.random(**(GLASS_BEADS | {"n": 300}))
-    assert found["system"]["box"] == system.box.tolist()
-    assert found["restitution"] == 0.9 and found["outcome"]["name"] == "ok"
-    assert 5.0 < 2.0 * found["n_pair_collisions"] / 300 < 20.0
+    assert output["system"]["box"] == system.box.tolist()
+    assert output["restitution"] == 0.9 and output["outcome"]["name"] == "ok"
+    assert 5.0 < 2.0 * output["n_pair_collisions"] / 300 < 20.0
 
 
 def test_a_random_start_from_options() -> None:
-    found = printed(
+    output = printed(
         "gas", "--n", 50, "--dimension", 2, "--packing-fraction", 0.4, "--radius", "1mm", "--radius", "2mm",
         "--density", "1 g/cm^3", "--rms-speed", "10cm/s", "--seed", 3, "--boundary", "wall", "--boundary", "periodic",
         "--gravity", 0, "--gravity=-1.62", "--max-collisions", 100,
     )  # fmt: skip
-    assert found["system"] | {"box": 0} == {
+    assert output["system"] | {"box": 0} == {
         "n": 50, "dimension": 2, "box": 0, "boundary": ["wall", "periodic"], "gravity": [0.0, -1.62],
         "packing_fraction": pytest.approx(0.4),
     }  # fmt: skip
-    assert found["n_collisions"] == 100 and found["theory"] == {}
+    assert output["n_collisions"] == 100 and output["theory"] == {}
 
 
 RULES = {
@@ -103,19 +103,19 @@ RULES = {
 @pytest.mark.parametrize("which", RULES)
 def test_rules_from_options(start: Path, which: str) -> None:
     options, (rule, restitution, law) = RULES[which]
-    found = printed("gas", start, *options, *FAST)
-    assert (found["rule"], found["restitution"]) == (rule, restitution)
-    assert (found["law"] or {}).get("name") == law
-    assert (found["contact_duration"] is not None) == (rule == "tc")
+    output = printed("gas", start, *options, *FAST)
+    assert (output["rule"], output["restitution"]) == (rule, restitution)
+    assert (output["law"] or {}).get("name") == law
+    assert (output["contact_duration"] is not None) == (rule == "tc")
 
 
 def test_a_collapse_is_said_and_is_no_failure(tmp_path: Path) -> None:
     heap = lattice(27, boundary="wall", gravity=9.81).write(tmp_path / "heap.xyz")
     text = " ".join(run("gas", heap, "--restitution", 0.3, "--until", 10).stdout.split())
     assert "outcome: inelastic collapse: particle" in text and "No theory: it has walls" in text
-    found = printed("gas", heap, "--restitution", 0.3, "--until", 10)
-    assert found["outcome"]["name"] == "collapse" and found["early_end"]["time"] == found["time"]
-    assert set(found["early_end"]) == {"time", "position", "particles", "wall"}
+    output = printed("gas", heap, "--restitution", 0.3, "--until", 10)
+    assert output["outcome"]["name"] == "collapse" and output["early_end"]["time"] == output["time"]
+    assert set(output["early_end"]) == {"time", "position", "particles", "wall"}
 
 
 # --- what it writes -----------------------------------------------------------------------------------------
@@ -138,9 +138,9 @@ def test_a_trajectory_has_a_frame_for_every_sample(start: Path, tmp_path: Path, 
 def test_it_saves_series_collisions_and_the_end(start: Path, tmp_path: Path) -> None:
     run("gas", start, *FAST, "--save", tmp_path / "run.nc")
     result = hl.event_driven(hl.ParticleSystem.read(start), restitution=0.9, until=0.01, samples=10, log=True)
-    found = hl.load(tmp_path / "run.nc")
-    assert found.collisions.equals(result.collisions) and found.series.equals(result.series)
-    assert found.system == result.system
+    loaded = hl.load(tmp_path / "run.nc")
+    assert loaded.collisions.equals(result.collisions) and loaded.series.equals(result.series)
+    assert loaded.system == result.system
 
 
 def test_an_outcome_names_options(tmp_path: Path) -> None:
@@ -205,10 +205,10 @@ samples = 10
 def test_a_job_file(start: Path) -> None:
     job = start.with_name("job.toml")
     job.write_text(JOB)
-    found = printed("gas", job)
-    assert found["law"] == {"name": "linear", "stiffness": 1e5, "restitution": 0.8}
-    assert (found["rule"], found["contact_duration"], found["time"]) == ("tc", 1e-6, 0.01)
-    assert found["system"]["n"] == 64
+    output = printed("gas", job)
+    assert output["law"] == {"name": "linear", "stiffness": 1e5, "restitution": 0.8}
+    assert (output["rule"], output["contact_duration"], output["time"]) == ("tc", 1e-6, 0.01)
+    assert output["system"]["n"] == 64
     changed = printed("gas", job, "--stiffness", "1e6", "--until", "5ms", "--gravity", 9.81)
     assert changed["law"] == {"name": "linear", "stiffness": 1e6, "restitution": 0.8}
     assert changed["time"] == 0.005 and changed["system"]["gravity"] == [0.0, 0.0, -9.81]
@@ -506,8 +506,8 @@ def test_a_run_ended_by_a_signal_at_any_moment_goes_on(
                 after_kill = after_kill[:3] + after_kill[5:]
                 break
             assert line.endswith(f"; go on with: {shlex.join(map(str, ['hardlimit', *after_kill]))}"), line
-    found = json.loads(output) if code == 0 else printed(*after_kill[:-1])
-    assert {**found, "files": []} == {**expected, "files": []}
+    resumed = json.loads(output) if code == 0 else printed(*after_kill[:-1])
+    assert {**resumed, "files": []} == {**expected, "files": []}
     assert same_frames(frames, whole)
     assert {entry.name for entry in tmp_path.iterdir()} == {start.name, path.name, frames.name, whole.name}
 
@@ -586,17 +586,17 @@ def test_a_wall_is_shaken(tmp_path: Path) -> None:
         "--until",
         "10ms",
     ]
-    found = printed("gas", *numbers, *options)
+    output = printed("gas", *numbers, *options)
     wall = {"amplitude": 0.5e-3, "frequency": 50.0, "waveform": "sine", "phase": 0.0, "velocity": 0.0}
-    assert found["system"]["walls"]["z-"].items() >= {"amplitude": 0.5e-3, "frequency": 50.0}.items()
-    assert found["system"]["boundary"] == ["periodic", "periodic", "wall"]
-    assert found["series"]["wall_work"][-1] != 0.0
+    assert output["system"]["walls"]["z-"].items() >= {"amplitude": 0.5e-3, "frequency": 50.0}.items()
+    assert output["system"]["boundary"] == ["periodic", "periodic", "wall"]
+    assert output["series"]["wall_work"][-1] != 0.0
     job = tmp_path / "job.toml"
     job.write_text(
         "[random]\nn = 30\npacking_fraction = 0.05\ngravity = 9.81\nrms_speed = 0.2\nshake = '0.5mm:50Hz'\n"
         "[event_driven]\nuntil = 0.01\n"
     )
-    assert printed("gas", job)["series"] == found["series"]
+    assert printed("gas", job)["series"] == output["series"]
     box = lattice(27, seed=1).replace(boundary="wall").write(tmp_path / "box.xyz")
     shaken = printed("gas", box, "--shake", "1e-5:80", "--wall", "x+", "--waveform", "triangle", *FAST)
     expected = wall | {"amplitude": 1e-5, "frequency": 80.0, "waveform": "triangle"}
@@ -620,13 +620,13 @@ def test_a_bad_shake_is_refused(options: list[str], message: str) -> None:
 
 def test_a_gas_is_heated(tmp_path: Path) -> None:
     """By an option, by a job file, and from a file of particles."""
-    found = printed("gas", "--n", 30, "--packing-fraction", 0.1, "--heat", "1mW", "--until", "5ms")
-    kicks = found["system"]["thermostat"]
-    assert kicks["kind"] == "RandomKicks" and kicks["power"] == 1e-3 and found["theory"] == {}
-    assert found["series"]["heat"][-1] > 0.0
+    output = printed("gas", "--n", 30, "--packing-fraction", 0.1, "--heat", "1mW", "--until", "5ms")
+    kicks = output["system"]["thermostat"]
+    assert kicks["kind"] == "RandomKicks" and kicks["power"] == 1e-3 and output["theory"] == {}
+    assert output["series"]["heat"][-1] > 0.0
     job = tmp_path / "job.toml"
     job.write_text("[random]\nn = 30\npacking_fraction = 0.1\nheat = '1mW'\n[event_driven]\nuntil = 0.005\n")
-    assert printed("gas", job)["series"] == found["series"]
+    assert printed("gas", job)["series"] == output["series"]
     box = lattice(27, seed=1).write(tmp_path / "box.xyz")
     assert printed("gas", box, "--heat", 1e-6, *FAST)["series"]["heat"][-1] != 0.0
     assert "--heat: got -1" in refused("gas", "--n", 10, "--heat", -1)
@@ -635,15 +635,15 @@ def test_a_gas_is_heated(tmp_path: Path) -> None:
 def test_a_box_is_sheared(tmp_path: Path) -> None:
     """By an option, by a job file, with Newton's equations, beside walls along z, and from a file of particles."""
     numbers = ["--n", 100, "--packing-fraction", 0.1, "--rms-speed", 0.2]
-    found = printed("gas", *numbers, "--shear", "50/s", "--until", "20ms")
-    assert found["system"]["boundary"] == ["periodic", "lees-edwards", "periodic"]
-    assert found["system"]["shear_rate"] == 50.0 and found["theory"] == {}
-    assert found["series"]["shear_work"][-1] != 0.0
+    output = printed("gas", *numbers, "--shear", "50/s", "--until", "20ms")
+    assert output["system"]["boundary"] == ["periodic", "lees-edwards", "periodic"]
+    assert output["system"]["shear_rate"] == 50.0 and output["theory"] == {}
+    assert output["series"]["shear_work"][-1] != 0.0
     job = tmp_path / "job.toml"
     job.write_text(
         "[random]\nn = 100\npacking_fraction = 0.1\nrms_speed = 0.2\nshear = '50/s'\n[event_driven]\nuntil = 0.02\n"
     )
-    assert printed("gas", job)["series"] == found["series"]
+    assert printed("gas", job)["series"] == output["series"]
     stiff = ["--law", "linear", "--stiffness", 1e4, "--restitution", 0.9, "--engine", "events"]
     contacts = printed("gas", *numbers, "--shear", 50, "--until", "5ms", *stiff)
     assert contacts["series"]["shear_work"][-1] != 0.0 and contacts["energy_error"] < 1e-10

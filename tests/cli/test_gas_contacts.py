@@ -18,16 +18,16 @@ def start(tmp_path):
 
 @pytest.mark.parametrize("engine", ["events", "steps"])
 def test_json_agrees_with_the_library(start, engine):
-    found = printed("gas", start, *LAW, "--engine", engine, "--until", "2ms", "--samples", 4)
+    output = printed("gas", start, *LAW, "--engine", engine, "--until", "2ms", "--samples", 4)
     law = hl.LinearDashpot(stiffness=1e6, restitution=0.9)
     result = hl.molecular_dynamics(
         hl.ParticleSystem.read(start), law=law, until=0.002, engine=engine, samples=4
     )
-    assert found["n_contacts"] == result.n_contacts > 0 and found["engine"] == engine
-    assert found["outcome"]["name"] == "ok" and found["early_end"] is None
-    assert found["series"]["kinetic_energy"] == result.series.kinetic_energy.values.tolist()
-    assert found["law"] == {"name": "linear", "stiffness": 1e6, "restitution": 0.9}
-    assert found["time_step"] == result.time_step and found["largest_cluster"] == result.largest_cluster
+    assert output["n_contacts"] == result.n_contacts > 0 and output["engine"] == engine
+    assert output["outcome"]["name"] == "ok" and output["early_end"] is None
+    assert output["series"]["kinetic_energy"] == result.series.kinetic_energy.values.tolist()
+    assert output["law"] == {"name": "linear", "stiffness": 1e6, "restitution": 0.9}
+    assert output["time_step"] == result.time_step and output["largest_cluster"] == result.largest_cluster
 
 
 def test_the_table_and_the_file(start, tmp_path):

@@ -45,8 +45,8 @@ def test_a_bound_in_a_message_is_accepted_and_short() -> None:
         told = float(re.search(r">= (\S+)", below)[1])
         assert validation.number("x", told, bound, lowest_allowed=True) == pytest.approx(bound, rel=1e-5)
         told = float(re.search(r"<= (\S+)", above)[1])
-        found = validation.number("x", told, -np.inf, bound, highest_allowed=True)
-        assert found == pytest.approx(bound, rel=1e-5)
+        number = validation.number("x", told, -np.inf, bound, highest_allowed=True)
+        assert number == pytest.approx(bound, rel=1e-5)
 
 
 @pytest.mark.parametrize(
@@ -130,34 +130,34 @@ def beside(name: str, typed: str) -> list[str]:
     if law is not None:
         common, choices = law.record["common"], law.record["alternatives"]
         choice = next((c for c in choices if parameter in {p["name"] for p in c}), choices[0])
-        given = {p["name"]: typical(p) for p in [*common, *choice] if p["name"] != parameter}
+        options = {p["name"]: typical(p) for p in [*common, *choice] if p["name"] != parameter}
         words = [*words, "--law", law.record["name"]]
-        words += [f"--{p.replace('_', '-')}={value}" for p, value in given.items()]
+        words += [f"--{p.replace('_', '-')}={value}" for p, value in options.items()]
     if name == "fit" and (typed.startswith("--other") or typed in ("--radius", "--density", "--mass")):
         pairs = {"--radius": "1mm", "--density": "2500", "--other-radius": "1mm", "--other-density": "2500"}
         pairs.pop({"--mass": "--density", "--other-mass": "--other-density"}.get(typed, typed))
         words += [word for pair in pairs.items() for word in pair]
     if name == "check":
-        given = {"--radius": "1mm", "--density": "2500"} | (
+        options = {"--radius": "1mm", "--density": "2500"} | (
             {} if law else {"--stiffness": 1, "--restitution": 1}
         )
-        given.pop("--density" if typed == "--mass" else typed, None)
-        words += [f"{option}={value}" for option, value in given.items()]
+        options.pop("--density" if typed == "--mass" else typed, None)
+        words += [f"{option}={value}" for option, value in options.items()]
     if name == "gas" and typed in ("--restitution-error", "--time-step"):
         words += ["--engine", "steps", "--stiffness", "1e5", "--restitution", "0.5"]
     return words + (["--rule", "tc"] if (name, typed) == ("gas", "--contact-duration") else [])
 
 
 def beside_conversion(typed: str) -> list[str]:
-    given = {"--radius": "1mm", "--density": "2500", "--restitution": "0.5", "--stiffness": "1e5"}
+    options = {"--radius": "1mm", "--density": "2500", "--restitution": "0.5", "--stiffness": "1e5"}
     instead = {"--mass": "--density", "--youngs-modulus": "--stiffness", "--duration": "--stiffness"}
     instead |= {"--compression": "--stiffness", "--poisson-ratio": "--stiffness"}
-    given.pop(instead.get(typed, typed), None)
-    given |= {
+    options.pop(instead.get(typed, typed), None)
+    options |= {
         "--youngs-modulus": {"--poisson-ratio": "0.3"},
         "--poisson-ratio": {"--youngs-modulus": "1e8"},
     }.get(typed, {})
-    return [word for pair in given.items() for word in pair]
+    return [word for pair in options.items() for word in pair]
 
 
 @pytest.mark.parametrize("name", [*COMMANDS, "gas compare"])
@@ -294,11 +294,11 @@ def test_messages_have_no_words_of_python(line: str, tmp_path: Path, monkeypatch
 def test_a_parameter_to_fit_may_be_spelled_as_its_option(tmp_path: Path) -> None:
     file = folder_of_measurements(tmp_path) / "impacts.csv"
     options = ["--youngs-modulus", "1e9", "--poisson-ratio", "0.3", "--impact-speed", "1", "--no-compare"]
-    found = [
+    fitted = [
         printed("fit", file, *options, "--free", name, "--radius", "1cm", "--density", "1000")["parameters"]
         for name in ("restitution", "--restitution")
     ]
-    assert found[0] == found[1] and list(found[0]) == ["restitution"]
+    assert fitted[0] == fitted[1] and list(fitted[0]) == ["restitution"]
 
 
 def outputs(name: str) -> list[str]:

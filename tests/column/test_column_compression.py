@@ -80,10 +80,10 @@ def test_bounds_never_hide_a_compression(column: hl.Column, share: float) -> Non
 def at_limit(column: hl.Column, solve) -> tuple[hl.Column, hl.Column]:
     """The column slightly stiffer and slightly softer than the one that reaches the limit."""
     name = next(iter(column.laws[0].parameters))
-    given = column.laws[0].parameters[name]
+    value = column.laws[0].parameters[name]
 
     def scaled(exponent: float) -> hl.Column:
-        return column.replace(law=column.laws[0].replace(**{name: given * math.exp(exponent)}))
+        return column.replace(law=column.laws[0].replace(**{name: value * math.exp(exponent)}))
 
     soft, stiff = -30.0, 30.0
     assume(solve(scaled(soft)).outcome_code == TOO_DEEP)
@@ -117,8 +117,8 @@ def test_both_solvers_end_at_the_limit(column: hl.Column) -> None:
     assert exact._core.too_deep == general._core.too_deep
     assert exact.n_contacts == general.n_contacts
     assert np.allclose(exact.positions, general.positions, rtol=1e-8)
-    for one, other in zip(exact.contact_times, general.contact_times, strict=True):
-        assert np.allclose(one, other, rtol=1e-8, atol=1e-12, equal_nan=True)
+    for left, other in zip(exact.contact_times, general.contact_times, strict=True):
+        assert np.allclose(left, other, rtol=1e-8, atol=1e-12, equal_nan=True)
 
 
 def check_cut(result: hl.Result) -> None:
@@ -144,8 +144,8 @@ def sampled_at(result: hl.Result, time: float) -> np.ndarray:
     return np.append(z[0] - radii[0], np.diff(z) - radii[1:] - radii[:-1])
 
 
-def paper(stiffness: float, **given) -> hl.Column:
-    column = hl.Column.paper(**given)
+def paper(stiffness: float, **options) -> hl.Column:
+    column = hl.Column.paper(**options)
     return column.replace(law=column.laws[0].replace(stiffness=stiffness))
 
 
@@ -295,8 +295,8 @@ def test_a_viscoelastic_map_through_the_limit() -> None:
     grid = hl.sweep(column, youngs_modulus=youngs, gap=[1e-5, 1e-3])
     for i, y in enumerate(youngs):
         for j, gap in enumerate((1e-5, 1e-3)):
-            one = hl.newton(column.replace(law=law.replace(youngs_modulus=y), gaps=gap))
-            assert grid.outcome.values[i, j] == one.outcome_code
+            result = hl.newton(column.replace(law=law.replace(youngs_modulus=y), gaps=gap))
+            assert grid.outcome.values[i, j] == result.outcome_code
     assert set(np.unique(grid.outcome.values)) == {0, TOO_DEEP}
 
 
@@ -333,7 +333,7 @@ def test_the_command_in_json() -> None:
 
 
 def test_one_contact_on_the_command_line() -> None:
-    one = [
+    command = [
         "contact",
         "--radius",
         "1cm",
@@ -346,10 +346,10 @@ def test_one_contact_on_the_command_line() -> None:
         "--restitution",
         1,
     ]
-    assert printed(*one)["largest_compression"] == pytest.approx([math.sqrt(0.01 / 1e4) / 0.01], rel=1e-9)
-    two = [*one, "--other-radius", "5mm", "--other-mass", "10g"]
+    assert printed(*command)["largest_compression"] == pytest.approx([math.sqrt(0.01 / 1e4) / 0.01], rel=1e-9)
+    two = [*command, "--other-radius", "5mm", "--other-mass", "10g"]
     assert printed(*two)["largest_compression"] == pytest.approx([math.sqrt(0.005 / 1e4) / 0.005], rel=1e-9)
-    assert "Contacts were compressed by up to 1000 %" in text_of(*one, "--speed", 100)
+    assert "Contacts were compressed by up to 1000 %" in text_of(*command, "--speed", 100)
 
 
 @pytest.mark.slow
@@ -433,6 +433,6 @@ def test_energies_are_functions_of_the_state(column: hl.Column) -> None:
     if len(results) == 2 and results[0].n_contacts == results[1].n_contacts:
         known = min(result._core.t_last for result in results)
         first = max(result._core.t_first for result in results)
-        one, other = (result.trajectory(np.linspace(first, 0.999 * known, 300)) for result in results)
+        left, other = (result.trajectory(np.linspace(first, 0.999 * known, 300)) for result in results)
         for name in ("contact_energy", "dissipated_energy"):
-            assert np.abs(one[name].values - other[name].values).max() <= 1e-7 * scale
+            assert np.abs(left[name].values - other[name].values).max() <= 1e-7 * scale

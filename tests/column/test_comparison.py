@@ -70,10 +70,10 @@ def last_contacts(result: hl.Result) -> tuple[np.ndarray, float, int]:
     return np.array([x if math.isfinite(x) else math.nan for x in ends]), again, np.count_nonzero(counts)
 
 
-def at_one_instant(found: hl.Comparison) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+def at_one_instant(comparison: hl.Comparison) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
     """Velocities of the balls in both models at a common instant after the sequence, and by how much later each ball's
     last contact ended in the event-driven model. None if there is no such instant."""
-    column, both = found.newton.column, (found.newton, found.independent)
+    column, both = comparison.newton.column, (comparison.newton, comparison.independent)
     (ends, again, n), (hard_ends, hard_again, hard_n) = map(last_contacts, both)
     if np.isnan(ends).all() or np.isnan(hard_ends).all():
         return None
@@ -93,13 +93,13 @@ def at_one_instant(found: hl.Comparison) -> tuple[np.ndarray, np.ndarray, np.nda
     return true, hard, np.nan_to_num(hard_ends - ends)
 
 
-def compared(found: hl.Comparison) -> tuple[np.ndarray, np.ndarray, float] | None:
+def compared(comparison: hl.Comparison) -> tuple[np.ndarray, np.ndarray, float] | None:
     """Velocities that the verdict compares (Newton, event-driven), from :func:`at_one_instant`, and the error scale."""
-    column = found.newton.column
+    column = comparison.newton.column
     if column.floor and len(column.balls) == 2:
-        true, hard = (np.array([r.separation_velocity]) for r in (found.newton, found.independent))
+        true, hard = (np.array([r.separation_velocity]) for r in (comparison.newton, comparison.independent))
         return true, hard, abs(float(true[0]))
-    read = at_one_instant(found)
+    read = at_one_instant(comparison)
     if read is None:
         return None
     true, hard, delay = read
@@ -113,26 +113,26 @@ def overlapping(result: hl.Result) -> int:
     spans = list(zip(result.contacts.pair.values, result.contacts.begin.values, end, strict=True))
     of_balls = sorted((span for span in spans if span[0] > 0), key=lambda span: span[1])[: result.n_contacts]
     return sum(
-        any(other is not one and max(one[1], other[1]) < min(one[2], other[2]) for other in spans)
-        for one in of_balls
+        any(other is not span and max(span[1], other[1]) < min(span[2], other[2]) for other in spans)
+        for span in of_balls
     )
 
 
-def check(found: hl.Comparison) -> None:
-    answer, sentence = found.verdict
-    outcomes = [hl.OUTCOMES[r.outcome_code] for r in (found.newton, found.independent)]
+def check(comparison: hl.Comparison) -> None:
+    answer, sentence = comparison.verdict
+    outcomes = [hl.OUTCOMES[r.outcome_code] for r in (comparison.newton, comparison.independent)]
     first = {"yes": "Yes: ", "no": "No: ", "by luck": "Only by luck: ", "undecided": "No verdict: "}
     assert sentence.startswith(first[answer]) and sentence.endswith(".")
     assert not any(bad in sentence for bad in ("nan", "inf ", "\n"))
-    one_ball = len(found.newton.column.balls) == 1
+    one_ball = len(comparison.newton.column.balls) == 1
     if answer == "undecided":
         assert set(outcomes) & {"unresolved", "invalid", "never_lands", "too_deep"} or (
             outcomes == ["no_contact"] * 2 and not one_ball
         )
         return
     assert not set(outcomes) & {"unresolved", "invalid", "never_lands", "too_deep"}
-    n = found.newton.n_contacts
-    overlap = overlapping(found.newton)
+    n = comparison.newton.n_contacts
+    overlap = overlapping(comparison.newton)
     if answer in ("yes", "by luck"):
         # A single contact of the upper balls may be before or after the second floor contact.
         met = {"ok", "no_contact"} if one_ball or "follows the second floor contact" in sentence else {"ok"}
@@ -145,23 +145,23 @@ def check(found: hl.Comparison) -> None:
     elif "finite time" in sentence:
         assert outcomes[1] in ("collapse", "at_rest") and outcomes[0] != "at_rest"
     elif "but not" in sentence:
-        assert (n == 0) != (found.independent.n_contacts == 0)
-        assert ("before the second floor contact" in sentence) is found.newton.column.floor
+        assert (n == 0) != (comparison.independent.n_contacts == 0)
+        assert ("before the second floor contact" in sentence) is comparison.newton.column.floor
     elif "before the balls separate" in sentence:
-        assert np.isnan([r.separation_velocity for r in (found.newton, found.independent)]).any()
+        assert np.isnan([r.separation_velocity for r in (comparison.newton, comparison.independent)]).any()
     else:
         said = re.search(r" is (\S+) m/s instead of (\S+) m/s\.$", sentence)
         assert said[1] != said[2]
-    check_numbers(found)
+    check_numbers(comparison)
     check_course(sentence, overlap, n)
 
 
-def check_numbers(found: hl.Comparison) -> None:
+def check_numbers(comparison: hl.Comparison) -> None:
     """The answer, the error and the velocities are those of :func:`compared`."""
-    answer, sentence = found.verdict
+    answer, sentence = comparison.verdict
     stated = re.search(r"right to ([\d.e-]+) %\.$", sentence)
     said = re.search(r" is (\S+) m/s instead of (\S+) m/s\.$", sentence)
-    read = compared(found)
+    read = compared(comparison)
     if not (stated or said) or read is None or "follows the second floor contact" in sentence:
         return
     true, hard, scale = read
@@ -174,7 +174,7 @@ def check_numbers(found: hl.Comparison) -> None:
     ball = re.search(r"final velocity of ball (\d)", sentence)
     worst = int(ball[1]) - 1 if ball else 0
     assert abs(hard - true)[worst] == pytest.approx(error * scale, rel=1e-6)
-    shown = float(found.newton.final_velocities[worst]) if ball else true[worst]
+    shown = float(comparison.newton.final_velocities[worst]) if ball else true[worst]
     assert value(said[2]) == pytest.approx(shown, rel=5e-3, abs=1e-300)
     assert value(said[1]) == pytest.approx(shown + hard[worst] - true[worst], rel=5e-3, abs=1e-300)
 
@@ -193,10 +193,10 @@ def check_course(sentence: str, overlap: int, n: int) -> None:
 @draws(150)
 @given(scenarios)
 def test_the_sentence_agrees_with_the_numbers(column):
-    found = hl.compare(column)
-    event(found.verdict.answer)
-    event(re.sub(r"[\d−.e]+", "#", found.verdict.sentence))
-    check(found)
+    comparison = hl.compare(column)
+    event(comparison.verdict.answer)
+    event(re.sub(r"[\d−.e]+", "#", comparison.verdict.sentence))
+    check(comparison)
 
 
 @draws(400)
@@ -204,21 +204,21 @@ def test_the_sentence_agrees_with_the_numbers(column):
 def test_a_second_definition_gives_the_same_verdict(column):
     """A comparison at one instant gives the same verdict as one at the same stage of the sequence, except for the
     effect of gravity during a delay. If all balls leave upwards and rise equally high, the verdict is not No."""
-    found = hl.compare(column)
-    answer, sentence = found.verdict
+    comparison = hl.compare(column)
+    answer, sentence = comparison.verdict
     event(answer)
-    check(found)
+    check(comparison)
     by_numbers = "right to" in sentence or "instead of" in sentence
-    read = at_one_instant(found) if by_numbers else None
+    read = at_one_instant(comparison) if by_numbers else None
     if read is not None and len(column.balls) > 2 and "second floor contact" not in sentence:
         true, hard, delay = read
         falls = column.gravity * np.abs(delay).max() / column.impact_speed
         error = np.abs(hard - true).max() / column.impact_speed
         event(f"second definition: {answer}")
         assert error > 0.01 - falls - 1e-9 if answer == "no" else error < 0.01 + falls + 1e-9
-    if by_numbers and answer == "no" and len(column.balls) > 2 and overlapping(found.newton) == 0:
-        heights, hard_heights = found.newton.rebound_heights, found.independent.rebound_heights
-        if np.isfinite(heights).all() and (found.newton.final_velocities > 0.0).all():
+    if by_numbers and answer == "no" and len(column.balls) > 2 and overlapping(comparison.newton) == 0:
+        heights, hard_heights = comparison.newton.rebound_heights, comparison.independent.rebound_heights
+        if np.isfinite(heights).all() and (comparison.newton.final_velocities > 0.0).all():
             event("second definition: heights")
             highest = column.impact_speed**2 / (2.0 * column.gravity)
             assert np.abs(heights - hard_heights).max() > 1e-3 * highest
@@ -232,10 +232,12 @@ def three_balls_far_apart() -> hl.Column:
 def test_the_second_floor_contact_is_on_neither_side():
     """A table tennis ball between the floor and tennis balls: stiff contacts that do not overlap, and rebound heights
     that agree to 0.02 %."""
-    found = hl.compare(three_balls_far_apart())
-    assert found.verdict.answer == "yes" and "right to 0.005 %" in found.verdict.sentence
-    assert found.independent.final_velocities == pytest.approx(found.newton.final_velocities, rel=1e-3)
-    check(found)
+    comparison = hl.compare(three_balls_far_apart())
+    assert comparison.verdict.answer == "yes" and "right to 0.005 %" in comparison.verdict.sentence
+    assert comparison.independent.final_velocities == pytest.approx(
+        comparison.newton.final_velocities, rel=1e-3
+    )
+    check(comparison)
 
 
 @pytest.mark.parametrize(
@@ -252,11 +254,11 @@ def test_a_contact_of_the_upper_balls_may_come_after_the_floor(
     and so is the verdict."""
     law = hl.LinearDashpot(stiffness=stiffness, restitution=restitution)
     column = hl.Column([hl.Ball(r, density=density) for r in radii], gaps, height, law)
-    found = hl.compare(column)
-    assert found.newton.n_contacts != found.independent.n_contacts
-    assert found.verdict.answer == "yes"
-    assert "under one model the last one follows the second floor contact" in found.verdict.sentence
-    fewer, more = sorted((found.newton, found.independent), key=lambda result: result.n_contacts)
+    comparison = hl.compare(column)
+    assert comparison.newton.n_contacts != comparison.independent.n_contacts
+    assert comparison.verdict.answer == "yes"
+    assert "under one model the last one follows the second floor contact" in comparison.verdict.sentence
+    fewer, more = sorted((comparison.newton, comparison.independent), key=lambda result: result.n_contacts)
     at = fewer.trajectory(last_contacts(fewer)[1] * (1.0 - 1e-9))
     apart = np.diff(at.position.values[0, 1:]) - 2.0 * radii[0]
     upper = hl.Column.cradle(column.balls[1:], at.velocity.values[0, 1:], law, apart)
@@ -289,20 +291,20 @@ def test_known_answers(name):
 
 def test_a_collapse_gives_the_verdict_no():
     """Below ε = 7 − 4√3 a ball between two approaching balls collides infinitely often."""
-    found = hl.compare(hl.Column.cradle([BALL] * 3, [1.0, 0.0, -1.0], law_of("linear", 0.05), 1e-3))
-    assert found.independent.outcome.startswith("inelastic collapse")
-    assert found.verdict == (
+    comparison = hl.compare(hl.Column.cradle([BALL] * 3, [1.0, 0.0, -1.0], law_of("linear", 0.05), 1e-3))
+    assert comparison.independent.outcome.startswith("inelastic collapse")
+    assert comparison.verdict == (
         "no",
         "No: the event-driven sequence ends in an inelastic collapse, infinitely many collisions in a finite time; "
         "that of Newton’s equations does not.",
     )
-    check(found)
+    check(comparison)
 
 
 def test_balls_that_stay_where_they_land():
-    found = hl.compare(hl.Column.paper(3e-3))
-    assert found.newton.outcome.startswith("at rest")
-    assert found.verdict.answer == "no" and "a contact never ends" in found.verdict.sentence
+    comparison = hl.compare(hl.Column.paper(3e-3))
+    assert comparison.newton.outcome.startswith("at rest")
+    assert comparison.verdict.answer == "no" and "a contact never ends" in comparison.verdict.sentence
 
 
 def test_a_common_velocity_changes_no_verdict_of_a_cradle():
@@ -310,9 +312,9 @@ def test_a_common_velocity_changes_no_verdict_of_a_cradle():
     law = law_of("linear", 0.9)
     sentences = set()
     for shift in (0.0, 100.0):
-        found = hl.compare(hl.Column.cradle([BALL] * 3, [1.0 + shift, shift, shift], law, 0.0))
-        sentences.add(found.verdict.answer)
-        check(found)
+        comparison = hl.compare(hl.Column.cradle([BALL] * 3, [1.0 + shift, shift, shift], law, 0.0))
+        sentences.add(comparison.verdict.answer)
+        check(comparison)
     assert sentences == {"no"}
 
 

@@ -309,7 +309,7 @@ def test_no_contact_before_the_floor_is_met_again():
 @pytest.mark.slow
 def test_reengagement_is_a_contact_of_its_own():
     """The clipped force sets in again while the balls still overlap."""
-    found = 0
+    reengagements = 0
     for restitution in np.arange(0.3, 0.9, 0.02):
         for gap in np.logspace(-6, -4, 15):
             result = hl.newton(hl.Column.paper(float(restitution), float(gap)))
@@ -321,10 +321,10 @@ def test_reengagement_is_a_contact_of_its_own():
             closed = distance < -1e-12
             if not closed.any():
                 continue
-            found += 1
+            reengagements += 1
             # The force then starts from zero, as it ended, instead of jumping to γ ξ̇.
             assert state.force.values[closed, 1].max() < 1e-6 * result.trajectory().force.values[:, 1].max()
-    assert 5 < found < 200
+    assert 5 < reengagements < 200
 
 
 def test_pair_meets_before_the_floor():
@@ -392,10 +392,10 @@ def test_a_ball_thrown_up_from_close_to_the_floor_falls_back_in_time(gap, mass_r
     balls = [hl.Ball(1e-3, mass=0.7 * mass_ratio), hl.Ball(1e-4, mass=0.7)]
     law = hl.LinearDashpot(stiffness=1e15, restitution=1.0)
     column = hl.Column(balls, 0.0, 1e-3 + gap, law, velocities=[30.0, -30.0], gravity=1000.0)
-    found = {method: hl.newton(column, method=method, until=0.01) for method in ("exact", "general")}
-    begin = {method: float(result.contacts.begin.min()) for method, result in found.items()}
+    results = {method: hl.newton(column, method=method, until=0.01) for method in ("exact", "general")}
+    begin = {method: float(result.contacts.begin.min()) for method, result in results.items()}
     assert begin["exact"] == pytest.approx(begin["general"], rel=1e-12)
-    t = found["exact"].trajectory(np.array([begin["exact"], 0.0, 0.01]))
+    t = results["exact"].trajectory(np.array([begin["exact"], 0.0, 0.01]))
     total = t.kinetic_energy + t.potential_energy + t.contact_energy + t.dissipated_energy
     assert total.values == pytest.approx(np.full(3, total.values[0]), rel=1e-12)
 

@@ -316,9 +316,9 @@ def test_a_mirrored_cradle_moves_as_its_mirror_image(column, gap):
     there = hl.Column.cradle(balls, v, law, gaps)
     back = hl.Column.cradle(balls[::-1], [-x for x in reversed(v)], law, gaps[::-1])
     until = 6.0 * max(contact.duration(1.0) for contact in there.contacts)
-    one, other = hl.newton(there, until=until), hl.newton(back, until=until)
-    assert one.n_contacts == other.n_contacts
-    assert np.abs(one.velocities + other.velocities[::-1]).max() < 1e-8
+    run, other = hl.newton(there, until=until), hl.newton(back, until=until)
+    assert run.n_contacts == other.n_contacts
+    assert np.abs(run.velocities + other.velocities[::-1]).max() < 1e-8
 
 
 def one_ball(law: hl.Law, fall: float, velocity: float = 0.0, gravity: float = 9.81):
@@ -381,10 +381,10 @@ def test_two_balls_creep_as_the_exact_solver_says(restitution, masses, stiffness
     exact, general = (hl.newton(column, until=0.2, method=m) for m in ("exact", "general"))
     assume(UNRESOLVED not in (exact.outcome_code, general.outcome_code))
     times = np.linspace(0.0, 0.2, 41)
-    found, right = general.trajectory(times), exact.trajectory(times)
-    assert np.abs(found.velocity - right.velocity).max() < 1e-9
+    trajectory, right = general.trajectory(times), exact.trajectory(times)
+    assert np.abs(trajectory.velocity - right.velocity).max() < 1e-9
     largest = float(right.force.max())
-    assert np.abs(found.force - right.force).max() < 1e-9 * largest
+    assert np.abs(trajectory.force - right.force).max() < 1e-9 * largest
 
 
 @pytest.mark.parametrize("ratio", [1.0, 1e3, 1e6])
@@ -543,8 +543,8 @@ def test_contacts_count_that_begin_before_the_floor_is_met_again():
         laws = [hl.LinearDashpot(stiffness=k, restitution=1.0) for k in stiffness]
         balls = [hl.Ball(2.0, mass=10 ** r.uniform(-2, 0)) for _ in range(3)]
         column = hl.Column(balls, [1e-4, 10 ** r.uniform(-5, -2)], 2.0, laws, velocities=-1.0, gravity=0.0)
-        found = hl.newton(column, until=0.2).contacts
-        pair, begin, end = (found[name].values for name in ("pair", "begin", "end"))
+        contacts = hl.newton(column, until=0.2).contacts
+        pair, begin, end = (contacts[name].values for name in ("pair", "begin", "end"))
         again = [*begin[pair == 0], math.inf, math.inf][1]
         counted = (pair > 0) & (begin < again)
         assert hl.newton(column).n_contacts == counted.sum()

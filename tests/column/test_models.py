@@ -73,10 +73,10 @@ def test_columns_that_are_solvable_exactly(column):
 def test_sweeps_know_the_model(model):
     """A sweep uses the right model number: the map contains the results of the model's solver."""
     column = hl.Column.paper(0.6, 1e-4, 3.0)
-    found = hl.sweep(column, model=model.name, gap=[1e-4, 2e-3])
+    dataset = hl.sweep(column, model=model.name, gap=[1e-4, 2e-3])
     wanted = [solve(model, column.replace(gaps=gap)).relative_velocity for gap in (1e-4, 2e-3)]
-    assert found.relative_velocity.values == pytest.approx(wanted, rel=1e-12)
-    assert found.attrs["model"] == model.name
+    assert dataset.relative_velocity.values == pytest.approx(wanted, rel=1e-12)
+    assert dataset.attrs["model"] == model.name
     others = {
         m.name: hl.sweep(column, model=m.name, gap=[1e-4]).relative_velocity.values for m in MODELS.values()
     }
@@ -84,10 +84,10 @@ def test_sweeps_know_the_model(model):
 
 
 def test_labels_are_those_of_the_description():
-    found = hl.compare(hl.Column.paper())
-    (legend,) = plots.heights(*found.results).legends
+    comparison = hl.compare(hl.Column.paper())
+    (legend,) = plots.heights(*comparison.results).legends
     labels = [text.get_text() for text in legend.get_texts()]
     assert all(any(model.label in label for label in labels) for model in MODELS.values())
     shown = run("drop").stdout
     assert any(set(line.split()) == {model.short for model in MODELS.values()} for line in shown.splitlines())
-    assert all(f"<th>{model.short}</th>" in found._repr_html_() for model in MODELS.values())
+    assert all(f"<th>{model.short}</th>" in comparison._repr_html_() for model in MODELS.values())

@@ -101,13 +101,13 @@ def test_up_to_a_time_it_is_the_highest_point_of_the_trajectory(column: hl.Colum
     assume(result.outcome_code in (0, 1))
     times = np.linspace(0.0, until, 1001)
     position = result.trajectory(times).position.values
-    for ball, (since, found) in enumerate(zip(bounces(result), heights(result), strict=True)):
+    for ball, (since, height) in enumerate(zip(bounces(result), heights(result), strict=True)):
         seen = position[times >= since, ball]
         if not seen.size:
-            assert math.isnan(found) or since <= until
+            assert math.isnan(height) or since <= until
             continue
         # Between two samples a ball at 5 m/s and under 9.81 m/s² rises by at most this, except in a collision.
-        assert seen.max() - 1e-12 <= found <= seen.max() + 6.0 * (times[1] - times[0])
+        assert seen.max() - 1e-12 <= height <= seen.max() + 6.0 * (times[1] - times[0])
 
 
 @draws(40)
@@ -147,9 +147,9 @@ def test_collisions_of_the_upper_balls_after_the_second_floor_contact_count(mode
     v2, v3 = 2.0 * speed - G * meeting, -speed - G * meeting
     top = z2 + 0.02 + (2.0 * v2 - v3) ** 2 / (2.0 * G)
     assert bounces(result)[2] == math.inf  # the sequence ends earlier
-    found = heights(result)
-    assert found[1] == pytest.approx(z2 + v2**2 / (2.0 * G), rel=1e-3)
-    assert found[2] == pytest.approx(top, rel=1e-3)
+    rebounds = heights(result)
+    assert rebounds[1] == pytest.approx(z2 + v2**2 / (2.0 * G), rel=1e-3)
+    assert rebounds[2] == pytest.approx(top, rel=1e-3)
 
 
 @pytest.mark.parametrize("model", ["newton", "adiabatic", "general"])

@@ -138,9 +138,9 @@ def test_trajectory_takes_any_times_in_any_order(kind):
     many = result.trajectory(times)
     assert (many.time.values == times).all()
     for i, at in enumerate(times):
-        one = result.trajectory(at)
-        assert one.position.values[0] == pytest.approx(many.position.values[i], abs=1e-12)
-        assert one.velocity.values[0] == pytest.approx(many.velocity.values[i], abs=1e-9)
+        single = result.trajectory(at)
+        assert single.position.values[0] == pytest.approx(many.position.values[i], abs=1e-12)
+        assert single.velocity.values[0] == pytest.approx(many.velocity.values[i], abs=1e-9)
     assert many.velocity.values[2] == pytest.approx(many.velocity.values[4], abs=0.0)
 
 
@@ -375,11 +375,11 @@ def test_html_of_columns_and_comparisons():
     assert [row[0] for row in page.rows] == ["", "ball 3", "ball 2", "ball 1"]
     assert page.rows[1][1:] == ["0.01", "0.002", "0.0002", "0"]
     assert not Page(RESULTS["cradle"].column._repr_html_()).open
-    found = hl.compare(PAPER)
-    text = found._repr_html_()
+    comparison = hl.compare(PAPER)
+    text = comparison._repr_html_()
     page = Page(text)
     assert not page.open and page.rows[0] == ["", "Newton", "adiabatic", "independent"]
-    assert {len(row) for row in page.rows} == {4} and escape(found.verdict.sentence) in text
+    assert {len(row) for row in page.rows} == {4} and escape(comparison.verdict.sentence) in text
 
 
 def test_html_is_escaped():
@@ -433,10 +433,10 @@ def test_results_go_through_a_process_pool():
     with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
         there = pool.submit(hl.newton, PAPER, method="general")
         velocity = pool.submit(operator.attrgetter("relative_velocity"), RESULTS["exact"])
-        found = pool.submit(hl.compare, PAPER)
+        future = pool.submit(hl.compare, PAPER)
         same_bits(there.result(), RESULTS["general"])
         assert velocity.result() == RESULTS["exact"].relative_velocity
-        assert found.result().verdict == hl.compare(PAPER).verdict
+        assert future.result().verdict == hl.compare(PAPER).verdict
 
 
 # ---- one ball ----------------------------------------------------------------------------------------------
@@ -557,9 +557,9 @@ def test_rebound_of_the_textbook(solve):
     balls = [hl.Ball(0.1, mass=1.0), hl.Ball(0.01, mass=1e-9)]
     column = hl.Column(balls, 1e-3, 0.6, law)
     r1, r2, z2 = 0.1, 0.01, float(column.initial_positions[1])
-    found = solve(column).rebound_heights
-    assert found[1] == pytest.approx(9.0 * z2 - 8.0 * (2.0 * r1 + r2), rel=5e-3)
-    assert found[0] == pytest.approx(0.6, rel=1e-3)
+    rebounds = solve(column).rebound_heights
+    assert rebounds[1] == pytest.approx(9.0 * z2 - 8.0 * (2.0 * r1 + r2), rel=5e-3)
+    assert rebounds[0] == pytest.approx(0.6, rel=1e-3)
 
 
 @pytest.mark.parametrize("kind", ["exact", "general", "adiabatic", "independent"])

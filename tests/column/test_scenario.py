@@ -139,8 +139,8 @@ def test_equality_is_that_of_the_numbers():
         hl.Column((BALL, BALL), 0, 1.0, (LINEAR, LINEAR)),
     ):
         assert other == still and hash(other) == hash(still)
-    one, other = hl.Ball(1, mass=2), hl.Ball(1.0, mass=2.0)
-    assert one == other and hash(one) == hash(other)
+    left, other = hl.Ball(1, mass=2), hl.Ball(1.0, mass=2.0)
+    assert left == other and hash(left) == hash(other)
     moving = hl.Column.cradle([BALL] * 2, [1.0, 0.0], LINEAR)
     assert moving != hl.Column([BALL] * 2, 0.0, moving.height, LINEAR, velocities=[-1.0, 0.0], gravity=0.0)
     assert still != repr(still)
@@ -163,8 +163,8 @@ def test_every_part_can_be_replaced():
     law = law_of("viscoelastic", 0.8)
     changed = PAPER.replace(balls=[BALL] * 2, gaps=1e-3, height=2.0, law=law, velocities=-1.0, gravity=1.0)
     assert changed == hl.Column([BALL] * 2, 1e-3, 2.0, law, -1.0, 1.0)
-    one = PAPER.replace(law=[PAPER.laws[0], LINEAR])
-    assert one.laws == (PAPER.laws[0], LINEAR) and one.replace(gaps=0.0).laws == one.laws
+    replaced = PAPER.replace(law=[PAPER.laws[0], LINEAR])
+    assert replaced.laws == (PAPER.laws[0], LINEAR) and replaced.replace(gaps=0.0).laws == replaced.laws
 
 
 def test_shared_values_fit_any_number_of_balls():

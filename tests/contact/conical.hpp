@@ -1,4 +1,4 @@
-// Contact law for test_new_law.py: the elastic force of a cone pressed on a plane, F ~ ξ² (I. N. Sneddon, Proc. Camb.
+// Contact law for test_recipes.py: the elastic force of a cone pressed on a plane, F ~ ξ² (I. N. Sneddon, Proc. Camb.
 // Philos. Soc. 44, 492 (1948)), with the damping that makes the restitution independent of the speed:
 //   F = max(0, k ξ² + c √ξ ξ̇) while ξ > 0, the case q = 1/2 of linear_map.hpp. It ends at ξ^{3/2} + (c/k) ξ̇ = 0.
 #pragma once

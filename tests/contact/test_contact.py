@@ -85,9 +85,9 @@ def test_linear_table():
 @pytest.mark.slow
 def test_linear_collision_in_high_precision():
     ratios = damping_ratios()
-    found = zip(ratios, _core.linear_duration(ratios), _core.linear_restitution(ratios), strict=True)
+    pairs = zip(ratios, _core.linear_duration(ratios), _core.linear_restitution(ratios), strict=True)
     with mpmath.workdps(120):
-        for b, duration, restitution in found:
+        for b, duration, restitution in pairs:
             exact_duration, exact_restitution = linear_collision(b)
             # The restitution is exp(−b t_c): each unit of the exponent costs one rounding.
             exponent = float(b * exact_duration)
@@ -101,11 +101,11 @@ def test_linear_inverse_in_high_precision(restitution):
     contact = hl.LinearDashpot(stiffness=5e7, restitution=restitution).between(BALL)
     with mpmath.workdps(120):
         m, k = mpmath.mpf(contact.effective_mass), mpmath.mpf(5e7)
-        _, found = linear_collision(mpmath.mpf(contact.damping) / (2 * mpmath.sqrt(k * m)))
-        assert abs(found / mpmath.mpf(restitution) - 1) < 1e-13
+        _, epsilon = linear_collision(mpmath.mpf(contact.damping) / (2 * mpmath.sqrt(k * m)))
+        assert abs(epsilon / mpmath.mpf(restitution) - 1) < 1e-13
         if restitution < 1.0:
             loss = 1 - mpmath.mpf(restitution)
-            assert abs((1 - found) / loss - 1) < 1e-13
+            assert abs((1 - epsilon) / loss - 1) < 1e-13
         else:
             assert contact.damping == 0.0
 
@@ -146,8 +146,8 @@ def test_linear_named_values():
 def test_the_usual_formula_gives_another_restitution():
     """ζ = −ln ε/√(π² + ln² ε) assumes that the contact ends at ξ = 0, after an attractive force."""
     log = np.log([0.9, 0.7, 0.5, 0.3, 0.1])
-    found = _core.linear_restitution(-log / np.hypot(np.pi, log))
-    assert found == pytest.approx([0.9020, 0.7182, 0.5503, 0.3971, 0.2527], abs=5e-5)
+    restitution = _core.linear_restitution(-log / np.hypot(np.pi, log))
+    assert restitution == pytest.approx([0.9020, 0.7182, 0.5503, 0.3971, 0.2527], abs=5e-5)
 
 
 # ---- viscoelastic spheres ----------------------------------------------------------------------------------
@@ -164,10 +164,10 @@ def universal(x: float) -> tuple[float, float]:
         return y[0] ** 2 + x * y[1] if y[1] < 0.0 or y[0] > 0.0 else 1.0
 
     end.terminal, end.direction = True, -1
-    found = scipy.integrate.solve_ivp(
+    solution = scipy.integrate.solve_ivp(
         right, (0.0, 1e3), [0.0, 1.0, 0.0], "DOP853", events=end, rtol=3e-14, atol=1e-18, max_step=0.2
     )
-    s, v, t = found.y_events[0][0]
+    s, v, t = solution.y_events[0][0]
     assert s > 0.0
     return -v, t
 
@@ -409,9 +409,9 @@ def test_tsuji_of_a_material_is_hertz_when_undamped():
         hertz = hl.Viscoelastic(**material, dissipative_time=0.0).between(BALL, other)
         tsuji = hl.Tsuji(**material, damping_coefficient=0.0).between(BALL, other)
         assert tsuji.elastic_prefactor == hertz.elastic_prefactor
-        given = hl.Tsuji(elastic_prefactor=tsuji.elastic_prefactor, damping_coefficient=0.0)
+        undamped = hl.Tsuji(elastic_prefactor=tsuji.elastic_prefactor, damping_coefficient=0.0)
         xi = np.logspace(-9, -3, 7)
-        for contact in (tsuji, given.between(BALL, other)):
+        for contact in (tsuji, undamped.between(BALL, other)):
             assert contact.force(xi, 1.0) == pytest.approx(hertz.force(xi, 1.0), rel=1e-14)
             assert contact.energy(xi) == pytest.approx(hertz.energy(xi), rel=1e-14)
             assert contact.duration(SPEEDS) == pytest.approx(hertz.duration(SPEEDS), rel=1e-14)
@@ -547,10 +547,12 @@ def test_isolated_collision_by_an_independent_integration(name):
 
         # The force is smooth until just before the end; the integration stops a millionth of t_c earlier.
         within = {"rtol": 1e-12, "atol": 1e-16, "max_step": t_c / 200}
-        found = scipy.integrate.solve_ivp(right, (0.0, t_c * (1.0 - 1e-6)), [1e-300, 1.0], "DOP853", **within)
-        xi, rate = found.y[:, -1]
+        solution = scipy.integrate.solve_ivp(
+            right, (0.0, t_c * (1.0 - 1e-6)), [1e-300, 1.0], "DOP853", **within
+        )
+        xi, rate = solution.y[:, -1]
         assert -rate == pytest.approx(restitution, rel=2e-6)
-        largest = np.max(contact.force(found.y[0], found.y[1]))
+        largest = np.max(contact.force(solution.y[0], solution.y[1]))
         assert 0.0 < contact.force(xi, rate) < 1e-4 * largest
 
 

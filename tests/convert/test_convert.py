@@ -63,12 +63,12 @@ def test_powers_agree_with_the_laws_of_the_core(restitution, speed, mass):
         contact = law.between(ball)
         stiffness = contact.stiffness if name == "linear" else contact.elastic_prefactor
         force = Force.with_restitution(LAWS[name], stiffness, mass, restitution, speed)
-        found = force.collision(speed)
-        assert found.restitution == pytest.approx(restitution, rel=1e-10)
-        assert found.duration == pytest.approx(contact.duration(speed), rel=1e-10)
-        at, rate = np.array([0.3 * found.compression]), np.array([-0.1 * speed])
+        collision = force.collision(speed)
+        assert collision.restitution == pytest.approx(restitution, rel=1e-10)
+        assert collision.duration == pytest.approx(contact.duration(speed), rel=1e-10)
+        at, rate = np.array([0.3 * collision.compression]), np.array([-0.1 * speed])
         assert force.force(at, rate) == pytest.approx(
-            contact.force(at, rate), rel=1e-8, abs=1e-9 * found.force
+            contact.force(at, rate), rel=1e-8, abs=1e-9 * collision.force
         )
 
 
@@ -123,13 +123,13 @@ def test_cohesion_takes_no_energy_and_keeps_slow_bodies(powers, restitution, sha
         bare.force(np.array([deepest]), np.array([0.0]))[0] - w * float(area(deepest)),
         abs=1e-9 * bare.stiffness,
     )
-    found = sticky.collision(speed)
-    if math.isnan(found.restitution):
-        assert found.compression > 0.999 * min(1.0, ratio)
+    collision = sticky.collision(speed)
+    if math.isnan(collision.restitution):
+        assert collision.compression > 0.999 * min(1.0, ratio)
         return
-    assert found.restitution <= bare.collision(speed).restitution + 1e-7
+    assert collision.restitution <= bare.collision(speed).restitution + 1e-7
     if share == 0.0:
-        assert found.restitution == pytest.approx(bare.collision(speed).restitution, abs=1e-7)
+        assert collision.restitution == pytest.approx(bare.collision(speed).restitution, abs=1e-7)
     undamped = AdhesiveForce(bare.powers, bare.stiffness, 0.0, bare.effective_mass, w, area).collision(speed)
     crushed = undamped.compression > 0.999 * min(1.0, ratio)
     assert crushed or undamped.restitution == pytest.approx(1.0, abs=1e-7)
@@ -192,55 +192,55 @@ def contacts(radius_1, radius_2):
 @settings(max_examples=4, deadline=None)
 def test_there_and_back(name, model, restitution, speed, stiffness, radii, attraction, nu):
     """Numbers for a restitution give that restitution, and stand in the input."""
-    of, found = code(name), code(name).model(model)
+    of, source = code(name), code(name).model(model)
     for pair in contacts(*radii):
-        written = Written(found, pair, speed, attraction, nu)
+        written = Written(source, pair, speed, attraction, nu)
         numbers = written.numbers(stiffness, restitution)
-        if numbers is None and found.spring.shortest**2 * stiffness > pair.mass:
+        if numbers is None and source.spring.shortest**2 * stiffness > pair.mass:
             continue
-        if numbers is None and found.damping.formula == "given" and restitution == 1.0:
+        if numbers is None and source.damping.formula == "given" and restitution == 1.0:
             continue
-        if numbers is None and found.damping.formula == "none" and restitution < 1.0:
+        if numbers is None and source.damping.formula == "none" and restitution < 1.0:
             continue
-        if numbers is None and found.input.least and (restitution < 0.1 or speed < 0.011):
+        if numbers is None and source.input.least and (restitution < 0.1 or speed < 0.011):
             continue  # the code refuses them
         if numbers is None:  # the code's formula never damps so much
-            most = formulas.FORMULAS[found.damping.formula](formulas.SMALLEST)
+            most = formulas.FORMULAS[source.damping.formula](formulas.SMALLEST)
             strongest = written.force(
-                {**written.numbers(stiffness, 0.9), found.damping.number: formulas.SMALLEST}
+                {**written.numbers(stiffness, 0.9), source.damping.number: formulas.SMALLEST}
             )
             assert math.isfinite(most) and strongest.collision(speed).restitution > restitution
             continue
-        text = texts.written(of, found, [(pair, numbers)], attraction, 1e-6)
+        text = texts.written(of, source, [(pair, numbers)], attraction, 1e-6)
         assert all(f"{value:.12g}" in text for value in numbers.values())
         force = written.force(numbers)
         assert force.stiffness == pytest.approx(stiffness, rel=1e-9)
         assert force.collision(speed).restitution == pytest.approx(
-            restitution, abs=max(found.damping.tolerance, 1e-9)
+            restitution, abs=max(source.damping.tolerance, 1e-9)
         )
 
 
 @pytest.mark.parametrize("name", CODES)
 def test_an_input_tells_its_model(name):
     """The text of each model is read as that model alone, from pairs and from walls."""
-    found = code(name)
-    for model in found.models:
+    source = code(name)
+    for model in source.models:
         given_as = {"stiffness": 1e5} if model.elastic == "hooke" else STEEL
         wanted = 1.0 if model.damping.formula == "none" else 0.8
-        made = hl.convert(BALL, restitution=wanted, code=name, model=model.name, wall=False, **given_as)
-        back = hl.convert_back(made.text, BALL, code=name)
+        conversion = hl.convert(BALL, restitution=wanted, code=name, model=model.name, wall=False, **given_as)
+        back = hl.convert_back(conversion.text, BALL, code=name)
         assert back.model.name == model.name
         assert back.restitution == pytest.approx(wanted, abs=max(model.damping.tolerance, 1e-9))
 
 
 def test_files_name_their_source_and_what_they_were_checked_by():
     assert len(names()) >= 8 and RUNS
-    for found in map(code, names()):
-        assert found.models and found.sources
-        assert found.version and all(source.startswith("https://") for source in found.sources)
+    for name in map(code, names()):
+        assert name.models and name.sources
+        assert name.version and all(source.startswith("https://") for source in name.sources)
         ran = {row["code"] for row in RUNS} | {"lammps"}
-        assert (found.checked == "run") == (found.name in ran)
-        assert len({model.name for model in found.models}) == len(found.models)
+        assert (name.checked == "run") == (name.name in ran)
+        assert len({model.name for model in name.models}) == len(name.models)
 
 
 # --- known facts --------------------------------------------------------------------------------------------
@@ -248,10 +248,10 @@ def test_files_name_their_source_and_what_they_were_checked_by():
 
 def usually(name, model, restitution, attraction=False, wall=False):
     given_as = {"stiffness": 1e5} if code(name).model(model).elastic == "hooke" else STEEL
-    made = hl.convert(
+    conversion = hl.convert(
         BALL, restitution=restitution, code=name, model=model, attraction=attraction, **given_as
     )
-    return made.models[0].contacts[1 if wall else 0].usual_restitution
+    return conversion.models[0].contacts[1 if wall else 0].usual_restitution
 
 
 @pytest.mark.parametrize(
@@ -293,12 +293,12 @@ def test_mercury_wants_twice_the_effective_mass():
 def test_one_coefficient_does_not_serve_all_sizes():
     """LAMMPS' hooke with damping velocity: γ for the small ones gives the large ones another ε."""
     balls = [hl.Ball(radius=r, density=2500.0) for r in (5e-4, 1e-3)]
-    made = hl.convert(
+    conversion = hl.convert(
         balls, restitution=0.7, stiffness=1e5, code="lammps", model="hooke-velocity", wall=False
     )
-    gammas = [row.numbers["damping"] for row in made.models[0].contacts]
-    assert [row.pair for row in made.models[0].contacts] == ["1 – 1", "1 – 2", "2 – 2"]
-    assert gammas == pytest.approx([contact.damping for contact in made.contacts], rel=1e-9)
+    gammas = [row.numbers["damping"] for row in conversion.models[0].contacts]
+    assert [row.pair for row in conversion.models[0].contacts] == ["1 – 1", "1 – 2", "2 – 2"]
+    assert gammas == pytest.approx([contact.damping for contact in conversion.contacts], rel=1e-9)
     text = f"pair_coeff * * hooke 1e5 {gammas[0]!r} damping velocity limit_damping"
     assert hl.convert_back(text, balls[0], code="lammps").restitution == pytest.approx(0.7, abs=1e-9)
     assert hl.convert_back(text, balls[1], code="lammps").restitution > 0.85
@@ -308,25 +308,27 @@ def test_one_coefficient_does_not_serve_all_sizes():
 def test_a_bed_is_a_matrix_over_types_where_the_code_has_one(wall):
     """LIGGGHTS: symmetric, each entry that of its contact, the wall a type of its own; YADE: the same as triples."""
     balls = [hl.Ball(radius=r, density=2500.0) for r in (5e-4, 1e-3, 7e-4)]
-    given = {"restitution": 0.7, "stiffness": 1e5, "wall": wall}
-    made = hl.convert(balls, code="liggghts", model="hooke-stiffness", **given)
-    (line,) = [line for line in made.text.splitlines() if " gamman " in line]
+    options = {"restitution": 0.7, "stiffness": 1e5, "wall": wall}
+    conversion = hl.convert(balls, code="liggghts", model="hooke-stiffness", **options)
+    (line,) = [line for line in conversion.text.splitlines() if " gamman " in line]
     count, *entries = line.partition("peratomtypepair")[2].split()
     types = 3 + wall
     assert int(count) == types and len(entries) == types**2
     matrix = np.array(entries, dtype=float).reshape(types, types)
     np.testing.assert_array_equal(matrix, matrix.T)
-    assert (f"primitive type {types} zplane" in made.text) == wall and ("wall/gran" in made.text) == wall
-    for row in made.models[0].contacts:
+    assert (f"primitive type {types} zplane" in conversion.text) == wall and (
+        "wall/gran" in conversion.text
+    ) == wall
+    for row in conversion.models[0].contacts:
         first, second = row.pair.replace("wall", "4").split(" – ")
         assert matrix[int(first) - 1, int(second) - 1] == pytest.approx(row.numbers["damping"], rel=1e-11)
-    text = hl.convert(balls, code="yade", model="viscel-tc-en", **given).text
+    text = hl.convert(balls, code="yade", model="viscel-tc-en", **options).text
     triples = re.findall(r"\((\d), (\d), ([\d.e-]+)\)", text.partition("Phys(tc=")[2].partition("en=")[0])
     assert [(int(i), int(j)) for i, j, _ in triples] == [
         (i, j) for i in range(types) for j in range(i, types)
     ]
     # Where a number that the code has only once would have to differ, they remain a choice.
-    assert "choose" in hl.convert(balls, code="liggghts", model="hooke", **given).text
+    assert "choose" in hl.convert(balls, code="liggghts", model="hooke", **options).text
 
 
 @pytest.mark.parametrize(
@@ -356,20 +358,20 @@ def test_mfix_counts_pairs_row_by_row(count):
     """One number for each pair of solids, of the upper triangle: 11, 12, …, 22, 23, …"""
     balls = [hl.Ball(radius=r, density=2500.0) for r in np.linspace(5e-4, 1e-3, count)]
     text = hl.convert(balls, restitution=0.7, stiffness=1e5, code="mfix", wall=False).text
-    found = [int(x) for x in re.findall(r"DES_EN_INPUT\((\d+)\)", text)]
-    assert found == list(range(1, count * (count + 1) // 2 + 1))
+    entries = [int(x) for x in re.findall(r"DES_EN_INPUT\((\d+)\)", text)]
+    assert entries == list(range(1, count * (count + 1) // 2 + 1))
 
 
 @pytest.mark.parametrize("name,model", [("chrono", "hooke-coefficients"), ("yade", "viscel")])
 def test_numbers_that_hold_for_all_contacts_are_given_for_one(name, model):
     """Two sizes need different ones: the input has those of the first, and the others as comments."""
     balls = [hl.Ball(radius=r, density=2500.0) for r in (5e-4, 1e-3)]
-    made = hl.convert(balls, restitution=0.7, stiffness=1e5, code=name, model=model)
-    live = [line for line in made.text.splitlines() if not line.startswith(("#", "//"))]
-    assert f"{made.models[0].contacts[0].numbers['damping']:.12g}" in "\n".join(live)
-    assert f"{made.models[0].contacts[1].numbers['damping']:.12g}" not in "\n".join(live)
+    conversion = hl.convert(balls, restitution=0.7, stiffness=1e5, code=name, model=model)
+    live = [line for line in conversion.text.splitlines() if not line.startswith(("#", "//"))]
+    assert f"{conversion.models[0].contacts[0].numbers['damping']:.12g}" in "\n".join(live)
+    assert f"{conversion.models[0].contacts[1].numbers['damping']:.12g}" not in "\n".join(live)
     alike = hl.convert(balls, restitution=0.7, code="liggghts", model="hertz", **STEEL)
-    assert "choose" not in alike.text and "choose" in made.text
+    assert "choose" not in alike.text and "choose" in conversion.text
 
 
 # --- ways to give the stiffness -----------------------------------------------------------------------------
@@ -381,8 +383,8 @@ def test_duration_and_compression_are_met(restitution, law, wanted):
     """Of every contact; a coarse step, of which nothing is asked here."""
     options = {"restitution": restitution, "law": law, "code": "lammps", "speed": 0.3}
     for name, step in (("duration", 0.05 * wanted), ("compression", 0.3 * wanted)):
-        made = hl.convert(BALL, time_step=step, **options, **{name: wanted})
-        for contact in made.contacts:
+        conversion = hl.convert(BALL, time_step=step, **options, **{name: wanted})
+        for contact in conversion.contacts:
             assert getattr(contact, name) == pytest.approx(wanted, rel=1e-9)
 
 
@@ -390,18 +392,18 @@ def test_a_modulus_makes_a_spring_that_goes_as_deep():
     """The linear spring of a modulus is compressed as far as the Hertz contact, undamped, at that speed."""
     options = {"restitution": 1.0, "speed": 0.7, "code": "lammps", **STEEL}
     linear, hertz = (hl.convert(BALL, law=law, **options).contacts for law in ("linear", "tsuji"))
-    for one, other in zip(linear, hertz, strict=True):
-        assert one.compression == pytest.approx(other.compression, rel=1e-10)
+    for shallow, other in zip(linear, hertz, strict=True):
+        assert shallow.compression == pytest.approx(other.compression, rel=1e-10)
 
 
 @pytest.mark.parametrize("name", ["hooke-restitution", "hooke-velocity"])
 def test_the_time_step_makes_the_error_that_is_said(name):
-    made = hl.convert(
+    conversion = hl.convert(
         BALL, restitution=0.6, stiffness=1e5, code="lammps", model=name, restitution_error=5e-3, wall=False
     )
-    step = made.models[0].contacts[0].time_step
+    step = conversion.models[0].contacts[0].time_step
     for factor, holds in ((1.0, True), (2.0, False)):
-        again = hl.convert_back(made.text, BALL, code="lammps", time_step=factor * step)
+        again = hl.convert_back(conversion.text, BALL, code="lammps", time_step=factor * step)
         assert (again.restitution_error <= 5e-3) == holds
 
 
@@ -411,14 +413,14 @@ def test_the_time_step_makes_the_error_that_is_said(name):
 @pytest.mark.parametrize("model", ["gran-hooke", "gran-hertz"])
 def test_the_wall_of_gran_styles_is_live(model):
     """Pairs and walls have numbers of their own: a grain that falls meets the wall."""
-    found = code("lammps").model(model)
-    asked = {"stiffness": 1e5} if found.elastic == "hooke" else {"duration": 1e-5, "law": "viscoelastic"}
-    made = hl.convert(BALL, restitution=0.7, code="lammps", model=model, **asked)
-    live = [line for line in made.text.splitlines() if not line.startswith("#")]
+    source = code("lammps").model(model)
+    options = {"stiffness": 1e5} if source.elastic == "hooke" else {"duration": 1e-5, "law": "viscoelastic"}
+    conversion = hl.convert(BALL, restitution=0.7, code="lammps", model=model, **options)
+    live = [line for line in conversion.text.splitlines() if not line.startswith("#")]
     assert any(line.startswith("pair_style gran/") for line in live)
     assert any(line.startswith("fix floor1 type1 wall/gran") for line in live)
     for other in (None, hl.FLOOR):
-        assert hl.convert_back(made.text, BALL, other, code="lammps").restitution == pytest.approx(
+        assert hl.convert_back(conversion.text, BALL, other, code="lammps").restitution == pytest.approx(
             0.7, abs=1e-9
         )
 
@@ -428,9 +430,9 @@ def test_the_wall_itself_is_never_a_comment(balls):
     """Whatever numbers are to be chosen, of every code that writes a wall."""
     for name in ("lammps", "liggghts"):
         for model in code(name).models:
-            asked = {"stiffness": 1e5} if model.elastic == "hooke" else {**STEEL}
+            options = {"stiffness": 1e5} if model.elastic == "hooke" else {**STEEL}
             text = hl.convert(
-                balls, restitution=0.7, code=name, model=model.name, restitution_error=0.05, **asked
+                balls, restitution=0.7, code=name, model=model.name, restitution_error=0.05, **options
             ).text
             walls = [line for line in text.splitlines() if "wall/gran" in line]
             assert walls and not any(line.startswith("#") for line in walls)
@@ -439,10 +441,10 @@ def test_the_wall_itself_is_never_a_comment(balls):
 def test_liggghts_is_told_of_hard_and_soft_particles():
     """It refuses Young's moduli above 1e9 and below 5e6 Pa without a command."""
     for modulus, line in ((2.1e11, "hard_particles yes"), (1e8, ""), (1e6, "soft_particles yes")):
-        made = hl.convert(
+        conversion = hl.convert(
             BALL, restitution=0.7, code="liggghts", model="hertz", youngs_modulus=modulus, poisson_ratio=0.3
         )
-        said = [x for x in made.text.splitlines() if x.endswith("_particles yes")]
+        said = [x for x in conversion.text.splitlines() if x.endswith("_particles yes")]
         assert said == ([line] if line else [])
     slack = hl.convert(BALL, restitution=0.02, code="liggghts", model="hertz", **STEEL).models[0].contacts[0]
     assert slack.numbers is None and math.isnan(slack.restitution)  # coefficientRestitution must exceed 0.05
@@ -455,7 +457,7 @@ def test_mujoco_refuses_grains_that_are_too_light():
     with pytest.raises(ValueError, match=why):
         hl.convert([heavy, light], restitution=0.7, stiffness=1e3, code="mujoco")
     assert hl.convert(heavy, restitution=0.7, stiffness=1e3, code="mujoco").text
-    codes = {one.code.name for one in hl.convert(light, restitution=0.7, stiffness=1e3).models}
+    codes = {model.code.name for model in hl.convert(light, restitution=0.7, stiffness=1e3).models}
     assert "mujoco" not in codes and "lammps" in codes
 
 
@@ -485,9 +487,9 @@ def test_the_step_keeps_to_its_error_wherever_bodies_touch(powers, attracts, res
 @draws(20)
 @given(step=st.floats(1e-9, 1e-3))
 def test_the_step_is_not_rounded_up(step):
-    found = code("lammps").model("hooke-velocity")
+    source = code("lammps").model("hooke-velocity")
     pair = Pair("1 – 1", BALL.mass, BALL.radius, False)
-    text = texts.written(code("lammps"), found, [(pair, {"stiffness": 1e5, "damping": 1.0})], False, step)
+    text = texts.written(code("lammps"), source, [(pair, {"stiffness": 1e5, "damping": 1.0})], False, step)
     said = float(text.splitlines()[-1].split()[1])
     assert 0.998 * step <= said <= step
 
@@ -600,9 +602,9 @@ def test_any_text_is_read_or_refused(text):
 )
 def test_any_numbers_give_a_collision(words, stiffness, damping, speed):
     text = f"hertz/material {stiffness!r} {damping!r} 0.3 damping {words}"
-    found = hl.convert_back(text, BALL, code="lammps", speed=speed, time_step=1e-6)
-    assert 0.0 <= found.restitution <= 1.0 + 1e-12 and found.force > 0.0 and found.compression > 0.0
-    assert (found.duration == math.inf) == (found.restitution == 0.0)
+    obtained = hl.convert_back(text, BALL, code="lammps", speed=speed, time_step=1e-6)
+    assert 0.0 <= obtained.restitution <= 1.0 + 1e-12 and obtained.force > 0.0 and obtained.compression > 0.0
+    assert (obtained.duration == math.inf) == (obtained.restitution == 0.0)
 
 
 # --- by running the codes -----------------------------------------------------------------------------------
@@ -628,10 +630,10 @@ def pair_of(row):
 def test_what_the_codes_made_of_their_numbers(every):
     """LIGGGHTS, YADE, Kratos and MuJoCo, run by tools/verify_codes.py, within the error of their step: ε, duration."""
     for row in RUNS[::every]:
-        found = code(row["code"])
-        assert row["version"] == found.version
+        source = code(row["code"])
+        assert row["version"] == source.version
         speed, step = float(row["speed"]), float(row["time_step"])
-        written = Written(found.model(row["model"]), pair_of(row), speed, row["attraction"] == "1")
+        written = Written(source.model(row["model"]), pair_of(row), speed, row["attraction"] == "1")
         force = written.force(json.loads(row["numbers"]))
         said = force.collision(speed)
         error = force.error_of_step(speed, step)
@@ -738,10 +740,12 @@ BALLS = ("--radius", "0.5mm", "--density", "7850")
 
 
 def test_the_command_line_says_what_the_function_says():
-    asked = ("--restitution", "0.7", "--stiffness", "100kN/m", "--code", "lammps", "--json")
-    said = json.loads(run(*BALLS, *asked).stdout)
-    made = hl.convert([hl.Ball(radius=5e-4, density=7850.0)], restitution=0.7, stiffness=1e5, code="lammps")
-    assert said == json.loads(json.dumps(made.to_dict()))
+    arguments = ("--restitution", "0.7", "--stiffness", "100kN/m", "--code", "lammps", "--json")
+    said = json.loads(run(*BALLS, *arguments).stdout)
+    conversion = hl.convert(
+        [hl.Ball(radius=5e-4, density=7850.0)], restitution=0.7, stiffness=1e5, code="lammps"
+    )
+    assert said == json.loads(json.dumps(conversion.to_dict()))
 
 
 @pytest.mark.parametrize("width", ["80", slow("120")])
@@ -813,9 +817,9 @@ def test_mujoco_has_a_ratio_that_is_that_of_every_mass():
     """Pairs and walls of two sizes; none gives ε = 1, which stiffness and damping do."""
     balls = [hl.Ball(r, density=1000.0) for r in (0.01, 0.005)]
     wanted = {"stiffness": 1e5, "code": "mujoco"}
-    made = hl.convert(balls, restitution=0.7, model="ratio", **wanted)
-    ratios = {round(one.numbers["dampratio"], 9) for one in made.models[0].contacts}
-    assert len(made.models[0].contacts) == 5 and len(ratios) == 1
+    conversion = hl.convert(balls, restitution=0.7, model="ratio", **wanted)
+    ratios = {round(row.numbers["dampratio"], 9) for row in conversion.models[0].contacts}
+    assert len(conversion.models[0].contacts) == 5 and len(ratios) == 1
     assert ratios.pop() == pytest.approx(0.1222, abs=5e-5)
     written = Written(code("mujoco").model("ratio"), Pair("1 – 1", 1.0, 1.0, False), 1.0)
     critical = written.force({"timeconst": 0.02, "dampratio": 1.0}).collision(1.0)
@@ -842,8 +846,8 @@ def test_numbers_of_the_page():
     """What its sentences say of fits and factors."""
     twice = math.sqrt(2.0) * formulas.tsuji_polynomial(0.7)
     assert _core.power_collision(6, 1, True, twice)[0] == pytest.approx(0.700, abs=1e-3)
-    for asked in np.linspace(0.1, 0.9, 17):
-        ratio = math.sqrt(6.0) * formulas.thornton(float(asked))
-        assert _core.power_collision(6, 1, False, ratio)[0] == pytest.approx(asked, abs=3e-4)
-    made = hl.convert(BALL, restitution=0.5, code="chrono", model="hertz", **STEEL)
-    assert made.models[0].contacts[0].numbers["restitution"] == pytest.approx(0.436, abs=1e-3)
+    for wanted in np.linspace(0.1, 0.9, 17):
+        ratio = math.sqrt(6.0) * formulas.thornton(float(wanted))
+        assert _core.power_collision(6, 1, False, ratio)[0] == pytest.approx(wanted, abs=3e-4)
+    conversion = hl.convert(BALL, restitution=0.5, code="chrono", model="hertz", **STEEL)
+    assert conversion.models[0].contacts[0].numbers["restitution"] == pytest.approx(0.436, abs=1e-3)

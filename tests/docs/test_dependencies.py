@@ -13,8 +13,8 @@ PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["
 PAGE = (ROOT / "docs" / "dependencies.md").read_text(encoding="utf-8")
 #: name → (where it is asked for, licence, reason)
 ROWS = {
-    name: (asked, licence, reason)
-    for name, asked, licence, reason in re.findall(
+    name: (extras, licence, reason)
+    for name, extras, licence, reason in re.findall(
         r"^\| `([^`]+)` \| ([^|]+) \| ([^|]+) \| ([^|]+) \|$", PAGE, re.M
     )
 }
@@ -26,18 +26,18 @@ def names(requirements: list[str]) -> set[str]:
 
 
 def test_the_page_has_what_pyproject_asks_for() -> None:
-    for name, (asked, _, _) in ROWS.items():
+    for name, (extras, _, _) in ROWS.items():
         where = {group for group, requirements in ASKED.items() if name in names(requirements)}
-        assert set(asked.split(", ")) == where, name
+        assert set(extras.split(", ")) == where, name
     assert set(ROWS) == set().union(*map(names, ASKED.values()))
 
 
 def stated_licence(name: str) -> str:
     """What the metadata of an installed package says of its licence, all places together."""
-    found = importlib.metadata.metadata(name)
-    classified = [c for c in found.get_all("Classifier", []) if c.startswith("License")]
-    first_line = (found.get("License") or "").strip().partition("\n")[0]
-    return " ".join([found.get("License-Expression") or "", first_line, *classified])
+    metadata = importlib.metadata.metadata(name)
+    classified = [c for c in metadata.get_all("Classifier", []) if c.startswith("License")]
+    first_line = (metadata.get("License") or "").strip().partition("\n")[0]
+    return " ".join([metadata.get("License-Expression") or "", first_line, *classified])
 
 
 #: What stands in metadata for a licence.

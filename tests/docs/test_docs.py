@@ -23,10 +23,10 @@ OPTIONS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 
 def blocks(page: Path, kind: str) -> list[str]:
     """Those in a list as well, less what they are indented by."""
-    found = re.findall(
+    parts = re.findall(
         rf"^( *)```{kind}\n(.*?)^\1```$", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE
     )
-    return [textwrap.dedent(text) for _, text in found]
+    return [textwrap.dedent(text) for _, text in parts]
 
 
 def commands(session: str) -> list[tuple[str, str]]:
@@ -85,8 +85,8 @@ def test_sessions(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     assert result.failed == 0, "".join(report)
     for session in blocks(page, "console"):
         for command, output in commands(session):
-            found = difference(output, obtained(command, tmp_path))
-            assert not found, f"{command}\n{found}"
+            unlike = difference(output, obtained(command, tmp_path))
+            assert not unlike, f"{command}\n{unlike}"
 
 
 #: What a page takes for granted, as a reader would have it.
@@ -105,11 +105,11 @@ SMALLER = {
     "grains": {
         "n=2000": "n=200",
         "random(2000": "random(200",
-        "until=10.0": "until=0.1",
+        '"until": 10.0': '"until": 0.1',
         "16": "3",
     },
     "engines": {"n=1000": "n=200"},
-    "fidelity": {"n=500": "n=100", "replicas=8": "replicas=3"},
+    "fidelity": {"n=500": "n=100", '"replicas": 8': '"replicas": 3'},
 }
 #: What the reader does between blocks: this stands before the one with these words.
 BETWEEN = {
@@ -169,9 +169,9 @@ def test_a_map_of_the_explorer_has_the_axes_that_the_page_says() -> None:
     presets = (DOCS.parent / "web" / "src" / "scenario" / "presets.ts").read_text(encoding="utf-8")
     axis_of = dict(re.findall(r'id: "(\w+)",.*?map: \{ axis: "(\w+)"', presets, re.S))
     maps = [
-        (page.name, *found)
+        (page.name, *panel)
         for page in sorted(DOCS.glob("*.md"))
-        for found in re.findall(
+        for panel in re.findall(
             r'panel=map&amp;example=(\w+)" title="([^"]*)"', page.read_text(encoding="utf-8")
         )
     ]

@@ -84,8 +84,8 @@ class Documented:
         """Parameters of a function, a method, or a class that the user constructs."""
         if self.is_property or (isinstance(self.item, type) and "Parameters" not in self.sections):
             return []
-        found = [] if inspect.ismodule(self.item) else inspect.signature(self.item).parameters
-        return [name for name in found if name not in ("self", "cls")]
+        names = [] if inspect.ismodule(self.item) else inspect.signature(self.item).parameters
+        return [name for name in names if name not in ("self", "cls")]
 
     @property
     def examples(self) -> list[doctest.Example]:
@@ -102,10 +102,10 @@ def members(name: str, owner: type) -> Iterator[Documented]:
     bases = [
         b for b in owner.__mro__ if (b.__module__.startswith("hardlimit") and b not in SHOWN) or b is owner
     ]
-    found: dict[str, Any] = {}
+    attributes: dict[str, Any] = {}
     for base in reversed(bases):
-        found |= vars(base)
-    for member, item in found.items():
+        attributes |= vars(base)
+    for member, item in attributes.items():
         if member.startswith("_") or not (
             inspect.isroutine(item) or isinstance(item, property | cached_property)
         ):
@@ -122,7 +122,12 @@ def members(name: str, owner: type) -> Iterator[Documented]:
 NAMES = re.findall(r"^\.\. auto(?:class|function):: ([\w.]+)", API, flags=re.M)
 SHOWN = [shown(name) for name in NAMES]
 TOP = [Documented("hardlimit", hl), *map(Documented, NAMES, SHOWN)]
-MEMBERS = [member for one in TOP if isinstance(one.item, type) for member in members(one.name, one.item)]
+MEMBERS = [
+    member
+    for documented in TOP
+    if isinstance(documented.item, type)
+    for member in members(documented.name, documented.item)
+]
 EVERY = [*TOP, *MEMBERS]
 
 
@@ -136,128 +141,138 @@ def test_all_names_are_shown():
 
 def test_summary():
     def bad() -> Iterator[str]:
-        for one in EVERY:
-            summary = one.text.split("\n\n")[0]
+        for documented in EVERY:
+            summary = documented.text.split("\n\n")[0]
             if not re.match(r"\S.*[.?]$", summary, re.S):
-                yield f"{one.name}: {summary!r}"
-            unknown = [title for title in one.sections if title and title not in SECTIONS]
-            order = [SECTIONS.index(title) for title in one.sections if title in SECTIONS]
+                yield f"{documented.name}: {summary!r}"
+            unknown = [title for title in documented.sections if title and title not in SECTIONS]
+            order = [SECTIONS.index(title) for title in documented.sections if title in SECTIONS]
             if unknown or order != sorted(order):
-                yield f"{one.name}: sections {list(one.sections)}"
+                yield f"{documented.name}: sections {list(documented.sections)}"
 
-    assert not (found := list(bad())), "\n".join(found)
+    assert not (faults := list(bad())), "\n".join(faults)
 
 
-def heads(one: Documented) -> list[str]:
+def heads(documented: Documented) -> list[str]:
     """Lines such as ``radius : float [m]`` under Parameters."""
-    return re.findall(r"^(\S.*)$", one.sections.get("Parameters", ""), re.M)
+    return re.findall(r"^(\S.*)$", documented.sections.get("Parameters", ""), re.M)
 
 
-def described(one: Documented) -> list[str]:
-    return [name.strip().lstrip("*") for head in heads(one) for name in head.partition(" : ")[0].split(",")]
+def described(documented: Documented) -> list[str]:
+    return [
+        name.strip().lstrip("*") for head in heads(documented) for name in head.partition(" : ")[0].split(",")
+    ]
 
 
-def described_elsewhere(one: Documented) -> set[str]:
+def described_elsewhere(documented: Documented) -> set[str]:
     """Parameters that the class of a method, or what a docstring links to, describes."""
     by_name = {other.name: other for other in EVERY}
-    links = [prefix + name for name in LINK.findall(one.text) for prefix in ("", "hardlimit.")]
+    links = [prefix + name for name in LINK.findall(documented.text) for prefix in ("", "hardlimit.")]
     linked = [by_name[name] for name in links if name in by_name]
-    owner = [Documented("", one.owner)] if one.owner else []
+    owner = [Documented("", documented.owner)] if documented.owner else []
     return {name for other in [*owner, *linked] for name in described(other)}
 
 
 def test_parameters():
     def bad() -> Iterator[str]:
-        for one in EVERY:
-            listed, left_out = described(one), described_elsewhere(one)
-            if listed != [name for name in one.parameters if name in listed or name not in left_out]:
-                yield f"{one.name}: takes {one.parameters}, lists {listed}"
-            for head in heads(one):
+        for documented in EVERY:
+            listed, left_out = described(documented), described_elsewhere(documented)
+            if listed != [name for name in documented.parameters if name in listed or name not in left_out]:
+                yield f"{documented.name}: takes {documented.parameters}, lists {listed}"
+            for head in heads(documented):
                 names, _, kind = head.partition(" : ")
                 if not (kind or head.startswith("**")) or ("," in names and kind.count("[") > 1):
-                    yield f"{one.name}: {head}"
+                    yield f"{documented.name}: {head}"
 
-    assert not (found := list(bad())), "\n".join(found)
+    assert not (faults := list(bad())), "\n".join(faults)
 
 
 def test_makers():
     """A class that the user does not construct says which function returns it."""
 
     def bad() -> Iterator[str]:
-        for one in TOP:
-            returned = isinstance(one.item, type) and not one.parameters
-            if returned and not re.search(r"\b(made|returned)\s+by\b", one.text, re.I):
-                yield one.name
+        for documented in TOP:
+            returned = isinstance(documented.item, type) and not documented.parameters
+            if returned and not re.search(r"\b(made|returned)\s+by\b", documented.text, re.I):
+                yield documented.name
 
-    assert not (found := list(bad())), "\n".join(found)
+    assert not (faults := list(bad())), "\n".join(faults)
 
 
 def comments(owner: type) -> dict[str, str | None]:
     """Comment ``#:`` of each field of a class, as Sphinx reads it."""
     source = inspect.getsource(owner)
     lines = source.splitlines()
-    found = {}
+    comment_of = {}
     for node in ast.parse(source).body[0].body:
         if isinstance(node, ast.AnnAssign) and "ClassVar" not in ast.unparse(node.annotation):
             comment = re.search("#: (.*)", lines[node.end_lineno - 1])
-            found[node.target.id] = comment[1] if comment else None
-    return found
+            comment_of[node.target.id] = comment[1] if comment else None
+    return comment_of
 
 
 def test_fields():
     def bad() -> Iterator[str]:
-        for one in TOP:
-            if not (is_dataclass(one.item) or hasattr(one.item, "_fields")):
+        for documented in TOP:
+            if not (is_dataclass(documented.item) or hasattr(documented.item, "_fields")):
                 continue
-            listed = one.sections.get("Parameters", "")
-            for name, comment in comments(one.item).items():
+            listed = documented.sections.get("Parameters", "")
+            for name, comment in comments(documented.item).items():
                 if comment is None and not re.search(rf"^[\w, ]*\b{name}\b", listed, re.M):
-                    yield f"{one.name}.{name}"
+                    yield f"{documented.name}.{name}"
 
-    assert not (found := list(bad())), "\n".join(found)
+    assert not (faults := list(bad())), "\n".join(faults)
 
 
 def test_raises():
     def bad() -> Iterator[str]:
-        for one in EVERY:
-            raises = one.is_property and re.search(r"raise (?!NotImplementedError)", one.source)
-            own = set(one.parameters) - described_elsewhere(one)
-            if (own or raises) and "Raises" not in one.sections:
-                yield one.name
+        for documented in EVERY:
+            raises = documented.is_property and re.search(r"raise (?!NotImplementedError)", documented.source)
+            own = set(documented.parameters) - described_elsewhere(documented)
+            if (own or raises) and "Raises" not in documented.sections:
+                yield documented.name
 
-    assert not (found := list(bad())), "\n".join(found)
+    assert not (faults := list(bad())), "\n".join(faults)
 
 
 def test_sources():
     def bad() -> Iterator[str]:
-        for one in EVERY:
-            computes = inspect.isfunction(one.item) and not one.owner and not FILES & set(one.parameters)
-            prose = "\n".join(text for title, text in one.sections.items() if title != "Examples")
-            owners = inspect.getdoc(one.owner) or "" if one.owner else ""
+        for documented in EVERY:
+            computes = (
+                inspect.isfunction(documented.item)
+                and not documented.owner
+                and not FILES & set(documented.parameters)
+            )
+            prose = "\n".join(text for title, text in documented.sections.items() if title != "Examples")
+            owners = inspect.getdoc(documented.owner) or "" if documented.owner else ""
             if (computes or FORMULA.search(prose)) and not CITED.search(prose + owners):
-                yield one.name
+                yield documented.name
 
-    assert not (found := list(bad())), "\n".join(found)
+    assert not (faults := list(bad())), "\n".join(faults)
 
 
 def test_entry_points_have_examples():
-    assert [one.name for one in TOP if one.name in ENTRY_POINTS and not one.examples] == []
-    assert {one.name for one in TOP} >= ENTRY_POINTS
+    assert [
+        documented.name for documented in TOP if documented.name in ENTRY_POINTS and not documented.examples
+    ] == []
+    assert {documented.name for documented in TOP} >= ENTRY_POINTS
 
 
 def cases() -> Iterator[Any]:
     """All docstrings with examples; those that draw take a second each and run with the slow tests."""
-    for one in EVERY:
-        if one.examples:
-            draws = any(DRAWS.search(example.source) for example in one.examples)
-            yield pytest.param(one, id=one.name, marks=[pytest.mark.slow] if draws else [])
+    for documented in EVERY:
+        if documented.examples:
+            draws = any(DRAWS.search(example.source) for example in documented.examples)
+            yield pytest.param(documented, id=documented.name, marks=[pytest.mark.slow] if draws else [])
 
 
-@pytest.mark.parametrize("one", list(cases()))
-def test_examples_are_true(one, tmp_path, monkeypatch):
+@pytest.mark.parametrize("documented", list(cases()))
+def test_examples_are_true(documented, tmp_path, monkeypatch):
     """Each runs by itself in an empty folder, after ``import hardlimit as hl`` and ``import numpy as np``."""
     monkeypatch.chdir(tmp_path)
     report: list[str] = []
-    test = doctest.DocTest(one.examples, {"hl": hl, "np": np}, one.name, one.name, 0, one.text)
+    test = doctest.DocTest(
+        documented.examples, {"hl": hl, "np": np}, documented.name, documented.name, 0, documented.text
+    )
     runner = doctest.DocTestRunner(optionflags=FLAGS)
     assert runner.run(test, out=report.append).failed == 0, "".join(report)

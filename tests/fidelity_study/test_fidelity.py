@@ -41,8 +41,8 @@ def compare(system: object = None, law: hl.Law = LAW, until: float = 2e-3, **mor
     return hl.fidelity(gas() if system is None else system, law=law, until=until, **arguments)
 
 
-def same(one: hl.Fidelity, other: hl.Fidelity) -> bool:
-    return one.replicas.equals(other.replicas) and one.dataset.equals(other.dataset)
+def same(left: hl.Fidelity, other: hl.Fidelity) -> bool:
+    return left.replicas.equals(other.replicas) and left.dataset.equals(other.dataset)
 
 
 # --- observables --------------------------------------------------------------------------------------------
@@ -125,8 +125,8 @@ def test_what_tc_made_elastic_is_found_in_the_log(walls: bool) -> None:
     run = hl.event_driven(
         system, restitution=0.7, rule="tc", contact_duration=2e-5, max_collisions=2000, log=True
     )
-    found = contacts.of_hard_spheres(system, LAW, run)
-    assert np.count_nonzero(found.restitution == 1.0) == run.n_elastic_by_tc > 20
+    of_run = contacts.of_hard_spheres(system, LAW, run)
+    assert np.count_nonzero(of_run.restitution == 1.0) == run.n_elastic_by_tc > 20
 
 
 def test_restitution_and_overlap_of_contacts() -> None:
@@ -135,15 +135,15 @@ def test_restitution_and_overlap_of_contacts() -> None:
     system = gas(n=100, phi=0.3)
     law = hl.LinearDashpot(stiffness=2e5, restitution=0.8)
     run = hl.molecular_dynamics(system, law=law, until=2e-3, log=True)
-    found = contacts.of_newton(run)
+    of_run = contacts.of_newton(run)
     ended = run.contacts.where(np.isfinite(run.contacts.end), drop=True)
-    assert len(found.restitution) == ended.sizes["contact"] == run.n_ended
-    assert found.overlapped_share == pytest.approx(run.overlapped_share)
-    alone = found.restitution[~found.overlapped]
-    assert np.median(alone) == pytest.approx(0.8, abs=1e-3) and 0.02 < found.overlapped_share < 0.5
-    assert found.histogram.sum() == pytest.approx(1.0)
+    assert len(of_run.restitution) == ended.sizes["contact"] == run.n_ended
+    assert of_run.overlapped_share == pytest.approx(run.overlapped_share)
+    alone = of_run.restitution[~of_run.overlapped]
+    assert np.median(alone) == pytest.approx(0.8, abs=1e-3) and 0.02 < of_run.overlapped_share < 0.5
+    assert of_run.histogram.sum() == pytest.approx(1.0)
     foreseen = contacts.of_hard_spheres(system, law, hl.event_driven(system, law=law, until=2e-3, log=True))
-    assert foreseen.overlapped_share == pytest.approx(found.overlapped_share, rel=0.3)
+    assert foreseen.overlapped_share == pytest.approx(of_run.overlapped_share, rel=0.3)
 
 
 def test_without_contacts_there_are_no_shares() -> None:
@@ -167,9 +167,9 @@ def test_bars_hold_as_often_as_they_say() -> None:
     rng = np.random.default_rng(3)
     common = rng.normal(5.0, 0.5, (6, 20_000))
     values, reference = (common + rng.normal(0.0, 0.05, common.shape) for _ in range(2))
-    found = statistics.relative_difference(values, reference)
-    assert found.error.mean() == pytest.approx(0.05 * math.sqrt(2.0) / 5.0 / math.sqrt(6.0), rel=0.06)
-    assert np.mean(statistics.significant(found, 6)) == pytest.approx(statistics.LEVEL, rel=0.25)
+    difference = statistics.relative_difference(values, reference)
+    assert difference.error.mean() == pytest.approx(0.05 * math.sqrt(2.0) / 5.0 / math.sqrt(6.0), rel=0.06)
+    assert np.mean(statistics.significant(difference, 6)) == pytest.approx(statistics.LEVEL, rel=0.25)
     shifted = statistics.relative_difference(values * 1.1, reference)
     assert shifted.value.mean() == pytest.approx(0.1, abs=1e-3)
     assert statistics.significant(shifted, 6).mean() > 0.9
@@ -180,8 +180,8 @@ def test_a_departure_is_large_or_lasts() -> None:
     three or more samples."""
 
     def departure(*values: float, replicas: int = 8) -> int | None:
-        found = statistics.with_interval(0.1 * np.array(values), np.full(len(values), 0.1), replicas)
-        return statistics.departure(found, replicas)
+        difference = statistics.with_interval(0.1 * np.array(values), np.full(len(values), 0.1), replicas)
+        return statistics.departure(difference, replicas)
 
     assert departure(0.0, 4.5, 0.0, 4.5, 4.5) == 3
     assert departure(0.0, 4.5, 4.5, 0.0) is None and departure(0.0, 9.0, 0.0) == 1
@@ -220,8 +220,8 @@ def noisy(
 def test_nothing_departs_from_nothing_as_often_as_the_docstring_says(noise: str, replicas: int) -> None:
     """At most 1 % for any number of samples; in 1500 comparisons 1.8 % or less with a probability of 699/700."""
     rng = np.random.default_rng(replicas)
-    found = [statistics.departure(noisy(rng, noise, replicas), replicas) for _ in range(1500)]
-    assert sum(at is not None for at in found) <= 27
+    departures = [statistics.departure(noisy(rng, noise, replicas), replicas) for _ in range(1500)]
+    assert sum(at is not None for at in departures) <= 27
 
 
 @pytest.mark.parametrize("noise", NOISES)
@@ -233,8 +233,10 @@ def test_what_departs_is_found(noise: str, replicas: int, stays: bool) -> None:
     rng = np.random.default_rng(replicas)
     errors = 20.0 if stays else 100.0
     size = errors * 0.05 * math.sqrt(2.0) / 5.0 / math.sqrt(replicas)
-    found = [statistics.departure(noisy(rng, noise, replicas, size, stays), replicas) for _ in range(200)]
-    at = np.array([x for x in found if x is not None])
+    departures = [
+        statistics.departure(noisy(rng, noise, replicas, size, stays), replicas) for _ in range(200)
+    ]
+    at = np.array([x for x in departures if x is not None])
     assert len(at) >= 190 and np.mean(at <= 40) <= 0.04
     assert np.median(at) <= 60
 
@@ -262,8 +264,8 @@ def test_velocity_independent_laws_make_constant_and_law_the_same() -> None:
     f = compare(models=("newton", "constant", "law"), until=1e-3)
     ds = f.replicas
     for name in replica.QUANTITIES:
-        one, other = ds[name].sel(model="constant"), ds[name].sel(model="law")
-        np.testing.assert_allclose(one, other, rtol=1e-9)
+        constant, other = ds[name].sel(model="constant"), ds[name].sel(model="law")
+        np.testing.assert_allclose(constant, other, rtol=1e-9)
     assert ds.n_contacts.sel(model="law").item() > 20
 
 
@@ -273,18 +275,16 @@ def test_the_values_are_those_of_the_runs() -> None:
     runs = {"newton": hl.molecular_dynamics(system, law=LAW, until=2e-3, samples=10, log=True)}
     options = {"constant": {"restitution": 0.9}, "law": {"law": LAW}, "soft": {"law": LAW, "rule": "soft"}}
     options["tc"] = {"restitution": 0.9, "rule": "tc", "contact_duration": f.contact_duration}
-    runs |= {
-        name: hl.event_driven(system, until=2e-3, samples=10, **given) for name, given in options.items()
-    }
+    runs |= {name: hl.event_driven(system, until=2e-3, samples=10, **rule) for name, rule in options.items()}
     for name, run in runs.items():
-        found = f.replicas.sel(model=name, replica=0)
-        assert found.granular_temperature.values.tolist() == run.series.granular_temperature.values.tolist()
-        assert found.dissipation_rate[-1] == pytest.approx(run.series.dissipated_energy[-1] / 2e-3)
-        assert found.collision_rate[-1] == pytest.approx(run.series.collision_rate[1:].mean())
-        assert found.pressure[-1] == pytest.approx(run.series.pressure[1:].mean())
+        values = f.replicas.sel(model=name, replica=0)
+        assert values.granular_temperature.values.tolist() == run.series.granular_temperature.values.tolist()
+        assert values.dissipation_rate[-1] == pytest.approx(run.series.dissipated_energy[-1] / 2e-3)
+        assert values.collision_rate[-1] == pytest.approx(run.series.collision_rate[1:].mean())
+        assert values.pressure[-1] == pytest.approx(run.series.pressure[1:].mean())
         left = system.kinetic_energy - run.series.dissipated_energy[-1]
-        assert found.cooling[-1] == pytest.approx(math.sqrt(system.kinetic_energy / left) - 1.0)
-        assert found.end_time == run.time and found.outcome == 0
+        assert values.cooling[-1] == pytest.approx(math.sqrt(system.kinetic_energy / left) - 1.0)
+        assert values.end_time == run.time and values.outcome == 0
     assert f.replicas.divergence.sel(model="newton").max() == 0.0
 
 
@@ -296,9 +296,13 @@ def test_hard_particles_agree_with_newton_in_every_rule(dimension: int) -> None:
     assert f.tc_nu < 1e-4
     for rule in RULES:
         for name in replica.QUANTITIES:
-            found = f.final_difference(name, rule)
-            bars = statistics.student(4) * found.error
-            assert math.isnan(found.value) or abs(found.value) <= bars + 10.0 * f.tc_nu, (rule, name, found)
+            difference = f.final_difference(name, rule)
+            bars = statistics.student(4) * difference.error
+            assert math.isnan(difference.value) or abs(difference.value) <= bars + 10.0 * f.tc_nu, (
+                rule,
+                name,
+                difference,
+            )
 
 
 def test_soft_follows_newton_where_contacts_are_alone() -> None:
@@ -477,14 +481,14 @@ def test_a_few_particles_between_walls(n: int, dimension: int) -> None:
     f = compare(system, until=0.01, replicas=1 + (n > 1), samples=2)
     assert f.arrays[0]["n_contacts"].min() > 0.0 and "t_c ν = " in str(f)
     for first, second in (([0], [-2 * dimension]), ([0, 0], [-1, n - 1])):
-        found = contacts.durations(system, LAW, np.array(first), np.array(second), np.ones(len(first)))
+        durations = contacts.durations(system, LAW, np.array(first), np.array(second), np.ones(len(first)))
         ball = hl.Ball(1e-3, mass=float(system.mass[0]))
-        assert found[0] == pytest.approx(LAW.between(ball, hl.FLOOR).duration(), rel=1e-9)
+        assert durations[0] == pytest.approx(LAW.between(ball, hl.FLOOR).duration(), rel=1e-9)
 
 
 def test_a_single_particle_strikes_with_its_speed() -> None:
-    one = gas(n=1, phi=0.1, dimension=2, boundary="wall").replace(velocities=[[0.3, 0.4]])
-    assert typical_speed(one) == pytest.approx(0.5)
+    single = gas(n=1, phi=0.1, dimension=2, boundary="wall").replace(velocities=[[0.3, 0.4]])
+    assert typical_speed(single) == pytest.approx(0.5)
 
 
 @pytest.mark.parametrize("n", [2, 3, 8])
@@ -570,12 +574,12 @@ def test_a_store_keeps_what_is_finished(tmp_path: Path, monkeypatch: pytest.Monk
 def test_two_writers_of_a_store_lose_nothing(tmp_path: Path) -> None:
     """Each has opened the store before the other one wrote."""
     path, facts = tmp_path / "replicas", {"until": 1.0}
-    one, other = Store(path, facts), Store(path, facts)
-    one.add(0, {"x": np.array([1.0])})
+    store, other = Store(path, facts), Store(path, facts)
+    store.add(0, {"x": np.array([1.0])})
     other.add(1, {"x": np.array([2.0])})
-    one.add(2, {"x": np.array([3.0])})
-    found = Store(path, facts).replicas
-    assert {k: arrays["x"].tolist() for k, arrays in found.items()} == {0: [1.0], 1: [2.0], 2: [3.0]}
+    store.add(2, {"x": np.array([3.0])})
+    replicas = Store(path, facts).replicas
+    assert {k: arrays["x"].tolist() for k, arrays in replicas.items()} == {0: [1.0], 1: [2.0], 2: [3.0]}
 
 
 SCRIPT = """
@@ -786,10 +790,10 @@ def test_everything_is_saved_with_units(tmp_path: Path) -> None:
 # --- the law of the error -----------------------------------------------------------------------------------
 
 
-def gas_beside_rules(n: int = 64, replicas: int = 4, **given: object) -> hl.Fidelity:
+def gas_beside_rules(n: int = 64, replicas: int = 4, **options: object) -> hl.Fidelity:
     start = hl.ParticleSystem.random(n, 0.3, 1e-3, 2500.0, 1.0)
     law = hl.LinearDashpot(stiffness=2e5, restitution=0.9)
-    return hl.fidelity(start, law=law, until=2e-3, replicas=replicas, samples=4, **given)
+    return hl.fidelity(start, law=law, until=2e-3, replicas=replicas, samples=4, **options)
 
 
 def test_the_law_of_the_error_stands_beside_the_measurement() -> None:
@@ -798,10 +802,10 @@ def test_the_law_of_the_error_stands_beside_the_measurement() -> None:
     (row,) = (row for row in rows if row[0] == "cooling, law of the error")
     assert len(row) == len(head) and "The law of the error predicts" in str(f)
     for rule in f.models[1:]:
-        found = f.predicted(rule)
-        assert found.reason == "" and 0.0 < found.error < 0.02
-        assert not found.contradicts(f.final_difference("cooling", rule))
-        assert found.contradicts(
+        prediction = f.predicted(rule)
+        assert prediction.reason == "" and 0.0 < prediction.error < 0.02
+        assert not prediction.contradicts(f.final_difference("cooling", rule))
+        assert prediction.contradicts(
             f.final_difference("cooling", rule)._replace(value=9.0, lower=8.9, upper=9.1)
         )
     assert "contradicts" not in str(f)
@@ -826,10 +830,10 @@ def test_the_ratio_of_compression_to_diameter(name: str) -> None:
     """δ/d of isolated contacts, from the largest compression of two spheres that collide head-on."""
     start = hl.ParticleSystem.random(8, 0.05, 1e-3, 2500.0, 1.0)
     law = law_of(name, 0.9)
-    found = hl.fidelity(start, law=law, until=1e-6, samples=1)
+    fidelity = hl.fidelity(start, law=law, until=1e-6, samples=1)
     ball = hl.Ball(1e-3, density=2500.0)
     speed = np.sqrt(np.pi * start.granular_temperature)
-    assert found.delta_over_d == pytest.approx(law.between(ball, ball).compression(speed) / 2e-3, rel=1e-3)
+    assert fidelity.delta_over_d == pytest.approx(law.between(ball, ball).compression(speed) / 2e-3, rel=1e-3)
 
 
 def test_particles_below_the_box_count_in_its_lowest_cells() -> None:

@@ -69,8 +69,8 @@ def test_a_drift_within_the_noise_is_refused(seed: int) -> None:
     """1.5 times the noise over a series of 1000 independent samples: it is not taken for a correlation."""
     noise = 1.0 + 0.02 * np.random.default_rng(seed).standard_normal((1, 1000))
     drift = np.linspace(0.0, 0.03, 1000)
-    found = steady.detected({("T", "of x"): noise + drift}, np.arange(1001.0))
-    assert math.isnan(found.start) and "still changes by" in found.reason
+    detected = steady.detected({("T", "of x"): noise + drift}, np.arange(1001.0))
+    assert math.isnan(detected.start) and "still changes by" in detected.reason
     assert steady.detected({("T", "of x"): noise}, np.arange(1001.0)).reason == ""
 
 
@@ -82,7 +82,7 @@ def test_stationary_series_are_rarely_refused(sets: int) -> None:
     for _ in range(sets):
         noise = rng.standard_normal((2, 1, 200))
         noise[..., 1:] += 0.6 * noise[..., :-1]
-        series = {(str(k), ""): 1.0 + 0.1 * one for k, one in enumerate(noise)}
+        series = {(str(k), ""): 1.0 + 0.1 * row for k, row in enumerate(noise)}
         refused += steady.detected(series, np.arange(201.0)).reason != ""
     assert refused <= max(1, sets // 50)
 
@@ -140,7 +140,7 @@ def test_the_raw_series_are_those_of_the_runs(make: object) -> None:
         for name, values in expected.items():
             np.testing.assert_allclose(f.series(name, model)[0], values, rtol=1e-12)
         raw = f.replicas.sel(model=model, replica=0)
-        driving = sum(np.diff(series[one]) / dt for one in ("wall_work", "heat") if one in series)
+        driving = sum(np.diff(series[name]) / dt for name in ("wall_work", "heat") if name in series)
         np.testing.assert_allclose(raw.interval_driving_power, driving, rtol=1e-9, atol=1e-12)
         np.testing.assert_allclose(raw.interval_pressure_tensor, series.pressure_tensor[1:], rtol=1e-12)
 
@@ -159,27 +159,29 @@ def test_the_report_has_the_numbers_of_the_raw_series(make: object, replicas: in
     raw = f.replicas.isel(interval=slice(k, None), time=slice(k + 1, None))
     for name in EXAMINED:
         both = raw[name if name == "granular_temperature" else f"interval_{name}"]
-        newton, ruled = (both.sel(model=one).values for one in f.models)
-        means = [one.mean(axis=1) for one in (newton, ruled)]
+        newton, ruled = (both.sel(model=model).values for model in f.models)
+        means = [values.mean(axis=1) for values in (newton, ruled)]
         value = means[1].mean() / means[0].mean() - 1.0
-        found = f.final_difference(name, rule)
+        difference = f.final_difference(name, rule)
         if replicas > 1:
             residual = (means[1] - means[1].mean() / means[0].mean() * means[0]) / means[0].mean()
             error, freedom = residual.std(ddof=1) / math.sqrt(replicas), replicas - 1
         else:
-            widths = [half_widths(one[0], (0.6827, 0.99), DECAYS) for one in (newton, ruled)]
+            widths = [half_widths(row[0], (0.6827, 0.99), DECAYS) for row in (newton, ruled)]
             scales = (1.0 + value) / newton.mean(), 1.0 / newton.mean()
             error, half = np.linalg.norm(np.array(widths) * np.array(scales)[:, None], axis=0)
-        assert found.value == pytest.approx(value, abs=1e-12)
-        assert found.error == pytest.approx(error, rel=1e-9)
+        assert difference.value == pytest.approx(value, abs=1e-12)
+        assert difference.error == pytest.approx(error, rel=1e-9)
         if replicas > 1:
             half = scipy.stats.t.ppf(0.995, freedom) * error
-        assert found.upper - found.value == pytest.approx(half, rel=1e-9)
-        assert f.dataset.steady_difference.sel(quantity=name, model=rule).values.tolist() == list(found[:2])
+        assert difference.upper - difference.value == pytest.approx(half, rel=1e-9)
+        assert f.dataset.steady_difference.sel(quantity=name, model=rule).values.tolist() == list(
+            difference[:2]
+        )
         mean = f.steady_mean(name, "newton")
         assert mean.value == pytest.approx(means[0].mean(), rel=1e-12)
         assert f.dataset[f"steady_{name}"].sel(model="newton").values.tolist() == list(mean[:2])
-        size = report.percent_with_error(found.value, found.error)
+        size = report.percent_with_error(difference.value, difference.error)
         assert f"{report.NAMES[name]} {size}" in str(f)
     rate = f.steady_mean("collision_rate", "newton").value
     assert f.tc_nu == pytest.approx(rate * f.contact_duration)
@@ -200,7 +202,7 @@ def test_one_replica_differs_from_its_like_as_often_as_its_bars_say() -> None:
         for values in series.values()
         for k in range(0, 120, 2)
     ]
-    assert np.mean([not one.lower <= 0.0 <= one.upper for one in pairs]) <= 0.04
+    assert np.mean([not pair.lower <= 0.0 <= pair.upper for pair in pairs]) <= 0.04
 
 
 @pytest.mark.slow
@@ -221,9 +223,12 @@ def test_each_replica_has_its_own_kicks() -> None:
     assert len(set(seeds)) == 3 and seeds[0] == heated().thermostat.seed
     f = study(heated(), 3, until=2e-3, samples=10)
     power = f.replicas.interval_driving_power.sel(model="newton").values
-    assert len({tuple(one) for one in power}) == 3
+    assert len({tuple(powers) for powers in power}) == 3
     again = study(heated, 3, until=2e-3, samples=10)
-    assert len({tuple(one) for one in again.replicas.interval_driving_power.sel(model="newton").values}) == 3
+    assert (
+        len({tuple(powers) for powers in again.replicas.interval_driving_power.sel(model="newton").values})
+        == 3
+    )
 
 
 def test_moving_walls_need_a_function() -> None:
@@ -382,14 +387,14 @@ def test_pairs_across_a_sheared_side_are_found() -> None:
         r[:, 0] -= turn * shift
         r[:, [0, 2]] -= system.box[[0, 2]] * np.round(r[:, [0, 2]] / system.box[[0, 2]])
         count += int(np.count_nonzero(np.linalg.norm(r, axis=1) < 1.1 * 2e-3))
-    found = [len(near(system, system.positions, NEAR, t)[0]) for t in (time, 0.0)]
-    assert found[0] == count > found[1] - 30
+    counts = [len(near(system, system.positions, NEAR, t)[0]) for t in (time, 0.0)]
+    assert counts[0] == count > counts[1] - 30
 
 
 def test_shear_bands_and_elastic_grains_are_refused() -> None:
     system = sheared()
     f = study(system, 2, until=0.03, samples=60, engine="events")
-    banded = [one | {"nonlinear_flow": np.full_like(one["nonlinear_flow"], 0.6)} for one in f.arrays]
+    banded = [arrays | {"nonlinear_flow": np.full_like(arrays["nonlinear_flow"], 0.6)} for arrays in f.arrays]
     g = replace(f, arrays=tuple(banded))
     object.__setattr__(g, "steady", steady.SteadyState(20, 0.01))  # the run is too short to find it
     assert g.nonlinear_flow("constant") == pytest.approx(0.6)

@@ -26,11 +26,11 @@ def viscoelastic(restitution: float = 0.8, speed: float = 1.0) -> hl.Law:
 
 def peaks(law: hl.Law, height: float, n: int, scatter: float = 0.0, rng: object = None) -> np.ndarray:
     """Heights of a bouncing ball, from the definition of ε."""
-    contact, found = law.between(BALL), [height]
+    contact, heights = law.between(BALL), [height]
     for _ in range(n):
-        e = contact.restitution(math.sqrt(2.0 * G * found[-1]))
-        found.append(found[-1] * (e + (scatter * rng.normal() if rng else 0.0)) ** 2)
-    return np.array(found)
+        e = contact.restitution(math.sqrt(2.0 * G * heights[-1]))
+        heights.append(heights[-1] * (e + (scatter * rng.normal() if rng else 0.0)) ** 2)
+    return np.array(heights)
 
 
 def times_of(heights: np.ndarray) -> np.ndarray:
@@ -85,10 +85,10 @@ def covered(kind: str, seeds: range, confidence: float) -> tuple[float, np.ndarr
     truth, hits, chances = viscoelastic(0.8, 1.0), 0, []
     for seed in seeds:
         data = measured(kind, truth, np.random.default_rng(seed))
-        found = hl.fit(data, fixed={"impact_speed": 1.0}, compare=False, confidence=confidence)
-        estimate = found.parameters["restitution"]
+        fitted = hl.fit(data, fixed={"impact_speed": 1.0}, compare=False, confidence=confidence)
+        estimate = fitted.parameters["restitution"]
         hits += estimate.lower <= 0.8 <= estimate.upper
-        chances.append(found.probability)
+        chances.append(fitted.probability)
     return hits / len(seeds), np.array(chances)
 
 
@@ -109,9 +109,9 @@ def test_scatter_is_found_and_its_interval_covers() -> None:
         rng = np.random.default_rng(seed)
         drops = [peaks(viscoelastic(), 0.8, 8, 0.01, rng) for _ in range(4)]
         noisy = [h + rng.normal(0.0, 2e-4, h.size) for h in drops]
-        found = hl.fit(hl.Impacts.of_heights(noisy, 2e-4), scatter=True, compare=False)
-        hits += found.scatter.lower <= 0.01 <= found.scatter.upper
-        values.append(found.scatter.value)
+        fitted = hl.fit(hl.Impacts.of_heights(noisy, 2e-4), scatter=True, compare=False)
+        hits += fitted.scatter.lower <= 0.01 <= fitted.scatter.upper
+        values.append(fitted.scatter.value)
     # Maximum likelihood takes 1 of 32 values for the mean: 2 % too low.
     assert abs(np.mean(values) - 0.01) < 0.0008
     assert abs(hits / 40 - 0.68) < 0.24
@@ -147,13 +147,13 @@ def test_exact_data_give_the_parameters_back(seed: int) -> None:
     ][seed % 3]
     met = other if seed % 2 else hl.FLOOR
     data = hl.Impacts.of_restitution(v, law.between(ball, met).restitution(v), 1e-3)
-    found = hl.fit(data, type(law), ball=ball, other=met, compare=False)
-    np.testing.assert_allclose(found.contact.restitution(v), data.restitution, atol=2e-6)
-    assert found.chi_square < 1e-6 and found.probability > 0.999
+    fitted = hl.fit(data, type(law), ball=ball, other=met, compare=False)
+    np.testing.assert_allclose(fitted.contact.restitution(v), data.restitution, atol=2e-6)
+    assert fitted.chi_square < 1e-6 and fitted.probability > 0.999
     if seed % 3 == 2:
         truth = law.between(ball, met)
         combination = truth.dissipative_time * (truth.elastic_prefactor / truth.effective_mass) ** 0.4
-        assert found.dissipation.value == pytest.approx(combination, rel=1e-5)
+        assert fitted.dissipation.value == pytest.approx(combination, rel=1e-5)
         known = {"youngs_modulus": 1e9, "poisson_ratio": 0.3}
         again = hl.fit(data, fixed=known, ball=ball, other=met, compare=False)
         assert again.parameters["dissipative_time"].value == pytest.approx(truth.dissipative_time, rel=1e-5)
@@ -162,12 +162,12 @@ def test_exact_data_give_the_parameters_back(seed: int) -> None:
 def test_dissipation_has_the_interval_of_the_restitution() -> None:
     """One is a function of the other: their intervals agree, and the error is that of its slope."""
     data = measured("restitution", viscoelastic(), np.random.default_rng(5))
-    found = hl.fit(data, compare=False)
+    fitted = hl.fit(data, compare=False)
     other = hl.fit(data, fixed={"youngs_modulus": 2e8, "poisson_ratio": 0.1}, ball=BALL, compare=False)
     scale = (other.contact.elastic_prefactor / other.contact.effective_mass) ** 0.4
     for end in ("value", "error", "lower", "upper"):
         expected = getattr(other.parameters["dissipative_time"], end) * scale
-        assert getattr(found.dissipation, end) == pytest.approx(expected, rel=0.02)
+        assert getattr(fitted.dissipation, end) == pytest.approx(expected, rel=0.02)
 
 
 def test_verdict_tells_a_law_that_fails_from_one_that_describes() -> None:
@@ -184,8 +184,8 @@ def test_verdict_tells_a_law_that_fails_from_one_that_describes() -> None:
 
 def test_data_without_a_trend_cannot_tell_the_laws_apart() -> None:
     e = 0.8 + np.random.default_rng(0).normal(0.0, 0.05, 5)
-    found = hl.fit(hl.Impacts.of_restitution(np.linspace(0.9, 1.1, 5), e, 0.05))
-    assert found.verdict.endswith("one ε (linear, tsuji) cannot be distinguished from it (AIC within 10)")
+    fitted = hl.fit(hl.Impacts.of_restitution(np.linspace(0.9, 1.1, 5), e, 0.05))
+    assert fitted.verdict.endswith("one ε (linear, tsuji) cannot be distinguished from it (AIC within 10)")
 
 
 def test_restitution_at_its_limit() -> None:
@@ -202,13 +202,13 @@ def test_rebounds_tell_stiffness_and_restitution() -> None:
     truth = np.array([hl.newton(column.replace(gaps=g)).separation_velocity for g in gaps])
     values = truth + np.random.default_rng(4).normal(0.0, 0.02, gaps.size)
     data = hl.Rebounds.of_column(column, "separation_velocity", values, 0.02, gap=gaps)
-    found = hl.fit(data, "linear", compare=False)
+    fitted = hl.fit(data, "linear", compare=False)
     for name, true in (("stiffness", 5e7), ("restitution", 0.7)):
-        estimate = found.parameters[name]
+        estimate = fitted.parameters[name]
         assert abs(estimate.value - true) < 4.0 * estimate.error < 0.2 * true
         assert estimate.lower < estimate.value < estimate.upper
-    assert found.covariance.shape == (2, 2) and found.degrees == 3
-    assert_legible(found.plot())
+    assert fitted.covariance.shape == (2, 2) and fitted.degrees == 3
+    assert_legible(fitted.plot())
 
 
 @pytest.mark.slow
@@ -217,10 +217,10 @@ def test_rebounds_tell_laws_apart() -> None:
     gaps = np.geomspace(1e-4, 3e-3, 10)
     truth = np.array([hl.newton(column.replace(gaps=g)).separation_velocity for g in gaps])
     data = hl.Rebounds.of_column(column, "separation_velocity", truth, 0.01, gap=gaps)
-    found = hl.fit(data, "linear")
-    assert found.trials[0].name == "linear" and found.chi_square < 1e-3
-    assert {t.name for t in found.others} == {"viscoelastic", "tsuji", "collisions with one ε"}
-    assert all(t.probability < 0.01 for t in found.others)
+    fitted = hl.fit(data, "linear")
+    assert fitted.trials[0].name == "linear" and fitted.chi_square < 1e-3
+    assert {t.name for t in fitted.others} == {"viscoelastic", "tsuji", "collisions with one ε"}
+    assert all(t.probability < 0.01 for t in fitted.others)
 
 
 # --- refusals -----------------------------------------------------------------------------------------------
@@ -381,10 +381,10 @@ def test_the_command_fits_its_example(tmp_path: Path) -> None:
     text = run(file, "--plot", picture).stdout
     assert "Viscoelastic describes the data" in " ".join(text.split())
     assert coloured(picture) > 3e-3
-    found = printed(file)
+    output = printed(file)
     direct = hl.fit(hl.read_measurements(file))
-    assert found["parameters"]["restitution"]["value"] == direct.parameters["restitution"].value
-    assert found["verdict"] == direct.verdict and len(found["data"]["speed"]) == found["n"] == 16
+    assert output["parameters"]["restitution"]["value"] == direct.parameters["restitution"].value
+    assert output["verdict"] == direct.verdict and len(output["data"]["speed"]) == output["n"] == 16
     assert_legible(direct.plot())
 
 
@@ -394,8 +394,8 @@ def test_a_column_from_a_file_and_its_rebounds(tmp_path: Path) -> None:
     command_line.run("drop", "--restitution", "0.9", "--toml", toml)
     value = hl.newton(column).separation_velocity
     file.write_text(f"gap,separation_velocity,separation_velocity_error\n3e-3,{value!r},0.01\n")
-    found = printed(file, "--column", toml, "--stiffness", "5e7", "--no-compare")
-    assert found["parameters"]["restitution"]["value"] == pytest.approx(0.9, abs=1e-4)
+    output = printed(file, "--column", toml, "--stiffness", "5e7", "--no-compare")
+    assert output["parameters"]["restitution"]["value"] == pytest.approx(0.9, abs=1e-4)
 
 
 def test_refusals_of_the_command(tmp_path: Path) -> None:
@@ -412,10 +412,10 @@ def test_the_error_at_a_limit_is_not_too_small(law: str, fits: int) -> None:
     rng = np.random.default_rng(3)
     for _ in range(fits):
         values = 0.999 + 0.01 * rng.standard_normal(3)
-        found = hl.fit(hl.Impacts.of_restitution([1.0, 1.0, 1.0], values, 0.01), law).parameters[
+        estimate = hl.fit(hl.Impacts.of_restitution([1.0, 1.0, 1.0], values, 0.01), law).parameters[
             "restitution"
         ]
-        assert 0.3 * 0.01 / math.sqrt(3.0) < found.error < 1.5 * 0.01 / math.sqrt(3.0)
+        assert 0.3 * 0.01 / math.sqrt(3.0) < estimate.error < 1.5 * 0.01 / math.sqrt(3.0)
 
 
 def test_values_that_agree_exactly_have_no_scatter() -> None:

@@ -29,17 +29,17 @@ def ballistic(dimension=3, boundary="periodic"):
 def test_msd_of_ballistic_flight(name, dimension):
     """v²t², exactly, although a particle crosses the box several times between samples."""
     system = ballistic(dimension)
-    found = run(name, system, until=1.0, samples=10, observe=PATHS)
-    msd = hl.measure.msd(found.series.paths)
+    run_of = run(name, system, until=1.0, samples=10, observe=PATHS)
+    msd = hl.measure.msd(run_of.series.paths)
     speed = {2: 0.25, 3: 0.25 + 0.64}[dimension]
     assert msd.dims == ("lag",) and msd.values == pytest.approx(
         speed * msd.lag.values**2, rel=1e-10, abs=1e-20
     )
     assert msd.attrs["units"] == "m2" and msd.lag.attrs["units"] == "s"
-    along = hl.measure.msd(found.series.paths.sel(axis=["y"]))
+    along = hl.measure.msd(run_of.series.paths.sel(axis=["y"]))
     assert along.values == pytest.approx(0.16 * msd.lag.values**2, rel=1e-10, abs=1e-20)
     assert "grows as lag^2.00, must be a range of diffusion" in refusal(
-        lambda: hl.measure.diffusion(found.series.paths, start=0.2, stop=0.4)
+        lambda: hl.measure.diffusion(run_of.series.paths, start=0.2, stop=0.4)
     )
 
 
@@ -90,8 +90,8 @@ def test_diffusion_of_an_elastic_gas(density):
     enskog = 1.019 * 0.375 / (math.sqrt(math.pi) * density * gas.contact_value)
     expected = enskog if density < 0.1 else 0.247 * 0.965
     time = 1.0 / float(gas.collision_rate(temperature))
-    found = hl.event_driven(start, restitution=1.0, until=150.0 * time, samples=150, observe=PATHS)
-    d = hl.measure.diffusion(found.series.paths)
+    run_of = hl.event_driven(start, restitution=1.0, until=150.0 * time, samples=150, observe=PATHS)
+    d = hl.measure.diffusion(run_of.series.paths)
     unit = 2e-3 * math.sqrt(temperature)
     assert abs(d.value / unit - expected) < 4.0 * d.error / unit + 0.02 * expected
     assert d.error / unit < 0.03 * expected and d.lower < d.value < d.upper
@@ -100,13 +100,15 @@ def test_diffusion_of_an_elastic_gas(density):
 @pytest.mark.slow
 def test_the_error_of_the_diffusion_coefficient():
     """Spread of D of 30 replicas over the mean error: 0.75 to 1.35 (the spread of 30 values is known to 13 %)."""
-    found = []
+    coefficients = []
     for seed in range(30):
         start = hl.ParticleSystem.random(300, 0.2, 1e-3, 2500.0, 1.0, seed=seed)
         time = 1.0 / float(theory.gas(start).collision_rate(start.granular_temperature))
-        one = hl.event_driven(start, restitution=1.0, until=100.0 * time, observe=PATHS)
-        found.append(hl.measure.diffusion(one.series.paths))
-    ratio = np.std([one.value for one in found], ddof=1) / np.mean([one.error for one in found])
+        run_of = hl.event_driven(start, restitution=1.0, until=100.0 * time, observe=PATHS)
+        coefficients.append(hl.measure.diffusion(run_of.series.paths))
+    ratio = np.std([coefficient.value for coefficient in coefficients], ddof=1) / np.mean(
+        [coefficient.error for coefficient in coefficients]
+    )
     assert 0.75 < ratio < 1.35
 
 
@@ -139,18 +141,20 @@ def test_every_measurement_is_a_variable_of_the_series(name, dimension, tmp_path
     """Each with the labels of its function; a checkpoint keeps them."""
     system = hl.ParticleSystem.random(20, 0.1, (0.006, 0.01), 2500.0, 0.5, dimension=dimension)
     path = tmp_path / "run.checkpoint"
-    found = run(name, system, until=0.2, samples=4, observe=EVERYTHING)
-    series, last = found.series, found.system
+    run_of = run(name, system, until=0.2, samples=4, observe=EVERYTHING)
+    series, last = run_of.series, run_of.system
     assert series.rdf.dims == ("time", "bin_centers") and series.a2.dims == ("time",)
     assert series.paths.dims == ("time", "particle", "axis")
     assert series.profile_mean_velocity.dims == ("time", "y", "axis")
-    for one, values in {
+    for variable, values in {
         "rdf": hl.measure.rdf(last, bins=7),
         "a2": hl.measure.a2(last),
         **{f"profile_{k}": v for k, v in hl.measure.profiles(last, "y", bins=5).items()},
         **{f"contacts_{k}": v for k, v in hl.measure.coordination(last, tolerance=0.5).items()},
     }.items():
-        xr.testing.assert_identical(series[one].isel(time=-1).drop_vars("time").rename(values.name), values)
+        xr.testing.assert_identical(
+            series[variable].isel(time=-1).drop_vars("time").rename(values.name), values
+        )
     run(name, system, until=0.1, samples=2, observe=EVERYTHING, checkpoint=path)
     assert hl.resume(path, until=0.2, observe=EVERYTHING).series.identical(series)
 
@@ -161,17 +165,17 @@ def measured():
     box = hl.ParticleSystem.random(
         100, 0.3, (0.8e-3, 1.2e-3), 2500.0, 1.0, boundary=["periodic"] * 2 + ["wall"]
     )
-    found = hl.event_driven(box, restitution=0.9, until=0.05, samples=50, observe=EVERYTHING)
+    run_of = hl.event_driven(box, restitution=0.9, until=0.05, samples=50, observe=EVERYTHING)
     return {
         "rdf": hl.measure.rdf(box),
-        "rdf over time": found.series.rdf,
-        "a2 over time": found.series.a2,
-        "an observable": found.series.pressure,
-        "msd": hl.measure.msd(found.series.paths),
+        "rdf over time": run_of.series.rdf,
+        "a2 over time": run_of.series.a2,
+        "an observable": run_of.series.pressure,
+        "msd": hl.measure.msd(run_of.series.paths),
         "profiles": hl.measure.profiles(box, "z"),
         "mean velocity": hl.measure.profiles(box, "z").mean_velocity,
         "coordination": hl.measure.coordination(box, tolerance=0.3),
-        "steady": hl.measure.steady(found.series.pressure),
+        "steady": hl.measure.steady(run_of.series.pressure),
         "steady numbers": hl.measure.steady(np.arange(50.0) % 7),
         "steady of a transient": hl.measure.steady(
             5.0 * np.exp(-np.arange(500.0) / 20.0) + np.arange(500) % 3

@@ -120,9 +120,9 @@ def test_an_ideal_gas_gives_one_also_between_walls(walled):
     edges = [1.0, 1.3, 0.9][: len(walled)]
     limit = min(edge if side == "wall" else 0.5 * edge for edge, side in zip(edges, boundary, strict=True))
     boxes = (points(150, len(walled), boundary, seed, edges) for seed in range(60))
-    found = np.array([hl.measure.rdf(box, bins=12, r_max=limit * (1.0 - 1e-8)) for box in boxes])
-    assert np.all(np.abs(found.mean(0) - 1.0) < 4.5 * found.std(0, ddof=1) / math.sqrt(60))
-    assert np.all(np.abs(found.mean(0)[2:] - 1.0) < 0.04)
+    densities = np.array([hl.measure.rdf(box, bins=12, r_max=limit * (1.0 - 1e-8)) for box in boxes])
+    assert np.all(np.abs(densities.mean(0) - 1.0) < 4.5 * densities.std(0, ddof=1) / math.sqrt(60))
+    assert np.all(np.abs(densities.mean(0)[2:] - 1.0) < 0.04)
 
 
 def test_rdf_against_freud():
@@ -156,7 +156,7 @@ def test_contact_value_of_a_fluid(d, packing_fraction):
     chi = hl.measure.contact_value(run)
     blocks = run.series.rdf.values[1:].reshape(10, 12, 8).mean(axis=1)
     x = run.series.bin_centers.values / 2e-3 - 1.0
-    limits = [math.exp(np.polyfit(x, np.log(one), 2)[-1]) for one in blocks]
+    limits = [math.exp(np.polyfit(x, np.log(block), 2)[-1]) for block in blocks]
     limit, error = np.mean(limits), np.std(limits, ddof=1) / math.sqrt(10)
     exact = theory.gas(fluid).contact_value
     assert chi.mean.error < 0.015 * exact and error < 0.03 * exact
@@ -205,11 +205,11 @@ LATTICES = {
 @pytest.mark.parametrize("name", LATTICES)
 def test_coordination_of_lattices(name):
     system, neighbours = LATTICES[name]
-    found = hl.measure.coordination(system)
+    contacts = hl.measure.coordination(system)
     assert (
-        found.contacts == neighbours
-    ).all() and found.coordination == neighbours == found.backbone_coordination
-    assert found.rattlers == 0.0 and not found.rattler.any() and found.contacts.attrs["units"] == "1"
+        contacts.contacts == neighbours
+    ).all() and contacts.coordination == neighbours == contacts.backbone_coordination
+    assert contacts.rattlers == 0.0 and not contacts.rattler.any() and contacts.contacts.attrs["units"] == "1"
     apart = hl.measure.coordination(system.replace(radius=0.499))
     assert apart.coordination == 0.0 and apart.rattlers == 1.0 and np.isnan(apart.backbone_coordination)
     assert hl.measure.coordination(system.replace(radius=0.499), tolerance=3e-3).coordination == neighbours
@@ -221,15 +221,15 @@ def test_rattlers_are_removed_repeatedly():
     block = crystal([(0.5, 0.5)], (4, 4), [1.0, 1.0]).positions
     hollow = [1.0, 3.5 + math.sqrt(0.75)]
     at = np.vstack([block, [hollow, np.add(hollow, [0.0, 1.0])]])
-    found = hl.measure.coordination(
+    contacts = hl.measure.coordination(
         hl.ParticleSystem(at, 0.0 * at, 0.5, 1.0, box=[4.0, 6.0], boundary="wall")
     )
-    assert found.contacts.values[16:].tolist() == [3, 1]
-    assert found.rattler.values.tolist() == [False] * 16 + [True] * 2
+    assert contacts.contacts.values[16:].tolist() == [3, 1]
+    assert contacts.rattler.values.tolist() == [False] * 16 + [True] * 2
     # Three rows of four have 4 contacts, the upper row has 3; two of it have one more with the disk in the hollow.
     assert (
-        found.backbone_coordination == (12 * 4 + 4 * 3) / 16
-        and found.coordination == (12 * 4 + 4 * 3 + 2 + 4) / 18
+        contacts.backbone_coordination == (12 * 4 + 4 * 3) / 16
+        and contacts.coordination == (12 * 4 + 4 * 3 + 2 + 4) / 18
     )
     free = hl.measure.coordination(hl.ParticleSystem(block + 4.0, 0.0 * block, 0.5, 1.0, box=20.0))
     assert free.contacts.max() == 4 and free.rattlers == 1.0
@@ -238,7 +238,7 @@ def test_rattlers_are_removed_repeatedly():
 @draws(30)
 @given(system=systems(), tolerance=st.floats(0.0, 1.0))
 def test_contacts_against_the_direct_sum(system, tolerance):
-    found = hl.measure.coordination(system, tolerance=tolerance)
+    contacts = hl.measure.coordination(system, tolerance=tolerance)
     first, second = np.triu_indices(system.n, 1)
     near = distances(system) <= (1.0 + tolerance) * (system.radius[first] + system.radius[second])
     counts = np.bincount(np.concatenate([first[near], second[near]]), minlength=system.n)
@@ -246,8 +246,8 @@ def test_contacts_against_the_direct_sum(system, tolerance):
         x = system.positions[:, axis]
         for gap in (x - system.radius, system.box[axis] - x - system.radius) if side == "wall" else ():
             counts += gap <= tolerance * system.radius
-    assert np.array_equal(found.contacts, counts)
-    backbone = counts[~found.rattler.values]
+    assert np.array_equal(contacts.contacts, counts)
+    backbone = counts[~contacts.rattler.values]
     assert len(backbone) == 0 or backbone.min() >= system.dimension + 1
 
 

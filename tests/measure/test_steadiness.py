@@ -37,8 +37,8 @@ def test_the_inefficiency_of_a_known_series(phi, seed):
     exact = (1.0 + phi) / (1.0 - phi)
     x = ar1(np.random.default_rng(seed), int(400 * exact), phi)
     assert inefficiency(x) == pytest.approx(exact, rel=0.6)
-    found = hl.measure.steady(x)
-    assert found.inefficiency >= 1.0 and found.n_independent <= len(x)
+    steady = hl.measure.steady(x)
+    assert steady.inefficiency >= 1.0 and steady.n_independent <= len(x)
 
 
 @pytest.mark.parametrize(
@@ -58,15 +58,19 @@ def test_error_bars_cover_the_mean(time, n, transient, count):
     if transient and independent < 10.0:
         pytest.skip("a transient is not told from a correlation of the same duration")
     decay = 3.0 + transient * np.exp(-np.arange(n) / (0.04 * n))
-    found = [hl.measure.steady(ar1(rng, n, phi) + decay) for _ in range(count)]
-    covered = np.mean([one.mean.lower <= 3.0 <= one.mean.upper for one in found])
+    steady_states = [hl.measure.steady(ar1(rng, n, phi) + decay) for _ in range(count)]
+    covered = np.mean([steady.mean.lower <= 3.0 <= steady.mean.upper for steady in steady_states])
     least = 0.93 - 2.0 * math.sqrt(0.93 * 0.07 / count)
     assert covered >= least or independent < 1.0  # 0.8 where the correlation is longer than the series
-    resolved = np.mean([one.resolved for one in found])
+    resolved = np.mean([steady.resolved for steady in steady_states])
     if independent < 6.0:
         assert resolved < 0.15
     else:
-        assert 0.55 < np.mean([abs(one.mean.value - 3.0) <= one.mean.error for one in found]) < 0.9
+        assert (
+            0.55
+            < np.mean([abs(steady.mean.value - 3.0) <= steady.mean.error for steady in steady_states])
+            < 0.9
+        )
     assert resolved > 0.9 or independent < 25.0
 
 
@@ -102,13 +106,13 @@ def test_one_short_run_agrees_with_many(sheared):
     for name in ("pressure", "granular_temperature", "collision_rate"):
         true = np.mean([run[name].values[51:].mean() for run in runs])
         means = [hl.measure.steady(run[name]).mean for run in runs]
-        assert np.mean([one.lower <= true <= one.upper for one in means]) >= 0.88, name
+        assert np.mean([mean.lower <= true <= mean.upper for mean in means]) >= 0.88, name
 
 
 def test_few_independent_samples_are_not_resolved():
     rng = np.random.default_rng(2)
-    found = hl.measure.steady(ar1(rng, 100, math.exp(-1.0 / 30.0)))
-    assert not found.resolved and str(found).endswith("independent samples: not resolved, fewer than 10")
+    steady = hl.measure.steady(ar1(rng, 100, math.exp(-1.0 / 30.0)))
+    assert not steady.resolved and str(steady).endswith("independent samples: not resolved, fewer than 10")
     assert hl.measure.steady(rng.normal(size=100)).resolved
 
 
@@ -129,10 +133,10 @@ def test_the_transient_is_found_and_said():
     series = xr.DataArray(
         np.concatenate([[np.nan], x[1:]]), {"time": time}, "time", "pressure", {"units": "Pa"}
     )
-    found = hl.measure.steady(series)
-    assert 0.07 < found.start < 0.5 and found.n_discarded == round(found.start * 1000) - 1
-    assert abs(found.mean.value - 5.0) < 4.0 * found.mean.error
-    assert f"Pa, steady from time {found.start:.6g} s on, statistical inefficiency 1" in str(found)
+    steady = hl.measure.steady(series)
+    assert 0.07 < steady.start < 0.5 and steady.n_discarded == round(steady.start * 1000) - 1
+    assert abs(steady.mean.value - 5.0) < 4.0 * steady.mean.error
+    assert f"Pa, steady from time {steady.start:.6g} s on, statistical inefficiency 1" in str(steady)
     constant = hl.measure.steady(np.full(10, 2.0))
     assert constant.mean == (2.0, 0.0, 2.0, 2.0) and constant.n_independent == 10
 
@@ -174,7 +178,7 @@ def test_numbers_may_begin_with_nan() -> None:
 def test_a_given_start_leaves_out_what_is_before() -> None:
     gas = hl.ParticleSystem.random(40, 0.2, 1e-3, 2500.0, rms_speed=0.2, seed=3)
     run = hl.event_driven(gas, restitution=0.9, until=0.5, samples=5)
-    found = hl.measure.pressure_tensor(run, start=0.1)
+    stress = hl.measure.pressure_tensor(run, start=0.1)
     expected = run.series.pressure_tensor.sel(component="xx").values[2:].mean()
-    assert float(found.pressure_tensor[0, 0]) == pytest.approx(float(expected), rel=1e-12)
-    assert found.attrs["start"] == pytest.approx(0.1)
+    assert float(stress.pressure_tensor[0, 0]) == pytest.approx(float(expected), rel=1e-12)
+    assert stress.attrs["start"] == pytest.approx(0.1)

@@ -15,12 +15,12 @@ from conftest import draws, lattice, refusal, slow
 def systems(draw):
     d, n = draw(st.sampled_from([2, 3])), draw(st.integers(1, 60))
     boundary = draw(st.lists(st.sampled_from(["periodic", "wall"]), min_size=d, max_size=d))
-    given = {
+    arguments = {
         "seed": draw(st.integers(0, 99)),
         "spread": draw(st.sampled_from([1.0, 3.0])),
         "boundary": boundary,
     }
-    system = lattice(n=n, dimension=d, **given)
+    system = lattice(n=n, dimension=d, **arguments)
     if draw(st.booleans()):  # across the periodic sides
         shift = draw(st.floats(-2e-3, 2e-3)) * (np.array(boundary) == "periodic")
         system = system.replace(positions=np.mod(system.positions + shift, system.box))
@@ -103,8 +103,8 @@ def test_the_streaming_velocity_is_removed(system, bins, flow):
 def test_a2_of_known_distributions(d):
     """Maxwell: 0 within 4 standard errors √(8/(d(d+2)N)), also of unequal masses; equal energies: d/(d + 2) − 1."""
     system = hl.ParticleSystem.random(20_000, 0.01, (0.5e-3, 1.5e-3), 2500.0, 1.0, dimension=d)
-    found = hl.measure.a2(system)
-    assert abs(found) < 4.0 * math.sqrt(8.0 / (d * (d + 2) * system.n)) and found.attrs["units"] == "1"
+    cumulant = hl.measure.a2(system)
+    assert abs(cumulant) < 4.0 * math.sqrt(8.0 / (d * (d + 2) * system.n)) and cumulant.attrs["units"] == "1"
     direction = system.velocities / np.linalg.norm(system.velocities, axis=1)[:, None]
     energy = system.replace(velocities=direction / np.sqrt(system.mass)[:, None])
     assert float(hl.measure.a2(energy, streaming=lambda at: 0.0 * at)) == pytest.approx(
@@ -125,9 +125,9 @@ def test_a2_of_a_cooling_gas(restitution):
     begun = hl.event_driven(start, restitution=restitution, max_collisions=2 * n).system
     seen = {"observe": {"a2": hl.measure.a2}, "samples": 12}
     run = hl.event_driven(begun, restitution=restitution, max_collisions=3 * n, **seen)
-    found = hl.measure.steady(run.series.a2)
-    assert abs(found.mean.value - FOURTH_CUMULANT[restitution]) < 4.0 * found.mean.error + 4e-3
-    assert found.mean.error < 8e-3
+    steady = hl.measure.steady(run.series.a2)
+    assert abs(steady.mean.value - FOURTH_CUMULANT[restitution]) < 4.0 * steady.mean.error + 4e-3
+    assert steady.mean.error < 8e-3
 
 
 def test_what_is_no_streaming_velocity_is_refused():

@@ -190,9 +190,9 @@ def test_no_line_of_cpp_is_too_long() -> None:
 
 
 def test_usable_processors_are_counted_in_one_place() -> None:
-    asked = [
+    files = [
         p.name
         for p in PACKAGE.rglob("*.py")
         if re.search(r"sched_getaffinity|cpu_count", p.read_text("utf-8"))
     ]
-    assert asked == ["machine.py"]
+    assert files == ["machine.py"]

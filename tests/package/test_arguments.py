@@ -110,7 +110,7 @@ PHYSICS = {"restitution": 0.5, "stiffness": 1e6, "effective_mass": 0.1}
 
 def arguments() -> list[Argument]:
     n, o = "number", "optional number"
-    found = [
+    listed = [
         Argument("Ball", "radius", n, hl.Ball, 0.1, {"mass": 1.0}),
         Argument("Ball", "mass", n, hl.Ball, 1.0, {"radius": 0.1}),
         Argument("Ball", "density", n, hl.Ball, 840.0, {"radius": 0.1}),
@@ -134,12 +134,12 @@ def arguments() -> list[Argument]:
              "velocities": "one number for each", "gravity": n}  # fmt: skip
     good = whole | {"velocities": -1.0, "gravity": 9.81}
     for name, kind in kinds.items():
-        found.append(Argument("Column", name, kind, hl.Column, good[name], whole))
+        listed.append(Argument("Column", name, kind, hl.Column, good[name], whole))
         optional = f"optional {kind.removeprefix('one ')}"
-        found.append(Argument("Column.replace", name, optional, COLUMN.replace, good[name]))
+        listed.append(Argument("Column.replace", name, optional, COLUMN.replace, good[name]))
     row = {"balls": [BALL, BALL], "velocities": [1.0, 0.0], "law": LAW, "gaps": 1e-3}
     for name in row:
-        found.append(Argument("Column.cradle", name, kinds[name], hl.Column.cradle, row[name], row))
+        listed.append(Argument("Column.cradle", name, kinds[name], hl.Column.cradle, row[name], row))
     for name, value in {
         "gap": 1e-3,
         "radius_2": 0.02,
@@ -147,17 +147,17 @@ def arguments() -> list[Argument]:
         "height": 1.0,
         "gravity": 9.81,
     }.items():
-        found.append(Argument("Column.paper", name, n, hl.Column.paper, value))
+        listed.append(Argument("Column.paper", name, n, hl.Column.paper, value))
     for name, value in {"restitution": 0.5, "radius_ratio": 3.0, "radius_1": 0.2, "stiffness": 1e6}.items():
-        found.append(Argument("Column.paper", name, o, hl.Column.paper, value))
-    found.append(Argument("Column.paper", "law", "optional law", hl.Column.paper, LAW))
+        listed.append(Argument("Column.paper", name, o, hl.Column.paper, value))
+    listed.append(Argument("Column.paper", "law", "optional law", hl.Column.paper, LAW))
     for solve in (hl.newton, hl.adiabatic, hl.independent):
-        found.append(Argument(solve.__name__, "column", "column", solve, COLUMN))
-        found.append(Argument(solve.__name__, "until", o, solve, 1e-4, {"column": COLUMN}))
-    found.append(Argument("newton", "method", "word", hl.newton, "general", {"column": COLUMN}))
-    found.append(Argument("newton", "tolerance", n, hl.newton, 1e-12, {"column": COLUMN}))
+        listed.append(Argument(solve.__name__, "column", "column", solve, COLUMN))
+        listed.append(Argument(solve.__name__, "until", o, solve, 1e-4, {"column": COLUMN}))
+    listed.append(Argument("newton", "method", "word", hl.newton, "general", {"column": COLUMN}))
+    listed.append(Argument("newton", "tolerance", n, hl.newton, 1e-12, {"column": COLUMN}))
     return [
-        *found,
+        *listed,
         *arguments_of_sweep(),
         *arguments_of_approximations(),
         *arguments_of_film(),
@@ -175,7 +175,7 @@ def arguments() -> list[Argument]:
 def arguments_of_sweep() -> list[Argument]:
     soft = hl.Column.paper(law=law_of("viscoelastic", 0.7))
     point = {"column": COLUMN, "gap": [1e-4]}
-    found = [
+    listed = [
         Argument("sweep", "column", "column", sweep, COLUMN, point),
         Argument("sweep", "model", "word", sweep, "independent", point),
         Argument("sweep", "engine", "word", sweep, "cpu", point),
@@ -195,16 +195,16 @@ def arguments_of_sweep() -> list[Argument]:
         "restitution": 0.7,
         "stiffness_floor": 5e7,
     }.items():
-        found.append(Argument("sweep", name, "swept", sweep, value, {"column": COLUMN}))
-    return found
+        listed.append(Argument("sweep", name, "swept", sweep, value, {"column": COLUMN}))
+    return listed
 
 
 def sweep(store: Any = None, **others: Any) -> Any:
     """A sweep without its computing time, in an empty working directory."""
     with TemporaryDirectory() as folder, chdir(folder):
-        found = hl.sweep(store=store, **others).load()
-    del found.attrs["wall_time_s"]
-    return found
+        ds = hl.sweep(store=store, **others).load()
+    del ds.attrs["wall_time_s"]
+    return ds
 
 
 def arguments_of_approximations() -> list[Argument]:
@@ -221,15 +221,15 @@ def arguments_of_approximations() -> list[Argument]:
 def arguments_of_theory() -> list[Argument]:
     sizes = {"n": 100, "radius": 1e-3, "mass": 1e-5, "volume": 1e-5, "dimension": 3}
     kinds = dict.fromkeys(sizes, "number") | {"n": "whole number", "dimension": "whole number"}
-    one, shape = Gas(**sizes), "numbers of any shape"
+    gas_of, shape = Gas(**sizes), "numbers of any shape"
     start = {"time": 1.0, "temperature": 0.01, "restitution": 0.9}
     return [
         *(Argument("Gas", name, kinds[name], Gas, value, sizes) for name, value in sizes.items()),
-        Argument("Gas.collision_rate", "temperature", shape, one.collision_rate, 0.01),
-        Argument("Gas.pressure", "temperature", shape, one.pressure, 0.01),
-        Argument("Gas.pressure", "restitution", "number", one.pressure, 0.9, {"temperature": 0.01}),
+        Argument("Gas.collision_rate", "temperature", shape, gas_of.collision_rate, 0.01),
+        Argument("Gas.pressure", "temperature", shape, gas_of.pressure, 0.01),
+        Argument("Gas.pressure", "restitution", "number", gas_of.pressure, 0.9, {"temperature": 0.01}),
         *(
-            Argument("Gas.cooling", name, shape if name == "time" else "number", one.cooling, value, start)
+            Argument("Gas.cooling", name, shape if name == "time" else "number", gas_of.cooling, value, start)
             for name, value in start.items()
         ),
     ]
@@ -237,15 +237,15 @@ def arguments_of_theory() -> list[Argument]:
 
 def arguments_of_fidelity() -> list[Argument]:
     disks = hl.ParticleSystem.random(9, 0.2, 1e-3, 2500.0, 0.1, dimension=2)
-    found = hl.fidelity(disks, law=LAW, until=1e-3, models=["newton", "law"], samples=1)
-    asked = {"quantity": "pressure", "model": "law"}
-    methods = [found.difference, found.final_difference, found.is_significant]
+    fidelity = hl.fidelity(disks, law=LAW, until=1e-3, models=["newton", "law"], samples=1)
+    words = {"quantity": "pressure", "model": "law"}
+    methods = [fidelity.difference, fidelity.final_difference, fidelity.is_significant]
     return [
-        Argument("Fidelity.outcomes", "model", "word", found.outcomes, "law"),
+        Argument("Fidelity.outcomes", "model", "word", fidelity.outcomes, "law"),
         *(
-            Argument(f"Fidelity.{method.__name__}", name, "word", method, value, asked)
+            Argument(f"Fidelity.{method.__name__}", name, "word", method, value, words)
             for method in methods
-            for name, value in asked.items()
+            for name, value in words.items()
         ),
     ]
 
@@ -286,19 +286,19 @@ def arguments_of_grains() -> list[Argument]:
     kinds = {"positions": "positions", "velocities": "velocities", "radius": n, "mass": n, "density": n, "box": each,
              "boundary": "words", "gravity": each, "allowed_overlap": n}  # fmt: skip
     good = DISKS | {"density": 2500.0, "boundary": "wall", "gravity": 9.81, "allowed_overlap": 1e-3}
-    found = []
+    listed = []
     for name, kind in kinds.items():
         others = {key: value for key, value in DISKS.items() if (key, name) != ("mass", "density")}
-        found.append(Argument("ParticleSystem", name, kind, hl.ParticleSystem, good[name], others))
+        listed.append(Argument("ParticleSystem", name, kind, hl.ParticleSystem, good[name], others))
         if name not in ("allowed_overlap", "positions", "velocities", "boundary"):
             optional = f"optional {kind.removeprefix('one ')}"
-            found.append(Argument("ParticleSystem.replace", name, optional, system.replace, good[name]))
+            listed.append(Argument("ParticleSystem.replace", name, optional, system.replace, good[name]))
     random = {"n": 3, "packing_fraction": 0.1, "radius": 1e-3, "density": 2500.0, "rms_speed": 1.0}
     kinds = {"n": whole, "packing_fraction": n, "radius": n, "density": n, "rms_speed": n, "dimension": whole,
              "seed": whole, "boundary": "words", "gravity": each}  # fmt: skip
     good = random | {"dimension": 2, "seed": 1, "boundary": "wall", "gravity": 9.81}
     for name, kind in kinds.items():
-        found.append(
+        listed.append(
             Argument("ParticleSystem.random", name, kind, hl.ParticleSystem.random, good[name], random)
         )
 
@@ -306,7 +306,7 @@ def arguments_of_grains() -> list[Argument]:
         with TemporaryDirectory() as folder, chdir(folder):
             return system.write(path), hl.ParticleSystem.read(path)
 
-    return [*found, Argument("ParticleSystem.write", "path", "path of a box", written, "box.xyz")]
+    return [*listed, Argument("ParticleSystem.write", "path", "path of a box", written, "box.xyz")]
 
 
 def arguments_of_runs() -> list[Argument]:
@@ -408,7 +408,7 @@ def arguments_of_fits() -> list[Argument]:
     speed, measured = np.linspace(0.5, 1.5, 6), np.linspace(0.7, 0.69, 6)
     data = hl.Impacts.of_restitution(speed, measured, 0.01)
     quick = {"data": data, "law": "tsuji", "compare": False}
-    found = [
+    listed = [
         Argument("fit", "data", "measurements", hl.fit, data, quick),
         Argument("fit", "law", "word or class of a law", hl.fit, "tsuji", quick),
         Argument("fit", "fixed", "optional numbers by name", hl.fit, {}, quick),
@@ -423,7 +423,7 @@ def arguments_of_fits() -> list[Argument]:
         Argument("read_measurements", "gravity", "number", read_rows, 9.81),
     ]
     rows = {"speed": speed, "restitution": measured, "restitution_error": 0.01, "speed_error": 0.01}
-    return found + [
+    return listed + [
         Argument("Impacts.of_restitution", name, "numbers", hl.Impacts.of_restitution, value, rows)
         for name, value in rows.items()
     ]
@@ -440,16 +440,16 @@ def read_rows(path: Any = "rows.csv", **options: Any) -> Any:
 
 def arguments_of_the_verdict() -> list[Argument]:
     gas = {"packing_fraction": 0.2, "restitution": 0.9}
-    found = hl.error_law(**gas)
+    law = hl.error_law(**gas)
     kinds = {"packing_fraction": "number", "restitution": "number", "dimension": "whole number", "rule": "word",
              "law": "optional law"}  # fmt: skip
     good = gas | {"dimension": 2, "rule": "tc", "law": LAW}
     return [
         *(Argument("error_law", name, kind, hl.error_law, good[name], gas) for name, kind in kinds.items()),
-        Argument("ErrorLaw.error", "tc_nu", "number", found.error, 0.1),
-        Argument("ErrorLaw.error_bar", "tc_nu", "number", found.error_bar, 0.1),
-        Argument("ErrorLaw.delta_over_d", "tc_nu", "number", found.delta_over_d, 0.1),
-        Argument("ErrorLaw.largest_tc_nu", "error", "number", found.largest_tc_nu, 0.1),
+        Argument("ErrorLaw.error", "tc_nu", "number", law.error, 0.1),
+        Argument("ErrorLaw.error_bar", "tc_nu", "number", law.error_bar, 0.1),
+        Argument("ErrorLaw.delta_over_d", "tc_nu", "number", law.delta_over_d, 0.1),
+        Argument("ErrorLaw.largest_tc_nu", "error", "number", law.largest_tc_nu, 0.1),
     ]
 
 
@@ -537,14 +537,16 @@ def arguments_of_practice() -> list[Argument]:
 
 def arguments_of_law(kind: str) -> list[Argument]:
     """Every parameter of a law in each of its alternatives, and in ``replace``."""
-    law, found = hl.LAWS[kind], []
+    law, listed = hl.LAWS[kind], []
     for choice in law.record["alternatives"]:
-        given = {p["name"]: typical(p) for p in [*law.record["common"], *choice]}
-        for name, value in given.items():
-            rest = {key: other for key, other in given.items() if key != name}
-            found.append(Argument(law.__name__, name, "number", law, value, rest))
-            found.append(Argument(f"{law.__name__}.replace", name, "number", law(**given).replace, value))
-    return found
+        parameters = {p["name"]: typical(p) for p in [*law.record["common"], *choice]}
+        for name, value in parameters.items():
+            rest = {key: other for key, other in parameters.items() if key != name}
+            listed.append(Argument(law.__name__, name, "number", law, value, rest))
+            listed.append(
+                Argument(f"{law.__name__}.replace", name, "number", law(**parameters).replace, value)
+            )
+    return listed
 
 
 ARGUMENTS = arguments()
@@ -648,9 +650,9 @@ LISTS = {
 @pytest.mark.parametrize("kind", LISTS)
 def test_arrays_of_every_kind(kind):
     values = [0.5, 2.0, 0.25]
-    found = validation.array("x", LISTS[kind](values), lowest=0.0)
-    assert type(found) is np.ndarray and found.dtype == np.float64 and found.flags.c_contiguous
-    assert found.tolist() == values
+    array = validation.array("x", LISTS[kind](values), lowest=0.0)
+    assert type(array) is np.ndarray and array.dtype == np.float64 and array.flags.c_contiguous
+    assert array.tolist() == values
     assert validation.numbers("x", LISTS[kind](values), 3) == tuple(values)
 
 
@@ -659,12 +661,12 @@ def test_bad_arrays(label):
     """Arrays that are refused, and the conversion of the others."""
     taken = {"-1": (), "0": ()}
     try:
-        found = validation.array("x", BAD[label]())
+        array = validation.array("x", BAD[label]())
     except ValueError as error:
         assert str(error).startswith("x: got ") and "\n" not in str(error)
         assert label not in taken
     else:
-        assert found.shape == taken[label]
+        assert array.shape == taken[label]
 
 
 def test_shapes_of_arrays():

@@ -14,19 +14,19 @@ def bits(dimension: int) -> dict[str, bytes]:
     system = hl.ParticleSystem.random(
         80, 0.3, radius=(0.5, 1.6), density=1.0, rms_speed=1.0, dimension=dimension, seed=1
     )
-    found = {"start": system.positions.tobytes()}
+    bits_of = {"start": system.positions.tobytes()}
     for name in box_engines.RUNS:
         end = box_engines.run(name, system, until=2.0).system
-        found[name] = end.positions.tobytes() + end.velocities.tobytes()
+        bits_of[name] = end.positions.tobytes() + end.velocities.tobytes()
     for law in (
         hl.LinearDashpot(stiffness=1e6, restitution=0.8),
         hl.Viscoelastic(youngs_modulus=1e7, poisson_ratio=0.3, dissipative_time=1e-4),
     ):
         swept = hl.sweep(column=hl.Column.paper(law=law), gap=np.geomspace(1e-6, 1e-2, 100))
-        found[type(law).__name__] = b"".join(
+        bits_of[type(law).__name__] = b"".join(
             swept[name].to_numpy().tobytes() for name in sorted(swept.data_vars)
         )
-    return found
+    return bits_of
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
@@ -36,8 +36,8 @@ def test_all_instruction_sets_give_the_same_bits(monkeypatch: pytest.MonkeyPatch
     for name in others:
         monkeypatch.setenv("HARDLIMIT_LANES", name)
         assert _core.instruction_sets()[0] == name != widest
-        found = bits(dimension)
-        assert [kind for kind in expected if found[kind] != expected[kind]] == []
+        bits_of = bits(dimension)
+        assert [kind for kind in expected if bits_of[kind] != expected[kind]] == []
 
 
 def test_an_unknown_instruction_set_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:

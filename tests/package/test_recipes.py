@@ -169,27 +169,27 @@ def python(tree: Path) -> Run:
 
 
 def test_a_law_works_in_columns_and_sweeps(tree: Path, python: Run) -> None:
-    found = json.loads(python("-c", LAW_IN_COLUMNS))
-    assert found["outcome"] == "ok" and found["contacts"] >= 1
-    assert found["energy_error"] < 1e-10
-    assert found["independent"] == pytest.approx(0.7, rel=1e-12)
-    assert found["read"][0][3] == pytest.approx(0.7, rel=1e-10)
-    assert found["read"][1][1] == pytest.approx(found["turn"], rel=1e-10)
-    assert found["swept"] == pytest.approx([found["velocity"]], rel=1e-9)
+    output = json.loads(python("-c", LAW_IN_COLUMNS))
+    assert output["outcome"] == "ok" and output["contacts"] >= 1
+    assert output["energy_error"] < 1e-10
+    assert output["independent"] == pytest.approx(0.7, rel=1e-12)
+    assert output["read"][0][3] == pytest.approx(0.7, rel=1e-10)
+    assert output["read"][1][1] == pytest.approx(output["turn"], rel=1e-10)
+    assert output["swept"] == pytest.approx([output["velocity"]], rel=1e-9)
     stubs = tree / "src" / "hardlimit" / "contact" / "laws.pyi"
     assert "class Conical(Law)" in stubs.read_text(encoding="utf-8")
     assert "## Conical" in (tree / "docs" / "generated" / "laws.md").read_text(encoding="utf-8")
 
 
 def test_a_law_works_in_boxes_checks_and_conversions(python: Run) -> None:
-    found = json.loads(python("-c", LAW_IN_BOXES))
-    assert found["sentence"].startswith(("Yes", "No", "Cannot be said: event-driven cools"))
-    assert found["restitution"] == pytest.approx([0.7] * len(found["restitution"]), rel=1e-9)
-    assert found["spring"][0] == "cone_stiffness" and found["unit"] == "Pa"
-    assert found["reached"] == pytest.approx(found["duration"], rel=1e-9)
-    assert found["duration"] == pytest.approx(1e-4, rel=1e-9) and found["models"] == []
-    assert "must be one of linear" in found["refusal"] and "lammps" in found["refusal"]
-    assert found["models_compared"] == ["newton", "constant", "law", "tc", "soft", "threshold"]
+    output = json.loads(python("-c", LAW_IN_BOXES))
+    assert output["sentence"].startswith(("Yes", "No", "Cannot be said: event-driven cools"))
+    assert output["restitution"] == pytest.approx([0.7] * len(output["restitution"]), rel=1e-9)
+    assert output["spring"][0] == "cone_stiffness" and output["unit"] == "Pa"
+    assert output["reached"] == pytest.approx(output["duration"], rel=1e-9)
+    assert output["duration"] == pytest.approx(1e-4, rel=1e-9) and output["models"] == []
+    assert "must be one of linear" in output["refusal"] and "lammps" in output["refusal"]
+    assert output["models_compared"] == ["newton", "constant", "law", "tc", "soft", "threshold"]
 
 
 def test_a_law_works_on_the_command_line(python: Run) -> None:
@@ -206,13 +206,13 @@ def test_a_law_works_on_the_command_line(python: Run) -> None:
 
 
 def test_a_rule_works_in_boxes_and_comparisons(tree: Path, python: Run) -> None:
-    found = json.loads(python("-c", NEW_RULE))
-    assert found["speeds"]["threshold"] > 3.0 * found["speeds"]["constant"]
-    assert found["report"] == "threshold, restitution 0.5" and "threshold" in found["table"]
-    assert found["models"] == ["newton", "constant", "law", "tc", "soft", "threshold"]
-    assert found["predicted"] == "the law of the error does not know it" and "threshold" in found["summary"]
-    assert found["refusal"] == "rule: got 'threshold', must be one of constant, law, tc, soft"
-    assert found["rules"] == ["constant", "law", "tc", "soft"]
+    output = json.loads(python("-c", NEW_RULE))
+    assert output["speeds"]["threshold"] > 3.0 * output["speeds"]["constant"]
+    assert output["report"] == "threshold, restitution 0.5" and "threshold" in output["table"]
+    assert output["models"] == ["newton", "constant", "law", "tc", "soft", "threshold"]
+    assert output["predicted"] == "the law of the error does not know it" and "threshold" in output["summary"]
+    assert output["refusal"] == "rule: got 'threshold', must be one of constant, law, tc, soft"
+    assert output["rules"] == ["constant", "law", "tc", "soft"]
     assert "`threshold`" in (tree / "docs" / "generated" / "rules.md").read_text(encoding="utf-8")
 
 

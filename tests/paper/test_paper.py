@@ -43,7 +43,7 @@ def data():
     """The figures at the paper's density, with coarser maps of Fig. 4 than those of the command. Figs. 2, 4, 5 and 6
     take little time; tests of the others and of all statements are slow."""
     before, figure4.POINTS = figure4.POINTS, 120
-    yield Paper()  # computes a figure at its first use
+    yield Paper(modules=paper.FIGURES)  # computes a figure at its first use
     figure4.POINTS = before
 
 
@@ -195,7 +195,7 @@ def test_statements_name_their_numbers(rows):
 @pytest.mark.slow
 def test_verdicts_follow_the_numbers():
     """With another density the stated facts do not hold, and the verdicts are ``no``."""
-    other = Paper(1140.0)
+    other = Paper(1140.0, modules=paper.FIGURES)
     table = {row.statement: row for row in STATEMENTS.rows(other, (3, 6))}
     (spikes,) = (row for text, row in table.items() if text.startswith("Spikes"))
     assert spikes.agrees == "no" and "0.852" in spikes.result
@@ -216,10 +216,10 @@ def test_ranges_are_stated_where_they_were_taken(data, rows):
     for n in (5, 6):
         values = data.figure(n)["restitution_ratio"].values
         assert f"Fig. {n} (ε = 0.{'98'[n - 5]}): {values.min():.1e} to {values.max():.4f}" in shown
-    found = re.search(
+    match = re.search(
         r"up to (\S+) on the upper and (\S+) on the lower one \(at ε = 0.05, R1/R2 = 0.23", shown
     )
-    upper, lower = map(float, found.groups())
+    upper, lower = map(float, match.groups())
     assert lower > 5.0 > 1.05 > upper > 1.0
     # The ridge is narrower than the cells, so that the maximum on the map is lower.
     assert upper >= float(data.figure(4)["restitution_ratio_over_gap"].max()) - 1e-4
@@ -241,8 +241,8 @@ def test_a_fraction_does_not_depend_on_the_density_of_points(seed):
     start, stop = (low * (high / low) ** p if logarithmic else low + (high - low) * p for p in (a, b))
     crowd = rng.uniform(*sorted(rng.choice(spaced(low, high, 50), 2, replace=False)), 3000)
     for x in (spaced(low, high, 2001), np.unique(np.concatenate([spaced(low, high, 2001), crowd]))):
-        found = sampling.fraction((x >= start) & (x <= stop), (x, logarithmic))
-        assert found == pytest.approx(b - a, abs=1e-3)
+        fraction = sampling.fraction((x >= start) & (x <= stop), (x, logarithmic))
+        assert fraction == pytest.approx(b - a, abs=1e-3)
 
 
 def test_a_fraction_of_a_map_is_an_area():
@@ -283,20 +283,20 @@ def test_shares_of_all_statements_stay_when_points_are_added_elsewhere(data, row
         expected = percents(rows[statement.text].result)
         if not expected or not statement.figures:
             continue
-        found = statement.row(crowded)
-        assert percents(found.result) == pytest.approx(expected, abs=0.51), statement.text
-        assert found.agrees == rows[statement.text].agrees
+        row = statement.row(crowded)
+        assert percents(row.result) == pytest.approx(expected, abs=0.51), statement.text
+        assert row.agrees == rows[statement.text].agrees
         compared += len(expected)
     assert compared >= 12
-    found, expected = (percents(figure4.meaning(figures.figure(4))) for figures in (crowded, data))
-    assert found == pytest.approx(expected, abs=0.51)
+    row, expected = (percents(figure4.meaning(figures.figure(4))) for figures in (crowded, data))
+    assert row == pytest.approx(expected, abs=0.51)
 
 
 @pytest.mark.slow
 def test_late_sequences_are_counted_as_on_a_uniform_grid(rows):
     epsilon = np.linspace(0.1, 1.0, 1801)
-    found = sampling.sequences("x", epsilon, Paper().linear)
-    late = float(np.mean(found["t_end"].values > found["t_floor_end"].values))
+    sequence = sampling.sequences("x", epsilon, Paper().linear)
+    late = float(np.mean(sequence["t_end"].values > sequence["t_floor_end"].values))
     assert percents(result_of(rows, "The last contact may")) == [pytest.approx(100 * late, abs=0.2)]
 
 
@@ -357,10 +357,10 @@ def test_the_report_lists_deviations_first(data, rows, tmp_path):
 
 
 def test_misprints_do_not_hold():
-    found = MISPRINTS.rows(Paper())
-    assert [row.agrees for row in found] == ["misprint"] * 5
-    assert {row.kind for row in found} == {"misprint"}
-    assert "2.9960 V; Eq. 5 says 2.9960 V" in found[0].result
+    misprints = MISPRINTS.rows(Paper())
+    assert [row.agrees for row in misprints] == ["misprint"] * 5
+    assert {row.kind for row in misprints} == {"misprint"}
+    assert "2.9960 V; Eq. 5 says 2.9960 V" in misprints[0].result
 
 
 def test_density_inference(monkeypatch):
@@ -368,11 +368,11 @@ def test_density_inference(monkeypatch):
     monkeypatch.setattr(density, "COARSE", 50.0)
     monkeypatch.setattr(density, "FINE", 5.0)
     scan = density.infer()
-    held = scan.density.values[scan.holds.values == 1]
-    assert (held[0], held[-1]) == (830.0, 850.0)
-    found = density.rows(Paper(), scan)
-    assert [row.agrees for row in found] == ["yes", "yes"]
-    assert "840 ± 10" in found[1].result
+    densities = scan.density.values[scan.holds.values == 1]
+    assert (densities[0], densities[-1]) == (830.0, 850.0)
+    facts = density.rows(Paper(), scan)
+    assert [row.agrees for row in facts] == ["yes", "yes"]
+    assert "840 ± 10" in facts[1].result
 
 
 @pytest.mark.slow

@@ -78,10 +78,14 @@ def texts(figure) -> str:
 
 @pytest.mark.parametrize("name", [name if name == "cradle" else slow(name) for name in drops()])
 def test_every_result_can_be_drawn(name: str, tmp_path: Path) -> None:
-    found = compare(drops()[name])
-    both = plots.drop(found.newton, found.independent, found.adiabatic) if name != "at rest" else None
+    comparison = compare(drops()[name])
+    both = (
+        plots.drop(comparison.newton, comparison.independent, comparison.adiabatic)
+        if name != "at rest"
+        else None
+    )
     # Sampling a column at rest is slow: only its forces are drawn; the last contact does not end.
-    for figure in (both or plots.forces(found.newton), plots.forces(found.independent)):
+    for figure in (both or plots.forces(comparison.newton), plots.forces(comparison.independent)):
         figure.savefig(tmp_path / "picture.png", dpi=40)
         assert coloured(tmp_path / "picture.png") > 1e-3
 
@@ -184,10 +188,10 @@ def test_drops_can_be_read(seed: int) -> None:
 
 @pytest.mark.slow
 def test_the_papers_drop_can_be_read_and_says_how_high() -> None:
-    found = compare(hl.Column.paper())
-    figure = plots.drop(found.newton, found.independent, found.adiabatic)
+    comparison = compare(hl.Column.paper())
+    figure = plots.drop(comparison.newton, comparison.independent, comparison.adiabatic)
     assert_legible(figure)
-    top, highest = (values[-1] for values in heights.tops(found.independent))
+    top, highest = (values[-1] for values in heights.tops(comparison.independent))
     ax = next(ax for ax in figure.axes if ax.get_ylabel() == "height of the centre [m]")
     assert (top, highest) == (pytest.approx(0.6025, abs=1e-3), pytest.approx(1.99, abs=0.01))
     assert top / seconds_per_unit(ax.get_xlabel()) < ax.get_xlim()[1] and highest < ax.get_ylim()[1]
@@ -398,13 +402,13 @@ def drawn(figure: Figure) -> np.ndarray:
 @pytest.mark.parametrize("gap", [1e-5, 1e-4, 1e-3, 5e-3])
 def test_every_model_of_a_drop_is_seen(gap: float) -> None:
     """The picture of heights changes if the lines of any model are removed, even if two models coincide."""
-    found = compare(hl.Column.paper(gap=gap))
-    figure = plots.heights(*found.results)
+    comparison = compare(hl.Column.paper(gap=gap))
+    figure = plots.heights(*comparison.results)
     ax = figure.axes[0]
     whole = drawn(figure)
     lines = [line for line in ax.lines if len(line.get_xdata()) > 100]
-    assert len(lines) == 2 * len(found.results)
-    for k in range(len(found.results)):
+    assert len(lines) == 2 * len(comparison.results)
+    for k in range(len(comparison.results)):
         mine = lines[2 * k : 2 * k + 2]
         for line in mine:
             line.set_visible(False)
@@ -412,7 +416,7 @@ def test_every_model_of_a_drop_is_seen(gap: float) -> None:
         for line in mine:
             line.set_visible(True)
         # In each pixel column this is more than the antialiased edge of another line.
-        assert changed.sum() > 1.6 * ax.get_window_extent().width, found.results[k].model
+        assert changed.sum() > 1.6 * ax.get_window_extent().width, comparison.results[k].model
 
 
 @pytest.mark.parametrize("seed", SEEDS)

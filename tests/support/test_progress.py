@@ -35,11 +35,11 @@ def test_no_bar_without_a_terminal():
     assert out.getvalue() == ""
 
 
-@pytest.mark.parametrize("given", [None, False, True])
-def test_progress_of_a_sweep(given, capfd):
+@pytest.mark.parametrize("report", [None, False, True])
+def test_progress_of_a_sweep(report, capfd):
     """stderr is not a terminal here, and nothing is written to stdout."""
-    found = hl.sweep(PAPER, gap=[1e-4, 1e-3], progress=given)
-    assert found.sizes == {"gap": 2}
+    ds = hl.sweep(PAPER, gap=[1e-4, 1e-3], progress=report)
+    assert ds.sizes == {"gap": 2}
     written = capfd.readouterr()
     assert written.out == written.err == ""
 
@@ -52,10 +52,10 @@ def test_a_function_of_the_caller():
         assert report is print
 
 
-@pytest.mark.parametrize("given", [0, 1, 3.5, "yes", [], print.__class__])
-def test_other_arguments_are_refused(given):
+@pytest.mark.parametrize("report", [0, 1, 3.5, "yes", [], print.__class__])
+def test_other_arguments_are_refused(report):
     with pytest.raises(ValueError, match=r"progress: got .*, must be True, False or callable with"):
-        hl.sweep(PAPER, gap=[1e-4], progress=given)
+        hl.sweep(PAPER, gap=[1e-4], progress=report)
 
 
 class Clock:
@@ -143,9 +143,9 @@ DISKS = hl.ParticleSystem.random(
 )
 
 
-def settle(engine, **given):
+def settle(engine, **options):
     law = hl.LinearDashpot(stiffness=1e4, restitution=0.5)
-    return hl.molecular_dynamics(DISKS, law=law, until=0.05, engine=engine, samples=40, **given)
+    return hl.molecular_dynamics(DISKS, law=law, until=0.05, engine=engine, samples=40, **options)
 
 
 def test_a_run_by_events_logs_the_time_that_steps_would_take(monkeypatch, capfd):
@@ -163,7 +163,7 @@ def test_a_run_by_events_logs_the_time_that_steps_would_take(monkeypatch, capfd)
     settle("steps", progress=True)
     lines = capfd.readouterr().err.splitlines()
     assert lines and all(
-        re.fullmatch(r"molecular dynamics: \d+%, after \S+ \S+, \S+ k?steps/s", one) for one in lines
+        re.fullmatch(r"molecular dynamics: \d+%, after \S+ \S+, \S+ k?steps/s", line) for line in lines
     )
 
 
@@ -186,7 +186,7 @@ def test_the_note_is_about_the_last_seconds(monkeypatch):
     """Share in clusters and pace since the note before; steps are tried after 2, 2, 4, 8 … s."""
     clock, run, tried = Clock(), Run(), []
     monkeypatch.setattr(pace, "clock", clock)
-    monkeypatch.setattr(pace, "seconds_by_steps", lambda *given: tried.append(clock.now) or 100.0)
+    monkeypatch.setattr(pace, "seconds_by_steps", lambda *arguments: tried.append(clock.now) or 100.0)
     said = pace.ProgressNote()
 
     def note() -> str:
@@ -218,5 +218,5 @@ def test_the_time_that_steps_would_take_is_measured(monkeypatch):
     monkeypatch.setattr(pace, "clock", clock)
     law = hl.LinearDashpot(stiffness=1e4, restitution=0.5)
     step = time_step.chosen(DISKS, law, None, None)
-    found = pace.seconds_by_steps(DISKS, law, 2.0)  # the trial takes one second on this clock
-    assert found == pytest.approx(2.0 / step / pace.MAX_STEPS, rel=2e-3)
+    seconds = pace.seconds_by_steps(DISKS, law, 2.0)  # the trial takes one second on this clock
+    assert seconds == pytest.approx(2.0 / step / pace.MAX_STEPS, rel=2e-3)

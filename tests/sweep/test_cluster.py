@@ -181,8 +181,8 @@ def test_closing_a_cluster_of_this_process_during_the_work(
             hl.sweep(SOFT, engine="dask", scheduler=client, progress=close, **SLOW)
         else:
             law = hl.LinearDashpot(stiffness=1e6, restitution=0.9)
-            given = {"until": 1e-4, "samples": 2, "replicas": 8, "models": ("newton",)}
-            hl.fidelity(small_gas, law=law, scheduler=client, progress=close, **given)
+            options = {"until": 1e-4, "samples": 2, "replicas": 8, "models": ("newton",)}
+            hl.fidelity(small_gas, law=law, scheduler=client, progress=close, **options)
     assert told.value is error or str(told.value).startswith(
         "scheduler: connection lost; a store keeps what is finished"
     )
@@ -193,18 +193,18 @@ def small_gas(seed: int) -> hl.ParticleSystem:
 
 
 @pytest.mark.parametrize(
-    ("who", "asked", "job"),
+    ("who", "method", "job"),
     [(Client, "nthreads", "sweep"), (Future, "result", "sweep"), (Future, "result", "fidelity")],
 )
 def test_a_scheduler_that_no_longer_answers(
-    monkeypatch: pytest.MonkeyPatch, who: type, asked: str, job: str
+    monkeypatch: pytest.MonkeyPatch, who: type, method: str, job: str
 ) -> None:
     """An existing connection does not break; a new one fails."""
 
     def fail(*_: object, **__: object) -> None:
         raise OSError("Timed out trying to connect\nto it")
 
-    monkeypatch.setattr(who, asked, fail)
+    monkeypatch.setattr(who, method, fail)
     with pytest.raises(RuntimeError, match="scheduler: connection lost") as refused:
         if job == "sweep":
             hl.sweep(PAPER, engine="dask", **GRID)

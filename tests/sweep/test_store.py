@@ -363,9 +363,9 @@ def damaged(path: Path, finished: Path, *, said: bool) -> None:
 
 
 def every_file(folder: Path) -> list[Path]:
-    found = sorted(f.relative_to(folder) for f in folder.rglob("*") if f.is_file())
-    assert len(found) > 10
-    return found
+    files = sorted(f.relative_to(folder) for f in folder.rglob("*") if f.is_file())
+    assert len(files) > 10
+    return files
 
 
 #: Every tenth file of a store; the slow tests take all.
@@ -529,16 +529,16 @@ def test_two_writers_at_once_are_refused(tmp_path: Path, monkeypatch: pytest.Mon
 
 def test_the_lock_of_a_process_that_is_ending_is_awaited(tmp_path: Path) -> None:
     """A process that was killed keeps its lock until it is gone: the same call right after must not be refused."""
-    path, held, waiting = tmp_path / "map.zarr", threading.Event(), threading.Event()
+    path, locked, waiting = tmp_path / "map.zarr", threading.Event(), threading.Event()
 
     def hold() -> None:
         with saving.locked(path):
-            held.set()
+            locked.set()
             waiting.wait()
 
     other = threading.Thread(target=hold)
     other.start()
-    held.wait()
+    locked.wait()
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(
             FileLock, "acquire", lambda lock, acquire=FileLock.acquire: waiting.set() or acquire(lock)
@@ -551,12 +551,12 @@ def test_the_lock_of_a_process_that_is_ending_is_awaited(tmp_path: Path) -> None
 def test_two_may_make_a_store_at_once(tmp_path: Path) -> None:
     """One makes it while the other waits for the lock and then resumes it."""
     path = tmp_path / "map.zarr"
-    found = storing._is_new
+    is_new = storing._is_new
 
     def too_late(at: Path) -> bool:
-        new = found(at)
+        new = is_new(at)
         if new:
-            patch.setattr(storing, "_is_new", found)
+            patch.setattr(storing, "_is_new", is_new)
             hl.sweep(PAPER, store=path, **GRID)
         return new
 

@@ -199,8 +199,8 @@ def test_outcomes_are_flags_of_cf() -> None:
     ds = hl.sweep(PAPER, height=[0.05, 0.6], velocity=[0.0, 1.0], gravity=[0.0, 9.81])
     names = dict(zip(ds.outcome.flag_values.tolist(), ds.outcome.flag_meanings.split(), strict=True))
     assert names[0] == "ok"
-    found = {names[code] for code in ds.outcome.values.ravel().tolist()}
-    assert found == {"ok", "invalid", "never_lands"}
+    outcomes = {names[code] for code in ds.outcome.values.ravel().tolist()}
+    assert outcomes == {"ok", "invalid", "never_lands"}
     assert bool((ds.outcome == 0).sel(height=0.6, gravity=9.81).all())
     assert bool(ds.relative_velocity.isnull().where(ds.outcome != 0, True).all())
     assert ds.outcome.sel(height=0.6, velocity=1.0, gravity=0.0) == list(names.values()).index("never_lands")

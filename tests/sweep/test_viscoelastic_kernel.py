@@ -40,28 +40,32 @@ def assert_agree(kernel: Results, general: Results, speed: float, within: float 
 # --- against the reference and the general solver -----------------------------------------------------------
 
 
-@pytest.mark.parametrize("given", ["restitution", "dissipative_time"])
-def test_reference(given: str) -> None:
-    rows = [row for row in table("two_ball_viscoelastic") if row[f"{given}{'_s' * (given != 'restitution')}"]]
+@pytest.mark.parametrize("quantity", ["restitution", "dissipative_time"])
+def test_reference(quantity: str) -> None:
+    rows = [
+        row
+        for row in table("two_ball_viscoelastic")
+        if row[f"{quantity}{'_s' * (quantity != 'restitution')}"]
+    ]
     assert len(rows) > 10
     units = {"radius_1": "_m", "radius_2": "_m", "youngs_modulus": "_Pa", "density": "_kg_m3", "gap": "_m"}
-    units |= {"poisson_ratio": "", given: "" if given == "restitution" else "_s"}
+    units |= {"poisson_ratio": "", quantity: "" if quantity == "restitution" else "_s"}
     values = {name: np.array([float(row[name + unit]) for row in rows]) for name, unit in units.items()}
     speed = np.array([float(row["impact_speed_m_s"]) for row in rows])
     values["height"] = values["radius_1"] + speed**2 / (2.0 * 9.81)
-    if given == "restitution":
+    if quantity == "restitution":
         values["impact_speed"] = np.full(len(rows), 3.0)
-    column = soft() if given == "restitution" else soft(dissipative_time=0.0)
-    found = compute(column, "auto", **points(**values))
+    column = soft() if quantity == "restitution" else soft(dissipative_time=0.0)
+    values_of = compute(column, "auto", **points(**values))
     for i, row in enumerate(rows):
-        assert found["n_contacts"][i] == int(row["n_contacts"]), i
+        assert values_of["n_contacts"][i] == int(row["n_contacts"]), i
         for name, at in (("relative_velocity", "end"), ("separation_velocity", "separation")):
             expected = number(row[f"relative_velocity_{at}_m_s"])
-            assert found[name][i] == pytest.approx(expected, rel=0.0, abs=1e-8 * speed[i], nan_ok=True), (
+            assert values_of[name][i] == pytest.approx(expected, rel=0.0, abs=1e-8 * speed[i], nan_ok=True), (
                 i,
                 name,
             )
-        assert found["t_end"][i] == pytest.approx(number(row["t_end_s"]), rel=1e-8, nan_ok=True)
+        assert values_of["t_end"][i] == pytest.approx(number(row["t_end_s"]), rel=1e-8, nan_ok=True)
 
 
 N = 120
@@ -180,11 +184,11 @@ def test_outcomes() -> None:
 def test_restitution_is_that_of_the_contact() -> None:
     """The kernel's own inversion against that of a law, from nearly elastic to a hundredth."""
     restitution = np.concatenate([1 - np.geomspace(1e-12, 0.3, 25), np.geomspace(0.69, 0.01, 25)])
-    found = compute(soft(), "auto", restitution=restitution)
+    values_of = compute(soft(), "auto", restitution=restitution)
     for i, e in enumerate(restitution):
         column = soft(restitution=e, impact_speed=3.0)
         general = hl.newton(column)
-        assert found["n_contacts"][i] == general.n_contacts
-        assert found["relative_velocity"][i] == pytest.approx(
+        assert values_of["n_contacts"][i] == general.n_contacts
+        assert values_of["relative_velocity"][i] == pytest.approx(
             general.relative_velocity, rel=0.0, abs=1e-10 * column.impact_speed
         )

@@ -8,18 +8,18 @@ let site;
 before(async () => void (site = await Site.begin()));
 after(() => site?.end());
 
-// What a page asks for since it is offline; it must be nothing. The browser itself asks for the icon after a new link.
+// Requests of an offline page, of which there must be none. The browser requests the icon after a new link.
 async function offline(page) {
-  const asked = [];
-  page.on("request", (request) => /^http(?!.*icon.svg)/.test(request.url()) && asked.push(request.url()));
+  const requests = [];
+  page.on("request", (request) => /^http(?!.*icon.svg)/.test(request.url()) && requests.push(request.url()));
   await page.context().setOffline(true);
-  return asked;
+  return requests;
 }
 
 test("the laboratory works without network once it is loaded", async (t) => {
   const page = await site.open(t);
   await mapDone(page);
-  const asked = await offline(page);
+  const requests = await offline(page);
   for (const axis of ["ratio", "gap"]) {
     await page.selectOption("#map-axis", axis);
     await page.waitForFunction(() => document.getElementById("map").dataset.ms === undefined);
@@ -35,7 +35,7 @@ test("the laboratory works without network once it is loaded", async (t) => {
   }
   await page.selectOption("#rebound-axis", "e");
   await page.waitForFunction(() => document.getElementById("rebound").dataset.done === "true");
-  // A setting that takes long is given up: its worker is replaced.
+  // A long computation is cancelled; its worker is replaced.
   await goTo(page, long);
   await page.waitForSelector("#busy:not([hidden])");
   await page.click("#give-up");
@@ -46,21 +46,21 @@ test("the laboratory works without network once it is loaded", async (t) => {
   await solved(page);
   await page.click("#open-story");
   await page.waitForFunction(() => document.documentElement.dataset.mode === "story");
-  assert.deepEqual(asked, []);
+  assert.deepEqual(requests, []);
 });
 
 test("the gas works without network once it is loaded", async (t) => {
   const ready = (page) => page.waitForFunction(() => window.hardlimit?.report()?.samples.length > 0);
   const page = await site.open(t, "gas.html?n=150", { ready });
-  const asked = await offline(page);
+  const requests = await offline(page);
   await page.click("#example-collapse");
   await page.waitForFunction(
     () => window.hardlimit.report()?.setting.restitution < 0.7 && window.hardlimit.report().samples.length > 5,
   );
-  assert.deepEqual(asked, []);
+  assert.deepEqual(requests, []);
 });
 
-// Brightness of the corner of a canvas: its ground.
+// Brightness of the background of a canvas, from its corner.
 const grounds = (page) =>
   page.evaluate(() =>
     Object.fromEntries(
@@ -78,7 +78,7 @@ const grounds = (page) =>
     ),
   );
 
-// The plots far from the window are computed once the page is at rest; the map says when it is drawn.
+// Plots out of the window are computed after the last change; the map shows when it is drawn.
 const atRest = (page) =>
   page.waitForFunction(
     () => {
@@ -112,7 +112,7 @@ const pages = [
 for (const [name, query, ready] of pages.slice(1))
   test(`${name}: forced colours are those of the pictures too`, async (t) => {
     const page = await site.open(t, query, { ready, colorScheme: "dark", forcedColors: "active" });
-    await page.evaluate(() => localStorage.setItem("hardlimit-theme", "light")); // chosen without them
+    await page.evaluate(() => localStorage.setItem("hardlimit-theme", "light")); // chosen without forced colours
     await page.reload();
     await ready(page);
     const inked = await page.evaluate(() => {
@@ -286,7 +286,7 @@ test("story: what the reader has not come to is printed too, each drawing in its
     assert.ok(i === 0 || top > places[i - 1].bottom - 1, `${what} over ${places[i - 1]?.what}`),
   );
   await page.emulateMedia({ media: "screen" });
-  // The laboratory's map is what it was.
+  // The laboratory's map is unchanged.
   await page.click("#leave");
   await page.waitForFunction(() => document.documentElement.dataset.mode === undefined);
   assert.equal(await page.inputValue("#map-show"), "count");

@@ -1,7 +1,6 @@
-// hardlimit's own server and a browser, for tests of the page.
-// PYTHON: an interpreter that has hardlimit installed. CHROMIUM, FIREFOX: the browsers. SHOTS: a folder for screenshots.
-// LATE: up to so many milliseconds are added to each answer of a worker, in order, as a slow machine would: what relies
-// on quick answers, in the page or in a test, then fails.
+// hardlimit's own server and a browser, for tests of the page. PYTHON: an interpreter that has hardlimit installed.
+// CHROMIUM, FIREFOX: the browsers. SHOTS: a folder for screenshots. LATE: a random delay of up to LATE milliseconds is
+// added to each answer of a worker, in order, as on a slow machine. Code that relies on quick answers then fails.
 import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
 import { mkdirSync, readFileSync } from "node:fs";
@@ -25,7 +24,7 @@ function answerLate(most) {
   };
 }
 
-// The firefox that Debian packages, by way of WebDriver BiDi; it takes the setting for motion from its profile.
+// Debian's Firefox is controlled by WebDriver BiDi; its profile sets reduced motion.
 const engines = {
   chromium: () =>
     chromium.launch({
@@ -74,7 +73,7 @@ export class Site {
     this.server?.kill();
   }
 
-  // A page that fails the test on any complaint of the console and on any request to elsewhere.
+  // Opens a page. Warnings in the console and requests to other servers fail the test.
   async open(t, query = "", { ready = solved, ...options } = {}) {
     const context = await this.browser.newContext({
       viewport: { width: 1440, height: 900 },
@@ -86,9 +85,11 @@ export class Site {
     const page = await context.newPage();
     const faults = [];
     const complain = (text) => {
-      if (!(process.env.SHOTS && text.includes("blocked an inline style"))) faults.push(text); // Playwright's, for a screenshot
+      // Playwright's screenshots cause this warning.
+      if (!(process.env.SHOTS && text.includes("blocked an inline style"))) faults.push(text);
     };
-    const icon = (m) => m.location().url.endsWith("/icon.svg") && m.text().includes("ERR_INTERNET_DISCONNECTED"); // the browser asks for it after each new link
+    // The browser requests the icon after each new link.
+    const icon = (m) => m.location().url.endsWith("/icon.svg") && m.text().includes("ERR_INTERNET_DISCONNECTED");
     page.on("console", (m) => ["error", "warning"].includes(m.type()) && !icon(m) && complain(m.text()));
     page.on("pageerror", (e) => complain(String(e)));
     page.on(
@@ -106,7 +107,7 @@ export class Site {
   }
 }
 
-// A link to the laboratory, unless it names a place of its own.
+// Adds the laboratory to a link that does not name a page.
 export const laboratory = (query) =>
   /^gas|[?&](story|panel|page|a\.)/.test(query) ? query : `${query}${query ? "&" : "?"}page=lab`;
 
@@ -115,14 +116,14 @@ const entries = new Set(["#copy", "#enlarge", "#pin", "#png", "#csv", "#toml", "
 function openMenu(page) {
   const click = page.click.bind(page);
   page.click = async (selector, options) => {
-    const menu = entries.has(selector) && (await page.$("#menu")); // the page of the gas has none
+    const menu = entries.has(selector) && (await page.$("#menu")); // the page of the gas has no menu
     if (menu) await menu.evaluate((element) => (element.open = true));
     await click(selector, options);
     if (menu) await menu.evaluate((element) => (element.open = false));
   };
 }
 
-// Another setting in the page that is open, by way of its history; its numbers are those of before until it is solved.
+// Goes to another setting by the history of the page. The numbers are the previous ones until it is solved.
 export const goTo = (page, query) =>
   page.evaluate((query) => {
     history.pushState(null, "", query);

@@ -1,8 +1,9 @@
-// A canvas that remembers what is drawn on it, for tests of pictures without a browser.
+// A canvas that records what is drawn on it, for tests of pictures without a browser.
 
 const pixels = (font) => Number(/(\d+(?:\.\d+)?)px/.exec(font)?.[1] ?? 10);
 
-// Drawn things, in their order: {kind: "fill" | "stroke" | "text" | …, path, color, clip, …}. Every number must be finite.
+// Records in the order of drawing: {kind: "fill" | "stroke" | "text" | …, path, color, clip, …}. All numbers are
+// finite.
 export class Canvas {
   drawn = [];
   path = [];
@@ -67,7 +68,7 @@ export class Canvas {
   setLineDash(list) {
     this.check(...list);
   }
-  // As wide as a usual sans serif.
+  // Mean width of a sans serif font.
   measureText(text) {
     return { width: 0.56 * pixels(this.font) * [...text].length };
   }
@@ -98,12 +99,12 @@ export const theme = {
   pairs: [0, 1, 2, 3, 4, 5].map((i) => `pair${i}`),
 };
 
-// Where a horizontal line crosses a closed path, from left to right.
+// Intersections of a horizontal line with a closed path, from left to right.
 export function crossings(path, y) {
-  const found = [];
+  const places = [];
   path.forEach((a, i) => {
     const b = path[(i + 1) % path.length];
-    if (a.y <= y !== b.y <= y) found.push(a.x + ((y - a.y) / (b.y - a.y)) * (b.x - a.x));
+    if (a.y <= y !== b.y <= y) places.push(a.x + ((y - a.y) / (b.y - a.y)) * (b.x - a.x));
   });
-  return found.sort((a, b) => a - b);
+  return places.sort((a, b) => a - b);
 }

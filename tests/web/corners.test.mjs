@@ -1,4 +1,4 @@
-// What a teacher meets in the first minutes, in Chromium: touch, history, odd links, long computations, every reading.
+// Unusual use, in Chromium: touch, history, invalid links, long computations, rejected entries.
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { after, before, test } from "node:test";
@@ -19,12 +19,12 @@ async function open(t, query = "", options = {}) {
   await rest(page);
   return page;
 }
-// After the next frame has taken up what was entered.
+// Waits until a frame has read the entry.
 async function settled(page) {
   await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
   await rest(page);
 }
-// Another setting in the page that is open, by way of its history.
+// Goes to another setting by the history of the page.
 async function visit(page, query) {
   await forget(page);
   await goTo(page, query);
@@ -69,7 +69,7 @@ test("heights: collisions still to come count, later ones are told apart", async
   assert.match(await page.textContent("#definitions dl"), /restitution that would give/);
 });
 
-// What a setting gives is tested in settings.test.mjs, and what is drawn of it in drawing.test.mjs.
+// Results of settings are tested in settings.test.mjs, their pictures in drawing.test.mjs.
 test("random settings, one after the other, in one page", async (t) => {
   const { core, solve, paper, fromQuery, exactNumbers } = await load();
   const page = await open(t, "?example=fig2");
@@ -95,7 +95,7 @@ test("a swipe scrolls and changes nothing", async (t) => {
     const box = await element.boundingBox();
     const from = await page.evaluate(() => scrollY);
     const time = await page.textContent("#time");
-    const up = from > 400; // the last pictures lie at the end of the page
+    const up = from > 400; // the last pictures are at the end of the page
     const [x, y] = [box.x + 0.3 * box.width, box.y + 0.5 * box.height];
     await session.send("Input.dispatchTouchEvent", { type: "touchStart", touchPoints: [{ x, y }] });
     for (let k = 1; k <= 10; k++)
@@ -111,7 +111,7 @@ test("a swipe scrolls and changes nothing", async (t) => {
   }
 });
 
-// A finger or two along places in an element, each in shares of its box.
+// Moves one or two fingers along positions in an element, which are fractions of its box.
 async function fingers(page, id, ...path) {
   const session = await page.context().newCDPSession(page);
   const box = await page.locator(`#${id}`).boundingBox();
@@ -187,7 +187,7 @@ test("a long computation shows its progress and is given up", async (t) => {
   assert.deepEqual(await numbers(page), before);
 });
 
-// The next setting is answered in part only, as if the rest took for ever.
+// Only a part of the next result arrives, as in an endless computation.
 const answerInPart = (page) =>
   page.evaluate(() => {
     const { postMessage } = Worker.prototype;
@@ -231,7 +231,7 @@ test("given up: the page says again what it said, and undo goes back from there"
   assert.deepEqual(await said(), before);
   const { current, tolerance } = await page.evaluate(() => window.hardlimit.report());
   assert.deepEqual([current, tolerance, await page.inputValue("#tolerance")], [true, 0.01, "0.01"]);
-  assert.equal(await page.isDisabled("#undo"), true); // what was given up is forgotten
+  assert.equal(await page.isDisabled("#undo"), true); // the cancelled setting is not in the list
   await enter(page, "restitution", "0.6");
   await settled(page);
   await page.click("#undo");
@@ -256,7 +256,7 @@ test("undo after the browser's Back goes to the setting that Back has shown", as
   await page.goBack();
   await page.waitForFunction(() => document.getElementById("preset").value === "fig2");
   assert.equal(await page.isDisabled("#undo"), true);
-  await page.waitForTimeout(800); // changes that follow quickly are undone together
+  await page.waitForTimeout(800); // quick changes are undone together
   await enter(page, "restitution", "0.5");
   await settled(page);
   await page.click("#undo");

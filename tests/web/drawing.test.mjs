@@ -1,5 +1,5 @@
-// What the pictures show, without a browser: the close-up keeps the balls apart and above the floor, the bands of the
-// timeline are where the balls touch, and every picture can be drawn of every setting.
+// Pictures without a browser: in the close-up the balls are apart and above the floor, the bands of the timeline are at
+// the contacts, and each picture can be drawn for each setting.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Canvas, crossings, theme } from "./canvas.mjs";
@@ -20,7 +20,7 @@ const lib = await load(
 );
 const { core } = lib;
 
-// The examples, and random settings that can be computed.
+// The examples, and random settings that have a solution.
 const next = random(31);
 const scenarios = [
   ...lib.presets.map((p) => p.scenario),
@@ -39,7 +39,7 @@ const momentOf = (d, time) => ({
   icm: d.motion.icm.at(time),
 });
 
-// Instants that matter: release, the middle of contacts and of the time between, the end.
+// Times of interest: release, begin and middle of contacts, random times, the end.
 function instants(d) {
   const contacts = d.newton.run.contacts
     .slice(0, 4)
@@ -74,7 +74,7 @@ test("in words: the contacts, and the time of the film", () => {
 
 // ---- close-up -----------------------------------------------------------------------------------------------
 
-// Balls of the close-up as [model][ball] with what the clip leaves of them along the line, upwards or to the right.
+// Balls of the close-up as [model][ball], with the part along the line that is not clipped, upwards or to the right.
 function closeUp(g, d) {
   const begin = g.drawn.findIndex((x) => x.text === "Close-up");
   const balls = g.drawn
@@ -110,7 +110,7 @@ function checkBalls(balls, floor, ceiling, where) {
   });
 }
 
-// Touching balls touch in the picture, balls that press are pressed flat, others are apart.
+// Touching balls touch in the picture, compressed balls are flattened, others are apart.
 function checkGaps(balls, gaps, where) {
   for (let i = 1; i < balls.length; i++) {
     const between = balls[i].center - balls[i].radius - (balls[i - 1].center + balls[i - 1].radius);
@@ -264,7 +264,7 @@ test("rebound heights: names and numbers stand clear of each other, on a telepho
         }
 });
 
-// Both models' heights over the gap, and what is drawn of them, for a drop of two balls.
+// Heights of both models over the gap, and their picture, for a drop of two balls.
 function heightsOf({ scenario, newton, icm }) {
   const at = (gap) => {
     core.set({ ...lib.copyOf(scenario), gaps: [gap] });
@@ -290,7 +290,7 @@ function heightsOf({ scenario, newton, icm }) {
   };
 }
 
-// Whether the way from a to b comes into a text.
+// Whether the line from a to b crosses a text.
 const enters = (a, b, text) =>
   Array.from({ length: 21 }, (_, i) => [a.x + (i / 20) * (b.x - a.x), a.y + (i / 20) * (b.y - a.y)]).some(
     ([x, y]) => x > text.left + 1 && x < text.right - 1 && y > text.top + 2 && y < text.bottom - 2,
@@ -337,10 +337,10 @@ test("map: the numbers below it stand clear of each other, on a telephone too", 
 
 // ---- timeline -----------------------------------------------------------------------------------------------
 
-// What a pool of workers would do, one piece at a time; `pause` is called after each.
+// Does the work of a pool of workers, one task at a time; `pause` is called after each.
 function timelineOf(scenario, pause = () => {}) {
   let source;
-  const timeline = new lib.Timeline({ add: (given) => (source = given), wake() {} }, () => {});
+  const timeline = new lib.Timeline({ add: (tasks) => (source = tasks), wake() {} }, () => {});
   timeline.start(lib.copyOf(scenario));
   for (let work = source(); work; work = source()) {
     const { column, restitution, adiabatic } = work.ask;
@@ -372,7 +372,7 @@ function drawn(timeline, d) {
   };
 }
 
-// The band of the floor contact, which there is for every ε: it leaves nothing out from the lowest ε computed to the highest.
+// The floor contact exists for each ε. Its band has no gap between the lowest and the highest computed ε.
 function checkUnbroken(bands, where) {
   const floor = bands.filter((b) => b.color === theme.faint).sort((a, b) => a.top - b.top);
   floor
@@ -382,7 +382,7 @@ function checkUnbroken(bands, where) {
     );
 }
 
-// The left edge of a band, upwards, and then the right edge, downwards: they do not cross.
+// A band consists of its left edge, upwards, and its right edge, downwards, which do not cross.
 function checkSides(bands, where) {
   for (const { path } of bands)
     for (let i = 0; 2 * i < path.length; i++)
@@ -392,7 +392,7 @@ function checkSides(bands, where) {
       );
 }
 
-// Spans of pixels in which pair j touches at this ε.
+// Ranges of pixels in which pair j touches at this ε.
 function touching(timeline, layout, j, e) {
   return layout.bands
     .filter((b) => b.color === (j === 0 ? theme.faint : theme.pairs[j]))
@@ -402,7 +402,7 @@ function touching(timeline, layout, j, e) {
     });
 }
 
-// A floor contact that never ends begins before the edge of the picture or beyond it, depending on ε.
+// A floor contact that never ends begins inside or outside the picture, depending on ε.
 const rests = {
   ...lib.paper(),
   law: "tsuji",
@@ -449,7 +449,7 @@ test("timeline: its bands have no holes, however many rows there are", () => {
   }
 });
 
-// Rows on both sides of ε, and those whose region, half a pixel wider for the sake of hairlines, reaches it.
+// Rows on both sides of ε, and those whose region contains it; regions are half a pixel wider to avoid hairlines.
 function rowsAround({ rows }, { y }, e) {
   const border = (a, b) => y.at(0.5 * (a.restitution + (b ?? a).restitution));
   const above = rows.findIndex((r) => r.restitution > e);
@@ -468,7 +468,7 @@ test("timeline: at any ε the bands are where the balls touch", () => {
       core.set({ ...lib.copyOf(d.scenario), restitution: e });
       const [row] = core.timeline(lib.Model.newton, [e]);
       if (!rowsAround(timelines[k], layout, e).every((r) => order(r) === order(row))) {
-        between++; // what happens between two rows only, nobody knows
+        between++; // contacts between two rows are not known
         continue;
       }
       for (let j = d.scenario.cradle ? 1 : 0; j < d.scenario.balls.length; j++) {
@@ -484,14 +484,14 @@ test("timeline: at any ε the bands are where the balls touch", () => {
         const inFrame = (spans) =>
           spans.map(([from, to]) => [from, Math.min(to, right)]).filter(([from, to]) => to - from > 2);
         const covers = (spans, x) => spans.some(([from, to]) => from - 1 <= x && x <= to + 1);
-        // What is narrower may be missed by a line between two rows.
-        for (const [one, other, what] of [
+        // A line between two rows may miss narrower contacts.
+        for (const [spans, others, what] of [
           [contacts, bands, "no band"],
           [bands, contacts, "no contact"],
         ])
-          for (const [from, to] of inFrame(one)) {
+          for (const [from, to] of inFrame(spans)) {
             assert.ok(
-              covers(other, 0.5 * (from + to)),
+              covers(others, 0.5 * (from + to)),
               `${what} at ${0.5 * (from + to)}, ${where}: ${JSON.stringify(contacts)}, ${JSON.stringify(bands)}`,
             );
             looked++;

@@ -1,4 +1,4 @@
-// The page in a second engine: Firefox shows what Chromium shows, is worked with the keys, draws, and keeps links.
+// The page in a second engine: Firefox shows the same as Chromium, and keys, drawings and links work.
 // FIREFOX: the browser.
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
@@ -15,7 +15,7 @@ const rest = (page) =>
     () => document.documentElement.dataset.busy === undefined && document.documentElement.dataset.numbers,
   );
 
-// What the page says of a setting, to the last digit.
+// All texts and numbers of the page for a setting.
 async function said(page, query) {
   await forget(page);
   await goTo(page, query);
@@ -38,12 +38,13 @@ test("every example and random settings: Firefox says what Chromium says", async
     ...Array.from({ length: 8 }, () => `?${randomLink(next)}`),
   ];
   for (const query of queries) {
-    const [one, other] = await Promise.all(pages.map((page) => said(page, `${query}&panel=numbers`))); // no maps beside it
-    assert.deepEqual(one, other, query);
+    // This panel has no maps.
+    const [first, second] = await Promise.all(pages.map((page) => said(page, `${query}&panel=numbers`)));
+    assert.deepEqual(first, second, query);
   }
 });
 
-// How many colours a picture has.
+// Number of colours of a picture.
 const colours = (page, id) =>
   page.evaluate((id) => {
     const canvas = document.getElementById(id);
@@ -107,10 +108,10 @@ test("controls, keys and map; the link gives the same page again", async (t) => 
       document.documentElement.dataset.numbers,
       ...["time", "verdict", "why", "map-reading"].map((id) => document.getElementById(id).textContent),
     ]);
-  const other = await firefox.open(t, new URL(page.url()).search);
-  await rest(other);
+  const second = await firefox.open(t, new URL(page.url()).search);
+  await rest(second);
   await mapDone(page);
-  await mapDone(other);
-  assert.deepEqual(await look(other), await look(page));
+  await mapDone(second);
+  assert.deepEqual(await look(second), await look(page));
   await shoot(page, "firefox-page", { fullPage: true });
 });

@@ -1,8 +1,8 @@
-// The gas of the page beside Python: both engines from the same start until the same time, and the law of the error.
+// Comparison of the gas with Python: both engines from the same state to the same time, and the law of the error.
 import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
 
-// Reads cases, runs them with hardlimit, prints for each what differs and what the page should say.
+// Reads cases, runs them with hardlimit, and prints the differences and the expected sentences of each.
 const program = String.raw`
 import json, math, sys, warnings
 import numpy as np
@@ -136,7 +136,7 @@ export class Python {
     });
     this.process.on("exit", () => this.waiting.forEach(({ fail }) => fail(new Error("Python has ended"))));
   }
-  // What differs, and what Python says of the setting.
+  // The differences, and Python's results for the setting.
   compare(report, { logs, states }) {
     const worlds = logs.map((log, i) => {
       const [log_, state] = [log, states[i]].map((x) => Array.from(x));
@@ -154,7 +154,7 @@ export class Python {
   }
 }
 
-// The page says of a setting what Python says.
+// The statements of the page agree with Python.
 export async function agrees(python, report, worlds) {
   const what = report.link;
   const [faults, answer] = await python.compare(report, worlds);
@@ -175,7 +175,8 @@ export async function agrees(python, report, worlds) {
           ? "elsewhere"
           : answer.verdict;
   assert.equal(said.verdict, verdict, what);
-  assert.equal(said.range, setting.restitution < 1 ? answer.outside[0] : undefined, what); // at ε = 1 nothing is said by the law
+  // The law makes no statement at ε = 1.
+  assert.equal(said.range, setting.restitution < 1 ? answer.outside[0] : undefined, what);
   assert.equal(said.hard, stopped ? (answer.outcomes[0] === "collapse" ? "collapse" : "stopped") : undefined, what);
   assert.equal(said.newton, answer.outcomes[1] === "ok" ? undefined : "stopped", what);
   assert.equal(said.contacts, newton.ended > 0 ? "overlapping" : "none", what);

@@ -1,5 +1,5 @@
-// The page of the gas in a real browser. What it says of a setting is tested beside Python in gas_settings.test.mjs;
-// here that the browser shows it: same collisions, sentences, film, controls, links, themes, sizes.
+// The page of the gas in a browser: collisions, sentences, film, controls, links, themes, sizes. gas_settings.test.mjs
+// compares its results with Python.
 import assert from "node:assert/strict";
 import { readdirSync, statSync } from "node:fs";
 import { after, before, test } from "node:test";
@@ -18,7 +18,7 @@ after(async () => {
 const ready = (page) =>
   page.waitForFunction(() => window.hardlimit?.report()?.samples.length > 0, null, { timeout: 60_000 });
 const open = (t, query = "", options = {}, from = site) => from.open(t, `gas.html${query}`, { ready, ...options });
-// A film that stands still, at the time of its link or after.
+// Waits for a film that is paused, at the time of its link or later.
 const settled = (page) =>
   page.waitForFunction(() => document.documentElement.dataset.settled === document.documentElement.dataset.run, null, {
     timeout: 60_000,
@@ -70,7 +70,7 @@ test("what is written on the page is what the report says", async (t) => {
   assert.match(written, /inelastic collapse, infinitely many collisions in a finite time\. Newton’s equations go on/);
 });
 
-// How many colours a canvas has.
+// Number of colours of a canvas.
 const colours = (page, id) =>
   page.evaluate((id) => {
     const canvas = document.getElementById(id);
@@ -190,8 +190,9 @@ test("of two changes while the worker is busy the last one counts", async (t) =>
   await settled(page);
   const shown = await page.evaluate(async () => {
     const { postMessage } = Worker.prototype;
-    let busy = null; // the worker that hears no more
+    let busy = null; // a worker that gets no more messages
     Worker.prototype.postMessage = function (...message) {
+      // eslint-disable-next-line @typescript-eslint/no-this-alias -- the worker whose method this is
       if (message[0].ask?.kind === "start") busy ??= this;
       if (this !== busy) postMessage.apply(this, message);
     };
@@ -247,7 +248,7 @@ test("the disks cover their packing fraction of the picture", async (t) => {
     const shares = await page.evaluate(() =>
       ["hard", "newton"].map((id) => {
         const canvas = document.getElementById(id);
-        const inset = Math.ceil(0.04 * canvas.width); // no line of the edge
+        const inset = Math.ceil(0.04 * canvas.width); // the edge is not drawn here
         const { data } = canvas
           .getContext("2d")
           .getImageData(inset, inset, canvas.width - 2 * inset, canvas.height - 2 * inset);

@@ -1,5 +1,5 @@
-// What must hold for every gas, over random settings, ties and extremes included: same collisions, bit for bit, same
-// numbers and the same verdict as Python's. PYTHON: an interpreter that has hardlimit installed.
+// Gases over random settings, with ties and extremes: the collisions have the same bits as Python's, and the numbers
+// and the verdict are the same. PYTHON: an interpreter that has hardlimit installed.
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { after, test } from "node:test";
@@ -52,7 +52,7 @@ const module = new WebAssembly.Module(readFileSync(wasm));
 const python = new Python();
 after(() => python.end());
 
-// One of the ends of the range, or a value that decides something, or anything between.
+// An end of the range, a special value, or a random one.
 function draw(next, { low, high, log }, ties) {
   const u = next();
   if (u < 0.12) return low;
@@ -151,8 +151,8 @@ test("a link gives its setting again; what is out of range is said", () => {
     assert.deepEqual(notes, []);
   }
   const notes = [];
-  const found = fromQuery(new URLSearchParams("phi=2&e=x&n=120.4&rule=none&g=5&walls=0&example=moon&tcnu="), notes);
-  assert.deepEqual(found, { ...usual, phi: ranges.phi.high, number: 120, gravity: 5, walls: true });
+  const report = fromQuery(new URLSearchParams("phi=2&e=x&n=120.4&rule=none&g=5&walls=0&example=moon&tcnu="), notes);
+  assert.deepEqual(report, { ...usual, phi: ranges.phi.high, number: 120, gravity: 5, walls: true });
   assert.equal(notes.length, 7, notes.join(" | "));
   for (const [query, said, key, value] of [
     ["n=149.5", "disks: 149.5 is not whole; it is 150.", "number", 150],

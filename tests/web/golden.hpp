@@ -1,4 +1,4 @@
-// How golden values are written: numbers as the sixteen hexadecimal digits of their bits, every NaN as "nan".
+// Format of golden values: numbers are the sixteen hexadecimal digits of their bits, every NaN is "nan".
 #pragma once
 #include <cstdint>
 #include <cstdio>

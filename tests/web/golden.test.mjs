@@ -48,9 +48,9 @@ function hash(values) {
   let a = 2166136261;
   let b = 0x9e3779b9;
   const words = new Uint32Array(2);
-  const one = new Float64Array(words.buffer);
+  const value = new Float64Array(words.buffer);
   for (const x of values) {
-    one[0] = x;
+    value[0] = x;
     if (Number.isNaN(x)) [words[0], words[1]] = [0, 0x7ff80000];
     for (const word of words) {
       a = Math.imul(a ^ word, 16777619);

@@ -1,11 +1,11 @@
-// Golden values of the module of the gas: settings, and what the native build makes of them.
+// Golden values of the gas: settings and the results of the native build.
 #include "../../bindings/wasm_gas.cpp"
 
 #include "golden.hpp"
 
 namespace {
 
-// Places in the registry of rules.
+// Indices in the registry of rules.
 enum { constant, tc, by_law, soft };
 
 struct Case {

@@ -1,4 +1,4 @@
-// The page's modules in node, with the compiled core: what needs no browser is tested here.
+// Loads the page's modules into node, with the compiled core, for tests without a browser.
 import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
 import { build } from "esbuild";
@@ -11,17 +11,17 @@ const src = new URL("../../web/src/", import.meta.url).pathname;
 const wasm =
   process.env.EXPLORER_WASM ?? new URL("../../src/hardlimit/explorer/page/maps.wasm", import.meta.url).pathname;
 
-// The path of a module from its name: each name occurs in one room of web/src only. The page of the gas has its own.
+// The path of a module by its name, which occurs in one room of web/src only. The gas has modules of its own.
 const paths = readdirSync(src, { recursive: true })
   .map(String)
   .filter((path) => path.endsWith(".ts") && !path.startsWith("gas/"));
 function pathOf(name) {
-  const found = paths.filter((path) => path === `${name}.ts` || path.endsWith(`/${name}.ts`));
-  if (found.length !== 1) throw new Error(`web/src has ${found.length} modules ${name}`);
-  return src + found[0];
+  const matches = paths.filter((path) => path === `${name}.ts` || path.endsWith(`/${name}.ts`));
+  if (matches.length !== 1) throw new Error(`web/src has ${matches.length} modules ${name}`);
+  return src + matches[0];
 }
 
-// Besides the modules named here those asked for.
+// Loads the modules listed here and those in `more`.
 export async function load(...more) {
   const folder = mkdtempSync(join(tmpdir(), "modules-"));
   const names = [
@@ -51,7 +51,7 @@ export async function load(...more) {
   return { ...modules, core: new modules.Core(new WebAssembly.Module(readFileSync(wasm))) };
 }
 
-// What a Python program prints, a line of JSON for each of the texts that it gets as JSON.
+// Output of a Python program that reads a list of texts as JSON and prints a line of JSON for each.
 export async function fromPython(program, texts) {
   const python = spawn(process.env.PYTHON ?? "python3", ["-c", program], { stdio: ["pipe", "pipe", "inherit"] });
   python.stdin.end(JSON.stringify(texts));
@@ -76,10 +76,10 @@ export function random(seed) {
   };
 }
 
-// A link to some setting of two to six balls, ties and touching balls among them.
+// A link to a random setting of two to six balls, with ties and touching balls.
 export function randomLink(next) {
   const log = (low, high) => Number((low * (high / low) ** next()).toPrecision(4));
-  const n = 2 + Math.floor(5 * next() ** 2); // more often few: those take less long
+  const n = 2 + Math.floor(5 * next() ** 2); // small numbers are more frequent, since they take less time
   const law = ["linear", "viscoelastic", "tsuji"][Math.floor(3 * next())];
   const q = new URLSearchParams({ law, e: next() < 0.1 ? "1" : (0.3 + 0.7 * next()).toFixed(3) });
   if (law === "linear") q.set("k", log(1e5, 1e8));
@@ -91,12 +91,12 @@ export function randomLink(next) {
     ])
       q.set(key, value);
   if (law === "tsuji") q.set("K", log(1e7, 1e10));
-  const one = log(0.005, 0.1);
+  const common = log(0.005, 0.1);
   const alike = next() < 0.2;
   const list = (make) => Array.from({ length: n }, make).join();
   q.set(
     "r",
-    list(() => (alike ? one : log(0.005, 0.1))),
+    list(() => (alike ? common : log(0.005, 0.1))),
   );
   q.set(
     "rho",

@@ -1,4 +1,4 @@
-// The page in Chromium, served by hardlimit itself, its numbers against Python's.
+// The page in Chromium, from hardlimit's server; its numbers are compared with Python's.
 // PYTHON: an interpreter that has hardlimit installed. CHROMIUM: the browser. SHOTS: a folder for screenshots.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
@@ -19,11 +19,11 @@ after(async () => {
   rmSync(work, { recursive: true, force: true });
 });
 
-// The paper's Fig. 2 unless asked for another.
+// The paper's Fig. 2 unless the link names another example.
 const open = (t, query = "?example=fig2", options = {}) => site.open(t, query, options);
 
 const numbers = (page) => page.evaluate(() => JSON.parse(document.documentElement.dataset.numbers));
-// The page has drawn this often, with nothing left to solve.
+// Waits until the page has drawn this number of frames after the last solution.
 const settled = (page, frames = 2) =>
   page.evaluate(
     (frames) =>
@@ -31,7 +31,8 @@ const settled = (page, frames = 2) =>
         let left = frames;
         const tick = () => {
           if (document.documentElement.dataset.busy !== undefined) left = frames;
-          left-- > 0 ? requestAnimationFrame(tick) : done();
+          if (left-- > 0) requestAnimationFrame(tick);
+          else done();
         };
         tick();
       }),
@@ -43,7 +44,7 @@ const picture = (page) =>
     return { resolution: Number(map.dataset.resolution), data: map.toDataURL() };
   });
 
-// A map leaves out its finest level where that would take too long: on a busy machine only the finest maps are compared.
+// A map omits its finest level if that would take too long. On a busy machine only the finest maps are compared.
 function same(t, maps) {
   const finest = Math.max(...maps.map((m) => m.resolution));
   const compared = maps.filter((m) => m.resolution === finest);
@@ -60,7 +61,7 @@ function close(a, b, what, tolerance = 1e-9) {
   assert.ok(Math.abs(a - b) <= tolerance * Math.max(Math.abs(b), 1e-3), `${what}: page ${a}, Python ${b}`);
 }
 
-// What Python says of the columns in these TOML files.
+// Python's results for the columns in these TOML files.
 function fromPython(files) {
   const program = `
 import json, math, sys
@@ -106,10 +107,10 @@ test("starts with the paper's Fig. 2", async (t) => {
   assert.equal(await page.textContent("tr[data-id=contacts] td:nth-child(2)"), "4");
 });
 
-test("the balls are drawn before anything is said, from the answer of a worker that has the link from the start", async (t) => {
+test("the balls are drawn before any text, from the answer of the worker that has the link", async (t) => {
   const page = await open(t);
   await page.addInitScript(() => {
-    Object.assign(window, { drawn: null, asked: [] });
+    Object.assign(window, { drawn: null, requests: [] });
     const { clearRect } = CanvasRenderingContext2D.prototype;
     CanvasRenderingContext2D.prototype.clearRect = function (...place) {
       window.drawn ??= [
@@ -121,7 +122,7 @@ test("the balls are drawn before anything is said, from the answer of a worker t
     };
     const { postMessage } = Worker.prototype;
     Worker.prototype.postMessage = function (message, ...more) {
-      if (message.kind === "solve") window.asked.push(message.ask.scenario.restitution);
+      if (message.kind === "solve") window.requests.push(message.ask.scenario.restitution);
       return postMessage.call(this, message, ...more);
     };
   });
@@ -132,19 +133,20 @@ test("the balls are drawn before anything is said, from the answer of a worker t
   ]) {
     await page.goto(site.base + query);
     await page.waitForFunction(() => document.documentElement.dataset.numbers);
-    const { drawn, asked, setting, said } = await page.evaluate(() => ({
+    const { drawn, requests, setting, said } = await page.evaluate(() => ({
       drawn: window.drawn,
-      asked: window.asked,
+      requests: window.requests,
       setting: window.hardlimit.report().setting,
       said: window.hardlimit.report().tolerance,
     }));
-    assert.deepEqual([asked, setting.restitution, said], [[], restitution, tolerance], query);
+    assert.deepEqual([requests, setting.restitution, said], [[], restitution, tolerance], query);
     if (!query.includes("map")) assert.deepEqual(drawn, [canvas, true, true], query);
   }
   await page.evaluate(() =>
     Object.assign(document.getElementById("watch-gap"), { value: "500" }).dispatchEvent(new Event("input")),
   );
-  await page.waitForFunction(() => window.asked.length > 0); // a change is asked for, so the list above would not be empty
+  // A change causes a request, so the list above would not be empty.
+  await page.waitForFunction(() => window.requests.length > 0);
 });
 
 test("numbers of every example are Python's", async (t) => {
@@ -187,7 +189,8 @@ test("every control moves the result and is in the link", async (t) => {
       await page.focus(`#${id}`);
       const up = Number(await page.inputValue(`#${id}`)) < 800;
       if (id.startsWith("velocity"))
-        for (let i = 0; i < 3; i++) await page.keyboard.press(up ? "ArrowRight" : "ArrowLeft"); // the balls must go on meeting
+        // The balls must still collide.
+        for (let i = 0; i < 3; i++) await page.keyboard.press(up ? "ArrowRight" : "ArrowLeft");
       else await page.keyboard.press(up ? "PageUp" : "PageDown");
       await settled(page);
       assert.notEqual(await page.inputValue(`#${id}-value`), before, `${setup} ${id} shows its value`);
@@ -345,11 +348,11 @@ test("the map is the same whichever worker answers first", async (t) => {
   for (const late of [-1, 0, 1]) {
     const page = await open(t);
     await page.addInitScript((late) => {
-      let made = 0;
+      let created = 0;
       globalThis.Worker = class extends Worker {
         constructor(...options) {
           super(...options);
-          if (made++ !== late) return;
+          if (created++ !== late) return;
           this.addEventListener("message", (event) => {
             if (!event.isTrusted) return;
             event.stopImmediatePropagation();
@@ -440,13 +443,13 @@ test("film: plays, slows, steps, is tied to the cursor", async (t) => {
     timeout: 10_000,
   });
   await page.click("#play");
-  const held = await time();
+  const pressed = await time();
   await settled(page, 12);
-  assert.equal(await time(), held);
+  assert.equal(await time(), pressed);
   await page.click("body", { position: { x: 5, y: 300 } });
   await page.keyboard.press("ArrowRight");
   await settled(page);
-  assert.notEqual(await time(), held);
+  assert.notEqual(await time(), pressed);
   await page.keyboard.press("Home");
   await settled(page);
   assert.match(await time(), /−0\.3\d\d s/);
@@ -556,7 +559,7 @@ test("keyboard alone reaches and works everything", async (t) => {
   assert.equal(await page.textContent("#play"), "Pause");
 });
 
-// Colours are those of every part in both themes, the layout that of the narrowest telephone.
+// Checks colours of all parts in both themes, and the layout on the narrowest telephone.
 for (const [name, options] of Object.entries({
   light: { colorScheme: "light" },
   dark: { colorScheme: "dark" },

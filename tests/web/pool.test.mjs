@@ -1,4 +1,4 @@
-// Who is asked for work, and when: the pool with workers that answer when told.
+// The order of requests in the pool, with workers that answer on command.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { load } from "./modules.mjs";
@@ -8,13 +8,13 @@ globalThis.Worker = class {
   constructor() {
     workers.push(this);
   }
-  asked = [];
+  requests = [];
   terminate() {}
   postMessage(message) {
-    if (message?.kind) this.asked.push(message);
+    if (message?.kind) this.requests.push(message);
   }
   answer(answer) {
-    this.onmessage({ data: { id: this.asked.at(-1).id, ms: 1, answer } });
+    this.onmessage({ data: { id: this.requests.at(-1).id, ms: 1, answer } });
   }
 };
 Object.defineProperty(globalThis, "navigator", { value: { hardwareConcurrency: 2 }, configurable: true });
@@ -33,7 +33,7 @@ test("nothing is computed for a picture that is not shown, until it is", () => {
     pool.add(() => (left[name]-- > 0 ? { kind: "points", ask: name, done: () => done.push(name) } : null), shown);
   pool.wake();
   assert.deepEqual(
-    workers.map((w) => w.asked.map((m) => m.ask)),
+    workers.map((w) => w.requests.map((m) => m.ask)),
     [["seen"], ["seen"]],
   );
   for (const w of workers) w.answer([]);
@@ -56,7 +56,7 @@ test("what somebody waits for comes first", async () => {
   const waiting = pool.ask("csv", "file");
   for (const w of workers) w.answer("text");
   assert.deepEqual(
-    workers[0].asked.map((m) => m.ask),
+    workers[0].requests.map((m) => m.ask),
     ["picture", "file"],
   );
   workers[0].answer("text");
@@ -75,10 +75,10 @@ test("a worker that cannot be loaded is told of, and hired anew for the next que
   });
   desk.put(work("first"));
   desk.giveUp();
-  workers[1].onerror({}); // before anything is asked of it
+  workers[1].onerror({}); // before the first request
   desk.put(work("second"));
   assert.deepEqual(
-    workers[2].asked.map((m) => m.ask),
+    workers[2].requests.map((m) => m.ask),
     ["second"],
   );
   workers[2].onerror({});
@@ -90,7 +90,7 @@ test("a worker that cannot be loaded is told of, and hired anew for the next que
 });
 
 for (const early of [true, false])
-  test(`the worker that opens the page is not asked what its link says, and its answer is heard ${early ? "though it came before the page" : "when it comes"}`, () => {
+  test(`the first worker is not asked again, and its answer is used if it comes ${early ? "before" : "after"} the page`, () => {
     workers.length = 0;
     const first = { worker: new Worker(), early: [], hear: (event) => void first.early.push(event) };
     const reply = { data: { id: 1, ms: 1, answer: "of the link" } };
@@ -99,12 +99,12 @@ for (const early of [true, false])
     const desk = new Desk(() => assert.fail("no other worker is needed"), first);
     for (const ask of ["link", "next"]) desk.put({ kind: "solve", ask, done: (answer) => told.push(answer) });
     if (!early) {
-      assert.deepEqual([told, workers[0].asked], [[], []]);
+      assert.deepEqual([told, workers[0].requests], [[], []]);
       first.hear(reply);
     }
     assert.deepEqual(told, ["of the link"]);
     assert.deepEqual(
-      workers[0].asked.map((m) => m.ask),
+      workers[0].requests.map((m) => m.ask),
       ["next"],
     );
     first.hear({ data: { id: 2, ms: 1, answer: "of the next" } });

@@ -1,16 +1,16 @@
-// The report of the page, over 300 random settings with ties and extremes: every number in it and the condition of every
-// sentence is compared with Python. PYTHON: an interpreter that has hardlimit installed.
+// The report of the page, over 300 random settings with ties and extremes: every number in it and the condition of
+// every sentence is compared with Python. PYTHON: an interpreter that has hardlimit installed.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { fromPython, load, random } from "./modules.mjs";
 
 const count = 300;
 const lib = await load("report", "presets", "sentences", "story_view");
-const { core, solve, dropOf, reportOf, fromQuery, paper, columnOf } = lib;
+const { core, solve, dropOf, reportOf, fromQuery, paper } = lib;
 
 // ---- settings -----------------------------------------------------------------------------------------------
 
-// Those that once said something wrong.
+// Settings that once had wrong sentences.
 const once = [
   "e=0.02&k=1000&h=0.13&r=0.1217,0.0335&rho=80.66,366.4&gap=0",
   "law=linear&e=0.76&k=42000,13000&h=1.1217&r=0.1217,0.0335&rho=80.66,366.4&gap=0",
@@ -46,15 +46,15 @@ function randomLink(next) {
       "K",
       each(() => log(1e7, 1e10)),
     );
-  const one = [log(0.005, 0.1), log(300, 8000)];
+  const common = [log(0.005, 0.1), log(300, 8000)];
   const alike = next() < 0.25;
   q.set(
     "r",
-    list(n, () => (alike ? one[0] : log(0.005, 0.1))),
+    list(n, () => (alike ? common[0] : log(0.005, 0.1))),
   );
   q.set(
     "rho",
-    list(n, () => (alike ? one[1] : log(300, 8000))),
+    list(n, () => (alike ? common[1] : log(300, 8000))),
   );
   q.set(
     "gap",
@@ -140,7 +140,7 @@ const top = (m) => m.rises[m.rises.length - 1];
 const leaves = (m) => m.velocities[m.velocities.length - 1];
 const is = (m, text) => m.outcome.startsWith(text);
 
-// The contacts of Newton's sequence, as the reasons use them.
+// The contacts of Newton's sequence, for the sentences that explain a result.
 function contactsOf(py) {
   const list = py.newton.list.map(([pair, begin, end]) => ({ pair, begin, end: end ?? Infinity }));
   const between = list.filter((c) => c.pair > 0);
@@ -156,7 +156,7 @@ function contactsOf(py) {
   };
 }
 
-// By sentence: what must be true in Python, and the numbers it states.
+// For each sentence: the condition that must hold in Python, and the numbers in the text.
 const newtonClaims = {
   "too-deep": (p) => [is(p.newton, "too deep"), { time: p.newton.last, pair: p.newton.too_deep }],
   unresolved: (p) => [is(p.newton, "not resolved"), { events: p.newton.events }],
@@ -256,7 +256,7 @@ const units = {
 };
 const superscript = (text) => Number([..."⁰¹²³⁴⁵⁶⁷⁸⁹"].reduce((t, c, i) => t.replaceAll(c, i), text.replace("⁻", "-")));
 
-// Each quantity in a text is one of the numbers, to the digits that are printed.
+// Each quantity in a text is one of the numbers, within the printed digits.
 function checkQuantities({ text, numbers, id }, where) {
   for (const [, digits, power, unit] of text.matchAll(
     /([−-]?\d+(?:\.\d+)?)(?:·10([⁻⁰-⁹]+))? (%|[nµmc]?m\/s|[nµmc]?m|[nµm]?s)(?![a-zµ/])/g,
@@ -296,7 +296,7 @@ function checkSentences(list, claims, where, ...facts) {
   }
 }
 
-// The story: what each sentence states, by the name of the number; what needs the curve or the map is not known here.
+// The numbers of the story's sentences, by name; those of the curve and of the map are not known here.
 function checkStory(report, drop, py, where) {
   const { cradle } = report.setting;
   const last = (m) => (cradle ? leaves(m) : top(m));
@@ -307,7 +307,8 @@ function checkStory(report, drop, py, where) {
         if (step === "slow") continue; // the report's reasons
         const of = step === "count" ? counted : last;
         const { radius } = report.setting.balls.at(-1);
-        const alone = (rise) => radius + (rise / 2.54) * (py.release - radius); // a tennis ball: of 2.54 m it comes back to 1.35 to 1.47 m
+        // A tennis ball rebounds from 2.54 m to 1.35 to 1.47 m.
+        const alone = (rise) => radius + (rise / 2.54) * (py.release - radius);
         const expected = {
           low: alone(1.35),
           high: alone(1.47),
@@ -409,7 +410,7 @@ function checkShares({ newton, icm, rows }, py, where) {
 
 test(`${count} random settings: every sentence and number is Python's`, async (t) => {
   const all = settings();
-  const asked = fromPython(
+  const answers = fromPython(
     program,
     all.map(({ scenario }) => lib.toToml(scenario)),
   );
@@ -421,7 +422,7 @@ test(`${count} random settings: every sentence and number is Python's`, async (t
     return reportOf(drops.at(-1), 0.01);
   });
   const seen = new Map();
-  const python = await asked;
+  const python = await answers;
   for (const [i, r] of reports.entries()) {
     const { link, scenario } = all[i];
     assert.ok(r, link);

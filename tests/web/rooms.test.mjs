@@ -1,19 +1,19 @@
-// Rooms of web/src, from the ground up. A file imports its own room and those below; types count as well.
+// Rooms of web/src from the lowest to the highest. A file imports, also types, only from its own room and lower ones.
 import assert from "node:assert/strict";
 import { readdirSync, readFileSync } from "node:fs";
 import { join, normalize } from "node:path";
 import { test } from "node:test";
 
 const rooms = ["style", "support", "scenario", "core", "report", "state", "views", "map", "story", "app"];
-const belowGas = ["style", "support"]; // the page of the gas is a house of its own
+const belowGas = ["style", "support"]; // the page of the gas imports only these
 
 const src = new URL("../../web/src/", import.meta.url).pathname;
 const files = readdirSync(src, { recursive: true })
   .map(String)
   .filter((path) => path.endsWith(".ts"));
 const imports = (path) =>
-  [...readFileSync(join(src, path), "utf8").matchAll(/(?:\bfrom|\bimport)[\s(]*"(\.[^"]*)"/g)].map((found) =>
-    normalize(join(path, "..", found[1])),
+  [...readFileSync(join(src, path), "utf8").matchAll(/(?:\bfrom|\bimport)[\s(]*"(\.[^"]*)"/g)].map((match) =>
+    normalize(join(path, "..", match[1])),
   );
 const roomOf = (path) => path.split("/")[0];
 

@@ -1,9 +1,9 @@
-// Very many collisions of which each costs a collision of viscoelastic spheres: several seconds.
+// Takes several seconds: very many collisions of viscoelastic spheres.
 export const long =
-  "?example=fig2&law=viscoelastic&e=0.380&Y=28100000000&nu=0.44&v=2.922&r=0.05637,0.00501,0.005172,0.007586,0.03809,0.03158" +
-  "&rho=2252,426.9,6008,2250,401.5,4057&gap=0.00000582,0.01038,0,0.000245,0.00119&h=1.82";
+  "?example=fig2&law=viscoelastic&e=0.380&Y=28100000000&nu=0.44&v=2.922&r=0.05637,0.00501,0.005172,0.007586,0.03809," +
+  "0.03158&rho=2252,426.9,6008,2250,401.5,4057&gap=0.00000582,0.01038,0,0.000245,0.00119&h=1.82";
 
-// A setting anywhere in the ranges of the controls, ties and extremes included.
+// A random setting within the ranges of the controls, with ties and extremes.
 export function randomScenario(random, lib) {
   const { ranges, clampTo, constants, laws: known, paper, massOf, densityFor, settle } = lib;
   const within = (r) => {

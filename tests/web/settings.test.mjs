@@ -1,5 +1,5 @@
-// What must hold for every setting, over 500 random ones: nothing throws, the numbers are Python's, the film reaches every
-// contact of both models. PYTHON: an interpreter that has hardlimit installed.
+// 500 random settings: nothing throws, the numbers are Python's, and the film includes all contacts of both models.
+// PYTHON: an interpreter that has hardlimit installed.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { fromPython, load, random, randomLink } from "./modules.mjs";
@@ -81,7 +81,7 @@ function checkFilm(d, where) {
 
 test(`${count} random settings`, async (t) => {
   const all = settings();
-  const asked = fromPython(
+  const answers = fromPython(
     program,
     all.map(({ scenario }) => toToml(scenario)),
   );
@@ -112,7 +112,7 @@ test(`${count} random settings`, async (t) => {
       resolved: d.newton.run.outcome !== unresolved && d.icm.run.outcome !== unresolved,
     };
   });
-  const python = await asked;
+  const python = await answers;
   for (const [i, { where, numbers, balls, resolved: here }] of drops.entries()) {
     if (!here || [python[i].newton, python[i].icm].some((r) => r.outcome === unresolved)) continue;
     resolved++;

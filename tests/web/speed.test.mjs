@@ -1,21 +1,21 @@
-// How quick the page is, in Chromium, by itself: ci.sh runs this file when the others are done. TIMES=off prints the
-// times and judges none, for a busy machine. All but the first picture is judged by the processor time of the page's
-// thread and of its workers: on the clock they also wait for each other and for the browser's threads, on few cores.
+// Speed of the page in Chromium; ci.sh runs this file after the others. TIMES=off prints times without limits, for a
+// busy machine. Except for the first picture, limits are on the processor time of the page's thread and of its workers,
+// because on few cores these wait for each other and for the browser.
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { forget, goTo, mapDone, Site } from "./browser.mjs";
 import { long } from "./scenarios.mjs";
 
 const strict = process.env.TIMES !== "off";
-const mostBusy = 50; // ms of processor time: a task of the page that takes longer is felt
+const mostBusy = 50; // longest task of the page that is not noticeable [ms of processor time]
 const mostEach = 1000 / 60 / 1.5; // ms of processor time for a frame
 let site;
 before(async () => void (site = await Site.begin()));
 after(() => site?.end());
 const open = (t, query = "?example=fig2", options = {}) => site.open(t, query, options);
 
-// Processor times while `act` is carried out [ms]: of each task of the page's own thread, the longest first, and of all
-// its workers together.
+// Processor times during `act` [ms]: of each task of the page's thread, in descending order, and of all workers
+// together.
 async function costOf(page, act) {
   await site.browser.startTracing(page, { categories: ["disabled-by-default-devtools.timeline"] });
   await act();
@@ -85,7 +85,8 @@ test("the gas: 500 disks in both worlds", async (t) => {
       })),
   );
   t.diagnostic(
-    `${(frames / 3).toFixed(1)} frames/s; each ${(cost.page / frames).toFixed(1)} ms of processor time on the page, ${(cost.workers / frames).toFixed(1)} ms in the worker; ${longest(cost.tasks)}`,
+    `${(frames / 3).toFixed(1)} frames/s; each ${(cost.page / frames).toFixed(1)} ms of processor time on the ` +
+      `page, ${(cost.workers / frames).toFixed(1)} ms in the worker; ${longest(cost.tasks)}`,
   );
   if (strict) assert.ok(cost.page / frames < mostEach && cost.workers / frames < 1000 / 60 && cost.tasks[0] < mostBusy);
 });
@@ -124,7 +125,8 @@ test("quick enough: slider and map", async (t) => {
   );
   const each = all / redraw.length;
   t.diagnostic(
-    `slider to redrawn plots: median ${redraw[20].toFixed(1)} ms, worst of 40 ${redraw[39].toFixed(1)} ms; ${each.toFixed(1)} ms of processor time each, ${longest(tasks)}`,
+    `slider to redrawn plots: median ${redraw[20].toFixed(1)} ms, worst of 40 ${redraw[39].toFixed(1)} ms; ` +
+      `${each.toFixed(1)} ms of processor time each, ${longest(tasks)}`,
   );
   if (strict) {
     assert.ok(whole.workers < 3000);

@@ -36,7 +36,7 @@ const curveDone = (page) =>
 const reading = (page, part) =>
   page.waitForFunction((part) => document.getElementById("rebound-reading").textContent.includes(part), part);
 
-// What Python says of the column in a file at gaps: heights of the top ball, Newton and independent collisions.
+// Python's heights of the top ball at some gaps, by Newton's equations and by independent collisions.
 function heights(toml, gaps) {
   const program = `
 import json, re, sys
@@ -238,7 +238,7 @@ test("the story: counts, curve and map belong to the setting", async (t) => {
   await says(page, "map", /agree to 2 %; at the present ε that takes a gap above \d[\d.]* cm/, { timeout: 120_000 });
 });
 
-// Its texts for every example and many settings: story_units.test.mjs.
+// story_units.test.mjs tests the texts for all examples and many settings.
 test("the story is told of two balls, of several and of a cradle", async (t) => {
   const page = await open(t);
   for (const example of ["fig7", "astro", "cradle"]) {
@@ -296,7 +296,7 @@ test("the balls are sliders: mouse, keys, undo", async (t) => {
       [what, low, high],
     );
   const before = await setting();
-  const pause = () => page.waitForTimeout(750); // changes that follow each other more quickly are one step of undo
+  const pause = () => page.waitForTimeout(750); // quicker changes are one step of undo
   const [gap, height] = ["Gap", "Height"].map((name) => page.locator(`#duel-box .handle[aria-label^=${name}]`));
   assert.deepEqual(await gap.evaluate((x) => [x.role, x.tabIndex, x.getAttribute("aria-valuetext")]), [
     "slider",
@@ -370,7 +370,7 @@ test("from the story: one panel, and the laboratory from there", async (t) => {
   const page = await open(t, "?page=story");
   await page.waitForFunction(() => document.getElementById("map-show").value === "effective"); // chapter 6 is prepared
   await page.click("#enlarge");
-  assert.match(page.url(), /\?t=[\d.]+&panel=film$/); // no motion: the film stands
+  assert.match(page.url(), /\?t=[\d.]+&panel=film$/); // reduced motion: the film stands
   assert.ok((await page.locator("#film").boundingBox()).width > 1300);
   await page.click("#panel-leave");
   assert.match(page.url(), /\?t=[\d.]+&page=lab$/);
@@ -438,7 +438,8 @@ test("rebound heights over the gap are Python's, and a place in the plot chooses
     told.map(([x, unit]) => Number(x) * metre[unit]),
   );
   told.forEach(([, , newton, icm], i) => {
-    assert.ok(Math.abs(Number(newton) / python[i][0] - 1) < 0.02, `${seen[i]}, Python ${python[i]}`); // the gap has three digits
+    // The gap has three digits.
+    assert.ok(Math.abs(Number(newton) / python[i][0] - 1) < 0.02, `${seen[i]}, Python ${python[i]}`);
     assert.ok(Math.abs(Number(icm) / python[i][1] - 1) < 0.003, `${seen[i]}, Python ${python[i]}`);
   });
   await page.mouse.click(box.x + 0.85 * box.width, box.y + 0.5 * box.height);
@@ -587,7 +588,7 @@ const views = [
   "?a.example=fig2",
 ];
 
-// For screenshots: what is computed in the background is there.
+// For screenshots: waits until background computations are complete.
 async function shootWhole(page, name, view) {
   if (!process.env.SHOTS) return;
   if (await page.isVisible("#map")) await mapDone(page);
@@ -604,7 +605,7 @@ async function shootWhole(page, name, view) {
   });
 }
 
-// Each view once, in three windows: the colours of both themes, and nothing outside the window.
+// Each view in three windows: colours in both themes, and no content outside the window.
 for (const view of views)
   test(`accessible, and within the window: ${view}`, async (t) => {
     const page = await open(t, view, { viewport: { width: 1280, height: 720 }, colorScheme: "light" });

@@ -20,7 +20,7 @@ const lib = await load(
 const whyText = (facts) => lib.joined(lib.why(facts));
 const { core } = lib;
 
-// What why() is made of.
+// The facts that why() takes.
 function factsOf(s) {
   core.set(s);
   const newton = core.solve(lib.Model.newton);
@@ -79,7 +79,8 @@ test("why: the paper's Fig. 2", () => {
   const text = whyText(factsOf(lib.paper()));
   assert.equal(
     text,
-    "The floor pushes for 775 µs; the collision model lets the balls meet after 18.8 µs, while the floor is still pushing. By Newton’s equations they touch four times, between 194 µs and 721 µs.",
+    "The floor pushes for 775 µs; the collision model lets the balls meet after 18.8 µs, while the floor is still " +
+      "pushing. By Newton’s equations they touch four times, between 194 µs and 721 µs.",
   );
 });
 
@@ -196,7 +197,8 @@ test("measured balls: stiffness, restitution and contact time belong together", 
       { radius: 0.01, density: 1 },
     ];
     const { newton } = factsOf(s);
-    if (stiffness >= 1e4) assert.ok(Math.abs(newton.tFloorEnd / time - 1) < 0.02, `${newton.tFloorEnd} ${time}`); // gravity adds a little
+    // Gravity makes the contact slightly longer.
+    if (stiffness >= 1e4) assert.ok(Math.abs(newton.tFloorEnd / time - 1) < 0.02, `${newton.tFloorEnd} ${time}`);
   }
   for (const b of lib.measuredBalls) {
     for (const [low, high] of [b.mass, b.diameter, b.restitution]) assert.ok(low > 0 && low <= high, b.id);
@@ -207,7 +209,8 @@ test("measured balls: stiffness, restitution and contact time belong together", 
     r.map((x) => x.toFixed(2)),
     ["0.73", "0.76"],
   );
-  const ball = lib.presets[0].scenario.balls[1]; // a tennis ball, whose lowest point comes back from 2.54 m to 1.35 to 1.47 m
+  // The lowest point of a tennis ball rebounds from 2.54 m to 1.35 to 1.47 m.
+  const ball = lib.presets[0].scenario.balls[1];
   const alone = lib.aloneRise(ball, 1.3);
   for (const [end, rise] of [
     ["low", 1.35],
@@ -286,11 +289,11 @@ test("the documentation names every parameter of a link, and what it may be", ()
   const text = readFileSync(new URL("../../docs/explorer.md", import.meta.url), "utf8").replace(/^```[^]*?^```/gm, "");
   const told = new Set([...text.matchAll(/`\??([^`]+)`/g)].map(([, name]) => name));
   const q = new URLSearchParams();
-  const one = lib.paper();
-  for (const name of Object.keys(one.constants)) one.constants[name] *= 1.01;
+  const changed = lib.paper();
+  for (const name of Object.keys(changed.constants)) changed.constants[name] *= 1.01;
   lib.toQuery(
     {
-      ...one,
+      ...changed,
       law: "tsuji",
       cradle: true,
       restitution: 0.5,
@@ -363,7 +366,8 @@ test("the TOML file of a setting is that setting, and what cannot be read is ref
   );
   assert.deepEqual([example.constants.stiffness, example.own.stiffness[0], example.gaps[0]], [2.6e4, 2e4, 0.01]);
   const units = lib.fromToml(
-    'height = "60 cm"\ngaps = ["0.1 mm"]\n[[balls]]\nradius = "10 cm"\ndensity = 840\n[[balls]]\nradius = 0.01\nmass = "3.5 g"\n[law]\nname = "linear"\nstiffness = 5e7\nrestitution = 0.7\n',
+    'height = "60 cm"\ngaps = ["0.1 mm"]\n[[balls]]\nradius = "10 cm"\ndensity = 840\n[[balls]]\nradius = ' +
+      '0.01\nmass = "3.5 g"\n[law]\nname = "linear"\nstiffness = 5e7\nrestitution = 0.7\n',
     [],
   );
   assert.deepEqual([units.height, units.gaps[0], units.balls[0].radius], [0.6, 1e-4, 0.1]);
@@ -421,7 +425,7 @@ test("a TOML file that the page cannot show is refused in one line, with what is
     );
 });
 
-test("values of a TOML file outside the ranges of the page are moved with a note, and the page's link gives what it shows", () => {
+test("values of a TOML file outside the ranges of the page are moved with a note, and are in the link", () => {
   const two = law.replace("[law]", "[[laws]]");
   for (const [text, said] of [
     [file("height = 600\ngaps = 1e-4"), /^height = 600 is outside 0\.01 … 10: 10 used$/],
@@ -438,7 +442,8 @@ test("values of a TOML file outside the ranges of the page are moved with a note
     [file(drop, { balls: ball("0.1") + ball("0.25", 'mass = "5 g"') }), null],
     [
       file(
-        '"height" = 0x1\r\ngaps = [\r\n  "0.1 mm", # one\r\n]\r\nlaw = { name = "linear", stiffness = 5e7, restitution = 0.7 }',
+        '"height" = 0x1\r\ngaps = [\r\n  "0.1 mm", # one\r\n]\r\nlaw = { name = "linear", stiffness = 5e7, ' +
+          "restitution = 0.7 }",
         { laws: "" },
       ),
       null,

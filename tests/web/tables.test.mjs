@@ -1,4 +1,4 @@
-// The page says of parameters and models what the core's tables say, and asks for nothing that the core refuses.
+// Names, units and ranges on the page are those of the core's tables.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { load } from "./modules.mjs";

@@ -48,14 +48,14 @@ inline constexpr double slowest_approach = 1e-100;
 // The end of a contact. If it does not end (`outcome`), the numbers are NaN, except `greatest` if the body rests.
 struct PlanarContact {
     Outcome outcome;
-    double duration;          // from touch to zero force [s]; infinite if the contact never ends
-    double turn;              // of the line of centres [rad]
-    double compression;       // residual, when the force ends [m]
-    double radial_speed;      // at which the bodies separate along the line of centres [m/s]
-    double tangential_speed;  // perpendicular to it [m/s]
-    double speed_loss;        // normal_speed − radial_speed [m/s], without cancellation
-    double rate_square;       // ∫ (dξ/dt)² dt [m²/s], for the virial
-    double greatest;          // compression [m]
+    double duration;                 // from touch to zero force [s]; infinite if the contact never ends
+    double turn;                     // of the line of centres [rad]
+    double compression;              // residual, when the force ends [m]
+    double radial_speed;             // at which the bodies separate along the line of centres [m/s]
+    double tangential_speed;         // perpendicular to it [m/s]
+    double speed_loss;               // normal_speed − radial_speed [m/s], without cancellation
+    double rate_square = math::nan;  // ∫ (dξ/dt)² dt [m²/s], for the virial
+    double greatest = math::nan;     // compression [m]
     // ∫ F r (sinθ cosθ, sin²θ) dt per effective mass [m²/s]: components nt and tt of the virial; NaN unless asked for.
     double virial_nt = math::nan, virial_tt = math::nan;
 };
@@ -171,8 +171,14 @@ struct PlanarMotion {
         const double across = boxes::tangential_speed(approach, left),
                      slowed = approach.normal_speed + at.rate;
         const double rate_square = speed * length * y[square];
-        PlanarContact end{Outcome::ok, at.time, at.turn,     left,     -at.rate,
-                          across,      slowed,  rate_square, math::nan};
+        PlanarContact end{.outcome = Outcome::ok,
+                          .duration = at.time,
+                          .turn = at.turn,
+                          .compression = left,
+                          .radial_speed = -at.rate,
+                          .tangential_speed = across,
+                          .speed_loss = slowed,
+                          .rate_square = rate_square};
         if (lost < 0.75 * start * start) {
             end.radial_speed = speed * math::sqrt(start * start - lost);
             end.speed_loss = speed * lost / (start + end.radial_speed / speed);

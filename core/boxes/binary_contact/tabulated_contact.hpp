@@ -148,10 +148,10 @@ private:
         double width, per_width;  // of a cell, in ln v_n² or in λ
         int cells;                // number of cells
         double error;             // tolerated at the test points, in units of the accuracy
-        bool of_depths;           // the variable is λ = v_n/v_l
-        std::vector<Depth> depths;
-        std::vector<double> bends;     // b [cells or cells × dampings]; 0 if not yet known
-        std::vector<Slot<Flat>> flat;  // if D is the same for all pairs
+        bool of_depths = false;   // the variable is λ = v_n/v_l
+        std::vector<Depth> depths = {};
+        std::vector<double> bends = {};     // b [cells or cells × dampings]; 0 if not yet known
+        std::vector<Slot<Flat>> flat = {};  // if D is the same for all pairs
     };
 
     Law law_;
@@ -164,7 +164,7 @@ private:
     std::vector<Slot<Deep>> deep_;
 
     Level level(double width, int cells, double error) const {
-        Level made{width, 1.0 / width, cells, error, false, {}, {}, {}};
+        Level made{.width = width, .per_width = 1.0 / width, .cells = cells, .error = error};
         made.bends.resize(cells * (varies_ ? dampings : 1), 0.0);
         made.flat.resize(varies_ ? 0 : cells * slants);
         for (int i = 0; i < cells; ++i) {
@@ -174,7 +174,8 @@ private:
         return made;
     }
     Level level_of_depths(double width, int cells, double error) const {
-        Level made{width, 1.0 / width, cells, error, true, {}, {}, {}};
+        Level made{
+            .width = width, .per_width = 1.0 / width, .cells = cells, .error = error, .of_depths = true};
         made.bends.resize(cells, 0.0);
         made.flat.resize(cells * slants);
         return made;
@@ -295,8 +296,13 @@ private:
         const double lost = f[2] * a.normal_speed;
         const double turn = a.tangential_speed / a.distance * duration * (1.0 + part * f[3]);
         const double across = tangential_speed(a, left);
-        PlanarContact end{Outcome::ok, duration, turn,      left,     a.normal_speed - lost,
-                          across,      lost,     math::nan, math::nan};
+        PlanarContact end{.outcome = Outcome::ok,
+                          .duration = duration,
+                          .turn = turn,
+                          .compression = left,
+                          .radial_speed = a.normal_speed - lost,
+                          .tangential_speed = across,
+                          .speed_loss = lost};
         if constexpr (virial) {
             end.rate_square = f[4] * (a.normal_speed * a.normal_speed * duration);
             end.greatest = f[5] * unit;

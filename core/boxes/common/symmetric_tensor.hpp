@@ -26,7 +26,7 @@ struct SymmetricTensor {
     }
     // Adds factor · a⊗a.
     template <class Vector>
-    void add_square(double factor, const Vector& a) {
+    HL_FN_INLINE void add_square(double factor, const Vector& a) {
         const double x = factor * a[0], y = factor * a[1], z = factor * a[2];
         component[0] += x * a[0], component[1] += y * a[1], component[2] += z * a[2];
         component[3] += x * a[1], component[4] += x * a[2], component[5] += y * a[2];

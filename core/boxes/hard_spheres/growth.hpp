@@ -195,7 +195,7 @@ private:
         return share;
     }
 
-    std::unique_ptr<Engine> make(Growth growth, const hardlimit_abi::TouchKernels& kernels,
+    std::unique_ptr<Engine> make(spheres::Growth growth, const hardlimit_abi::TouchKernels& kernels,
                                  Stop& stop) const {
         const RuleChoice elastic;
         if constexpr (mixed)
@@ -209,7 +209,7 @@ private:
                 u64& collisions) {
         for (double& v : velocity_) v = diameter_ * random_.normal();
         fold();
-        const Growth growth{from, rate};
+        const spheres::Growth growth{from, rate};
         const auto engine = make(growth, kernels, stop);
         if (stop.stopped()) return from;
         const u64 most = most_collisions * s_.n + 10'000;

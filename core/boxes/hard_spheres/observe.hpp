@@ -1,103 +1,153 @@
-// Observables as sums over all particles, and the refresh of the accumulators.
+// Sums over all particles and collisions, kept up with every change, and the observables from them.
 #pragma once
-#include "engine.hpp"
+#include <algorithm>
+#include <vector>
 
-namespace hardlimit::boxes {
+#include "accumulators.hpp"
+#include "particles.hpp"
 
-// Index in memory of each particle, by original index. Sums in this order do not depend on the storage.
+namespace hardlimit::boxes::spheres {
+
 template <int d, bool mixed>
-std::vector<u32> HardSpheres<d, mixed>::in_original_order() const {
-    std::vector<u32> place(size32());
-    for (u32 i = 0; i < size32(); ++i) place[original_index_[i]] = i;
-    return place;
-}
+class Totals {
+public:
+    Accumulators<d> so_far;
 
-// The sums from the state of each particle, whose data are prefetched: particles are stored by cell. `from_flow`: those
-// of the velocities relative to the mean flow of a sheared box.
-template <int d, bool mixed>
-ParticleSums<d> HardSpheres<d, mixed>::full_sums(bool from_flow) const {
-    constexpr std::size_t ahead = 24;
-    ParticleSums<d> sums;
-    const std::vector<u32> place = in_original_order();
-    for (std::size_t at = 0; at < place.size(); ++at) {
-        const u32 i = place[at], next = place[std::min(at + ahead, place.size() - 1)];
-        prefetch(&particles_[next]);
-        if (falls()) prefetch(&image_flags_[next]);
-        if constexpr (mixed) prefetch(&masses_[next]);
-        const Particle<d>& p = particles_[i];
-        const double after = now_ - p.time;
-        double velocity[d], potential = 0.0;
-        for (int k = 0; k < d; ++k) velocity[k] = velocity_after(p, k, after, box_);
-        if (from_flow) velocity[0] -= box_.mean_flow(position_after(p, box_.gradient, after, box_));
-        sums.add(mass(i), velocity);
-        if (!falls()) continue;
-        const ImageMotion image = box_.image(image_flags_[i], now_);
-        for (int k = 0; k < d; ++k)
-            potential -= box_.gravity[k] * (position_after(p, k, after, box_) + image.shift[k]);
-        sums.add_potential(mass(i) * potential);
+    explicit Totals(Particles<d, mixed>& particles) : particles_(particles) {}
+    // Begins the sums of a new run.
+    void begin(const System& s) {
+        Sum total;
+        for (std::size_t i = 0; i < s.n; ++i) total.add(s.mass[i]);
+        so_far.mass = total.value();
+        std::copy_n(box_.gravity, d, so_far.gravity);
+        so_far.gradient = box_.gradient, so_far.shear_rate = box_.shear_rate;
+        refresh();
     }
-    return sums;
-}
+    void advance() { so_far.advance(particles_.now); }
 
-template <int d, bool mixed>
-ParticleSums<d> HardSpheres<d, mixed>::present_sums(bool from_flow) const {
-    if (grows() || !accumulators_.are_exact()) return full_sums(from_flow);
-    Accumulators<d> now = accumulators_;
-    now.advance(now_);
-    return from_flow ? now.from_flow : now.sums;
-}
-
-// Recomputes the sums: the errors of many changes add up, and a gas cools by many orders of magnitude.
-template <int d, bool mixed>
-void HardSpheres<d, mixed>::refresh_accumulators() {
-    until_refresh_ = changes_between_refreshes();
-    accumulators_.advance(now_);
-    accumulators_.sums = full_sums(false);
-    if (box_.is_sheared()) accumulators_.from_flow = full_sums(true);
-}
-
-template <int d, bool mixed>
-Observation HardSpheres<d, mixed>::observe() const {
-    Observation o;
-    const ParticleSums<d> sums = present_sums(false);
-    const ParticleSums<d> relative = box_.is_sheared() ? present_sums(true) : sums;
-    o.kinetic_energy = 0.5 * sums.twice_kinetic();
-    o.potential_energy = sums.potential();
-    for (int k = 0; k < d; ++k) o.momentum[k] = sums.momentum(k);
-    o.dissipated_energy = accumulators_.dissipated.value();
-    int k = 0;
-    for (std::size_t c = 0; c < SymmetricTensor::size; ++c)
-        if (SymmetricTensor::column[c] < d) {
-            o.kinetic_tensor.component[c] = relative.product(k);
-            o.virial.component[c] = accumulators_.virial.value(k++);
+    // Gives a particle another velocity at the instant of its position.
+    void set_velocity(u32 i, const double (&velocity)[d]) {
+        Particle<d>& p = particles_.paths[i];
+        so_far.sums.change(particles_.mass(i), p.velocity, velocity);
+        if (box_.is_sheared()) {
+            const double flow = box_.mean_flow(p.position[box_.gradient]);
+            double before[d], after[d];
+            std::copy_n(p.velocity, d, before);
+            std::copy_n(velocity, d, after);
+            before[0] -= flow, after[0] -= flow;
+            so_far.from_flow.change(particles_.mass(i), before, after);
         }
-    o.flow_momentum = sums.momentum(0) - relative.momentum(0);
-    o.shear_work = accumulators_.shear_work.value();
-    o.wall_work = accumulators_.wall_work.value();
-    o.walls = accumulators_.of_walls();
-    o.kinetic_integral = accumulators_.integral_until(now_);
-    o.largest_compression = deepest_.compression;
-    o.begun = o.ended = accumulators_.collisions();
-    o.pairs = accumulators_.pairs;
-    return o;
-}
+        std::copy_n(velocity, d, p.velocity);
+    }
+    // Adds one particle's share of a change of the relative velocity and position.
+    void displace(u32 i, double share, const double (&velocity)[d], const double (&shift)[d]) {
+        Particle<d>& p = particles_.paths[i];
+        const double m = particles_.mass(i);
+        double changed[d];
+        for (int k = 0; k < d; ++k) changed[k] = p.velocity[k] + share * velocity[k];
+        set_velocity(i, changed);
+        for (int k = 0; k < d; ++k) p.position[k] += share * shift[k];
+        if (box_.is_sheared()) {  // the mean flow at the new place is another one
+            const double flow = box_.mean_flow(p.position[box_.gradient]);
+            const double moved = box_.shear_rate * (share * shift[box_.gradient]);
+            double before[d];
+            changed[0] -= flow;
+            std::copy_n(changed, d, before);
+            before[0] += moved;
+            so_far.from_flow.change(m, before, changed);
+        }
+        if (particles_.setting.falls()) so_far.sums.add_potential(-share * m * dot(so_far.gravity, shift));
+    }
+    // Moves a particle that leaves a sheared box through the far side (step 1) or that at 0 (−1) to its image in the
+    // box. The boundary does the work by which its kinetic energy changes.
+    void cross_sheared_side(u32 i, int step) {
+        const double m = particles_.mass(i);
+        advance();
+        double before[d], crossed[d];
+        for (int k = 0; k < d; ++k) before[k] = crossed[k] = particles_.velocity(i, k);
+        particles_.wrap(i, box_.gradient, step);
+        crossed[0] = particles_.paths[i].velocity[0];
+        so_far.sums.change(m, before, crossed);
+        so_far.shear_work.add(gained_energy(m, before[0], crossed[0] - before[0]));
+    }
 
-template <int d, bool mixed>
-std::vector<Statistic> HardSpheres<d, mixed>::statistics() const {
-    return {{"n_events", static_cast<double>(events_)},
-            {"n_pairs", static_cast<double>(accumulators_.pairs)},
-            {"n_walls", static_cast<double>(accumulators_.walls)},
-            {"n_elastic_by_tc", static_cast<double>(accumulators_.elastic_by_tc)},
-            {"n_soft", static_cast<double>(soft_contacts_)},
-            {"n_soft_third_body", static_cast<double>(soft_third_body_)}};
-}
+    // Recomputes the sums: the errors of many changes add up, and a gas cools by many orders of magnitude.
+    void refresh() {
+        until_refresh_ = changes_between_refreshes();
+        advance();
+        so_far.sums = full_sums(false);
+        if (box_.is_sheared()) so_far.from_flow = full_sums(true);
+    }
+    // The same when due, after the change of a particle.
+    void count_change() {
+        const i64 changes = changes_between_refreshes() - --until_refresh_;
+        if (until_refresh_ == 0 || (changes >= particles_.size() && !so_far.are_exact())) refresh();
+    }
+    Observation observe() const {
+        Observation o;
+        const ParticleSums<d> sums = present_sums(false);
+        const ParticleSums<d> relative = box_.is_sheared() ? present_sums(true) : sums;
+        o.kinetic_energy = 0.5 * sums.twice_kinetic();
+        o.potential_energy = sums.potential();
+        for (int k = 0; k < d; ++k) o.momentum[k] = sums.momentum(k);
+        o.dissipated_energy = so_far.dissipated.value();
+        int k = 0;
+        for (std::size_t c = 0; c < SymmetricTensor::size; ++c)
+            if (SymmetricTensor::column[c] < d) {
+                o.kinetic_tensor.component[c] = relative.product(k);
+                o.virial.component[c] = so_far.virial.value(k++);
+            }
+        o.flow_momentum = sums.momentum(0) - relative.momentum(0);
+        o.shear_work = so_far.shear_work.value();
+        o.wall_work = so_far.wall_work.value();
+        o.walls = so_far.of_walls();
+        o.kinetic_integral = so_far.integral_until(particles_.now);
+        o.begun = o.ended = so_far.collisions();
+        o.pairs = so_far.pairs;
+        return o;
+    }
+    // Root mean square speed of all particles [m/s].
+    double typical_speed() const {
+        return math::sqrt(math::max(0.0, so_far.sums.twice_kinetic() / so_far.mass));
+    }
+    template <class Archive>
+    void exchange(Archive& a) {
+        a(so_far), a(until_refresh_);
+    }
 
-template <int d, bool mixed>
-std::size_t HardSpheres<d, mixed>::bytes() const {
-    const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
-    return sizeof(*this) + of(particles_) + of(pending_) + of(image_flags_) + of(original_index_) +
-           of(masses_) + of(rescans_) + of(last_contacts_) + of(candidates_) + cells_.bytes() +
-           calendar_.bytes();
-}
+private:
+    Particles<d, mixed>& particles_;
+    const Box& box_ = particles_.box;
+    i64 until_refresh_ = 0;  // changes until the sums are recomputed
 
-}  // namespace hardlimit::boxes
+    i64 changes_between_refreshes() const { return 16 * static_cast<i64>(particles_.size()); }
+    // The sums from the state of each particle, whose data are prefetched: particles are stored by cell. `from_flow`:
+    // those of the velocities relative to the mean flow of a sheared box.
+    ParticleSums<d> full_sums(bool from_flow) const {
+        constexpr std::size_t ahead = 24;
+        ParticleSums<d> sums;
+        const std::vector<u32> place = particles_.in_original_order();
+        for (std::size_t at = 0; at < place.size(); ++at) {
+            const u32 i = place[at];
+            particles_.fetch(place[std::min(at + ahead, place.size() - 1)]);
+            double velocity[d], potential = 0.0;
+            for (int k = 0; k < d; ++k) velocity[k] = particles_.velocity(i, k);
+            if (from_flow) velocity[0] -= box_.mean_flow(particles_.position(i, box_.gradient));
+            sums.add(particles_.mass(i), velocity);
+            if (!particles_.setting.falls()) continue;
+            const ImageMotion image = box_.image(particles_.image_flags[i], particles_.now);
+            for (int k = 0; k < d; ++k)
+                potential -= box_.gravity[k] * (particles_.position(i, k) + image.shift[k]);
+            sums.add_potential(particles_.mass(i) * potential);
+        }
+        return sums;
+    }
+    ParticleSums<d> present_sums(bool from_flow) const {
+        if (!so_far.are_exact()) return full_sums(from_flow);
+        Accumulators<d> present = so_far;
+        present.advance(particles_.now);
+        return from_flow ? present.from_flow : present.sums;
+    }
+};
+
+}  // namespace hardlimit::boxes::spheres

@@ -4,68 +4,38 @@
 #include <utility>
 #include <vector>
 
-#include "../queue/prediction.hpp"
+#include "../queue/self_event.hpp"
 #include "body_cells.hpp"
 #include "busy_bodies.hpp"
 
 namespace hardlimit::boxes::events {
 
-// When a body leaves its cell or, if it is free, meets a wall. Has few branches, since which face comes first is
-// unpredictable for a processor. A wall at rest is the face of the outermost cells. A moving wall may be in any cell.
-inline void predict_self_event(PendingEvents& e, const Box& box, const Cells<3>& cells, const Grid<3>& g,
+// The path of a body from now on, for next_self_event().
+struct BodyFlight {
+    const Box& box;
+    const hardlimit_abi::ContactQuery& body;
+    bool free;
+    int axes = box.dimension;
+    double radius = body.radius;
+
+    bool meets_walls() const { return free; }
+    bool falls(int axis) const { return box.gravity[axis] != 0.0; }
+    bool walls_move(int axis) const { return box.has_moving_walls(axis); }
+    AxisState at_present(int axis) const { return {0.0, body.position[axis], body.velocity[axis]}; }
+    AxisState from(int axis, bool, bool) const { return at_present(axis); }
+    double until_wall(const Wall& wall, double end) const {
+        const int axis = wall.id.axis();
+        return wall_contact_time(wall, body.now, body.position[axis], body.velocity[axis], box.gravity[axis],
+                                 radius, end);
+    }
+};
+
+// When a body in the cell `at` leaves it or, if it is free, meets a wall.
+inline void predict_self_event(PendingEvents& e, const Box& box, const Cells<3>& cells, int level,
                                const Place<3>& at, const hardlimit_abi::ContactQuery& body, bool free) {
-    double in = math::infinity;
-    SelfEvent which = SelfEvent::low_x;
-    const auto consider = [&](double time, int axis, bool up, bool wall) {
-        const auto sooner =
-            0u - static_cast<u32>(time < in);  // a mask, since gcc would turn ?: into a branch
-        which = static_cast<SelfEvent>((static_cast<u32>(self_event(axis, up, wall)) & sooner) |
-                                       (static_cast<u32>(which) & ~sooner));
-        in = math::min(in, time);
-    };
-    bool walls_move = false;
-    HL_UNROLL
-    for (int a = 0; a < 3; ++a) {
-        if (a == box.dimension) break;
-        if (a == 0 && box.is_sheared()) continue;
-        const double x = body.position[a], v = body.velocity[a], pull = box.gravity[a];
-        double low = at[a] * g.edge[a], high = (at[a] + 1) * g.edge[a];
-        bool outermost[2] = {};
-        if (box.has_walls(a)) {
-            const bool moving = box.has_moving_walls(a), face = free && !moving;
-            outermost[0] = at[a] == 0, outermost[1] = at[a] == g.cells[a] - 1;
-            if (outermost[0])
-                low = face ? box.wall(a, false).position(body.now) + body.radius : -math::infinity;
-            if (outermost[1])
-                high = face ? box.wall(a, true).position(body.now) - body.radius : math::infinity;
-            walls_move = walls_move || (moving && free);
-        }
-        if (pull == 0.0) {
-            const double borders[2] = {low, high};
-            const bool up = v > 0.0;
-            consider(time_to(borders[up] - x, v), a, up, outermost[up]);
-        } else {
-            consider(time_below(x, v, pull, high), a, true, outermost[1]);
-            consider(time_below(-x, -v, -pull, -low), a, false, outermost[0]);
-        }
-    }
-    if (walls_move) [[unlikely]]
-        for (int a = 0; a < box.dimension; ++a)
-            for (const bool up : {false, true})
-                if (box.has_moving_walls(a))
-                    consider(wall_contact_time(box.wall(a, up), body.now, body.position[a], body.velocity[a],
-                                               box.gravity[a], body.radius, in),
-                             a, up, true);
-    if (box.is_sheared()) {
-        const int y = box.gradient;
-        const auto u =
-            cells.along(body.position[0], body.position[y], body.velocity[0], body.velocity[y], body.now);
-        const Exit leaves = exit_of(u.at, u.rate, u.acceleration, at[0] * g.edge[0], (at[0] + 1) * g.edge[0],
-                                    4.0 * math::epsilon * body.now);
-        consider(leaves.time, 0, leaves.high, false);
-    }
-    e.own_time = body.now + in;
-    e.own = static_cast<u32>(which) & 15u;
+    const NextSelfEvent next = next_self_event(box, cells, level, at, body.now, BodyFlight{box, body, free});
+    e.own_time = body.now + next.in;
+    e.own = static_cast<u32>(next.which) & 15u;
 }
 
 // Predicts the next collision of a body and its next event by itself. The kernels examine its neighbours.
@@ -166,7 +136,7 @@ private:
     // The end of a cluster is a self event of its first member.
     void predict_own(int i, const Place<3>& at) {
         BodyEvents& e = paths_.pending[i];
-        predict_self_event(e, box_, cells_.cells(), cells_.grid(), at, query_, paths_.free(i));
+        predict_self_event(e, box_, cells_.cells(), cells_.level(), at, query_, paths_.free(i));
         if (!e.first || !e.clustered || e.end > e.own_time) return;
         e.own_time = e.end;
         e.own = static_cast<u32>(SelfEvent::ends) & 15u;

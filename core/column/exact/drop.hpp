@@ -152,9 +152,14 @@ inline double dissipated_over(const LinearColumn& c, const Start& s, const Node&
 }
 
 inline CompressionBound bound_of(const LinearColumn& c, Coupling coupling, double part) {
-    return CompressionBound::of(part, c.contacts[0], c.contacts[1], c.mass[0], c.mass[1], c.radius[0],
-                                c.radius[1], c.gravity, c.gaps[0], c.velocity[0], c.velocity[1],
-                                coupling == Coupling::full);
+    return CompressionBound{.m1 = c.mass[0],
+                            .m2 = c.mass[1],
+                            .gravity = c.gravity,
+                            .height = c.gaps[0],
+                            .v1 = c.velocity[0],
+                            .v2 = c.velocity[1],
+                            .coupled = coupling == Coupling::full}
+        .within(part, c.radius[0], c.radius[1], c.contacts[0], c.contacts[1]);
 }
 
 // Time up to which contacts may last: infinity at rest unless `until` is given, otherwise `last`.
@@ -204,9 +209,14 @@ inline Sequence sequence_of(const Start& s, const CompressionBound& bound, doubl
     return run_watched(s, bound, span, record, watch);
 }
 
+inline TwoBalls two_balls(const LinearColumn& c) {
+    return {.m1 = c.mass[0],
+            .m2 = c.mass[1],
+            .gravity = c.gravity,
+            .released = {c.gaps[0], c.velocity[0], c.gaps[1], c.velocity[1] - c.velocity[0]}};
+}
 inline Start start_drop(const LinearColumn& c, Coupling coupling) {
-    return start_two_ball(c.contacts[0], c.contacts[1], c.mass[0], c.mass[1], c.gravity,
-                          {c.gaps[0], c.velocity[0], c.gaps[1], c.velocity[1] - c.velocity[0]}, coupling);
+    return start_two_ball(c.contacts[0], c.contacts[1], two_balls(c), coupling);
 }
 
 // `until` [s] in scaled time, at most 2^52: beyond that, doubles cannot resolve a contact.

@@ -39,6 +39,19 @@ struct Units {
     double speed, rate;
 };
 
+// Gaps of floor and pair, and their rates.
+template <class R>
+struct GapState {
+    R u, du, w, dw;
+};
+using Gaps = GapState<double>;
+
+// Two balls at release, in SI units.
+struct TwoBalls {
+    double m1, m2, gravity;
+    Gaps released;
+};
+
 // b2 = m_eff/m2, computed without cancellation.
 HL_FN double upper_share(double reduced, double m1, double m2) {
     const double rest = 1.0 - reduced / m1;
@@ -47,12 +60,12 @@ HL_FN double upper_share(double reduced, double m1, double m2) {
 
 // Groups of fully coupled balls; time in units of 1/ω, ω² = k12/m_eff.
 HL_FN TwoBall coupled_groups(const contact::LinearDashpot& floor, const contact::LinearDashpot& pair,
-                             double m1, double m2, double gravity, double speed, Units& units) {
-    const double reduced = effective(m1, m2);
+                             const TwoBalls& balls, double speed, Units& units) {
+    const double m1 = balls.m1, m2 = balls.m2, reduced = effective(m1, m2);
     const double rate = math::sqrt(pair.stiffness / reduced);
     units = {speed, rate};
     return {{(floor.stiffness / pair.stiffness) * (reduced / m1), reduced / m1,
-             floor.relaxation_time() * rate, pair.relaxation_time() * rate, gravity / (speed * rate)},
+             floor.relaxation_time() * rate, pair.relaxation_time() * rate, balls.gravity / (speed * rate)},
             upper_share(reduced, m1, m2)};
 }
 
@@ -66,19 +79,12 @@ HL_FN TwoBall coupled_groups(const contact::LinearDashpot& floor, const contact:
 // applies. It propagates the state and does not need amplitude and phase of A4, whose p is 0/0 at z = z_inh. The
 // damping constants are those of the actual contacts.
 HL_FN TwoBall adiabatic_groups(const contact::LinearDashpot& floor, const contact::LinearDashpot& pair,
-                               double m1, double m2, double gravity, double speed, Units& units) {
-    const double rate = math::sqrt(pair.stiffness / m2);
+                               const TwoBalls& balls, double speed, Units& units) {
+    const double rate = math::sqrt(pair.stiffness / balls.m2);
     units = {speed, rate};
-    return {{(floor.stiffness / pair.stiffness) * (m2 / m1), 0.0, floor.relaxation_time() * rate,
-             pair.relaxation_time() * rate, gravity / (speed * rate)},
+    return {{(floor.stiffness / pair.stiffness) * (balls.m2 / balls.m1), 0.0, floor.relaxation_time() * rate,
+             pair.relaxation_time() * rate, balls.gravity / (speed * rate)},
             1.0};
 }
-
-// Gaps of floor and pair, and their rates.
-template <class R>
-struct GapState {
-    R u, du, w, dw;
-};
-using Gaps = GapState<double>;
 
 }  // namespace hardlimit::column

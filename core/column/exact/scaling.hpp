@@ -44,14 +44,13 @@ HL_FN Start start_scaled(const TwoBall& groups, const Units& units, double gravi
     return s;
 }
 
-HL_FN Start start_two_ball(const contact::LinearDashpot& floor, const contact::LinearDashpot& pair, double m1,
-                           double m2, double gravity, Gaps released, Coupling coupling) {
-    const double speed = impact_speed(released.u, released.du, gravity);
+HL_FN Start start_two_ball(const contact::LinearDashpot& floor, const contact::LinearDashpot& pair,
+                           const TwoBalls& balls, Coupling coupling) {
+    const double speed = impact_speed(balls.released.u, balls.released.du, balls.gravity);
     Units units;
-    const TwoBall groups = coupling == Coupling::full
-                               ? coupled_groups(floor, pair, m1, m2, gravity, speed, units)
-                               : adiabatic_groups(floor, pair, m1, m2, gravity, speed, units);
-    return start_scaled(groups, units, gravity, released);
+    const TwoBall groups = coupling == Coupling::full ? coupled_groups(floor, pair, balls, speed, units)
+                                                      : adiabatic_groups(floor, pair, balls, speed, units);
+    return start_scaled(groups, units, balls.gravity, balls.released);
 }
 
 // Converts a scaled sequence to SI units, with times from the first floor touch.

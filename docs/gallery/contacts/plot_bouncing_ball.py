@@ -63,13 +63,13 @@ with plots.style():
     left.legend(loc="upper right")
 
     stiffnesses = np.geomspace(5e5, 1e9, 25)
-    found = np.array(
+    heights = np.array(
         [rebounds(hl.newton(drop(k), until=until))[: len(bounces)] for k in stiffnesses]
     )
     duration = [float(drop(k).contacts[0].duration(1.0)) for k in stiffnesses]
     speed = np.sqrt(2.0 * 9.81 * fall)
     for n, marker in zip(bounces, "osd", strict=True):
-        error = np.abs(found[:, n - 1] / limit[n - 1] - 1.0)
+        error = np.abs(heights[:, n - 1] / limit[n - 1] - 1.0)
         right.loglog(
             np.array(duration) * 9.81 / speed, error, marker, ms=4, label=f"bounce {n}"
         )

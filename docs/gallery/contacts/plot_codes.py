@@ -31,24 +31,24 @@ models = [  # code, model, law
     ("yade", "viscel-young-en", "linear"),
     ("yade", "hertz-en", "tsuji"),
 ]
-found = {}
+restitutions = {}
 for code, model, law in models:
     for attraction in (False, True):
         conversion = hl.convert(
             grain, **wanted, law=law, code=code, model=model, attraction=attraction
         )
-        (one,) = conversion.models
-        name = f"{one.code.title} {model}{', attracts' if one.attraction else ''}"
-        found[name] = [contact.usual_restitution for contact in one.contacts]
+        (entry,) = conversion.models
+        name = f"{entry.code.title} {model}{', attracts' if entry.attraction else ''}"
+        restitutions[name] = [contact.usual_restitution for contact in entry.contacts]
 
 with plots.style(ytick__minor__visible=False):
-    figure, ax = plt.subplots(figsize=(7.0, 0.8 + 0.2 * len(found)))
-    rows = range(len(found))
-    pair, wall = zip(*found.values(), strict=True)
+    figure, ax = plt.subplots(figsize=(7.0, 0.8 + 0.2 * len(restitutions)))
+    rows = range(len(restitutions))
+    pair, wall = zip(*restitutions.values(), strict=True)
     ax.axvline(0.7, color="black", lw=0.8)
     ax.plot(wall, rows, "s", mfc="none", color="C1", label="at a wall")
     ax.plot(pair, rows, ".", color="C0", label="between two grains")
-    ax.set_yticks(rows, found)
+    ax.set_yticks(rows, restitutions)
     ax.invert_yaxis()
     ax.set(xlabel=r"$\varepsilon$ obtained with 0.7 in the input")
     ax.legend(loc="upper right")

@@ -26,8 +26,8 @@ for height in (0.9, 0.5, 0.2):  # m
         times.append(times[-1] + 2.0 * speed / 9.81)
     drops.append(np.array(times) + noise.normal(0.0, 2e-4, len(times)))
 
-found = hl.fit(hl.Impacts.of_times(drops, 2e-4))
-print(found.verdict)
-print(f"ε at {found.law.impact_speed:g} m/s: {found.parameters['restitution']}")
+fit = hl.fit(hl.Impacts.of_times(drops, 2e-4))
+print(fit.verdict)
+print(f"ε at {fit.law.impact_speed:g} m/s: {fit.parameters['restitution']}")
 
-found.plot()
+fit.plot()

@@ -23,7 +23,7 @@ steps = np.geomspace(10, 1000, 13)
 
 
 def of_lammps(n):
-    found = hl.convert(
+    conversion = hl.convert(
         grain,
         restitution=0.7,
         stiffness=1e5,
@@ -32,7 +32,7 @@ def of_lammps(n):
         model="hooke-restitution",
         time_step=duration / n,
     )
-    return found.models[0].contacts[0].restitution_error
+    return conversion.models[0].contacts[0].restitution_error
 
 
 def of_steps(n, phases=20):

@@ -17,30 +17,30 @@ import hardlimit as hl
 from hardlimit import plots
 
 ball, stiffness = hl.Ball(radius=0.01, density=2500), 1e5
-asked = np.linspace(0.02, 1.0, 99)
+requested = np.linspace(0.02, 1.0, 99)
 usual = [
     hl.LinearDashpot(
         stiffness=stiffness, damping=hl.usual_damping(e, stiffness, ball.mass)
     )
     .between(ball)
     .restitution()
-    for e in asked
+    for e in requested
 ]
 exact = [
     hl.LinearDashpot(stiffness=stiffness, restitution=e).between(ball).restitution()
-    for e in asked
+    for e in requested
 ]
 
 with plots.style():
     figure, ax = plt.subplots(figsize=(4.6, 4.2))
-    ax.plot(asked, usual, label="usual formula, force never attractive")
-    ax.plot(asked, exact, color="black", ls=(0, (5, 2)), label="exact damping")
+    ax.plot(requested, usual, label="usual formula, force never attractive")
+    ax.plot(requested, exact, color="black", ls=(0, (5, 2)), label="exact damping")
     for e in (0.3, 0.7):
-        found = float(np.interp(e, asked, usual))
-        ax.plot(e, found, "o", ms=4, color="C0")
+        usual_value = float(np.interp(e, requested, usual))
+        ax.plot(e, usual_value, "o", ms=4, color="C0")
         ax.annotate(
-            f"{e:g} → {found:.3f}",
-            (e, found),
+            f"{e:g} → {usual_value:.3f}",
+            (e, usual_value),
             xytext=(-6, 5),
             textcoords="offset points",
             ha="right",

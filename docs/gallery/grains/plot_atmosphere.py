@@ -46,7 +46,7 @@ counts, temperature = series.spheres.mean("time").values, float(series.temperatu
 
 volume = 4 / 3 * np.pi * radius**3
 middle = 0.5 * (edges[1:] + edges[:-1])
-found = counts * volume / (box[0] * box[1] * np.diff(edges))
+fraction = counts * volume / (box[0] * box[1] * np.diff(edges))
 barometric = np.exp(-g * middle / temperature)
 
 
@@ -64,11 +64,13 @@ def falling(bottom):
 low, high = 0.0, 0.6  # the packing fraction at the floor with which no sphere is missing
 for _ in range(40):
     bottom = 0.5 * (low + high)
-    low, high = (bottom, high) if falling(bottom).sum() < found.sum() else (low, bottom)
+    low, high = (
+        (bottom, high) if falling(bottom).sum() < fraction.sum() else (low, bottom)
+    )
 
 with plots.style():
     figure, ax = plt.subplots(figsize=(7.0, 3.8))
-    ax.semilogy(1e3 * middle, found, ".", label="event-driven, 600 spheres")
+    ax.semilogy(1e3 * middle, fraction, ".", label="event-driven, 600 spheres")
     ax.plot(
         1e3 * middle,
         falling(bottom),
@@ -77,7 +79,7 @@ with plots.style():
     )
     ax.plot(
         1e3 * middle,
-        barometric * found.sum() / barometric.sum(),
+        barometric * fraction.sum() / barometric.sum(),
         "k--",
         lw=1.0,
         label="barometric formula",

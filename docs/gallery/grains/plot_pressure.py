@@ -16,7 +16,7 @@ import hardlimit as hl
 from hardlimit import plots
 
 n, phi = 500, np.array([0.05, 0.1, 0.2, 0.3, 0.4, 0.45])
-found, error = [], []
+compressibility, error = [], []
 for fraction in phi:
     gas = hl.ParticleSystem.random(
         n=n, packing_fraction=fraction, radius=1e-3, density=2500, rms_speed=1.0
@@ -28,7 +28,7 @@ for fraction in phi:
     parts = [
         part.mean() for part in np.array_split(series.pressure.values[:-1] / ideal, 5)
     ]
-    found.append(np.mean(parts))
+    compressibility.append(np.mean(parts))
     error.append(np.std(parts) / np.sqrt(4))
 
 
@@ -44,13 +44,19 @@ with plots.style():
     upper.plot(
         line, carnahan_starling(line), color="black", lw=0.9, label="Carnahan & Starling"
     )
-    upper.errorbar(phi, found, error, fmt="o", ms=4, label="event-driven, 500 spheres")
+    upper.errorbar(
+        phi, compressibility, error, fmt="o", ms=4, label="event-driven, 500 spheres"
+    )
     upper.set(ylabel=r"$Z = p/(n\,m\,T)$", xlim=(0, 0.48), ylim=(0, None))
     upper.legend(loc="upper left")
     expected = carnahan_starling(phi)
     lower.axhline(0.0, color="black", lw=0.9)
     lower.errorbar(
-        phi, 100 * (found / expected - 1), 100 * np.array(error) / expected, fmt="o", ms=4
+        phi,
+        100 * (compressibility / expected - 1),
+        100 * np.array(error) / expected,
+        fmt="o",
+        ms=4,
     )
     lower.set(xlabel=r"packing fraction $\varphi$", ylabel="difference [%]", ylim=(-2, 2))
     figure.align_ylabels()

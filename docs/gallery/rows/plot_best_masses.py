@@ -15,7 +15,7 @@ springs = hl.LinearDashpot(stiffness=1e7, restitution=1.0)
 ends = {"bottom_mass": 1.0, "top_mass": 0.01}
 touching = hl.stack(4, springs, **ends)
 progression = hl.stack(4, springs, **ends, model="independent")
-for found in (touching, progression):
-    print(found)
+for stack in (touching, progression):
+    print(stack)
 
 plots.stack(touching, progression)

@@ -216,13 +216,13 @@ def checked_shear(
 ) -> tuple[float, float]:
     """Shear rate [1/s] and displacement of the images [m], in [0, edge); both 0 without a Lees–Edwards boundary."""
     limits: dict[str, Any] = {"lowest": -LARGEST, "highest": LARGEST, "lowest_allowed": True}
-    found = (
+    pair = (
         validation.number("shear_rate", rate, **limits),
         validation.number("shear_displacement", displacement, **limits),
     )
     sheared = boundary.count("lees-edwards")
     if not sheared:
-        for name, value in zip(("shear_rate", "shear_displacement"), found, strict=True):
+        for name, value in zip(("shear_rate", "shear_displacement"), pair, strict=True):
             if value:
                 raise ValueError(f"{name}: got {value:.16g}, must be 0 without the boundary 'lees-edwards'")
         return 0.0, 0.0
@@ -237,7 +237,7 @@ def checked_shear(
                 f"gravity: got {gravity[k]:.16g} along {AXES[k]}, must be 0 along the flow and the gradient of a "
                 "sheared box"
             )
-    return found[0] + 0.0, found[1] % float(edges[0]) % float(edges[0])
+    return pair[0] + 0.0, pair[1] % float(edges[0]) % float(edges[0])
 
 
 def checked_gravity(gravity: Any, d: int) -> Floats:

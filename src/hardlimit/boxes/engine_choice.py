@@ -101,8 +101,8 @@ def open_contacts(system: ParticleSystem) -> float:
         return 0.0
     at_rest = engine_arguments(system.replace(velocities=np.zeros_like(system.velocities)))
     law = ("linear", 0, [1.0, 1.0])
-    found = _core.make_engine("newton_steps", *at_rest, law=law, time_step=1.0).observe()["n_in_contact"]
-    return 2.0 * float(found) / system.n
+    in_contact = _core.make_engine("newton_steps", *at_rest, law=law, time_step=1.0).observe()["n_in_contact"]
+    return 2.0 * float(in_contact) / system.n
 
 
 def of_bed(system: ParticleSystem, duration: float, restitution: float, until: float) -> Overlap:

@@ -25,7 +25,7 @@ from .thermostats import Andersen
 
 def _sampled(engines: str) -> tuple[str, ...]:
     """The quantities at the samples of all engines and of these, from the core's table."""
-    fields = (one["name"] for one in _core.observed_fields if one["engines"] in ("all", engines))
+    fields = (field["name"] for field in _core.observed_fields if field["engines"] in ("all", engines))
     return ("time", "granular_temperature", "heat", *fields)
 
 
@@ -128,8 +128,8 @@ class Engine:
     @property
     def outcome(self) -> str:
         """``"ok"``, or the name of the reason why the run cannot continue."""
-        found = str(self.compiled.outcome)
-        return "unresolved" if found == "ok" and self.time >= self._latest else found
+        outcome = str(self.compiled.outcome)
+        return "unresolved" if outcome == "ok" and self.time >= self._latest else outcome
 
     @property
     def paused(self) -> bool:
@@ -315,9 +315,9 @@ class Engine:
     @classmethod
     def load(cls, header: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Engine:
         """The engine of a checkpoint. Raises KeyError, TypeError or ValueError if an entry is missing or damaged."""
-        name, given = header["engine"], dict(header["settings"])
-        given["law"] = law_from(given["law"])
-        settings = Settings(**given) if name == "hard_spheres" else NewtonSettings(**given)
+        name, options = header["engine"], dict(header["settings"])
+        options["law"] = law_from(options["law"])
+        settings = Settings(**options) if name == "hard_spheres" else NewtonSettings(**options)
         kicks, heat = int(header["kicks"][0]), float(header["kicks"][1])
         compiled = _core.load_engine(ENGINES[name].kind, arrays["engine"].tobytes(), kicks, heat)
         positions, velocities = compiled.state()

@@ -69,8 +69,8 @@ class Exponents(NamedTuple):
     def mean_compression(self) -> float:
         """M, the mean of ξ over C e^{−U/mT}, over the range of the repulsion ∫ e^{−U/mT} dξ; 2/π for linear springs."""
         q, c = self
-        found: float = math.gamma((c + 2) / q) / (math.gamma((c + 1) / q) * math.gamma(1 + 1 / q))
-        return found
+        compression: float = math.gamma((c + 2) / q) / (math.gamma((c + 1) / q) * math.gamma(1 + 1 / q))
+        return compression
 
     @property
     def mean_duration(self) -> float:
@@ -129,15 +129,15 @@ def viscosity_error(phi: float) -> float:
     order in w/d = t_c ν/(24φχ), the kinetic stress of soft spheres relaxes more slowly by R w/d, their coupling P is
     less by C w/d, and M, of collisions between layers of the flow, by L w/d: docs/driven_gases.md.
     """
-    one = fluid(3, phi)
-    chi, s, growth = one.contact_value, one.slope, one.growth
+    gas = fluid(3, phi)
+    chi, s, growth = gas.contact_value, gas.slope, gas.growth
     coupling, layers = 1.6 * phi * chi, 768.0 / (25.0 * math.pi) * phi**2 * chi
     kinetic = (1.0 + coupling) ** 2 / chi
     slower = 0.5 * math.pi + s + growth  # R
     uncoupled = 7.5 + 0.5 * s + growth  # C
     lost = 13.0 / 8.0 * math.pi + (1.0 - 0.25 * math.pi) * s + growth  # L
     change = kinetic * slower - 2.0 * coupling * (1.0 + coupling) / chi * uncoupled - layers * lost
-    return -change / ((kinetic + layers) * one.density)
+    return -change / ((kinetic + layers) * gas.density)
 
 
 # --- the result ---------------------------------------------------------------------------------------------
@@ -401,26 +401,44 @@ def error_law(
 def of_exponents(dim: int, phi: float, epsilon: float, name: str, powers: Exponents) -> ErrorLaw:
     """The law of the error for a contact force with these exponents, from checked arguments."""
     same = RULES[name].error
-    found = _core.error_law(dim, phi, epsilon, same, *powers, powers.mean_compression, powers.mean_duration)
+    law = _core.error_law(
+        dimension=dim,
+        packing_fraction=phi,
+        restitution=epsilon,
+        rule=same,
+        **powers._asdict(),
+        mean_compression=powers.mean_compression,
+        mean_duration=powers.mean_duration,
+    )
     source = "measured" if same == "soft" else "theory" if epsilon >= NEARLY_ELASTIC else "both"
-    beyond = _outside(dim, phi, epsilon, powers)
     delay = powers.mean_duration / dim
-    values = found.coefficient, found.coefficient_error
     return ErrorLaw(
-        phi, epsilon, dim, name, *values, source, beyond, found.decay, delay / powers.energy, delay
+        packing_fraction=phi,
+        restitution=epsilon,
+        dimension=dim,
+        rule=name,
+        coefficient=law.coefficient,
+        coefficient_error=law.coefficient_error,
+        source=source,
+        extrapolated=_outside(dim, phi, epsilon, powers),
+        decay=law.decay,
+        stored=delay / powers.energy,
+        delay=delay,
     )
 
 
 def _outside(dimension: int, phi: float, epsilon: float, powers: Exponents) -> str:
     """Which arguments are outside the range of the measurements, in words."""
     (thin, dense), least = MEASURED_PACKING[dimension], MEASURED_RESTITUTION[dimension]
-    found = []
+    outside = []
     if not np.allclose(powers, LINEAR, atol=1e-3):
         thin, dense, least = MEASURED_HERTZ[dimension]
-        if not any(np.allclose(powers, one, atol=1e-3) for one in HERTZ):
-            found.append(f"laws with U ∝ ξ^{powers.energy:.3g}, C ∝ ξ^{powers.damping:.3g} were not measured")
+        if not any(np.allclose(powers, known, atol=1e-3) for known in HERTZ):
+            outside.append(
+                f"laws with U ∝ ξ^{powers.energy:.3g}, C ∝ ξ^{powers.damping:.3g} were not measured"
+            )
     if not thin <= phi <= dense:
-        found.append(f"the packing fraction {phi:.3g} is outside the measured range {thin:g} to {dense:g}")
+        outside.append(f"the packing fraction {phi:.3g} is outside the measured range {thin:g} to {dense:g}")
     if epsilon < least:
-        found.append(f"the restitution {epsilon:.3g} is below the measured range from {least:g} on")
-    return " and ".join(found)
+        outside.append(f"the restitution {epsilon:.3g} is below the measured range from {least:g} on")
+    return " and ".join(outside)

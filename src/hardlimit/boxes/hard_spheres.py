@@ -113,9 +113,9 @@ def event_driven(
         raise ValueError("until | max_collisions: got neither, must be at least one of them")
     output = checked_output(samples, log, checkpoint, checkpoint_every, observe)
     with reporter(progress, ENGINES[NAME].task, ENGINES[NAME].counts) as report:
-        found = start(system, settings, end, output).run(report)
-    assert isinstance(found, ParticleResult)
-    return found
+        result = start(system, settings, end, output).run(report)
+    assert isinstance(result, ParticleResult)
+    return result
 
 
 class End(NamedTuple):
@@ -156,5 +156,5 @@ def expected_duration(system: ParticleSystem, collisions: int) -> float:
     scale = max(temperature, g * float(system.box.max()))
     gas = Gas(system.n, float(system.radius.mean()), 1.0, system.domain.volume, system.dimension)
     rate = float(gas.collision_rate(scale)) if scale > 0.0 else 0.0
-    found = 2.0 * max(collisions, 1) / (system.n * rate) if rate > 0.0 else 1.0
-    return found if 0.0 < found < math.inf else 1.0
+    duration = 2.0 * max(collisions, 1) / (system.n * rate) if rate > 0.0 else 1.0
+    return duration if 0.0 < duration < math.inf else 1.0

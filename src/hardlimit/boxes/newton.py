@@ -133,7 +133,15 @@ def molecular_dynamics(
     refuse_options(name, options)
     record = ENGINES[name]
     if name == "lammps":
-        job = make_job(system, law, end, restitution_error, time_step, samples, log)
+        job = make_job(
+            system=system,
+            law=law,
+            until=end,
+            restitution_error=restitution_error,
+            time_step=time_step,
+            samples=samples,
+            log=log,
+        )
         with reporter(progress, record.task, record.counts) as report:
             return lammps_engine.run(job, lammps_engine.checked_ranks(ranks), report)
     step, workers = None, 1
@@ -145,9 +153,9 @@ def molecular_dynamics(
     output = checked_output(samples, log, checkpoint, checkpoint_every, observe)
     with reporter(progress, record.task, record.counts) as report:
         settings = NewtonSettings(law, workers, reason)
-        found = start(name, system, settings, end, output, step).run(report)
-    assert isinstance(found, ContactResult)
-    return found
+        result = start(name, system, settings, end, output, step).run(report)
+    assert isinstance(result, ContactResult)
+    return result
 
 
 def start(
@@ -169,9 +177,9 @@ def start(
     return Run(at_work, Schedule(until, None, until, output.samples), output)
 
 
-def refuse_options(engine: str, given: dict[str, Any]) -> None:
+def refuse_options(engine: str, options: dict[str, Any]) -> None:
     """Refuse options that only other engines accept."""
-    for name, value in given.items():
+    for name, value in options.items():
         if value is not None and name not in ENGINES[engine].options:
             others = listed([repr(other) for other in NEWTON if name in ENGINES[other].options], "or")
             shown = validation.shown(value)

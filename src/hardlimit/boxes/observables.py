@@ -66,8 +66,8 @@ class Samples:
 
         Exact if the walls of one axis move; otherwise the product of the mean lengths.
         """
-        found: Floats = self.mean_lengths().prod(axis=1)
-        return found
+        volume: Floats = self.mean_lengths().prod(axis=1)
+        return volume
 
     def mean_areas(self) -> Floats:
         """Area of each wall [m²; disks: length, m], mean since the previous sample (samples − 1, walls)."""
@@ -107,11 +107,11 @@ class Observable:
 
     def values(self, samples: Samples) -> NDArray[Any]:
         """The values over the samples; the first value of a rate is NaN."""
-        found = samples[self.name] if self.of is None else self.of(samples)
+        values = samples[self.name] if self.of is None else self.of(samples)
         if self.kind == "rate":
-            found = np.concatenate([np.full((1, *found.shape[1:]), math.nan), found])
-        whole = self.name.startswith("n_") and not np.isnan(found).any()
-        return found.astype(np.int64) if whole else found.copy()
+            values = np.concatenate([np.full((1, *values.shape[1:]), math.nan), values])
+        whole = self.name.startswith("n_") and not np.isnan(values).any()
+        return values.astype(np.int64) if whole else values.copy()
 
     def unit_in(self, dimension: int) -> str:
         """The unit in 2 or 3 dimensions."""
@@ -344,14 +344,14 @@ _RECORDS: Final = (
     ),
 )
 #: Observables by name, in the order of the variables of a Dataset.
-OBSERVABLES: Final = {one.name: one for one in _RECORDS}
+OBSERVABLES: Final = {record.name: record for record in _RECORDS}
 #: Coordinates of a series, whose names no observable may have.
 RESERVED: Final = ("time", "axis", "component", "wall")
 
 
 def provided(records: Any) -> Iterator[Observable]:
     """The observables that can be computed from the records of an engine."""
-    return (one for one in OBSERVABLES.values() if all(name in records for name in one.needs))
+    return (record for record in OBSERVABLES.values() if all(name in records for name in record.needs))
 
 
 def components(dimension: int) -> list[str]:
@@ -368,17 +368,17 @@ def variables(samples: Samples) -> tuple[dict[str, Any], dict[str, Any]]:
     """The data variables and coordinates for an xarray Dataset."""
     system = samples.system
     data = {
-        one.name: (
-            one.dims(),
-            read_only(one.values(samples)),
+        record.name: (
+            record.dims(),
+            read_only(record.values(samples)),
             {
-                "units": one.unit_in(system.dimension),
-                "long_name": one.meaning + KINDS[one.kind],
-                "kind": one.kind,
+                "units": record.unit_in(system.dimension),
+                "long_name": record.meaning + KINDS[record.kind],
+                "kind": record.kind,
             },
         )
-        for one in provided(samples)
-        if one.shape != "walls" or "wall" in system.boundary
+        for record in provided(samples)
+        if record.shape != "walls" or "wall" in system.boundary
     }
     time = read_only(samples["time"].copy())
     coordinates: dict[str, Any] = {

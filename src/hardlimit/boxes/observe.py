@@ -51,10 +51,10 @@ def checked_functions(observe: Any) -> Parts | None:
     )
 
 
-def _is_part(given: Any) -> bool:
-    if isinstance(given, Mapping):
-        return all(isinstance(name, str) and name and callable(f) for name, f in given.items())
-    return callable(given)
+def _is_part(functions: Any) -> bool:
+    if isinstance(functions, Mapping):
+        return all(isinstance(name, str) and name and callable(f) for name, f in functions.items())
+    return callable(functions)
 
 
 def call(parts: Parts, time: float, system: ParticleSystem, before: Observed | None) -> Observed:
@@ -73,19 +73,19 @@ def call(parts: Parts, time: float, system: ParticleSystem, before: Observed | N
                 raise ValueError(
                     f"{at} got other values of the coordinate {key!r} with {name!r}, must be the same"
                 )
-    found = Observed(data, {key: one for key, one in coordinates.items() if key not in known})
+    observed = Observed(data, {key: value for key, value in coordinates.items() if key not in known})
     if before is None:
-        _refuse_clashes(at, found, known)
-        return found
-    return _as_before(at, found, before)
+        _refuse_clashes(at, observed, known)
+        return observed
+    return _as_before(at, observed, before)
 
 
 def _labels(dim: str, names: Sequence[str]) -> Variable:
     return Variable((dim,), np.array(names))
 
 
-def _same(one: Variable, other: Variable) -> bool:
-    return one.dims == other.dims and np.array_equal(one.values, other.values)
+def _same(variable: Variable, other: Variable) -> bool:
+    return variable.dims == other.dims and np.array_equal(variable.values, other.values)
 
 
 def _returned(parts: Parts, at: str, time: float, system: ParticleSystem) -> Iterator[tuple[Any, Any]]:
@@ -95,7 +95,7 @@ def _returned(parts: Parts, at: str, time: float, system: ParticleSystem) -> Ite
             for name, function in part.items():
                 value = function(system)
                 if isinstance(value, Mapping):  # also a Dataset
-                    yield from ((f"{name}_{key}", one) for key, one in value.items())
+                    yield from ((f"{name}_{key}", item) for key, item in value.items())
                 else:
                     yield name, value
         else:
@@ -128,65 +128,73 @@ def _variable(at: str, name: Any, value: Any) -> Variable:
 
 def _attributes(value: Any) -> dict[str, Any]:
     """The attributes that a checkpoint can hold."""
-    return {str(key): one for key, one in value.attrs.items() if isinstance(one, str | int | float)}
+    return {
+        str(key): attribute
+        for key, attribute in value.attrs.items()
+        if isinstance(attribute, str | int | float)
+    }
 
 
 def _coordinates(at: str, name: str, value: Any) -> Iterator[tuple[str, Variable]]:
     """The coordinates of a DataArray, except single numbers."""
-    for key, one in value.coords.items() if _is_labelled(value) else ():
-        array = np.array(one.values)
+    for key, coordinate in value.coords.items() if _is_labelled(value) else ():
+        array = np.array(coordinate.values)
         array = array.astype(str) if array.dtype.kind == "O" else array
         if array.dtype.kind not in "buifU":
             raise ValueError(f"{at} got the coordinate {key!r} with {name!r}, must have numbers or words")
-        if one.dims:
-            yield str(key), Variable(tuple(map(str, one.dims)), array, _attributes(one))
+        if coordinate.dims:
+            yield str(key), Variable(tuple(map(str, coordinate.dims)), array, _attributes(coordinate))
 
 
-def _refuse_clashes(at: str, found: Observed, known: Mapping[str, Variable]) -> None:
+def _refuse_clashes(at: str, observed: Observed, known: Mapping[str, Variable]) -> None:
     """Refuse names that the series has already, and dimensions of two lengths."""
-    lengths = {name: len(one.values) for name, one in known.items()}
-    for name, one in [*found.data.items(), *found.coordinates.items()]:
-        for dim, length in zip(one.dims, one.values.shape, strict=True):
+    lengths = {name: len(variable.values) for name, variable in known.items()}
+    for name, variable in [*observed.data.items(), *observed.coordinates.items()]:
+        for dim, length in zip(variable.dims, variable.values.shape, strict=True):
             if lengths.setdefault(dim, length) != length:
                 raise ValueError(
                     f"{at} got {length} values of {name!r} along {dim!r}, must be {lengths[dim]}"
                 )
     taken = {"time", "wall", *OBSERVABLES}
-    dims = {name: {*one.dims} - known.keys() for name, one in found.data.items()}
-    labels = {*found.coordinates}.union(*dims.values())
-    for name in found.data:
+    dims = {name: {*variable.dims} - known.keys() for name, variable in observed.data.items()}
+    labels = {*observed.coordinates}.union(*dims.values())
+    for name in observed.data:
         clashes = ({name} & (taken | known.keys() | labels)) or (dims[name] & taken)
         if clashes:
             raise ValueError(
                 f"{at} got the name {validation.shown(name)}, must be another one: {min(clashes)!r} is in the series "
                 "already"
             )
-    if clashes := taken & {*found.coordinates}:
+    if clashes := taken & {*observed.coordinates}:
         raise ValueError(
             f"{at} got the coordinate {min(clashes)!r}, which is in the series already: rename it"
         )
 
 
-def _as_before(at: str, found: Observed, before: Observed) -> Observed:
+def _as_before(at: str, observed: Observed, before: Observed) -> Observed:
     """The values in the order of the previous sample; refuses other names, shapes and coordinates."""
-    if found.data.keys() != before.data.keys():
-        names, expected = (", ".join(map(validation.shown, one.data)) or "none" for one in (found, before))
+    if observed.data.keys() != before.data.keys():
+        names, expected = (
+            ", ".join(map(validation.shown, values.data)) or "none" for values in (observed, before)
+        )
         raise ValueError(f"{at} got the names {names}, must be those of the previous sample: {expected}")
     for name, old in before.data.items():
-        shape, expected_shape = found.data[name].values.shape, old.values.shape
+        shape, expected_shape = observed.data[name].values.shape, old.values.shape
         if shape != expected_shape:
             raise ValueError(
                 f"{at} got {name!r} of shape {shape}, must be {expected_shape} as at the previous sample"
             )
-        if found.data[name].dims != old.dims:
-            raise ValueError(f"{at} got {name!r} over {found.data[name].dims}, must be {old.dims} as before")
-    same = found.coordinates.keys() == before.coordinates.keys()
+        if observed.data[name].dims != old.dims:
+            raise ValueError(
+                f"{at} got {name!r} over {observed.data[name].dims}, must be {old.dims} as before"
+            )
+    same = observed.coordinates.keys() == before.coordinates.keys()
     for key, labels in before.coordinates.items():
-        if not (same and _same(labels, found.coordinates[key])):
+        if not (same and _same(labels, observed.coordinates[key])):
             raise ValueError(
                 f"{at} got other values of the coordinate {key!r}, must be those of the previous sample"
             )
-    data = {name: old._replace(values=found.data[name].values) for name, old in before.data.items()}
+    data = {name: old._replace(values=observed.data[name].values) for name, old in before.data.items()}
     return Observed(data, before.coordinates)
 
 
@@ -195,16 +203,17 @@ def _as_before(at: str, found: Observed, before: Observed) -> Observed:
 
 def collected(values: Sequence[Mapping[str, Any]]) -> dict[str, NDArray[Any]]:
     """Stack the values of all samples: one array for each name."""
-    return {name: np.array([one[name] for one in values]) for name in (values[0] if values else ())}
+    return {name: np.array([sample[name] for sample in values]) for name in (values[0] if values else ())}
 
 
 def joined(samples: Sequence[Observed]) -> Observed:
     """The values of all samples, stacked over ``time``."""
     if not samples:
         return NOTHING
-    stacked = collected([{name: each.values for name, each in one.data.items()} for one in samples])
+    stacked = collected([{name: each.values for name, each in sample.data.items()} for sample in samples])
     data = {
-        name: Variable(("time", *one.dims), stacked[name], one.attrs) for name, one in samples[0].data.items()
+        name: Variable(("time", *variable.dims), stacked[name], variable.attrs)
+        for name, variable in samples[0].data.items()
     }
     return Observed(data, samples[0].coordinates)
 
@@ -218,7 +227,10 @@ def separated(values: Observed, n: int) -> list[Observed]:
     """The values of each of ``n`` samples: the inverse of :func:`joined`."""
     return [
         Observed(
-            {name: Variable(one.dims[1:], one.values[k], one.attrs) for name, one in values.data.items()},
+            {
+                name: Variable(variable.dims[1:], variable.values[k], variable.attrs)
+                for name, variable in values.data.items()
+            },
             values.coordinates,
         )
         for k in range(n)
@@ -228,13 +240,15 @@ def separated(values: Observed, n: int) -> list[Observed]:
 def saved(values: Observed) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
     """Entries of the header of a checkpoint, and its arrays."""
     header = {
-        part: [[name, one.dims, dict(one.attrs)] for name, one in getattr(values, part).items()]
+        part: [
+            [name, variable.dims, dict(variable.attrs)] for name, variable in getattr(values, part).items()
+        ]
         for part in Observed._fields
     }
     arrays = {
-        f"observed_{part}_{i}": one.values
+        f"observed_{part}_{i}": variable.values
         for part in Observed._fields
-        for i, one in enumerate(getattr(values, part).values())
+        for i, variable in enumerate(getattr(values, part).values())
     }
     return {"observed": header}, arrays
 
@@ -254,7 +268,10 @@ def loaded(header: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Obs
 def variables(values: Observed) -> tuple[dict[str, Any], dict[str, Any]]:
     """The data variables and coordinates for an xarray Dataset."""
     data, coordinates = (
-        {name: (one.dims, one.values.copy(), dict(one.attrs)) for name, one in part.items()}
+        {
+            name: (variable.dims, variable.values.copy(), dict(variable.attrs))
+            for name, variable in part.items()
+        }
         for part in values
     )
     return data, coordinates

@@ -214,7 +214,7 @@ class _Result:
                 for dim, n in zip(dims, shape, strict=True)
             ]
             for at in np.ndindex(shape):
-                column = "_".join([str(name), *(str(one[i]) for one, i in zip(labels, at, strict=True))])
+                column = "_".join([str(name), *(str(label[i]) for label, i in zip(labels, at, strict=True))])
                 if column in columns:
                     raise ValueError(
                         f"observe: got the name {column!r}, that of a component in the table: rename it"
@@ -255,7 +255,7 @@ class _Result:
     def _saved_values(self) -> dict[str, Any]:
         """The numbers and texts of the result, and its law or rule, for JSON."""
         apart = ("system", "samples", "log", "early_end", "observed", "law", "settings")
-        values = {one.name: getattr(self, one.name) for one in fields(self) if one.name not in apart}
+        values = {field.name: getattr(self, field.name) for field in fields(self) if field.name not in apart}
         return {"values": values}
 
     @classmethod
@@ -380,12 +380,12 @@ class ParticleResult(_Result):
 
     @classmethod
     def _loaded_values(cls, header: Mapping[str, Any]) -> dict[str, Any]:
-        given = header["settings"]
-        return {"settings": Settings(**{**given, "law": law_from(given["law"])})}
+        settings = header["settings"]
+        return {"settings": Settings(**{**settings, "law": law_from(settings["law"])})}
 
     def __repr__(self) -> str:
-        found = f"{self.n_collisions} collisions in {self.time:.6g} s, {self.outcome}"
-        return f"<ParticleResult of {self.system.n} particles ({self.settings.report()}): {found}>"
+        summary = f"{self.n_collisions} collisions in {self.time:.6g} s, {self.outcome}"
+        return f"<ParticleResult of {self.system.n} particles ({self.settings.report()}): {summary}>"
 
     def _repr_html_(self) -> str:
         return _table(self.settings.report(), self.quantities(), self.outcome)
@@ -397,7 +397,7 @@ class ParticleResult(_Result):
         """
         lasted = np.diff(self.samples["time"])
         started, ended = self._change("granular_temperature")
-        found: list[tuple[str, float]] = [
+        rows: list[tuple[str, float]] = [
             ("time [s]", self.time),
             ("collisions", self.n_collisions),
             ("collisions with walls", self.n_walls),
@@ -409,11 +409,11 @@ class ParticleResult(_Result):
             good, samples = lasted > 0.0, self._samples
             for name, label in (("collision_rate", "mean collision rate"), ("pressure", "mean pressure")):
                 mean = np.average(OBSERVABLES[name].values(samples)[1:][good], weights=lasted[good])
-                found.append((f"{label} [{OBSERVABLES[name].unit_in(self.system.dimension)}]", float(mean)))
-        found.append(("dissipated energy [J]", self._change("dissipated_energy")[1]))
-        found += compression.rows(self.largest_compression)
+                rows.append((f"{label} [{OBSERVABLES[name].unit_in(self.system.dimension)}]", float(mean)))
+        rows.append(("dissipated energy [J]", self._change("dissipated_energy")[1]))
+        rows += compression.rows(self.largest_compression)
         rule = RULES[self.settings.rule]
-        return found + [(f"fraction {rule.share}", getattr(self, name)) for name in rule.counts[-1:]]
+        return rows + [(f"fraction {rule.share}", getattr(self, name)) for name in rule.counts[-1:]]
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -522,15 +522,15 @@ class ContactResult(_Result):
         return {"law": law_from(header["law"])}
 
     def _own_attributes(self) -> dict[str, Any]:
-        found: dict[str, Any] = {"law": repr(self.law), "engine": self.engine}
-        found |= {"engine_reason": self.engine_reason} if self.engine_reason else {}
-        return found if self.time_step is None else found | {"time_step": self.time_step}
+        attributes: dict[str, Any] = {"law": repr(self.law), "engine": self.engine}
+        attributes |= {"engine_reason": self.engine_reason} if self.engine_reason else {}
+        return attributes if self.time_step is None else attributes | {"time_step": self.time_step}
 
     def __repr__(self) -> str:
         counted = "" if self.n_contacts is None else f"{self.n_contacts} contacts in "
-        found = f"{counted}{self.time:.6g} s, {self.outcome}"
+        summary = f"{counted}{self.time:.6g} s, {self.outcome}"
         why = f"; {self.choice()}" if self.engine_reason else ""
-        return f"<ContactResult of {self.system.n} particles ({self.engine}, {self.law!r}): {found}{why}>"
+        return f"<ContactResult of {self.system.n} particles ({self.engine}, {self.law!r}): {summary}{why}>"
 
     def _repr_html_(self) -> str:
         why = [("engine", self.choice())] if self.engine_reason else []

@@ -34,12 +34,13 @@ class Rule(NamedTuple):
 
 
 def _rule(record: Mapping[str, Any]) -> Rule:
+    same = ("name", "meaning", "assumes", "source", "counts", "share", "knows_duration", "error")
     return Rule(
-        record["name"],
-        tuple(argument for argument in ("restitution", "law") if record[argument]),
-        record["meaning"],
-        *(record[name] for name in ("assumes", "source", "counts", "share", "knows_duration", "error")),
-        any(parameter["name"] == "contact_duration" for parameter in record["parameters"]),
+        **{name: record[name] for name in same},
+        takes=tuple(argument for argument in ("restitution", "law") if record[argument]),
+        has_contact_duration=any(
+            parameter["name"] == "contact_duration" for parameter in record["parameters"]
+        ),
     )
 
 
@@ -81,14 +82,14 @@ class Settings:
 
 
 def checked_settings(law: Any, restitution: Any, rule: Any, contact_duration: Any) -> Settings:
-    given = validation.exactly_one(law=law, restitution=restitution)
-    if given == "law":
+    parameter = validation.exactly_one(law=law, restitution=restitution)
+    if parameter == "law":
         checked_law(law)
-    allowed = [record.name for record in RULES.values() if given in record.takes]
-    chosen = DEFAULTS[given] if rule is None else validation.one_of("rule", rule, sorted(RULES))
+    allowed = [record.name for record in RULES.values() if parameter in record.takes]
+    chosen = DEFAULTS[parameter] if rule is None else validation.one_of("rule", rule, sorted(RULES))
     if chosen not in allowed:
-        raise ValueError(f"rule: got {rule!r}, must be one of {', '.join(allowed)} with {given}")
-    if given == "restitution":
+        raise ValueError(f"rule: got {rule!r}, must be one of {', '.join(allowed)} with {parameter}")
+    if parameter == "restitution":
         limits = {"lowest_allowed": True, "highest_allowed": True}
         restitution = validation.number("restitution", restitution, 0.0, 1.0, **limits)
     if RULES[chosen].has_contact_duration:

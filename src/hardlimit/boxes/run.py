@@ -128,11 +128,11 @@ class Run:
 
     def set_observe(self, observe: Any) -> None:
         """Set the user's functions for the rest of the run; they must return the same names and shapes as before."""
-        found, samples = observing.checked_functions(observe), self._sampled[0]
+        functions, samples = observing.checked_functions(observe), self._sampled[0]
         returned = samples[-1].observed.data if samples else self._output.observe
-        if found is None and returned:
+        if functions is None and returned:
             raise ValueError("observe: missing, must be the function with which the run was started")
-        self._output = self._output._replace(observe=found)
+        self._output = self._output._replace(observe=functions)
 
     # --- the loop -------------------------------------------------------------------------------------------
 
@@ -144,12 +144,12 @@ class Run:
         for _ in self.steps(report):
             pass
         try:
-            found = self.result()
+            result = self.result()
         except (KeyboardInterrupt, Exception) as error:  # the user's functions see the end
             error.add_note(self._progress())
             raise
-        compression.warn(found.largest_compression)
-        return found
+        compression.warn(result.largest_compression)
+        return result
 
     def steps(self, report: Report) -> Iterator[float]:
         """Run to the end; yields the time [s] of each sample after it is taken."""

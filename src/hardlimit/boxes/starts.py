@@ -57,14 +57,14 @@ def radii(radius: Any, n: int, generators: Generators) -> Floats:
         raise ValueError(
             f"radius: got {smallest:.16g} and {largest:.16g}, the first must not be the larger one"
         )
-    found = generators.radii.uniform(smallest, largest, n)
-    found.flags.writeable = False
-    return found
+    drawn = generators.radii.uniform(smallest, largest, n)
+    drawn.flags.writeable = False
+    return drawn
 
 
-def checked_masses(given: str, amount: Floats, radius: Floats) -> Floats:
+def checked_masses(parameter: str, amount: Floats, radius: Floats) -> Floats:
     """Masses [kg] from the densities or masses ``amount``; a broadcast number if all are equal."""
-    if given == "mass":
+    if parameter == "mass":
         mass = amount
     elif amount.strides == radius.strides == (0,):
         mass = np.broadcast_to(np.float64(_core.ball_mass(float(amount[0]), float(radius[0]))), len(amount))
@@ -74,7 +74,7 @@ def checked_masses(given: str, amount: Floats, radius: Floats) -> Floats:
     if not good.all():
         bad = int(np.argmin(good))
         raise ValueError(
-            f"radius | {given}: got {radius[bad]:.16g} and {amount[bad]:.16g} for particle {bad}, a mass of "
+            f"radius | {parameter}: got {radius[bad]:.16g} and {amount[bad]:.16g} for particle {bad}, a mass of "
             f"{mass[bad]:g} kg, must be in [{LIGHTEST:g}, {HEAVIEST:g}]"
         )
     return mass
@@ -89,8 +89,8 @@ def edge(packing_fraction: Any, radius: Floats, dimension: int) -> float:
     """Edge [m] of the square or cube with this packing fraction."""
     densest = DENSEST[dimension]
     fraction = validation.number("packing_fraction", packing_fraction, 0.0, densest, highest_allowed=True)
-    found = (solid_volume(radius, dimension) / fraction) ** (1.0 / dimension)
-    return validation.number("packing_fraction | radius: edge of the box", found, **LENGTHS)
+    length = (solid_volume(radius, dimension) / fraction) ** (1.0 / dimension)
+    return validation.number("packing_fraction | radius: edge of the box", length, **LENGTHS)
 
 
 def check_size(box: Box, radius: Floats) -> None:
@@ -113,13 +113,13 @@ def positions(radius: Floats, box: Box, generators: Generators, report: Report) 
     for axis in range(box.dimension):
         at, end = box.limits(axis)
         low[axis], edges[axis] = max(at, 0.0), min(end, edges[axis]) - max(at, 0.0)
-    found = _core.grow_packing(
+    packed = _core.grow_packing(
         Box(edges, box.boundary, box.gravity).of_core(),  # without shear: all images are aligned
         np.ascontiguousarray(radius),
         generators.seed_of_positions,
         lambda fraction, collisions: report(int(1000.0 * fraction), 1000),
     )
-    return np.asarray(found, np.float64) + low if low.any() else np.asarray(found, np.float64)
+    return np.asarray(packed, np.float64) + low if low.any() else np.asarray(packed, np.float64)
 
 
 def velocities(
@@ -133,9 +133,9 @@ def velocities(
         raise ValueError(
             f"rms_speed: got {rms_speed:.16g}, must be 0 for a single particle, whose momentum is zero"
         )
-    found = generators.velocities.standard_normal((n, dimension)) / np.sqrt(mass / mass.max())[:, None]
+    normal = generators.velocities.standard_normal((n, dimension)) / np.sqrt(mass / mass.max())[:, None]
     for axis, wrapped in enumerate(periodic):
         if wrapped:
-            found[:, axis] -= np.average(found[:, axis], weights=mass)
-    scaled: Floats = found * (rms_speed / math.sqrt(float(np.mean(np.einsum("ij,ij->i", found, found)))))
+            normal[:, axis] -= np.average(normal[:, axis], weights=mass)
+    scaled: Floats = normal * (rms_speed / math.sqrt(float(np.mean(np.einsum("ij,ij->i", normal, normal)))))
     return scaled

@@ -139,18 +139,18 @@ class ParticleSystem:
         shear_displacement: float = 0.0,
         allowed_overlap: float = ROUNDING,
     ) -> None:
-        given = validation.exactly_one(density=density, mass=mass)
+        parameter = validation.exactly_one(density=density, mass=mass)
         at = validation.rows("positions", positions, (2, 3))
         n, d = at.shape
         size = validation.each("radius", radius, n, **LENGTHS)
-        amount = validation.each(given, density if given == "density" else mass, n, lowest=0.0)
+        amount = validation.each(parameter, density if parameter == "density" else mass, n, lowest=0.0)
         sides, edges, pull = checked_boundary(boundary, d), checked_edges(box, d), checked_gravity(gravity, d)
         rate, displacement = checked_shear(sides, shear_rate, shear_displacement, edges, pull)
         self._set(
             positions=at,
             velocities=_checked_velocities(velocities, n, d),
             radius=size,
-            mass=starts.checked_masses(given, amount, size),
+            mass=starts.checked_masses(parameter, amount, size),
             box=edges,
             boundary=sides,
             gravity=pull,
@@ -329,10 +329,10 @@ class ParticleSystem:
         FileNotFoundError
             If there is no such file.
         """
-        found, rounding = files.read(path, frame)
+        arguments, rounding = files.read(path, frame)
         allowed = max(ROUNDING, rounding) if allowed_overlap is None else allowed_overlap
         try:
-            return cls(**found, allowed_overlap=allowed)
+            return cls(**arguments, allowed_overlap=allowed)
         except ValueError as error:
             raise ValueError(f"{path}: {error}") from None
 
@@ -401,8 +401,8 @@ class ParticleSystem:
         moved = any(value is not None for value in new.values())
         kept["shear_rate"] = self.shear_rate if shear_rate is None else shear_rate
         if boundary is not None and "lees-edwards" not in checked_boundary(boundary, self.dimension):
-            given = {"shear_rate": shear_rate, "shear_displacement": shear_displacement}
-            kept |= {name: 0.0 if value is None else value for name, value in given.items()}
+            flow = {"shear_rate": shear_rate, "shear_displacement": shear_displacement}
+            kept |= {name: 0.0 if value is None else value for name, value in flow.items()}
         return ParticleSystem(
             velocities=self.velocities if velocities is None else velocities,
             density=density,
@@ -588,7 +588,7 @@ class ParticleSystem:
 
 def described(system: ParticleSystem) -> list[tuple[str, str]]:
     """Labels and values for the table of a system."""
-    found = [
+    rows = [
         ("box [m]", _times(system.box)),
         ("sides", ", ".join(f"{axis} {side}" for axis, side in zip(AXES, system.boundary, strict=False))),
         ("packing fraction φ", digits(system.packing_fraction)),
@@ -598,16 +598,16 @@ def described(system: ParticleSystem) -> list[tuple[str, str]]:
         ("kinetic energy [J]", digits(system.kinetic_energy)),
     ]
     if system.gravity.any():
-        found.append(("gravity [m/s²]", "(" + ", ".join(f"{g:.6g}" for g in system.gravity) + ")"))
+        rows.append(("gravity [m/s²]", "(" + ", ".join(f"{g:.6g}" for g in system.gravity) + ")"))
     if system.domain.common_fall.any():
-        found.append(
+        rows.append(
             (f"free fall along {_falls_along(system)}", "of all together, without end: no wall there")
         )
     if system.domain.gradient is not None:
-        found.append(("shear rate [1/s]", digits(system.shear_rate)))
-    found += [(f"wall {name}", repr(wall)) for name, wall in system.walls.items()]
-    found += [] if system.thermostat is None else [("thermostat", repr(system.thermostat))]
-    return found
+        rows.append(("shear rate [1/s]", digits(system.shear_rate)))
+    rows += [(f"wall {name}", repr(wall)) for name, wall in system.walls.items()]
+    rows += [] if system.thermostat is None else [("thermostat", repr(system.thermostat))]
+    return rows
 
 
 def _falls_along(system: ParticleSystem) -> str:
@@ -629,12 +629,12 @@ def _between(values: Floats) -> str:
 
 
 def _checked_velocities(velocities: Any, n: int, d: int) -> Floats:
-    found = validation.rows("velocities", velocities, (d,))
-    if len(found) != n:
-        raise ValueError(f"velocities: got shape {found.shape}, must be ({n}, {d}) as the positions")
-    if np.abs(found).max() > LARGEST:
-        raise ValueError(f"velocities: got {np.abs(found).max():.16g}, must be at most {LARGEST:g}")
-    return found
+    checked = validation.rows("velocities", velocities, (d,))
+    if len(checked) != n:
+        raise ValueError(f"velocities: got shape {checked.shape}, must be ({n}, {d}) as the positions")
+    if np.abs(checked).max() > LARGEST:
+        raise ValueError(f"velocities: got {np.abs(checked).max():.16g}, must be at most {LARGEST:g}")
+    return checked
 
 
 def _check_inside(system: ParticleSystem, allowed_overlap: float) -> None:

@@ -184,13 +184,13 @@ class Gas:
         ValueError
             If a value is outside its range.
         """
-        given = validation.number("power", power, 0.0, lowest_allowed=True)
+        watts = validation.number("power", power, 0.0, lowest_allowed=True)
         e = validation.number("restitution", restitution, 0.0, 1.0, lowest_allowed=True)
         d = self.dimension
         below = 73.0 + 56.0 * d - 24.0 * d * e - 105.0 * e + 30.0 * (1.0 - e) * e * e
         a2 = 16.0 * (1.0 - e) * (1.0 - 2.0 * e * e) / below
         lost = 0.5 * (1.0 - e * e) * self.n * self.mass * float(self.collision_rate(1.0))
-        return float((given / (lost * (1.0 + 3.0 / 16.0 * a2))) ** (2.0 / 3.0))
+        return float((watts / (lost * (1.0 + 3.0 / 16.0 * a2))) ** (2.0 / 3.0))
 
     def sheared_temperature(self, shear_rate: float, restitution: float) -> float:
         """Granular temperature T [m²/s²] of spheres in steady simple shear: the work of the shear stress is dissipated.
@@ -225,14 +225,14 @@ class Gas:
         return (2.0 * self.radius * rate) ** 2 * f2 / f5
 
 
-def _not_negative(name: str, given: Floats | float) -> Floats:
+def _not_negative(name: str, values: Floats | float) -> Floats:
     most = 1e201  # more than the temperature of any speeds up to box.LARGEST
     limits: dict[str, Any] = {"lowest": 0.0, "lowest_allowed": True, "highest": most, "highest_allowed": True}
-    return validation.array(name, given, **limits, ndim=None, empty_allowed=True)
+    return validation.array(name, values, **limits, ndim=None, empty_allowed=True)
 
 
-def _restitution(given: float) -> float:
-    return validation.number("restitution", given, 0.0, 1.0, lowest_allowed=True, highest_allowed=True)
+def _restitution(value: float) -> float:
+    return validation.number("restitution", value, 0.0, 1.0, lowest_allowed=True, highest_allowed=True)
 
 
 def gas(system: ParticleSystem) -> Gas:

@@ -77,14 +77,14 @@ def _longest(
     top = max(largest_speed(system), 2.0 * heated_speed(system, law, shear_heats))
     # Without motion and gravity only initial overlaps drive contacts; their speed does not matter here.
     tried = top if top > 0.0 else 1.0
-    found = FARTHEST * float(system.radius.min()) / tried if top > 0.0 else math.inf
+    step = FARTHEST * float(system.radius.min()) / tried if top > 0.0 else math.inf
     shaken = max((wall.frequency for wall in system.walls.values() if wall.oscillates), default=0.0)
     if shaken > 0.0:
-        found = min(found, math.sqrt(VERLET * error) / (2.0 * math.pi * shaken))
+        step = min(step, math.sqrt(VERLET * error) / (2.0 * math.pi * shaken))
     for contact in contacts.of_kinds(system, law):
         for relative_speed in SPEEDS:
-            found = min(found, longest_step(contact, relative_speed * tried, error))
-    return found
+            step = min(step, longest_step(contact, relative_speed * tried, error))
+    return step
 
 
 def _longest_at_walls(system: ParticleSystem, law: Law, error: float, longest: float) -> float:
@@ -161,10 +161,10 @@ def heated_speed(system: ParticleSystem, law: Law, shear_heats: bool = True) -> 
         gas = Gas(system.n, size, mean, volume, d)
         for _ in range(10):
             speed = math.sqrt(math.pi * temperature)
-            found = min(
-                float(one.restitution(np.array([speed]))[0]) for one in contacts.of_kinds(system, law)
+            smallest = min(
+                float(contact.restitution(np.array([speed]))[0]) for contact in contacts.of_kinds(system, law)
             )
-            e = min(found, LARGEST_RESTITUTION)
+            e = min(smallest, LARGEST_RESTITUTION)
             temperature = gas.heated_temperature(power, e) + _sheared_temperature(gas, rate, e)
     # The fastest of N particles with Maxwell's distribution.
     highest = system.dimension + 2.0 * math.log(system.n)

@@ -137,15 +137,15 @@ class MovingWall:
 
         :meta private:
         """
-        found: Floats = self.offset + 0.5 * self.velocity * (begin + end)
+        mean: Floats = self.offset + 0.5 * self.velocity * (begin + end)
         if not self.oscillates:
-            return found
+            return mean
         cycles = [(self.frequency * t + self.phase / (2.0 * math.pi)) % 1.0 for t in (begin, end)]
         gained = _integral(self.waveform, cycles[1]) - _integral(self.waveform, cycles[0])
         passed = self.frequency * (end - begin)
         still = np.array([_wave(self.waveform, float(c)) for c in cycles[0].ravel()]).reshape(begin.shape)
-        found += self.amplitude * np.divide(gained, passed, where=passed > 0.0, out=still)
-        return found
+        mean += self.amplitude * np.divide(gained, passed, where=passed > 0.0, out=still)
+        return mean
 
     def after(self, time: float) -> MovingWall:
         """The wall in a run that begins at a time of this one [s].

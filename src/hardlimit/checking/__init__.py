@@ -101,18 +101,18 @@ def check(
     from .checking import checked
 
     return checked(
-        source,
-        code,
-        dump,
-        speed,
-        variables,
-        packing_fraction,
-        law,
-        time_step,
-        dimension,
-        power,
-        shear_rate,
-        restitution_error,
+        source=source,
+        code=code,
+        dump=dump,
+        speed=speed,
+        variables=variables,
+        packing_fraction=packing_fraction,
+        law=law,
+        time_step=time_step,
+        dimension=dimension,
+        power=power,
+        shear_rate=shear_rate,
+        restitution_error=restitution_error,
     )
 
 
@@ -176,4 +176,14 @@ def convert_back(
     """
     from .reading_back import obtained
 
-    return obtained(text, ball, other, code, model, speed, restitution_error, time_step, contact)
+    return obtained(
+        text,
+        ball,
+        other,
+        code,
+        model,
+        speed=speed,
+        restitution_error=restitution_error,
+        time_step=time_step,
+        contact=contact,
+    )

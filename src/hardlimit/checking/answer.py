@@ -64,8 +64,8 @@ def answer(
         return None, f"Cannot be said: {_driven(rows, question)}."
     pairs = [row for row in rows if row.types[1] != "wall"]
     known = [row for row in pairs if judged(row, question) is not None and "speeds" not in missing]
-    if found := _too_wrong(pairs, known, missing, question):
-        return False, f"No: {found}."
+    if wrong := _too_wrong(pairs, known, missing, question):
+        return False, f"No: {wrong}."
     if unknown:
         return None, f"Cannot be said: this is not understood: {unknown[0].where or unknown[0].what}"
     if rubbing := [row for row in pairs if row.friction != 0.0]:
@@ -126,7 +126,7 @@ def _friction(rows: Sequence[CheckedContact]) -> str:
     values = [row.friction for row in rows if row.friction is not None]
     if len(values) < len(rows):
         return "μ is not known"
-    return f"μ = {'–'.join(dict.fromkeys(digits(one, 3) for one in (min(values), max(values))))}"
+    return f"μ = {'–'.join(dict.fromkeys(digits(value, 3) for value in (min(values), max(values))))}"
 
 
 def _rubs(rows: Sequence[CheckedContact], question: Question) -> str:
@@ -171,7 +171,7 @@ def steady(rows: Sequence[CheckedContact], drive: Drive | None, plain: bool) -> 
 
 def given_by(missing: Sequence[str], dumped: bool) -> str:
     """Which options give what is missing."""
-    options = [OPTIONS[one] for one in missing if one in OPTIONS]
+    options = [OPTIONS[what] for what in missing if what in OPTIONS]
     if not options:
         return " (they are not in the script)"
     return (

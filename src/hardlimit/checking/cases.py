@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
 from itertools import permutations
@@ -132,26 +132,27 @@ class Remarks:
     not_modelled: tuple[NotModelled, ...]
 
 
-def of_script(description: Description) -> tuple[list[Case], Remarks]:
+def of_script(description: Description, kinds: Sequence[object]) -> tuple[list[Case], Remarks]:
     """Each contact of each stage at the smallest and the largest sizes, in the units of the script.
 
-    A stage whose contacts and time step are those of the stage before is left out, as are pairs that do not move.
+    A stage whose contacts, time step and kind of system (one of ``kinds`` for each stage) are those of the stage before
+    is left out, as are pairs that do not move.
     """
-    found = code(description.code)
+    source = code(description.code)
     cases: list[Case] = []
     since, failed = dict[str, dict[str, None]](), dict[NotModelled, None]()
-    before: Stage | None = None
-    for number, stage in enumerate(description.stages, 1):
-        if before is not None and _state(stage) == _state(before):
+    before: object = None
+    for number, (stage, kind) in enumerate(zip(description.stages, kinds, strict=True), 1):
+        if (_state(stage), kind) == before:
             continue
-        before = stage
+        before = _state(stage), kind
         forces: list[tuple[ContactSettings, ModelForce | None]] = []
         for contact in stage.contacts:
             if contact.adhesion and energy_density(contact) is None:
                 forces.append((contact, None))
                 continue
             try:
-                forces.append((contact, force_of(found, contact, description.version)))
+                forces.append((contact, force_of(source, contact, description.version)))
                 if contact.since and description.version is None:
                     since.setdefault(contact.since, {})["–".join(contact.types)] = None
             except ValueError as error:
@@ -162,33 +163,32 @@ def of_script(description: Description) -> tuple[list[Case], Remarks]:
         for contact, known in forces:
             cases += _ends(number, stage, contact, known, materials)
     said = [
-        f"{listed(list(names))}: mixed as {found.title} does since {limit}; before, their numbers do not determine ε."
+        f"{listed(list(names))}: mixed as {source.title} does since {limit}; before, their numbers do not determine ε."
         for limit, names in since.items()
     ]
     return cases, Remarks(tuple(said), tuple(failed))
 
 
-def of_other_versions(
-    title: str, rows: Sequence[CheckedContact], plain: Callable[[CheckedContact], bool]
-) -> Iterator[str]:
-    """What contacts are in other versions of the code, for rows in SI units or, if ``plain(row)``, in ``lj`` units."""
-    found: dict[str, dict[str, dict[str, None]]] = {}
+def of_other_versions(script: Description, rows: Sequence[CheckedContact]) -> Iterator[str]:
+    """What contacts are in other versions of the code, for rows in SI units, or in ``lj`` units if their run is."""
+    differences: dict[str, dict[str, dict[str, None]]] = {}
     for row in rows:
+        plain = script.stages[row.stage - 1].units == "lj"
         for before, *values in row.other_versions:
-            parts = found.setdefault(before, {})
+            parts = differences.setdefault(before, {})
             for name, old, new in zip(("ε", "t_c"), values, (row.restitution, row.duration), strict=True):
                 if old is not None and new is not None and not math.isclose(old, new, rel_tol=DIFFERENT):
                     shown = [
-                        digits(x, 3) if plain(row) or name == "ε" else quantity(x, "s", 3) for x in (old, new)
+                        digits(x, 3) if plain or name == "ε" else quantity(x, "s", 3) for x in (old, new)
                     ]
-                    parts.setdefault(f"{name} {shown[0]} instead of {shown[1]}", {})["–".join(row.types)] = (
-                        None
-                    )
-    for before, parts in found.items():
+                    pairs = parts.setdefault(f"{name} {shown[0]} instead of {shown[1]}", {})
+                    pairs["–".join(row.types)] = None
+    for before, parts in differences.items():
         texts = [f"{text} ({', '.join(pairs)})" for text, pairs in parts.items()]
         more = len(texts) - MOST
         if texts:
-            yield f"{title} before {before}: {'; '.join(texts[:MOST])}{f'; and {more} more' if more > 0 else ''}."
+            rest = f"; and {more} more" if more > 0 else ""
+            yield f"{code(script.code).title} before {before}: {'; '.join(texts[:MOST])}{rest}."
 
 
 def _materials(
@@ -206,14 +206,14 @@ def _state(stage: Stage) -> object:
     """What two stages must share for their contacts to be the same."""
     contacts = [
         (
-            one.types,
-            one.wall,
-            one.wall_mass,
-            one.wall_radius,
-            one.friction,
-            {name: setting.words for name, setting in one.settings.items()},
+            contact.types,
+            contact.wall,
+            contact.wall_mass,
+            contact.wall_radius,
+            contact.friction,
+            {name: setting.words for name, setting in contact.settings.items()},
         )
-        for one in stage.contacts
+        for contact in stage.contacts
     ]
     return contacts, stage.grains, stage.time_step, stage.numerical_damping, stage.units, stage.dimension
 
@@ -239,8 +239,10 @@ def force_of(
         attracts = {"always": True, "never": False}.get(model.attracts, read.attracts)
         return ModelForce(model, read.numbers, attracts, contact, energy_density(contact, units))
 
-    examined = [one for one in read.model.difference if not one.unknown and known is None]
-    limits = {one.since or one.before for one in examined}
+    examined = [
+        difference for difference in read.model.difference if not difference.unknown and known is None
+    ]
+    limits = {difference.since or difference.before for difference in examined}
     older: list[tuple[str, ModelForce]] = []
     newest = later = force(known)
     for limit in sorted(limits, key=_just_before, reverse=True):
@@ -253,16 +255,20 @@ def force_of(
 
 def _as_of(model: Model, version: tuple[int, ...] | None, wall: bool) -> Model:
     """The model in a version of the code, by default the newest."""
-    for one in model.difference:
-        since = not one.since or version is None or version >= (_date(one.since) or version)
-        before = not one.before or (version is not None and version < (_date(one.before) or version))
-        if since and before and (wall or not one.walls):
-            if one.unknown:
+    for difference in model.difference:
+        since = not difference.since or version is None or version >= (_date(difference.since) or version)
+        before = not difference.before or (
+            version is not None and version < (_date(difference.before) or version)
+        )
+        if since and before and (wall or not difference.walls):
+            if difference.unknown:
                 raise ValueError(
-                    f"{model.name}: another force from {one.since} to {one.before}, which is not known"
+                    f"{model.name}: another force from {difference.since} to {difference.before}, which is not known"
                 )
-            damping, spring = one.damping or model.damping, one.spring or model.spring
-            model = replace(model, damping=damping, spring=spring, attracts=one.attracts or model.attracts)
+            damping, spring = difference.damping or model.damping, difference.spring or model.spring
+            model = replace(
+                model, damping=damping, spring=spring, attracts=difference.attracts or model.attracts
+            )
     return model
 
 
@@ -293,12 +299,12 @@ def _ends(
 ) -> Iterator[Case]:
     """The contact at the smallest and at the largest sizes; one if they are equal. Then those with fixed grains."""
     grains = [stage.grains.get(name, Grains(name)) for name in contact.types if name != WALL]
-    if all(one.frozen for one in grains):
+    if all(kind.frozen for kind in grains):
         return
     if not (len(set(contact.types)) == 1 and grains[0].alone):
         yield from _between(number, stage, contact, force, materials, grains)
     for first, second in {
-        (one.type, other.type): (one, other) for one, other in permutations(grains, 2)
+        (first.type, other.type): (first, other) for first, other in permutations(grains, 2)
     }.values():
         if second.partly_frozen and not first.frozen:
             pair = [first, second.fixed or replace(second, frozen=True)]
@@ -314,26 +320,28 @@ def _between(
     grains: list[Grains],
 ) -> Iterator[Case]:
     """The contact of two grains, or of a grain and a wall, at the ends of their sizes."""
-    grains.sort(key=lambda one: one.frozen)  # the first moves
-    ends = [[body(one, k) for one in grains] for k in (0, 1)]
+    grains.sort(key=lambda kind: kind.frozen)  # the first moves
+    ends = [[body(kind, k) for kind in grains] for k in (0, 1)]
     for bodies in ends if ends[0] != ends[1] else ends[:1]:
         yield Case(
-            contact.types,
-            number,
-            contact.wall,
-            bodies[0],
-            bodies[1] if len(bodies) > 1 else None,
-            force,
-            None if force is None else force.model.name,
-            None if force is None else force.numbers.get("restitution", contact.asked),
-            None if force is None else not force.attraction,
-            stage.time_step,
-            stage.numerical_damping,
-            (materials.get(grains[0].type), materials.get(grains[-1].type)),
-            None if force is None else force.spring,
-            () if force is None else force.others,
-            contact.friction,
-            None if force is None or force.spring is None else force.model.unit(force.spring[0]),
+            types=contact.types,
+            stage=number,
+            wall=contact.wall,
+            first=bodies[0],
+            second=bodies[1] if len(bodies) > 1 else None,
+            force=force,
+            model=None if force is None else force.model.name,
+            restitution_asked=None if force is None else force.numbers.get("restitution", contact.asked),
+            clipped=None if force is None else not force.attraction,
+            time_step=stage.time_step,
+            numerical_damping=stage.numerical_damping,
+            materials=(materials.get(grains[0].type), materials.get(grains[-1].type)),
+            spring=None if force is None else force.spring,
+            others=() if force is None else force.others,
+            friction=contact.friction,
+            spring_powers=None
+            if force is None or force.spring is None
+            else force.model.unit(force.spring[0]),
         )
 
 
@@ -365,23 +373,23 @@ def of_law(balls: Sequence[Ball], law: Law, walls: bool, time_step: float | None
     def case(first: Body, second: Body | None) -> Case:
         types = (str(bodies.index(first) + 1), WALL if second is None else str(bodies.index(second) + 1))
         return Case(
-            types,
-            1,
-            None,
-            first,
-            second,
-            force,
-            law.record["name"],
-            law.parameters.get("restitution"),
-            True,
-            time_step,
+            types=types,
+            stage=1,
+            wall=None,
+            first=first,
+            second=second,
+            force=force,
+            model=law.record["name"],
+            restitution_asked=law.parameters.get("restitution"),
+            clipped=True,
+            time_step=time_step,
             materials=(material, material),
             spring=spring and (spring[0], p[spring[0]], 1.0),
             spring_powers=spring and spring[1],
         )
 
-    pairs = [case(one, other) for i, one in enumerate(bodies) for other in bodies[i:]]
-    return pairs + [case(one, None) for one in bodies] * walls
+    pairs = [case(body, other) for i, body in enumerate(bodies) for other in bodies[i:]]
+    return pairs + [case(body, None) for body in bodies] * walls
 
 
 def sizes(system: ParticleSystem) -> list[Ball]:

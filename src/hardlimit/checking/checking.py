@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import islice
 from pathlib import Path
 from typing import Any, Final
 
@@ -13,7 +14,6 @@ from ..boxes.system import ParticleSystem
 from ..boxes.time_step import DEFAULT_ERROR, accepted_error
 from ..contact.balls import Ball
 from ..contact.contact import Law
-from ..convert.codes import code
 from ..convert.force import MAX_SPEED, MIN_SPEED
 from ..support import validation
 from ..support.formatting import digits, listed, percent
@@ -27,7 +27,16 @@ from .scripts import read as read_script
 
 #: Units of mass, length and time in SI; ``lj`` stays as it is.
 SCALES: Final = {**SYSTEMS, "lj": (1.0, 1.0, 1.0)}
-NO_RUN: Final = Stage(Quote("", 0, ""), None, False, None, (), {}, None, None)
+NO_RUN: Final = Stage(
+    quote=Quote("", 0, ""),
+    time_step=None,
+    time_step_given=False,
+    steps=None,
+    contacts=(),
+    grains={},
+    gravity=None,
+    numerical_damping=None,
+)
 #: Largest overlap over the radius that contact laws describe.
 COMPRESSED: Final = 0.05
 #: Impact speeds [m/s] at which contacts are shown if no speed is given and they depend on it.
@@ -48,7 +57,7 @@ POWERS: Final = {
 
 
 @dataclass(frozen=True)
-class Given:
+class Options:
     """The options of a check, in SI units or in those of a script in ``lj`` units."""
 
     dump: Path | None
@@ -81,7 +90,7 @@ def checked(
     if not isinstance(variables, Mapping):
         raise ValueError(f"variables: got {validation.shown(variables)}, must be values by name")
     speeds = _speeds(speed)
-    given = Given(
+    options = Options(
         None if dump is None else validation.path("dump", dump),
         speeds,
         packing_fraction,
@@ -95,14 +104,21 @@ def checked(
                 raise ValueError(
                     f"{name}: got {validation.shown(value)}, must be left out with a script, which sets it"
                 )
-        frames = _frames(given)
+        frames = _frames(options)
         seen = dumps.largest_type(frames)
         return _of_script(
-            read_script(source, code=code, variables=given.variables, types_seen=seen), given, frames
+            read_script(source, code=code, variables=options.variables, types_seen=seen), options, frames
         )
     for name, value in (("code", code), ("variables", dict(variables) or None)):
         if value is not None:
             raise ValueError(f"{name}: got {validation.shown(value)}, must be left out without a script")
+    return _of_bodies(source, law, options, time_step, dimension)
+
+
+def _of_bodies(
+    source: ParticleSystem | Ball, law: Any, options: Options, time_step: Any, dimension: Any
+) -> Verdict:
+    """A system or a ball under one of our laws."""
     if not isinstance(law, Law):
         raise ValueError(f"law: got {validation.shown(law)}, must be the contact law, such as LinearDashpot")
     if not law.record["power_law"]:
@@ -111,18 +127,18 @@ def checked(
     if isinstance(source, ParticleSystem):
         if dimension not in (None, source.dimension):
             raise ValueError(f"dimension: got {dimension}, must be left out with a system")
-        return _of_system(source, law, given, step)
+        return _of_system(source, law, options, step)
     d = 3 if dimension is None else validation.whole("dimension", dimension, 2, 3)
-    return _of_law([source], law, given, step, d, walls=True)
+    return _of_law([source], law, options, step, d, walls=True)
 
 
-def _speeds(given: Any) -> tuple[float, ...]:
+def _speeds(speed: Any) -> tuple[float, ...]:
     """One speed or the ends of a range."""
-    if given is None:
+    if speed is None:
         return ()
-    if validation.is_number(given):
-        return (validation.number("speed", given, MIN_SPEED, MAX_SPEED),)
-    low, high = validation.numbers("speed", given, 2, lowest=MIN_SPEED, highest=MAX_SPEED)
+    if validation.is_number(speed):
+        return (validation.number("speed", speed, MIN_SPEED, MAX_SPEED),)
+    low, high = validation.numbers("speed", speed, 2, lowest=MIN_SPEED, highest=MAX_SPEED)
     if low > high:
         raise ValueError(f"speed: got {low:g} to {high:g}, must be the lowest and then the highest speed")
     return tuple(dict.fromkeys((low, high)))
@@ -131,8 +147,8 @@ def _speeds(given: Any) -> tuple[float, ...]:
 # --- surroundings ---------------------------------------------------------------------------------------------
 
 
-def _frames(given: Given) -> list[dumps.Frame]:
-    return [] if given.dump is None else dumps.read(given.dump)
+def _frames(options: Options) -> list[dumps.Frame]:
+    return [] if options.dump is None else dumps.read(options.dump)
 
 
 def _states(
@@ -146,32 +162,32 @@ def _states(
 
 def _busiest(states: Sequence[dumps.State]) -> dumps.State | None:
     """The frame with the largest temperature, in which t_c ν is largest; the last if there are no velocities."""
-    return max(states, key=lambda one: (one.temperature or 0.0, one.step), default=None)
+    return max(states, key=lambda state: (state.temperature or 0.0, state.step), default=None)
 
 
 def _surroundings(
-    given: Given, states: Sequence[dumps.State], dimension: int
+    options: Options, states: Sequence[dumps.State], dimension: int
 ) -> tuple[Surroundings, tuple[float, ...]]:
     """The gas, and the impact speeds at which contacts are examined; options come before the dump."""
     state = _busiest(states)
-    phi = given.packing_fraction
+    phi = options.packing_fraction
     if phi is not None:
         phi = checked_packing_fraction(phi, dimension)
     elif state is not None and state.packing_fraction is not None:
         phi = min(state.packing_fraction, 0.99)
-    measured = state is not None and bool(state.temperature) and not given.speeds and given.drive is None
+    measured = state is not None and bool(state.temperature) and not options.speeds and options.drive is None
     gas = Surroundings(
         dimension,
         phi,
         state.mean_speed if measured and state else None,
         state.mean_diameter if measured and state else None,
-        restitution_error=given.restitution_error,
+        restitution_error=options.restitution_error,
     )
-    return gas, given.speeds or (state.speeds if state and given.drive is None else ())
+    return gas, options.speeds or (state.speeds if state and options.drive is None else ())
 
 
 def _examined(
-    found: Sequence[Case],
+    contacts: Sequence[Case],
     gas: Surroundings,
     speeds: Sequence[float],
     driven: drive.Drive | None,
@@ -184,13 +200,13 @@ def _examined(
     depend on the speed if there is none.
     """
     share = math.sqrt(0.5) if gas.mean_speed is not None or driven is not None else 1.0
-    gas = replace(gas, rubs=any(one.friction != 0.0 for one in found if one.second is not None))
+    gas = replace(gas, rubs=any(case.friction != 0.0 for case in contacts if case.second is not None))
     rows = []
-    for case in found:
+    for case in contacts:
         at, where = speeds, gas
-        one = None if purpose is None else purpose.gas(case, gas.dimension, gas.packing_fraction)
-        if purpose is not None and purpose.bath is not None and one is not None:
-            where = replace(gas, heat_share=partial(purpose.heat_share, one))
+        grain = None if purpose is None else purpose.gas(case, gas.dimension, gas.packing_fraction)
+        if purpose is not None and purpose.bath is not None and grain is not None:
+            where = replace(gas, heat_share=partial(purpose.heat_share, grain))
         if driven is not None:
             steady = driven.speed(case, gas.dimension, gas.packing_fraction)
             at, where = () if steady is None else (steady,), replace(where, mean_speed=steady)
@@ -207,11 +223,11 @@ def _examined(
 
 @dataclass(frozen=True)
 class System:
-    """The contacts of all runs with the same units and dimension, in these units."""
+    """The contacts of all runs of the same kind (see :func:`_kinds`), in the same units."""
 
     last: Stage  #: its last run
-    asked: drive.Drive | None  #: what determines the speed, in SI units
-    given: Given
+    supply: drive.Drive | None  #: what determines the speed, in SI units
+    options: Options
     gas: Surroundings
     speeds: tuple[float, ...]
     examined: Sequence[tuple[Case, CheckedContact]]
@@ -225,58 +241,78 @@ class System:
     @property
     def at(self) -> str:
         """The chosen speed of the largest numbers; empty if speeds are given, or nothing depends on them."""
-        known = self.speeds or self.given.drive or all(row.speed is None for _, row in self.examined)
+        known = self.speeds or self.options.drive or all(row.speed is None for _, row in self.examined)
         return "" if known else " at 1 m/s"
 
     def missing(self, states: Sequence[dumps.State]) -> tuple[str, ...]:
         """What is not known, in words."""
         rows = [row for _, row in self.examined]
-        return _missing(rows, self.gas, _known_speeds(rows, self.speeds, self.given.drive), states)
+        return _missing(rows, self.gas, _known_speeds(rows, self.speeds, self.options.drive), states)
 
     def remarks(self, several: bool) -> Iterator[str]:
         """Remarks on the contacts, which name their units if the script has several."""
         plain = self.last.units == "lj"
-        for note in _remarks(self.examined, self.given, self.gas, self.speeds, self.at, plain):
+        for note in _remarks(self.examined, self.options, self.gas, self.speeds, self.at, plain):
             yield f"In {self.last.units} units: {note}" if several else note
 
     def corrected(self, code: str, several: bool) -> Iterator[str]:
         """Corrected lines, which name their units if the script has several."""
-        for line in corrections.lines(code, self.examined, self.given.restitution_error, not self.at):
+        for line in corrections.lines(code, self.examined, self.options.restitution_error, not self.at):
             yield f"{line}{';' if '#' in line else '  #'} {self.last.units} units" if several else line
 
 
-def _kind(stage: Stage) -> tuple[str, int]:
-    """What the runs of a system share."""
-    return stage.units, stage.dimension
+#: Units, dimension, shear rate, bath, and other drives in words.
+Kind = tuple[str, int, float | None, tuple[float, float] | None, str]
+
+
+def _kinds(stages: Sequence[Stage]) -> list[Kind]:
+    """The kind of system of each stage, which decides what it is judged by: that of the last run before ``clear``."""
+    last = {stage.system: stage for stage in stages}
+    ends = (last[stage.system] for stage in stages)
+    return [
+        (end.units, end.dimension, end.shear_rate, end.bath, drive.words_of(end, drive.support(end)))
+        for end in ends
+    ]
 
 
 def _systems(
-    script: Description, found: Sequence[Case], given: Given, states: Sequence[dumps.State]
+    stages: Sequence[Stage],
+    kinds: Sequence[Kind],
+    contacts: Sequence[Case],
+    options: Options,
+    states: Sequence[dumps.State],
 ) -> Iterator[System]:
     """The systems of a script. A dump is one of the last."""
-    stages = script.stages or (NO_RUN,)
-    for kind, last in {_kind(stage): stage for stage in stages}.items():
-        own = [case for case in found if _kind(stages[case.stage - 1]) == kind]
-        yield _system(last, own, given, states if kind == _kind(stages[-1]) else ())
+    for kind, last in dict(zip(kinds, stages, strict=True)).items():
+        own = [case for case in contacts if kinds[case.stage - 1] == kind]
+        yield _system(last, own, options, states if kind == kinds[-1] else ())
 
 
-def _system(last: Stage, found: Sequence[Case], given: Given, states: Sequence[dumps.State]) -> System:
+def _system(last: Stage, contacts: Sequence[Case], options: Options, states: Sequence[dumps.State]) -> System:
     """The system that ends with a run."""
     scales = _, length, time = SCALES[last.units]
     plain = last.units == "lj"
-    purpose = given.drive or drive.of_stage(last, *scales)
-    measured = given.speeds or any(one.temperature for one in states)
-    asked = given.drive if measured else purpose
-    driven, purpose = (one and one.in_units(*scales) for one in (asked, purpose))
-    given = replace(given, speeds=tuple(v * time / length for v in given.speeds), drive=driven)
-    gas, speeds = _surroundings(given, states, last.dimension)
+    purpose = options.drive or drive.of_stage(last, *scales)
+    measured = options.speeds or any(state.temperature for state in states)
+    supply = options.drive if measured else purpose
+    driven, purpose = (source and source.in_units(*scales) for source in (supply, purpose))
+    options = replace(options, speeds=tuple(v * time / length for v in options.speeds), drive=driven)
+    gas, speeds = _surroundings(options, states, last.dimension)
     gas = replace(gas, quantity="cooling" if purpose is None else purpose.quantity)
     chosen = () if plain or speeds or driven else tuple(v * time / length for v in CHOSEN_SPEEDS)
-    examined = _examined(found, gas, speeds, driven, purpose, chosen)
-    held = drive.support(last)
-    option = "" if plain else drive.option_of(held, length, time)
-    question = answer.Question(gas.quantity, bool(states), drive.words_of(last, held), option)
-    return System(last, asked, given, gas, speeds, examined, question)
+    examined = _examined(contacts, gas, speeds, driven, purpose, chosen)
+    support = drive.support(last)
+    option = "" if plain else drive.option_of(support, length, time)
+    question = answer.Question(gas.quantity, bool(states), drive.words_of(last, support), option)
+    return System(
+        last=last,
+        supply=supply,
+        options=options,
+        gas=gas,
+        speeds=speeds,
+        examined=examined,
+        question=question,
+    )
 
 
 def _answer(
@@ -287,15 +323,16 @@ def _answer(
 ) -> tuple[bool | None, str]:
     """The answer for all systems: no if it is for one, yes if it is for all."""
     answers = []
-    for question in dict.fromkeys(one.question for one in systems):
-        same = [one for one in systems if one.question == question]
-        rows = [row for one in same for row in one.rows]
-        missing = tuple(dict.fromkeys(what for one in same for what in one.missing(states)))
+    for question in dict.fromkeys(system.question for system in systems):
+        same = [system for system in systems if system.question == question]
+        rows = [row for system in same for row in system.rows]
+        missing = tuple(dict.fromkeys(what for system in same for what in system.missing(states)))
         answers.append(answer.answer(rows, invalidates, unknown, missing, question))
-    return min(answers, key=lambda one: (False, None, True).index(one[0]))
+    return min(answers, key=lambda pair: (False, None, True).index(pair[0]))
 
 
-def _of_script(script: Description, given: Given, frames: Sequence[dumps.Frame] = ()) -> Verdict:
+def _refuse_empty(script: Description) -> None:
+    """Refuse a script without granular contacts, or with units that are not understood."""
     for stage in script.stages:
         if stage.units not in SCALES:
             raise ValueError(
@@ -304,51 +341,55 @@ def _of_script(script: Description, given: Given, frames: Sequence[dumps.Frame] 
     if not script.unknown and not any(stage.contacts for stage in script.stages):
         others = "".join(f"; it has {note.what}" for note in script.invalidates[:1])
         raise ValueError(f"script: it has no run with granular contacts{others}")
+
+
+def _of_script(script: Description, options: Options, frames: Sequence[dumps.Frame] = ()) -> Verdict:
+    _refuse_empty(script)
     script = _with_sizes(script, frames)
-    found, remarks = cases.of_script(script)
-    last = script.stages[-1] if script.stages else NO_RUN
+    stages = script.stages or (NO_RUN,)
+    kinds, last = _kinds(stages), stages[-1]
+    contacts, remarks = cases.of_script(script, kinds[: len(script.stages)])
     states = _states(frames, _radii(last), last.dimension, _densities(last))
-    systems = list(_systems(script, found, given, states))
-    rows = sorted((row for one in systems for row in one.rows), key=lambda row: row.stage)
-    held = [drive.support(stage) for stage in script.stages]
-    chosen = any(one.at for one in systems)
+    systems = list(_systems(stages, kinds, contacts, options, states))
+    rows = sorted((row for system in systems for row in system.rows), key=lambda row: row.stage)
+    supports = [drive.support(stage) for stage in script.stages]
+    chosen = any(system.at for system in systems)
     invalidates = [_finding(note) for note in script.invalidates]
-    invalidates += _lasting(script.stages, held, rows, states, chosen)
+    invalidates += _lasting(script.stages, supports, rows, states, chosen)
     unknown = _not_understood(script, last, frames, remarks, invalidates)
     admissible, sentence = _answer(systems, invalidates, unknown, states)
-    final = next(one for one in systems if _kind(one.last) == _kind(last))
+    final = next(system for system in systems if system.last is last)
+    several = len({stage.units for stage in stages}) > 1
     _, length, time = SCALES[last.units]
-
-    def plain(row: CheckedContact) -> bool:
-        return script.stages[row.stage - 1].units == "lj"
-
     return Verdict(
-        admissible,
-        sentence + answer.steady(final.rows, final.asked, last.units == "lj"),
-        script.code,
-        script.version,
-        last.units,
-        last.units_given,
-        None if last.time_step is None else last.time_step * time,
-        last.numerical_damping,
-        tuple(rows),
-        tuple(_stage(k, *pair) for k, pair in enumerate(zip(script.stages, held, strict=True), 1)),
-        tuple(_state_in_si(one, length, time) for one in states),
-        tuple(_checked(rows, any(stage.gravity for stage in script.stages), states)),
-        tuple(_finding(note) for note in script.ignored),
-        tuple(invalidates),
-        tuple(unknown),
-        tuple(dict.fromkeys(what for one in systems for what in one.missing(states))),
-        (
-            *cases.of_other_versions(code(script.code).title, rows, plain),
+        admissible=admissible,
+        sentence=sentence + answer.steady(final.rows, final.supply, last.units == "lj"),
+        code=script.code,
+        version=script.version,
+        units=last.units,
+        units_given=last.units_given,
+        time_step=None if last.time_step is None else last.time_step * time,
+        numerical_damping=last.numerical_damping,
+        rows=tuple(rows),
+        stages=tuple(_stage(k, *pair) for k, pair in enumerate(zip(script.stages, supports, strict=True), 1)),
+        states=tuple(_state_in_si(state, length, time) for state in states),
+        checked=tuple(_checked(rows, any(stage.gravity for stage in script.stages), states)),
+        ignored=tuple(_finding(note) for note in script.ignored),
+        invalidates=tuple(invalidates),
+        unknown=tuple(unknown),
+        missing=tuple(dict.fromkeys(what for system in systems for what in system.missing(states))),
+        remarks=(
+            *cases.of_other_versions(script, rows),
             *remarks.versions,
-            *dict.fromkeys(note for one in systems for note in one.remarks(len(systems) > 1)),
+            *dict.fromkeys(note for system in systems for note in system.remarks(several)),
             *_numerically_damped(last.numerical_damping, final.examined),
         ),
-        tuple(line for one in systems for line in one.corrected(script.code, len(systems) > 1)),
-        None if final.question.driven else final.question.quantity,
-        given.restitution_error,
-        chosen,
+        corrected=tuple(
+            dict.fromkeys(line for system in systems for line in system.corrected(script.code, several))
+        ),
+        quantity=None if final.question.driven else final.question.quantity,
+        restitution_error=options.restitution_error,
+        speeds_chosen=chosen,
     )
 
 
@@ -360,16 +401,16 @@ def _not_understood(
     invalidates: Sequence[Finding],
 ) -> list[Finding]:
     """Statements, types of a dump and contacts that are not understood."""
-    taken = {types for one in invalidates if (types := one.types)}
+    taken = {types for finding in invalidates if (types := finding.types)}
     unknown = [Finding(quote.text.strip(), None, _where(quote)) for quote in script.unknown]
     unknown += [
         Finding(f"grains of type {name} are in the dump, but not in the script")
         for name in sorted({name for frame in frames for name in frame.types or () if name.isdecimal()})
         if name not in last.grains
     ]
-    if all(one.types is not None for one in invalidates):
+    if all(finding.types is not None for finding in invalidates):
         unknown += _not_modelled(
-            [one for one in remarks.not_modelled if not any({*one.types} & {*t} for t in taken)]
+            [contact for contact in remarks.not_modelled if not any({*contact.types} & {*t} for t in taken)]
         )
     return unknown
 
@@ -383,21 +424,21 @@ def _with_sizes(script: Description, frames: Sequence[dumps.Frame]) -> Descripti
     if not measured:
         return script
 
-    def grains(one: Grains) -> Grains:
-        known = measured.get(one.type, measured.get(""))
-        if one.radii is not None or known is None:
-            return one
+    def grains(kind: Grains) -> Grains:
+        known = measured.get(kind.type, measured.get(""))
+        if kind.radii is not None or known is None:
+            return kind
         radii, masses = known
-        return replace(one, radii=radii, masses=None if one.densities else masses or one.masses)
+        return replace(kind, radii=radii, masses=None if kind.densities else masses or kind.masses)
 
     stages = [
-        replace(stage, grains={name: grains(one) for name, one in stage.grains.items()})
-        if _kind(stage) == _kind(script.stages[-1])
+        replace(stage, grains={name: grains(kind) for name, kind in stage.grains.items()})
+        if (stage.units, stage.dimension) == (script.stages[-1].units, script.stages[-1].dimension)
         else stage
         for stage in script.stages
     ]
     unknown = [
-        one for one in script.unknown if not one.text.lstrip().startswith(("read_data", "read_restart"))
+        quote for quote in script.unknown if not quote.text.lstrip().startswith(("read_data", "read_restart"))
     ]
     return replace(script, stages=tuple(stages), unknown=tuple(unknown))
 
@@ -423,7 +464,7 @@ def _densities(stage: Stage) -> dict[str, float]:
 
 def _lasting(
     stages: Sequence[Stage],
-    held: Sequence[drive.Support],
+    supports: Sequence[drive.Support],
     rows: Sequence[CheckedContact],
     states: Sequence[dumps.State],
     chosen: bool = False,
@@ -443,10 +484,15 @@ def _lasting(
             what = f"grains are pressed together ({pressed[0].what})"
             yield _finding(pressed[0])._replace(what=what)
         # What is at rest before it is shaken does not decide.
-        shaken = bool(held) and held[-1].moves and not held[-1].rests
-        resting = [(stage, one) for stage, one in zip(stages, held, strict=True) if one.rests]
-        for stage, one in () if shaken else resting[:1]:
-            yield Finding(_rest(one), None, _where(stage.quote))
+        ends = {stage.system: support for stage, support in zip(stages, supports, strict=True)}
+        shaken = {system for system, end in ends.items() if end.moves and not end.rests}
+        resting = (
+            (stage, support)
+            for stage, support in zip(stages, supports, strict=True)
+            if support.rests and stage.system not in shaken
+        )
+        for stage, support in islice(resting, 1):
+            yield Finding(_rest(support), None, _where(stage.quote))
     overdamped: dict[tuple[str, str], list[bool]] = {}
     for row in rows:
         overdamped.setdefault(row.types, []).append(row.restitution == 0.0 and not row.adhesive)
@@ -455,16 +501,16 @@ def _lasting(
             yield Finding("overdamped contacts", types)
 
 
-def _rest(held: drive.Support) -> str:
+def _rest(support: drive.Support) -> str:
     """That grains rest, and how strongly their support is shaken."""
-    shaking = "" if held.shaking is None else f" (Γ = A ω²/g = {digits(held.shaking, 3)})"
+    shaking = "" if support.shaking is None else f" (Γ = A ω²/g = {digits(support.shaking, 3)})"
     return f"grains rest on each other under gravity{shaking}"
 
 
 def _not_modelled(contacts: Sequence[cases.NotModelled]) -> Iterator[Finding]:
     """Each statement that no model describes, with the types of its contacts."""
-    for why, quote in dict.fromkeys((one.why, one.quote) for one in contacts):
-        same = [one.types for one in contacts if (one.why, one.quote) == (why, quote)]
+    for why, quote in dict.fromkeys((contact.why, contact.quote) for contact in contacts):
+        same = [contact.types for contact in contacts if (contact.why, contact.quote) == (why, quote)]
         pairs = ["–".join(types) for types in same]
         text = f"{', '.join(pairs[:3])}{' …' * (len(pairs) > 3)}: {why}"
         kinds = tuple(dict.fromkeys(name for types in same for name in types))
@@ -503,8 +549,8 @@ def _known_speeds(
     """The speeds; those of the steady state if they are known for all contacts."""
     if driven is None:
         return speeds
-    found = [row.speed for row in rows if row.speed is not None]
-    return found if len(found) == len(rows) else ()
+    known = [row.speed for row in rows if row.speed is not None]
+    return known if len(known) == len(rows) else ()
 
 
 def _speeds_chosen(
@@ -539,21 +585,21 @@ def _missing(
 ) -> tuple[str, ...]:
     """What is not known, in words."""
     pairs = [row for row in rows if row.types[1] != cases.WALL]
-    found = []
+    missing = []
     if not speeds:
-        found.append("speeds")
+        missing.append("speeds")
     if gas.packing_fraction is None:
-        found.append("packing")
+        missing.append("packing")
     if any(row.radius is None for row in rows):
-        found.append("sizes")
+        missing.append("sizes")
     elif any(row.density is None for row in pairs):
-        found.append("masses")
-    return tuple(found)
+        missing.append("masses")
+    return tuple(missing)
 
 
 def _remarks(
     examined: Sequence[tuple[Case, CheckedContact]],
-    given: Given,
+    options: Options,
     gas: Surroundings,
     speeds: Sequence[float],
     at: str,
@@ -561,9 +607,9 @@ def _remarks(
 ) -> Iterator[str]:
     """All remarks on contacts and their speeds."""
     rows = [row for _, row in examined]
-    yield from dict.fromkeys(_notes(examined, given.restitution_error, at))
-    yield from _no_speed(given.drive, rows, gas, plain)
-    yield from _speeds_chosen(rows, speeds, given.drive, plain)
+    yield from dict.fromkeys(_notes(examined, options.restitution_error, at))
+    yield from _no_speed(options.drive, rows, gas, plain)
+    yield from _speeds_chosen(rows, speeds, options.drive, plain)
 
 
 def _notes(examined: Sequence[tuple[Case, CheckedContact]], accepted: float, at: str = "") -> Iterator[str]:
@@ -582,8 +628,8 @@ def _notes(examined: Sequence[tuple[Case, CheckedContact]], accepted: float, at:
                 f"The script gives a damping, not a restitution; with {model} it gives ε from {low:.3g} to {high:.3g}, "
                 "not one ε."
             )
-        asked = [case.restitution_asked for case, _ in members if case.restitution_asked is not None]
-        if asked and any(abs(e - a) > corrections.TOLERATED for e, a in zip(epsilons, asked, strict=False)):
+        wanted = [case.restitution_asked for case, _ in members if case.restitution_asked is not None]
+        if wanted and any(abs(e - a) > corrections.TOLERATED for e, a in zip(epsilons, wanted, strict=False)):
             yield "ε given differs from ε asked."
     rows = [row for _, row in examined]
     error = max((row.restitution_error_of_step or 0.0 for row in rows), default=0.0)
@@ -614,7 +660,10 @@ def _in_si(case: Case, row: CheckedContact, units: str) -> CheckedContact:
     for name, powers in POWERS.items():
         if (value := getattr(row, name)) is not None:
             changed[name] = value * math.prod(s**p for s, p in zip(scales, powers, strict=True))
-    others = [one._replace(duration=one.duration and one.duration * scales[2]) for one in row.other_versions]
+    others = [
+        version._replace(duration=version.duration and version.duration * scales[2])
+        for version in row.other_versions
+    ]
     return replace(row, **changed, other_versions=tuple(others))
 
 
@@ -638,47 +687,62 @@ def _state_in_si(state: dumps.State, length: float, time: float) -> dumps.State:
     )
 
 
-def _stage(number: int, stage: Stage, held: drive.Support) -> CheckedStage:
+def _stage(number: int, stage: Stage, support: drive.Support) -> CheckedStage:
     _, length, time = SCALES[stage.units]
     step, gravity = stage.time_step, stage.gravity
     return CheckedStage(
-        number,
-        _where(stage.quote),
-        None if step is None else step * time,
-        stage.steps,
-        None if gravity is None else gravity * length / time**2,
-        stage.units,
-        held.shaking,
+        number=number,
+        command=_where(stage.quote),
+        time_step=None if step is None else step * time,
+        steps=stage.steps,
+        gravity=None if gravity is None else gravity * length / time**2,
+        units=stage.units,
+        shaking=support.shaking,
     )
 
 
 # --- systems and numbers --------------------------------------------------------------------------------------
 
 
-def _of_system(system: ParticleSystem, law: Law, given: Given, step: float | None) -> Verdict:
+def _of_system(system: ParticleSystem, law: Law, options: Options, step: float | None) -> Verdict:
     walls = "wall" in system.boundary
     temperature = system.granular_temperature
     state = dumps.State(
-        0, system.n, system.packing_fraction, temperature, 2.0 * float(system.radius.mean()), None, None, None
+        step=0,
+        grains=system.n,
+        packing_fraction=system.packing_fraction,
+        temperature=temperature,
+        mean_diameter=2.0 * float(system.radius.mean()),
+        largest_overlap=None,
+        coordination=None,
+        in_several_contacts=None,
     )
-    held = drive.support_of_system(system)
-    resting = [Finding(_rest(held))] * held.rests
+    support = drive.support_of_system(system)
+    resting = [Finding(_rest(support))] * support.rests
     in_system = drive.of_system(system)
-    if given.drive is None and not given.speeds and not system._walls_move:
-        given = replace(given, drive=in_system)
-    purpose = given.drive or in_system
-    driven = drive.words_of(None, held) if given.drive is None else ""
+    if options.drive is None and not options.speeds and not system._walls_move:
+        options = replace(options, drive=in_system)
+    purpose = options.drive or in_system
+    driven = drive.words_of(None, support) if options.drive is None else ""
     quantity = "cooling" if purpose is None else purpose.quantity
-    question = answer.Question(quantity, False, driven, drive.option_of(held, 1.0, 1.0), purpose)
+    question = answer.Question(quantity, False, driven, drive.option_of(support, 1.0, 1.0), purpose)
     return _of_law(
-        cases.sizes(system), law, given, step, system.dimension, walls, (state,), resting, question
+        balls=cases.sizes(system),
+        law=law,
+        options=options,
+        step=step,
+        dimension=system.dimension,
+        walls=walls,
+        states=(state,),
+        resting=resting,
+        question=question,
     )
 
 
 def _of_law(
     balls: Sequence[Ball],
     law: Law,
-    given: Given,
+    options: Options,
     step: float | None,
     dimension: int,
     walls: bool,
@@ -687,41 +751,41 @@ def _of_law(
     question: answer.Question | None = None,
 ) -> Verdict:
     if question is None:
-        question = answer.Question("cooling" if given.drive is None else given.drive.quantity)
-    found = cases.of_law(balls, law, walls, step)
+        question = answer.Question("cooling" if options.drive is None else options.drive.quantity)
+    contacts = cases.of_law(balls, law, walls, step)
     radii = {str(k): ball.radius for k, ball in enumerate(balls, 1)}
     densities = {str(k): ball.density for k, ball in enumerate(balls, 1)}
-    dumped = _states(_frames(given), radii, dimension, densities)
+    dumped = _states(_frames(options), radii, dimension, densities)
     question = replace(question, dumped=bool(dumped))
-    gas, speeds = _surroundings(given, dumped or states, dimension)
+    gas, speeds = _surroundings(options, dumped or states, dimension)
     gas = replace(gas, quantity=question.quantity)
-    chosen = () if speeds or given.drive else CHOSEN_SPEEDS
-    examined = _examined(found, gas, speeds, given.drive, given.drive or question.purpose, chosen)
+    chosen = () if speeds or options.drive else CHOSEN_SPEEDS
+    examined = _examined(contacts, gas, speeds, options.drive, options.drive or question.purpose, chosen)
     rows = [_in_si(*pair, "si") for pair in examined]
-    at = "" if speeds or given.drive or all(row.speed is None for row in rows) else " at 1 m/s"
+    at = "" if speeds or options.drive or all(row.speed is None for row in rows) else " at 1 m/s"
     invalidates = [*resting, *_lasting((), (), rows, dumped, bool(at))]
-    missing = _missing(rows, gas, _known_speeds(rows, speeds, given.drive), dumped)
+    missing = _missing(rows, gas, _known_speeds(rows, speeds, options.drive), dumped)
     admissible, sentence = answer.answer(rows, invalidates, (), missing, question)
     return Verdict(
-        admissible,
-        sentence + answer.steady(rows, given.drive, False),
-        None,
-        None,
-        "si",
-        True,
-        step,
-        None,
-        tuple(rows),
-        (),
-        dumped or states,
-        tuple(_checked(rows, False, dumped)),
-        (),
-        tuple(invalidates),
-        (),
-        missing,
-        tuple(_remarks(examined, given, gas, speeds, at, False)),
-        (),
-        None if question.driven else question.quantity,
-        given.restitution_error,
-        bool(at),
+        admissible=admissible,
+        sentence=sentence + answer.steady(rows, options.drive, False),
+        code=None,
+        version=None,
+        units="si",
+        units_given=True,
+        time_step=step,
+        numerical_damping=None,
+        rows=tuple(rows),
+        stages=(),
+        states=dumped or states,
+        checked=tuple(_checked(rows, False, dumped)),
+        ignored=(),
+        invalidates=tuple(invalidates),
+        unknown=(),
+        missing=missing,
+        remarks=tuple(_remarks(examined, options, gas, speeds, at, False)),
+        corrected=(),
+        quantity=None if question.driven else question.quantity,
+        restitution_error=options.restitution_error,
+        speeds_chosen=bool(at),
     )

@@ -170,16 +170,16 @@ def examine(case: Case, speeds: Sequence[float | None], gas: Surroundings) -> li
 
 def _at(case: Case, speed: float | None, gas: Surroundings) -> CheckedContact:
     row = CheckedContact(
-        case.types,
-        case.stage,
-        case.wall,
-        case.model,
-        case.first.radius,
-        None if case.second is None else case.second.radius,
-        case.first.density,
-        case.restitution_asked,
-        case.clipped,
-        speed,
+        types=case.types,
+        stage=case.stage,
+        wall=case.wall,
+        model=case.model,
+        radius=case.first.radius,
+        other_radius=None if case.second is None else case.second.radius,
+        density=case.first.density,
+        restitution_asked=case.restitution_asked,
+        clipped=case.clipped,
+        speed=speed,
         friction=case.friction,
     )
     if case.force is None:
@@ -194,23 +194,25 @@ def _at(case: Case, speed: float | None, gas: Surroundings) -> CheckedContact:
         )
         for k in range(1 if known else len(TRIALS["speed"]))
     ]
-    found = [_results(case, *one, gas) for one in tried]
-    kept: dict[str, Any] = {name: _agreed([one.get(name) for one in found]) for name in found[0]}
+    results = [_results(case, *trial, gas) for trial in tried]
+    kept: dict[str, Any] = {name: _agreed([result.get(name) for result in results]) for name in results[0]}
     errors = {str(rule): (kept.pop(rule), kept.pop(f"{rule}±")) for rule in KNOWN_RULES if rule in kept}
     if (steps := kept.get("steps_per_contact")) is not None:
         kept["steps_per_contact"] = math.floor(steps)
     if case.spring is not None and kept.get("softening") is not None:
         name, value, power = case.spring
         kept["spring"] = name, value, value * kept["softening"] ** (1.0 / power)
-    kept["other_versions"] = tuple(_other_version(case, *one, tried) for one in case.others)
+    kept["other_versions"] = tuple(_other_version(case, *version, tried) for version in case.others)
     return replace(row, **kept, error={rule: pair for rule, pair in errors.items() if None not in pair})
 
 
 def _other_version(
     case: Case, before: str, make: MakeForce, tried: Sequence[tuple[KnownBody, KnownBody | None, float]]
 ) -> OtherVersion:
-    found = [collision_of(make(*one), one[2], case.numerical_damping) for one in tried]
-    return OtherVersion(before, _agreed([c.restitution for c in found]), _agreed([c.duration for c in found]))
+    collisions = [collision_of(make(*trial), trial[2], case.numerical_damping) for trial in tried]
+    return OtherVersion(
+        before, _agreed([c.restitution for c in collisions]), _agreed([c.duration for c in collisions])
+    )
 
 
 def _agreed(values: Sequence[Any]) -> Any:
@@ -232,7 +234,7 @@ def _results(
     force = case.force(first, second, speed)
     collision = collision_of(force, speed, case.numerical_damping)
     smaller = first.radius if second is None else min(first.radius, second.radius)
-    found: dict[str, Any] = {
+    results: dict[str, Any] = {
         "rule": usual_rule(force),
         "adhesive": isinstance(force, AdhesiveForce),
         "restitution": collision.restitution,
@@ -246,13 +248,15 @@ def _results(
         if body is not None and material is not None and math.isfinite(body.mass)
     ]
     if waves:
-        found["p_wave_time"], found["rayleigh_time"] = map(min, zip(*waves, strict=True))
+        results["p_wave_time"], results["rayleigh_time"] = map(min, zip(*waves, strict=True))
     if case.time_step is not None:
-        found["steps_per_contact"] = (
+        results["steps_per_contact"] = (
             collision.duration / case.time_step if math.isfinite(collision.duration) else None
         )
-        found["restitution_error_of_step"] = force.error_of_step(speed, case.time_step)
-    return found | _in_gas(case, force, first, second, speed, gas, collision)
+        results["restitution_error_of_step"] = force.error_of_step(speed, case.time_step)
+    return results | _in_gas(
+        case=case, force=force, first=first, second=second, speed=speed, gas=gas, collision=collision
+    )
 
 
 def _wave_times(body: KnownBody, material: tuple[float, float]) -> tuple[float, float]:
@@ -277,13 +281,13 @@ def _in_gas(
     if gas.mean_speed is not None:
         force = case.force(first, second, gas.mean_speed) if case.force else force
         mean = collision_of(force, gas.mean_speed, case.numerical_damping)
-    found: dict[str, Any] = {"delta_over_d": mean.compression / diameter}
+    numbers: dict[str, Any] = {"delta_over_d": mean.compression / diameter}
     if gas.packing_fraction is None or not math.isfinite(mean.duration):
-        return found
+        return numbers
     rate = gas.collision_rate(gas.mean_speed or speed, gas.diameter or diameter)
-    tc_nu = found["tc_nu"] = mean.duration * rate
+    tc_nu = numbers["tc_nu"] = mean.duration * rate
     if second is None or isinstance(force, AdhesiveForce):
-        return found
+        return numbers
     exponent = 0.25 * force.powers.elastic + 1.0
     clipped = replace(force, powers=replace(force.powers, attracts=False))
     prolonged = 1.0 - clipped.collision(gas.mean_speed or speed).duration / mean.duration
@@ -293,29 +297,33 @@ def _in_gas(
 
     def with_bar(rule: str, tc_nu: float) -> Expected | None:
         assert gas.packing_fraction is not None
-        one = expected(rule, gas.dimension, gas.packing_fraction, mean.restitution, force.powers, tc_nu)
+        prediction = expected(
+            rule, gas.dimension, gas.packing_fraction, mean.restitution, force.powers, tc_nu
+        )
         # Measured for forces that never attract; attraction prolongs the contact.
-        if one is not None and one.temperature is not None and gas.heat_share is not None:
+        if prediction is not None and prediction.temperature is not None and gas.heat_share is not None:
             share = gas.heat_share(gas.mean_speed or speed)
-            one = one._replace(temperature=(one.temperature[0] * share, one.temperature[1] * share))
-        return one and one.wider(math.hypot(prolonged, unequal))
+            prediction = prediction._replace(
+                temperature=(prediction.temperature[0] * share, prediction.temperature[1] * share)
+            )
+        return prediction and prediction.wider(math.hypot(prolonged, unequal))
 
     usual = usual_rule(force)
     known = with_bar(usual, tc_nu)
     if case.friction != 0.0 or gas.rubs:
-        asked = None if known is None else getattr(known, gas.quantity)
-        return found | {"frictionless_error": None if asked is None else asked[0]}
+        decisive = None if known is None else getattr(known, gas.quantity)
+        return numbers | {"frictionless_error": None if decisive is None else decisive[0]}
     for rule in KNOWN_RULES:
         if RULES[rule].has_constant_restitution and usual == DEFAULTS["law"]:
             continue  # its error has another cause as well, the ε that depends on the speed
-        if (one := with_bar(rule, tc_nu)) is not None:
-            found[rule], found[f"{rule}±"] = one.cooling
+        if (value := with_bar(rule, tc_nu)) is not None:
+            numbers[rule], numbers[f"{rule}±"] = value.cooling
     if known is not None:
-        found["heated_error"], found["heated_error_bar"] = known.temperature or (None, None)
-        found["sheared_error"], found["sheared_error_bar"] = known.stress or (None, None)
+        numbers["heated_error"], numbers["heated_error_bar"] = known.temperature or (None, None)
+        numbers["sheared_error"], numbers["sheared_error_bar"] = known.stress or (None, None)
         largest = _largest_tc_nu(lambda x: getattr(with_bar(usual, x), gas.quantity))
-        found["softening"] = None if largest is None else (tc_nu / largest) ** exponent
-    return found
+        numbers["softening"] = None if largest is None else (tc_nu / largest) ** exponent
+    return numbers
 
 
 def _largest_tc_nu(error: Callable[[float], tuple[float, float] | None]) -> float | None:
@@ -325,9 +333,9 @@ def _largest_tc_nu(error: Callable[[float], tuple[float, float] | None]) -> floa
     """
     x = MEASURED_TC_NU
     for _ in range(FIXED_POINT_STEPS):
-        if (one := error(x)) is None:
+        if (value := error(x)) is None:
             return None
-        size, before = abs(one[0]) + one[1], x
+        size, before = abs(value[0]) + value[1], x
         x = MEASURED_TC_NU if size == 0.0 else min(x * ACCEPTED / size, MEASURED_TC_NU)
         if math.isclose(x, before, rel_tol=1e-12):
             break
@@ -353,9 +361,9 @@ def collision_of(force: Force, speed: float, damping: float | None) -> Collision
     """The collision, with the numerical damping of the integrator if there is one."""
     if not damping:
         return force.collision(speed)
-    found = force.numerically_damped(speed, damping)
-    lasts = found.restitution == 0.0
-    return replace(found, duration=math.inf if lasts else _duration(force, damping, speed))
+    collision = force.numerically_damped(speed, damping)
+    lasts = collision.restitution == 0.0
+    return replace(collision, duration=math.inf if lasts else _duration(force, damping, speed))
 
 
 def _duration(force: Force, damping: float, speed: float) -> float:

@@ -30,16 +30,16 @@ def lines(code: str, examined: Examined, accepted: float, with_step: bool = True
 
     A numerical damping is left out only if the script asks for an ε: without it, grains may be undamped.
     """
-    found = dict.fromkeys(_numbers(examined))
+    lines = dict.fromkeys(_numbers(examined))
     steps = [row.time_step for _, row in examined if row.time_step and _too_long(row, accepted)]
-    asked = [one.restitution_asked for one, _ in examined if one.restitution_asked is not None]
-    damped = bool(asked and examined[-1][0].numerical_damping)
-    then = span(asked) if found else undamped(examined)
+    wanted = [case.restitution_asked for case, _ in examined if case.restitution_asked is not None]
+    damped = bool(wanted and examined[-1][0].numerical_damping)
+    then = span(wanted) if lines else undamped(examined)
     if steps and with_step:
-        found[STEP.get(code, "timestep {}").format(texts.rounded_down(min(steps)))] = None
+        lines[STEP.get(code, "timestep {}").format(texts.rounded_down(min(steps)))] = None
     if damped and then is not None:
-        found[DAMPED.format(then)] = None
-    return list(found)
+        lines[DAMPED.format(then)] = None
+    return list(lines)
 
 
 def undamped(examined: Examined) -> str | None:
@@ -54,7 +54,7 @@ def undamped(examined: Examined) -> str | None:
 
 def span(values: Sequence[float]) -> str:
     """The smallest and the largest value in words."""
-    return " to ".join(dict.fromkeys(digits(one, 3) for one in (min(values), max(values))))
+    return " to ".join(dict.fromkeys(digits(value, 3) for value in (min(values), max(values))))
 
 
 def _too_long(row: CheckedContact, accepted: float) -> bool:
@@ -77,8 +77,8 @@ def _numbers(examined: Examined) -> Iterator[str]:
     """The lines whose number gives another ε than the one asked for."""
     needed: dict[tuple[str, ...], list[Need]] = {}
     for case, row in examined:
-        asked, force = case.restitution_asked, case.force
-        if asked is None or not isinstance(force, ModelForce) or row.restitution is None or row.adhesive:
+        wanted, force = case.restitution_asked, case.force
+        if wanted is None or not isinstance(force, ModelForce) or row.restitution is None or row.adhesive:
             continue
         if force.contact.asked is not None:
             yield f"{DAMPING_LAW}  # in place of {force.contact.settings['betan'].text}"
@@ -87,11 +87,11 @@ def _numbers(examined: Examined) -> Iterator[str]:
         name = force.model.damping.number
         setting, place = _place(force, name)
         new, line = setting.words[place], None
-        made = force(*bodies, 1.0)
-        if abs(made.collision(1.0).restitution - asked) > TOLERATED:
-            numbers = force.written(*bodies, 1.0).numbers(made.stiffness, asked)
+        pair_force = force(*bodies, 1.0)
+        if abs(pair_force.collision(1.0).restitution - wanted) > TOLERATED:
+            numbers = force.written(*bodies, 1.0).numbers(pair_force.stiffness, wanted)
             if numbers is None:
-                yield f"# {_label(case)}: this model cannot have ε = {asked:g}"
+                yield f"# {_label(case)}: this model cannot have ε = {wanted:g}"
                 continue
             new = f"{numbers[name]:.6g}"
             line = (
@@ -106,14 +106,14 @@ def _numbers(examined: Examined) -> Iterator[str]:
 def _corrected(needs: Sequence[Need]) -> Iterator[str]:
     """A line for each number that contacts need in one statement; which contacts, if they need several."""
     numbers: dict[str, dict[str, None]] = {}
-    for pair in dict.fromkeys(_label(one.case) for one in needs):
-        members = [one for one in needs if _label(one.case) == pair]
-        several = len({one.number for one in members}) > 1
-        runs = len({one.case.stage for one in members}) > 1
-        for one in members:
-            numbers.setdefault(one.number, {})[_label(one.case, several, runs)] = None
+    for pair in dict.fromkeys(_label(need.case) for need in needs):
+        members = [need for need in needs if _label(need.case) == pair]
+        several = len({member.number for member in members}) > 1
+        runs = len({member.case.stage for member in members}) > 1
+        for member in members:
+            numbers.setdefault(member.number, {})[_label(member.case, several, runs)] = None
     for number, contacts in numbers.items():
-        line = next((one.line for one in needs if one.number == number and one.line), None)
+        line = next((need.line for need in needs if need.number == number and need.line), None)
         others = [
             f"{', '.join(labels)} need{'s' * (len(labels) == 1)} {n}"
             for n, labels in numbers.items()
@@ -128,7 +128,9 @@ def _label(case: Case, full: bool = False, run: bool = False) -> str:
     pair = "–".join(case.types) + (f" {FIXED}" if case.wall == FIXED else "")
     if not full:
         return pair
-    radii = [one.radius for one in (case.first, case.second) if one is not None and one.radius is not None]
+    radii = [
+        body.radius for body in (case.first, case.second) if body is not None and body.radius is not None
+    ]
     sizes = ", ".join(dict.fromkeys(map(digits, radii)))
     wall = f" {case.wall}" if case.wall not in (None, FIXED) else ""
     return f"{pair}{wall}{f' R {sizes}' if sizes else ''}{f' in run {case.stage}' if run else ''}"

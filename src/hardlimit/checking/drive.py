@@ -72,7 +72,7 @@ class Drive:
         # rate (T_b − T) = (1 − ε²) ν(T) T/d with ν ∝ √T, in x = √(T/T_b): x² + c x³ = 1.
         c = (1.0 - restitution**2) * float(gas.collision_rate(hot)) / (gas.dimension * rate)
         roots = np.roots([c, 1.0, 0.0, -1.0]) if c > 0.0 else np.array([1.0])
-        x = next(float(one.real) for one in roots if abs(one.imag) < 1e-9 and one.real > 0.0)
+        x = next(float(root.real) for root in roots if abs(root.imag) < 1e-9 and root.real > 0.0)
         return hot * x * x
 
     def heat_share(self, gas: Gas, speed: float) -> float:
@@ -110,12 +110,12 @@ class Drive:
     def gas(self, case: Case, dimension: int, packing_fraction: float | None) -> Gas | None:
         """One grain of the mean size and mass of a contact's grains, in its share of the box; None if not known."""
         bodies = (case.first, case.second or case.first)
-        radii, masses = [one.radius for one in bodies], [one.mass for one in bodies]
+        radii, masses = [body.radius for body in bodies], [body.mass for body in bodies]
         if None in radii or None in masses or self.why_not(dimension, packing_fraction):
             return None
         assert packing_fraction is not None
-        radius = 0.5 * math.fsum(one for one in radii if one is not None)
-        finite = [one for one in masses if one is not None and math.isfinite(one)]
+        radius = 0.5 * math.fsum(radius for radius in radii if radius is not None)
+        finite = [mass for mass in masses if mass is not None and math.isfinite(mass)]
         if not finite:
             return None
         ball = math.pi * radius**2 if dimension == 2 else 4.0 / 3.0 * math.pi * radius**3
@@ -136,8 +136,8 @@ class Drive:
 
 def checked_drive(power: float | None, shear_rate: float | None, speeds: tuple[float, ...]) -> Drive | None:
     """The options of a check."""
-    given = {"speed": speeds or None, "power": power, "shear_rate": shear_rate}
-    names = [name for name, value in given.items() if value is not None]
+    options = {"speed": speeds or None, "power": power, "shear_rate": shear_rate}
+    names = [name for name, value in options.items() if value is not None]
     if len(names) > 1:
         raise ValueError(f"{' | '.join(names)}: got {len(names)} of them, must be at most one")
     if power is not None:
@@ -182,17 +182,17 @@ class Support(NamedTuple):
 
 def support(stage: Stage) -> Support:
     """Grains rest on a wall that stops their fall, unless its acceleration exceeds that of gravity."""
-    walls = [one for one in stage.contacts if one.types[1] == WALL or fixed(stage, one.types)]
-    moves = any(one.motion is not None for one in walls)
-    holding = [one for one in walls if holds(stage, one)] if stage.gravity else []
+    walls = [contact for contact in stage.contacts if contact.types[1] == WALL or fixed(stage, contact.types)]
+    moves = any(wall.motion is not None for wall in walls)
+    holding = [wall for wall in walls if holds(stage, wall)] if stage.gravity else []
     if not holding or not stage.gravity:
         return Support(False, moves)
 
     def strength(motion: Motion | None) -> float:
         return 0.0 if motion is None else acceleration(motion, stage.down) / (stage.gravity or math.inf)
 
-    still = any(one.pushes and stage.down and strength(one.motion) <= 1.0 for one in holding)
-    strongest = max((one.motion for one in holding), key=strength)
+    still = any(wall.pushes and stage.down and strength(wall.motion) <= 1.0 for wall in holding)
+    strongest = max((wall.motion for wall in holding), key=strength)
     largest = strength(strongest)
     known = strongest is not None and math.isfinite(largest) and largest > 0.0
     return Support(still or largest <= 1.0, moves, largest if known else None, strongest if known else None)
@@ -214,7 +214,7 @@ def support_of_system(system: ParticleSystem) -> Support:
             along = tuple(wall.amplitude * (k == axis) for k in range(3))
             largest, motion = strength, Motion(along, 2.0 * math.pi * wall.frequency)
     known = 0.0 < largest < math.inf
-    rests = largest <= 1.0 and not any(one.velocity for one in system.walls.values())
+    rests = largest <= 1.0 and not any(wall.velocity for wall in system.walls.values())
     return Support(rests, system._walls_move, largest if known else None, motion if known else None)
 
 
@@ -230,7 +230,7 @@ def holds(stage: Stage, contact: ContactSettings) -> bool:
 def fixed(stage: Stage, types: Sequence[str]) -> bool:
     """Whether some grains of these types do not move."""
     grains = [stage.grains[name] for name in types if name in stage.grains]
-    return any(one.frozen or one.partly_frozen for one in grains)
+    return any(kind.frozen or kind.partly_frozen for kind in grains)
 
 
 def words_of(stage: Stage | None, walls: Support) -> str:
@@ -250,4 +250,4 @@ def option_of(walls: Support, length: float, time: float) -> str:
         return ""
     size, rate = math.hypot(*motion.amplitude) * length, motion.frequency / (2.0 * math.pi * time)
     values = (quantity(size, "m", 3), quantity(rate, "Hz", 3))
-    return f"--shake {':'.join(one.replace(' ', '') for one in values)}"
+    return f"--shake {':'.join(value.replace(' ', '') for value in values)}"

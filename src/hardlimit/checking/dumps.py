@@ -115,7 +115,7 @@ def _blocks(lines: IO[str]) -> Iterator[tuple[dict[str, tuple[list[str], list[st
         head, _, title = line.strip().partition(" ")
         if head != "ITEM:":
             raise ValueError("must be a text dump of LAMMPS or LIGGGHTS")
-        kind = next((one for one in ITEMS if title.startswith(one)), title)
+        kind = next((item for item in ITEMS if title.startswith(item)), title)
         items[kind] = title[len(kind) :].split(), list(islice(lines, ITEMS.get(kind, 1)))
         if kind == "ATOMS":
             words = "".join(items.get("NUMBER OF ATOMS", ([], []))[1]).split()
@@ -149,7 +149,9 @@ def _frame(items: Mapping[str, tuple[list[str], list[str]]], rows: list[str]) ->
         raise ValueError(f"has missing numbers in the frame of step {step}")
     periodic = tuple(side.startswith("p") for side in sides) if len(sides) == 3 else (True,) * 3
     types = table["type"].astype(str).tolist() if "type" in names else None
-    return Frame(step, low, high, periodic, columns, types, len(rows))
+    return Frame(
+        step=step, low=low, high=high, periodic=periodic, columns=columns, types=types, count=len(rows)
+    )
 
 
 # --- the state ------------------------------------------------------------------------------------------------
@@ -182,7 +184,16 @@ def state(
         about = velocity - np.average(velocity, axis=0, weights=mass)
         temperature = float(np.average((about**2).sum(axis=1), weights=mass) / dimension)
     diameter = None if radius is None else 2.0 * float(radius.mean())
-    return State(frame.step, frame.count, packing, temperature, diameter, overlap, coordination, several)
+    return State(
+        step=frame.step,
+        grains=frame.count,
+        packing_fraction=packing,
+        temperature=temperature,
+        mean_diameter=diameter,
+        largest_overlap=overlap,
+        coordination=coordination,
+        in_several_contacts=several,
+    )
 
 
 def sizes(frames: Sequence[Frame]) -> dict[str, tuple[tuple[float, float], tuple[float, float] | None]]:
@@ -190,7 +201,7 @@ def sizes(frames: Sequence[Frame]) -> dict[str, tuple[tuple[float, float], tuple
 
     Without a column ``type``, the type is an empty text.
     """
-    found: dict[str, tuple[tuple[float, float], tuple[float, float] | None]] = {}
+    ranges: dict[str, tuple[tuple[float, float], tuple[float, float] | None]] = {}
     for frame in frames:
         radius = _radius(frame, {})
         if radius is None:
@@ -203,30 +214,32 @@ def sizes(frames: Sequence[Frame]) -> dict[str, tuple[tuple[float, float], tuple
             chosen = types == name
             each = radius[chosen]
             pairs = list(zip(each, each if mass is None else mass[chosen], strict=True))
-            if name in found:
-                radii, masses = found[name]
+            if name in ranges:
+                radii, masses = ranges[name]
                 pairs += list(zip(radii, masses or radii, strict=True))
             (r, m), (r_last, m_last) = min(pairs), max(pairs)
             masses = None if mass is None or m <= 0.0 else (float(m), float(m_last))
-            found[name] = (float(r), float(r_last)), masses
-    return found
+            ranges[name] = (float(r), float(r_last)), masses
+    return ranges
 
 
 def largest_type(frames: Sequence[Frame]) -> int:
     """The largest type of a grain; 0 without numbered types."""
-    return max((int(one) for frame in frames for one in set(frame.types or ()) if one.isdecimal()), default=0)
+    return max(
+        (int(kind) for frame in frames for kind in set(frame.types or ()) if kind.isdecimal()), default=0
+    )
 
 
 def _radius(frame: Frame, radii: Mapping[str, float]) -> Floats | None:
     """Radii of all grains; None if one is not known or not positive."""
     columns = frame.columns
     if "radius" in columns:
-        found = columns["radius"]
+        sizes = columns["radius"]
     elif "diameter" in columns:
-        found = 0.5 * columns["diameter"]
+        sizes = 0.5 * columns["diameter"]
     else:
-        found = np.array([radii.get(name, 0.0) for name in frame.types or [""]])
-    return found if (found > 0.0).all() else None
+        sizes = np.array([radii.get(name, 0.0) for name in frame.types or [""]])
+    return sizes if (sizes > 0.0).all() else None
 
 
 def _masses(frame: Frame, radius: Floats | None, densities: Mapping[str, float]) -> Floats:
@@ -247,8 +260,8 @@ def _positions(frame: Frame, dimension: int) -> Floats | None:
     for end in ("", "u", "s", "su"):
         names = [axis + end for axis in "xyz"[:dimension]]
         if all(name in frame.columns for name in names):
-            found = np.stack([frame.columns[name] for name in names], axis=1)
-            return low + found * (high - low) if "s" in end else found
+            vectors = np.stack([frame.columns[name] for name in names], axis=1)
+            return low + vectors * (high - low) if "s" in end else vectors
     return None
 
 

@@ -43,9 +43,9 @@ def expected(
     """The error under one rule of collision; None if the packing is too dense for any gas."""
     if packing_fraction > DENSEST[dimension]:
         return None
-    given = (powers.elastic, powers.damping)
-    same_elastic = [one for one in MEASURED_POWERS if one[0] == powers.elastic]
-    nearest = given if given in same_elastic or not same_elastic else same_elastic[0]
+    form = (powers.elastic, powers.damping)
+    same_elastic = [known for known in MEASURED_POWERS if known[0] == powers.elastic]
+    nearest = form if form in same_elastic or not same_elastic else same_elastic[0]
     law = _law(rule, dimension, packing_fraction, restitution, nearest)
     error, bar = law.error(tc_nu), law.error_bar(tc_nu)
     heated = law.heated_error(tc_nu)
@@ -56,7 +56,7 @@ def expected(
         None if math.isnan(heated) else (heated, 2.0 / 3.0 * (1.0 + heated) * bar),
         None if math.isnan(stress) else (stress, (1.0 + stress) * math.hypot(0.5 * bar, SHEAR_BAR * tc_nu)),
     )
-    return errors if given in MEASURED_POWERS else errors.wider(OTHER_POWERS)
+    return errors if form in MEASURED_POWERS else errors.wider(OTHER_POWERS)
 
 
 @cache

@@ -82,7 +82,7 @@ def obtained(
     stage, version = _last_stage(text, source, contact)
     contacts, damping = _selected(stage, source, wall, contact), stage.numerical_damping
     units = stage.units if stage.units in SYSTEMS else "si"
-    forms = [_form(one, source, models, version or source.version, units) for _, one in contacts]
+    forms = [_form(settings, source, models, version or source.version, units) for _, settings in contacts]
     try:
         force = _only_force([form(*bodies, v) for form in forms], [name for name, _ in contacts], contact)
         step, error = stepping.of(force, v)
@@ -98,18 +98,18 @@ def obtained(
             f"input: got {numbers}, must give a compression and a duration within the range of double precision"
         ) from None
     return Obtained(
-        source,
-        forms[0].model,
-        forms[0].attraction,
-        forms[0].numbers,
-        damping or 0.0,
-        collision.restitution,
-        collision.duration,
-        collision.compression,
-        collision.force,
-        step,
-        error,
-        tuple(notes),
+        code=source,
+        model=forms[0].model,
+        attraction=forms[0].attraction,
+        numbers=forms[0].numbers,
+        numerical_damping=damping or 0.0,
+        restitution=collision.restitution,
+        duration=collision.duration,
+        compression=collision.compression,
+        force=collision.force,
+        time_step=step,
+        restitution_error=error,
+        notes=tuple(notes),
     )
 
 

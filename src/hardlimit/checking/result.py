@@ -127,8 +127,8 @@ class Verdict:
                 **variables,
                 "clipped": ("contact", column("clipped")),
                 "stage": ("contact", [row.stage for row in self.rows]),
-                "error": (("contact", "rule"), [[value for value, _ in one] for one in pairs]),
-                "error_bar": (("contact", "rule"), [[bar for _, bar in one] for one in pairs]),
+                "error": (("contact", "rule"), [[value for value, _ in pair] for pair in pairs]),
+                "error_bar": (("contact", "rule"), [[bar for _, bar in pair] for pair in pairs]),
             }
             if self.rows
             else {},
@@ -158,11 +158,11 @@ class Verdict:
             "contacts": [_contact(row) for row in self.rows],
             "numerical_damping": self.numerical_damping,
             "stages": [stage._asdict() for stage in self.stages],
-            "dump": [_state(one) for one in self.states],
-            "checked": [one.to_dict() for one in self.checked],
-            "ignored": [one.to_dict() for one in self.ignored],
-            "invalidates": [one.to_dict() for one in self.invalidates],
-            "unknown": [one.where or one.what for one in self.unknown],
+            "dump": [_state(state) for state in self.states],
+            "checked": [finding.to_dict() for finding in self.checked],
+            "ignored": [finding.to_dict() for finding in self.ignored],
+            "invalidates": [finding.to_dict() for finding in self.invalidates],
+            "unknown": [finding.where or finding.what for finding in self.unknown],
             "missing": list(self.missing),
             "remarks": list(self.remarks),
             "corrected": list(self.corrected),
@@ -207,7 +207,7 @@ def _contact(row: CheckedContact) -> dict[str, Any]:
         "clipped": row.clipped,
         **plain,
         "rule": row.rule,
-        "other_versions": [one._asdict() for one in row.other_versions],
+        "other_versions": [version._asdict() for version in row.other_versions],
         "error": {rule: list(pair) for rule, pair in row.error.items()},
     }
 

@@ -57,12 +57,12 @@ def completion(shell: str) -> None:
 
     Install the script as in the example and open a new shell.
     """
-    made = get_completion_class(shell)
-    if made is None:
+    shell_class = get_completion_class(shell)
+    if shell_class is None:
         raise RuntimeError(f"completion: click does not support {shell}")
     from . import main
 
-    script = made(main, {}, "hardlimit", "_HARDLIMIT_COMPLETE")
+    script = shell_class(main, {}, "hardlimit", "_HARDLIMIT_COMPLETE")
     click.echo(f"# Install with: {INSTALL[shell]}")
     click.echo(script.source_template % script.source_vars())
 
@@ -112,21 +112,21 @@ def verbose() -> str:
     lines = [brief(), *(f"{name + ':':<17} {fact}" for name, fact in facts.items()), "extras:"]
     for extra, packages in extras().items():
         missing = ", ".join(name for name in packages if version_of(name) is None)
-        found = ", ".join(f"{name} {version_of(name)}" for name in packages)
-        status = f"{missing} not found: pip install 'hardlimit[{extra}]'" if missing else found
+        versions = ", ".join(f"{name} {version_of(name)}" for name in packages)
+        status = f"{missing} not found: pip install 'hardlimit[{extra}]'" if missing else versions
         lines.append(f"  {extra + ':':<15} {status}")
     return "\n".join(lines)
 
 
 def extras() -> dict[str, list[str]]:
     """The packages of each extra for users."""
-    found: dict[str, list[str]] = {}
+    requirements: dict[str, list[str]] = {}
     for requirement in metadata.requires("hardlimit") or ():
         name = re.match(r"[\w.-]+", requirement)
         extra = re.search(r"""extra == ["'](\w+)["']""", requirement)
         if name and extra and extra[1] not in FOR_DEVELOPERS:
-            found.setdefault(extra[1], []).append(name[0])
-    return found
+            requirements.setdefault(extra[1], []).append(name[0])
+    return requirements
 
 
 def version_of(package: str) -> str | None:

@@ -53,15 +53,15 @@ class SpeedRange(Quantity):
         return (super().read(option, low + unit if bare else low) if low else top), top
 
 
-def variable(ctx: click.Context, param: click.Parameter, given: Sequence[str]) -> dict[str, str]:
+def variable(ctx: click.Context, param: click.Parameter, texts: Sequence[str]) -> dict[str, str]:
     """The variables of ``--var NAME=VALUE``."""
-    found = {}
-    for text in given:
+    values = {}
+    for text in texts:
         name, equals, value = text.partition("=")
         if not equals or not name:
             raise click.UsageError(f"--var: got {text!r}, must be NAME=VALUE", ctx)
-        found[name] = value
-    return found
+        values[name] = value
+    return values
 
 
 script_options = options(
@@ -132,27 +132,27 @@ def check(
     each wall, it prints the restitution that the code really gives, the duration, the steps per contact with the error
     that they cause, and the error of event-driven cooling. Without a file, it checks numbers.
     """
-    given: dict[str, Any] = {"dump": dump, "speed": speed, "packing_fraction": packing_fraction}
-    if sum(one is not None for one in (speed, power, shear_rate)) > 1:
+    conditions: dict[str, Any] = {"dump": dump, "speed": speed, "packing_fraction": packing_fraction}
+    if sum(value is not None for value in (speed, power, shear_rate)) > 1:
         raise ValueError("--speed | --power | --shear: must be at most one of them")
-    given |= {"power": power, "shear_rate": shear_rate, "restitution_error": restitution_error}
+    conditions |= {"power": power, "shear_rate": shear_rate, "restitution_error": restitution_error}
     if file is None:
-        found = from_numbers(numbers, variables, code, given)
+        verdict = from_numbers(numbers, variables, code, conditions)
     else:
         for name, value in numbers.items():
             if value is not None:
                 raise ValueError(f"{spelled(name)}: got {value}, must be left out with a file")
-        found = checked(Path(file), code=code, variables=variables, **given)
+        verdict = checked(Path(file), code=code, variables=variables, **conditions)
     if as_json:
-        print_json(found.to_dict())
+        print_json(verdict.to_dict())
     else:
-        report(found, verbose)
-    if strict and found.admissible is False:
+        report(verdict, verbose)
+    if strict and verdict.admissible is False:
         click.get_current_context().exit(FAILURE)
 
 
 def from_numbers(
-    numbers: dict[str, Any], variables: dict[str, str], code: str | None, given: dict[str, Any]
+    numbers: dict[str, Any], variables: dict[str, str], code: str | None, conditions: dict[str, Any]
 ) -> Verdict:
     """The check of equal grains under one of our laws."""
     name, parameters = take_law(numbers)
@@ -164,69 +164,75 @@ def from_numbers(
     ball = Ball(numbers["radius"], numbers["density"], numbers["mass"])
     law = files.changed_law(None, name, parameters)
     dimension = None if numbers["dimension"] is None else int(numbers["dimension"])
-    return checked(ball, law=law, time_step=numbers["time_step"], dimension=dimension, **given)
+    return checked(ball, law=law, time_step=numbers["time_step"], dimension=dimension, **conditions)
 
 
 # --- output -------------------------------------------------------------------------------------------------
 
 
-def report(found: Verdict, verbose: bool) -> None:
+def report(verdict: Verdict, verbose: bool) -> None:
     """The table of contacts, what was checked, the answer, and corrected lines."""
-    last = max((row.stage for row in found.rows), default=1)
-    rows = found.rows if verbose else [row for row in found.rows if row.stage == last]
-    groups = list(grouped(rows, found.speeds_chosen))
-    say(title(found), style="bold")
+    last = max((row.stage for row in verdict.rows), default=1)
+    rows = verdict.rows if verbose else [row for row in verdict.rows if row.stage == last]
+    groups = list(grouped(rows, verdict.speeds_chosen))
+    say(title(verdict), style="bold")
     groups = groups if verbose else merged(groups)
     shown = groups if verbose else groups[:MAX_ROWS]
     if shown:
         stages = verbose and last > 1
-        walls = {g[0].types: {one[0].wall for one in groups if one[0].types == g[0].types} for g in groups}
+        walls = {
+            g[0].types: {group[0].wall for group in groups if group[0].types == g[0].types} for g in groups
+        }
         lines = [
             [
                 str(g[0].stage),
-                labelled(g[0], found, len(walls[g[0].types]) > 1),
-                *cells(g, found.has_plain(g[0]), found.quantity),
+                labelled(g[0], verdict, len(walls[g[0].types]) > 1),
+                *cells(g, verdict.has_plain(g[0]), verdict.quantity),
             ]
             for g in shown
         ]
-        table(["run", "contact", *HEAD, WORSE.get(found.quantity or "", "")], lines, stages)
+        table(["run", "contact", *HEAD, WORSE.get(verdict.quantity or "", "")], lines, stages)
     if len(shown) < len(groups):
         say(f"… and {len(groups) - len(shown)} more contacts: --verbose")
-    if not verbose and len({row.stage for row in found.rows}) > 1:
-        which = f"run {last}{units_of(found, last)}"
+    if not verbose and len({row.stage for row in verdict.rows}) > 1:
+        which = f"run {last}{units_of(verdict, last)}"
         say(f"Settings change between runs. These are of {which}; --verbose has the others.")
-    if found.remarks:
-        say(" ".join(found.remarks))
+    if verdict.remarks:
+        say(" ".join(verdict.remarks))
     if verbose:
-        details(found)
-    say(lists(found, verbose))
-    more = " More: --verbose." if found.admissible is False and not verbose else ""
-    corrected = corrections(found)
+        details(verdict)
+    say(lists(verdict, verbose))
+    more = " More: --verbose." if verdict.admissible is False and not verbose else ""
+    corrected = corrections(verdict)
     if corrected:  # a quoted statement stands alone
-        corrected = (" " if found.sentence.endswith(".") or more else "\n") + corrected
-    say(f"{found.sentence}{more}{corrected}", style="bold")
-    for line in found.corrected:
+        corrected = (" " if verdict.sentence.endswith(".") or more else "\n") + corrected
+    say(f"{verdict.sentence}{more}{corrected}", style="bold")
+    for line in verdict.corrected:
         click.echo(f"  {line}")
 
 
-def corrections(found: Verdict) -> str:
+def corrections(verdict: Verdict) -> str:
     """What the corrected lines are for; empty if there are none."""
-    if not found.corrected:
+    if not verdict.corrected:
         return ""
-    step = any(line.startswith(("timestep", "O.dt")) for line in found.corrected)
-    of = f" (time step for an error of ε of {digits(found.restitution_error, 2)})" if step else " (for ε)"
+    step = any(line.startswith(("timestep", "O.dt")) for line in verdict.corrected)
+    of = f" (time step for an error of ε of {digits(verdict.restitution_error, 2)})" if step else " (for ε)"
     return f"Corrected lines{of}:"
 
 
-def labelled(row: CheckedContact, found: Verdict, walls: bool) -> str:
+def labelled(row: CheckedContact, verdict: Verdict, walls: bool) -> str:
     """The name of a contact, with its speed if it was chosen."""
-    text = name(row, found.has_plain(row), walls)
-    return f"{text}, {digits(row.speed, 3)} m/s" if found.speeds_chosen and row.speed is not None else text
+    text = name(row, verdict.has_plain(row), walls)
+    return f"{text}, {digits(row.speed, 3)} m/s" if verdict.speeds_chosen and row.speed is not None else text
 
 
-def units_of(found: Verdict, run: int) -> str:
+def units_of(verdict: Verdict, run: int) -> str:
     """The units of a run of a script with several."""
-    return f" ({found.stages[run - 1].units} units)" if len({one.units for one in found.stages}) > 1 else ""
+    return (
+        f" ({verdict.stages[run - 1].units} units)"
+        if len({stage.units for stage in verdict.stages}) > 1
+        else ""
+    )
 
 
 HEAD = [
@@ -256,16 +262,16 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]], stages: bool) -> N
     if kept[-1] == 1:
         say(f"Contacts: {', '.join(row[1] for row in rows)}.")
         return
-    spare = [head.index(one) for one in SPARE]
+    spare = [head.index(name) for name in SPARE]
     while (gap := room(head, rows, kept)) < 1 and spare:
         kept = [k for k in kept if k != spare[0]]
         del spare[0]
-    made = Table(box=None, pad_edge=False, padding=(0, min(max(gap, 1), 2), 0, 0))
+    sheet = Table(box=None, pad_edge=False, padding=(0, min(max(gap, 1), 2), 0, 0))
     for k in kept:
-        made.add_column(Text(head[k]), justify="left" if k < 2 else "right", no_wrap=True, vertical="bottom")
+        sheet.add_column(Text(head[k]), justify="left" if k < 2 else "right", no_wrap=True, vertical="bottom")
     for row in rows:
-        made.add_row(*(Text(row[k]) for k in kept))
-    console().print(made)
+        sheet.add_row(*(Text(row[k]) for k in kept))
+    console().print(sheet)
 
 
 def room(head: Sequence[str], rows: Sequence[Sequence[str]], kept: Sequence[int]) -> int:
@@ -284,64 +290,66 @@ def say(text: str, style: str = "") -> None:
     console().print(Text(text, style=style))
 
 
-def title(found: Verdict) -> str:
+def title(verdict: Verdict) -> str:
     """Code, models, units and time step."""
-    names = list(dict.fromkeys(row.model for row in found.rows if row.model))
-    if found.code is None:
+    names = list(dict.fromkeys(row.model for row in verdict.rows if row.model))
+    if verdict.code is None:
         parts = [f"{listed(names)} law" if names else ""]
     else:
-        known = code_of(found.code)
+        known = code_of(verdict.code)
         titles = [
-            known.model(one).title.removeprefix("pair_style ").replace(", damping", ",") for one in names
+            known.model(name).title.removeprefix("pair_style ").replace(", damping", ",") for name in names
         ]
         what = titles[0] if len(titles) == 1 else listed(names) if names else ""
-        version = (found.version or "").partition(",")[0].removeprefix(f"{known.title}-")
+        version = (verdict.version or "").partition(",")[0].removeprefix(f"{known.title}-")
         parts = [f"{known.title}{f' {version}:' if version else ''} {what}".strip(" :")]
-        if found.code != "yade":  # YADE has SI units only
-            every = list(dict.fromkeys([*(stage.units for stage in found.stages), found.units]))
-            parts.append(f"{listed(every)} units{'' if found.units_given else ' (none given)'}")
+        if verdict.code != "yade":  # YADE has SI units only
+            every = list(dict.fromkeys([*(stage.units for stage in verdict.stages), verdict.units]))
+            parts.append(f"{listed(every)} units{'' if verdict.units_given else ' (none given)'}")
     speeds = [
         row.speed
-        for row in found.rows
-        if row.speed is not None and row.types[1] != "wall" and found.has_plain(row) == (found.units == "lj")
+        for row in verdict.rows
+        if row.speed is not None
+        and row.types[1] != "wall"
+        and verdict.has_plain(row) == (verdict.units == "lj")
     ]
     if speeds and min(speeds) < max(speeds):
         ends = "–".join(digits(v, 3) for v in (min(speeds), max(speeds)))
         parts.append(
-            f"{'speeds ' if found.units == 'lj' else ''}{ends}{'' if found.units == 'lj' else ' m/s'}"
+            f"{'speeds ' if verdict.units == 'lj' else ''}{ends}{'' if verdict.units == 'lj' else ' m/s'}"
         )
-    if found.time_step is not None:
-        parts.append(f"time step {time(found.time_step, found.units == 'lj', 4)}")
+    if verdict.time_step is not None:
+        parts.append(f"time step {time(verdict.time_step, verdict.units == 'lj', 4)}")
     return " · ".join(filter(None, parts))
 
 
 def grouped(rows: Iterable[CheckedContact], apart: bool) -> Iterator[list[CheckedContact]]:
     """The rows of each contact, which differ in the speed; each alone if they are to stand ``apart``."""
-    found: dict[Any, list[CheckedContact]] = {}
+    groups: dict[Any, list[CheckedContact]] = {}
     for row in rows:
         speed = row.speed if apart else None
-        found.setdefault((row.stage, row.types, row.wall, row.radius, row.other_radius, speed), []).append(
+        groups.setdefault((row.stage, row.types, row.wall, row.radius, row.other_radius, speed), []).append(
             row
         )
-    yield from found.values()
+    yield from groups.values()
 
 
 def merged(groups: Sequence[list[CheckedContact]]) -> list[list[CheckedContact]]:
     """The contacts with equal walls as one, which has the names of all."""
-    found: dict[Any, list[list[CheckedContact]]] = {}
+    groups_of: dict[Any, list[list[CheckedContact]]] = {}
     for rows in groups:
         wall = rows[0].types[1] == "wall"
-        key = repr([replace(row, wall=None) for row in rows]) if wall else len(found)
-        found.setdefault(key, []).append(rows)
+        key = repr([replace(row, wall=None) for row in rows]) if wall else len(groups_of)
+        groups_of.setdefault(key, []).append(rows)
     return [
-        [replace(row, wall=wall_names([one[0].wall for one in each])) for row in each[0]]
-        for each in found.values()
+        [replace(row, wall=wall_names([rows_of_wall[0].wall for rows_of_wall in each])) for row in each[0]]
+        for each in groups_of.values()
     ]
 
 
 def wall_names(names: Sequence[str | None]) -> str | None:
     """Names of walls, at most two of them."""
-    known = [one for one in names if one]
+    known = [name for name in names if name]
     more = len(known) - 2
     return f"{', '.join(known[:2])}{f' and {more} more' if more > 0 else ''}" or None
 
@@ -369,13 +377,13 @@ def time(value: float, plain: bool, significant: int = 3) -> str:
 def cells(rows: Sequence[CheckedContact], plain: bool, quantity: str | None) -> list[str]:
     """One contact: ε over all speeds, other numbers at the highest one."""
     row = rows[-1]
-    asked, tc, steps = row.restitution_asked, row.duration, row.steps_per_contact
+    requested, tc, steps = row.restitution_asked, row.duration, row.steps_per_contact
     error, overlap, tc_nu = row.restitution_error_of_step, row.largest_overlap, row.tc_nu
     wrong = judged(row, Question(quantity)) if quantity else None
     if row.types[1] == "wall":
         wrong = None
     return [
-        "–" if asked is None else digits(asked, 3),
+        "–" if requested is None else digits(requested, 3),
         span(rows),
         "–" if tc is None else time(tc, plain),
         "–" if steps is None else str(steps),
@@ -399,45 +407,47 @@ def cools(value: float, bar: float) -> str:
     return text if value >= 0.0 else f"−{text}"
 
 
-def lists(found: Verdict, verbose: bool) -> str:
+def lists(verdict: Verdict, verbose: bool) -> str:
     """What was checked, ignored, invalidates the answer and is not known."""
 
     def whats(findings: Sequence[Finding]) -> str:
         """Findings in a few words, each kind once; all of them if ``verbose``."""
         if verbose:
-            return ", ".join(dict.fromkeys(one.what for one in findings))
+            return ", ".join(dict.fromkeys(finding.what for finding in findings))
         kinds: dict[str, str] = {}
-        for one in findings:
-            kinds.setdefault(one.what.partition(" (")[0], one.what)
+        for finding in findings:
+            kinds.setdefault(finding.what.partition(" (")[0], finding.what)
         texts = list(kinds.values())
         if len(texts) > 1:
-            texts = [one if len(one) <= LONGEST else f"{one[:LONGEST]}…" for one in texts]
+            texts = [text if len(text) <= LONGEST else f"{text[:LONGEST]}…" for text in texts]
         if len(texts) <= MAX_FINDINGS:
             return ", ".join(texts)
         return f"{', '.join(texts[: MAX_FINDINGS - 1])} and {len(texts) - MAX_FINDINGS + 1} more"
 
-    parts = [f"Checked: {whats(found.checked)}." if found.checked else ""]
-    if found.ignored:
-        parts.append(f"Ignored: {whats(found.ignored)} (head-on ε stands).")
-    if len(found.invalidates) > 1:  # the first is in the sentence
-        parts.append(f"Not possible by events either: {whats(found.invalidates[1:])}.")
-    unknown = [one for one in found.unknown if (one.where or one.what) not in found.sentence]
+    parts = [f"Checked: {whats(verdict.checked)}." if verdict.checked else ""]
+    if verdict.ignored:
+        parts.append(f"Ignored: {whats(verdict.ignored)} (head-on ε stands).")
+    if len(verdict.invalidates) > 1:  # the first is in the sentence
+        parts.append(f"Not possible by events either: {whats(verdict.invalidates[1:])}.")
+    unknown = [
+        finding for finding in verdict.unknown if (finding.where or finding.what) not in verdict.sentence
+    ]
     if unknown:
         parts.append(f"Not understood: {whats(unknown)}.")
-    said = listed(found.missing) if found.missing else ""
-    if said and said not in found.sentence:
-        parts.append(f"Not known: {said}{given_by(found.missing, bool(found.states))}.")
+    said = listed(verdict.missing) if verdict.missing else ""
+    if said and said not in verdict.sentence:
+        parts.append(f"Not known: {said}{given_by(verdict.missing, bool(verdict.states))}.")
     return " ".join(filter(None, parts))
 
 
-def details(found: Verdict) -> None:
+def details(verdict: Verdict) -> None:
     """Each contact at each speed, the runs, the dump, and quoted lines."""
-    for row in found.rows:
-        say(detail(row, found.has_plain(row), found.restitution_error))
-    for stage in found.stages:
-        say(f"Run {stage.number}{units_of(found, stage.number)}: {stage.command}")
-    plain = found.units == "lj"
-    for state in found.states:
+    for row in verdict.rows:
+        say(detail(row, verdict.has_plain(row), verdict.restitution_error))
+    for stage in verdict.stages:
+        say(f"Run {stage.number}{units_of(verdict, stage.number)}: {stage.command}")
+    plain = verdict.units == "lj"
+    for state in verdict.states:
         phi, t, unit = state.packing_fraction, state.temperature, "" if plain else " m/s"
         parts = [
             f"φ {digits(phi, 3)}" if phi is not None else "",
@@ -451,13 +461,13 @@ def details(found: Verdict) -> None:
         ]
         say(f"Frame {state.step}, {state.grains} grains: {', '.join(filter(None, parts))}")
     for title, findings in (
-        ("Ignored", found.ignored),
-        ("Not possible", found.invalidates),
-        ("Not understood", found.unknown),
+        ("Ignored", verdict.ignored),
+        ("Not possible", verdict.invalidates),
+        ("Not understood", verdict.unknown),
     ):
-        for one in findings:
-            types = f" ({', '.join(one.types)})" if one.types else ""
-            say(f"{title}: {one.what}{types}{f', {one.where}' if one.where else ''}")
+        for finding in findings:
+            types = f" ({', '.join(finding.types)})" if finding.types else ""
+            say(f"{title}: {finding.what}{types}{f', {finding.where}' if finding.where else ''}")
 
 
 def detail(row: CheckedContact, plain: bool, accepted: float) -> str:

@@ -67,7 +67,7 @@ OF_A_JOB: Final = ("until", "samples", "contact_duration")
 @dpi_option
 @json_option()
 def compare(
-    file: str | None, out: str | None, plot: str | None, dpi: float | None, as_json: bool, **given: Any
+    file: str | None, out: str | None, plot: str | None, dpi: float | None, as_json: bool, **params: Any
 ) -> None:
     """Compare each rule for hard spheres with Newton's equations.
 
@@ -77,22 +77,22 @@ def compare(
     contact duration.
     """
     saved, picture_file = writable("out", out, ".nc"), picture("plot", plot)
-    arguments = {entry.name: given.pop(entry.name) for entry in ARGUMENTS}
-    job = make_job(file, given)
+    arguments = {entry.name: params.pop(entry.name) for entry in ARGUMENTS}
+    job = make_job(file, params)
     law = contact_law(job)
-    start, found = compared(job, law, {name: v for name, v in arguments.items() if v not in (None, ())})
-    written, failures = write_files((saved, found.save), (picture_file, partial(draw, found, dpi)))
+    start, fidelity = compared(job, law, {name: v for name, v in arguments.items() if v not in (None, ())})
+    written, failures = write_files((saved, fidelity.save), (picture_file, partial(draw, fidelity, dpi)))
     if as_json:
-        print_json(as_mapping(found, written))
+        print_json(as_mapping(fidelity, written))
     else:
-        print_report(start, law, found, written)
+        print_report(start, law, fidelity, written)
     raise_all(failures)
 
 
-def draw(found: hl.Fidelity, dpi: float | None, path: Path) -> None:
+def draw(fidelity: hl.Fidelity, dpi: float | None, path: Path) -> None:
     from .. import plots
 
-    plots.save(found.plot(), path, dpi)
+    plots.save(fidelity.plot(), path, dpi)
 
 
 def random_start(job: GasJob, seed: int) -> hl.ParticleSystem:
@@ -135,49 +135,49 @@ def contact_law(job: GasJob) -> hl.Law:
 # --- output -------------------------------------------------------------------------------------------------
 
 
-def print_report(start: hl.ParticleSystem, law: hl.Law, found: hl.Fidelity, written: list[Path]) -> None:
+def print_report(start: hl.ParticleSystem, law: hl.Law, fidelity: hl.Fidelity, written: list[Path]) -> None:
     """Print the system, the differences, the first significant differences, the contacts, and a summary."""
     out = console()
     rows = [
         *described(start),
-        ("contact duration t_c [s]", digits(found.contact_duration, 4)),
-        ("t_c ν, mean of the run", digits(found.tc_nu, 3)),
-        ("δ/d, mean greatest compression", digits(found.delta_over_d, 3)),
-        ("replicas", str(found.n_replicas)),
+        ("contact duration t_c [s]", digits(fidelity.contact_duration, 4)),
+        ("t_c ν, mean of the run", digits(fidelity.tc_nu, 3)),
+        ("δ/d, mean greatest compression", digits(fidelity.delta_over_d, 3)),
+        ("replicas", str(fidelity.n_replicas)),
     ]
     show(out, start.count(), table(["", ""], rows), law_text(law))
-    if len(found.models) > 1:
-        below = texts.legend(found) if found.n_replicas > 1 or found.driven else "no error bars"
+    if len(fidelity.models) > 1:
+        below = texts.legend(fidelity) if fidelity.n_replicas > 1 or fidelity.driven else "no error bars"
         show(
             out,
-            f"Difference from Newton’s equations {texts.when(found)} [%]",
-            table(*texts.table(found)),
+            f"Difference from Newton’s equations {texts.when(fidelity)} [%]",
+            table(*texts.table(fidelity)),
             below,
         )
-        head, left = texts.table(found)[0], texts.departures(found)
+        head, left = texts.table(fidelity)[0], texts.departures(fidelity)
         if left:
             show(out, "First significant difference after [t_c], by [%]", table(head, left))
-    show(out, "Contacts", table(*texts.contacts(found)))
-    out.print(in_options(found.summary()), markup=False)
+    show(out, "Contacts", table(*texts.contacts(fidelity)))
+    out.print(in_options(fidelity.summary()), markup=False)
     print_files(out, written)
 
 
-def as_mapping(found: hl.Fidelity, files: list[Path]) -> dict[str, Any]:
+def as_mapping(fidelity: hl.Fidelity, files: list[Path]) -> dict[str, Any]:
     """The summary, and means and differences with their errors, in SI units."""
-    ds = found.dataset
+    ds = fidelity.dataset
     content: dict[str, Any] = plain(
         {
             **{name: value for name, value in ds.attrs.items() if name not in ("title", "source")},
-            "models": found.models,
+            "models": fidelity.models,
             "coordinates": {name: ds[name].values for name in ds.coords},
             "variables": {
                 name: {"dims": v.dims, "units": v.attrs["units"], "values": v.values}
                 for name, v in ds.data_vars.items()
             },
-            f"predicted_{'temperature' if found.driven else 'cooling'}": {
-                model: found.predicted(model)._asdict() for model in found.models[1:]
+            f"predicted_{'temperature' if fidelity.driven else 'cooling'}": {
+                model: fidelity.predicted(model)._asdict() for model in fidelity.models[1:]
             },
-            "outcomes": {model: found.outcomes(model) for model in found.models},
+            "outcomes": {model: fidelity.outcomes(model) for model in fidelity.models},
             "files": files,
         }
     )

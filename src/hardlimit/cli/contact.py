@@ -58,7 +58,7 @@ def body_options(radius: str, density: str) -> Callable[[F], F]:
 @dpi_option
 @json_option()
 def contact(
-    speeds: tuple[float, ...], plot: str | None, dpi: float | None, as_json: bool, **given: Any
+    speeds: tuple[float, ...], plot: str | None, dpi: float | None, as_json: bool, **params: Any
 ) -> None:
     """Compute duration, restitution and damping of one contact.
 
@@ -67,31 +67,31 @@ def contact(
     Numbers may have a unit, such as 1cm.
     """
     path = picture("plot", plot)
-    rule = law_from(given)
-    ball = make_ball("", given, 0.01, 840.0)
-    partner = other_ball(ball, given)
-    made = rule.between(ball, partner)
+    rule = law_from(params)
+    ball = make_ball("", params, 0.01, 840.0)
+    partner = other_ball(ball, params)
+    pair = rule.between(ball, partner)
     given_speeds = [validation.number(f"speeds[{i}]", s, 0.0) for i, s in enumerate(speeds)]
-    default = {*SPEEDS, made.law.parameters.get("impact_speed", 1.0)} if depends_on_speed(made) else {1.0}
+    default = {*SPEEDS, pair.law.parameters.get("impact_speed", 1.0)} if depends_on_speed(pair) else {1.0}
     v = np.array(given_speeds or sorted(default))
-    usual = usual_formula(made)
+    usual = usual_formula(pair)
     if path:
-        draw(made, path, dpi)
-    depth = made.compression(v) / min(ball.radius, partner.radius)
+        draw(pair, path, dpi)
+    depth = pair.compression(v) / min(ball.radius, partner.radius)
     if as_json:
-        print_json(as_mapping(made, v, depth, usual))
+        print_json(as_mapping(pair, v, depth, usual))
     else:
-        print_report(made, ball, partner, v, depth, usual)
+        print_report(pair, ball, partner, v, depth, usual)
 
 
-def law_from(given: dict[str, Any]) -> Law:
+def law_from(params: dict[str, Any]) -> Law:
     """The law of Fig. 2 changed by the options, which are taken out."""
-    return files.changed_law(Column.paper().laws[0], *take_law(given))
+    return files.changed_law(Column.paper().laws[0], *take_law(params))
 
 
-def make_ball(which: str, given: dict[str, Any], radius: float, density: float) -> Ball:
+def make_ball(which: str, params: dict[str, Any], radius: float, density: float) -> Ball:
     """A ball from the options with the prefix ``which``; radius and density are defaults."""
-    size, rho, mass = (given[which + name] for name in ("radius", "density", "mass"))
+    size, rho, mass = (params[which + name] for name in ("radius", "density", "mass"))
     rho = density if rho is None and mass is None else rho
     try:
         return Ball(radius if size is None else size, rho, mass)
@@ -100,19 +100,19 @@ def make_ball(which: str, given: dict[str, Any], radius: float, density: float) 
         raise ValueError(PARAMETER.sub(rf"{which}\g<0>", subject) + colon + rest) from None
 
 
-def other_ball(ball: Ball, given: dict[str, Any]) -> Any:
+def other_ball(ball: Ball, params: dict[str, Any]) -> Any:
     """The second ball, or the floor if none of its options is given."""
-    if all(given[f"other_{name}"] is None for name in ("radius", "density", "mass")):
+    if all(params[f"other_{name}"] is None for name in ("radius", "density", "mass")):
         return FLOOR
-    return make_ball("other_", given, ball.radius, ball.density)
+    return make_ball("other_", params, ball.radius, ball.density)
 
 
-def depends_on_speed(made: Contact) -> bool:
+def depends_on_speed(pair: Contact) -> bool:
     """Whether restitution or duration depends on the impact speed."""
     slow, fast = SPEEDS[0], SPEEDS[-1]
     return not (
-        math.isclose(made.restitution(slow), made.restitution(fast), rel_tol=1e-12)
-        and math.isclose(made.duration(slow), made.duration(fast), rel_tol=1e-12)
+        math.isclose(pair.restitution(slow), pair.restitution(fast), rel_tol=1e-12)
+        and math.isclose(pair.duration(slow), pair.duration(fast), rel_tol=1e-12)
     )
 
 
@@ -122,23 +122,23 @@ def is_spring_and_dashpot(law: Law) -> bool:
     return units.get("stiffness") == "N/m" and units.get("damping") == "N s/m"
 
 
-def usual_formula(made: Contact) -> dict[str, float] | None:
+def usual_formula(pair: Contact) -> dict[str, float] | None:
     """The result of the usual formula; None unless a spring and dashpot were given by ε."""
-    asked = made.law.specified_restitution
-    applies = is_spring_and_dashpot(made.law) and not math.isnan(asked)
-    return {"asked": asked, **obtained(made, asked)} if applies else None
+    requested = pair.law.specified_restitution
+    applies = is_spring_and_dashpot(pair.law) and not math.isnan(requested)
+    return {"asked": requested, **obtained(pair, requested)} if applies else None
 
 
-def obtained(made: Contact, asked: float) -> dict[str, float]:
+def obtained(pair: Contact, requested: float) -> dict[str, float]:
     """Damping by the usual formula, and the restitution that it gives."""
-    damping = usual_damping(asked, made.stiffness, made.effective_mass)
-    law = type(made.law)(stiffness=made.stiffness, damping=damping)
-    ball = Ball(radius=made.effective_radius, mass=made.effective_mass)
+    damping = usual_damping(requested, pair.stiffness, pair.effective_mass)
+    law = type(pair.law)(stiffness=pair.stiffness, damping=damping)
+    ball = Ball(radius=pair.effective_radius, mass=pair.effective_mass)
     return {"damping": damping, "restitution": float(law.between(ball).restitution())}
 
 
 def print_report(
-    made: Contact, ball: Ball, partner: Any, speeds: Any, depth: Any, usual: dict[str, float] | None
+    pair: Contact, ball: Ball, partner: Any, speeds: Any, depth: Any, usual: dict[str, float] | None
 ) -> None:
     """Print the contact, a table over the impact speed, and the result of the usual formula."""
     out = console()
@@ -148,64 +148,64 @@ def print_report(
     else:
         bodies += "floor"
     rows = [
-        ["effective mass", quantity(made.effective_mass * 1e3, "g")],
-        ["effective radius", length(made.effective_radius)],
+        ["effective mass", quantity(pair.effective_mass * 1e3, "g")],
+        ["effective radius", length(pair.effective_radius)],
     ]
-    for constant in made.law.record["constants"]:
+    for constant in pair.law.record["constants"]:
         unit = "" if constant["unit"] == "1" else f" {constant['unit']}"
-        rows.append([constant["name"].replace("_", " "), f"{digits(getattr(made, constant['name']))}{unit}"])
-    show(out, f"Contact of {bodies}", table(["", made.law.record["name"]], rows), law_text(made.law))
+        rows.append([constant["name"].replace("_", " "), f"{digits(getattr(pair, constant['name']))}{unit}"])
+    show(out, f"Contact of {bodies}", table(["", pair.law.record["name"]], rows), law_text(pair.law))
     by_speed = [
-        [digits(v), digits(made.restitution(v)), quantity(made.duration(v), "s"), digits(d)]
+        [digits(v), digits(pair.restitution(v)), quantity(pair.duration(v), "s"), digits(d)]
         for v, d in zip(speeds, depth, strict=True)
     ]
     several, any_speed = "At several impact speeds", "At any impact speed (the compression at this speed)"
     names = ["impact speed [m/s]", "restitution ε", "duration", "compression [smaller radius]"]
-    show(out, several if depends_on_speed(made) else any_speed, table(names, by_speed))
+    show(out, several if depends_on_speed(pair) else any_speed, table(names, by_speed))
     if said := compression.too_soft(float(depth.max())):
         out.print(sentence(said), style="yellow")
     if usual:
-        print_usual(out, made, usual)
+        print_usual(out, pair, usual)
 
 
-def print_usual(out: Any, made: Contact, usual: dict[str, float]) -> None:
+def print_usual(out: Any, pair: Contact, usual: dict[str, float]) -> None:
     """Print the damping of this package and that of the usual formula."""
     rows = [
-        ["hardlimit, for a force that never attracts", digits(made.damping), digits(made.restitution())],
+        ["hardlimit, for a force that never attracts", digits(pair.damping), digits(pair.restitution())],
         ["usual formula, ζ = −ln ε/√(π² + ln² ε)", digits(usual["damping"]), digits(usual["restitution"])],
     ]
-    asked = digits(usual["asked"])
-    show(out, f"Requested ε = {asked}", table(["damping chosen by", "γ [N s/m]", "resulting ε"], rows))
+    requested = digits(usual["asked"])
+    show(out, f"Requested ε = {requested}", table(["damping chosen by", "γ [N s/m]", "resulting ε"], rows))
     out.print(
-        f"With the usual formula, a request for ε = {asked} results in {usual['restitution']:.4f}: "
+        f"With the usual formula, a request for ε = {requested} results in {usual['restitution']:.4f}: "
         "the formula assumes a force that attracts at the end of the contact."
     )
 
 
-def as_mapping(made: Contact, speeds: Any, depth: Any, usual: dict[str, float] | None) -> dict[str, Any]:
+def as_mapping(pair: Contact, speeds: Any, depth: Any, usual: dict[str, float] | None) -> dict[str, Any]:
     """Everything the tables show, in SI units."""
     return {
-        "law": {"name": made.law.record["name"], **made.law.parameters},
-        "effective_mass": made.effective_mass,
-        "effective_radius": made.effective_radius,
-        **{c["name"]: float(getattr(made, c["name"])) for c in made.law.record["constants"]},
+        "law": {"name": pair.law.record["name"], **pair.law.parameters},
+        "effective_mass": pair.effective_mass,
+        "effective_radius": pair.effective_radius,
+        **{c["name"]: float(getattr(pair, c["name"])) for c in pair.law.record["constants"]},
         "speed": speeds,
-        "restitution": made.restitution(speeds),
-        "duration": made.duration(speeds),
+        "restitution": pair.restitution(speeds),
+        "duration": pair.duration(speeds),
         "largest_compression": depth,
         "usual_formula": usual,
     }
 
 
-def draw(made: Contact, path: Path, dpi: float | None) -> None:
+def draw(pair: Contact, path: Path, dpi: float | None) -> None:
     """Draw restitution over speed, or, for a spring and dashpot, the resulting over the requested restitution."""
     from .. import plots
 
-    if not is_spring_and_dashpot(made.law):
-        middle = made.law.parameters.get("impact_speed", 1.0)
-        plots.save(plots.restitution_over_speed(made, np.geomspace(1e-3, 1e1, 200) * middle), path, dpi)
+    if not is_spring_and_dashpot(pair.law):
+        middle = pair.law.parameters.get("impact_speed", 1.0)
+        plots.save(plots.restitution_over_speed(pair, np.geomspace(1e-3, 1e1, 200) * middle), path, dpi)
         return
-    asked = np.linspace(0.01, 1.0, 100)
-    usual = np.array([obtained(made, float(e))["restitution"] for e in asked])
-    curves = {"this force, never attractive": asked, "usual DEM formula": usual}
-    plots.save(plots.restitution_obtained(asked, curves), path, dpi)
+    requested = np.linspace(0.01, 1.0, 100)
+    usual = np.array([obtained(pair, float(e))["restitution"] for e in requested])
+    curves = {"this force, never attractive": requested, "usual DEM formula": usual}
+    plots.save(plots.restitution_obtained(requested, curves), path, dpi)

@@ -25,8 +25,8 @@ from .program import Command
 
 EXAMPLES = """\b
 Example:
-  hardlimit convert --restitution 0.7 --radius 0.5mm --density 7850 --youngs-modulus 210GPa \\
-      --poisson-ratio 0.3 --code lammps
+  hardlimit convert --restitution 0.7 --radius 0.5mm --density 7850 \\
+      --youngs-modulus 210GPa --poisson-ratio 0.3 --code lammps
   hardlimit convert --restitution 0.7 --radius 0.5mm --radius 1mm --density 2500 \\
       --stiffness 1e5
   hardlimit convert --radius 0.5mm --density 2500 --code lammps \\
@@ -134,7 +134,7 @@ def convert(
     text: str | None,
     read: str | None,
     as_json: bool,
-    **given: Any,
+    **params: Any,
 ) -> None:
     """Convert a restitution to input of particle codes, and back.
 
@@ -146,18 +146,18 @@ def convert(
     balls = bed_of(radii, densities, masses)
     if text is not None or read is not None:
         given_text = input_text(text, read)
-        show_obtained(back(given_text, balls, wall, given), given, as_json)
+        show_obtained(back(given_text, balls, wall, params), params, as_json)
         return
-    if given.pop("contact") is not None:
+    if params.pop("contact") is not None:
         raise ValueError("contact: must be left out without input")
-    if given["restitution"] is None:
+    if params["restitution"] is None:
         raise ValueError("restitution: missing, must be given unless there is an input")
-    given["speed"] = 1.0 if given["speed"] is None else given["speed"]
-    found = converted(balls, wall=wall is not False, **given)
+    params["speed"] = 1.0 if params["speed"] is None else params["speed"]
+    conversion = converted(balls, wall=wall is not False, **params)
     if as_json:
-        print_json(found.to_dict())
+        print_json(conversion.to_dict())
     else:
-        print_conversion(found, balls, given["code"] is not None)
+        print_conversion(conversion, balls, params["code"] is not None)
 
 
 def bed_of(radii: tuple[float, ...], densities: tuple[float, ...], masses: tuple[float, ...]) -> list[Ball]:
@@ -193,7 +193,7 @@ def input_text(text: str | None, read: str | None) -> str:
         raise ValueError(f"read: {read}: cannot be read: {error}") from None
 
 
-def back(text: str, balls: list[Ball], wall: bool | None, given: dict[str, Any]) -> Obtained:
+def back(text: str, balls: list[Ball], wall: bool | None, params: dict[str, Any]) -> Obtained:
     """The contact that an input gives for one or two balls, or with ``--wall`` for a ball and a wall."""
     for name in (
         "restitution",
@@ -204,45 +204,45 @@ def back(text: str, balls: list[Ball], wall: bool | None, given: dict[str, Any])
         "compression",
         "law",
     ):
-        if given[name] is not None:
-            raise ValueError(f"{name}: got {given[name]}, must be left out with input, which sets it")
-    if given["code"] is None:
+        if params[name] is not None:
+            raise ValueError(f"{name}: got {params[name]}, must be left out with input, which sets it")
+    if params["code"] is None:
         raise ValueError(f"code: missing, must be one of {', '.join(CODES)} with input")
     if len(balls) > (1 if wall else 2):
         raise ValueError(f"radius: got {len(balls)} values, must be {1 if wall else '1 or 2'} with input")
     other = FLOOR if wall else balls[-1]
-    speed = 1.0 if given["speed"] is None else given["speed"]
-    options = {name: given[name] for name in ("code", "model", "restitution_error", "time_step", "contact")}
+    speed = 1.0 if params["speed"] is None else params["speed"]
+    options = {name: params[name] for name in ("code", "model", "restitution_error", "time_step", "contact")}
     return convert_back(text, balls[0], other, speed=speed, **options)
 
 
 # --- output -------------------------------------------------------------------------------------------------
 
 
-def print_conversion(found: Conversion, balls: list[Ball], one_code: bool) -> None:
+def print_conversion(conversion: Conversion, balls: list[Ball], one_code: bool) -> None:
     """The contacts, and the input of one code or a table of all codes."""
     out = console()
-    wanted = found.wanted
+    wanted = conversion.wanted
     sizes = ", ".join(
         f"{i + 1}: {length(b.radius)}, {quantity(b.mass * 1e3, 'g', 4)}" for i, b in enumerate(balls)
     )
-    asked = f"ε = {digits(wanted.restitution)} at {digits(wanted.speed)} m/s, {wanted.law} law"
+    request = f"ε = {digits(wanted.restitution)} at {digits(wanted.speed)} m/s, {wanted.law} law"
     stiffness, damping = LAWS[wanted.law].units
     units = f"Stiffness in {stiffness}, damping in {damping}."
-    below = f"Balls (radius, mass): {sizes}. {units} {step_sentence(found.contacts)}"
-    show(out, asked, contact_table(found), below)
+    below = f"Balls (radius, mass): {sizes}. {units} {step_sentence(conversion.contacts)}"
+    show(out, request, contact_table(conversion), below)
     if one_code:
-        for model in found.models:
+        for model in conversion.models:
             print_model(out, model)
-    elif found.models:
-        rows = [row for model in found.models for row in overview_rows(model)]
+    elif conversion.models:
+        rows = [row for model in conversion.models for row in overview_rows(model)]
         head = ["code and model", "contact", "usual ε", "input", "ε"]
         show(out, "Input of the codes", table(head, rows), USUAL)
 
 
-def contact_table(found: Conversion) -> Any:
+def contact_table(conversion: Conversion) -> Any:
     head = ["contact", "stiffness", "damping", "duration", "overlap", "force", "time step"]
-    return table(head, [contact_row(contact) for contact in found.contacts])
+    return table(head, [contact_row(contact) for contact in conversion.contacts])
 
 
 def contact_row(contact: ContactNumbers) -> list[str]:
@@ -296,11 +296,11 @@ def main_number(model: ModelConversion, row: ModelNumbers) -> str:
 
 def print_model(out: Any, model: ModelConversion) -> None:
     """The numbers of a model for each contact, and its input to paste."""
-    given = list(next((row.numbers for row in model.contacts if row.numbers is not None), {}))
-    head = ["contact", *(SHORT.get(name, name) for name in given), "ε", "usual ε", "time step"]
+    names = list(next((row.numbers for row in model.contacts if row.numbers is not None), {}))
+    head = ["contact", *(SHORT.get(name, name) for name in names), "ε", "usual ε", "time step"]
     rows = []
     for row in model.contacts:
-        values = ["–"] * len(given) if row.numbers is None else [digits(row.numbers[n], 6) for n in given]
+        values = ["–"] * len(names) if row.numbers is None else [digits(row.numbers[n], 6) for n in names]
         rows.append(
             [row.pair, *values, digits(row.restitution, 5), digits(row.usual_restitution, 4), step_of(row)]
         )
@@ -317,25 +317,25 @@ def print_model(out: Any, model: ModelConversion) -> None:
         click.echo(model.text + "\n")
 
 
-def show_obtained(found: Obtained, given: dict[str, Any], as_json: bool) -> None:
+def show_obtained(obtained: Obtained, params: dict[str, Any], as_json: bool) -> None:
     """The contact that an input gives."""
     if as_json:
-        print_json(found.to_dict())
+        print_json(obtained.to_dict())
         return
-    rows = [[name.replace("_", " "), digits(value)] for name, value in found.numbers.items()]
-    rows += [["restitution ε", digits(found.restitution)]]
-    if found.numerical_damping:
-        rows += [["numerical damping", digits(found.numerical_damping)]]
-    rows += [["duration", quantity(found.duration, "s")]]
-    rows += [["largest compression", quantity(found.compression, "m")]]
-    rows += [["largest force", quantity(found.force, "N")], ["time step", step_of(found)]]
-    end = "attracts at its end" if found.attraction else "never attracts"
+    rows = [[name.replace("_", " "), digits(value)] for name, value in obtained.numbers.items()]
+    rows += [["restitution ε", digits(obtained.restitution)]]
+    if obtained.numerical_damping:
+        rows += [["numerical damping", digits(obtained.numerical_damping)]]
+    rows += [["duration", quantity(obtained.duration, "s")]]
+    rows += [["largest compression", quantity(obtained.compression, "m")]]
+    rows += [["largest force", quantity(obtained.force, "N")], ["time step", step_of(obtained)]]
+    end = "attracts at its end" if obtained.attraction else "never attracts"
     below = f"The force {end}. " + (
-        f"With this time step the error of ε is {digits(found.restitution_error, 2)}."
-        if found.restitution > 0.0
+        f"With this time step the error of ε is {digits(obtained.restitution_error, 2)}."
+        if obtained.restitution > 0.0
         else "The bodies do not separate."
     )
-    below = " ".join([below, *map(sentence, found.notes)])
-    speed = 1.0 if given["speed"] is None else given["speed"]
-    title = f"{found.code.title} {found.model.name} at {digits(speed)} m/s"
+    below = " ".join([below, *map(sentence, obtained.notes)])
+    speed = 1.0 if params["speed"] is None else params["speed"]
+    title = f"{obtained.code.title} {obtained.model.name} at {digits(speed)} m/s"
     show(console(), title, table(["", "value"], rows), below)

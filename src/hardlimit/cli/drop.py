@@ -69,14 +69,14 @@ def column_options(function: F) -> F:
     return options(quantity_options(*rows), law_options())(function)
 
 
-def column_from(file: str | None, given: dict[str, Any]) -> Column:
+def column_from(file: str | None, params: dict[str, Any]) -> Column:
     """The column of the file, or of Fig. 2 without a file, changed by the options, which are taken out."""
     base = files.read_with(file)[0] if file else files.of_column(Column.paper())
-    law, parameters = take_law(given)
+    law, parameters = take_law(params)
     if law is not None or parameters:
         base = files.with_law(base, law, parameters)
-    base = files.with_balls(base, **{name: given.pop(name) for name in BALL_OPTIONS})
-    return files.with_motion(base, **{name: given.pop(name) for name in MOTION_OPTIONS}).column()
+    base = files.with_balls(base, **{name: params.pop(name) for name in BALL_OPTIONS})
+    return files.with_motion(base, **{name: params.pop(name) for name in MOTION_OPTIONS}).column()
 
 
 output_options = options(
@@ -98,7 +98,7 @@ output_options = options(
 @column_options
 @quantity_option("--until", unit="s", help="End [s] of the run after the first floor touch.")
 @output_options
-def drop(file: str | None, until: float | None, dpi: float | None, as_json: bool, **given: Any) -> None:
+def drop(file: str | None, until: float | None, dpi: float | None, as_json: bool, **params: Any) -> None:
     """Drop a column of balls: Newton's equations and event-driven.
 
     Without a file, the column is that of Fig. 2 of the paper: radii 10 cm and 1 cm, density 840 kg/m³, gap
@@ -106,29 +106,31 @@ def drop(file: str | None, until: float | None, dpi: float | None, as_json: bool
     Numbers may have a unit, such as 1mm or 7g/cm^3.
     """
     outputs = {
-        "plot": picture("plot", given.pop("plot")),
-        "animate": film("animate", given.pop("animate")),
-        "save": writable("save", given.pop("save"), ".nc"),
-        "toml": writable("toml", given.pop("toml"), ".toml"),
+        "plot": picture("plot", params.pop("plot")),
+        "animate": film("animate", params.pop("animate")),
+        "save": writable("save", params.pop("save"), ".nc"),
+        "toml": writable("toml", params.pop("toml"), ".toml"),
     }
-    column = column_from(file, given)
+    column = column_from(file, params)
     # The report has its own line for deep compressions.
     with (
         warnings.catch_warnings(action="ignore", category=compression.CompressionWarning),
         waiting("drop"),
     ):
-        found = compare(column)
-        shown = newton(column, until) if until is not None else found.newton
-        content = as_mapping(found, shown)  # solves what follows the sequence; results keep it for the report
-    write_outputs(found, shown, outputs, dpi)
+        comparison = compare(column)
+        shown = newton(column, until) if until is not None else comparison.newton
+        content = as_mapping(
+            comparison, shown
+        )  # solves what follows the sequence; results keep it for the report
+    write_outputs(comparison, shown, outputs, dpi)
     if as_json:
         print_json(content)
     else:
-        print_report(found, shown)
+        print_report(comparison, shown)
 
 
 def write_outputs(
-    found: Comparison, shown: Result, outputs: dict[str, Path | None], dpi: float | None
+    comparison: Comparison, shown: Result, outputs: dict[str, Path | None], dpi: float | None
 ) -> None:
     """Write the requested files; ``shown`` is the result of Newton's equations up to ``--until``."""
     if outputs["toml"]:
@@ -136,30 +138,30 @@ def write_outputs(
     if outputs["plot"]:
         from .. import plots
 
-        plots.save(plots.drop(shown, found.independent, found.adiabatic), outputs["plot"], dpi)
+        plots.save(plots.drop(shown, comparison.independent, comparison.adiabatic), outputs["plot"], dpi)
     if outputs["animate"]:
         from ..plots.animation import animate
 
         with bar("film") as report:
-            animate(shown, outputs["animate"], ghost=found.independent, progress=report)
+            animate(shown, outputs["animate"], ghost=comparison.independent, progress=report)
     if outputs["save"]:
-        save_results((shown, *found.results[1:]), outputs["save"])
+        save_results((shown, *comparison.results[1:]), outputs["save"])
 
 
 # --- as a table ---------------------------------------------------------------------------------------------
 
 
-def print_report(found: Comparison, shown: Result) -> None:
+def print_report(comparison: Comparison, shown: Result) -> None:
     """Print column, contacts, comparison and verdict."""
     out = console()
-    column = found.newton.column
+    column = comparison.newton.column
     since = "the first floor touch" if column.floor else "release"
     show(out, "Column", column_table(column), column_line(column))
     show(out, f"Contacts under Newton’s equations [µs after {since}]", contact_table(shown))
-    show(out, "Newton’s equations and event-driven", comparison_table(found))
+    show(out, "Newton’s equations and event-driven", comparison_table(comparison))
     if depth := depth_line(shown):
         out.print(depth, style="yellow")
-    answer, verdict = found.verdict
+    answer, verdict = comparison.verdict
     colour = {"yes": "green", "no": "red", "by luck": "yellow"}.get(answer, "default")
     out.print("[bold]Is an event-driven simulation good enough here?[/bold]")
     out.print(verdict, style=colour)
@@ -182,8 +184,8 @@ def stiff_enough(result: Result) -> str:
     for factor in (10.0**decade for decade in range(1, MAX_DECADES + 1)):
         stiffer = [each.replace(**{name: each.parameters[name] * factor}) for each in column.laws]
         with warnings.catch_warnings(action="ignore", category=compression.CompressionWarning):
-            found = newton(column.replace(law=stiffer), result.until)
-        if found._core.too_deep < 0:
+            stiffer_result = newton(column.replace(law=stiffer), result.until)
+        if stiffer_result._core.too_deep < 0:
             shared = len(set(column.laws)) == 1
             enough = (
                 f"of {digits(law.parameters[name] * factor)} {unit}"
@@ -239,9 +241,9 @@ def contact_table(result: Result, most: int = 40) -> Table:
     return table(["pair", "begin", "end", "duration"], rows)
 
 
-def comparison_table(found: Comparison) -> Table:
+def comparison_table(comparison: Comparison) -> Table:
     """A table of the results of all models; quantities that no model has are omitted."""
-    results = found.results
+    results = comparison.results
     rows = []
     for row in zip(*map(quantities, results), strict=True):
         label, values = row[0][0], [value for _, value in row]
@@ -258,13 +260,15 @@ def comparison_table(found: Comparison) -> Table:
 # --- for machines -------------------------------------------------------------------------------------------
 
 
-def as_mapping(found: Comparison, shown: Result) -> dict[str, Any]:
+def as_mapping(comparison: Comparison, shown: Result) -> dict[str, Any]:
     """Everything the tables show, in SI units."""
-    answer, verdict = found.verdict
+    answer, verdict = comparison.verdict
     return {
-        "column": tomllib.loads(files.dumps(found.newton.column)),
-        "impact_speed": found.newton.column.impact_speed,
-        "models": {r.model: result_mapping(shown if r is found.newton else r, r) for r in found.results},
+        "column": tomllib.loads(files.dumps(comparison.newton.column)),
+        "impact_speed": comparison.newton.column.impact_speed,
+        "models": {
+            r.model: result_mapping(shown if r is comparison.newton else r, r) for r in comparison.results
+        },
         "verdict": {"event_driven": answer, "sentence": verdict},
     }
 

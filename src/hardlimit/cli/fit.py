@@ -60,7 +60,7 @@ EXAMPLE_ERROR = 0.005
 @dpi_option
 @click.option("--example", is_flag=True, help="Print an example file with impacts computed from a law.")
 @json_option()
-def fit(file: str | None, example: bool, as_json: bool, **given: Any) -> None:
+def fit(file: str | None, example: bool, as_json: bool, **params: Any) -> None:
     """Fit a contact law to measurements and test whether it holds.
 
     The header of the file says what was measured: speed and restitution; drop_height and rebound_height; height (peaks
@@ -77,55 +77,55 @@ def fit(file: str | None, example: bool, as_json: bool, **given: Any) -> None:
         return
     if file is None:
         raise ValueError("FILE: missing, must be a CSV file; --example prints one")
-    plot = picture("plot", given["plot"])
-    law, fixed = take_law(given)
-    gravity = STANDARD_GRAVITY if given["gravity"] is None else given["gravity"]
-    column = files.read(given["column"]) if given["column"] else None
+    plot = picture("plot", params["plot"])
+    law, fixed = take_law(params)
+    gravity = STANDARD_GRAVITY if params["gravity"] is None else params["gravity"]
+    column = files.read(params["column"]) if params["column"] else None
     with warnings.catch_warnings(record=True) as ignored:
         warnings.simplefilter("always", UserWarning)
         data = read_measurements(file, column=column, gravity=gravity)
     print_warnings("fit", ignored)
-    if not (given["scatter"] or data.has_errors):
+    if not (params["scatter"] or data.has_errors):
         raise ValueError(
             f"{file}: values without errors, or with 0: add a column {error_column(file)}, or --scatter"
         )
-    found = computed(data, law, fixed, given)
+    result = computed(data, law, fixed, params)
     if plot:
         from .. import plots
 
-        plots.save(plots.fit(found), plot, given["dpi"])
+        plots.save(plots.fit(result), plot, params["dpi"])
     if as_json:
-        print_json(as_mapping(found))
+        print_json(as_mapping(result))
     else:
-        print_report(found)
+        print_report(result)
 
 
-def computed(data: Measured, law: str | None, fixed: dict[str, float], given: dict[str, Any]) -> Fit:
+def computed(data: Measured, law: str | None, fixed: dict[str, float], params: dict[str, Any]) -> Fit:
     """The fit of the requested law, or of the default law for data of this kind."""
-    ball, other = bodies(given)
+    ball, other = bodies(params)
     return fitted(
         data,
         law or ("viscoelastic" if data.kind == "impacts" else "linear"),
         fixed=fixed,
-        free=[name.lstrip("-").replace("-", "_") for name in given["free"]] or None,
+        free=[name.lstrip("-").replace("-", "_") for name in params["free"]] or None,
         ball=ball,
         other=other,
-        scatter=given["scatter"],
-        confidence=0.68 if given["confidence"] is None else given["confidence"],
-        compare=given["compare"],
+        scatter=params["scatter"],
+        confidence=0.68 if params["confidence"] is None else params["confidence"],
+        compare=params["compare"],
         progress=True,
     )
 
 
-def bodies(given: dict[str, Any]) -> tuple[Ball | None, Any]:
+def bodies(params: dict[str, Any]) -> tuple[Ball | None, Any]:
     """The ball, or None if it is not described, and its partner."""
     names = ("radius", "density", "mass")
-    if all(given[which + name] is None for which in ("", "other_") for name in names):
+    if all(params[which + name] is None for which in ("", "other_") for name in names):
         return None, FLOOR
-    if given["radius"] is None or (given["density"] is None) == (given["mass"] is None):
+    if params["radius"] is None or (params["density"] is None) == (params["mass"] is None):
         raise ValueError("--radius: missing, must be given with --density or --mass to describe the ball")
-    ball = make_ball("", given, math.nan, math.nan)
-    return ball, other_ball(ball, given)
+    ball = make_ball("", params, math.nan, math.nan)
+    return ball, other_ball(ball, params)
 
 
 def example_file() -> str:
@@ -142,21 +142,21 @@ def example_file() -> str:
 # --- report -------------------------------------------------------------------------------------------------
 
 
-def print_report(found: Fit) -> None:
+def print_report(result: Fit) -> None:
     """Print the parameters, the other laws and the verdict."""
     out = console()
-    percent = f"{100.0 * found.confidence:g} %"
-    records = law_parameters(type(found.law))
-    rows = [row(name.replace("_", " "), e, records[name]["unit"]) for name, e in found.parameters.items()]
-    if found.scatter is not None:
-        rows.append(row("scatter", found.scatter, "1"))
-    if found.dissipation is not None:
-        rows.append(row("A (ρ/m_eff)^(2/5)", found.dissipation, "(s/m)^(1/5)"))
-    title = f"{found.name} fitted to {found.data.n} values: {found.data.what}"
+    percent = f"{100.0 * result.confidence:g} %"
+    records = law_parameters(type(result.law))
+    rows = [row(name.replace("_", " "), e, records[name]["unit"]) for name, e in result.parameters.items()]
+    if result.scatter is not None:
+        rows.append(row("scatter", result.scatter, "1"))
+    if result.dissipation is not None:
+        rows.append(row("A (ρ/m_eff)^(2/5)", result.dissipation, "(s/m)^(1/5)"))
+    title = f"{result.name} fitted to {result.data.n} values: {result.data.what}"
     columns = ["", "value", "standard error", f"{percent} interval", "unit"]
-    show(out, title, table(columns, rows), "; ".join(found.notes))
-    if found.others:
-        best = found.trials[0].aic
+    show(out, title, table(columns, rows), "; ".join(result.notes))
+    if result.others:
+        best = result.trials[0].aic
         trials = [
             [
                 t.name,
@@ -165,10 +165,10 @@ def print_report(found: Fit) -> None:
                 digits(t.probability, 2),
                 digits(t.aic - best, 3),
             ]
-            for t in found.trials
+            for t in result.trials
         ]
         show(out, "All laws", table(["", "χ²", "degrees of freedom", "p", "AIC − best"], trials))
-    out.print(sentence(found.verdict), markup=False)
+    out.print(sentence(result.verdict), markup=False)
 
 
 def row(name: str, e: Estimate[float], unit: str) -> list[str]:

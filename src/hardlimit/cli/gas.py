@@ -123,7 +123,7 @@ def completions(ctx: click.Context, param: click.Parameter, incomplete: str) -> 
 @entry_options(OUTPUT)
 @dpi_option
 @json_option()
-def gas(file: str | None, resume: str | None, dpi: float | None, as_json: bool, **given: Any) -> None:
+def gas(file: str | None, resume: str | None, dpi: float | None, as_json: bool, **params: Any) -> None:
     """Simulate a box of grains as hard spheres.
 
     FILE is a job (.toml) or a state to start from (.xyz, .gsd, .data). Without a file, 1000 spheres of radius 1 mm and
@@ -134,7 +134,7 @@ def gas(file: str | None, resume: str | None, dpi: float | None, as_json: bool, 
 
     hardlimit gas compare solves one start under Newton's equations and each collision rule.
     """
-    run = new_run(file, given) if resume is None else resumed(file, resume, given)
+    run = new_run(file, params) if resume is None else resumed(file, resume, params)
     if run is None:
         return
     outputs, frames = run.outputs, Frames(run)
@@ -171,10 +171,10 @@ class GasRun(NamedTuple):
     before: Sequence[float] = ()  #: times of its samples so far [s]
 
 
-def new_run(file: str | None, given: dict[str, Any]) -> GasRun | None:
+def new_run(file: str | None, params: dict[str, Any]) -> GasRun | None:
     """The run of a job file and options; None if only the input of LAMMPS is written."""
-    newton = {name: given.pop(name) for name in ("engine", "write_input", *(e.name for e in SOLVER))}
-    job = make_job(file, given)
+    newton = {name: params.pop(name) for name in ("engine", "write_input", *(e.name for e in SOLVER))}
+    job = make_job(file, params)
     if newton["write_input"] is not None and newton["engine"] is not None:
         click.echo(f"written to {write_lammps_input(job, newton)}")
         return None
@@ -190,9 +190,9 @@ def run_hard_spheres(job: GasJob) -> tuple[hl.ParticleSystem, Solve]:
     if "max_collisions" in job.run:
         refuse_frames_without_end(job.outputs, job.run.get("until"))
     # Arguments are checked before the start is made, which takes minutes for a million particles.
-    given = rule | job.run
-    checked_settings(*(given.get(name) for name in ("law", "restitution", "rule", "contact_duration")))
-    checked_end(given.get("until"), given.get("max_collisions"))
+    settings = rule | job.run
+    checked_settings(*(settings.get(name) for name in ("law", "restitution", "rule", "contact_duration")))
+    checked_end(settings.get("until"), settings.get("max_collisions"))
     start = job.start()
     if "max_collisions" not in job.run:
         job.run.setdefault("until", default_end(start))
@@ -200,11 +200,11 @@ def run_hard_spheres(job: GasJob) -> tuple[hl.ParticleSystem, Solve]:
     return start, partial(hl.event_driven, start, **arguments)
 
 
-def resumed(file: str | None, checkpoint: str, given: dict[str, Any]) -> GasRun:
+def resumed(file: str | None, checkpoint: str, params: dict[str, Any]) -> GasRun:
     """The rest of a run from its checkpoint, to a new end if one is given."""
-    outputs = checked_outputs({entry.name: given[entry.name] for entry in OUTPUT})
-    end = {name: given[name] for name in ENDS}
-    rest = {name: value for name, value in given.items() if name not in (*outputs, *end)}
+    outputs = checked_outputs({entry.name: params[entry.name] for entry in OUTPUT})
+    end = {name: params[name] for name in ENDS}
+    rest = {name: value for name, value in params.items() if name not in (*outputs, *end)}
     refuse({"FILE": file, **rest}, "with --resume: the checkpoint holds it")
     before = check_resumed(checkpoint, end, outputs)
     return GasRun(
@@ -299,8 +299,8 @@ def what_is_kept(run: GasRun, frames: Frames, more: dict[str, Any]) -> Iterator[
         if frames.begun and outputs["out"]:
             error.add_note(f"kept {outputs['out']}")
         if run.checkpoint is not None and any("; kept " in note for note in notes(error)):
-            given = {"resume": run.checkpoint, **run.end, **outputs, **more}
-            typed = [(name, value) for name, value in given.items() if value]
+            values = {"resume": run.checkpoint, **run.end, **outputs, **more}
+            typed = [(name, value) for name, value in values.items() if value]
             words = chain(
                 *((spelled(name), *([] if value is True else [str(value)])) for name, value in typed)
             )
@@ -361,9 +361,9 @@ def write_lammps_input(job: GasJob, newton: dict[str, Any]) -> Path:
     return folder
 
 
-def refuse(given: dict[str, Any], why: str) -> None:
+def refuse(values: dict[str, Any], why: str) -> None:
     """Refuse options that are given."""
-    for name, value in given.items():
+    for name, value in values.items():
         if value not in (None, ()):
             raise ValueError(f"{name if name == 'FILE' else spelled(name)}: must be left out {why}")
 
@@ -408,10 +408,10 @@ def softness_numbers(result: Any) -> dict[str, float]:
     law = result.law if isinstance(result, hl.ContactResult) else result.settings.law
     if law is None or not result.time > 0.0:
         return {}
-    found = softness(law, result.system, series["granular_temperature"].values)
+    softness_of_run = softness(law, result.system, series["granular_temperature"].values)
     rate = series["collision_rate"].values[1:]
     mean = float(np.average(rate, weights=np.diff(series["time"].values)))
-    return {"tc_nu": found.duration * mean, "delta_over_d": found.delta_over_d}
+    return {"tc_nu": softness_of_run.duration * mean, "delta_over_d": softness_of_run.delta_over_d}
 
 
 def softness_rows(result: Any) -> list[tuple[str, float]]:
@@ -431,14 +431,14 @@ def predictions(result: hl.ParticleResult) -> dict[str, float]:
     if theory.why_not(system) is not None or not time[-1] > time[0]:
         return {}
     gas = theory.gas(system)
-    found = {"mean collision rate [1/s]": _mean(gas.collision_rate(temperature), time)}
+    values = {"mean collision rate [1/s]": _mean(gas.collision_rate(temperature), time)}
     e = result.settings.restitution
     if e is not None:
         unit = "N/m" if system.dimension == 2 else "Pa"
-        found[f"mean pressure [{unit}]"] = _mean(gas.pressure(temperature, e), time)
+        values[f"mean pressure [{unit}]"] = _mean(gas.pressure(temperature, e), time)
         cooled = float(gas.cooling(np.array(result.time), float(temperature[0]), e))
-        found["granular temperature at the end [m²/s²]"] = cooled
-    return found
+        values["granular temperature at the end [m²/s²]"] = cooled
+    return values
 
 
 def _mean(values: Any, time: Any) -> float:
@@ -466,30 +466,30 @@ def as_mapping(result: Any, files: list[Path]) -> dict[str, Any]:
     """The numbers of the tables and the series, in SI units."""
     system, series = result.system, result.series
     facts = ("n", "dimension", "box", "boundary", "gravity", "packing_fraction")
-    found: dict[str, Any] = {"system": {name: getattr(system, name) for name in facts}}
+    content: dict[str, Any] = {"system": {name: getattr(system, name) for name in facts}}
     if system.walls:
-        found["system"]["walls"] = {name: vars(wall) for name, wall in system.walls.items()}
+        content["system"]["walls"] = {name: vars(wall) for name, wall in system.walls.items()}
     if system.domain.gradient is not None:
-        found["system"] |= {name: getattr(system, name) for name in ("shear_rate", "shear_displacement")}
+        content["system"] |= {name: getattr(system, name) for name in ("shear_rate", "shear_displacement")}
     if system.thermostat is not None:
-        found["system"]["thermostat"] = as_entry(system.thermostat)
+        content["system"]["thermostat"] = as_entry(system.thermostat)
     if isinstance(result, hl.ContactResult):
         law, names = result.law, NEWTON_NUMBERS
     else:
         settings, law, names = result.settings, result.settings.law, HARD_SPHERES_NUMBERS
-        found |= {name: getattr(settings, name) for name in ("rule", "restitution", "contact_duration")}
-    found |= {"law": None if law is None else {"name": law.record["name"], **law.parameters}}
-    found |= {key: getattr(result, name) for key, name in names.items()} | softness_numbers(result)
+        content |= {name: getattr(settings, name) for name in ("rule", "restitution", "contact_duration")}
+    content |= {"law": None if law is None else {"name": law.record["name"], **law.parameters}}
+    content |= {key: getattr(result, name) for key, name in names.items()} | softness_numbers(result)
     if not isinstance(result, hl.ContactResult):
-        found["theory"] = predictions(result)
-    found |= {
+        content["theory"] = predictions(result)
+    content |= {
         "outcome": {"name": result.outcome_name, "message": in_options(result.outcome)},
         "early_end": None if result.early_end is None else result.early_end._asdict(),
         "time": result.time,
         "series": {"time": series["time"].values, **{k: v.values for k, v in series.data_vars.items()}},
         "files": files,
     }
-    mapping: dict[str, Any] = plain(found)
+    mapping: dict[str, Any] = plain(content)
     return mapping
 
 

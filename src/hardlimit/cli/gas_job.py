@@ -149,25 +149,25 @@ class GasJob:
 
     def start(self, **changes: Any) -> hl.ParticleSystem:
         """The start, from a file or at random; ``changes`` are arguments of a random one."""
-        given = {name: single(value) for name, value in self.random.items()} | changes
-        power, rate = given.pop("heat", None), given.pop("shear", None)
-        shaken: dict[str, str] = {name: given.pop(name) for name in OF_SHAKING if name in given}
+        settings = {name: single(value) for name, value in self.random.items()} | changes
+        power, rate = settings.pop("heat", None), settings.pop("shear", None)
+        shaken: dict[str, str] = {name: settings.pop(name) for name in OF_SHAKING if name in settings}
         if self.file is None:
-            arguments = GLASS_BEADS | given
+            arguments = GLASS_BEADS | settings
             d, sides = arguments.get("dimension", 3), arguments.get("boundary")
             arguments |= moving_walls(shaken, d, sides)
             arguments |= shear(rate, sides, arguments.get("boundary", ["periodic"] * d))
             return heated(hl.ParticleSystem.random(**arguments, progress=not changes), power)
-        for name in given:
+        for name in settings:
             if name not in OF_THE_BOX:
                 raise ValueError(f"{name}: must be left out with a start from a file")
         system = hl.ParticleSystem.read(self.file)
-        sides = given.get("boundary")
-        given |= moving_walls(shaken, system.dimension, given.get("boundary", system.boundary))
-        given |= shear(rate, sides, system.boundary)
-        changed_box = system.replace(**given) if given else system
+        sides = settings.get("boundary")
+        settings |= moving_walls(shaken, system.dimension, settings.get("boundary", system.boundary))
+        settings |= shear(rate, sides, system.boundary)
+        changed_box = system.replace(**settings) if settings else system
         if rate is not None:  # the flow changes, velocities relative to it do not
-            flow = [one.domain.mean_flow(one.positions) for one in (changed_box, system)]
+            flow = [system.domain.mean_flow(system.positions) for system in (changed_box, system)]
             changed_box = changed_box.replace(velocities=system.velocities + flow[0] - flow[1])
         return heated(changed_box, power)
 
@@ -189,30 +189,30 @@ class GasJob:
         return {"restitution": parameters.get("restitution", epsilon)}
 
 
-def make_job(file: str | None, given: dict[str, Any]) -> GasJob:
+def make_job(file: str | None, params: dict[str, Any]) -> GasJob:
     """The job of a file, or of glass beads without a file, changed by the options, which are taken out of ``given``."""
-    law = take_law(given)
+    law = take_law(params)
     tables = read(file)
-    run = changed(tables.get("event_driven", {}), RUN, given)
+    run = changed(tables.get("event_driven", {}), RUN, params)
     return GasJob(
         file=tables.get("start"),
-        random=changed(tables.get("random", {}), START, given),
+        random=changed(tables.get("random", {}), START, params),
         law=tables.get("law"),
         restitution=run.pop("restitution", None),
         law_option=law,
         run=run,
-        outputs=checked_outputs(changed(tables.get("output", {}), OUTPUT, given)),
+        outputs=checked_outputs(changed(tables.get("output", {}), OUTPUT, params)),
     )
 
 
-def checked_outputs(given: Mapping[str, Any]) -> dict[str, Path | None]:
+def checked_outputs(values: Mapping[str, Any]) -> dict[str, Path | None]:
     """The files to write, checked before anything is computed."""
     trajectories = [ending for ending, kind in FORMATS.items() if kind is not FORMATS[".data"]]
     return {
-        "out": writable("out", given.get("out"), *trajectories),
-        "save": writable("save", given.get("save"), ".nc"),
-        "plot": picture("plot", given.get("plot")),
-        "animate": film("animate", given.get("animate")),
+        "out": writable("out", values.get("out"), *trajectories),
+        "save": writable("save", values.get("save"), ".nc"),
+        "plot": picture("plot", values.get("plot")),
+        "animate": film("animate", values.get("animate")),
     }
 
 
@@ -235,13 +235,13 @@ def moving_walls(shaken: Mapping[str, str], dimension: int, boundary: Any) -> di
     axes = AXES[:dimension]
     name = shaken.get("wall", axes[-1] + "-")
     validation.one_of("wall", name, [axis + end for axis in axes for end in "-+"])
-    found: dict[str, Any] = {"walls": {name: wall}}
+    settings: dict[str, Any] = {"walls": {name: wall}}
     if boundary is None:
-        found["boundary"] = ["wall" if axis == name[0] else "periodic" for axis in axes]
-    return found
+        settings["boundary"] = ["wall" if axis == name[0] else "periodic" for axis in axes]
+    return settings
 
 
-def shear(rate: float | None, given: Any, sides: Any) -> dict[str, Any]:
+def shear(rate: float | None, boundary: Any, sides: Any) -> dict[str, Any]:
     """The arguments ``shear_rate`` and ``boundary`` of a sheared system.
 
     ``given`` is the boundary in options and job, ``sides`` the one of the system without shear, for each axis.
@@ -249,10 +249,10 @@ def shear(rate: float | None, given: Any, sides: Any) -> dict[str, Any]:
     if rate is None:
         return {}
     validation.number("shear", rate, -LARGEST, highest=LARGEST, lowest_allowed=True)
-    if "lees-edwards" in (sides if given is None else given):
+    if "lees-edwards" in (sides if boundary is None else boundary):
         return {"shear_rate": rate}
-    if given is not None:
-        shown = given if isinstance(given, str) else ", ".join(given)
+    if boundary is not None:
+        shown = boundary if isinstance(boundary, str) else ", ".join(boundary)
         raise ValueError(f"shear: got the boundary {shown}, must be one with lees-edwards, or left out")
     if list(sides[:2]) != ["periodic", "periodic"]:
         walls = listed([axis for axis, side in zip(AXES, sides, strict=False) if side == "wall"], "and")

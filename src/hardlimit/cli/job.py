@@ -51,7 +51,7 @@ def table_of(entries: Iterable[Entry], more: Mapping[str, toml.Kind] | None = No
     return lambda name, value: toml.table(name, value, kinds)
 
 
-def changed(table: Mapping[str, Any], entries: Iterable[Entry], given: dict[str, Any]) -> dict[str, Any]:
+def changed(table: Mapping[str, Any], entries: Iterable[Entry], params: dict[str, Any]) -> dict[str, Any]:
     """The table of a job with the options that were given, which are taken out of ``given``."""
-    taken = {entry.name: given.pop(entry.name, None) for entry in entries}
+    taken = {entry.name: params.pop(entry.name, None) for entry in entries}
     return {**table, **{name: value for name, value in taken.items() if value not in (None, ())}}

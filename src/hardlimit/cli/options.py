@@ -43,11 +43,11 @@ def spelled(name: str) -> str:
     return f"--{name.replace('_', '-')}"
 
 
-def options(*made: Callable[[Any], Any]) -> Callable[[F], F]:
+def options(*decorators: Callable[[Any], Any]) -> Callable[[F], F]:
     """Several options as one decorator, in the order in which help shows them."""
 
     def decorate(function: F) -> F:
-        for option in reversed(made):
+        for option in reversed(decorators):
             function = option(function)
         return function
 
@@ -63,11 +63,11 @@ def quantity_option(
 
 def quantity_options(*rows: tuple[str, str, str] | tuple[str, str, str, str]) -> Callable[[F], F]:
     """Options that take a :class:`Quantity`: option, unit and help, and a name for one that may be repeated."""
-    made = [
+    decorators = [
         quantity_option(option, *name, unit=unit, help=help, multiple=bool(name))
         for option, unit, help, *name in rows
     ]
-    return options(*made)
+    return options(*decorators)
 
 
 def json_option(help: str = "Print JSON.") -> Callable[[F], F]:
@@ -80,11 +80,11 @@ def json_option(help: str = "Print JSON.") -> Callable[[F], F]:
 
 def _all_law_parameters() -> dict[str, tuple[dict[str, Any], list[str]]]:
     """The record of each parameter of a registered law, and the names of the laws that have it."""
-    found: dict[str, tuple[dict[str, Any], list[str]]] = {}
+    parameters: dict[str, tuple[dict[str, Any], list[str]]] = {}
     for law in LAWS.values():
         for name, record in law_parameters(law).items():
-            found.setdefault(name, (record, []))[1].append(law.record["name"])
-    return found
+            parameters.setdefault(name, (record, []))[1].append(law.record["name"])
+    return parameters
 
 
 #: All parameters of contact laws. Options and the law parameters that can be swept are made from this table.
@@ -95,19 +95,19 @@ def law_options(
     kind: Callable[[str], click.ParamType[Any]] = Quantity, law: str = "Law of every contact."
 ) -> Callable[[F], F]:
     """``--law`` and an option for each parameter of a law; ``kind`` makes its type from the unit."""
-    made = [click.option("--law", type=click.Choice(list(LAWS)), help=law)]
+    decorators = [click.option("--law", type=click.Choice(list(LAWS)), help=law)]
     for name, (record, laws) in LAW_PARAMETERS.items():
         unit = f" [{record['unit']}]" if record["unit"] != "1" else ""
         meaning = record["meaning"].split(";")[0].split(",")[0]
         text = f"{meaning[0].upper()}{meaning[1:]}{unit} ({', '.join(laws)})."
-        made.append(click.option(spelled(name), name, type=kind(record["unit"]), help=text))
-    return options(*made)
+        decorators.append(click.option(spelled(name), name, type=kind(record["unit"]), help=text))
+    return options(*decorators)
 
 
-def take_law(given: dict[str, Any]) -> tuple[str | None, dict[str, Any]]:
+def take_law(params: dict[str, Any]) -> tuple[str | None, dict[str, Any]]:
     """Take the options of the law out of all options: its name, and the parameters that were given."""
-    taken = {name: given.pop(name) for name in LAW_PARAMETERS}
-    return given.pop("law"), {name: value for name, value in taken.items() if value is not None}
+    taken = {name: params.pop(name) for name in LAW_PARAMETERS}
+    return params.pop("law"), {name: value for name, value in taken.items() if value is not None}
 
 
 #: Symbols of law parameters; others are written out.

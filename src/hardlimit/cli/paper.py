@@ -64,14 +64,14 @@ def paper(
             report.note = step
             report(round(1000.0 * part), 1000)
 
-        found = run(out, figures, density, picture, infer_density, progress=tell, dpi=dpi)
+        result = run(out, figures, density, picture, infer_density, progress=tell, dpi=dpi)
     if as_json:
-        print_json(found.to_dict())
+        print_json(result.to_dict())
     else:
-        print_report(found, everything)
+        print_report(result, everything)
 
 
-def print_report(found: Report, everything: bool = False) -> None:
+def print_report(report: Report, everything: bool = False) -> None:
     """Print the statements that do not agree (all statements if ``everything``), and a summary."""
     from rich.text import Text
 
@@ -80,18 +80,18 @@ def print_report(found: Report, everything: bool = False) -> None:
     out = console()
     out.print(legend())
     out.print()
-    for title, rows in found.tables():
+    for title, rows in report.tables():
         if rows and (everything or title != AGREE):
             out.print(Text(title, style="bold"))
             out.print(statement_table(rows))
             out.print()
-    for number, sentence in found.meanings.items():
+    for number, sentence in report.meanings.items():
         out.print(Text.assemble((f"Fig. {number}  ", "bold"), sentence))
     out.print()
-    out.print(Text(f"{found.summary()}.", style="bold"))
+    out.print(Text(f"{report.summary()}.", style="bold"))
     rest = "" if everything else " (--all prints them)"
-    out.print(Text(f"All statements: {found.out / 'report.md'}{rest}."))
-    out.print(Text(f"{len(found.files)} files in {found.out}, {found.wall_time:.1f} s."))
+    out.print(Text(f"All statements: {report.out / 'report.md'}{rest}."))
+    out.print(Text(f"{len(report.files)} files in {report.out}, {report.wall_time:.1f} s."))
 
 
 def legend() -> Any:
@@ -110,13 +110,13 @@ def statement_table(rows: list[Row]) -> Any:
     from rich.table import Table
     from rich.text import Text
 
-    made = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, leading=1)
-    made.add_column("verdict", width=8)
-    made.add_column("statement", ratio=4)
-    made.add_column("where", ratio=1, min_width=9)
-    made.add_column("result", ratio=4)
+    sheet = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, leading=1)
+    sheet.add_column("verdict", width=8)
+    sheet.add_column("statement", ratio=4)
+    sheet.add_column("where", ratio=1, min_width=9)
+    sheet.add_column("result", ratio=4)
     for row in rows:
         mark, colour = MARKS[row.agrees]
         verdict = Text(f"{mark} {row.agrees}" if row.agrees != "misprint" else mark, style=colour)
-        made.add_row(verdict, Text(row.statement), Text(row.where), Text(row.result))
-    return made
+        sheet.add_row(verdict, Text(row.statement), Text(row.where), Text(row.result))
+    return sheet

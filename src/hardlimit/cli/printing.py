@@ -21,9 +21,9 @@ def console(stderr: bool = False) -> Console:
     """A console as wide as the terminal, 100 columns at most."""
     from rich.console import Console
 
-    made = Console(stderr=stderr, highlight=False)
-    made.width = min(made.width, 100)
-    return made
+    output = Console(stderr=stderr, highlight=False)
+    output.width = min(output.width, 100)
+    return output
 
 
 def table(columns: Sequence[str], rows: Iterable[Sequence[str]], left: int = 1) -> Table:
@@ -32,12 +32,12 @@ def table(columns: Sequence[str], rows: Iterable[Sequence[str]], left: int = 1) 
     from rich.table import Table
     from rich.text import Text
 
-    made = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, show_header=any(columns))
+    sheet = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, show_header=any(columns))
     for i, name in enumerate(columns):
-        made.add_column(Text(name), justify="left" if i < left else "right", overflow="fold")
+        sheet.add_column(Text(name), justify="left" if i < left else "right", overflow="fold")
     for row in rows:
-        made.add_row(*map(Text, row))
-    return made
+        sheet.add_row(*map(Text, row))
+    return sheet
 
 
 def show(out: Console, title: str, content: Table, below: str = "") -> None:

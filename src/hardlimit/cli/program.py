@@ -111,14 +111,14 @@ def with_options(ctx: click.Context, message: str) -> str:
     if str(ctx.params.get("file") or "").endswith(".toml") and not typed:
         known = {name: option for name, option in known.items() if isinstance(option, str)}
 
-    def option(found: re.Match[str]) -> str:
-        name, place = found.groups()
+    def option(match: re.Match[str]) -> str:
+        name, place = match.groups()
         if name not in known:
-            return found[0]
+            return match[0]
         if isinstance(param := known[name], str):
             return param
-        given = ctx.params.get(param.name or "")
-        return param.opts[0] + (place if isinstance(given, tuple) and len(given) > 1 else "")
+        value = ctx.params.get(param.name or "")
+        return param.opts[0] + (place if isinstance(value, tuple) and len(value) > 1 else "")
 
     options = " | ".join(dict.fromkeys(PARAMETER.sub(option, subject).split(" | ")))
     return options + colon + in_words(rest, known)
@@ -149,17 +149,17 @@ def in_words(text: str, known: Mapping[str, click.Option | str]) -> str:
 
     def of_object(name: str, values: str) -> str:
         if name in LAW_NAMES:
-            return " ".join([LAW_NAMES[name], *(option(*one.split("=", 1)) for one in values.split(", "))])
+            return " ".join([LAW_NAMES[name], *(option(*pair.split("=", 1)) for pair in values.split(", "))])
         return f"{name}: {values.replace('=', ' ')}"
 
-    def replaced(found: re.Match[str]) -> str:
-        if found["object"]:
-            return of_object(found["object"], found["values"])
-        if found["name"]:
-            return option(found["name"], found["value"])
-        if found["words"]:
-            return " + ".join(option(name) for name in found["words"].split(" + "))
-        return found[0]
+    def replaced(match: re.Match[str]) -> str:
+        if match["object"]:
+            return of_object(match["object"], match["values"])
+        if match["name"]:
+            return option(match["name"], match["value"])
+        if match["words"]:
+            return " + ".join(option(name) for name in match["words"].split(" + "))
+        return match[0]
 
     def is_missing(clause: str) -> bool:
         return any(m["name"] and m["name"] not in known for m in PYTHON.finditer(clause))

@@ -51,7 +51,7 @@ MODELS = {"newton": "Newton's equations", "independent": "collisions"}
 @output_option("--plot", "Picture of masses and top speed over the gap (png, pdf, svg, …).")
 @dpi_option
 @json_option()
-def stack(n: int, as_json: bool, plot: str | None, **given: Any) -> None:
+def stack(n: int, as_json: bool, plot: str | None, **params: Any) -> None:
     """Find the masses with which a stack throws its top ball fastest.
 
     The masses are optimised under Newton's equations and for successive collisions. Balls that touch or nearly touch
@@ -59,64 +59,66 @@ def stack(n: int, as_json: bool, plot: str | None, **given: Any) -> None:
     Numbers may have a unit, such as 10g.
     """
     path = picture("plot", plot)
-    law = law_from(given)
-    found = computed(law, n, given)
+    law = law_from(params)
+    stacks = computed(law, n, params)
     if path:
         from .. import plots
 
-        plots.save(plots.stack(*found.values()), path, given["dpi"])
+        plots.save(plots.stack(*stacks.values()), path, params["dpi"])
     if as_json:
-        print_json(as_mapping(found, law))
+        print_json(as_mapping(stacks, law))
     else:
-        print_report(found, law)
+        print_report(stacks, law)
 
 
-def computed(law: Law, n: int, given: dict[str, Any]) -> dict[str, Stack]:
+def computed(law: Law, n: int, params: dict[str, Any]) -> dict[str, Stack]:
     """The optimal stack under each model."""
     for name in ("least_ratio", "largest_ratio", "speed"):  # hl.stack has other names for them
-        if given[name] is not None:
-            validation.number(name, given[name], 0.0)
-    arguments = {"bottom_mass": 1.0, "impact_speed": given["speed"]}
-    arguments |= {name: given[name] for name in ("bottom_mass", "top_mass", "gaps", "density")}
+        if params[name] is not None:
+            validation.number(name, params[name], 0.0)
+    arguments = {"bottom_mass": 1.0, "impact_speed": params["speed"]}
+    arguments |= {name: params[name] for name in ("bottom_mass", "top_mass", "gaps", "density")}
     arguments = {name: value for name, value in arguments.items() if value is not None}
     arguments.setdefault("bottom_mass", 1.0)
-    low, high = given["least_ratio"], given["largest_ratio"]
+    low, high = params["least_ratio"], params["largest_ratio"]
     arguments["ratio_limits"] = (1e-3 if low is None else low, 1.0 if high is None else high)
     return {model: best(n, law, model=model, progress=True, **arguments) for model in MODELS}
 
 
-def print_report(found: dict[str, Stack], law: Law) -> None:
+def print_report(stacks: dict[str, Stack], law: Law) -> None:
     """Print the masses, and the top speed for several gaps."""
     out = console()
-    n = found["newton"].masses.size
+    n = stacks["newton"].masses.size
     rows = [
-        [f"ball {i + 1}", *(quantity(float(one.masses[i]) * 1e3, "g") for one in found.values())]
+        [f"ball {i + 1}", *(quantity(float(stack.masses[i]) * 1e3, "g") for stack in stacks.values())]
         for i in reversed(range(n))
     ]
     for model, name in MODELS.items():
-        rows.append([f"top speed / V, {name}", *(digits(one.speed_under(model)) for one in found.values())])
+        rows.append(
+            [f"top speed / V, {name}", *(digits(stack.speed_under(model)) for stack in stacks.values())]
+        )
     columns = ["best masses for", *MODELS.values()]
     show(out, f"Stack of {n} balls", table(columns, rows), law_text(law))
     rows = []
     for gap in GAPS:
-        speeds = [one.speed_under("newton", gap * one.contact_way) for one in found.values()]
+        speeds = [stack.speed_under("newton", gap * stack.contact_way) for stack in stacks.values()]
         rows.append([digits(gap), *map(digits, speeds)])
-    way = quantity(found["newton"].contact_way, "m", 3)
+    way = quantity(stacks["newton"].contact_way, "m", 3)
     title = "Top speed / V under Newton's equations for other gaps"
     below = f"V t_c = {way}: impact speed times contact duration of the lowest ball alone on the floor."
     show(out, title, table(["gap / (V t_c)", *(f"best for {name}" for name in MODELS.values())], rows), below)
 
 
-def as_mapping(found: dict[str, Stack], law: Law) -> dict[str, Any]:
+def as_mapping(stacks: dict[str, Stack], law: Law) -> dict[str, Any]:
     """The contents of the tables in SI units; speeds are relative to the impact speed."""
     content: dict[str, Any] = {"law": {"name": law.record["name"], **law.parameters}}
-    for model, one in found.items():
-        gaps = np.array(GAPS) * one.contact_way
-        over = one.over_gaps(gaps)
+    for model, stack in stacks.items():
+        gaps = np.array(GAPS) * stack.contact_way
+        over = stack.over_gaps(gaps)
         content[f"best_under_{model}"] = {
-            "masses": one.masses,
-            "top_speed": {name: one.speed_under(name) for name in MODELS},
-            "contact_way": one.contact_way,
+            "masses": stack.masses,
+            "top_speed": {name: stack.speed_under(name) for name in MODELS},
+            "contact_way": stack.contact_way,
             "over_gaps": {"gap": gaps, **{name: over[name].values for name in MODELS}},
         }
     return content

@@ -94,7 +94,7 @@ def axis(name: str, value: Any, unit: str = "1") -> float | NDArray[np.float64]:
     if isinstance(value, list):
         if not value:
             raise ValueError(f"{name}: got an empty list, must hold at least one number")
-        return np.array([_number(f"{name}[{i}]", one, unit) for i, one in enumerate(value)])
+        return np.array([_number(f"{name}[{i}]", entry, unit) for i, entry in enumerate(value)])
     if not isinstance(value, str):
         if not validation.is_number(value):
             raise ValueError(f"{name}: got {validation.shown(value)}, {EXPECTED}")
@@ -142,11 +142,11 @@ def units_of(balls: int) -> dict[str, str]:
 
 def geometry_options(function: F) -> F:
     """An option for each parameter of two balls that can be swept, apart from those of the law."""
-    made = []
+    decorators = []
     for name, p in geometry(2).items():
         text = f"{p.meaning[0].upper()}{p.meaning[1:]}{'' if p.unit == '1' else f' [{p.unit}]'}."
-        made.append(click.option(spelled(name), name, type=Axis(p.unit), help=text))
-    return options(*made)(function)
+        decorators.append(click.option(spelled(name), name, type=Axis(p.unit), help=text))
+    return options(*decorators)(function)
 
 
 # --- the command --------------------------------------------------------------------------------------------
@@ -164,7 +164,7 @@ def geometry_options(function: F) -> F:
 @click.option("--resume", is_flag=True, help="Continue the Zarr store of an interrupted sweep.")
 @dpi_option
 @json_option("Print the summary as JSON.")
-def sweep(file: str | None, resume: bool, dpi: float | None, as_json: bool, **given: Any) -> None:
+def sweep(file: str | None, resume: bool, dpi: float | None, as_json: bool, **params: Any) -> None:
     """Compute a map over any parameters of a column of balls.
 
     A parameter is a number, a list 0.5,0.7,0.9, or start:stop:count, with :log for equal factors; numbers may have a
@@ -172,7 +172,7 @@ def sweep(file: str | None, resume: bool, dpi: float | None, as_json: bool, **gi
     paper. A job file is a file of `hardlimit drop` with a table [sweep] (model, engine, threads, scheduler, tolerance,
     variables, out, plot, ball, difference) and a table [sweep.axes].
     """
-    job = make_job(file, resume, given)
+    job = make_job(file, resume, params)
     import xarray  # noqa: F401  # before the sweep, which measures its time
 
     store = job.out if job.out is not None and job.out.suffix == ".zarr" else None
@@ -204,7 +204,7 @@ class Job:
     ball: int | None  #: ball of the plotted variable; None if it has one value for all balls
 
 
-def make_job(file: str | None, resume: bool, given: dict[str, Any]) -> Job:
+def make_job(file: str | None, resume: bool, params: dict[str, Any]) -> Job:
     """The job of a file, or of Fig. 2 without a file, changed by the options."""
     base = files.of_column(Column.paper())
     content: dict[str, Any] = {}
@@ -213,8 +213,8 @@ def make_job(file: str | None, resume: bool, given: dict[str, Any]) -> Job:
         check = table_of(SETTINGS, {"axes": lambda name, value: _axes(name, value, len(base.balls))})
         content = files.prefixed(f"{file}: ", lambda: check("sweep", extra.get("sweep", {})))
     axes = content.pop("axes", {})
-    settings = changed(content, SETTINGS, given)
-    column, swept = column_and_axes(base, given, axes)
+    settings = changed(content, SETTINGS, params)
+    column, swept = column_and_axes(base, params, axes)
     if not swept:
         raise ValueError("axes: got none, must be at least one, such as --restitution 0.4:1:100")
     pictures = {name: picture(name, settings.pop(name, None)) for name in ("plot", "difference")}
@@ -267,13 +267,13 @@ def column_and_axes(
 ) -> tuple[Column, dict[str, Any]]:
     """The column, and the swept parameters of the file and then of the options."""
     name = options.pop("law")
-    asked = {key: value for key, value in options.items() if value is not None}
-    asked = {key: value for key, value in axes.items() if key not in asked} | asked
-    of_law = {key: asked[key] for key in LAW_PARAMETERS if key in asked}
+    values = {key: value for key, value in options.items() if value is not None}
+    values = {key: value for key, value in axes.items() if key not in values} | values
+    of_law = {key: values[key] for key in LAW_PARAMETERS if key in values}
     if name is not None or of_law:
         first = {key: float(np.ravel(value)[0]) for key, value in of_law.items()}
         base = files.with_law(base, name, first)
-    swept = {key: value for key, value in asked.items() if np.ndim(value) or key not in of_law}
+    swept = {key: value for key, value in values.items() if np.ndim(value) or key not in of_law}
     if not any(np.ndim(value) for value in swept.values()):
         swept = {}
     return base.column(), swept

@@ -97,43 +97,43 @@ _REASONS: Final = {
 
 
 def _verdict(c: Comparison) -> ColumnVerdict:
-    found = _core.compare(c.newton._core, c.independent._core, TOLERANCE)
-    answer = cast(Answer, found.answer)
-    if found.ground not in _REASONS:
-        return ColumnVerdict(answer, _by_numbers(c, found))
+    comparison = _core.compare(c.newton._core, c.independent._core, TOLERANCE)
+    answer = cast(Answer, comparison.answer)
+    if comparison.ground not in _REASONS:
+        return ColumnVerdict(answer, _by_numbers(c, comparison))
     outcomes = {r.model: r.outcome.split(":")[0] for r in (c.newton, c.independent)}
     before = " before the second floor contact" if c.newton.column.floor else ""
-    return ColumnVerdict(answer, _REASONS[found.ground].format(before=before, **outcomes))
+    return ColumnVerdict(answer, _REASONS[comparison.ground].format(before=before, **outcomes))
 
 
-def _by_numbers(c: Comparison, found: _core.Comparison) -> str:
+def _by_numbers(c: Comparison, comparison: _core.Comparison) -> str:
     """The sentence if both models reached the end of the sequence."""
     if len(c.newton.column.balls) == 1:
         contacts = "the only contact is that with the floor"
     else:
-        contacts = _overlaps(found.overlapping, c.newton.n_contacts)
-    if found.later:
+        contacts = _overlaps(comparison.overlapping, c.newton.n_contacts)
+    if comparison.later:
         contacts += ", under one model the last one follows the second floor contact"
-    clause = _clause(found)
-    if found.answer == "no":
-        return f"No: {contacts}{';' if found.overlapping else ', yet'} {clause}."
+    clause = _clause(comparison)
+    if comparison.answer == "no":
+        return f"No: {contacts}{';' if comparison.overlapping else ', yet'} {clause}."
     return (
         f"Yes: {contacts}, and {clause}."
-        if found.answer == "yes"
+        if comparison.answer == "yes"
         else f"Only by luck: {contacts}, yet {clause}."
     )
 
 
-def _clause(found: _core.Comparison) -> str:
+def _clause(comparison: _core.Comparison) -> str:
     """Describes the error of the event-driven model."""
-    if math.isnan(found.error):
-        newton = found.ground == "newton_touches_again"
+    if math.isnan(comparison.error):
+        newton = comparison.ground == "newton_touches_again"
         model = "under Newton’s equations" if newton else "in the event-driven model"
         return f"{model} the second floor contact begins before the balls separate"
-    what = "separation velocity" if found.ball < 0 else f"final velocity of ball {found.ball + 1}"
-    if found.answer == "no":
-        return f"the event-driven {what} is {_both(found.independent, found.newton)}"
-    return f"the event-driven {what} is right to {_percent(found.error)}"
+    what = "separation velocity" if comparison.ball < 0 else f"final velocity of ball {comparison.ball + 1}"
+    if comparison.answer == "no":
+        return f"the event-driven {what} is {_both(comparison.independent, comparison.newton)}"
+    return f"the event-driven {what} is right to {_percent(comparison.error)}"
 
 
 def _overlaps(overlap: int, n: int) -> str:

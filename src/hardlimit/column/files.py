@@ -54,7 +54,15 @@ def _repeated(values: tuple[float, ...], count: int) -> list[float]:
 def of_column(column: Column) -> Scenario:
     """The parameters of a column."""
     c = column
-    return Scenario(c.balls, c.gaps, c.laws, c.height, c.velocities, c.gravity, not c.floor)
+    return Scenario(
+        balls=c.balls,
+        gaps=c.gaps,
+        laws=c.laws,
+        height=c.height,
+        velocities=c.velocities,
+        gravity=c.gravity,
+        cradle=not c.floor,
+    )
 
 
 # --- TOML ---------------------------------------------------------------------------------------------------
@@ -104,31 +112,31 @@ def write(column: Column, path: str | Path) -> Path:
 
 def from_mapping(content: Mapping[str, Any]) -> Scenario:
     """The scenario in a mapping with the keys of the TOML file."""
-    found = toml.table("", content, COLUMN)
-    if not found.get("balls"):
+    scenario = toml.table("", content, COLUMN)
+    if not scenario.get("balls"):
         raise ValueError("balls: missing, must be one table [[balls]] for each ball")
-    n = len(found["balls"])
-    cradle = found.get("cradle", False)
+    n = len(scenario["balls"])
+    cradle = scenario.get("cradle", False)
     if cradle:
         for name in ("height", "gravity"):
-            if name in found and (name, found[name]) != ("gravity", 0.0):
+            if name in scenario and (name, scenario[name]) != ("gravity", 0.0):
                 other = "0 or " if name == "gravity" else ""
-                raise ValueError(f"{name}: got {found[name]!r}, must be {other}left out for a cradle")
-    elif "height" not in found:
+                raise ValueError(f"{name}: got {scenario[name]!r}, must be {other}left out for a cradle")
+    elif "height" not in scenario:
         raise ValueError("height: missing, must be the height [m] of the lowest centre at release")
-    elif "gaps" not in found and n > 1:
+    elif "gaps" not in scenario and n > 1:
         raise ValueError(f"gaps: missing, must be a list of {n - 1}")
-    laws = [found["law"]] if "law" in found else found.get("laws")
-    if not laws or ("law" in found and "laws" in found):
+    laws = [scenario["law"]] if "law" in scenario else scenario.get("laws")
+    if not laws or ("law" in scenario and "laws" in scenario):
         count = "both" if laws else "neither"
         raise ValueError(f"law | laws: got {count}, must be one [law], or one [[laws]] for each contact")
-    gaps, gravity = found.get("gaps", 0.0), found.get("gravity", STANDARD_GRAVITY)
+    gaps, gravity = scenario.get("gaps", 0.0), scenario.get("gravity", STANDARD_GRAVITY)
     return Scenario(
-        balls=tuple(found["balls"]),
+        balls=tuple(scenario["balls"]),
         gaps=validation.numbers("gaps", gaps, n - 1, lowest=0.0, lowest_allowed=True),
         laws=tuple(laws),
-        height=0.0 if cradle else validation.number("height", found["height"]),
-        velocities=validation.numbers("velocities", found.get("velocities", 0.0), n),
+        height=0.0 if cradle else validation.number("height", scenario["height"]),
+        velocities=validation.numbers("velocities", scenario.get("velocities", 0.0), n),
         gravity=validation.number("gravity", gravity, 0.0, lowest_allowed=True),
         cradle=cradle,
     )
@@ -137,10 +145,10 @@ def from_mapping(content: Mapping[str, Any]) -> Scenario:
 def _ball(name: str, content: Any) -> Ball:
     """Check the table of a ball."""
     kinds = {"radius": toml.quantity("m"), "density": toml.quantity("kg/m3"), "mass": toml.quantity("kg")}
-    given = toml.table(name, content, kinds)
-    if "radius" not in given:
+    values = toml.table(name, content, kinds)
+    if "radius" not in values:
         raise ValueError(f"{name}.radius: missing, must be given")
-    return prefixed(f"{name}.", lambda: Ball(**given))
+    return prefixed(f"{name}.", lambda: Ball(**values))
 
 
 def law_table(name: str, content: Any) -> Law:
@@ -152,8 +160,8 @@ def law_table(name: str, content: Any) -> Law:
         kind = law_class(content["name"], f"{name}.name")
     records = {} if kind is None else law_parameters(kind)
     kinds = {"name": toml.text} | {key: toml.quantity(record["unit"]) for key, record in records.items()}
-    given = toml.table(name, content, kinds)
-    return prefixed(f"{name}.", lambda: LAWS[given.pop("name")](**given))
+    values = toml.table(name, content, kinds)
+    return prefixed(f"{name}.", lambda: LAWS[values.pop("name")](**values))
 
 
 #: The keys of a file of a column.
@@ -294,11 +302,11 @@ def with_motion(
     )
 
 
-def _fitting(name: str, given: Sequence[float], present: tuple[float, ...], count: int) -> tuple[float, ...]:
+def _fitting(name: str, values: Sequence[float], present: tuple[float, ...], count: int) -> tuple[float, ...]:
     """The given values, or the present ones, which are repeated for more balls if they are equal."""
-    if given:
+    if values:
         limits = {"lowest": 0.0, "lowest_allowed": True} if name == "gap" else {}
-        return validation.numbers(name, given[0] if len(given) == 1 else given, count, **limits)
+        return validation.numbers(name, values[0] if len(values) == 1 else values, count, **limits)
     if len(present) != count and len(set(present)) == 1:
         return present[:1] * count
     return present

@@ -91,8 +91,8 @@ class Result:
 
     def __repr__(self) -> str:
         v = f"{self.relative_velocity:.6g} m/s" if not math.isnan(self.relative_velocity) else "undefined"
-        found = f"{self.n_contacts} ball–ball contacts, v'_r {v}, {self.outcome}"
-        return f"<Result of {self.model} ({self.method}): {found}>"
+        summary = f"{self.n_contacts} ball–ball contacts, v'_r {v}, {self.outcome}"
+        return f"<Result of {self.model} ({self.method}): {summary}>"
 
     def _repr_html_(self) -> str:
         rows = [[label, digits(value)] for label, value in quantities(self)]
@@ -447,13 +447,13 @@ def _fixed(array: NDArray[Any]) -> NDArray[Any]:
 def quantities(result: Result) -> list[tuple[str, float]]:
     """Labels and values (SI units) of a result, for tables."""
     column = result.column
-    found: list[tuple[str, float]] = [("ball–ball contacts", result.n_contacts)]
+    rows: list[tuple[str, float]] = [("ball–ball contacts", result.n_contacts)]
     if len(column.balls) > 1:
-        found.append(("end of the sequence t_f [s]", result.t_end))
+        rows.append(("end of the sequence t_f [s]", result.t_end))
     if column.floor:
-        found.append(("end of the floor contact [s]", result.t_floor_end))
+        rows.append(("end of the floor contact [s]", result.t_floor_end))
     if column.floor and len(column.balls) == 2:
-        found += [
+        rows += [
             ("relative velocity v'r at t_f [m/s]", result.relative_velocity),
             ("separation velocity [m/s]", result.separation_velocity),
             ("effective ε at t_f", result.effective_restitution),
@@ -461,9 +461,9 @@ def quantities(result: Result) -> list[tuple[str, float]]:
             ("effective ε / ε at t_f", result.restitution_ratio),
             ("effective ε / ε at separation", result.restitution_ratio_at_separation),
         ]
-    found += compression.rows(result.largest_compression)
+    rows += compression.rows(result.largest_compression)
     for i in reversed(range(len(column.balls))):
-        found.append((f"final velocity of ball {i + 1} [m/s]", float(result.final_velocities[i])))
+        rows.append((f"final velocity of ball {i + 1} [m/s]", float(result.final_velocities[i])))
     for i in reversed(range(len(column.balls) if column.gravity else 0)):
-        found.append((f"rebound height of ball {i + 1} [m]", float(result.rebound_heights[i])))
-    return found
+        rows.append((f"rebound height of ball {i + 1} [m]", float(result.rebound_heights[i])))
+    return rows

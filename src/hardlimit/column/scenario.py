@@ -321,7 +321,15 @@ class Column:
             contacts.insert(0, contacts[0])  # pair 0 of the core, which never closes in a cradle
         masses, radii = [b.mass for b in self.balls], [b.radius for b in self.balls]
         gaps, velocities = [self.drop_height, *self.gaps], list(self.velocities)
-        return _core.make_column(self.floor, self.gravity, masses, radii, contacts, gaps, velocities)
+        return _core.make_column(
+            floor=self.floor,
+            gravity=self.gravity,
+            mass=masses,
+            radius=radii,
+            contacts=contacts,
+            gaps=gaps,
+            velocity=velocities,
+        )
 
     @property
     def initial_positions(self) -> NDArray[np.float64]:
@@ -353,12 +361,14 @@ def _refuse_too_large(**values: float) -> None:
 def _checked_laws(law: Any, contacts: int) -> tuple[Law, ...]:
     laws = (law,) * contacts if isinstance(law, Law) else law
     listed = laws if isinstance(laws, Sequence) and not isinstance(laws, str) else [laws]
-    for one in listed:
-        if not isinstance(one, Law):
-            raise ValueError(f"law: got {validation.shown(one)}, must be a contact law such as LinearDashpot")
+    for item in listed:
+        if not isinstance(item, Law):
+            raise ValueError(
+                f"law: got {validation.shown(item)}, must be a contact law such as LinearDashpot"
+            )
     if len(laws) != contacts:
         raise ValueError(f"law: got {len(laws)} laws, must be one or {contacts}, one for each contact")
-    if len({type(one) for one in laws}) > 1:
+    if len({type(item) for item in laws}) > 1:
         raise ValueError("law: got laws of different kinds, must be of one kind")
     return tuple(laws)
 

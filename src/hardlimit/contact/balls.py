@@ -48,7 +48,7 @@ class Ball:
     given: str  #: the value that :meth:`resized` keeps, ``"density"`` or ``"mass"``
 
     def __init__(self, radius: float, density: float | None = None, mass: float | None = None) -> None:
-        given = validation.exactly_one(density=density, mass=mass)
+        kept = validation.exactly_one(density=density, mass=mass)
         size = validation.number("radius", radius, 0.0)
         if density is not None:
             rho = validation.number("density", density, 0.0)
@@ -58,12 +58,12 @@ class Ball:
             volume = _core.ball_mass(1.0, size)
             rho = weight / volume if volume > 0.0 else math.inf
         if not LIGHTEST <= weight <= HEAVIEST:
-            what, value = ("density", rho) if given == "density" else ("mass", weight)
+            what, value = ("density", rho) if kept == "density" else ("mass", weight)
             raise ValueError(
                 f"radius | {what}: got {size:.16g} and {value:.16g}, a mass of {weight:g} kg, "
                 f"must be in [{LIGHTEST:g}, {HEAVIEST:g}]"
             )
-        for name, entry in (("radius", size), ("mass", weight), ("density", rho), ("given", given)):
+        for name, entry in (("radius", size), ("mass", weight), ("density", rho), ("given", kept)):
             object.__setattr__(self, name, entry)
 
     def __repr__(self) -> str:

@@ -214,11 +214,11 @@ class Law:
     parameters: Mapping[str, float]  #: as given, in the record's order
     alternative: int  #: which set of alternatives was given
 
-    def __init__(self, **given: float | None) -> None:
+    def __init__(self, **parameters: float | None) -> None:
         record = self.record
         common = record["common"]
         choices = record["alternatives"]
-        named = {k: v for k, v in given.items() if v is not None}
+        named = {k: v for k, v in parameters.items() if v is not None}
         known = law_parameters(type(self))
         for name in named:
             if name not in known:
@@ -347,14 +347,14 @@ def law_parameters(law: type[Law]) -> dict[str, dict[str, Any]]:
     return {p["name"]: p for p in [*law.record["common"], *(p for choice in choices for p in choice)]}
 
 
-def _refused_choice(choices: Sequence[Sequence[Mapping[str, Any]]], given: set[str]) -> str:
+def _refused_choice(choices: Sequence[Sequence[Mapping[str, Any]]], names_of_values: set[str]) -> str:
     """The message for a wrong set of parameters. It lists the sets that contain the given ones, or else all sets."""
     sets = [[str(p["name"]) for p in choice] for choice in choices]
-    fitting = [names for names in sets if given <= set(names)] or sets
-    names = dict.fromkeys(name for one in fitting for name in one)
-    got = " and ".join(name for name in names if name in given)
+    fitting = [names for names in sets if names_of_values <= set(names)] or sets
+    names = dict.fromkeys(name for choice in fitting for name in choice)
+    got = " and ".join(name for name in names if name in names_of_values)
     nothing = "neither" if len(names) == 2 else "none of them"
-    wanted = " or ".join(" + ".join(one) for one in fitting)
+    wanted = " or ".join(" + ".join(choice) for choice in fitting)
     return f"{' | '.join(names)}: got {got or nothing}, must be {wanted}"
 
 
@@ -366,10 +366,10 @@ def _range_of(parameter: dict[str, Any]) -> str:
 
 def make_law(record: dict[str, Any]) -> type[Law]:
     """Make the Python class of a registered law."""
-    made = type(record["class_name"], (Law,), {"record": record, "__module__": "hardlimit"})
-    made.__signature__ = _signature(record)  # type: ignore[attr-defined]
-    made.__doc__ = _documentation(made)
-    return made
+    law = type(record["class_name"], (Law,), {"record": record, "__module__": "hardlimit"})
+    law.__signature__ = _signature(record)  # type: ignore[attr-defined]
+    law.__doc__ = _documentation(law)
+    return law
 
 
 def _signature(record: dict[str, Any]) -> Signature:

@@ -110,5 +110,16 @@ def convert(
     from .conversion import converted
     from .wanted import wanted
 
-    target = wanted(restitution, speed, law, stiffness, youngs_modulus, poisson_ratio, duration, compression)
-    return converted(balls, target, wall, code, model, attraction, restitution_error, time_step)
+    target = wanted(
+        restitution,
+        speed,
+        law,
+        stiffness=stiffness,
+        youngs_modulus=youngs_modulus,
+        poisson_ratio=poisson_ratio,
+        duration=duration,
+        compression=compression,
+    )
+    return converted(
+        balls, target, wall, code, model, attraction, restitution_error=restitution_error, time_step=time_step
+    )

@@ -129,9 +129,9 @@ class Model:
             rule = self.damping
             power = rule.stiffness
             return 1.0 - rule.mass - power, -q - power * (1.0 - p) - rule.radius, -1.0 + 2.0 * power
-        given = {"youngs_modulus": (1.0, -1.0, -2.0), "characteristic_speed": (0.0, 1.0, -1.0)}
+        powers = {"youngs_modulus": (1.0, -1.0, -2.0), "characteristic_speed": (0.0, 1.0, -1.0)}
         stiffness = (1.0, 1.0 - p - self.spring.radius, -2.0)
-        return {**given, "stiffness": stiffness}.get(name, (0.0, 0.0, 0.0))
+        return {**powers, "stiffness": stiffness}.get(name, (0.0, 0.0, 0.0))
 
     def powers(self, attraction: bool) -> Powers:
         """p, q, and whether the force attracts; ``attraction`` decides if the code has the option.
@@ -273,17 +273,19 @@ class Written:
     def _all_numbers(self, stiffness: float, number: float) -> Numbers | None:
         mass = self._mass({})
         spring = SPRINGS[self.model.spring.given]
-        found = spring.numbers(stiffness / self._spring_factor(), self._where(mass, number))
-        if found is None or mass < self.model.spring.shortest**2 * stiffness:
+        numbers = spring.numbers(stiffness / self._spring_factor(), self._where(mass, number))
+        if numbers is None or mass < self.model.spring.shortest**2 * stiffness:
             return None
         if self.model.damping.formula == "none":
-            return {name: float(f"{value:.12g}") for name, value in found.items()}
+            return {name: float(f"{value:.12g}") for name, value in numbers.items()}
         if self.model.mass.number:
-            found[self.model.mass.number] = mass / self.model.mass.share
-        found[self.model.damping.number] = number
-        found = {name: float(f"{value:.12g}") for name, value in found.items()}  # as they are written
+            numbers[self.model.mass.number] = mass / self.model.mass.share
+        numbers[self.model.damping.number] = number
+        numbers = {name: float(f"{value:.12g}") for name, value in numbers.items()}  # as they are written
         least = self.model.input.least
-        return found if all(value >= least.get(name, -math.inf) for name, value in found.items()) else None
+        return (
+            numbers if all(value >= least.get(name, -math.inf) for name, value in numbers.items()) else None
+        )
 
     def _mass(self, numbers: Mapping[str, float]) -> float:
         """The mass in the code's formulas."""
@@ -331,11 +333,11 @@ def _read(name: str) -> Code:
     """Read and check the file of a code."""
     content = toml.parse((FOLDER / f"{name}.toml").read_text("utf-8"))
     _refuse_unknown(name, content, Code)
-    found = toml.convert(content, Code, f"{name}: ")
-    for model in found.models:
+    source = toml.convert(content, Code, f"{name}: ")
+    for model in source.models:
         validation.one_of(f"{name}.{model.name}.spring.given", model.spring.given, list(SPRINGS))
         validation.one_of(f"{name}.{model.name}.damping.formula", model.damping.formula, list(FORMULAS))
-    return found
+    return source
 
 
 def _refuse_unknown(where: str, content: Any, kind: Any) -> None:
@@ -344,7 +346,7 @@ def _refuse_unknown(where: str, content: Any, kind: Any) -> None:
         for part in content:
             _refuse_unknown(where, part, kind)
     elif isinstance(content, dict):
-        known = {one.name: INNER.get(one.name) for one in fields(kind)}
+        known = {entry.name: INNER.get(entry.name) for entry in fields(kind)}
         for key, part in content.items():
             validation.one_of(where, key, list(known))
             if known[key] is not None:

@@ -90,21 +90,21 @@ class Conversion:
             "contacts": [asdict(contact) for contact in self.contacts],
             "models": [
                 {
-                    "code": one.code.name,
-                    "version": one.code.version,
-                    "checked": one.code.checked,
-                    "sources": one.code.sources,
-                    "model": one.model.name,
-                    "attraction": one.attraction,
-                    "contacts": [asdict(contact) for contact in one.contacts],
-                    "text": one.text,
+                    "code": conversion.code.name,
+                    "version": conversion.code.version,
+                    "checked": conversion.code.checked,
+                    "sources": conversion.code.sources,
+                    "model": conversion.model.name,
+                    "attraction": conversion.attraction,
+                    "contacts": [asdict(contact) for contact in conversion.contacts],
+                    "text": conversion.text,
                 }
-                for one in self.models
+                for conversion in self.models
             ],
         }
 
     def __repr__(self) -> str:
-        names = ", ".join(f"{one.code.name} {one.model.name}" for one in self.models)
+        names = ", ".join(f"{conversion.code.name} {conversion.model.name}" for conversion in self.models)
         pairs = ", ".join(contact.pair for contact in self.contacts)
         return f"Conversion(restitution={self.wanted.restitution:g}, contacts=[{pairs}], models=[{names}])"
 
@@ -125,7 +125,7 @@ class Stepping:
 
 def converted(
     balls: Any,
-    asked: Wanted,
+    wanted: Wanted,
     wall: bool,
     named: Any,
     model: Any,
@@ -137,32 +137,32 @@ def converted(
     pairs = _pairs(balls, validation.flag("wall", wall))
     attracts = validation.flag("attraction", attraction)
     stepping = stepping_of(restitution_error, time_step)
-    forces = [asked.force(pair.mass, pair.radius) for pair in pairs]
-    chosen = _chosen(named, model, asked.law)
+    forces = [wanted.force(pair.mass, pair.radius) for pair in pairs]
+    chosen = _chosen(named, model, wanted.law)
     listed = (balls,) if isinstance(balls, Ball) else tuple(balls)
     if named is not None:
         for ball in listed:
             _refuse_light(chosen[0][0], ball)
-    chosen = [one for one in chosen if not any(_too_light(one[0], ball) for ball in listed)]
+    chosen = [choice for choice in chosen if not any(_too_light(choice[0], ball) for ball in listed)]
     return Conversion(
-        asked,
-        tuple(_contact(pair, force, asked, stepping) for pair, force in zip(pairs, forces, strict=True)),
-        tuple(_in_model(*one, pairs, forces, asked, attracts, stepping) for one in chosen),
+        wanted,
+        tuple(_contact(pair, force, wanted, stepping) for pair, force in zip(pairs, forces, strict=True)),
+        tuple(_in_model(*choice, pairs, forces, wanted, attracts, stepping) for choice in chosen),
     )
 
 
-def _refuse_light(found: Code, body: Any) -> None:
+def _refuse_light(source: Code, body: Any) -> None:
     """Refuse a ball that is too light for the code."""
-    if isinstance(body, Ball) and _too_light(found, body):
+    if isinstance(body, Ball) and _too_light(source, body):
         inertia = 0.4 * body.mass * body.radius**2
         raise ValueError(
             f"radius | mass: got a ball with a moment of inertia of {inertia:.3g} kg m², must be > "
-            f"{found.least_inertia:g} kg m² in {found.title}, which refuses lighter bodies: use other units there"
+            f"{source.least_inertia:g} kg m² in {source.title}, which refuses lighter bodies: use other units there"
         )
 
 
-def _too_light(found: Code, ball: Ball) -> bool:
-    return min(ball.mass, 0.4 * ball.mass * ball.radius**2) <= found.least_inertia
+def _too_light(source: Code, ball: Ball) -> bool:
+    return min(ball.mass, 0.4 * ball.mass * ball.radius**2) <= source.least_inertia
 
 
 def _pairs(balls: Any, wall: bool) -> list[Pair]:
@@ -170,10 +170,10 @@ def _pairs(balls: Any, wall: bool) -> list[Pair]:
     listed = (balls,) if isinstance(balls, Ball) else validation.instances("balls", balls, Ball, "Ball")
     if not 1 <= len(listed) <= MAX_BODIES:
         raise ValueError(f"balls: got {len(listed)}, must be 1 to {MAX_BODIES}")
-    found = [
+    pairs = [
         pair_of(ball, listed[j], i + 1, j + 1) for i, ball in enumerate(listed) for j in range(i, len(listed))
     ]
-    return found + [pair_of(ball, FLOOR, i + 1, i + 1) for i, ball in enumerate(listed)] * bool(wall)
+    return pairs + [pair_of(ball, FLOOR, i + 1, i + 1) for i, ball in enumerate(listed)] * bool(wall)
 
 
 def pair_of(ball: Any, other: Any, i: int, j: int) -> Pair:
@@ -201,76 +201,94 @@ def _chosen(name: Any, model: Any, law: str) -> list[tuple[Code, Model]]:
     if name is None and model is not None:
         raise ValueError("code: missing, must be given beside model")
     if name is not None and model is not None:
-        found = code(name)
-        one = found.model(model)
-        if one.powers(False).elastic != powers.elastic:
+        source = code(name)
+        selected = source.model(model)
+        if selected.powers(False).elastic != powers.elastic:
             raise ValueError(
-                f"model: got {model!r}, must have the elastic force of the law, not {one.elastic}"
+                f"model: got {model!r}, must have the elastic force of the law, not {selected.elastic}"
             )
-        return [(found, one)]
+        return [(source, selected)]
     only = None if name is None else code(name)
     fitting = (powers.elastic, powers.damping)
     matching = [
-        (one, m)
-        for one in map(code, names())
-        for m in one.models
+        (source, m)
+        for source in map(code, names())
+        for m in source.models
         if (m.powers(False).elastic, m.powers(False).damping) == fitting and m.damping.formula != "none"
     ]
-    chosen = [(one, m) for one, m in matching if only in (None, one)]
+    chosen = [(source, m) for source, m in matching if only in (None, source)]
     if name is not None and not chosen:
         if not matching:
             raise ValueError(f"law: got {law!r}, which no code has, must be another law, or code left out")
-        known = ", ".join(dict.fromkeys(one.name for one, _ in matching))
+        known = ", ".join(dict.fromkeys(source.name for source, _ in matching))
         raise ValueError(f"code: got {name!r}, which has no model of this law, must be one of {known}")
     return chosen
 
 
-def _contact(pair: Pair, force: Force, asked: Wanted, stepping: Stepping) -> ContactNumbers:
-    collision = force.collision(asked.speed)
+def _contact(pair: Pair, force: Force, wanted: Wanted, stepping: Stepping) -> ContactNumbers:
+    collision = force.collision(wanted.speed)
+    step, error = stepping.of(force, wanted.speed)
     return ContactNumbers(
-        pair.name,
-        pair.mass,
-        pair.radius,
-        force.stiffness,
-        force.damping,
-        collision.duration,
-        collision.compression,
-        collision.force,
-        *stepping.of(force, asked.speed),
+        pair=pair.name,
+        effective_mass=pair.mass,
+        effective_radius=pair.radius,
+        stiffness=force.stiffness,
+        damping=force.damping,
+        duration=collision.duration,
+        compression=collision.compression,
+        force=collision.force,
+        time_step=step,
+        restitution_error=error,
     )
 
 
 def _in_model(
-    found: Code,
+    source: Code,
     model: Model,
     pairs: Sequence[Pair],
     forces: Sequence[Force],
-    asked: Wanted,
+    wanted: Wanted,
     attraction: bool,
     stepping: Stepping,
 ) -> ModelConversion:
     rows, writable = [], []
     for pair, force in zip(pairs, forces, strict=True):
-        written = Written(model, pair, asked.speed, attraction, asked.poisson_ratio)
+        written = Written(model, pair, wanted.speed, attraction, wanted.poisson_ratio)
         try:
-            row = _row(written, force.stiffness, asked, stepping)
+            row = _row(written, force.stiffness, wanted, stepping)
         except (OverflowError, ZeroDivisionError):  # beyond double precision
-            row = ModelNumbers(pair.name, None, math.nan, None, math.nan, math.nan, math.nan)
+            row = ModelNumbers(
+                pair=pair.name,
+                numbers=None,
+                restitution=math.nan,
+                usual=None,
+                usual_restitution=math.nan,
+                time_step=math.nan,
+                restitution_error=math.nan,
+            )
         rows.append(row)
         if row.numbers is not None:
             writable.append((pair, row.numbers))
     steps = [row.time_step for row in rows if row.numbers is not None]
-    text = texts.written(found, model, writable, attraction, min(steps)) if writable else ""
-    return ModelConversion(found, model, model.powers(attraction).attracts, tuple(rows), text)
+    text = texts.written(source, model, writable, attraction, min(steps)) if writable else ""
+    return ModelConversion(source, model, model.powers(attraction).attracts, tuple(rows), text)
 
 
-def _row(written: Written, stiffness: float, asked: Wanted, stepping: Stepping) -> ModelNumbers:
-    numbers = written.numbers(stiffness, asked.restitution)
-    usual = written.usual_numbers(stiffness, asked.restitution)
+def _row(written: Written, stiffness: float, wanted: Wanted, stepping: Stepping) -> ModelNumbers:
+    numbers = written.numbers(stiffness, wanted.restitution)
+    usual = written.usual_numbers(stiffness, wanted.restitution)
     obtained, step, error = math.nan, math.nan, math.nan
     if numbers is not None:
         force = written.force(numbers)
-        obtained = force.collision(asked.speed).restitution
-        step, error = stepping.of(force, asked.speed)
-    usually = math.nan if usual is None else written.force(usual).collision(asked.speed).restitution
-    return ModelNumbers(written.pair.name, numbers, obtained, usual, usually, step, error)
+        obtained = force.collision(wanted.speed).restitution
+        step, error = stepping.of(force, wanted.speed)
+    usually = math.nan if usual is None else written.force(usual).collision(wanted.speed).restitution
+    return ModelNumbers(
+        pair=written.pair.name,
+        numbers=numbers,
+        restitution=obtained,
+        usual=usual,
+        usual_restitution=usually,
+        time_step=step,
+        restitution_error=error,
+    )

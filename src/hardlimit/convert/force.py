@@ -214,9 +214,9 @@ def _adhesive_collision(force: AdhesiveForce, speed: float) -> Collision:
         return float(force.force(np.array([max(x, 0.0) * length]), np.array([v * speed]))[0]) / unit
 
     def event(value: Callable[[Floats], float], direction: float, terminal: bool = True) -> Any:
-        found: Any = lambda _, y: value(y)  # noqa: E731
-        found.direction, found.terminal = direction, terminal
-        return found
+        function: Any = lambda _, y: value(y)  # noqa: E731
+        function.direction, function.terminal = direction, terminal
+        return function
 
     smaller = min(force.area.first, force.area.second) / length
     separated, compressed = event(lambda y: y[0], -1.0), event(lambda y: y[1], -1.0, False)

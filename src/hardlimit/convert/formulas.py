@@ -76,8 +76,8 @@ def _impact(numbers: Mapping[str, float], where: Where) -> float:
 def _impact_numbers(stiffness: float, where: Where) -> Numbers:
     energy = where.mass * where.speed**2
     hertz = (stiffness**5 / energy) ** 0.25
-    found = _of_modulus(15.0 / 16.0 * hertz / math.sqrt(where.radius), where)
-    return {**found, "characteristic_speed": where.speed}
+    young = _of_modulus(15.0 / 16.0 * hertz / math.sqrt(where.radius), where)
+    return {**young, "characteristic_speed": where.speed}
 
 
 def _decay(where: Where) -> float:
@@ -173,14 +173,14 @@ def bisection(restitution: float) -> float:
 
 def newton(restitution: float) -> float:
     """YADE's solution for a linear force that is never attractive: Newton's method from 0 until ε is within 1 %."""
-    ratio, found, small = 0.0, 1.0, 1e-7
+    ratio, obtained, small = 0.0, 1.0, 1e-7
     for _ in range(15):
-        if abs(found - restitution) <= 1e-2 * restitution:
+        if abs(obtained - restitution) <= 1e-2 * restitution:
             break
         above, below = (_linear_restitution(max(ratio + d, 0.0)) for d in (small, -small))
         slope = (above - below) / (small + min(small, ratio))
-        ratio -= (found - restitution) / slope
-        found = _linear_restitution(ratio)
+        ratio -= (obtained - restitution) / slope
+        obtained = _linear_restitution(ratio)
     return ratio
 
 

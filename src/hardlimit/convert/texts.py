@@ -29,8 +29,8 @@ def written(
         if max(values) > extra.above or min(values) < extra.below:
             lines.append(extra.line)
     lines += texts.head.splitlines()
-    balls = [one for one in contacts if not one[0].wall]
-    walls = [one for one in contacts if one[0].wall]
+    balls = [contact for contact in contacts if not contact[0].wall]
+    walls = [contact for contact in contacts if contact[0].wall]
     for group in (balls, walls) if texts.apart else (contacts,):
         lines += _contacts(code, model, group, lines)
     lines += texts.foot.replace("{time_step}", rounded_down(time_step)).splitlines()
@@ -49,8 +49,10 @@ def _contacts(
     texts = model.input
     shared = texts.shared and not (texts.apart and all(pair.wall for pair, _ in contacts))
     places = [{name: f"{value:.12g}" for name, value in numbers.items()} for _, numbers in contacts]
-    once = [{name: value for name, value in one.items() if shared or name in texts.once} for one in places]
-    choice = any(one != once[0] for one in once)
+    once = [
+        {name: value for name, value in numbers.items() if shared or name in texts.once} for numbers in places
+    ]
+    choice = any(numbers != once[0] for numbers in once)
     if choice and (matrix := _matrix(model, contacts, places)):
         return [_comment(code, matrix[0]), *matrix[1:]]
     lines = []
@@ -100,9 +102,9 @@ def _matrix(
     walls = any(pair.wall for pair, _ in contacts)
     types = bodies + walls
     values: dict[tuple[int, int], dict[str, str]] = {}
-    for (pair, _), one in zip(contacts, places, strict=True):
+    for (pair, _), numbers in zip(contacts, places, strict=True):
         first, second = pair.first, types if pair.wall else pair.second
-        values[first, second] = values[second, first] = one
+        values[first, second] = values[second, first] = numbers
     if walls:
         values[types, types] = places[-1]  # needed for a full matrix; walls do not touch
     ends = [(i + 1, j + 1) for i in range(types) for j in range(types)]

@@ -42,8 +42,8 @@ class Wanted:
         powers = LAWS[self.law]
         try:
             stiffness = self._stiffness(powers, mass, radius)
-            found = Force.with_restitution(powers, stiffness, mass, self.restitution, self.speed)
-            scales = found.scales(self.speed)
+            force = Force.with_restitution(powers, stiffness, mass, self.restitution, self.speed)
+            scales = force.scales(self.speed)
         except (OverflowError, ZeroDivisionError):
             scales = math.inf, math.inf
         if not all(1.0 / LARGEST < scale < LARGEST for scale in scales):
@@ -51,7 +51,7 @@ class Wanted:
                 f"{self.given}: got {self.value:.6g}, must give contacts with compressions [m] and durations [s] "
                 f"between {1.0 / LARGEST:g} and {LARGEST:g}"
             )
-        return found
+        return force
 
     def _stiffness(self, powers: Powers, mass: float, radius: float) -> float:
         if self.given == "stiffness":
@@ -68,8 +68,8 @@ class Wanted:
         """K from the duration or the largest compression, which are powers of K."""
         unit = Force.with_restitution(powers, 1.0, mass, self.restitution, self.speed).collision(self.speed)
         exponent = 0.25 * powers.elastic + 1.0
-        found = unit.duration if self.given == "duration" else unit.compression
-        return float((found / self.value) ** exponent)
+        size = unit.duration if self.given == "duration" else unit.compression
+        return float((size / self.value) ** exponent)
 
 
 def wanted(
@@ -99,17 +99,17 @@ def wanted(
         "duration": duration,
         "compression": compression,
     }
-    given = validation.exactly_one(**ways)
+    way = validation.exactly_one(**ways)
     if law is None:
-        law = "tsuji" if given == "youngs_modulus" else "linear"
+        law = "tsuji" if way == "youngs_modulus" else "linear"
     name = validation.one_of("law", law, list(LAWS))
     elastic = LAWS[name].elastic
-    possible = [way for way in ways if elastic in SETTING.get(way, (elastic,))]
-    if given not in possible:
-        raise ValueError(f"{given}: got it with the law {name}, must be {listed(possible, 'or')}")
-    value = validation.number(given, ways[given], 0.0)
+    possible = [name for name in ways if elastic in SETTING.get(name, (elastic,))]
+    if way not in possible:
+        raise ValueError(f"{way}: got it with the law {name}, must be {listed(possible, 'or')}")
+    value = validation.number(way, ways[way], 0.0)
     nu = DEFAULT_POISSON_RATIO if poisson_ratio is None else poisson_ratio
     nu = validation.number("poisson_ratio", nu, -1.0, 0.5, highest_allowed=True)
-    if given == "youngs_modulus" and poisson_ratio is None:
+    if way == "youngs_modulus" and poisson_ratio is None:
         raise ValueError("poisson_ratio: missing, must be in (-1, 0.5] beside youngs_modulus")
-    return Wanted(epsilon, v, name, given, value, nu)
+    return Wanted(epsilon, v, name, way, value, nu)

@@ -155,17 +155,26 @@ def fidelity(
         _refuse_endless_heating(first, plan.restitution, law)
         kept = Store(store, facts_of(plan, digest(first).tobytes().hex(), starts.seed))
         wanted = [k for k in range(count) if k not in kept.replicas]
-        _compute(starts, plan, kept, wanted, count, many if elsewhere else 1, scheduler, report)
+        _compute(
+            starts=starts,
+            plan=plan,
+            kept=kept,
+            wanted=wanted,
+            count=count,
+            workers=many if elsewhere else 1,
+            scheduler=scheduler,
+            report=report,
+        )
     _refuse_equal_starts(kept, count)
-    found = Fidelity(
+    result = Fidelity(
         plan=plan,
         start=first,
         dimension=first.dimension,
         arrays=tuple(kept.replicas[k] for k in range(count)),
         resolution=resolved,
     )
-    compression.warn(found.largest_compression, stacklevel=3)
-    return found
+    compression.warn(result.largest_compression, stacklevel=3)
+    return result
 
 
 def _compute(
@@ -190,13 +199,13 @@ def _compute(
     from . import pool  # multiprocessing takes 0.1 s to import
 
     if scheduler is not None:
-        found = pool.on_cluster(starts, plan, wanted, scheduler)
+        computed = pool.on_cluster(starts, plan, wanted, scheduler)
     elif workers > 1 and len(wanted) > 1:
-        found = pool.processes(starts, plan, wanted, workers, tell)
+        computed = pool.processes(starts, plan, wanted, workers, tell)
     else:
-        found = pool.here(starts, plan, wanted, tell)
-    with closing(found):
-        for n_done, (replica, arrays) in enumerate(found, 1):
+        computed = pool.here(starts, plan, wanted, tell)
+    with closing(computed):
+        for n_done, (replica, arrays) in enumerate(computed, 1):
             kept.add(replica, arrays)
             if scheduler is not None:
                 tell(n_done * plan.steps)

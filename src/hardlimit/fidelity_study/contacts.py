@@ -81,7 +81,7 @@ def neighbours(time: Floats, first: Indices, second: Indices) -> tuple[Indices, 
 
 def durations(system: ParticleSystem, law: Law, first: Indices, second: Indices, speed: Floats) -> Floats:
     """Durations [s] of isolated contacts at these impact speeds [m/s]; a negative ``second`` is a wall."""
-    found = np.empty(len(first))
+    lengths = np.empty(len(first))
     for rows, contact in of_pairs(system, law, first, second):
-        found[rows] = contact.duration(np.ascontiguousarray(speed[rows]))
-    return found
+        lengths[rows] = contact.duration(np.ascontiguousarray(speed[rows]))
+    return lengths

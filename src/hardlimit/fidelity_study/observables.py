@@ -30,9 +30,9 @@ class Observer:
         self._cells = tuple(max(1, round(float(length) / edge)) for length in system.box)
 
     def _folded(self, positions: Floats, time: float, velocities: Floats | None = None) -> Floats:
-        found = positions.copy()
-        self.system.domain.fold(found, velocities, time)
-        return found
+        folded = positions.copy()
+        self.system.domain.fold(folded, velocities, time)
+        return folded
 
     def pair_correlation(self, positions: Floats, time: float = 0.0) -> float:
         """Pair correlation function g near contact: the number of pairs closer than 1.1 (R_i + R_j), including
@@ -50,8 +50,8 @@ class Observer:
         if math.prod(cells) < 2:
             return math.nan
         at = (self._folded(positions, time) / self.system.box * cells).astype(np.int64)
-        found = np.ravel_multi_index(tuple(np.clip(at, 0, np.array(cells) - 1).T), cells)
-        counts = np.bincount(found, minlength=math.prod(cells))
+        cell = np.ravel_multi_index(tuple(np.clip(at, 0, np.array(cells) - 1).T), cells)
+        counts = np.bincount(cell, minlength=math.prod(cells))
         return float(counts.var() / counts.mean())
 
     def nonlinear_flow(self, positions: Floats, velocities: Floats, time: float = 0.0) -> float:
@@ -85,9 +85,9 @@ class Observer:
 def _expected_pairs(system: ParticleSystem) -> float:
     """Expected pairs between 1 and 1.1 (R_i + R_j) for independent positions, by power sums of the radii."""
     n, d = system.n, system.dimension
-    one, two, three = (float(np.sum(system.radius**power)) for power in (1, 2, 3))
+    radii, squares, cubes = (float(np.sum(system.radius**power)) for power in (1, 2, 3))
     if d == 2:
-        pairs = 0.5 * (2.0 * n * two + 2.0 * one**2 - 4.0 * two)
+        pairs = 0.5 * (2.0 * n * squares + 2.0 * radii**2 - 4.0 * squares)
     else:
-        pairs = 0.5 * (2.0 * n * three + 6.0 * one * two - 8.0 * three)
+        pairs = 0.5 * (2.0 * n * cubes + 6.0 * radii * squares - 8.0 * cubes)
     return UNIT_BALL[d] * (NEAR**d - 1.0) * pairs / float(np.prod(system.box))

@@ -39,13 +39,13 @@ class Prediction(NamedTuple):
     reason: str = ""  #: why there is no prediction
     extrapolated: str = ""  #: which argument of the law is outside the range of its measurements
 
-    def contradicts(self, found: Estimate[float]) -> bool:
+    def contradicts(self, measured: Estimate[float]) -> bool:
         """Whether a measured difference and the prediction differ significantly, at 99 %.
 
         :meta private:
         """
-        bars = math.hypot(0.5 * (found.upper - found.lower), BARS * self.error)
-        return abs(found.value - self.value) > bars  # False with NaN
+        bars = math.hypot(0.5 * (measured.upper - measured.lower), BARS * self.error)
+        return abs(measured.value - self.value) > bars  # False with NaN
 
 
 def predicted(f: Fidelity, rule: str) -> Prediction:
@@ -119,16 +119,16 @@ def _driven(f: Fidelity, rule: str, gas: theory.Gas) -> Prediction:
     at = f.contact_duration * float(gas.collision_rate(temperature))
     if at > MEASURED_TC_NU:
         return Prediction(reason=f"t_c ν = {at:.2g} is above {MEASURED_TC_NU:g}")
-    one = _law(f, rule, gas)
+    law = _law(f, rule, gas)
     if not f.sheared:
-        value = one.heated_error(at)
-        bar = 2.0 / 3.0 * (1.0 + value) * one.error_bar(at)
-        return Prediction(value, bar, extrapolated=one.extrapolated)
-    if reason := one.no_shear():
+        value = law.heated_error(at)
+        bar = 2.0 / 3.0 * (1.0 + value) * law.error_bar(at)
+        return Prediction(value, bar, extrapolated=law.extrapolated)
+    if reason := law.no_shear():
         return Prediction(reason=f"the law of the error of shear is not that of {reason}")
-    value = one.sheared_errors(at).temperature
-    bar = (1.0 + value) * math.hypot(one.error_bar(at), SHEAR_BAR * at)
-    return Prediction(value, bar, extrapolated=one.extrapolated)
+    value = law.sheared_errors(at).temperature
+    bar = (1.0 + value) * math.hypot(law.error_bar(at), SHEAR_BAR * at)
+    return Prediction(value, bar, extrapolated=law.extrapolated)
 
 
 def _law(f: Fidelity, rule: str, gas: theory.Gas) -> ErrorLaw:

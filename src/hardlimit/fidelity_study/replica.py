@@ -59,7 +59,7 @@ _COMPARED: Final = (
     ),
 )
 #: Observables of every sample and model that are compared, by name.
-QUANTITIES: Final = {one.name: one for one in _COMPARED}
+QUANTITIES: Final = {record.name: record for record in _COMPARED}
 #: Further ones of a sheared box.
 OF_SHEAR: Final = {name: _mean(name) for name in ("shear_stress", "first_normal_stress_difference")}
 NONLINEAR: Final = Observable(
@@ -77,8 +77,8 @@ DIVERGENCE: Final = Observable(
 
 #: Observables of driven boxes in each interval between samples, besides the quantities themselves.
 INTERVALS: Final = {
-    one.name: one
-    for one in (
+    record.name: record
+    for record in (
         OBSERVABLES["dissipation_rate"],
         OBSERVABLES["collision_rate"],
         OBSERVABLES["pressure"],
@@ -129,12 +129,12 @@ class Plan:
 
 def digest(system: ParticleSystem) -> NDArray[np.uint8]:
     """Hash of an initial state, 32 bytes."""
-    found = hashlib.sha256()
+    hash_of = hashlib.sha256()
     for value in system._values().values():
         if isinstance(value, np.ndarray):
-            found.update(np.ascontiguousarray(value).tobytes())
-    found.update(system._drive().encode())
-    return np.frombuffer(found.digest(), np.uint8)
+            hash_of.update(np.ascontiguousarray(value).tobytes())
+    hash_of.update(system._drive().encode())
+    return np.frombuffer(hash_of.digest(), np.uint8)
 
 
 def compute(plan: Plan, system: ParticleSystem, sampled: Call, alive: Call) -> Arrays:
@@ -145,7 +145,7 @@ def compute(plan: Plan, system: ParticleSystem, sampled: Call, alive: Call) -> A
     runs = [_start(plan, model, system) for model in plan.models]
     paths = [run.steps(lambda done, total: alive()) for run in runs]
     observer, times = Observer(system), plan.times
-    found = {
+    arrays = {
         name: np.full((len(runs), len(times)), math.nan)
         for name in (*quantities(system), *([NONLINEAR.name] if system.shear_rate else []), "divergence")
     }
@@ -159,24 +159,24 @@ def compute(plan: Plan, system: ParticleSystem, sampled: Call, alive: Call) -> A
             reached[i] = k + 1
             positions, velocities = run.engine.state()
             reference = positions if i == 0 else reference
-            found["pair_correlation"][i, k] = observer.pair_correlation(positions, time)
-            found["density_variance"][i, k] = observer.density_variance(positions, time)
+            arrays["pair_correlation"][i, k] = observer.pair_correlation(positions, time)
+            arrays["density_variance"][i, k] = observer.density_variance(positions, time)
             if system.shear_rate:
-                found[NONLINEAR.name][i, k] = observer.nonlinear_flow(positions, velocities, time)
+                arrays[NONLINEAR.name][i, k] = observer.nonlinear_flow(positions, velocities, time)
             if reference is not None:
-                found["divergence"][i, k] = observer.divergence(positions, reference)
+                arrays["divergence"][i, k] = observer.divergence(positions, reference)
     totals = []
     for i, run in enumerate(runs):
         ended = run.result()
         for name, values in _series(system, ended, reached[i]).items():
-            found[name][i, : reached[i]] = values
+            arrays[name][i, : reached[i]] = values
         totals.append(_totals(plan, system, ended))
         if system.driven:
             for name, values in _intervals(system, ended, reached[i]).items():
                 empty = np.full((len(runs), len(times) - 1, *values.shape[1:]), math.nan)
-                found.setdefault(PREFIX + name, empty)[i, : len(values)] = values
-    found |= {name: np.array([total[name] for total in totals]) for name in totals[0]}
-    return {**found, "start": digest(system)}
+                arrays.setdefault(PREFIX + name, empty)[i, : len(values)] = values
+    arrays |= {name: np.array([total[name] for total in totals]) for name in totals[0]}
+    return {**arrays, "start": digest(system)}
 
 
 def _start(plan: Plan, model: str, system: ParticleSystem) -> Run:
@@ -188,8 +188,10 @@ def _start(plan: Plan, model: str, system: ParticleSystem) -> Run:
         return newton.start(plan.engine, system, NewtonSettings(plan.law), plan.until, output, step)
     rule = RULES[model]
     duration = plan.contact_duration if rule.has_contact_duration else None
-    given = (plan.restitution, None) if "restitution" in rule.takes else (None, plan.law)
-    settings = Settings(model, *given, duration)
+    constant = "restitution" in rule.takes
+    settings = Settings(
+        model, plan.restitution if constant else None, None if constant else plan.law, duration
+    )
     return hard_spheres.start(system, settings, hard_spheres.End(plan.until, None), output)
 
 
@@ -199,21 +201,21 @@ def _series(system: ParticleSystem, ended: Any, reached: int) -> dict[str, Float
     lost, passed = samples["dissipated_energy"], samples["time"] - samples["time"][0]
     lost = np.where(np.abs(lost) <= ROUNDING * system.kinetic_energy, 0.0, lost)
     lasted = np.diff(passed)
-    found = {"granular_temperature": samples["granular_temperature"], "cooling": _cooling(system, lost)}
+    means = {"granular_temperature": samples["granular_temperature"], "cooling": _cooling(system, lost)}
     with np.errstate(invalid="ignore", divide="ignore"):
-        found["dissipation_rate"] = lost / passed
+        means["dissipation_rate"] = lost / passed
         for name in ("collision_rate", "pressure", *(OF_SHEAR if system.shear_rate else ())):
-            found[name] = np.append(0.0, np.cumsum(OBSERVABLES[name].values(samples)[1:] * lasted)) / passed
-    return found
+            means[name] = np.append(0.0, np.cumsum(OBSERVABLES[name].values(samples)[1:] * lasted)) / passed
+    return means
 
 
 def _intervals(system: ParticleSystem, ended: Any, reached: int) -> dict[str, Floats]:
     """The observables of the intervals between the samples that were reached."""
     samples = Samples(system, {name: values[:reached] for name, values in ended.samples.items()})
     shared = [*(INTERVALS.keys() & OBSERVABLES.keys()), *(OF_SHEAR if system.shear_rate else ())]
-    found = {name: OBSERVABLES[name].values(samples)[1:] for name in shared}
-    found["driving_power"] = np.sum([samples.rate(name) for name in INTERVALS["driving_power"].needs], axis=0)
-    return found
+    rates = {name: OBSERVABLES[name].values(samples)[1:] for name in shared}
+    rates["driving_power"] = np.sum([samples.rate(name) for name in INTERVALS["driving_power"].needs], axis=0)
+    return rates
 
 
 def _cooling(system: ParticleSystem, lost: Floats) -> Floats:
@@ -235,13 +237,13 @@ def _totals(plan: Plan, system: ParticleSystem, ended: Any) -> dict[str, Any]:
     """Statistics of the contacts, and how the run ended."""
     if isinstance(ended, ContactResult):
         assert ended.n_contacts is not None  # both of our engines count them
-        found, count = contacts.of_newton(ended), ended.n_contacts
+        overlaps, count = contacts.of_newton(ended), ended.n_contacts
     else:
-        found, count = contacts.of_hard_spheres(system, plan.law, ended), ended.n_collisions
+        overlaps, count = contacts.of_hard_spheres(system, plan.law, ended), ended.n_collisions
     return {
-        "overlapped_share": found.overlapped_share,
-        "median_restitution": found.median,
-        "restitution_share": found.histogram,
+        "overlapped_share": overlaps.overlapped_share,
+        "median_restitution": overlaps.median,
+        "restitution_share": overlaps.histogram,
         "n_contacts": float(count),
         "largest_compression": math.nan if ended.largest_compression is None else ended.largest_compression,
         "end_time": ended.time,

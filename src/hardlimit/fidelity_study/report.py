@@ -46,9 +46,9 @@ CONTACTS: Final = {
 EARLY: Final = {"collapse": "inelastic collapse", "too_deep": "a contact too deep for its law"}
 
 
-def half_width(found: Estimate[float]) -> float:
+def half_width(estimate: Estimate[float]) -> float:
     """Half the width of the confidence interval."""
-    return 0.5 * (found.upper - found.lower)
+    return 0.5 * (estimate.upper - estimate.lower)
 
 
 def when(f: Fidelity) -> str:
@@ -74,13 +74,13 @@ def sentence(f: Fidelity) -> str:
     verb, more, less = MEASURES[measure]
     differing, agreeing, unresolved = list[str](), list[str](), list[str]()
     for rule in _defined(f, measure, rules):
-        found = f.final_difference(measure, rule)
+        difference = f.final_difference(measure, rule)
         if f.is_significant(measure, rule):
-            size = percent_with_error(abs(found.value), found.error)
+            size = percent_with_error(abs(difference.value), difference.error)
             subject = rule if differing else f"the rule {rule} {verb}"
-            differing.append(f"{subject} {size} {more if found.value > 0.0 else less}")
-        elif half_width(found) <= f.resolution:
-            agreeing.append(f"{rule} ({percent_with_error(found.value, found.error)})")
+            differing.append(f"{subject} {size} {more if difference.value > 0.0 else less}")
+        elif half_width(difference) <= f.resolution:
+            agreeing.append(f"{rule} ({percent_with_error(difference.value, difference.error)})")
         else:
             unresolved.append(rule)
     parts = [", ".join(differing)] if differing else []
@@ -123,11 +123,11 @@ def _steady_sentence(f: Fidelity, rules: list[str]) -> str:
 
 def _errors(f: Fidelity, rule: str) -> str:
     """The differences of the examined quantities."""
-    found = {name: f.final_difference(name, rule) for name in f.examined}
+    errors = {name: f.final_difference(name, rule) for name in f.examined}
     parts = [
-        f"{NAMES[name]} {percent_with_error(one.value, one.error)}{'?' * (half_width(one) > f.resolution)}"
-        for name, one in found.items()
-        if math.isfinite(one.value)
+        f"{NAMES[name]} {percent_with_error(error.value, error.error)}{'?' * (half_width(error) > f.resolution)}"
+        for name, error in errors.items()
+        if math.isfinite(error.value)
     ]
     return ", ".join(parts)
 
@@ -136,7 +136,7 @@ def _not_compared(f: Fidelity, rules: list[str]) -> str:
     """Sentences about models that did not reach the end in every replica."""
     said = ""
     for model in (NEWTON, *rules):
-        bad = [one for one in f.outcomes(model) if one != "ok"]
+        bad = [outcome for outcome in f.outcomes(model) if outcome != "ok"]
         if bad:
             what = next((text for name, text in EARLY.items() if name in bad), "another outcome")
             who = "Newton’s equations" if model == NEWTON else f"The rule {model}"
@@ -155,15 +155,17 @@ def numbers(f: Fidelity) -> str:
 def law_of_error(f: Fidelity) -> str:
     """The predictions of the law of the error as sentences, with a warning where they contradict the measurement."""
     measure = "granular_temperature" if f.driven else "cooling"
-    found = {rule: f.predicted(rule) for rule in _defined(f, measure, [m for m in f.models if m != NEWTON])}
+    predictions = {
+        rule: f.predicted(rule) for rule in _defined(f, measure, [m for m in f.models if m != NEWTON])
+    }
     said = [
-        f"{percent_with_error(one.value, one.error)} for {rule}"
-        for rule, one in found.items()
-        if math.isfinite(one.value)
+        f"{percent_with_error(predicted.value, predicted.error)} for {rule}"
+        for rule, predicted in predictions.items()
+        if math.isfinite(predicted.value)
     ]
-    wrong = [rule for rule in found if prediction.contradicted(f, rule)]
+    wrong = [rule for rule in predictions if prediction.contradicted(f, rule)]
     of = ", in temperature," if f.driven else ""
-    beyond = {one.extrapolated: None for one in found.values() if one.extrapolated}
+    beyond = {predicted.extrapolated: None for predicted in predictions.values() if predicted.extrapolated}
     text = f" The law of the error predicts{of} {listed(said)}" if said else ""
     text += f", extrapolated: {'; '.join(beyond)}." if text and beyond else "." if text else ""
     if wrong:
@@ -188,7 +190,7 @@ def _not_resolved(f: Fidelity, measure: str, rules: list[str]) -> str:
 
 
 def _no_verdict(f: Fidelity, rules: list[str]) -> str | None:
-    if not any(found["n_contacts"].any() for found in f.arrays):
+    if not any(arrays["n_contacts"].any() for arrays in f.arrays):
         return "there was no contact in this time."
     if not rules:
         return "models has no rule to compare with Newton’s equations."
@@ -238,17 +240,20 @@ def table(f: Fidelity) -> tuple[list[str], list[list[str]]]:
     rules = [model for model in f.models if model != NEWTON]
     rows = [[NAMES[name], *(_cell(f, name, rule) for rule in rules)] for name in f.quantities]
     law = [f.predicted(rule) for rule in rules]
-    if any(math.isfinite(one.value) for one in law):
-        known = ["–" if one.reason else _bare(percent_with_error(one.value, one.error)) for one in law]
+    if any(math.isfinite(predicted.value) for predicted in law):
+        known = [
+            "–" if predicted.reason else _bare(percent_with_error(predicted.value, predicted.error))
+            for predicted in law
+        ]
         measure = "granular_temperature" if f.driven else "cooling"
         rows.insert(1 + list(f.quantities).index(measure), [f"{NAMES[measure]}, law of the error", *known])
     return ["", *rules], rows
 
 
 def _cell(f: Fidelity, name: str, rule: str) -> str:
-    found = f.final_difference(name, rule)
-    mark = "*" if f.is_significant(name, rule) else "?" if half_width(found) > f.resolution else ""
-    return _bare(percent_with_error(found.value, found.error)) + mark
+    difference = f.final_difference(name, rule)
+    mark = "*" if f.is_significant(name, rule) else "?" if half_width(difference) > f.resolution else ""
+    return _bare(percent_with_error(difference.value, difference.error)) + mark
 
 
 def _bare(text: str) -> str:
@@ -269,9 +274,9 @@ def departures(f: Fidelity) -> list[list[str]]:
     rules = [model for model in f.models if model != NEWTON]
     rows = []
     for name in f.quantities:
-        found = [f.departure(name, rule) for rule in rules]
-        if any(found):
-            rows.append([NAMES[name], *("–" if at is None else _time_and_size(f, at) for at in found)])
+        times = [f.departure(name, rule) for rule in rules]
+        if any(times):
+            rows.append([NAMES[name], *("–" if at is None else _time_and_size(f, at) for at in times)])
     return rows
 
 

@@ -170,11 +170,11 @@ class Fidelity:
             If there is no such model.
         """
         i = self._index(model)
-        return [_core.outcome_names[int(found["outcome"][i])] for found in self.arrays]
+        return [_core.outcome_names[int(arrays["outcome"][i])] for arrays in self.arrays]
 
     def _all(self, name: str) -> Floats:
         """Values of all replicas, the first axis."""
-        return np.array([found[name] for found in self.arrays])
+        return np.array([arrays[name] for arrays in self.arrays])
 
     def _index(self, model: str) -> int:
         return self.models.index(validation.one_of("model", model, self.models))
@@ -252,10 +252,10 @@ class Fidelity:
             (
                 report.NAMES[name],
                 "under " + ("Newton’s equations" if model == NEWTON else f"the rule {model}"),
-            ): one
+            ): values
             for name in self.examined
             for model in self.models
-            if np.isfinite(one := self.series(name, model)).all()
+            if np.isfinite(values := self.series(name, model)).all()
         }
         return steady.detected(series, self.plan.times)
 
@@ -323,20 +323,20 @@ class Fidelity:
         Parameters as for :meth:`Fidelity.difference`.
         """
         if self.driven:
-            values, reference = (self.series(quantity, one) for one in (model, NEWTON))
+            values, reference = (self.series(quantity, name) for name in (model, NEWTON))
             if math.isnan(self.steady.start):
                 return Estimate(math.nan, math.nan, math.nan, math.nan)
             return steady.difference(values, reference, self.steady)
-        found, last = self.difference(quantity, model), self.last_common(model)
-        return Estimate(*(float(part[last]) if last else math.nan for part in found))
+        differences, last = self.difference(quantity, model), self.last_common(model)
+        return Estimate(*(float(part[last]) if last else math.nan for part in differences))
 
     def is_significant(self, quantity: str, model: str) -> bool:
         """Whether the confidence interval of the final difference excludes zero.
 
         Parameters as for :meth:`Fidelity.difference`.
         """
-        found = self.final_difference(quantity, model)
-        return found.lower > 0.0 or found.upper < 0.0
+        difference = self.final_difference(quantity, model)
+        return difference.lower > 0.0 or difference.upper < 0.0
 
     def replicas_needed(self, quantity: str, model: str) -> float:
         """Approximate number of replicas that would resolve the final difference: intervals of ± ``resolution``.
@@ -360,11 +360,13 @@ class Fidelity:
         level of the first (Maurer, Hothorn & Lehmacher, Biometrie in der chemisch-pharmazeutischen Industrie 6, 3
         (1995)).
         """
-        found = self.difference(quantity, model)
-        at = statistics.departure(found, self.n_replicas)
+        differences = self.difference(quantity, model)
+        at = statistics.departure(differences, self.n_replicas)
         if at is None:
             return None
-        return Departure(float(self.plan.times[at]), float(found.value[at]), float(found.error[at]))
+        return Departure(
+            float(self.plan.times[at]), float(differences.value[at]), float(differences.error[at])
+        )
 
     # --- datasets -------------------------------------------------------------------------------------------
 
@@ -384,12 +386,12 @@ class Fidelity:
         data["outcome"] = (("model", "replica"), self._all("outcome").T.astype(np.int8), flags)
         coordinates = {**self._coordinates(), "replica": np.arange(self.n_replicas)}
         if self.driven:
-            for name, one in INTERVALS.items():
-                found = np.moveaxis(self._all(PREFIX + name), 1, 0)
-                dims = ("model", "replica", "interval", "component")[: found.ndim]
-                meaning = f"{one.meaning}, in each interval between samples"
-                attributes = {"units": one.unit_in(self.dimension), "long_name": meaning}
-                data[PREFIX + name] = (dims, found, attributes)
+            for name, record in INTERVALS.items():
+                intervals = np.moveaxis(self._all(PREFIX + name), 1, 0)
+                dims = ("model", "replica", "interval", "component")[: intervals.ndim]
+                meaning = f"{record.meaning}, in each interval between samples"
+                attributes = {"units": record.unit_in(self.dimension), "long_name": meaning}
+                data[PREFIX + name] = (dims, intervals, attributes)
             coordinates["component"] = components(self.dimension)
             coordinates["interval"] = (
                 "interval",
@@ -406,9 +408,9 @@ class Fidelity:
 
         data: dict[str, Any] = {}
         for name, attributes in self._attributes().items():
-            found = _with_error(statistics.mean(self._all(name)))
-            dims = ("model", "time", "statistic") if found.ndim == 3 else ("model", "statistic")
-            data[name] = (dims, found, attributes)
+            values = _with_error(statistics.mean(self._all(name)))
+            dims = ("model", "time", "statistic") if values.ndim == 3 else ("model", "statistic")
+            data[name] = (dims, values, attributes)
         share = _with_error(statistics.mean(self._all("restitution_share")))
         data["restitution_share"] = (("model", "restitution", "statistic"), share, _SHARE)
         coordinates = {
@@ -430,11 +432,12 @@ class Fidelity:
                 "long_name": "difference from Newton’s equations in the steady state, relative",
             }
             steady_parts["steady_difference"] = (("quantity", "model", "statistic"), final, say)
-            for name, one in self.quantities.items():
+            for name, record in self.quantities.items():
                 mean = np.array([self.steady_mean(name, model)[:2] for model in self.models])
+                meaning = record.meaning.removesuffix(", mean since the start")
                 attributes = {
-                    "units": one.unit_in(self.dimension),
-                    "long_name": f"{one.meaning.removesuffix(', mean since the start')}, average over the steady state",
+                    "units": record.unit_in(self.dimension),
+                    "long_name": f"{meaning}, average over the steady state",
                 }
                 steady_parts[f"steady_{name}"] = (("model", "statistic"), mean, attributes)
         departures = table(lambda *pair: self.departure(*pair) or (math.nan,) * 3)
@@ -467,7 +470,9 @@ class Fidelity:
     def _attributes(self) -> dict[str, dict[str, str]]:
         """Unit and meaning of each variable."""
         observables = (*self.quantities.values(), *([NONLINEAR] if self.sheared else []), DIVERGENCE)
-        all_of = {one.name: (one.unit_in(self.dimension), one.meaning) for one in observables} | TOTALS
+        all_of = {
+            record.name: (record.unit_in(self.dimension), record.meaning) for record in observables
+        } | TOTALS
         return {name: {"units": unit, "long_name": meaning} for name, (unit, meaning) in all_of.items()}
 
     def _coordinates(self) -> dict[str, Any]:
@@ -509,7 +514,9 @@ class Fidelity:
         """
         arrays = {f"start_{name}": getattr(self.start, name) for name in (*FIXED, "positions", "velocities")}
         flat = [
-            (f"replica_{k}", name, array) for k, one in enumerate(self.arrays) for name, array in one.items()
+            (f"replica_{k}", name, array)
+            for k, arrays in enumerate(self.arrays)
+            for name, array in arrays.items()
         ]
         header = {
             "system": self.start.entries(),

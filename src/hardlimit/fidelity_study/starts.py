@@ -31,19 +31,19 @@ class Starts:
 
     def start(self, replica: int, report: Report) -> ParticleSystem:
         if isinstance(self.source, ParticleSystem):
-            made = self.source if replica == 0 else equilibrated(self.source, self.seed + replica, report)
-            return _with_own_kicks(made, replica)
-        made = self.source(self.seed + replica)
-        if not isinstance(made, ParticleSystem):
+            system = self.source if replica == 0 else equilibrated(self.source, self.seed + replica, report)
+            return _with_own_kicks(system, replica)
+        system = self.source(self.seed + replica)
+        if not isinstance(system, ParticleSystem):
             raise ValueError(
-                f"system: got {validation.shown(made)} from the function, must be a ParticleSystem"
+                f"system: got {validation.shown(system)} from the function, must be a ParticleSystem"
             )
-        if self.box and box_of(made) != self.box:
-            other = f"{box_of(made)} from the function for replica {replica}"
+        if self.box and box_of(system) != self.box:
+            other = f"{box_of(system)} from the function for replica {replica}"
             raise ValueError(f"system: got {other}, must be {self.box} as for replica 0")
         if self.engine == "events":
-            check_box(made)
-        return _with_own_kicks(made, replica)
+            check_box(system)
+        return _with_own_kicks(system, replica)
 
 
 def box_of(system: ParticleSystem) -> str:
@@ -141,5 +141,5 @@ def _rescaled(velocities: Floats, system: ParticleSystem, drift: Floats) -> Floa
     relative = velocities - np.average(velocities, axis=0, weights=system.mass)
     total = float(system.mass.sum())
     temperature = float(np.einsum("i,ij,ij->", system.mass, relative, relative)) / (system.dimension * total)
-    found: Floats = relative * np.sqrt(system.granular_temperature / temperature) + drift
-    return found
+    rescaled: Floats = relative * np.sqrt(system.granular_temperature / temperature) + drift
+    return rescaled

@@ -36,9 +36,9 @@ def relative_difference(values: Floats, reference: Floats) -> Estimate[Floats]:
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = values.mean(axis=0) / scale
         residual = (values - ratio * reference) / np.abs(scale)
-        found = np.where(scale == 0.0, math.nan, (ratio - 1.0) * np.sign(scale))
+        difference = np.where(scale == 0.0, math.nan, (ratio - 1.0) * np.sign(scale))
         error = np.where(scale == 0.0, math.nan, _standard_error(residual))
-    return with_interval(found, error, len(values))
+    return with_interval(difference, error, len(values))
 
 
 def with_interval(value: Floats, error: Floats, replicas: int) -> Estimate[Floats]:
@@ -51,8 +51,8 @@ def _standard_error(values: Floats) -> Floats:
     n = len(values)
     if n < 2:
         return np.full(values.shape[1:], math.nan)
-    found: Floats = values.std(axis=0, ddof=1) / math.sqrt(n)
-    return found
+    error: Floats = values.std(axis=0, ddof=1) / math.sqrt(n)
+    return error
 
 
 def significant(difference: Estimate[Floats], replicas: int, level: float = LEVEL) -> NDArray[np.bool_]:
@@ -73,7 +73,7 @@ def departure(difference: Estimate[Floats], replicas: int) -> int | None:
     single = known[significant(difference, replicas, 0.5 * LEVEL / len(known))[known]]
     inside = known[~significant(difference, replicas, 0.5 * LEVEL)[known]]
     lasting = known[known > inside.max(initial=-1)]
-    return min((int(found[0]) for found in (single, lasting) if len(found)), default=None)
+    return min((int(samples[0]) for samples in (single, lasting) if len(samples)), default=None)
 
 
 def replicas_needed(error: float, replicas: int, resolution: float) -> float:

@@ -46,10 +46,10 @@ def detected(series: Mapping[tuple[str, str], Floats], times: Floats) -> SteadyS
     if not series:
         return SteadyState(0, math.nan, "and no model reached the end in every replica")
     means = {name: values.mean(axis=0) for name, values in series.items()}
-    first = max(steady(one).n_discarded for one in means.values())
-    for (quantity, model), one in means.items():
+    first = max(steady(mean).n_discarded for mean in means.values())
+    for (quantity, model), mean in means.items():
         replicas = len(series[quantity, model])
-        reason = _drift(one[first:], REFUSED / len(means), max(RESOLVED / replicas, OF_EACH))
+        reason = _drift(mean[first:], REFUSED / len(means), max(RESOLVED / replicas, OF_EACH))
         if reason:
             return SteadyState(first, math.nan, f"the {quantity} {model} {reason}")
     return SteadyState(first, float(times[first]))
@@ -91,17 +91,17 @@ def average(values: Floats, state: SteadyState) -> Estimate[float]:
 def difference(values: Floats, reference: Floats, state: SteadyState) -> Estimate[float]:
     """(⟨values⟩ − ⟨reference⟩)/|⟨reference⟩| over the steady state, paired by replica; for one replica, both errors are
     independent."""
-    parts = [one[:, state.first :] for one in (values, reference)]
-    means = [one.mean(axis=1) for one in parts]
+    parts = [window[:, state.first :] for window in (values, reference)]
+    means = [window.mean(axis=1) for window in parts]
     if len(values) > 1:
         return _plain(statistics.relative_difference(*means))
-    value, of_reference = (float(one[0]) for one in means)
+    value, of_reference = (float(mean[0]) for mean in means)
     if of_reference == 0.0:
         return Estimate(math.nan, math.nan, math.nan, math.nan)
     scale = abs(of_reference)
     bars = [
         math.hypot(own, other * value / of_reference) / scale
-        for own, other in zip(*(_within(one[0]) for one in parts), strict=True)
+        for own, other in zip(*(_within(mean[0]) for mean in parts), strict=True)
     ]
     return _interval((value - of_reference) / scale, *bars)
 
@@ -117,5 +117,5 @@ def _interval(value: float, error: float, half: float) -> Estimate[float]:
     return Estimate(value, error, value - half, value + half)
 
 
-def _plain(found: Estimate[Floats]) -> Estimate[float]:
-    return Estimate(*(float(one) for one in found))
+def _plain(estimate: Estimate[Floats]) -> Estimate[float]:
+    return Estimate(*(float(part) for part in estimate))

@@ -46,7 +46,7 @@ class Store:
             if self.path.exists():
                 self.replicas = self._read(self.path) | self.replicas
             flat = {
-                f"{k}/{name}": array for k, found in self.replicas.items() for name, array in found.items()
+                f"{k}/{name}": array for k, arrays in self.replicas.items() for name, array in arrays.items()
             }
             checkpoint.write(self.path, {"kind": KIND, "facts": self.facts}, flat)
 
@@ -64,11 +64,11 @@ class Store:
             if kept != wanted:
                 what = f"{name} {_short(kept)}, not {_short(wanted)}"
                 raise ValueError(f"store: {path} was made with {what}; repeat that call or take another path")
-        found: dict[int, Arrays] = {}
+        replicas: dict[int, Arrays] = {}
         for key, array in flat.items():
             replica, name = key.split("/")
-            found.setdefault(int(replica), {})[name] = array
-        return found
+            replicas.setdefault(int(replica), {})[name] = array
+        return replicas
 
 
 def _short(fact: Any) -> str:

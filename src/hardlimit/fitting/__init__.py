@@ -95,11 +95,19 @@ def fit(
         raise ValueError(f"ball: got {validation.shown(ball)}, must be a Ball")
     if not isinstance(other, Ball | Floor):
         raise ValueError(f"other: got {validation.shown(other)}, must be a Ball or FLOOR")
-    held = _mapping(fixed)
-    chosen = candidate(law, data.kind, data.reference_speed, held, _names(free), ball, other)
+    constants = _mapping(fixed)
+    chosen = candidate(
+        law=law,
+        kind=data.kind,
+        reference_speed=data.reference_speed,
+        fixed=constants,
+        free=_names(free),
+        ball=ball,
+        other=other,
+    )
     if data.n < len(chosen.free) + scatter:
         raise ValueError(f"data: got {data.n} values, must be {len(chosen.free) + scatter} or more")
-    others = rivals(chosen, data.kind, data.reference_speed, held) if compare else []
+    others = rivals(chosen, data.kind, data.reference_speed, constants) if compare else []
     others = [rival for rival in others if data.n >= len(rival.free) + scatter]
     with reporter(progress, "fit", "laws") as report:
         best = minimum(data, chosen, scatter, level)

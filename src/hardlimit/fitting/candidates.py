@@ -76,7 +76,7 @@ class Candidate:
     law: type[Law]
     model: str  #: "newton" or "independent"
     free: tuple[Free, ...]
-    held: Mapping[str, float]
+    constants: Mapping[str, float]  #: values of the other parameters
     notes: tuple[str, ...]  #: parameters held at a value, and why; one sentence each
     ball: Ball
     other: Ball | Floor
@@ -91,8 +91,10 @@ class Candidate:
 
     def made(self, values: Sequence[float]) -> Law:
         """The law with these values of the free parameters."""
-        given = dict(self.held) | {p.name: v for p, v in zip(self.free, values, strict=True)}
-        return self.law(**{name: given[name] for name in law_parameters(self.law) if name in given})
+        values_of_law = dict(self.constants) | {p.name: v for p, v in zip(self.free, values, strict=True)}
+        return self.law(
+            **{name: values_of_law[name] for name in law_parameters(self.law) if name in values_of_law}
+        )
 
     def curve(self, law: Law, slowest: float, fastest: float) -> Chebyshev:
         """ε of one impact as a polynomial in ln v between these speeds [m/s], with an error below 1e-9."""
@@ -136,13 +138,22 @@ def candidate(
     wanted = _free_names(parameters, kind, values, free)
     if not wanted:
         raise ValueError(f"fixed | free: got no free parameter, must leave one of {chosen.__name__}")
-    held, notes = _held(parameters, kind, wanted, values, reference_speed)
+    constants, notes = _held(parameters, kind, wanted, values, reference_speed)
     if kind == "impacts" and ball is None and wanted != [RESTITUTION]:
         raise ValueError(f"ball: missing, must be given to fit {', '.join(wanted)}")
     variables = tuple(_variable(known[name]) for name in wanted)
-    constant = [name for name, one in LAWS.items() if _has_constant_restitution(one)]
+    constant = [name for name, law_class in LAWS.items() if _has_constant_restitution(law_class)]
     alike = tuple(constant) if kind == "impacts" and _has_constant_restitution(chosen) else ()
-    return Candidate(chosen, model, variables, held, notes, ball or ANY_BALL, other, alike)
+    return Candidate(
+        law=chosen,
+        model=model,
+        free=variables,
+        constants=constants,
+        notes=notes,
+        ball=ball or ANY_BALL,
+        other=other,
+        alike=alike,
+    )
 
 
 def _has_constant_restitution(law: type[Law]) -> bool:
@@ -193,28 +204,28 @@ def _held(
     reference_speed: float,
 ) -> tuple[dict[str, float], tuple[str, ...]]:
     """Values of the parameters that are not free, and a sentence for each that was not given."""
-    held, notes = dict(fixed), []
+    constants, notes = dict(fixed), []
     for name, record in parameters.items():
         if name in wanted or name in fixed:
             continue
         if name == IMPACT_SPEED:
-            held[name] = reference_speed
+            constants[name] = reference_speed
             notes.append(f"restitution is that at {reference_speed:g} m/s (impact_speed)")
         elif name == POISSON_RATIO:
-            held[name] = DEFAULT_POISSON_RATIO
+            constants[name] = DEFAULT_POISSON_RATIO
             notes.append(
                 f"poisson_ratio held at {DEFAULT_POISSON_RATIO:g}: only Y/(1 − ν²) enters a contact"
                 if kind == "rebounds"
                 else "poisson_ratio has no effect on the data"
             )
         else:
-            held[name] = NEUTRAL.get(record["unit"], 1.0)
+            constants[name] = NEUTRAL.get(record["unit"], 1.0)
             notes.append(
                 f"{name} has no effect on the data"
                 if wanted == [RESTITUTION] and kind == "impacts"
-                else f"{name} held at {held[name]:g} {record['unit']}"
+                else f"{name} held at {constants[name]:g} {record['unit']}"
             )
-    return held, tuple(notes)
+    return constants, tuple(notes)
 
 
 def _variable(record: Mapping[str, Any]) -> Free:
@@ -230,14 +241,35 @@ def rivals(
 
     For impacts all laws with a constant ε are one candidate.
     """
-    found: list[Candidate] = []
+    candidates: list[Candidate] = []
     for law in LAWS.values():
-        if law is chosen.law or any(law.record["name"] in one.alike for one in (chosen, *found)):
+        if law is chosen.law or any(law.record["name"] in rival.alike for rival in (chosen, *candidates)):
             continue
         common = {p["name"] for p in law.record["common"]}
         shared = {k: v for k, v in fixed.items() if k == POISSON_RATIO and k in common}
-        found.append(candidate(law, kind, reference_speed, shared, None, chosen.ball, chosen.other))
+        candidates.append(
+            candidate(
+                law=law,
+                kind=kind,
+                reference_speed=reference_speed,
+                fixed=shared,
+                free=None,
+                ball=chosen.ball,
+                other=chosen.other,
+            )
+        )
     if kind == "rebounds":
-        linear, held = LAWS["linear"], {"stiffness": NEUTRAL["N/m"]}
-        found.append(candidate(linear, kind, reference_speed, held, None, chosen.ball, FLOOR, "independent"))
-    return found
+        linear, constants = LAWS["linear"], {"stiffness": NEUTRAL["N/m"]}
+        candidates.append(
+            candidate(
+                law=linear,
+                kind=kind,
+                reference_speed=reference_speed,
+                fixed=constants,
+                free=None,
+                ball=chosen.ball,
+                other=FLOOR,
+                model="independent",
+            )
+        )
+    return candidates

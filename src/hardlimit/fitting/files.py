@@ -53,10 +53,10 @@ class Table:
     def groups(self) -> list[list[int]]:
         """Rows of each drop in the order of the file; a single drop without the column ``drop``."""
         numbers = self.columns.get("drop", [0.0] * len(self.lines))
-        found: dict[float, list[int]] = {}
+        rows_of: dict[float, list[int]] = {}
         for row, number in enumerate(numbers):
-            found.setdefault(number, []).append(row)
-        return list(found.values())
+            rows_of.setdefault(number, []).append(row)
+        return list(rows_of.values())
 
     def grouped(self, name: str) -> list[list[float]]:
         """A column by drops; empty if the file does not have it."""
@@ -155,13 +155,13 @@ KINDS: Final[dict[tuple[str, ...], tuple[Build, tuple[str, ...]]]] = {
 }
 
 
-def _kind(where: str, given: Sequence[str]) -> tuple[Build, tuple[str, ...]]:
+def _kind(where: str, columns: Sequence[str]) -> tuple[Build, tuple[str, ...]]:
     """How a file with these columns is read, and the columns it may have."""
     for names, (build, allowed) in KINDS.items():
-        if set(names) <= set(given):
+        if set(names) <= set(columns):
             return build, (*names, *allowed)
     need = " | ".join(", ".join(names) for names in KINDS)
-    got = validation.shown(", ".join(given))
+    got = validation.shown(", ".join(columns))
     raise ValueError(
         f"{where}: got columns {got}, must hold {need}, with comma, semicolon or tab between cells"
     )
@@ -169,18 +169,18 @@ def _kind(where: str, given: Sequence[str]) -> tuple[Build, tuple[str, ...]]:
 
 def _with_line(message: str, table: Table) -> str:
     """The message with a line number instead of an index such as ``times[1][3]`` or ``speed[4]``."""
-    found = re.match(r"(\w+)\[(\d+)\](?:\[(\d+)\])?: (.*)", message, re.ASCII | re.DOTALL)
-    if found is None:
+    match = re.match(r"(\w+)\[(\d+)\](?:\[(\d+)\])?: (.*)", message, re.ASCII | re.DOTALL)
+    if match is None:
         return message
-    name = {"times": "time", "heights": "height"}.get(found[1], found[1])
+    name = {"times": "time", "heights": "height"}.get(match[1], match[1])
     rows = list(range(len(table.lines)))
     if name in ("time", "height", "time_error", "height_error") and "gap" not in table.columns:
-        rows = table.groups()[int(found[2])]
-        if found[3] is None:
-            return f"lines {table.lines[rows[0]]} to {table.lines[rows[-1]]}, column {name}: {found[4]}"
-        return f"line {table.lines[rows[int(found[3])]]}, column {name}: {found[4]}"
-    where = f"line {table.lines[rows[int(found[2])]]}"
-    return f"{where}: {found[4]}" if name == "column" else f"{where}, column {name}: {found[4]}"
+        rows = table.groups()[int(match[2])]
+        if match[3] is None:
+            return f"lines {table.lines[rows[0]]} to {table.lines[rows[-1]]}, column {name}: {match[4]}"
+        return f"line {table.lines[rows[int(match[3])]]}, column {name}: {match[4]}"
+    where = f"line {table.lines[rows[int(match[2])]]}"
+    return f"{where}: {match[4]}" if name == "column" else f"{where}, column {name}: {match[4]}"
 
 
 # --- the table ----------------------------------------------------------------------------------------------
@@ -233,20 +233,20 @@ def _cells(line: str, separator: str) -> list[str]:
 
 def _header(where: str, cells: Sequence[str]) -> list[tuple[str, float]]:
     """Names, and the factor that converts each column to SI units."""
-    found: list[tuple[str, float]] = []
+    columns: list[tuple[str, float]] = []
     for cell in cells:
         match = _HEADER.fullmatch(cell)
         name = match[1] if match else cell
         if match is None or name not in UNITS:
-            found.append((cell, math.nan))
+            columns.append((cell, math.nan))
             continue
-        if name in dict(found):
+        if name in dict(columns):
             raise ValueError(f"{where}: got column {name} twice, must appear once")
         try:
-            found.append((name, units.number(name, f"1 {match[2]}", UNITS[name]) if match[2] else 1.0))
+            columns.append((name, units.number(name, f"1 {match[2]}", UNITS[name]) if match[2] else 1.0))
         except ValueError as error:
             raise ValueError(f"{where}: {error}") from None
-    return found
+    return columns
 
 
 def _number(where: str, name: str, cell: str, factor: float) -> float:

@@ -164,12 +164,12 @@ def _curvature(likelihood: Likelihood, at: Floats, steps: Floats) -> Floats:
     """Second derivatives of −2 ln L, by differences towards one side of each variable."""
     shifts = np.diag(steps)
     base = likelihood(at)
-    found = np.empty((len(at), len(at)))
-    for i, one in enumerate(shifts):
+    matrix = np.empty((len(at), len(at)))
+    for i, shift in enumerate(shifts):
         for j, other in enumerate(shifts):
-            apart = likelihood(at + one) + likelihood(at + other) - base
-            found[i, j] = (likelihood(at + one + other) - apart) / (steps[i] * steps[j])
-    return found
+            apart = likelihood(at + shift) + likelihood(at + other) - base
+            matrix[i, j] = (likelihood(at + shift + other) - apart) / (steps[i] * steps[j])
+    return matrix
 
 
 def _ends(fit: Minuit, i: int) -> tuple[float, float]:
@@ -180,9 +180,9 @@ def _ends(fit: Minuit, i: int) -> tuple[float, float]:
         fit.minos(name)
     except RuntimeError:  # MINOS has left the minimum; use the curvature
         return max(fit.values[i] - fit.errors[i], low), min(fit.values[i] + fit.errors[i], high)
-    found = fit.merrors[name]
-    lower = fit.values[i] + found.lower if found.lower_valid else low
-    upper = fit.values[i] + found.upper if found.upper_valid else high
+    errors = fit.merrors[name]
+    lower = fit.values[i] + errors.lower if errors.lower_valid else low
+    upper = fit.values[i] + errors.upper if errors.upper_valid else high
     return max(lower, low), min(upper, high)
 
 

@@ -291,7 +291,9 @@ class Impacts(Measured):
     @property
     def has_errors(self) -> bool:
         # The impacts of a chain share their measured values: as many of these must have errors.
-        enough = all(np.count_nonzero(one.sigma) >= one.speed.size for one in self.blocks if one.chained)
+        enough = all(
+            np.count_nonzero(block.sigma) >= block.speed.size for block in self.blocks if block.chained
+        )
         return enough and bool((self.restitution_error > 0.0).all())
 
     @property
@@ -303,8 +305,8 @@ class Impacts(Measured):
 
     def deviations(self, candidate: Candidate, law: Law, scatter: float) -> tuple[Floats, float]:
         curve = candidate.curve(law, *self.speeds)
-        found = [_block_deviations(block, curve, scatter) for block in self.blocks]
-        return np.concatenate([white for white, _ in found]), sum(logarithm for _, logarithm in found)
+        parts = [_block_deviations(block, curve, scatter) for block in self.blocks]
+        return np.concatenate([white for white, _ in parts]), sum(logarithm for _, logarithm in parts)
 
 
 def _block_deviations(block: Block, curve: Chebyshev, scatter: float) -> tuple[Floats, float]:
@@ -375,8 +377,8 @@ class Rebounds(Measured):
         count = _count("values", values)
         measured = validation.each("values", values, count)
         sigma = validation.each("error", error, count, **ERRORS)
-        given = {"gap": gap, "height": height}
-        varied = {name: validation.each(name, v, count) for name, v in given.items() if v is not None}
+        axes = {"gap": gap, "height": height}
+        varied = {name: validation.each(name, v, count) for name, v in axes.items() if v is not None}
         columns = []
         for i in range(count):
             changes = {("gaps" if k == "gap" else k): float(v[i]) for k, v in varied.items()}
@@ -423,8 +425,8 @@ class Rebounds(Measured):
 def _observed(result: Any, observable: str) -> float:
     if observable == "separation_velocity":
         return float(result.separation_velocity)
-    found = result.final_velocities if observable == "top_velocity" else result.rebound_heights
-    return float(found[-1])
+    values = result.final_velocities if observable == "top_velocity" else result.rebound_heights
+    return float(values[-1])
 
 
 def _banded(sigma: Floats, *bands: Floats) -> Floats:
@@ -458,26 +460,26 @@ def _count(name: str, values: Any) -> int:
     return int(validation.array(name, values).size)
 
 
-def _drops(name: str, given: Any, least: int, **limits: float) -> list[Floats]:
-    if not isinstance(given, Sequence) or isinstance(given, str | bytes) or not len(given):
+def _drops(name: str, lists: Any, least: int, **limits: float) -> list[Floats]:
+    if not isinstance(lists, Sequence) or isinstance(lists, str | bytes) or not len(lists):
         need = "must be a list of drops, each a list of numbers"
-        raise ValueError(f"{name}: got {validation.shown(given)}, {need}")
+        raise ValueError(f"{name}: got {validation.shown(lists)}, {need}")
     drops = []
-    for i, one in enumerate(given):
-        values = np.atleast_1d(validation.array(f"{name}[{i}]", one, **limits))  # type: ignore[arg-type]
+    for i, drop in enumerate(lists):
+        values = np.atleast_1d(validation.array(f"{name}[{i}]", drop, **limits))  # type: ignore[arg-type]
         if values.size < least:
             raise ValueError(f"{name}[{i}]: got {values.size} values, must be {least} or more")
         drops.append(values)
     return drops
 
 
-def _errors(name: str, given: Any, drops: Sequence[Floats]) -> list[Floats]:
-    if isinstance(given, Sequence) and not isinstance(given, str | bytes):
-        if len(given) != len(drops):
-            raise ValueError(f"{name}: got {len(given)} drops, must be {len(drops)}")
-        pairs = enumerate(zip(given, drops, strict=True))
-        return [validation.each(f"{name}[{i}]", one, drop.size, **ERRORS) for i, (one, drop) in pairs]
-    return [np.full(drop.size, validation.number(name, given, **ERRORS)) for drop in drops]
+def _errors(name: str, values: Any, drops: Sequence[Floats]) -> list[Floats]:
+    if isinstance(values, Sequence) and not isinstance(values, str | bytes):
+        if len(values) != len(drops):
+            raise ValueError(f"{name}: got {len(values)} drops, must be {len(drops)}")
+        pairs = enumerate(zip(values, drops, strict=True))
+        return [validation.each(f"{name}[{i}]", sigma, drop.size, **ERRORS) for i, (sigma, drop) in pairs]
+    return [np.full(drop.size, validation.number(name, values, **ERRORS)) for drop in drops]
 
 
 def _refuse_coarse(name: str, error: Floats, value: Floats) -> None:

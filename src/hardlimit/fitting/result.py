@@ -176,8 +176,8 @@ class Fit(Trial):
         return plots.fit(self)
 
     def __repr__(self) -> str:
-        found = ", ".join(f"{name} {value}" for name, value in self.minimum.estimates.items())
-        return f"<Fit of {self.name}: {found}; {self.verdict}>"
+        parameters = ", ".join(f"{name} {value}" for name, value in self.minimum.estimates.items())
+        return f"<Fit of {self.name}: {parameters}; {self.verdict}>"
 
     def _repr_html_(self) -> str:
         estimates = self.minimum.estimates.items()

@@ -81,9 +81,9 @@ def msd(paths: xr.DataArray) -> xr.DataArray:
     """
     x, spacing = _checked(paths)
     n = len(x)
-    found = [float(_squares(x, k).mean()) for k in range(n)]
+    values = [float(_squares(x, k).mean()) for k in range(n)]
     lag = variable("lag", spacing * np.arange(n), "s", "time lag")
-    return array("msd", "lag", found, "m2", "mean square displacement", lag=lag)
+    return array("msd", "lag", values, "m2", "mean square displacement", lag=lag)
 
 
 def diffusion(
@@ -118,9 +118,9 @@ def diffusion(
     longest = spacing * (n - 1)
     low, high = (
         fraction * longest
-        if given is None
-        else validation.number(name, given, 0.0, longest, highest_allowed=True)
-        for name, given, fraction in zip(("start", "stop"), (start, stop), FITTED, strict=True)
+        if end is None
+        else validation.number(name, end, 0.0, longest, highest_allowed=True)
+        for name, end, fraction in zip(("start", "stop"), (start, stop), FITTED, strict=True)
     )
     steps = [k for k in range(1, n) if low * (1 - 1e-9) <= k * spacing <= high * (1 + 1e-9)]
     if len(steps) < 2 or particles < 2:
@@ -151,8 +151,8 @@ def normal_estimate(value: float, error: float) -> Estimate[float]:
 def _squares(x: Floats, step: int) -> Floats:
     """Mean square displacement of each particle over this number of samples."""
     moved = x[step:] - x[: len(x) - step]
-    found: Floats = np.einsum("tij,tij->i", moved, moved) / len(moved)
-    return found
+    means: Floats = np.einsum("tij,tij->i", moved, moved) / len(moved)
+    return means
 
 
 def _checked(paths: Any) -> tuple[Floats, float]:

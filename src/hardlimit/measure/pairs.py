@@ -131,8 +131,8 @@ def _share(r: Floats, lengths: Floats, between_walls: NDArray[np.bool_]) -> Floa
         math.gamma(0.5 * d) / (math.pi ** (0.5 * m) * math.gamma(0.5 * (d + m))) for m in range(len(product))
     ]
     shell = Polynomial([0.0] * (d - 1) + [d * UNIT_BALL[d]]) / float(np.prod(lengths))
-    found: Floats = (shell * Polynomial(product.coef * moments)).integ()(r)
-    return found
+    share: Floats = (shell * Polynomial(product.coef * moments)).integ()(r)
+    return share
 
 
 def coordination(system: ParticleSystem, *, tolerance: float = ROUNDING) -> xr.Dataset:

@@ -64,7 +64,7 @@ class Steady:
 
     def __str__(self) -> str:
         along = self.series[self.series.dims[0]]
-        units = [one.attrs.get("units", "1") for one in (self.series, along)]
+        units = [labelled.attrs.get("units", "1") for labelled in (self.series, along)]
         value, since = (f" {unit}" if unit != "1" else "" for unit in units)
         return (
             f"{self.mean}{value}, steady from {along.name} {self.start:.6g}{since} on, statistical inefficiency "
@@ -214,8 +214,8 @@ def _cosines(y: Floats) -> Floats:
     """Cosine transform without the mean."""
     from scipy.fft import dct
 
-    found: Floats = dct(y - y.mean(), norm="ortho")[1:]
-    return found
+    coefficients: Floats = dct(y - y.mean(), norm="ortho")[1:]
+    return coefficients
 
 
 def _quantile(level: float, weight: Floats, shift: Floats, sigma: Floats, freedom: int) -> float:
@@ -231,24 +231,26 @@ def _quantile(level: float, weight: Floats, shift: Floats, sigma: Floats, freedo
 
 
 def _checked(series: Any) -> xr.DataArray:
-    given = series
-    if not isinstance(given, xr.DataArray):
-        found = validation.as_array(series)
-        if found is None or found.ndim != 1:
+    labelled = series
+    if not isinstance(labelled, xr.DataArray):
+        values = validation.as_array(series)
+        if values is None or values.ndim != 1:
             raise ValueError(f"series: got {validation.shown(series)}, must be numbers over one dimension")
-        given = xr.DataArray(found, dims="sample", name="series")
-    if given.ndim != 1 or given.dtype.kind not in "buif":
-        raise ValueError(f"series: got {given.dtype} over {given.dims}, must be numbers over one dimension")
-    good = ~np.isnan(given.values.astype(float))
-    if given.dims[0] not in given.coords:
-        given = given.assign_coords({given.dims[0]: np.arange(len(given))})
-    kept = given[int(np.argmax(good)) :] if good.any() else given[:0]
+        labelled = xr.DataArray(values, dims="sample", name="series")
+    if labelled.ndim != 1 or labelled.dtype.kind not in "buif":
+        raise ValueError(
+            f"series: got {labelled.dtype} over {labelled.dims}, must be numbers over one dimension"
+        )
+    good = ~np.isnan(labelled.values.astype(float))
+    if labelled.dims[0] not in labelled.coords:
+        labelled = labelled.assign_coords({labelled.dims[0]: np.arange(len(labelled))})
+    kept = labelled[int(np.argmax(good)) :] if good.any() else labelled[:0]
     along = kept[kept.dims[0]].values
     if along.dtype.kind in "iuf" and regular(along) == len(along) - 1:
         kept = kept[:-1]
     if len(kept) < FEWEST or not np.isfinite(kept.values.astype(float)).all():
         raise ValueError(
-            f"series: got {validation.shown(given.values)}, must be at least {FEWEST} finite numbers"
+            f"series: got {validation.shown(labelled.values)}, must be at least {FEWEST} finite numbers"
         )
     return kept
 
@@ -297,6 +299,6 @@ def contact_value(run: ParticleResult | ContactResult) -> Steady:
     speed = 0.5 * (root[1:] + root[:-1])
     # Enskog's rate has N partners and their relative speed √(2T); N particles have N − 1 and √(2T N/(N − 1)).
     expected = float(gas.collision_rate(1.0)) / gas.contact_value * math.sqrt(1.0 - 1.0 / system.n) * speed
-    found = series["collision_rate"].values[1:] / expected
+    values = series["collision_rate"].values[1:] / expected
     time = variable("time", series["time"].values[1:], "s", "time after the start of the run")
-    return steady(array("contact_value", "time", found, "1", "pair correlation at contact χ", time=time))
+    return steady(array("contact_value", "time", values, "1", "pair correlation at contact χ", time=time))

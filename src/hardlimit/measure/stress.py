@@ -108,6 +108,6 @@ def _averages(values: Floats) -> tuple[Floats, Floats]:
 def _matrix(components: Floats, dimension: int) -> Floats:
     """The symmetric matrix with these components, xx, yy, zz, xy, xz, yz."""
     first, second = component_axes(dimension)
-    found = np.empty((dimension, dimension))
-    found[first, second] = found[second, first] = components
-    return found
+    matrix = np.empty((dimension, dimension))
+    matrix[first, second] = matrix[second, first] = components
+    return matrix

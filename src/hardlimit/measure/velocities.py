@@ -90,8 +90,8 @@ def _thermal(system: ParticleSystem, streaming: Streaming, bins: Any) -> Floats:
             f"streaming: got {validation.shown(streaming)}, must be an axis or a function of positions"
         )
     relative = velocities - flow
-    found: Floats = mass * np.einsum("ij,ij->i", relative, relative)
-    return found
+    energies: Floats = mass * np.einsum("ij,ij->i", relative, relative)
+    return energies
 
 
 def _bins(system: ParticleSystem, axis: int, bins: int) -> NDArray[np.int64]:

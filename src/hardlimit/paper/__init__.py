@@ -67,7 +67,7 @@ def run(
     weights = {f"Fig. {number}": FIGURES[number].WEIGHT for number in chosen}
     weights |= {"statements of the text": 2.0, "density": 4.0 * infer_density}
     track = _Track(weights, progress or (lambda part, text: None))
-    paper = Paper(validation.number("density", density, 0.0), track.within)
+    paper = Paper(validation.number("density", density, 0.0), track.within, FIGURES)
     if format not in FORMATS:
         raise ValueError(f"format: got {format!r}, must be one of {', '.join(FORMATS)}")
     resolution = checked_resolution(dpi)
@@ -114,8 +114,8 @@ def _figures(figures: Iterable[int | str] | str | None) -> tuple[int, ...]:
     """The chosen figures in order, without repetitions."""
     if figures is None:
         return tuple(FIGURES)
-    given = figures.split(",") if isinstance(figures, str) else figures
-    names = [str(name).strip() for name in ([given] if isinstance(given, int) else given)]
+    chosen = figures.split(",") if isinstance(figures, str) else figures
+    names = [str(name).strip() for name in ([chosen] if isinstance(chosen, int) else chosen)]
     known = {str(number): number for number in FIGURES}
     for got in [name for name in names if name not in known] or ["none"] * (not names):
         shown = repr(got) if names else got

@@ -44,22 +44,22 @@ def spike_tips(paper: Paper, lowest: float = 0.62) -> list[float]:
 
 def infer(progress: Callable[[float], object] = lambda part: None) -> xr.Dataset:
     """Scan the density, finely where the facts hold. Data: contacts at ε = 1, spike tips, whether all facts hold."""
-    found: dict[float, tuple[int, list[float]]] = {}
+    facts: dict[float, tuple[int, list[float]]] = {}
 
     def add(densities: Array, start: float, part: float) -> None:
         for i, rho in enumerate(densities):
             paper = Paper(float(rho))
-            found[float(rho)] = newton(paper.linear(1.0)).n_contacts, spike_tips(paper)
+            facts[float(rho)] = newton(paper.linear(1.0)).n_contacts, spike_tips(paper)
             progress(start + part * (i + 1) / len(densities))
 
     add(np.arange(RANGE[0], RANGE[1] + COARSE, COARSE), 0.0, 0.5)
-    misfit = {rho: np.abs(np.array(tips) - SPIKES).max() for rho, (_, tips) in found.items()}
+    misfit = {rho: np.abs(np.array(tips) - SPIKES).max() for rho, (_, tips) in facts.items()}
     best = min(misfit, key=lambda rho: misfit[rho] if math.isfinite(misfit[rho]) else math.inf)
     add(np.arange(best - 2 * COARSE, best + 2 * COARSE + FINE, FINE), 0.5, 0.5)
 
-    density = np.array(sorted(found))
-    counts = np.array([found[rho][0] for rho in density])
-    tips = np.array([found[rho][1] for rho in density])
+    density = np.array(sorted(facts))
+    counts = np.array([facts[rho][0] for rho in density])
+    tips = np.array([facts[rho][1] for rho in density])
     holds = (counts == CONTACTS_AT_ONE) & np.all(np.abs(tips - SPIKES) <= HALF_DIGIT, axis=1)
     return xr.Dataset(
         {
@@ -116,14 +116,14 @@ def rows(paper: Paper, scan: xr.Dataset | None) -> list[Row]:
         "and 0.67"
     )
     result = f"ρ = {paper.density:g} kg/m³: {n} contacts, spikes at {tips[0]:.4f} and {tips[1]:.4f}"
-    found = [Row(stated, "Sec. IV A", result, "yes" if good else "no", "density")]
+    table = [Row(stated, "Sec. IV A", result, "yes" if good else "no", "density")]
     if scan is not None:
-        held = scan["density"].values[scan["holds"].values == 1]
+        densities = scan["density"].values[scan["holds"].values == 1]
         result = "no density of the scan reproduces all facts"
-        if held.size:
-            middle, half = 0.5 * (held[0] + held[-1]), 0.5 * (held[-1] - held[0])
-            result = f"all facts hold from {held[0]:g} to {held[-1]:g}: ρ = {middle:.0f} ± {half:.0f} kg/m³"
-        inside = held.size > 0 and held[0] <= paper.density <= held[-1]
+        if densities.size:
+            middle, half = 0.5 * (densities[0] + densities[-1]), 0.5 * (densities[-1] - densities[0])
+            result = f"all facts hold from {densities[0]:g} to {densities[-1]:g}: ρ = {middle:.0f} ± {half:.0f} kg/m³"
+        inside = densities.size > 0 and densities[0] <= paper.density <= densities[-1]
         scanned = f"Density inferred by a scan of {RANGE[0]:g}–{RANGE[1]:g} kg/m³ for these facts"
-        found.append(Row(scanned, "Sec. IV A", result, "yes" if inside else "no", "density"))
-    return found
+        table.append(Row(scanned, "Sec. IV A", result, "yes" if inside else "no", "density"))
+    return table

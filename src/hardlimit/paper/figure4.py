@@ -55,8 +55,8 @@ def compute(paper: Paper) -> xr.Dataset:
         def report(done: int, total: int, half: int = i) -> None:
             paper.progress(0.5 * (half + done / total))
 
-        found = sweep(paper.linear(), variables=VARIABLES, progress=report, **swept)
-        maps.append(found.rename({key: f"{key}_over_{name}" for key in VARIABLES}))
+        dataset = sweep(paper.linear(), variables=VARIABLES, progress=report, **swept)
+        maps.append(dataset.rename({key: f"{key}_over_{name}" for key in VARIABLES}))
     data = xr.merge(maps, combine_attrs="override")
     data["marked_restitution"] = variable((), RESTITUTION, "1", "ε of Fig. 2, the +")
     data["marked_gap"] = variable((), GAP, "m", "Δh of Figs. 2 and 3, dashed")
@@ -90,8 +90,8 @@ def highest(paper: Paper, name: str) -> tuple[float, str]:
     epsilon = float(maps["restitution"].values[np.nanargmax(np.nanmax(values, axis=1))])
     fine = np.geomspace(*GAPS, FINE) if name == "gap" else np.linspace(*RATIOS, FINE)
     swept: dict[str, Any] = {name: fine}
-    found = sweep(paper.linear(epsilon), variables=["restitution_ratio"], **swept)
-    row = found["restitution_ratio"].values
+    dataset = sweep(paper.linear(epsilon), variables=["restitution_ratio"], **swept)
+    row = dataset["restitution_ratio"].values
     i = int(np.nanargmax(row))
     where = f"Δh = {fine[i] * 1e3:.2f} mm" if name == "gap" else f"R1/R2 = {fine[i]:.2f}"
     return float(row[i]), f"at ε = {epsilon:.2f}, {where}"

@@ -104,18 +104,18 @@ def _one_material(paper: Paper) -> Outcome:
         figure = paper.figure(number)
         return figure["outline_n_contacts"].values, len(late_contacts(name, figure, "outline_"))
 
-    (one, late_one), (both, late_both) = (
+    (single, late_one), (both, late_both) = (
         features(7, "restitution_outline"),
         features(8, "dissipative_time_outline"),
     )
-    path_one, path_both = successive(one[::-1]), successive(both)
+    path_one, path_both = successive(single[::-1]), successive(both)
     same_path = bool(np.array_equal(path_one, path_both))
     text = (
         f"Fig. 8: {', '.join(map(str, path_both))} contacts as A grows, Fig. 7 "
         f"{'the same' if same_path else ', '.join(map(str, path_one))}; late contacts in {late_both} "
         f"intervals (Fig. 7: {late_one})"
     )
-    return text, both.max() > 1 and late_both > 0, abs(int(both.max()) - int(one.max())) <= 1
+    return text, both.max() > 1 and late_both > 0, abs(int(both.max()) - int(single.max())) <= 1
 
 
 @STATEMENTS.add("One material means ε01 ≠ ε12", "App. C")

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from types import ModuleType
 from typing import Any, Final
 
 import xarray as xr
@@ -33,14 +34,19 @@ RADIUS_2_APPENDIX: Final = 0.0025
 class Paper:
     """The paper's columns at one density [kg/m³], and the Dataset of each figure.
 
-    ``progress(part)`` is called with the finished fraction of the current step, 0 to 1.
+    ``progress(part)`` is called with the finished fraction of the current step, 0 to 1. ``modules`` compute the
+    figures: ``FIGURES`` of the registry.
     """
 
     def __init__(
-        self, density: float = PAPER_DENSITY, progress: Callable[[float], object] = lambda part: None
+        self,
+        density: float = PAPER_DENSITY,
+        progress: Callable[[float], object] = lambda part: None,
+        modules: Mapping[int, ModuleType] = {},
     ) -> None:
         self.density = density
         self.progress = progress
+        self.modules = modules
         self._figures: dict[int, xr.Dataset] = {}
 
     def linear(self, restitution: float = RESTITUTION, **changes: Any) -> Column:
@@ -76,10 +82,8 @@ class Paper:
 
     def figure(self, number: int) -> xr.Dataset:
         """The Dataset of a figure, computed at the first call; attributes give origin, parameters and meaning."""
-        from .registry import FIGURES  # the figures import this module
-
         if number not in self._figures:
-            figure = FIGURES[number]
+            figure = self.modules[number]
             data = figure.compute(self)
             data.attrs = self.attributes(f"Fig. {number}") | {
                 "title": figure.TITLE,

@@ -84,9 +84,9 @@ def _band(ax: Axes, x: Any, mean: Any, error: Any, look: dict[str, Any], **more:
 
 def _temperature(ax: Axes, f: Fidelity, factor: float) -> None:
     values = f.dataset["granular_temperature"].values
-    for model, found in zip(f.models, values, strict=True):
+    for model, mean in zip(f.models, values, strict=True):
         name = "Newton’s equations" if model == NEWTON else model
-        _band(ax, f.plan.times * factor, found[:, 0], found[:, 1], LOOKS[model], label=name)
+        _band(ax, f.plan.times * factor, mean[:, 0], mean[:, 1], LOOKS[model], label=name)
     if np.isfinite(f.steady.start):
         ax.axvline(f.steady.start * factor, color=GREY, lw=1.0, ls=":")
     set_scale(ax, values[..., 0].ravel(), [])
@@ -97,8 +97,8 @@ def _difference(ax: Axes, f: Fidelity, name: str, label: str, factor: float) -> 
     """Difference from Newton's equations in per cent."""
     ax.axhline(0.0, color="black", lw=1.0)
     for model in f.models[1:]:
-        found = f.difference(name, model)
-        _band(ax, f.plan.times * factor, 100.0 * found.value, 100.0 * found.error, LOOKS[model])
+        difference = f.difference(name, model)
+        _band(ax, f.plan.times * factor, 100.0 * difference.value, 100.0 * difference.error, LOOKS[model])
         left = f.departure(name, model)
         if left is not None:
             dot = {"ms": 4.5, "mec": "white", "mew": 0.6, "c": LOOKS[model]["color"]}
@@ -109,8 +109,8 @@ def _difference(ax: Axes, f: Fidelity, name: str, label: str, factor: float) -> 
 def _paths(ax: Axes, f: Fidelity, factor: float) -> None:
     ax.axhline(1.0, color=GREY, lw=0.8, ls=(0, (2, 2)))
     seen = [1.0]
-    for model, found in zip(f.models[1:], f.dataset["divergence"].values[1:], strict=True):
-        apart = np.where(found[:, 0] > 0.0, np.maximum(found[:, 0], SMALLEST), np.nan)
+    for model, distance in zip(f.models[1:], f.dataset["divergence"].values[1:], strict=True):
+        apart = np.where(distance[:, 0] > 0.0, np.maximum(distance[:, 0], SMALLEST), np.nan)
         seen += apart[np.isfinite(apart)].tolist()
         ax.plot(f.plan.times * factor, apart, **LOOKS[model])
     ax.set_yscale("log")

@@ -28,23 +28,23 @@ MAX_BARS: Final = 300
 DOTS: Final[dict[str, Any]] = {"fmt": "o", "ms": 3.2, "color": "black", "elinewidth": 0.8, "zorder": 3}
 
 
-def fit(found: Fit) -> Figure:
+def fit(fit: Fit) -> Figure:
     """Above, data with error bars and the laws; below, deviations of the chosen law in standard errors."""
     with style():
         figure = Figure(figsize=(PAGE_WIDTH * 0.75, 5.0))
         upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(2.2, 1.0))
-        if isinstance(found.data, Impacts):
-            x = _impacts(upper, found, found.data)
+        if isinstance(fit.data, Impacts):
+            x = _impacts(upper, fit, fit.data)
             lower.set_xlabel("speed of impact [m/s]")
-        elif isinstance(found.data, Rebounds):
-            x = _rebounds(upper, lower, found, found.data)
-        _deviations(lower, x, found.deviations)
+        elif isinstance(fit.data, Rebounds):
+            x = _rebounds(upper, lower, fit, fit.data)
+        _deviations(lower, x, fit.deviations)
         upper.legend(loc="best")
         figure.align_ylabels((upper, lower))
     return figure
 
 
-def _impacts(ax: Axes, found: Fit, data: Impacts) -> Any:
+def _impacts(ax: Axes, fit: Fit, data: Impacts) -> Any:
     speed = data.speed
     if data.n > MAX_BARS:
         ax.plot(speed, data.restitution, ".", ms=2.0, color=GREY, zorder=0, rasterized=True)
@@ -52,11 +52,11 @@ def _impacts(ax: Axes, found: Fit, data: Impacts) -> Any:
         ax.errorbar(speed, data.restitution, yerr=data.restitution_error, **DOTS)
     margin = 1.15 if speed.max() > 1.02 * speed.min() else 2.0
     v = np.geomspace(speed.min() / margin, speed.max() * margin, 300)
-    for trial, look in _looks(found):
+    for trial, look in _looks(fit):
         curve = np.asarray(trial.contact.restitution(v))
         ax.plot(v, curve, label=trial.name, **look)
-        if trial is found and found.scatter is not None:
-            s = found.scatter.value
+        if trial is fit and fit.scatter is not None:
+            s = fit.scatter.value
             ax.fill_between(v, curve - s, curve + s, color=look["color"], alpha=0.15, lw=0.0)
     _logarithmic(ax)
     ax.set_xlim(v[0], v[-1])
@@ -64,7 +64,7 @@ def _impacts(ax: Axes, found: Fit, data: Impacts) -> Any:
     return speed
 
 
-def _rebounds(upper: Axes, lower: Axes, found: Fit, data: Rebounds) -> Any:
+def _rebounds(upper: Axes, lower: Axes, fit: Fit, data: Rebounds) -> Any:
     """Rebounds over the varied quantity, or over the number of the drop if nothing is varied."""
     x, label = np.arange(1.0, data.n + 1.0), "drop"
     if data.varied:
@@ -75,7 +75,7 @@ def _rebounds(upper: Axes, lower: Axes, found: Fit, data: Rebounds) -> Any:
             _logarithmic(upper)
     upper.errorbar(x, data.values, yerr=data.error, **DOTS)
     order = np.argsort(x, kind="stable")
-    for trial, look in _looks(found):
+    for trial, look in _looks(fit):
         predicted = data.predicted(trial.candidate, trial.law)
         upper.plot(x[order], predicted[order], label=trial.name, **look)
     words, unit = OBSERVED[data.observable]
@@ -92,8 +92,8 @@ def _logarithmic(ax: Axes) -> None:
     ax.xaxis.set_minor_formatter(NullFormatter())
 
 
-def _looks(found: Fit) -> Iterator[tuple[Trial, dict[str, Any]]]:
-    return zip((found, *found.others), cycle(LOOKS), strict=False)
+def _looks(fit: Fit) -> Iterator[tuple[Trial, dict[str, Any]]]:
+    return zip((fit, *fit.others), cycle(LOOKS), strict=False)
 
 
 def _deviations(ax: Axes, x: Any, deviations: Any) -> None:

@@ -89,12 +89,12 @@ def expectations(run: ParticleResult) -> dict[str, tuple[str, Any]]:
     ds = run.series
     temperature = ds["granular_temperature"].values
     between = 0.5 * (temperature + np.concatenate([temperature[:1], temperature[:-1]]))
-    found = {"collision_rate": ("Enskog, at the temperature measured", gas_of.collision_rate(between))}
+    curves = {"collision_rate": ("Enskog, at the temperature measured", gas_of.collision_rate(between))}
     e = run.settings.restitution
     if e is not None:
         name = "Carnahan–Starling" if run.system.dimension == 3 else "Henderson"
-        found["pressure"] = (f"{name}, at the temperature measured", gas_of.pressure(between, e))
+        curves["pressure"] = (f"{name}, at the temperature measured", gas_of.pressure(between, e))
         if e < 1.0 and temperature[0] > 0.0:
             cooling = gas_of.cooling(ds["time"].values, float(temperature[0]), e)
-            found["granular_temperature"] = ("Haff’s law", cooling)
-    return found
+            curves["granular_temperature"] = ("Haff’s law", cooling)
+    return curves

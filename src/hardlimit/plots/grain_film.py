@@ -182,5 +182,7 @@ def shown(system: ParticleSystem) -> tuple[Floats, Floats, Floats]:
             if axis == system.domain.gradient:
                 beyond[:, 0] %= float(system.box[0])
             at = np.concatenate([at, beyond])
-            radius, speed = (np.concatenate([one, one[low], one[high]]) for one in (radius, speed))
+            radius, speed = (
+                np.concatenate([values, values[low], values[high]]) for values in (radius, speed)
+            )
     return at, radius, speed

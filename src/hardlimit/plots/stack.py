@@ -24,13 +24,13 @@ def stack(*stacks: Stack) -> Figure:
     with style():
         figure = Figure(figsize=(PAGE_WIDTH, 3.1))
         left, right = figure.subplots(1, 2)
-        for one in stacks:
-            look = {"color": COLOURS[one.model], "label": f"best under {NAMES[one.model]}"}
-            left.plot(np.arange(1, one.masses.size + 1), one.masses, "o-", ms=4.0, **look)
-            way = one.contact_way
-            found = one.over_gaps(GAPS * way)
+        for best in stacks:
+            look = {"color": COLOURS[best.model], "label": f"best under {NAMES[best.model]}"}
+            left.plot(np.arange(1, best.masses.size + 1), best.masses, "o-", ms=4.0, **look)
+            way = best.contact_way
+            speeds = best.over_gaps(GAPS * way)
             for model in NAMES:
-                right.plot(GAPS, found[model], color=COLOURS[one.model], **LOOKS[model])
+                right.plot(GAPS, speeds[model], color=COLOURS[best.model], **LOOKS[model])
         left.set_yscale("log")
         left.xaxis.set_major_locator(MaxNLocator(integer=True))
         left.tick_params(axis="x", which="minor", bottom=False, top=False)

@@ -17,7 +17,7 @@ TIMEOUT = "10s"  #: of the connection to a scheduler
 
 
 @contextmanager
-def connection(scheduler: Any, asked: str) -> Iterator[Client]:
+def connection(scheduler: Any, purpose: str) -> Iterator[Client]:
     """Connect to the scheduler at an address; use an open client; or start a cluster on this machine.
 
     Raises an ImportError if dask.distributed is not installed; the message begins with ``asked``, such as ``engine: got
@@ -27,7 +27,7 @@ def connection(scheduler: Any, asked: str) -> Iterator[Client]:
         from distributed import CancelledError
     except ImportError:
         raise ImportError(
-            f"{asked}, needs the package distributed: pip install 'hardlimit[cluster]'"
+            f"{purpose}, needs the package distributed: pip install 'hardlimit[cluster]'"
         ) from None
     with _quiet(), _connected(scheduler) as client:
         try:

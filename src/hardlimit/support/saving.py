@@ -261,15 +261,15 @@ class Saved(NamedTuple):
         """The Dataset at the root or in a group, in memory."""
         import xarray as xr
 
-        with xr.open_dataset(self.path, engine="h5netcdf", group=group) as found:
-            return found.load()
+        with xr.open_dataset(self.path, engine="h5netcdf", group=group) as file:
+            return file.load()
 
     def tree(self) -> xr.DataTree:
         """All groups, in memory."""
         import xarray as xr
 
-        with xr.open_datatree(self.path, engine="h5netcdf") as found:
-            return found.load()
+        with xr.open_datatree(self.path, engine="h5netcdf") as file:
+            return file.load()
 
     def state(self) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
         """The header and the arrays of the state."""

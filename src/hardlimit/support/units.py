@@ -77,8 +77,8 @@ def number(name: str, text: str, unit: str) -> float:
 
 def with_unit(name: str, text: str, unit: str) -> float:
     """As :func:`number`, for text that must have a unit."""
-    found = _QUANTITY.fullmatch(text.strip())
-    value = None if found is None else _convert(found[1], found[2], unit)
+    match = _QUANTITY.fullmatch(text.strip())
+    value = None if match is None else _convert(match[1], match[2], unit)
     if value is None:
         raise ValueError(f"{name}: got {validation.shown(text)}, must be {_expected(unit)}")
     if not math.isfinite(value):
@@ -93,13 +93,13 @@ def _expected(unit: str) -> str:
     return f"a number [{unit}] or {kind} with its unit, such as '{example}'"
 
 
-def _convert(digits: str, given: str, wanted: str) -> float | None:
+def _convert(digits: str, unit_text: str, wanted: str) -> float | None:
     """The value in the wanted unit; None if the given unit is unknown or measures something else."""
     import pint
 
     registry = _registry()
     try:
-        unit = registry.parse_units(_normal(given))
+        unit = registry.parse_units(_normal(unit_text))
         value = registry.Quantity(Decimal(digits), unit)
         return float(value.m_as("" if wanted == "1" else _normal(wanted)))
     except (pint.PintError, ArithmeticError, ValueError, AttributeError):

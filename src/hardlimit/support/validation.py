@@ -141,58 +141,58 @@ def array(
     means any.
     """
     wanted = f"a number or {'a one-dimensional' if ndim == 1 else 'an'} array of numbers"
-    found = as_array(values)
-    if found is None:
+    converted = as_array(values)
+    if converted is None:
         raise ValueError(f"{name}: got {shown(values)}, must be {wanted}")
-    if ndim is not None and found.ndim > ndim:
-        raise ValueError(f"{name}: got {found.ndim} dimensions, must be {wanted}")
-    if found.size == 0 and not empty_allowed:
+    if ndim is not None and converted.ndim > ndim:
+        raise ValueError(f"{name}: got {converted.ndim} dimensions, must be {wanted}")
+    if converted.size == 0 and not empty_allowed:
         raise ValueError(f"{name}: got an empty array, must hold at least one value")
-    above = found >= lowest if lowest_allowed else found > lowest
-    below = found <= highest if highest_allowed else found < highest
-    good = np.isfinite(found) & above & below
+    above = converted >= lowest if lowest_allowed else converted > lowest
+    below = converted <= highest if highest_allowed else converted < highest
+    good = np.isfinite(converted) & above & below
     if not good.all():
         accepted = describe_range(lowest, highest, lowest_allowed, highest_allowed)
-        raise ValueError(f"{name}: got {found[~good].flat[0]:.16g}, must be {accepted}")
-    return found
+        raise ValueError(f"{name}: got {converted[~good].flat[0]:.16g}, must be {accepted}")
+    return converted
 
 
 def each(name: str, values: Any, count: int, **limits: Any) -> NDArray[np.float64]:
     """``count`` numbers within the range as a read-only array; a single number is broadcast, not copied."""
     if _as_float(values) is not None:
         return np.broadcast_to(np.float64(number(name, values, **limits)), count)
-    found = as_array(values)
-    if found is None or found.ndim != 1:
+    converted = as_array(values)
+    if converted is None or converted.ndim != 1:
         raise ValueError(f"{name}: got {shown(values)}, must be a number or {count} numbers")
-    if len(found) != count:
-        raise ValueError(f"{name}: got {len(found)} values, must be {count}")
+    if len(converted) != count:
+        raise ValueError(f"{name}: got {len(converted)} values, must be {count}")
     try:
-        array(name, found, empty_allowed=True, **limits)
+        array(name, converted, empty_allowed=True, **limits)
     except ValueError:
-        for i, value in enumerate(found):  # raises at the first bad value, with its index
+        for i, value in enumerate(converted):  # raises at the first bad value, with its index
             number(f"{name}[{i}]", value, **limits)
         raise
-    return _read_only(found, values)
+    return _read_only(converted, values)
 
 
 def rows(name: str, values: Any, widths: Sequence[int]) -> NDArray[np.float64]:
     """Finite numbers in one or more rows of one of these widths, as a read-only array."""
     shapes = " or ".join(f"(N, {width})" for width in widths)
-    found = as_array(values)
-    if found is None:
+    converted = as_array(values)
+    if converted is None:
         raise ValueError(f"{name}: got {shown(values)}, must be numbers of shape {shapes}")
-    if found.ndim != 2 or found.shape[1] not in widths or len(found) == 0:
-        raise ValueError(f"{name}: got shape {found.shape}, must be {shapes} with N >= 1")
-    good = np.isfinite(found)
+    if converted.ndim != 2 or converted.shape[1] not in widths or len(converted) == 0:
+        raise ValueError(f"{name}: got shape {converted.shape}, must be {shapes} with N >= 1")
+    good = np.isfinite(converted)
     if not good.all():
         bad = int(np.argmin(good.all(axis=1)))
-        raise ValueError(f"{name}[{bad}]: got {found[bad].tolist()}, must be finite")
-    return _read_only(found, values)
+        raise ValueError(f"{name}[{bad}]: got {converted[bad].tolist()}, must be finite")
+    return _read_only(converted, values)
 
 
-def _read_only(found: NDArray[np.float64], given: Any) -> NDArray[np.float64]:
+def _read_only(converted: NDArray[np.float64], original: Any) -> NDArray[np.float64]:
     """The array, read-only, and copied if ``given`` shares its memory."""
-    kept = found.copy() if hasattr(given, "__array__") else found
+    kept = converted.copy() if hasattr(original, "__array__") else converted
     kept.flags.writeable = False
     return kept
 
@@ -214,8 +214,8 @@ def _as_float(value: Any) -> float | None:
         except Exception:  # a signalling NaN, or a class with a failing conversion
             return None
     if hasattr(value, "__array__"):
-        found = _converted(value)
-        return float(found) if found is not None and found.ndim == 0 else None
+        converted = _converted(value)
+        return float(converted) if converted is not None and converted.ndim == 0 else None
     return None
 
 
@@ -245,20 +245,20 @@ def _converted(value: Any) -> NDArray[np.float64] | None:
     if hasattr(type(value), "unit") or hasattr(type(value), "units"):  # the conversion would drop the unit
         return None
     try:
-        found = np.ma.asarray(value) if np.ma.isMaskedArray(value) else np.asarray(value)
+        converted = np.ma.asarray(value) if np.ma.isMaskedArray(value) else np.asarray(value)
     except Exception:  # the conversion of any class may raise anything
         return None
-    if found.dtype.kind not in "iuf" or np.ma.is_masked(found):
+    if converted.dtype.kind not in "iuf" or np.ma.is_masked(converted):
         return None
     with np.errstate(over="ignore"):  # a long double beyond the range of a double becomes infinity
-        return np.asarray(found, dtype=np.float64, order="C")
+        return np.asarray(converted, dtype=np.float64, order="C")
 
 
 def _as_list(values: Any) -> list[Any] | None:
     """The entries of a sequence or a one-dimensional array of numbers; None if it is neither."""
     if hasattr(values, "__array__"):
-        found = _converted(values)
-        return found.tolist() if found is not None and found.ndim == 1 else None
+        converted = _converted(values)
+        return converted.tolist() if converted is not None and converted.ndim == 1 else None
     return list(values) if _is_list(values) else None
 
 
@@ -337,12 +337,12 @@ def sealed(instead: str) -> Callable[[type[T]], type[T]]:
     return decorate
 
 
-def exactly_one(**given: Any) -> str:
+def exactly_one(**values: Any) -> str:
     """The name of the only alternative that is given (not None)."""
-    names = [name for name, value in given.items() if value is not None]
+    names = [name for name, value in values.items() if value is not None]
     if len(names) != 1:
         got = " and ".join(names) or "none"
-        if len(given) == 2:
+        if len(values) == 2:
             got = "both" if names else "neither"
-        raise ValueError(f"{' | '.join(given)}: got {got}, must be exactly one of them")
+        raise ValueError(f"{' | '.join(values)}: got {got}, must be exactly one of them")
     return names[0]

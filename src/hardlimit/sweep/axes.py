@@ -31,10 +31,10 @@ class Axes:
         self.coordinates: list[Coordinate] = []
         #: Coordinates of each dimension, and the parameter that has them.
         self._labels: dict[str, tuple[str, NDArray[Any]]] = {}
-        for name, given in swept.items():
+        for name, values in swept.items():
             if name not in known:
                 raise ValueError(f"{name}: unknown, a sweep takes {', '.join(known)}")
-            self._add(known[name], given)
+            self._add(known[name], values)
         self._check_names()
         self._keep_labels()
 
@@ -43,21 +43,21 @@ class Axes:
         sizes = list(self.sizes.values())
         return {dim: math.prod(sizes[i + 1 :]) for i, dim in enumerate(self.sizes)}
 
-    def _add(self, parameter: Parameter, given: Any) -> None:
+    def _add(self, parameter: Parameter, labelled: Any) -> None:
         name = parameter.name
-        values = validation.array(name, given, **parameter.limits)
-        dim = _dimension(name, given) if values.ndim else None
+        values = validation.array(name, labelled, **parameter.limits)
+        dim = _dimension(name, labelled) if values.ndim else None
         if dim is not None:
             size = self.sizes.setdefault(dim, len(values))
             if size != len(values):
                 raise ValueError(f"{name}: got {len(values)} values, must be {size} like dimension {dim!r}")
-            self._compare_labels(name, dim, given)
+            self._compare_labels(name, dim, labelled)
         values = np.atleast_1d(values)
         self.coordinates.append(Coordinate(name, dim, values, parameter.unit, parameter.meaning))
 
-    def _compare_labels(self, name: str, dim: str, given: Any) -> None:
+    def _compare_labels(self, name: str, dim: str, values: Any) -> None:
         """Refuse different coordinates along a shared dimension: points are paired by position."""
-        coords = getattr(given, "coords", {})
+        coords = getattr(values, "coords", {})
         if dim not in coords:
             return
         labels = np.asarray(coords[dim].values)
@@ -81,7 +81,7 @@ class Axes:
                 self.coordinates.append(Coordinate(dim, dim, labels, "", ""))
 
 
-def _dimension(name: str, given: Any) -> str:
+def _dimension(name: str, values: Any) -> str:
     """The dimension of a DataArray; otherwise the name of the parameter."""
-    dims = getattr(given, "dims", None)
+    dims = getattr(values, "dims", None)
     return name if dims is None else str(dims[0])

@@ -28,8 +28,8 @@ class Parameter:
 
 def geometry(balls: int) -> dict[str, Parameter]:
     """The parameters of a column except those of its law."""
-    found = [p for row in _core.swept_parameters(balls) for p in _named(row, balls)]
-    return {p.name: p for p in found}
+    parameters = [p for row in _core.swept_parameters(balls) for p in _named(row, balls)]
+    return {p.name: p for p in parameters}
 
 
 def _named(row: dict[str, Any], balls: int) -> Iterator[Parameter]:
@@ -40,7 +40,15 @@ def _named(row: dict[str, Any], balls: int) -> Iterator[Parameter]:
     if name == "radius_ratio":
         if balls == 2:
             lower = next(r["first"] for r in _core.swept_parameters(balls) if r["name"] == "radius")
-            yield Parameter(name, name, indices, unit, meaning, limits, (lower,))
+            yield Parameter(
+                name=name,
+                kind=name,
+                indices=indices,
+                unit=unit,
+                meaning=meaning,
+                limits=limits,
+                overrides=(lower,),
+            )
         return
     if not indices:
         return
@@ -49,22 +57,22 @@ def _named(row: dict[str, Any], balls: int) -> Iterator[Parameter]:
     if per == "column" or (per == "gap" and balls == 2):
         return
     for i, index in enumerate(indices, 1):
-        one = f" of ball {i} (1 = lowest)" if per == "ball" else f", of balls {i} and {i + 1} (1 = lowest)"
-        yield Parameter(f"{name}_{i}", name, (index,), unit, meaning + one, limits)
+        which = f" of ball {i} (1 = lowest)" if per == "ball" else f", of balls {i} and {i + 1} (1 = lowest)"
+        yield Parameter(f"{name}_{i}", name, (index,), unit, meaning + which, limits)
 
 
 def of_law(record: dict[str, Any], alternative: int, balls: int) -> dict[str, Parameter]:
     """The parameters of a law, for all contacts and for each contact."""
-    found: dict[str, Parameter] = {}
+    parameters: dict[str, Parameter] = {}
     for i, row in enumerate([*record["common"], *record["alternatives"][alternative]]):
         name, unit, meaning = row["name"], row["unit"], row["meaning"]
         limits = {k: row[k] for k in ("lowest", "highest", "lowest_allowed", "highest_allowed")}
         indices = tuple(_core.law_place(contact, balls) + i for contact in range(balls))
-        found[name] = Parameter(name, name, indices, unit, meaning, limits)
+        parameters[name] = Parameter(name, name, indices, unit, meaning, limits)
         for contact, index in enumerate(indices):
-            one, of = f"{name}_{contact_name(contact)}", contact_meaning(contact)
-            found[one] = Parameter(one, name, (index,), unit, f"{meaning}, {of}", limits)
-    return found
+            full_name, of = f"{name}_{contact_name(contact)}", contact_meaning(contact)
+            parameters[full_name] = Parameter(full_name, name, (index,), unit, f"{meaning}, {of}", limits)
+    return parameters
 
 
 def contact_name(contact: int) -> str:

@@ -72,8 +72,8 @@ class Plan:
     @property
     def results(self) -> dict[str, Variable]:
         """The variables, those per ball with the number of balls."""
-        found = {name: VARIABLES[name] for name in self.variables}
-        return {k: dataclasses.replace(v, shape=(self.balls,)) if v.dims else v for k, v in found.items()}
+        variables = {name: VARIABLES[name] for name in self.variables}
+        return {k: dataclasses.replace(v, shape=(self.balls,)) if v.dims else v for k, v in variables.items()}
 
     def attributes(self) -> dict[str, Any]:
         """Attributes of the Dataset."""
@@ -125,20 +125,38 @@ class Plan:
         alone = [name for name in self.variables if name in OF_BALL or self.balls != 2]
         kernel = [name for name in self.variables if name not in alone]
         passes = [p for p in ((self._through_kernel, kernel), (self._one_by_one, alone)) if p[1]]
-        found: Values = {}
+        values: Values = {}
         for i, (solve, names) in enumerate(passes):
-            found |= solve(names, first, count, threads, _part_of(progress, i, len(passes), count))
-        return {name: found[name] for name in self.variables}
+            values |= solve(names, first, count, threads, _part_of(progress, i, len(passes), count))
+        return {name: values[name] for name in self.variables}
+
+    def _job(self, first: int, count: int, threads: int, progress: Report | None) -> dict[str, Any]:
+        """The arguments that both passes through the core share."""
+        return {
+            "law": self.law,
+            "model": MODELS.index(self.model),
+            "alternative": self.alternative,
+            "values": list(self.values),
+            "strides": list(self.strides),
+            "first": first,
+            "count": count,
+            "threads": threads,
+            "progress": progress,
+        }
 
     def _through_kernel(
         self, names: Sequence[str], first: int, count: int, threads: int, progress: Report | None
     ) -> Values:
         out: Values = {name: np.empty(count, VARIABLES[name].dtype) for name in names}
         lower, upper = self.densities
-        law = (self.law, MODELS.index(self.model), self.alternative, lower, upper, self.restitution_at)
-        points = (list(self.values), list(self.strides), first, count)
-        tolerance = math.nan if self.tolerance is None else self.tolerance
-        large = _core.run_map(*law, *points, threads, tolerance, out, progress)
+        large = _core.run_map(
+            **self._job(first, count, threads, progress),
+            density_1=lower,
+            density_2=upper,
+            restitution_at=self.restitution_at,
+            tolerance=math.nan if self.tolerance is None else self.tolerance,
+            out=out,
+        )
         if large:  # more than 255 contacts somewhere
             out["n_contacts"] = out["n_contacts"].astype(np.uint32)
             for point, n in large:
@@ -152,10 +170,12 @@ class Plan:
         for name in names:
             variable = self.results[name]
             out[name] = np.empty((count, *variable.shape), variable.stored or variable.dtype)
-        law = (self.law, MODELS.index(self.model), self.alternative, list(self.densities))
-        points = (list(self.values), list(self.strides), first, count)
-        flat = {name: values.reshape(-1) for name, values in out.items()}
-        _core.run_columns(*law, *points, threads, self.general_tolerance, flat, progress)
+        _core.run_columns(
+            **self._job(first, count, threads, progress),
+            density=list(self.densities),
+            tolerance=self.general_tolerance,
+            out={name: values.reshape(-1) for name, values in out.items()},
+        )
         if "n_contacts" in out and out["n_contacts"].max(initial=0) <= 255:
             out["n_contacts"] = out["n_contacts"].astype(np.uint8)
         return out
@@ -229,8 +249,8 @@ def _kept(variables: Iterable[str] | None, balls: int) -> tuple[str, ...]:
     """The requested variables."""
     if variables is None:
         return default_variables(balls)
-    one = isinstance(variables, str) or getattr(variables, "ndim", 1) == 0  # an array without dimensions
-    if one or not isinstance(variables, Iterable):
+    single = isinstance(variables, str) or getattr(variables, "ndim", 1) == 0  # an array without dimensions
+    if single or not isinstance(variables, Iterable):
         raise ValueError(f"variables: got {validation.shown(variables)}, must be a list of names")
     kept = []
     for name in variables:

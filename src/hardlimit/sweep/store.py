@@ -187,7 +187,16 @@ def _make_arrays(store: Any, computation: Computation, chunks: Chunks) -> None:
         values = np.asarray(values)
         dims = (dims,) if isinstance(dims, str) else dims
         files = tuple(min(n, LABELS_OF_FILE) for n in values.shape)
-        array = _make_array(group, name, dims, values.shape, files, str(values.dtype), 0, attributes)
+        array = _make_array(
+            group=group,
+            name=name,
+            dims=dims,
+            shape=values.shape,
+            files=files,
+            dtype=str(values.dtype),
+            fill=0,
+            attributes=attributes,
+        )
         array[...] = values
     for name, variable in computation.results.items():
         attributes = variable.attributes()
@@ -196,7 +205,16 @@ def _make_arrays(store: Any, computation: Computation, chunks: Chunks) -> None:
             attributes["flag_meanings"] += " not_computed"
         dims, shape = (*computation.dims, *variable.dims), (*computation.shape, *variable.shape)
         box, dtype = (*chunks.box_shape, *variable.shape), variable.stored or variable.dtype
-        _make_array(group, name, dims, shape, box, dtype, variable.not_computed, attributes)
+        _make_array(
+            group=group,
+            name=name,
+            dims=dims,
+            shape=shape,
+            files=box,
+            dtype=dtype,
+            fill=variable.not_computed,
+            attributes=attributes,
+        )
     with warnings.catch_warnings():  # xarray needs consolidated metadata, for which Zarr's format 3 warns
         warnings.simplefilter("ignore")
         zarr.consolidate_metadata(store)
@@ -280,26 +298,26 @@ def _is_new(path: Path) -> bool:
 
 def _require_same(path: Path, computation: Computation, expected: dict[str, Any]) -> None:
     """Refuse a store of any other computation, and say what differs."""
-    wanted, found = expected["attributes"], _attributes_on_disk(path)
-    if "fingerprint" not in found:
+    wanted, stored = expected["attributes"], _attributes_on_disk(path)
+    if "fingerprint" not in stored:
         need = f"must be the store of a sweep with its {GROUP}, an empty folder, or missing"
         raise ValueError(f"store: {path} has other contents, {need}")
-    if found["fingerprint"] == wanted["fingerprint"]:
+    if stored["fingerprint"] == wanted["fingerprint"]:
         return
-    made = "other values of the swept parameters"
+    difference = "other values of the swept parameters"
     for name in ("variables", *computation.attributes()):  # the message names the last one that differs
-        if found.get(name) != wanted.get(name):
-            made = f"{name.replace('hardlimit_', '')} {found.get(name)}, not {wanted.get(name)}"
-    raise ValueError(f"store: {path} was made with {made}; repeat that call or choose another path")
+        if stored.get(name) != wanted.get(name):
+            difference = f"{name.replace('hardlimit_', '')} {stored.get(name)}, not {wanted.get(name)}"
+    raise ValueError(f"store: {path} was made with {difference}; repeat that call or choose another path")
 
 
 def _attributes_on_disk(path: Path) -> dict[str, Any]:
     """Attributes of the group; empty if they cannot be read."""
     try:
-        found = json.loads(_content(path / GROUP) or b"")["attributes"]
+        attributes = json.loads(_content(path / GROUP) or b"")["attributes"]
     except (ValueError, TypeError, KeyError, RecursionError):
         return {}
-    return found if isinstance(found, dict) else {}
+    return attributes if isinstance(attributes, dict) else {}
 
 
 # --- files --------------------------------------------------------------------------------------------------

@@ -28,15 +28,15 @@ interface Control {
   refresh(): void;
 }
 
-// The first `set` creates sliders and fields. They are reused when the law or the number of balls changes, since creating
-// those of six balls takes longer than a frame.
+// Sliders and fields are created at the first use. They are reused when the law or the number of balls changes, because
+// creating those of six balls takes longer than a frame.
 export class Controls {
   private scenario: Scenario;
-  private list: Control[] = []; // those in the panel
-  private readonly made = new Map<string, Control>(); // by id and label
+  private list: Control[] = []; // controls that are shown
+  private readonly controls = new Map<string, Control>(); // by id and label
   private shape = "";
   private edits = 0; // number of changes
-  private written = -Infinity; // when the values were [ms]
+  private written = -Infinity; // when the values were written [ms]
   private readonly about = document.createElement("p"); // text about the example
   private readonly correction = document.createElement("p"); // how an entry was corrected
 
@@ -51,7 +51,7 @@ export class Controls {
     this.correction.setAttribute("role", "alert");
   }
 
-  // Returns whether the controls in the panel have changed. `fully`: the values are written even if they were a moment ago.
+  // Returns whether other controls are shown than before. `fully`: values are written even if they were just written.
   set(scenario: Scenario, about: string, fully: boolean): boolean {
     if (scenario !== this.scenario) {
       this.correction.textContent = "";
@@ -71,16 +71,16 @@ export class Controls {
     return changed;
   }
 
-  // Side effects of an entry are reported below it.
+  // Corrections of other values are reported below the entry.
   private edit(change: (s: Scenario) => void, at: HTMLElement | null = null, notes: string[] = []): void {
     this.edits++;
     change(this.scenario);
     settle(this.scenario, notes);
-    this.say(notes, at);
+    this.correct(notes, at);
     this.changed();
   }
 
-  private say(notes: string[], at: HTMLElement | null): void {
+  private correct(notes: string[], at: HTMLElement | null): void {
     this.correction.textContent = notes.join("; ");
     if (notes.length > 0) (at ?? this.box.firstElementChild)?.after(this.correction);
   }
@@ -218,8 +218,8 @@ export class Controls {
   }
 
   private once(key: string, make: () => Control): Control {
-    const known = this.made.get(key) ?? make();
-    this.made.set(key, known);
+    const known = this.controls.get(key) ?? make();
+    this.controls.set(key, known);
     return known;
   }
 
@@ -230,7 +230,8 @@ export class Controls {
       const refresh = (): void =>
         setText(
           element,
-          `Density ${withUnit(this.scenario.balls[i].density, "kg/m³")}: stays when R${sub(i + 1)} changes, so m${sub(i + 1)} follows`,
+          `Density ${withUnit(this.scenario.balls[i].density, "kg/m³")}: stays when R${sub(i + 1)} changes, so ` +
+            `m${sub(i + 1)} follows`,
         );
       return { element, refresh };
     });
@@ -277,19 +278,20 @@ export class Controls {
     slider.id = id;
     slider.min = "0";
     slider.max = String(steps(r));
-    const say = (x: number): string => (r.zero && x === 0 ? "touching" : withUnit(x, r.unit, 4));
+    const textOf = (x: number): string => (r.zero && x === 0 ? "touching" : withUnit(x, r.unit, 4));
     let shown = NaN; // the value in the field
     let refused = -1; // number of changes when an entry was refused
     slider.addEventListener("input", () => this.edit((s) => put(s, fromSlider(r, Number(slider.value))), element));
-    slider.addEventListener("change", () => refresh()); // as it is let go
+    slider.addEventListener("change", () => refresh()); // when the slider is released
     field.addEventListener("change", () => {
       const x = /^\s*touching\s*$/i.test(field.value) && r.zero ? 0 : parse(field.value, r.unit);
       field.setAttribute("aria-invalid", String(!Number.isFinite(x)));
       if (!Number.isFinite(x)) {
         refused = this.edits;
-        this.say(
+        this.correct(
           [
-            `${label}: “${field.value.slice(0, 20)}” is not a ${r.unit ? `value in ${r.unit}` : "number"}; ${say(get(this.scenario))} stays`,
+            `${label}: “${field.value.slice(0, 20)}” is not a ${r.unit ? `value in ${r.unit}` : "number"}; ` +
+              `${textOf(get(this.scenario))} stays`,
           ],
           element,
         );
@@ -300,7 +302,7 @@ export class Controls {
       this.edit(
         (s) => put(s, kept),
         element,
-        kept === x ? [] : [`${label}: ${withUnit(x, r.unit, 4)} is outside ${range}: ${say(kept)} used`],
+        kept === x ? [] : [`${label}: ${withUnit(x, r.unit, 4)} is outside ${range}: ${textOf(kept)} used`],
       );
     });
     field.addEventListener("focus", () => field.select());
@@ -310,11 +312,11 @@ export class Controls {
     touchable(slider);
     const refresh = (): void => {
       const x = get(this.scenario);
-      const text = say(x);
+      const text = textOf(x);
       const place = String(toSlider(r, x));
       if (slider.value !== place) slider.value = place;
       if (slider.getAttribute("aria-valuetext") !== text) slider.setAttribute("aria-valuetext", text);
-      // An answer that comes late leaves what is being typed, and a refused entry.
+      // A late result does not overwrite text that is being typed, or a refused entry.
       const left = x === shown && (document.activeElement === field || refused === this.edits);
       shown = x;
       if (left) return;

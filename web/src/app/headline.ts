@@ -16,32 +16,32 @@ export class Headline {
         (target as HTMLElement).style.minHeight = `${blockSize}px`;
   });
 
-  say(newton: string, icm: string, verdict: string): void {
+  write(newton: string, icm: string, verdict: string): void {
     const all = [newton, icm, verdict].join("\n");
     if (all === this.written) return;
     this.written = all;
     setSentence(this.newton, newton + " ");
     setSentence(this.icm, icm);
     setSentence(find("answer"), verdict);
-    this.announcer.say(`${newton} ${icm} ${verdict}`);
+    this.announcer.announce(`${newton} ${icm} ${verdict}`);
   }
 
-  // While a slider moves, what lies below texts of changing length stays in its place.
+  // While a slider moves, texts keep their greatest height, so that the page below them does not move.
   keepHeights(on: boolean): void {
     if (!on) this.heights.disconnect();
     for (const part of this.changing) {
       if (on)
-        this.heights.observe(part); // reports the height now, too
+        this.heights.observe(part); // also reports the present height
       else part.style.minHeight = "";
     }
   }
 }
 
-// Announces the result to screen readers once a slider rests.
+// Announces the result to screen readers when a slider has stopped.
 class Announcer {
   private timer = 0;
 
-  say(text: string): void {
+  announce(text: string): void {
     clearTimeout(this.timer);
     this.timer = window.setTimeout(() => (find("announcer").textContent = text), 600);
   }

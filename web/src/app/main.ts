@@ -29,10 +29,10 @@ import { moves, State } from "../state/state";
 import { ThemeSwitch } from "../support/theme_switch";
 import { firstView, viewFromQuery } from "../scenario/view";
 
-const shortly = 100; // ms until a part of an answer is shown; the first picture gets `patience`
-const stillness = 250; // ms after a change until the setting rests
-const patience = 500; // ms for which the page waits for the first picture
-const leisure = 1500; // ms after the start or a change until what is far from the window is computed
+const shortly = 100; // ms until a part of a result is shown; `patience` before the first picture
+const stillness = 250; // ms after the last change until a slider counts as stopped
+const patience = 500; // longest wait for the first picture [ms]
+const leisure = 1500; // ms after the start or a change until plots out of the window are computed
 
 const root = document.documentElement;
 
@@ -63,8 +63,8 @@ class Page {
     if (value) untracked(() => this.startPlots(value.drop));
   });
   private frames = 0; // since the first picture
-  private early = 0; // timer of an answer of which a part is known
-  private maps: Promise<WebAssembly.Module> | null = null; // the core with what plots and maps need
+  private early = 0; // timer for showing a part of a result
+  private maps: Promise<WebAssembly.Module> | null = null; // the core with the functions for plots and maps
   private readonly past: Past;
 
   constructor() {
@@ -112,7 +112,7 @@ class Page {
     this.frame(performance.now());
   }
 
-  // The preset named in the link, or the first, with what the link changes.
+  // Applies the link to its example, or to the first one.
   private readLink(): void {
     const { state } = this;
     const notes: string[] = [];
@@ -130,7 +130,7 @@ class Page {
     this.findPreset();
   }
 
-  // Back to the setting before the last choice of an example.
+  // The browser has gone to another entry of its history.
   private goBack(): void {
     this.readLink();
     this.past.settle(this.state.scenario);
@@ -155,7 +155,7 @@ class Page {
     });
   }
 
-  // Two figures of the paper are of one column; they differ in their map.
+  // Two figures of the paper have the same column and differ in their map.
   private findPreset(): void {
     const { scenario, view } = this.state;
     const same = presets.filter((p) => sameScenario(p.scenario, scenario));
@@ -211,7 +211,7 @@ class Page {
     );
   }
 
-  // Loaded once the first answer is there.
+  // Loaded after the first result.
   private readonly module = (): Promise<WebAssembly.Module> =>
     (this.maps ??= compiled("maps.wasm").then((module) => {
       this.pool.open(module);
@@ -220,7 +220,7 @@ class Page {
 
   // ---- updates ----------------------------------------------------------------------------------------
 
-  // Returns whether the controls have changed, which takes a whole frame.
+  // Returns whether other controls are shown, which takes a whole frame.
   private solve(): boolean {
     const { state } = this;
     this.requested = state.revision;
@@ -234,7 +234,7 @@ class Page {
         kind: "solve",
         ask,
         begun: (what, share, known) => {
-          this.progress.tell(what, share);
+          this.progress.update(what, share);
           if (!known) return;
           clearTimeout(this.early);
           this.early = window.setTimeout(() => this.answered(known), state.drop ? shortly : patience);
@@ -256,7 +256,7 @@ class Page {
     if ("reason" in result) {
       state.drop = null;
       state.answer = null;
-      this.headline.say(result.reason, "", "");
+      this.headline.write(result.reason, "", "");
       if (state.story.step === null) this.controls.set(state.scenario, this.about, true);
       this.rested();
       return;
@@ -270,14 +270,14 @@ class Page {
       state.view.time = null;
     } else state.screen = Math.min(share, 1) * state.clock().length;
     if (this.frames > 1) return this.show(state.drop);
-    // The first picture waits for nothing else.
+    // The first picture is drawn at once.
     if (state.story.step) this.presenter.open();
     else this.film.open();
     this.opened = true;
     root.dataset.ready = String(Math.round(performance.now()));
   }
 
-  // What the page says and draws of a drop.
+  // Shows a drop: texts, tables and plots.
   private show(drop: Drop): void {
     const { state } = this;
     this.shown.value = { drop };
@@ -287,14 +287,14 @@ class Page {
     state.writeLink();
   }
 
-  // Back to the setting that was solved last.
+  // Returns to the last setting that was solved.
   private giveUp(): void {
     clearTimeout(this.early);
     const { state } = this;
     this.desk.giveUp();
     this.progress.end();
     delete root.dataset.busy;
-    if (!state.drop) return this.headline.say("Given up. Change a parameter to compute again.", "", "");
+    if (!state.drop) return this.headline.write("Given up. Change a parameter to compute again.", "", "");
     state.scenario = copyOf(state.drop.scenario);
     state.view.tolerance = state.drop.comparison.tolerance;
     this.fillTolerances();
@@ -306,7 +306,7 @@ class Page {
     this.show(state.drop);
   }
 
-  // Shows what is known so far; while a slider moves, texts and tables are renewed less often.
+  // Shows a result, perhaps of one model only. While a slider moves, texts and tables are written less often.
   private answered(d: Answered): void {
     this.state.answer = { of: d, tolerance: this.state.view.tolerance };
     if (!Sheet.moving || performance.now() - this.written >= Sheet.often) this.write();
@@ -329,16 +329,15 @@ class Page {
   private writeHeadline(): void {
     const { report } = this.state;
     if (!report) return;
-    this.headline.say(
+    this.headline.write(
       joined(report.newton),
       report.icm.length > 0 ? joined(report.icm) : "Independent collisions are still being computed.",
       report.verdict?.text ?? "",
     );
     this.presenter.write(report);
-    root.dataset.answer = report.verdict?.answer ?? "";
   }
 
-  // Starts what the plots over many settings show, if it is not that of this drop.
+  // Starts the computation of plots over many settings, unless they are those of this drop.
   private startPlots(drop: Drop): void {
     this.forcesSheet.canvas.setAttribute("aria-description", forcesSummary(drop));
     this.map.refreshChoices();
@@ -347,12 +346,12 @@ class Page {
     this.presenter.refreshPlots();
   }
 
-  // The page shows the answer to the last setting.
+  // Called when a result is shown: the page is busy until it is that of the last setting.
   private rested(): void {
     if (!this.desk.waits && this.requested === this.state.revision) delete root.dataset.busy;
   }
 
-  // What the story does not show: it waits until the laboratory is opened.
+  // The story does not show these; they are written when the laboratory is open.
   private fillLaboratory(): void {
     const { report } = this.state;
     if (!report) return;
@@ -362,7 +361,7 @@ class Page {
     fillEnergy(find("energy"), report);
   }
 
-  // All that the page says at this moment, as data.
+  // The present contents of the page as data, for tests.
   readonly report = (): object | null => {
     const { report, scenario, view, story } = this.state;
     if (!report) return null;
@@ -389,7 +388,7 @@ class Page {
     fillTolerances(this.state.view, () => this.state.revision++);
   }
 
-  // A newly shown plot may not be computed yet.
+  // A plot that comes into view may have to be computed.
   private resized(): void {
     this.state.redraw();
     this.pool.wake();
@@ -414,7 +413,7 @@ class Page {
     this.presenter.frame(now);
   };
 
-  // What is out of the window is computed and drawn once the setting rests.
+  // Plots out of the window are computed and drawn after the last change.
   private rest(now: number): void {
     const moving = now - this.past.changedAt < stillness;
     const idle = this.state.drop !== null && now - Math.max(this.past.changedAt, 0) > leisure;

@@ -14,22 +14,20 @@ export interface MenuActions {
   note(notes: string[]): void;
 }
 
-// A button says for a moment what has happened.
-function say(id: string, text: string): void {
-  const button = find(id);
-  const before = button.dataset.name ?? button.textContent ?? "";
-  button.dataset.name = before;
-  button.textContent = text;
-  setTimeout(() => (button.textContent = before), 1500);
-}
-
 export function listenMenu(state: State, pool: Pool, map: MapPanel, timeline: Timeline, act: MenuActions): void {
-  find("copy").addEventListener("click", () => {
+  const copy = find("copy");
+  const label = copy.textContent;
+  // The button shows for a moment what was done.
+  const show = (text: string): void => {
+    copy.textContent = text;
+    setTimeout(() => (copy.textContent = label), 1500);
+  };
+  copy.addEventListener("click", () => {
     history.replaceState(null, "", state.link());
     const done = navigator.clipboard?.writeText(state.link()) ?? Promise.reject(new Error("no clipboard"));
     done.then(
-      () => say("copy", "Copied"),
-      () => say("copy", "In address bar"),
+      () => show("Copied"),
+      () => show("In address bar"),
     );
   });
   const menu = find<HTMLDetailsElement>("menu");
@@ -82,11 +80,11 @@ async function saveTrajectories({ drop }: State, pool: Pool): Promise<void> {
   if (text) save("drop.csv", new Blob([text], { type: "text/csv" }));
 }
 
-// Waits briefly for the map.
-function savePicture(state: State, panel: MapPanel, timeline: Timeline, asked: number): void {
+// Waits up to three seconds for the map.
+function savePicture(state: State, panel: MapPanel, timeline: Timeline, since: number): void {
   const { map } = panel;
-  if (map.elapsed === null && performance.now() - asked < 3000)
-    setTimeout(() => savePicture(state, panel, timeline, asked), 50);
+  if (map.elapsed === null && performance.now() - since < 3000)
+    setTimeout(() => savePicture(state, panel, timeline, since), 50);
   else if (state.drop)
     picture(state, timeline, map, panel.marked()).toBlob((blob) => blob && save("drop.png", blob), "image/png");
 }

@@ -1,4 +1,4 @@
-// All plots of the page in one image at twice the screen's resolution, with the parameters below.
+// One image of all plots, at twice the screen's resolution, with the parameters below.
 import { clockText, drawMoment } from "../views/film";
 import { drawForces } from "../views/forces";
 import { withUnit } from "../support/format";
@@ -58,8 +58,12 @@ function parameters(s: Scenario): string {
   const law = constantsOf(s)
     .map(
       (name) =>
-        `${constants[name].symbol} = ${[...new Set(s.balls.map((_, i) => withUnit(constantAt(s, name, i), constants[name].range.unit)))].join(" and ")}`,
+        `${constants[name].symbol} = ` +
+        `${[...new Set(s.balls.map((_, i) => withUnit(constantAt(s, name, i), constants[name].range.unit)))].join(" and ")}`,
     )
     .join(", ");
-  return `ε = ${s.restitution}, radii ${radii}, gaps ${gaps}, ${s.cradle ? "cradle" : `height ${withUnit(s.height, "m")}`}, ${law}`;
+  return (
+    `ε = ${s.restitution}, radii ${radii}, gaps ${gaps}, ` +
+    `${s.cradle ? "cradle" : `height ${withUnit(s.height, "m")}`}, ${law}`
+  );
 }

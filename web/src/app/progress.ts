@@ -13,11 +13,11 @@ export class Progress {
   }
 
   begin(what: string): void {
-    this.tell(what, 0);
+    this.update(what, 0);
     this.began = performance.now();
     if (this.timer === 0) this.timer = window.setInterval(() => this.show(), 200);
   }
-  tell(what: string, share: number): void {
+  update(what: string, share: number): void {
     this.what = what;
     this.share = share;
   }

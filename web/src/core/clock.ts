@@ -1,8 +1,9 @@
-// Screen time against physical time: real time, slowed smoothly through the contacts.
+// Conversion between screen time and physical time: real time, slowed smoothly during contacts.
 //
 // Near a contact lasting microseconds the film must run 10⁴ times slower than in free fall. The film's speed is
 //   rate(t) = min(1, min over contact windows of s + a · distance(t, window)),
-// s the speed inside the window. A speed linear in t falls exponentially on the screen, so the eye sees an even slowing.
+// s the speed inside the window. A speed linear in t falls exponentially on the screen, so the eye sees an even
+// slowing.
 import type { Contact } from "./core";
 
 export interface Window {

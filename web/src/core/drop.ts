@@ -9,12 +9,12 @@ import { independent as independentNames, newton as newtonNames } from "../scena
 
 export interface Track {
   run: Run; // the sequence of contacts
-  shown: Contact[]; // contacts while the film runs
+  shown: Contact[]; // contacts during the film
   final: State; // when the sequence is over
   leaves: number[]; // [n] velocities after the last contact [m/s]; NaN: at rest, or not known
   peaks: number[]; // [n] rebound heights of the centres; NaN: no bounce, or not resolved
   later: number[]; // [n] greatest heights after the first bounce while the film runs
-  known: number; // the film knows the motion up to then [s]
+  known: number; // end of the known motion [s]
   samples: Samples;
 }
 
@@ -37,7 +37,7 @@ export interface Solved {
   top: number;
 }
 
-// What is known before the film is: Newton's answer first.
+// Results before the film is computed; those of Newton's equations come first.
 export interface Answered {
   scenario: Scenario;
   newton: Track;
@@ -57,7 +57,7 @@ export interface Drop extends Solved {
 }
 
 export function dropOf(s: Solved): Drop {
-  let real: Clock | null = null; // most films are slow in the contacts
+  let real: Clock | null = null; // created on demand: most films are slow in the contacts
   return {
     ...s,
     clock: new Clock(s.start, s.stop, s.windows),
@@ -94,7 +94,8 @@ function sequence(core: Core, model: Model): Track | null {
   };
 }
 
-// When every ball has been at its rebound height, or has gone far enough on a cradle; three seconds at most.
+// Time at which every ball has reached its rebound height, on a cradle a distance; at most three seconds after the
+// sequence.
 function endOfFilm(s: Scenario, t: Track): number {
   const { position, velocity } = t.final;
   if (s.cradle) return t.run.last + (6 * s.balls[0].radius) / greatest(velocity.map(Math.abs), 1e-3);
@@ -102,8 +103,8 @@ function endOfFilm(s: Scenario, t: Track): number {
   return t.run.last + Math.min(greatest([...flights, ...velocity.map((v) => v / GRAVITY)], 0.15), 3);
 }
 
-// Continues after the sequence to the end of the film, or as far as the model goes. Independent collisions can
-// accumulate repeatedly; a film shows at most this many.
+// Continues a run after the sequence to the end of the film, or as far as the model goes. Independent collisions can
+// accumulate repeatedly; a film shows at most this number.
 const mostEvents = 10_000;
 
 function goOn(core: Core, model: Model, t: Track, stop: number): void {
@@ -113,7 +114,7 @@ function goOn(core: Core, model: Model, t: Track, stop: number): void {
   t.known = longer.last;
 }
 
-// Greatest heights after the first bounce that the samples show; between two of them a ball that turns is in flight.
+// Greatest heights after the first bounce in the samples. A ball that turns between two samples is in flight.
 function laterHeights(t: Track): number[] {
   const { times, rows, balls: n } = t.samples;
   const size = rows.length / times.length;
@@ -130,7 +131,7 @@ function laterHeights(t: Track): number[] {
   });
 }
 
-const quick = 30; // ms: of a drop solved that soon the page hears Newton's answer, as the other may take long, and the whole
+const quick = 30; // within this time [ms] only Newton's result and the complete one are reported
 
 // `report` receives the name of each stage, its share of the work and what is known by then.
 type Report = (what: string, share: number, known: Answered | null) => void;

@@ -1,5 +1,5 @@
-// Before the page is laid out: its theme, and the worker that opens it, so that both go on at the same time. The worker
-// computes the setting of the link; what it answers is kept until the page is there.
+// Runs before the page is laid out: sets the theme and starts the worker that opens the page. The worker computes the
+// setting of the link; its answers are kept until the page has started.
 import { chosenTheme, themeNow } from "../style/chosen_theme";
 import type { Reply } from "./worker";
 

@@ -1,4 +1,4 @@
-// The motion for the film: states sampled in a worker, interpolated between samples.
+// The motion for the film, interpolated between states that a worker has sampled.
 import { stateOf, type State } from "./core";
 
 export interface Samples {
@@ -7,8 +7,8 @@ export interface Samples {
   balls: number;
 }
 
-// Between two samples positions and gaps follow the cubic with the velocities at both: in flight that is the motion
-// itself. Events are sampled on both sides.
+// Between two samples positions and gaps follow the cubic polynomial with the velocities at both, which is exact in
+// flight. Events are sampled on both sides.
 export class Motion {
   constructor(private readonly samples: Samples) {}
 

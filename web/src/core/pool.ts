@@ -14,7 +14,7 @@ export interface Piece<K extends Kind = Kind> {
   failed?(error: string): void;
 }
 
-// Provides the next task when a worker is free; null: none until Pool.wake().
+// Returns the next task for a free worker; null: none until Pool.wake().
 export type Source = () => Piece | null;
 
 export const piece = <K extends Kind>(p: Piece<K>): Piece => p;
@@ -23,8 +23,8 @@ const script = new Script("worker.js");
 
 type Module = WebAssembly.Module;
 
-// One worker, one task at a time. It starts while the core is still being compiled, and the first of the page already has
-// its first task.
+// One worker with one task at a time. It starts while the core is being compiled. The first worker of the page already
+// has its first task.
 class Hand {
   lost = false; // the worker could not be loaded (no network or no server)
   private readonly worker: Worker;
@@ -32,7 +32,7 @@ class Hand {
   private id = 0;
   private begun = false; // it has the core
   private waiting: Request | null = null; // for the core
-  private early: Heard[] | null = null; // what the first worker has answered before the page asked
+  private early: Heard[] | null = null; // answers of the first worker before the first request
 
   constructor(
     core: Module | Promise<Module> | First,
@@ -106,8 +106,8 @@ class Hand {
   }
 }
 
-// As many workers as the machine has cores, started on demand: at the start of the page they would delay the
-// drop itself. Sources take turns.
+// As many workers as the machine has cores. They are started on demand, because they would delay the first drop.
+// Sources take turns.
 export class Pool {
   readonly size = Math.min(Math.max(navigator.hardwareConcurrency || 2, 1), 8);
   private readonly hands: Hand[] = [];
@@ -164,14 +164,15 @@ export class Pool {
   }
 }
 
-// One worker for the result that the page waits for: only the newest request counts, and it can be cancelled.
+// One worker for the result that the page waits for. Only the newest request counts, and it can be cancelled.
 export class Desk {
   private hand: Hand;
   private waiting: Piece | null = null;
   private since = 0;
-  private patience = 150; // ms: four times what the last answer took, so that a moving slider does not cancel each of them
+  // Four times the duration of the last answer [ms], so that a moving slider does not cancel every request.
+  private patience = 150;
 
-  // `first`: the worker that opens the page; the module is asked for once it is to be replaced.
+  // `first`: the worker that opens the page; the module is needed only to replace it.
   constructor(
     private readonly module: () => Module | Promise<Module>,
     first?: First,

@@ -6,15 +6,15 @@ function riseOf(core: Core, column: Float64Array): [number, number] {
   const n = column[2];
   const cradle = column[3] === 0;
   core.setColumn(column);
-  const one = (model: Model): number => {
+  const rise = (model: Model): number => {
     const run = core.solve(model);
     if (!run || !Number.isFinite(run.last)) return NaN;
     return cradle ? core.finalVelocities(model)[n - 1] : core.reboundHeights(model)[n - 1];
   };
-  return [one(Model.newton), one(Model.independent)];
+  return [rise(Model.newton), rise(Model.independent)];
 }
 
-// Both values for each of the columns, one after another.
+// Both values for each column, in sequence.
 export function risesOf(core: Core, columns: Float64Array[]): Float64Array {
   return Float64Array.from(columns.flatMap((column) => riseOf(core, column)));
 }

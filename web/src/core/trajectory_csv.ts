@@ -5,7 +5,7 @@ import { solve, type Solved } from "./drop";
 import { exactNumbers } from "./exact_numbers";
 import { toToml, type Scenario } from "../scenario/scenario";
 
-// Rows are equidistant on the film's time scale, dense in contacts. Unknown values are nan. Null: no data.
+// Rows are equidistant in the time of the film, and therefore dense in contacts. Unknown values are nan. Null: no data.
 export function trajectoryCsv(core: Core, scenario: Scenario): string | null {
   const d = solve(core, scenario);
   if ("reason" in d) return null;
@@ -42,7 +42,8 @@ function preamble(d: Solved): string[] {
     .split("\n")
     .filter((x) => x !== "");
   lines.push(
-    `time: s after ${d.scenario.cradle ? "release" : "the first floor touch"}; lengths m, velocities m/s, forces N, energies J`,
+    `time: s after ${d.scenario.cradle ? "release" : "the first floor touch"}; lengths m, velocities m/s, forces ` +
+      `N, energies J`,
   );
   for (const [key, value] of Object.entries(exactNumbers(d))) lines.push(`${key} = ${value ?? "nan"}`);
   return lines.map((x) => `# ${x}`);

@@ -37,12 +37,12 @@ export interface Reply {
   ms: number;
   answer?: unknown;
   error?: string;
-  begun?: { what: string; share: number; known: Answered | null }; // in progress: the stage that begins, and what is known by then
+  begun?: { what: string; share: number; known: Answered | null }; // progress: the next stage, and the results so far
 }
 
 let module: WebAssembly.Module;
 let core: Core;
-let loading: Promise<void> | null = null; // of the core, by the first worker
+let loading: Promise<void> | null = null; // the first worker loads the core
 const post = (reply: Reply, transfer: Transferable[] = []): void =>
   (self as unknown as Worker).postMessage(reply, transfer);
 

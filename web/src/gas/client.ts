@@ -1,10 +1,10 @@
-// The page's end of the worker: one question at a time; a start may interrupt what the worker computes.
+// The page's interface to the worker: one request at a time; a new start may replace the worker.
 import { Script } from "../support/script";
 import type { Answer, Ask } from "./worker";
 
 const script = new Script("gas_worker.js");
 script.keep();
-const patience = 1500; // ms that a new start waits for the worker before it is replaced
+const patience = 1500; // time after which a new start replaces a busy worker [ms]
 
 export class Client {
   private worker: Worker | null = null;
@@ -14,7 +14,7 @@ export class Client {
 
   constructor(private readonly module: Promise<WebAssembly.Module>) {}
 
-  private async made(): Promise<Worker> {
+  private async ready(): Promise<Worker> {
     const module = await this.module;
     if (this.worker) return this.worker;
     const worker = new Worker(script.url, { type: "module" });
@@ -29,7 +29,7 @@ export class Client {
   async ask<K extends Ask["kind"]>(
     ask: Extract<Ask, { kind: K }>,
   ): Promise<Extract<Answer, { kind: K }> | Extract<Answer, { kind: "error" }>> {
-    const worker = await this.made();
+    const worker = await this.ready();
     const id = ++this.id;
     const answer = new Promise<Answer>((done) => this.waiting.set(id, done));
     worker.postMessage({ id, ask });
@@ -47,8 +47,8 @@ export class Client {
       this.waiting.clear();
       if (resolve) void this.ask(ask).then(resolve);
     }, patience);
-    const found = await answer;
+    const result = await answer;
     clearTimeout(timer);
-    return found;
+    return result;
   }
 }

@@ -136,7 +136,7 @@ export class GasCore {
   private setting = 0;
   private number = 0;
 
-  // Random positions without overlap; false if none were found.
+  // Random positions without overlap; false if the search fails.
   place(seed: number): boolean {
     return this.wasm.gas_place(seed) !== 0;
   }
@@ -161,7 +161,7 @@ export class GasCore {
   begin(): number {
     return this.wasm.gas_start();
   }
-  // By at most `work` events; whether the time is reached or the world has ended.
+  // Processes at most `work` events. Returns whether the time is reached or the simulation has ended.
   advance(world: World, until: number, work: number): boolean {
     return this.wasm.gas_advance(world, until, work) !== 0;
   }
@@ -173,7 +173,7 @@ export class GasCore {
   state(world: World): Float64Array {
     return this.values(this.wasm.gas_state(world), 4 * this.number).slice();
   }
-  // Rows since the last call, or of open contacts.
+  // Rows since the last call, or those of contacts that have not ended.
   log(world: World, open = false): Float64Array {
     const rows = this.wasm.gas_take_log(world, open ? 1 : 0);
     return rows === 0 ? new Float64Array(0) : this.values(this.wasm.gas_log(), LOG_COLUMNS * rows).slice();

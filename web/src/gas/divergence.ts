@@ -1,4 +1,5 @@
-// How fast the two worlds part: the logarithm of their distance over the collisions of each disk, where it is straight.
+// Divergence of both simulations: slope of the logarithm of their distance over the collisions per disk, where it is
+// linear.
 import type { Sample } from "./simulation";
 
 export interface Divergence {
@@ -9,11 +10,11 @@ export interface Divergence {
   high: number;
 }
 
-const saturated = 0.3; // diameters: farther apart, disks meet others and the distance no longer grows as fast
+const saturated = 0.3; // distance of saturation [diameters]: disks then collide with different partners
 const fewest = 10; // samples of a fit
 const leastGrowth = 2; // e-folds of a straight part
 const straight = 0.98; // least R² of a straight part
-const parts = 8; // the fit may leave out so many eighths of the samples from the begin, up to a half
+const parts = 8; // the fit may omit up to four eighths of the samples at the begin
 
 interface Line {
   slope: number;
@@ -33,7 +34,7 @@ function fit(points: readonly [number, number][]): Line {
   return { slope: xy / xx, level: my - (xy / xx) * mx, r2: xy ** 2 / (xx * yy) };
 }
 
-// The longest of the parts that end where the distance saturates and are straight; null: there is none.
+// Fit to the longest linear part that ends where the distance saturates; null: there is none.
 export function divergenceOf(samples: readonly Sample[]): Divergence | null {
   const end = samples.findIndex(({ distance }) => distance > saturated);
   const points = samples

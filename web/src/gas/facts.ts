@@ -1,4 +1,4 @@
-// What is known of the two worlds at this moment.
+// The present state of both simulations.
 import type { Observed } from "./core";
 import type { Sample, Start } from "./simulation";
 
@@ -13,6 +13,6 @@ export interface Facts {
   atRest: boolean;
 }
 
-// Fewer samples of a long run: every second one, except the last.
+// Keeps every second sample of a long run, and the last one.
 export const thinned = (samples: Sample[]): Sample[] =>
   samples.filter((_, i) => i % 2 === 0 || i === samples.length - 1);

@@ -1,4 +1,5 @@
-// The plots over time: energy, its difference between the worlds, their distance, share of contacts that overlap.
+// The plots over time: energy, its difference between both simulations, their distance, fraction of overlapping
+// contacts.
 import { divergenceOf } from "./divergence";
 import { digits, logTicks, minus, niceTicks } from "../support/format";
 import { drawAxes, fontSize, grown, Scale, setFont, timeTicks, timeUnit, type Frame } from "../support/plot";
@@ -62,11 +63,12 @@ function energyPlot({ samples, start }: Facts, theme: GasTheme): Plot {
   };
 }
 
-// Mean over a thirtieth of the run: both energies fall in small jumps.
+// Moving average over a thirtieth of the run, because both energies decrease in small steps.
 function smoothed(of: Curve): Curve {
   const { points } = of;
   const half = Math.floor(points.length / 60);
-  const [sums, known] = [new Float64Array(points.length + 1), new Uint32Array(points.length + 1)]; // of all points before
+  // Cumulative sums and numbers of all points before.
+  const [sums, known] = [new Float64Array(points.length + 1), new Uint32Array(points.length + 1)];
   points.forEach(([, y], i) => {
     const counts = Number.isFinite(y);
     sums[i + 1] = sums[i] + (counts ? y : 0);
@@ -79,7 +81,7 @@ function smoothed(of: Curve): Curve {
   return { ...of, points: points.map(([t, y], i) => [t, Number.isFinite(y) ? mean(i) : NaN]) };
 }
 
-// Newton's energy over that of the event-driven world, less one: measured, and by the law.
+// Ratio of Newton's energy to that of the event-driven simulation, minus one: measured, and by the law.
 function differencePlot({ samples, start }: Facts, theme: GasTheme): Plot {
   const over = (s: Sample, energy: number): number => (s.energy[0] > 0 ? energy / s.energy[0] - 1 : NaN);
   const law = start.setting.restitution < 1 && !start.setting.walls;
@@ -228,7 +230,7 @@ export function drawGraph(
   named(g, plot, frame, theme, size, drawn);
 }
 
-// Names of the curves with a piece of line, in the corner with the fewest of the drawn points.
+// Legend in the corner with the fewest drawn points.
 function named(
   g: CanvasRenderingContext2D,
   plot: Plot,

@@ -1,5 +1,5 @@
 // The page of the gas: controls, film, plots and sentences.
-import { find, setSentence, Sheet } from "../support/dom";
+import { changes, find, setSentence, Sheet } from "../support/dom";
 import { touchable } from "../support/touch";
 import { themeOf } from "../style/theme";
 import { ThemeSwitch } from "../support/theme_switch";
@@ -36,8 +36,9 @@ class Page {
   private frame: FrameOf | null = null;
   private next: FrameOf | null = null;
   private playing = false;
-  private busy = false; // the worker has a question
-  private run = 0; // counts starts; late answers of earlier ones are dropped
+  private busy = false; // the worker has a request
+  private run = 0; // counts starts; answers to earlier ones are ignored
+  private answered = 0; // the last start that was answered
   private until = 0; // time of the link [s]
   private drawn = 0; // frames since the texts were written
   private theme!: GasTheme;
@@ -69,8 +70,8 @@ class Page {
     };
   }
 
-  // The state of the page from its link. A link with a time shows that time, paused; without motion the film stands at
-  // a time at which there is something to be seen.
+  // Reads the link. A link with a time shows that time, paused. With reduced motion the film stands at a time with
+  // visible contacts.
   private read(): void {
     const q = new URLSearchParams(location.search);
     const notes: string[] = [];
@@ -83,7 +84,7 @@ class Page {
   }
 
   private current(): boolean {
-    return this.facts !== null && root.dataset.run === String(this.run);
+    return this.facts !== null && this.answered === this.run;
   }
 
   private note(notes: string[]): void {
@@ -225,6 +226,7 @@ class Page {
     const answer = await this.client.start({ kind: "start", setting: { ...this.setting } });
     if (run !== this.run) return;
     this.busy = false;
+    this.answered = run;
     root.dataset.run = String(run);
     if (answer.kind === "error") return this.fail(answer.message);
     const { start, frame, messages } = answer;
@@ -243,7 +245,7 @@ class Page {
     this.take([frame.sample], frame);
     this.showPlaying();
     this.draw();
-    this.tellAll();
+    this.writeTexts();
     if (this.until > 0 && start.tooSoft === 0) void this.advance(1, this.until);
     else this.writeLink();
   }
@@ -301,7 +303,7 @@ class Page {
       }
       if (this.playing && !document.hidden) void this.advance(this.steps);
       this.draw();
-      if (++this.drawn % 12 === 0 || !this.playing) this.tellAll();
+      if (++this.drawn % 12 === 0 || !this.playing) this.writeTexts();
     } else if (this.playing && !document.hidden) void this.advance(this.steps);
   }
   private get steps(): number {
@@ -320,7 +322,7 @@ class Page {
     const begin = performance.now();
     const { start } = this.facts;
     this.worlds.forEach((world, i) => world.sheet.shown() && world.draw(start, this.frame!.worlds[i], this.theme));
-    // The plots change slowly: one of them a frame.
+    // The plots change slowly: one is drawn in each frame.
     this.plots.forEach(({ g, canvas, width, height, shown }, i) => {
       if (!shown() || !(all || this.drawn % this.plots.length === i)) return;
       // Of plots below each other only the last has numbers at the time axis.
@@ -330,7 +332,7 @@ class Page {
     root.dataset.drawMs = (performance.now() - begin).toFixed(2);
   }
 
-  private tellAll(): void {
+  private writeTexts(): void {
     if (!this.facts) return;
     const list = sentences(this.facts);
     const of = (...topics: string[]): string =>
@@ -339,9 +341,8 @@ class Page {
         .map(({ text }) => text)
         .join(" ");
     const write = (id: string, text: string): void => {
-      if (find(id).dataset.text === text) return;
-      find(id).dataset.text = text;
-      find(id).replaceChildren(...text.split("t_c ν").flatMap((part, i) => (i === 0 ? [part] : [symbol(), part])));
+      const parts = text.split("t_c ν").flatMap((part, i) => (i === 0 ? [part] : [symbol(), part]));
+      if (changes(find(id), text)) find(id).replaceChildren(...parts);
     };
     write("verdict", of("verdict", "range"));
     write("news", of("hard", "newton", "end"));

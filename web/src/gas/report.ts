@@ -1,4 +1,4 @@
-// All that the page says at this moment, as data: window.hardlimit.report().
+// The present contents of the page as data, for tests: window.hardlimit.report().
 import type { Facts } from "./facts";
 import { sentences, type Sentence } from "./sentences";
 import type { Input, Observed } from "./core";

@@ -55,7 +55,7 @@ const ruleName = ({ start: { setting } }: Facts): string =>
   ];
 const noForces = ({ start: { setting } }: Facts): boolean => !setting.walls && setting.gravity === 0;
 
-// What the law says of the cooling, with its error bar.
+// Error of the cooling by the law, with its error bar.
 const byLaw = (f: Facts, { error, bar }: Record<string, string>): string => `${error} ${cools(f)} (±\u00a0${bar})`;
 const lawAnswer = (answer: string, f: Facts, n: Record<string, string>): string =>
   `${answer}: ${ruleName(f)} cools ${byLaw(f, n)} by the law of the error; ` +
@@ -132,7 +132,8 @@ const tables: Record<string, Row<Facts>[]> = {
       "collapse",
       ({ hard }) => hard.outcome === 4,
       (_, { time }) =>
-        `The event-driven world stopped at ${time}: an inelastic collapse, infinitely many collisions in a finite time. ` +
+        `The event-driven world stopped at ${time}: an inelastic collapse, infinitely many collisions in a finite ` +
+        `time. ` +
         "Newton’s equations go on.",
       ({ hard }) => ({ time: hard.time }),
     ],

@@ -1,4 +1,4 @@
-// The setting of a gas: ranges, examples, and how a link holds it.
+// The setting of a gas: ranges, examples, encoding in a link.
 import { choiceOf } from "../support/choice";
 export const RADIUS = 1e-3; // of the disks [m]
 export const MASS = 1e-5; // [kg]
@@ -123,14 +123,14 @@ export function fromQuery(q: URLSearchParams, notes: string[]): Setting {
   for (const key of Object.keys(ranges) as Quantity[]) {
     const text = q.get(names[key]);
     if (text === null) continue;
-    const given = Number(text);
+    const number = Number(text);
     const { low, high } = ranges[key];
-    const near = whole.includes(key) ? Math.round(given) : given;
+    const near = whole.includes(key) ? Math.round(number) : number;
     const value = Math.min(Math.max(near, low), high);
-    if (text.trim() === "" || Number.isNaN(given))
+    if (text.trim() === "" || Number.isNaN(number))
       notes.push(`${labels[key]}: “${text}” is no number; it is ${setting[key]}.`);
     else {
-      if (value !== given)
+      if (value !== number)
         notes.push(
           `${labels[key]}: ${text} is ${value === near ? "not whole" : `outside ${low} to ${high}`}; it is ${value}.`,
         );

@@ -1,8 +1,8 @@
-// Both worlds from one start, advanced in step, and what the page draws of them. Runs in the worker.
+// Both simulations from the same initial state, advanced together, and their frames for the page. Runs in the worker.
 import { GasCore, World, LOG_COLUMNS, type ErrorLaw, type Input, type Measured, type Observed } from "./core";
 import { MASS, RADIUS, RMS_SPEED, type Setting } from "./setting";
 
-// What is fixed by the setting before anything moves.
+// Values that the setting determines.
 export interface Start {
   setting: Setting;
   input: Input; // both engines start from it
@@ -15,42 +15,43 @@ export interface Start {
   errorBar: number;
   trusted: number; // the largest t_c ν at which the error is at most TOLERANCE
   measured: Measured;
-  tooSoft: number; // 0, or the largest t_c ν that is not too soft: then nothing runs
+  tooSoft: number; // 0; if the disks are too soft to run, the largest t_c ν that is not
   compression: number; // of an impact at the mean speed, in radii
   base: number; // shortest time between frames [s]
 }
-// Relative error of the cooling up to which the worlds are said to agree.
+// Largest relative error of the cooling that counts as agreement.
 export const TOLERANCE = 0.01;
 
-// One world at one instant.
+// One simulation at one time.
 export interface Seen {
   positions: Float32Array; // in the box [m]
   touched: Uint8Array; // 0: no contact since the last frame, 1: one, 2: contacts that overlap in time
-  links: Int32Array; // pairs of disks of contacts that overlap
+  links: Int32Array; // pairs of disks whose contacts overlap
   observed: Observed;
-  energy: number; // not yet dissipated, over that at the start
+  energy: number; // energy that is not dissipated, relative to the initial energy
 }
 export interface Sample {
   time: number; // [s]
   collisions: number; // of each disk in the event-driven world
-  energy: [number, number]; // NaN after the end of a world
-  predicted: [number, number, number]; // Newton's energy by the law of the error; lowest, highest; NaN without one
-  distance: number; // of the two worlds, in diameters
-  share: number; // of the contacts under Newton's equations that overlap in time; NaN before the first
+  energy: [number, number]; // NaN after the end of a simulation
+  // Newton's energy by the law of the error, its lowest and its highest value; NaN if the law does not apply.
+  predicted: [number, number, number];
+  distance: number; // between both simulations [diameters]
+  share: number; // fraction of Newton's contacts that overlap in time; NaN before the first contact has ended
 }
 export interface FrameOf {
   worlds: [Seen, Seen];
   sample: Sample;
   done: boolean;
-  atRest: boolean; // a heap in Newton's world: the reason why it is done
+  atRest: boolean; // the run has ended because Newton's disks are at rest
 }
 
 const most = 200; // collisions of each disk at which the film ends
-const least = 1e-6; // energy at which it ends, over that at the start
-const rest = 1e-3; // kinetic energy at which a heap is at rest, over all energy at the start
+const least = 1e-6; // energy at which the film ends, relative to the initial energy
+const rest = 1e-3; // kinetic energy of disks at rest, relative to the initial energy
 
-// Base time between frames. In 60 frames a disk collides 0.6 times or moves by half a diameter; it falls through the
-// box in 400.
+// Base time between frames: in 60 frames a disk collides 0.6 times or moves by half a diameter; in 400 frames it falls
+// through the box.
 const baseOf = (rate: number, { edge, gravity }: Input): number =>
   Math.max(0.6 / rate / 60, RADIUS / RMS_SPEED / 60, gravity < 0 ? Math.sqrt((2 * edge) / -gravity) / 400 : 0);
 
@@ -73,11 +74,11 @@ function inputOf(core: GasCore, setting: Setting, rate: number): Input {
   return { ...input, stiffness: (core.duration / contactDuration) ** 2 };
 }
 
-// y = √(E(0)/E) over a stretched time; the last straight piece goes on.
+// y = √(E(0)/E) over a rescaled time, extrapolated linearly.
 class Stretched {
   private readonly times = [0];
   private readonly values = [1];
-  private last = 1; // first time that is not before the last one asked for
+  private last = 1; // index of the first time that is not before the last requested one
 
   extend(by: number, y: number): void {
     this.times.push(this.times[this.times.length - 1] + by);
@@ -115,7 +116,7 @@ export class Simulation {
     core.heat(seed, RMS_SPEED);
     const [error, errorBar] = core.error(phi, restitution, rule, tcNu);
     const speed = Math.sqrt(Math.PI * temperature);
-    // As Python's check: of a pair in radii; of a wall in diameters.
+    // As in Python's check: compression of a pair in radii, of a wall contact in diameters.
     const compression = Math.min(
       core.compression(speed, false),
       walls ? 0.5 * core.compression(speed, true) : Infinity,
@@ -146,8 +147,8 @@ export class Simulation {
     return this.time;
   }
 
-  // Advances both worlds by a number of base times, at most to `until` if that is still to come, or for so many
-  // milliseconds; false if the time was not reached.
+  // Advances both simulations by a number of base times, but not beyond a later time `until`, and for at most `budget`
+  // milliseconds. Returns whether the time was reached.
   // The film runs faster as the gas cools: by a factor of two for each factor of four in the energy.
   advance(steps: number, budget: number, until = 0): boolean {
     const begin = performance.now();
@@ -187,8 +188,9 @@ export class Simulation {
     return { worlds: [hard, newton], sample, done, atRest };
   }
 
-  // The law gives e = (rate of the rule)/(rate of Newton's equations) − 1 of y = √(E(0)/E) at equal energies. So Newton's
-  // world reaches an energy later by the factor 1 + e, and by half a contact, as no disks touch at the start.
+  // The law gives e = (rate of the rule)/(rate of Newton's equations) − 1 for y = √(E(0)/E) at equal energies. Newton's
+  // simulation therefore reaches an energy later by the factor 1 + e, and by half a contact duration, because no disks
+  // touch initially.
   private predict(hard: Seen, ended: boolean): [number, number, number] {
     const { setting, contactDuration } = this.start;
     if (ended || setting.walls) return [NaN, NaN, NaN];
@@ -214,10 +216,10 @@ export class Simulation {
 
   private distance(): number {
     const n = 2 * this.start.setting.number;
-    const one = this.unwrapped[World.hard];
-    const other = this.unwrapped[World.newton];
+    const hard = this.unwrapped[World.hard];
+    const newton = this.unwrapped[World.newton];
     let sum = 0;
-    for (let i = 0; i < n; i++) sum += (one[i] - other[i]) ** 2;
+    for (let i = 0; i < n; i++) sum += (hard[i] - newton[i]) ** 2;
     return Math.sqrt((2 * sum) / n) / (2 * RADIUS);
   }
   private readonly unwrapped: Float64Array[] = [];
@@ -246,7 +248,8 @@ export class Simulation {
     };
   }
 
-  // A collision takes no time. To compare, a disk lights up for t_c after it, and brightly if it collided again within.
+  // Collisions are instantaneous. For comparison a disk is coloured for t_c after a collision, differently if it has
+  // collided again within this time.
   private markCollisions(rows: Float64Array, touched: Uint8Array, links: number[]): void {
     const [last, previous] = this.last;
     const tc = this.start.contactDuration;

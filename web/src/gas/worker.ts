@@ -1,11 +1,11 @@
-// The worker of the gas: holds both worlds and advances them when the page asks.
+// The worker of the gas: advances both simulations on request.
 import { GasCore, World } from "./core";
 import type { Setting } from "./setting";
 import { Simulation, type FrameOf, type Sample, type Start } from "./simulation";
 
 export type Ask =
   | { kind: "start"; setting: Setting }
-  | { kind: "advance"; steps: number; until: number } // one frame, or as many as are needed to reach a time [s]
+  | { kind: "advance"; steps: number; until: number } // one frame, or as many as needed to reach a time [s]
   | { kind: "log" };
 export type Answer =
   | { kind: "start"; start: Start; frame: FrameOf; messages: string[] }
@@ -13,7 +13,7 @@ export type Answer =
   | { kind: "log"; logs: [Float64Array, Float64Array]; states: [Float64Array, Float64Array] }
   | { kind: "error"; message: string };
 
-const budget = 120; // ms after which an answer is given, so that the page can ask for something else
+const budget = 120; // longest time until an answer, so that the page can send another request [ms]
 const outcomes = 8;
 
 let module: WebAssembly.Module;
@@ -74,11 +74,11 @@ self.onmessage = (event: MessageEvent<WebAssembly.Module | { id: number; ask: As
     return;
   }
   const { id, ask } = event.data;
-  let found: Answer;
+  let reply: Answer;
   try {
-    found = answer(ask);
+    reply = answer(ask);
   } catch (error) {
-    found = {
+    reply = {
       kind: "error",
       message:
         error instanceof Error && !(error instanceof WebAssembly.RuntimeError)
@@ -86,5 +86,5 @@ self.onmessage = (event: MessageEvent<WebAssembly.Module | { id: number; ask: As
           : "The core has stopped; start again or change a value.",
     };
   }
-  (self as unknown as Worker).postMessage({ id, answer: found });
+  (self as unknown as Worker).postMessage({ id, answer: reply });
 };

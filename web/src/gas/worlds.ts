@@ -1,4 +1,4 @@
-// Draws the disks of one world.
+// Draws the disks of one simulation.
 import { colorOf, type Theme } from "../style/theme";
 import type { Sheet } from "../support/dom";
 import { Disks } from "./disks";
@@ -42,7 +42,7 @@ export class WorldView {
     g.setLineDash([]);
   }
 
-  // Those that touch lie on top of those that do not.
+  // Disks in contact are drawn over the others.
   private drawDisks(start: Start, { positions, touched }: Seen, pixels: number, theme: GasTheme): void {
     const { disks } = this;
     const { walls, number } = start.setting;
@@ -56,7 +56,7 @@ export class WorldView {
         const [x, y] = [scale * positions[2 * i], pixels - scale * positions[2 * i + 1]];
         disks.put(kind, x, y);
         if (walls) continue;
-        // Images of a disk that crosses an edge.
+        // Periodic images of a disk that crosses an edge.
         const dx = x < r ? pixels : x > pixels - r ? -pixels : 0;
         const dy = y < r ? pixels : y > pixels - r ? -pixels : 0;
         if (dx !== 0) disks.put(kind, x + dx, y);
@@ -98,7 +98,7 @@ function drawLinks(
       x1 -= side * Math.round((x1 - x0) / side);
       y1 -= side * Math.round((y1 - y0) / side);
     }
-    if (Math.hypot(x1 - x0, y1 - y0) > 3 * r) continue; // they have parted since
+    if (Math.hypot(x1 - x0, y1 - y0) > 3 * r) continue; // the contact has ended since
     g.moveTo(x0, y0);
     g.lineTo(x1, y1);
   }

@@ -11,7 +11,7 @@ import { Raster, SIDE, type CountLabel } from "./map_raster";
 import type { Agreement } from "./trust";
 
 const strides = [16, 8, 4, 2, 1];
-const patience = 8_000; // ms: a finer level that would take longer is left out
+const patience = 8_000; // a finer level that would take longer is omitted [ms]
 const batchTime = 14; // ms: longest time of one batch
 
 interface Batch {
@@ -25,18 +25,18 @@ export class ContactMap {
   private readonly raster = new Raster();
   private before: Layer | null = null; // previous picture, until there is a new one
   private queue: { stride: number; column: number; from: number }[] = []; // remaining points of a column
-  private sent = 0; // batches of this job in progress
+  private sent = 0; // batches of this job that workers compute
   private column: Float64Array = new Float64Array();
   private axis: MapAxis = "gap";
   private job = 0;
-  private began = NaN; // when the first points were asked for
-  private perPoint = 0; // ms, measured continuously; 0: not known yet
+  private began = NaN; // when the first points were requested
+  private perPoint = 0; // mean time of a point [ms]; 0: not measured yet
   private next = 0; // stride of the level that is being sent
   private labels: CountLabel[] = [];
   elapsed: number | null = null; // ms for the whole map
   computing = 0; // ms of all workers together
   private computed = 0; // points
-  resolution = 0; // points each way that are complete
+  resolution = 0; // complete points in each direction
   received = 0; // counts batches
 
   constructor(
@@ -48,7 +48,7 @@ export class ContactMap {
     pool.add(() => this.nextBatch(), shown);
   }
 
-  // `keep`: the picture shows part of the same map and stays until it is overwritten.
+  // `keep`: the previous picture shows a part of the same map and is kept until it is overwritten.
   start(scenario: Scenario, axis: MapAxis, box: Box, keep: boolean): void {
     this.job++;
     this.before = keep ? { sheet: this.raster.copy(), box: this.box } : null;

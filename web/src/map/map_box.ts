@@ -6,7 +6,7 @@ type Range = [number, number];
 const log = ([low, high]: Range): Range => [Math.log(low), Math.log(high)];
 const exp = ([low, high]: Range): Range => [Math.exp(low), Math.exp(high)];
 
-// A factor above 1 comes closer to a point, which stays where it is; within the limits of the map.
+// Zooms about a fixed point, within the limits of the map; a factor above 1 enlarges.
 export function zoomed({ x, y }: Box, limits: Box, factor: number, [e, v]: [number, number]): Box {
   const part = ([low, high]: Range, at: number, [least, most]: Range): Range => {
     const inside = Math.min(Math.max(at, low), high);
@@ -15,7 +15,7 @@ export function zoomed({ x, y }: Box, limits: Box, factor: number, [e, v]: [numb
   return { x: part(x, e, limits.x), y: exp(part(log(y), Math.log(Math.max(v, y[0])), log(limits.y))) };
 }
 
-// Moved by fractions of the frame, as far as the limits of the map.
+// Moves by fractions of the frame, within the limits of the map.
 export function panned({ x, y }: Box, limits: Box, right: number, up: number): Box {
   const shift = ([low, high]: Range, share: number, [least, most]: Range): Range => {
     const by = Math.min(Math.max(-share * (high - low), least - low), most - high);

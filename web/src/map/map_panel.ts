@@ -18,7 +18,7 @@ export class MapPanel {
   private readonly agreement: Agreement;
   private layout: MapLayout | null = null;
   private key = "";
-  private drawn = -Infinity; // when [ms]; −∞: draw at once
+  private drawn = -Infinity; // time of the last drawing [ms]; −∞: draw at once
   private readonly picture: Drawing;
   private readonly reading: MapReading;
   private later = 0; // timer of the next refresh
@@ -76,7 +76,8 @@ export class MapPanel {
     const pair = scenario.balls.length === 2 && !scenario.cradle;
     Object.assign(view.map, { axis: "gap", zoom: null, show: pair ? "effective" : "count" });
     const { x, y } = this.box();
-    this.showAs({ ...view.map, zoom: { x, y: [y[0], Number((3 * y[1]).toPrecision(6))] } }); // extended towards the region of agreement
+    // Extended towards the region of agreement.
+    this.showAs({ ...view.map, zoom: { x, y: [y[0], Number((3 * y[1]).toPrecision(6))] } });
   }
 
   showAs(map: View["map"]): void {
@@ -111,7 +112,7 @@ export class MapPanel {
     else s.balls[0].radius = 0;
     const key = JSON.stringify([s, axis]);
     if (key + JSON.stringify(box) === this.key) return;
-    const keep = this.key.startsWith(key); // the same map, elsewhere
+    const keep = this.key.startsWith(key); // another part of the same map
     this.key = key + JSON.stringify(box);
     this.map.start(scenario, axis, box, keep);
     this.drawn = -Infinity;
@@ -139,7 +140,7 @@ export class MapPanel {
     return view.map.zoom ?? wholeMap(scenario, view.map.axis, floor, speed);
   }
 
-  // Where the models agree, once the map is complete.
+  // Computes the region of agreement after the map.
   private findAgreement(): void {
     const { scenario, view } = this.state;
     if (this.map.elapsed !== null && view.map.axis === "gap" && view.map.show !== "count")
@@ -152,7 +153,7 @@ export class MapPanel {
     const agreement = axis === "gap" && show !== "count" ? this.agreement : null;
     this.findAgreement();
     this.layout = map.draw(sheet.g, sheet.width, sheet.height, axis, this.marked(), state.theme, agreement, this.box());
-    this.reading.tell();
+    this.reading.write();
     const { dataset } = sheet.canvas;
     dataset.computing = String(Math.round(map.computing));
     dataset.resolution = String(map.resolution);
@@ -203,7 +204,7 @@ export class MapPanel {
     this.setZoom(panned(this.box(), mapLimits(this.state.view.map.axis), right, up));
   }
 
-  // The picture moves at once; new points are computed when the pointer rests.
+  // The picture moves at once; new points are computed when the pointer stops.
   private setZoom(box: Box | null): void {
     if (box && tooSmall(box)) return;
     this.state.view.map.zoom = box && linked(box);

@@ -1,11 +1,11 @@
-// The points of a map as pixels, in blocks that become finer, and the places of the names of its regions.
+// The points of a map as pixels, in blocks that become finer, and the positions of labels.
 import { MAP_VALUES } from "../core/core";
 import { countColor, invalidColor, ratioColor, type Rgb } from "../style/theme";
 import type { MapShow } from "../scenario/view";
 
-export const SIDE = 400; // points each way
+export const SIDE = 400; // points in each direction
 
-// Name of a region, at fractions of the map's width and height.
+// Label of a region, at fractions of the map's width and height.
 export interface CountLabel {
   x: number;
   y: number;
@@ -14,7 +14,7 @@ export interface CountLabel {
 
 export class Raster {
   private readonly values = new Float32Array(SIDE * SIDE * MAP_VALUES);
-  private readonly filled = new Uint8Array(SIDE * SIDE); // stride of the block that fills this place, 0: none yet
+  private readonly filled = new Uint8Array(SIDE * SIDE); // stride of the block that fills this point; 0: none yet
   private readonly image = new ImageData(SIDE, SIDE);
   private readonly sheet = sheetOf(SIDE);
   show: MapShow = "count";

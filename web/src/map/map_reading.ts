@@ -1,7 +1,7 @@
 // What the map says below it: the value under the pointer, or that of the present setting.
 import type { Pool } from "../core/pool";
 import { columnOf } from "../scenario/scenario";
-import { find } from "../support/dom";
+import { changes, find } from "../support/dom";
 import { digits, withUnit } from "../support/format";
 import type { State } from "../state/state";
 import { subscripted } from "../views/numbers";
@@ -20,20 +20,22 @@ export class MapReading {
     private readonly marked: () => Point,
   ) {}
 
-  // Another map: what was read is not valid for it.
+  // The value that was read is not valid for another map.
   forget(): void {
     this.read.place = "";
   }
 
   hover(point: Point | null): void {
     this.at = point;
-    this.tell();
+    this.write();
   }
 
-  tell(): void {
+  write(): void {
     const { view, drop } = this.state;
     const [e, y] = this.at ?? this.marked();
-    const where = `ε = ${digits(e)}, ${view.map.axis === "gap" ? `Δh = ${y > 0 ? withUnit(y, "m") : "0"}` : `R₁/R₂ = ${digits(y)}`}`;
+    const where =
+      `ε = ${digits(e)}, ` +
+      `${view.map.axis === "gap" ? `Δh = ${y > 0 ? withUnit(y, "m") : "0"}` : `R₁/R₂ = ${digits(y)}`}`;
     let what = "…";
     if (this.at) {
       this.ask(this.at);
@@ -48,9 +50,7 @@ export class MapReading {
     }
     const text = `${where}: ${what}`;
     const out = find("map-reading");
-    if (out.dataset.text === text) return;
-    out.dataset.text = text;
-    out.replaceChildren(...subscripted(text));
+    if (changes(out, text)) out.replaceChildren(...subscripted(text));
   }
 
   // The result at a point, computed with the parameters that a click would set.
@@ -68,7 +68,7 @@ export class MapReading {
           place,
           text: Number.isNaN(count) ? "cannot fall" : counted(count, show === "separation" ? separation : effective),
         };
-        this.tell();
+        this.write();
       },
       () => (this.asking = false),
     );

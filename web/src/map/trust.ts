@@ -1,4 +1,4 @@
-// Where event-driven simulation may be trusted: for every ε the gap from which on both models agree.
+// Region of agreement of both models: for each ε the gap above which they agree.
 import type { Box } from "../scenario/view";
 import type { Pool } from "../core/pool";
 import { inPercent } from "../scenario/tolerance";
@@ -14,7 +14,7 @@ export interface TrustPoint {
 
 const columns = 64;
 
-// The boundary, computed by the core with the verdict of the page.
+// Boundary of the region, by the verdict of the core.
 export class Agreement {
   points: TrustPoint[] = [];
   tolerance = NaN;

@@ -1,4 +1,4 @@
-// What sentences are chosen by and made of.
+// The values that sentences depend on.
 import type { Comparison, Contact, Run } from "../core/core";
 import type { Answered, Drop, Track } from "../core/drop";
 import { aloneRise, nameOfBall } from "../scenario/measured";
@@ -57,7 +57,7 @@ export interface RunFacts {
 interface Span {
   pair: number;
   begin: number;
-  end: number; // infinity: never
+  end: number; // infinite: never
 }
 
 export interface ContactFacts extends RunFacts {
@@ -114,7 +114,8 @@ export interface StoryFacts {
   report: { numbers: Record<string, number | null>; tolerance: number; why: Sentence[] };
   guess: number | null; // m
   fall: Fall; // of the balls beside the ruler
-  gaps: { touching: number; best: number; at: number } | null; // Newton's heights at gap 0 and the highest, with its gap
+  // Newton's height at gap 0, the greatest height, and its gap; null: not known.
+  gaps: { touching: number; best: number; at: number } | null;
   trusted: number | null; // gap above which both models agree [m]; infinite: nowhere in the map; null: not known
 }
 

@@ -1,4 +1,4 @@
-// All that the page says of a setting, as data: the page is drawn from it, and tests compare it with Python.
+// All statements of the page on a setting, as data. The page shows them, and tests compare them with Python.
 import type { Comparison } from "../core/core";
 import type { Answered } from "../core/drop";
 import { exactNumbers } from "../core/exact_numbers";

@@ -1,5 +1,5 @@
-// All sentences of the laboratory and of the story, a table for each place. The verdict has the words of
-// hl.compare(column).verdict; its answer and numbers come from the core.
+// All sentences of the laboratory and of the story: a table for each place, with the rows id, condition, text and
+// numbers. The verdict has the words of hl.compare(column).verdict; its answer and numbers come from the core.
 import type { Track } from "../core/drop";
 import type { Step } from "../scenario/story_view";
 import { capital, independent } from "../scenario/tables";
@@ -40,7 +40,7 @@ import { bodiesOf, counted, duration, spell, times } from "./words";
 // Compression over the smaller radius above which a contact law is questionable.
 const SHALLOW = 0.05;
 
-// The contacts of the sequence, and whether later ones count for the heights.
+// Number of contacts of the sequence; later contacts may affect the heights.
 function contacts(t: Track): string {
   const n = t.run.nContacts;
   const text = counted(n, "contact");
@@ -80,7 +80,8 @@ export const newtonRows: Row<Facts>[] = [
     "at-rest",
     (f) => atRest(f) && rises(f.newton),
     (f) =>
-      `${capital(counted(f.newton.run.nContacts, "contact"))} between balls; one contact, of balls or with the floor, ` +
+      `${capital(counted(f.newton.run.nContacts, "contact"))} between balls; one contact, of balls or with the ` +
+      `floor, ` +
       `never ends because gravity holds it closed. After its first bounce the top ball reaches ${heights(f)[0]}.`,
     rise,
   ],
@@ -455,13 +456,14 @@ const touchRows: Row<ContactFacts>[] = [
   ["touch-on-floor", always, (f) => `${touchOnce(f)}all of it while the floor pushes.`, (f) => ({ lasts: lasting(f) })],
 ];
 
-// All rows that hold are added.
+// All rows whose condition holds are added.
 const breakdownRows: Row<ContactFacts>[] = [
   [
     "breaks-down",
     (f) => f.icm?.outcome === outcomes.collapse,
     () =>
-      "The collision model breaks down: its collisions follow each other ever faster, infinitely many in a finite time, " +
+      "The collision model breaks down: its collisions follow each other ever faster, infinitely many in a finite " +
+      "time, " +
       "as the balls come to rest on each other.",
   ],
   [
@@ -509,7 +511,8 @@ const watch: Row<StoryFacts>[] = [
     "watch-agree",
     (t) => has(newton(t)) && agree(t),
     (t) =>
-      `The ${topName(t)} rises to ${metres(newton(t))}, and one collision after the other says the same to ${agreement(t)}.`,
+      `The ${topName(t)} rises to ${metres(newton(t))}, and one collision after the other says the same to ` +
+      `${agreement(t)}.`,
     bothValues,
   ],
   [
@@ -566,7 +569,8 @@ const predict: Row<StoryFacts>[] = [
     "drop-cradle",
     cradle,
     (t) =>
-      `The last ball leaves with ${speed(newton(t))}; the textbook, one collision after the other, says ${speed(icm(t))}.`,
+      `The last ball leaves with ${speed(newton(t))}; the textbook, one collision after the other, says ` +
+      `${speed(icm(t))}.`,
     bothValues,
   ],
   ["drop-wait", falling, () => "Watch the ruler …"],
@@ -614,7 +618,8 @@ const countRows: Row<StoryFacts>[] = [
 ];
 
 const measured =
-  "Drag in the plot to change the gap. That balls dropped closer together rebound lower was measured in Bristol in 2015.";
+  "Drag in the plot to change the gap. That balls dropped closer together rebound lower was measured in Bristol " +
+  "in 2015.";
 const touching = (t: StoryFacts): string => `Let go touching, the ${topName(t)} reaches ${metres(t.gaps!.touching)}`;
 const gap: Row<StoryFacts>[] = [
   [

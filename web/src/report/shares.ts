@@ -1,15 +1,15 @@
-// Where the energy is when the sequence is over, as shares of the energy at release that sum to 1.
+// Distribution of the energy after the sequence, as fractions of the energy at release, whose sum is 1.
 import type { Track } from "../core/drop";
 import { massOf, type Scenario } from "../scenario/scenario";
 
 export interface Shares {
   balls: number[]; // bottom first: kinetic and potential energy
-  stored: number; // elastic energy of contacts that still press
+  stored: number; // elastic energy of contacts that last
   lost: number; // dissipated
 }
 
-// The potential energy of a ball is measured from the lower of its place at the end and that at which nothing is
-// compressed: a ball that rests on compressed contacts then has no negative share.
+// Zero of the potential energy of a ball: its position without compression, or its final position if that is lower. A
+// ball that rests on compressed contacts then has no negative energy.
 export function sharesOf(t: Track, s: Scenario): Shares {
   const { final } = t;
   const below = final.energy.map((energy, i) => {
@@ -22,12 +22,12 @@ export function sharesOf(t: Track, s: Scenario): Shares {
   return { balls: Array.from(balls, (x) => x / whole), stored: stored / whole, lost: lost / whole };
 }
 
-// Shares as tenths of a per cent that sum to 1000: the largest remainders are rounded up.
+// Shares in tenths of a per cent. The largest remainders are rounded up, so that the sum is 1000.
 export function tenths(shares: number[]): number[] {
   const exact = shares.map((x) => 1000 * x);
-  const found = exact.map(Math.floor);
-  const order = exact.map((x, i) => [x - found[i], i]).sort((a, b) => b[0] - a[0] || a[1] - b[1]);
-  const left = Math.round(exact.reduce((a, b) => a + b, 0)) - found.reduce((a, b) => a + b, 0);
-  for (let k = 0; k < left; k++) found[order[k][1]]++;
-  return found;
+  const rounded = exact.map(Math.floor);
+  const order = exact.map((x, i) => [x - rounded[i], i]).sort((a, b) => b[0] - a[0] || a[1] - b[1]);
+  const left = Math.round(exact.reduce((a, b) => a + b, 0)) - rounded.reduce((a, b) => a + b, 0);
+  for (let k = 0; k < left; k++) rounded[order[k][1]]++;
+  return rounded;
 }

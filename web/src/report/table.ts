@@ -13,7 +13,8 @@ export interface Row {
 }
 
 const rebound =
-  "greatest height of its centre above the floor after its first bounce. The next floor contact of the lowest ball counts no more; collisions still to come between the balls do";
+  "greatest height of its centre above the floor after its first bounce. The next floor contact of the lowest " +
+  "ball counts no more; collisions still to come between the balls do";
 const pending = "…";
 
 // Greatest height of a ball in the film if above its rebound height, else null.
@@ -29,11 +30,11 @@ export function rowsOf(d: Answered): Row[] {
     name: string,
     title: string,
     number: (t: Track) => number,
-    say: (a: number, b: number) => [string, string],
+    texts: (a: number, b: number) => [string, string],
     lead = false,
   ): void => {
     const numbers: [number, number] = [number(newton), icm ? number(icm) : NaN];
-    const [a, b] = say(...numbers);
+    const [a, b] = texts(...numbers);
     list.push({ id, name, title, numbers, values: [a, icm ? b : pending], lead });
   };
   const each =

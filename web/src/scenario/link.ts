@@ -1,4 +1,4 @@
-// What a link says of the setting: the example it names, or the one it starts from, with what it changes.
+// Setting of a link: its example, or the default one, with the changes in the link.
 import { presets, type Preset } from "./presets";
 import { copyOf, fromQuery, type Scenario } from "./scenario";
 import { baseOf } from "./story_view";
@@ -6,16 +6,16 @@ import { firstView, viewFromQuery } from "./view";
 
 export function settingOf(query: URLSearchParams, notes: string[]): { preset: Preset; scenario: Scenario } {
   const base = presets.find((p) => p.id === baseOf(query))!;
-  const asked = query.get("example");
-  const named = presets.find((p) => p.id === asked);
-  if (asked !== null && !named) notes.push(`example = “${asked.slice(0, 20)}” is unknown: ${base.name} is shown`);
+  const example = query.get("example");
+  const named = presets.find((p) => p.id === example);
+  if (example !== null && !named) notes.push(`example = “${example.slice(0, 20)}” is unknown: ${base.name} is shown`);
   const preset = named ?? base;
   const scenario = copyOf(preset.scenario);
   fromQuery(scenario, query, notes);
   return { preset, scenario };
 }
 
-// The first question to the core when the page opens.
+// The first request to the core when the page opens.
 export function questionOf(query: URLSearchParams): { scenario: Scenario; tolerance: number } {
   const view = firstView();
   viewFromQuery(view, query, []);

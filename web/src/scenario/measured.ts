@@ -5,7 +5,7 @@ export interface MeasuredBall {
   id: string;
   name: string;
   short: string; // in a sentence
-  by: string; // who made the rules
+  by: string; // association that wrote the rules
   mass: [number, number]; // kg, lowest and highest allowed
   diameter: [number, number]; // m
   restitution: [number, number]; // from the rebound heights below
@@ -65,10 +65,14 @@ export const measuredBalls: MeasuredBall[] = [
     bounce: "dropped from 1.8 m (its lowest point), its top comes back to 1.2 to 1.4 m",
     contact: {
       time: contactTime(middle([0.567, 0.65]), airStiffness(basketballRadius, pressure), 0.76),
-      how: "calculated, not measured: from the pressure, 7.5 to 8.5 psi (NBA, Official Rules, Rule 1, Section II), k = 2πRp = 42 kN/m",
+      how:
+        "calculated, not measured: from the pressure, 7.5 to 8.5 psi (NBA, Official Rules, Rule 1, Section " +
+        "II), k = 2πRp = 42 kN/m",
     },
     source:
-      "FIBA, Official Basketball Rules 2000, Art. 3.3 (mass, circumference, rebound), as other publications quote it; the rule book itself was not consulted. Those of 2020 for the equipment, quoted likewise, are narrower: 580 g to 620 g and 75 cm to 77 cm around",
+      "FIBA, Official Basketball Rules 2000, Art. 3.3 (mass, circumference, rebound), as other publications quote " +
+      "it; the rule book itself was not consulted. Those of 2020 for the equipment, quoted likewise, are " +
+      "narrower: 580 g to 620 g and 75 cm to 77 cm around",
   },
   {
     id: "tennis",
@@ -108,11 +112,11 @@ export function measuredLike(b: Ball): MeasuredBall | undefined {
   return measuredBalls.find(({ mass, diameter }) => inside(mass, massOf(b)) && inside(diameter, 2 * b.radius));
 }
 
-// "basketball" where radius and mass are those of one, else what the place in the column says.
+// Name of a measured ball with this radius and mass, such as "basketball"; otherwise `place`.
 export const nameOfBall = (b: Ball, place: string): string => measuredLike(b)?.short ?? place;
 
-// Heights of the centre [m] to which a measured ball that is let go alone comes back: its lowest point falls by the
-// release less the radius and rises by ε² of that, with the ε of its rules.
+// Rebound heights of the centre [m] of a measured ball that is dropped alone: its lowest point falls by the release
+// height minus the radius and rises by ε² of that, with the ε of its rules.
 export function aloneRise(b: Ball, release: number): { low: number; high: number; by: string } | null {
   const known = measuredLike(b);
   if (!known) return null;
@@ -129,13 +133,15 @@ export const typical = (id: string): { radius: number; mass: number } => {
 // Stiffness of the basketball on the floor.
 export const basketballStiffness = Number(airStiffness(basketballRadius, pressure).toPrecision(2));
 
-// Both balls yield where they touch: two springs in series.
+// Both balls deform in a contact: two springs in series.
 export const inSeries = (a: number, b: number): number => 1 / (1 / a + 1 / b);
 const tennis = ballById("tennis");
 export const tennisStiffness = stiffnessFor(middle(tennis.mass), tennis.contact!.time, middle(tennis.restitution));
 export const ballBallStiffness = Number(inSeries(basketballStiffness, tennisStiffness).toPrecision(3));
 
 export const experiments = [
-  "Y. Berdeni, A. Champneys and R. Szalai, The two-ball bounce problem, Proc. R. Soc. A 471, 20150286 (2015): let go with no gap, the upper ball rises less than with one.",
-  "S. P. Bartz, Delayed rebounds in the two-ball bounce problem, arXiv 2007.15005 (2020): a low first bounce may be followed by a higher second one.",
+  "Y. Berdeni, A. Champneys and R. Szalai, The two-ball bounce problem, Proc. R. Soc. A 471, 20150286 (2015): let " +
+    "go with no gap, the upper ball rises less than with one.",
+  "S. P. Bartz, Delayed rebounds in the two-ball bounce problem, arXiv 2007.15005 (2020): a low first bounce may " +
+    "be followed by a higher second one.",
 ];

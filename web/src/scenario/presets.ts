@@ -27,7 +27,8 @@ export const presets: Preset[] = [
     id: "basketball",
     name: "Basketball and tennis ball",
     about:
-      "The classroom classic, let go touching, one metre above the floor: balls in the middle of what their rules allow (see Measured balls). " +
+      "The classroom classic, let go touching, one metre above the floor: balls in the middle of what their rules " +
+      "allow (see Measured balls). " +
       "The floor contact has the basketball’s stiffness, the upper contact that of both balls in series. " +
       "Let go touching, the tennis ball rises little higher than it fell; a gap of some centimetres, and it flies.",
     scenario: scenario({

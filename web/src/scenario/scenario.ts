@@ -4,14 +4,15 @@ import { labelOf, laws, parameterOfColumn, symbolOf, unitOf, type Law, type Quan
 
 export interface Ball {
   radius: number;
-  density: number; // of a solid sphere of the same mass; changing a radius keeps it
+  density: number; // of a solid sphere of the same mass; it is kept when the radius changes
 }
 
 export interface Scenario {
   law: string;
   restitution: number;
   constants: Record<string, number>; // of the laws, by name of the parameter; those of other laws are kept
-  own: Record<string, number[]>; // of the ball–ball contacts, bottom first, where they have values of their own; `constants` is then the floor's
+  // Constants of the ball–ball contacts, bottom first, if they differ from those of the floor in `constants`.
+  own: Record<string, number[]>;
   cradle: boolean; // no floor, no gravity
   height: number; // of the lowest ball's centre
   balls: Ball[]; // bottom first
@@ -93,7 +94,7 @@ export const constantsOf = (s: Scenario): string[] =>
 export const clampTo = (r: Range, x: number): number =>
   r.zero && x < r.low ? (x > 0.5 * r.low ? r.low : 0) : Math.min(Math.max(x, r.low), r.high);
 
-// The nearest value in the range; that another one was given is noted.
+// The nearest value in the range; a change is noted.
 export function within(r: Range, name: string, x: number, notes: string[]): number {
   const kept = clampTo(r, x);
   if (kept !== x) notes.push(`${name} = ${x} is outside ${r.zero ? "0 and " : ""}${r.low} … ${r.high}: ${kept} used`);
@@ -106,12 +107,12 @@ export const constantAt = (s: Scenario, name: string, contact: number): number =
 // Whether some parameter of the present law differs between the contacts.
 export const hasOwn = (s: Scenario): boolean => !s.cradle && constantsOf(s).some((name) => s.own[name] !== undefined);
 
-// Gives each ball–ball contact parameters of its own, which begin with the floor's, or takes them away.
+// Adds parameters of each ball–ball contact, initially those of the floor, or removes them.
 export function setOwn(s: Scenario, own: boolean): void {
   s.own = own ? Object.fromEntries(constantsOf(s).map((name) => [name, s.gaps.map(() => s.constants[name])])) : {};
 }
 
-// Same order of operations as ball_mass in the core, for the same bits: a long sequence of collisions is chaotic.
+// Same order of operations as ball_mass in the core, for the same bits; a long sequence of collisions is chaotic.
 export const massOf = ({ radius, density }: Ball): number => (4 / 3) * Math.PI * (density * (radius * radius * radius));
 export const densityFor = (mass: number, radius: number): number => mass / massOf({ radius, density: 1 });
 
@@ -139,7 +140,7 @@ export const copyOf = (s: Scenario): Scenario => ({
   velocities: [...s.velocities],
 });
 
-// A cradle's first gap only delays the first collision: maps vary the others.
+// The first gap of a cradle only delays the first collision, so maps vary the others.
 export const firstGap = (s: Scenario): number => (s.cradle && s.gaps.length > 1 ? 1 : 0);
 
 // Height of the top ball's centre at release [m].
@@ -209,7 +210,8 @@ export function toQuery(s: Scenario, q: URLSearchParams): void {
 // Overrides `s` with the valid parts of the link; invalid parts are reported in `notes`.
 export function fromQuery(s: Scenario, q: URLSearchParams, notes: string[]): void {
   const number = (key: string, text: string, r: Range, fallback: number): number => {
-    const x = text.trim() === "" ? NaN : Number(text.replace(/e (?=\d)/i, "e+")); // a link turns a plus sign into a space
+    // A link turns a plus sign into a space.
+    const x = text.trim() === "" ? NaN : Number(text.replace(/e (?=\d)/i, "e+"));
     if (!Number.isFinite(x)) {
       notes.push(`${key} = “${text.slice(0, 20)}” is not a number: ${fallback} used`);
       return fallback;

@@ -1,4 +1,4 @@
-// State of the lecture in the link: story step, guess, single panel, curve axis, setting A.
+// State of the story and of single panels in the link: chapter, guess, panel, axis of the curves, setting A.
 import { presets } from "./presets";
 import { copyOf, fromQuery, toQuery, type Scenario } from "./scenario";
 
@@ -8,7 +8,7 @@ export type Step = (typeof steps)[number];
 export const panels = ["film", "numbers", "energy", "forces", "timeline", "rebound", "map", "compare"] as const;
 export type PanelName = (typeof panels)[number];
 
-export const curveAxes = ["gap", "e", "ratio"] as const; // what the rebound height is drawn over
+export const curveAxes = ["gap", "e", "ratio"] as const; // axis of the rebound heights
 export type CurveAxis = (typeof curveAxes)[number];
 
 export interface StoryView {
@@ -76,11 +76,11 @@ export function storyFromQuery(v: StoryView, q: URLSearchParams, notes: string[]
     return null;
   };
   if (q.get("story") === "drop") q.set("story", "predict"); // in older links
-  const asked = choice("story", steps);
-  v.panel = asked ? null : choice("panel", panels);
+  const step = choice("story", steps);
+  v.panel = step ? null : choice("panel", panels);
   const pinned = [...q.keys()].some((key) => key.startsWith(prefix));
   const laboratory = choice("page", ["lab", "story"]) === "lab" || (pinned && !q.has("page"));
-  v.step = asked ?? (v.panel || laboratory ? null : "watch");
+  v.step = step ?? (v.panel || laboratory ? null : "watch");
   v.curve = choice("curve", curveAxes) ?? "gap";
   const guess = q.get("guess");
   if (guess !== null) {

@@ -10,7 +10,7 @@ export interface Quantity {
 export interface Law {
   name: string;
   alternative: number;
-  parameters: Quantity[]; // in the order of the core's column; one of them is the restitution
+  parameters: Quantity[]; // in the order of the core's column, with the restitution
 }
 
 export interface ModelNames {
@@ -23,9 +23,9 @@ declare const TABLES: { laws: Law[]; swept: Quantity[]; models: ModelNames[] };
 export const { laws, swept, models } = TABLES;
 
 const named = <T extends { name: string }>(list: T[], name: string): T => {
-  const found = list.find((one) => one.name === name);
-  if (!found) throw new Error(`the core knows no ${name}`);
-  return found;
+  const record = list.find((item) => item.name === name);
+  if (!record) throw new Error(`the core knows no ${name}`);
+  return record;
 };
 
 export const parameterOfColumn = (name: string): Quantity => named(swept, name);
@@ -53,5 +53,5 @@ export const symbolOf = (q: Quantity): string => /\s(\S{1,2})$/u.exec(labelOf(q)
 export const raised = (text: string): string =>
   text.replace(/(?<=[a-z])\^?([23])(?![.\d])/g, (_, n) => (n === "2" ? "²" : "³"));
 
-// The same of a record; "1" → "".
+// The unit of a record; "1" → "".
 export const unitOf = (q: Quantity): string => (q.unit === "1" ? "" : raised(q.unit));

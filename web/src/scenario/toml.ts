@@ -1,6 +1,6 @@
-// Reads the TOML file of a column for `hardlimit drop`. Entries that are unknown, missing or of another kind are refused in one
-// line, as are values that no column has. Values outside the ranges of the page are moved, and what the page cannot show is left
-// out, with a note.
+// Reads the TOML file of a column for `hardlimit drop`. Unknown, missing or invalid entries are refused in one line.
+// Values outside the ranges of the page are moved to the nearest limit, and what the page cannot show is omitted, with
+// a note.
 import { parse as parseToml, TomlError } from "smol-toml";
 import { parse, unitsOf } from "../support/format";
 import {
@@ -59,7 +59,7 @@ const table =
     return Object.fromEntries(checked);
   };
 
-// A number in SI units, or a text with one of the units of the page's fields. What the core refuses is refused here too.
+// A number in SI units, or a text with a unit that the page's fields accept, within the range of the core.
 const quantity =
   (r: Range, { lowest, highest }: Quantity, notes: string[]): Check<number> =>
   (name, value) => {
@@ -99,15 +99,15 @@ const ball =
 const lawTable =
   (notes: string[]): Check<{ law: Law; values: Record<string, number> }> =>
   (name, value) => {
-    const { name: asked, ...given } = entries(name, value);
+    const { name: lawName, ...parameters } = entries(name, value);
     const law =
-      laws.find((l) => l.name === asked) ??
-      refuse(`${name}.name`, got(asked), `one of ${laws.map((l) => l.name).join(", ")}`);
+      laws.find((l) => l.name === lawName) ??
+      refuse(`${name}.name`, got(lawName), `one of ${laws.map((l) => l.name).join(", ")}`);
     const checks = law.parameters.map((p) => [
       p.name,
       quantity(p.name === "restitution" ? ranges.restitution : constants[p.name].range, p, notes),
     ]);
-    const values = table<Record<string, Check<number>>>(Object.fromEntries(checks))(name, given) as Record<
+    const values = table<Record<string, Check<number>>>(Object.fromEntries(checks))(name, parameters) as Record<
       string,
       number
     >;
@@ -146,7 +146,7 @@ export function fromToml(text: string, notes: string[]): Scenario {
   } = column(notes)("", contentOf(text));
   const n = balls.length;
   const contacts = cradle ? n - 1 : n;
-  const given = each ?? (law ? [law] : []);
+  const lawTables = each ?? (law ? [law] : []);
   const rules: [boolean, string, string, string][] = [
     [n < 2 || n > MOST_BALLS, "balls", got(n), `2 to ${MOST_BALLS} tables [[balls]] on this page`],
     [cradle && height !== undefined, "height", got(height), "left out for a cradle"],
@@ -154,11 +154,16 @@ export function fromToml(text: string, notes: string[]): Scenario {
     [!cradle && height === undefined, "height", "missing", "the height [m] of the lowest centre at release"],
     [!cradle && gaps === undefined, "gaps", "missing", `a list of ${n - 1}`],
     [!law === !each, "law | laws", law ? "got both" : "missing", "one [law], or one [[laws]] for each contact"],
-    [given.length !== 1 && given.length !== contacts, "laws", got(given.length), `1 or ${contacts} tables [[laws]]`],
     [
-      given.some((g) => g.law !== given[0].law),
+      lawTables.length !== 1 && lawTables.length !== contacts,
       "laws",
-      got(given.map((g) => g.law.name)),
+      got(lawTables.length),
+      `1 or ${contacts} tables [[laws]]`,
+    ],
+    [
+      lawTables.some((g) => g.law !== lawTables[0].law),
+      "laws",
+      got(lawTables.map((g) => g.law.name)),
       "the same law for all contacts on this page",
     ],
   ];
@@ -171,11 +176,11 @@ export function fromToml(text: string, notes: string[]): Scenario {
     balls,
     gaps: repeated("gaps", gaps ?? 0, n - 1),
     velocities: repeated("velocities", velocities, n),
-    law: given[0].law.name,
+    law: lawTables[0].law.name,
   };
   if (height !== undefined) s.height = height;
-  for (const { name } of given[0].law.parameters) {
-    const [first, ...others] = given.map((g) => g.values[name]);
+  for (const { name } of lawTables[0].law.parameters) {
+    const [first, ...others] = lawTables.map((g) => g.values[name]);
     const alike = others.every((x) => x === first);
     if (name === "restitution") {
       s.restitution = first;

@@ -31,7 +31,7 @@ export const firstView = (): View => ({
   time: null,
 });
 
-// The whole map: ε, and the decades around the gap above which collisions are independent.
+// Range of the whole map: ε, and the decades around the gap above which collisions are independent.
 export function wholeMap(s: Scenario, axis: MapAxis, floorContact: number, speed: number): Box {
   const x: [number, number] = [0.05, 1];
   if (axis === "ratio") {

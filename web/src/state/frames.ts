@@ -1,5 +1,5 @@
-// Layout: the whole page, the story, or a single panel for a lecture or an embedding page.
-import { find, refocus } from "../support/dom";
+// Layout: the whole page, the story, or a single panel for a talk or an embedding page.
+import { find, refocus, Sheet } from "../support/dom";
 import type { PanelName } from "../scenario/story_view";
 import { lettering } from "../support/plot";
 import type { State } from "./state";
@@ -17,6 +17,7 @@ export class Frames {
   // `names`: panels shown alone; mode null: the whole page.
   show(mode: Mode | null, names: PanelName[]): void {
     this.mode = mode;
+    Sheet.inStory = mode === "story";
     const root = document.documentElement;
     if (mode) root.dataset.mode = mode;
     else delete root.dataset.mode;
@@ -31,16 +32,16 @@ export class Frames {
     lettering.least = this.mode ? 0.88 * this.textSize() : 13;
   }
 
-  // Size of text on the page [px]: in a lecture it grows with the window.
+  // Size of text on the page [px]; in the story and in single panels it grows with the window.
   textSize(): number {
     return this.text;
   }
 
   fullScreen(): void {
-    const asked = document.fullscreenElement
+    const change = document.fullscreenElement
       ? document.exitFullscreen()
       : document.documentElement.requestFullscreen?.();
-    asked?.catch(() => undefined); // the browser may refuse; the page still fills its window
+    change?.catch(() => undefined); // the browser may refuse; the page still fills its window
   }
 }
 

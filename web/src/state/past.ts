@@ -1,8 +1,8 @@
-// The settings that undo returns to.
+// The settings for undo.
 import { copyOf, type Scenario } from "../scenario/scenario";
 import { find, refocus } from "../support/dom";
 
-const pause = 700; // ms between changes that are taken back one by one
+const pause = 700; // changes within this time are undone together [ms]
 
 export class Past {
   private readonly list: Scenario[] = [];
@@ -25,8 +25,8 @@ export class Past {
     find<HTMLButtonElement>("undo").disabled = false;
   }
 
-  // The setting was changed by something that is not undone: the browser's history, or Cancel. What came after the same
-  // setting before is forgotten.
+  // The setting was changed by the browser's history or by Cancel, which cannot be undone. If the list contains the
+  // same setting, later entries are removed.
   settle(scenario: Scenario): void {
     const same = this.list.map((past) => JSON.stringify(past)).lastIndexOf(JSON.stringify(scenario));
     if (same >= 0) this.list.length = same;

@@ -59,7 +59,8 @@ export class State {
     const q = new URLSearchParams();
     scenarioToQuery(this.scenario, q);
     const map = this.story.step ? firstView().map : this.view.map; // the story has its own
-    const stands = !this.playing && (this.screen > 0 || moves()); // without motion a film stands at its start anyway
+    // With reduced motion the film stands at its start by default.
+    const stands = !this.playing && (this.screen > 0 || moves());
     const time = this.drop ? (stands ? this.time() : null) : this.view.time;
     viewToQuery({ ...this.view, map, time }, q);
     storyToQuery(this.story, q);

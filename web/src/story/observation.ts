@@ -1,4 +1,4 @@
-// The first chapter: the drop plays in both worlds, and its balls can be dragged; a slider changes the gap too.
+// The first chapter: the drop by both models. The balls can be dragged; a slider also changes the gap.
 import { find, setAttribute, setText, type Sheet } from "../support/dom";
 import { withUnit } from "../support/format";
 import { Handle, type Pull } from "../support/handle";
@@ -11,8 +11,8 @@ import { drawCloseUp } from "../views/close_up";
 import { drawDuel, type DuelLayout } from "../views/duel";
 import type { Film } from "../views/film";
 
-const nearly = 50; // ms: so far the handles may lag behind the balls while the film runs
-const slowTo = 0.02; // s before the first contact from which the film starts after a change of the gap
+const nearly = 50; // time between updates of the handles while the film runs [ms]
+const slowTo = 0.02; // after a change of the gap the film starts this time before the first contact [s]
 
 type Dragged = "gap" | "height";
 
@@ -21,7 +21,7 @@ export class Observation {
   private dragged: Dragged | null = null;
   readonly picture: Drawing;
   readonly controls: Drawing;
-  private placed = -Infinity; // when the handles were put on the balls [ms]
+  private placed = -Infinity; // when the handles were moved to the balls [ms]
   private readonly slider = find<HTMLInputElement>("watch-gap");
   private readonly handles: { what: Dragged; world: number; handle: Handle }[];
 
@@ -66,7 +66,8 @@ export class Observation {
     if (sheet.width < 40 || !sheet.seen) return;
     const clock = state.clock();
     const before = d.from - 1e-3 * (d.to - d.from);
-    const time = dragged === "gap" ? before : dragged === "height" ? d.start : state.time(); // where the balls are as they are let go
+    // Where the balls are as they are let go.
+    const time = dragged === "gap" ? before : dragged === "height" ? d.start : state.time();
     const rate = dragged === "gap" ? clock.rate(0.5 * (d.from + d.to)) : state.view.slow ? clock.rate(time) : 1;
     const moment = {
       time,

@@ -1,4 +1,5 @@
-// The second chapter: the viewer sets a height on the ruler, lets the balls drop, and sees. It has a clock of its own.
+// The second chapter: the viewer predicts the rebound height on a ruler and lets the balls drop, with a clock of its
+// own.
 import { find, setText, type Sheet } from "../support/dom";
 import { Handle } from "../support/handle";
 import type { StoryView } from "../scenario/story_view";
@@ -12,7 +13,7 @@ import { drawPrediction, rulerTop, type PredictionLayout } from "./prediction_dr
 
 export class Prediction {
   fall: Fall = "before";
-  private fallen = 0; // s in real time since they were let go
+  private fallen = 0; // real time since the balls were let go [s]
   readonly picture: Drawing;
   private last = 0; // ms
   private layout: PredictionLayout | null = null;
@@ -31,7 +32,7 @@ export class Prediction {
     this.handle = new Handle(find("prediction-box"), {
       label: "Height that I expect",
       range: { low: 0, high: highestPrediction },
-      value: () => view.guess ?? this.layout?.asked ?? 0,
+      value: () => view.guess ?? this.layout?.promptHeight ?? 0,
       text: () => (view.guess === null ? "no guess yet" : `${view.guess} m`),
       set: (height) => this.set(height),
       perPixel: () => 1 / (this.layout?.scale ?? Infinity),
@@ -94,7 +95,7 @@ export class Prediction {
   private placeHandle(): void {
     const { layout, view, sheet } = this;
     if (!layout || this.fall !== "before") return this.handle.place(null);
-    const height = view.guess ?? layout.asked;
+    const height = view.guess ?? layout.promptHeight;
     this.handle.place({
       x: 0.5 * (layout.left + layout.right),
       y: Math.max(layout.floor - height * layout.scale, 0),

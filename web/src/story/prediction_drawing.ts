@@ -1,5 +1,4 @@
-// First drawing of the story: the balls at true scale beside a ruler, the viewer's guess as a line,
-// and, during the fall, both models side by side.
+// The balls at true scale beside a ruler. The viewer's guess is a line; during the fall both models are side by side.
 import type { State as Balls } from "../core/core";
 import type { Drop } from "../core/drop";
 import { Sheet } from "../support/dom";
@@ -16,7 +15,7 @@ export interface PredictionPicture {
   drop: Drop;
   newton: Balls;
   icm: Balls;
-  falling: boolean; // both models; otherwise the balls at release
+  falling: boolean; // shows both models; otherwise the balls at release
   guess: number | null; // m
   reached: [number, number]; // heights to mark for Newton and independent collisions [m]; NaN: not yet
 }
@@ -24,9 +23,9 @@ export interface PredictionPicture {
 export interface PredictionLayout {
   floor: number; // pixel
   scale: number; // pixels per metre
-  left: number; // pixels between which the ruler lies
+  left: number; // horizontal range of the ruler [pixels]
   right: number;
-  asked: number; // m where the viewer is asked for a guess
+  promptHeight: number; // height of the text that asks for a guess [m]
 }
 
 // The ruler covers every possible guess and does not reveal the result.
@@ -45,14 +44,14 @@ export function drawPrediction(
   theme: Theme,
 ): PredictionLayout {
   g.clearRect(0, 0, whole, h);
-  const room = !t.falling && whole > 39 * size; // for the balls themselves, with what is written beside them
+  const room = !t.falling && whole > 39 * size; // space for an enlarged picture of the balls
   const w = room ? 0.52 * whole : whole;
   if (room) drawPortrait(g, t.drop, w + 2 * size, whole - w - 2 * size, h, size, theme);
   const floor = h - 2.4 * size;
   const top = rulerTop(t.drop, t.guess, t.falling);
   const scale = (floor - 1.2 * size) / top;
   const left = 3.4 * size;
-  const asked = 0.55 * top;
+  const promptHeight = 0.55 * top;
   drawRuler(g, left, w, floor, scale, top, size, theme);
   const lanes = t.falling ? 2 : 1;
   const lane = (w - left) / lanes;
@@ -61,7 +60,7 @@ export function drawPrediction(
     ["icm", lane > 16 * size ? capital(independent.label) : independent.short, t.icm],
   ];
   const release = releaseHeight(t.drop.scenario);
-  const label = t.falling && lane < 16 * size ? "" : `let go at ${metres(release)}`; // heights need the room
+  const label = t.falling && lane < 16 * size ? "" : `let go at ${metres(release)}`; // the heights need the space
   drawLevel(g, left, w, floor - release * scale, label, theme.muted, [2, 5], 1.5, size, theme, "left");
   columns.slice(0, lanes).forEach(([model, name, balls], k) => {
     const middle = left + (k + 0.5) * lane;
@@ -86,7 +85,7 @@ export function drawPrediction(
       g.textAlign = "center";
       g.textBaseline = "bottom";
       const bottom = Math.max(y - 0.3 * size, 1.8 * size);
-      const wide = g.measureText(metres(z)).width + 0.6 * size; // no line of the ruler runs through the number
+      const wide = g.measureText(metres(z)).width + 0.6 * size; // covers the lines of the ruler behind the number
       g.fillStyle = theme.ground;
       g.fillRect(middle - 0.5 * wide, bottom - 1.45 * size, wide, 1.35 * size);
       g.fillStyle = theme[model];
@@ -97,7 +96,7 @@ export function drawPrediction(
     setFont(g, theme, 1.1 * size, 650);
     g.textAlign = "center";
     g.textBaseline = "middle";
-    halo(g, "↕ drag: my guess", left + 0.5 * (w - left), floor - asked * scale, theme.ink, theme);
+    halo(g, "↕ drag: my guess", left + 0.5 * (w - left), floor - promptHeight * scale, theme.ink, theme);
   }
   if (t.guess !== null)
     drawLevel(
@@ -113,7 +112,7 @@ export function drawPrediction(
       theme,
       "right",
     );
-  return { floor, scale, left, right: w, asked };
+  return { floor, scale, left, right: w, promptHeight };
 }
 
 // The balls at a common scale, with their names.
@@ -129,7 +128,8 @@ function drawPortrait(
   const { balls, gaps } = d.scenario;
   const tall = balls.reduce((sum, b) => sum + 2 * b.radius, 0);
   const wide = Math.max(...balls.map((b) => b.radius));
-  const scale = Math.min((0.72 * h) / tall, Math.max(0.5 * (w - 14 * size), 2 * size) / wide); // the names need 14 letters' heights
+  // The names beside the balls need 14 heights of letters.
+  const scale = Math.min((0.72 * h) / tall, Math.max(0.5 * (w - 14 * size), 2 * size) / wide);
   let bottom = 0.5 * h + 0.5 * tall * scale;
   const middle = x + wide * scale;
   balls.forEach((b, i) => {

@@ -1,4 +1,4 @@
-// Lecture mode: the explaining sentence, the story, single panels, setting A, the curves.
+// Shows the page as a whole, as the story or as a single panel, with setting A and the curves.
 import { Compare } from "../views/compare";
 import { find, setSentence, Sheet } from "../support/dom";
 import { later } from "../support/later";
@@ -81,7 +81,7 @@ export class Presenter {
     this.rebound.refresh();
   }
 
-  // Of the chapter that is read, and of all.
+  // The sentences of the chapter that is read, and of all chapters.
   sentences(): { read: Sentence[]; all: Sentence[] } {
     const chapters = this.story.sentences();
     return chapters
@@ -98,7 +98,7 @@ export class Presenter {
     return this.story.plays;
   }
 
-  // The report has changed, perhaps before the drop is solved to its end.
+  // Writes a report, perhaps before the film is computed.
   write(report: Report): void {
     const text = joined(report.why);
     if (find("why").textContent !== text) setSentence(find("why"), text);
@@ -126,12 +126,12 @@ export class Presenter {
 
   // ---- the story ----------------------------------------------------------------------------------------
 
-  // Computes the chapters that the reader has not come to, so that the story can be printed.
+  // Computes the plots of later chapters, so that the story can be printed.
   prepare(): void {
     if (this.state.story.step && this.state.drop) this.story.prepare();
   }
 
-  // Sets what a chapter shows as it comes into view.
+  // Prepares a chapter when it comes into view.
   private arrive(step: Step): void {
     const { drop } = this.state;
     if (!drop) return;

@@ -1,4 +1,4 @@
-// The story as an article: its chapters, which of them is read, and what each says.
+// The story as an article: its chapters, their texts, and which one is read.
 import { find, setSentence, setText, Sheet } from "../support/dom";
 import { later } from "../support/later";
 import type { Film } from "../views/film";
@@ -15,18 +15,18 @@ import type { StoryFacts } from "../report/facts";
 import { story, titleOf } from "../report/sentences";
 import type { Observation } from "./observation";
 
-// What the story needs of the page.
+// Functions of the page that the story uses.
 export interface StoryHost {
   fromPlots(): Pick<StoryFacts, "gaps" | "trusted">;
   arrived(step: Step): void; // a chapter comes into view
-  showMap(view: View["map"] | null): void; // null: that of the last chapter
+  showMap(view: View["map"] | null): void; // null: the map of the last chapter
   left(): void;
   load(example: string): void;
 }
 
 export class Story {
   private readonly texts = new Drawing(() => this.write());
-  private written = -Infinity; // when the texts were [ms]
+  private written = -Infinity; // when the texts were written [ms]
   private readonly chapters = steps.map((step) => {
     const section = document.querySelector<HTMLElement>(`.chapter[data-step="${step}"]`)!;
     return {
@@ -39,12 +39,13 @@ export class Story {
       seen: true,
     };
   });
-  private readonly order = [...find("story").parentElement!.children]; // of the laboratory
+  private readonly order = [...find("story").parentElement!.children]; // panels in the order of the laboratory
   private readonly arrived = new Set<Step>();
-  private kept: View["map"] | null = null; // the laboratory's map, while the last chapter's is prepared
-  private column: Scenario | null = null; // that was solved last; a slider changes it in place
+  private kept: View["map"] | null = null; // the laboratory's map while that of the last chapter is prepared
+  private column: Scenario | null = null; // the last one that was solved; sliders change it in place
   private scrolled = true;
-  private aim: Step | null = null; // the chapter to be shown, until the reader scrolls
+  private otherExample = ""; // that the button of the chapter on counting loads
+  private aim: Step | null = null; // chapter to scroll to, until the reader scrolls
 
   constructor(
     private readonly state: State,
@@ -64,7 +65,7 @@ export class Story {
       });
     for (const button of find("chapters").querySelectorAll("button"))
       button.addEventListener("click", () => this.go(button.dataset.step as Step));
-    find("count-other").addEventListener("click", () => host.load(find("count-other").dataset.example!));
+    find("count-other").addEventListener("click", () => host.load(this.otherExample));
     addEventListener("scroll", () => (this.scrolled = true), { passive: true });
     addEventListener("resize", () => (this.scrolled = true));
     for (const act of ["wheel", "touchmove", "keydown"])
@@ -89,14 +90,14 @@ export class Story {
     if (!step) find("open-story").focus({ preventScroll: true });
   }
 
-  // The laboratory has its map again.
+  // Restores the laboratory's map.
   leave(): void {
     this.view.step = null;
     if (this.kept) this.host.showMap(this.kept);
     this.kept = null;
   }
 
-  // Sets the page to the chapter in the link. The panels that the laboratory has too move into their chapters, and back.
+  // Shows the chapter of the link. Panels of the laboratory are moved into their chapters, and back.
   show(): void {
     const { step } = this.view;
     find("story").hidden = step === null;
@@ -115,14 +116,14 @@ export class Story {
     this.scrollTo(step);
   }
 
-  // The film begins before anything is said.
+  // The film begins before the texts are written.
   open(): void {
     this.arrived.add("watch");
     this.host.arrived("watch");
     this.observation.open();
   }
 
-  // The last chapter's map is made for the column: it is set up again for one that was loaded, or by Undo.
+  // The map of the last chapter belongs to a column. It is prepared again for a column that was loaded or restored.
   solved(): void {
     if (this.column === this.state.scenario) return;
     this.column = this.state.scenario;
@@ -130,7 +131,7 @@ export class Story {
     this.scrolled = true;
   }
 
-  // Each panel into its chapter.
+  // Moves each panel into its chapter.
   private gather(): void {
     if (!this.view.step) return;
     for (const { section, text } of this.chapters)
@@ -151,7 +152,7 @@ export class Story {
     else this.chapters.find((c) => c.step === step)!.section.scrollIntoView({ block: "start" });
   }
 
-  // Whether a film is in view, so that it should go on.
+  // The film runs only if one is in view.
   get plays(): boolean {
     return this.view.step === null || this.observation.seen || this.film.seen;
   }
@@ -164,12 +165,12 @@ export class Story {
     for (const drawing of [this.observation.controls, this.observation.picture, this.prediction.picture])
       drawing.refresh();
     if ((!Sheet.moving || now - this.written >= Sheet.often) && this.texts.refresh()) this.written = now;
-    if (this.aim && this.aim !== "watch") this.scrollTo(this.aim); // the texts above are there now
+    if (this.aim && this.aim !== "watch") this.scrollTo(this.aim); // after the texts above it are written
     this.aim = null;
     if (this.scrolled) this.look();
   }
 
-  // Which chapter is read: the last one that begins above the middle of the window.
+  // The chapter that is read is the last one that begins above the middle of the window.
   private look(): void {
     this.scrolled = false;
     const { view, state } = this;
@@ -196,7 +197,7 @@ export class Story {
     state.writeLink();
   }
 
-  // What the chapters say; nothing outside the story.
+  // The sentences of all chapters; null outside the story.
   sentences(): Record<Step, Sentence[]> | null {
     const facts = this.facts();
     return facts && (Object.fromEntries(steps.map((step) => [step, story(step, facts)])) as Record<Step, Sentence[]>);
@@ -214,7 +215,7 @@ export class Story {
     };
   }
 
-  // While a slider moves, what is scrolled out of the window waits.
+  // While a slider moves, only chapters in the window are written.
   private write(): void {
     const facts = this.facts();
     if (!facts) return;
@@ -231,10 +232,10 @@ export class Story {
       setSentence(chapter.text, joined(sentences.slice(0, sentences.length - aside.length)));
       if (chapter.beside) setSentence(chapter.beside, joined(aside));
     }
-    // Hard balls touch more often than soft ones; the paper's balls are offered for counting too.
+    // Hard balls touch more often than soft ones: a button loads the paper's balls.
     const other = find("count-other");
     const opening = sameScenario(scenario, presets[0].scenario);
     setText(other, opening ? "Count on the paper’s hard balls" : "Count on the basketball");
-    other.dataset.example = opening ? "fig2" : presets[0].id;
+    this.otherExample = opening ? "fig2" : presets[0].id;
   }
 }

@@ -13,7 +13,7 @@ export interface Theme {
   font: string;
 }
 
-// The computed color-scheme does not tell it: with forced colours it is always "light dark".
+// The computed color-scheme does not show this: with forced colours it is always "light dark".
 const isDark = (root: HTMLElement): boolean => root.dataset.theme === "dark";
 
 // A colour of the style sheet. As the text of a property light-dark(…, …) is not resolved.
@@ -43,7 +43,7 @@ export function themeOf(root: HTMLElement): Theme {
 
 export type Rgb = [number, number, number];
 
-// OKLCH → sRGB; lightness alone orders the colours, so they can be told apart without colour vision.
+// OKLCH → sRGB; lightness alone orders the colours, so they can be distinguished without colour vision.
 function oklch(l: number, c: number, hue: number): Rgb {
   const h = (hue * Math.PI) / 180;
   const a = c * Math.cos(h);

@@ -1,5 +1,4 @@
-// A choice among several values in a link.
-// One of the options, as the link says; an invalid one is reported in `notes`.
+// Reads one of several options from a link; an invalid value is reported in `notes`.
 export function choiceOf<T extends string>(
   q: URLSearchParams,
   notes: string[],

@@ -1,15 +1,15 @@
-// Elements of the page: finding them, canvases at the screen's resolution.
+// Elements of the page, and canvases at the screen's resolution.
 import { later } from "./later";
 
 export const find = <T extends HTMLElement>(id: string): T => document.getElementById(id) as T;
 
-// Where the focus goes as its control disappears: to the bar above.
+// Moves the focus to the bar above when the focused control disappears.
 export const refocus = (): void => {
   const bar = find("panel-bar").hidden ? document.querySelector<HTMLElement>("#menu summary")! : find("panel-choice");
   bar.focus({ preventScroll: true });
 };
 
-// The same text again would be laid out again.
+// Setting an equal text would cost a layout.
 export function setText(node: Node, text: string): void {
   if (node.textContent === text) return;
   const { firstChild } = node;
@@ -25,11 +25,20 @@ export function setAttribute(element: Element, name: string, value: string): voi
   if (element.getAttribute(name) !== value) element.setAttribute(name, value);
 }
 
+const contents = new WeakMap<Element, string>();
+
+// Whether an element had other contents until now; `key` stands for the new ones.
+export function changes(element: Element, key: string): boolean {
+  if (contents.get(element) === key) return false;
+  contents.set(element, key);
+  return true;
+}
+
 // A number and its unit, "1.28 m", with a no-break space.
 const quantity = /(\d[\d.]* (?:[cmµn]?m(?:\/s)?|[mµn]?s|%)(?![\w/]))/;
 
-// Sets the text of an element; line breaks do not separate numbers from units. Where only words and numbers have changed,
-// its parts stay, which costs less.
+// Sets the text of an element without line breaks between numbers and units. Existing nodes are reused if possible,
+// which costs less.
 export function setSentence(element: HTMLElement, text: string): void {
   const parts = text.split(quantity);
   const old = element.childNodes;
@@ -50,6 +59,7 @@ export class Sheet {
   width = 0;
   height = 0;
   static printing = false;
+  static inStory = false;
   private inWindow = false;
   private near = false; // within one window of it
   constructor(id: string, resized: () => void) {
@@ -58,7 +68,7 @@ export class Sheet {
     later(() => this.observe(resized));
   }
 
-  // For the first picture: at once.
+  // Prepares the first picture without waiting for observers.
   open(): void {
     this.inWindow = true;
     this.measure();
@@ -86,21 +96,19 @@ export class Sheet {
   get seen(): boolean {
     return this.inWindow || Sheet.printing;
   }
-  // While a slider moves, what is scrolled out of the window waits.
+  // While a slider moves, canvases out of the window are not drawn.
   static moving = false;
-  static readonly legible = 80; // ms for which a number must stand to be read
-  static often = 100; // ms between texts while it moves
-  // Writing texts took so long [ms]: a slow machine writes them less often, and draws in between.
+  static readonly legible = 80; // time for which a number must be shown to be legible [ms]
+  static often = 100; // time between updates of texts while a slider moves [ms]
+  // Adapts the time between updates to the time that writing took [ms]: a slow machine writes less often.
   static wrote(took: number): void {
     Sheet.often = Math.min(Math.max(20 * took, 100), 300);
   }
-  // Whether it is displayed, even if scrolled out of view; in the story only what is near the window.
-  readonly shown = (): boolean =>
-    this.width > 0 &&
-    (this.seen || (!Sheet.moving && (this.near || document.documentElement.dataset.mode !== "story")));
+  // Whether the canvas is displayed, even out of the window; in the story only near the window.
+  readonly shown = (): boolean => this.width > 0 && (this.seen || (!Sheet.moving && (this.near || !Sheet.inStory)));
 
-  // Whether to compute what it shows: once the setting has rested for a while also what is far from the window, so that it
-  // is there when it is scrolled to or printed.
+  // Whether its contents are computed. Some time after the last change this is so also far from the window, for
+  // scrolling and printing.
   static idle = false;
   readonly wanted = (): boolean => this.shown() || (this.width > 0 && Sheet.idle);
 

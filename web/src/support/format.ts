@@ -34,7 +34,7 @@ export function digits(x: number, n = 3): string {
 
 export const minus = (text: string): string => text.replace("-", "−");
 
-// 1e-4, "m" → "100 µm". Lengths know centimetres, masses grams.
+// 1e-4, "m" → "100 µm". Lengths may be in centimetres, masses in grams.
 export function withUnit(x: number, unit: string, n = 3, keepZeros = false): string {
   if (!Number.isFinite(x)) return "–";
   const tidy = (v: number): string => {
@@ -54,7 +54,7 @@ export function withUnit(x: number, unit: string, n = 3, keepZeros = false): str
   return `${tidy(x / factor)} ${prefix}${unit}`;
 }
 
-// Heights that are read off a ruler in metres.
+// Heights in metres.
 export function metres(x: number): string {
   const size = Math.abs(x);
   return size >= 0.0995 ? `${minus(size < 99.95 ? x.toPrecision(3) : String(Math.round(x)))} m` : withUnit(x, "m");
@@ -63,13 +63,13 @@ export function metres(x: number): string {
 // Two lengths in the same unit.
 export function lengths(a: number, b: number): [string, string] {
   const large = Math.max(Math.abs(a) || 0, Math.abs(b) || 0);
-  const one = (x: number): string =>
+  const text = (x: number): string =>
     !Number.isFinite(x)
       ? "–"
       : large >= 0.9999 && Math.abs(x) >= 0.01
         ? `${minus(x.toPrecision(3))} m`
         : withUnit(x, "m", 3, true);
-  return [one(a), one(b)];
+  return [text(a), text(b)];
 }
 
 // The units that may follow a number, with their factors.
@@ -84,8 +84,8 @@ export function parse(text: string, unit: string): number {
   const match = /^\s*([-+−]?[\d.,]+(?:e[-+]?\d+)?)\s*(\S*)\s*$/i.exec(text.replace("·10^", "e"));
   if (!match) return NaN;
   const x = Number(match[1].replace("−", "-").replace(",", "."));
-  const given = match[2].replace(/^[uμ](?=.)/, "µ") || unit;
-  return x * (unitsOf(unit).get(given) ?? NaN);
+  const prefixed = match[2].replace(/^[uμ](?=.)/, "µ") || unit;
+  return x * (unitsOf(unit).get(prefixed) ?? NaN);
 }
 
 const subscripts = "₀₁₂₃₄₅₆₇₈₉";

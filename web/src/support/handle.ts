@@ -1,4 +1,4 @@
-// A part of a drawing that is pulled up and down, with a mouse, a finger or the arrow keys: a slider for screen readers.
+// A part of a drawing that is dragged vertically by mouse, finger or arrow keys. For screen readers it is a slider.
 import { setAttribute } from "./dom";
 import { niceBelow } from "./format";
 
@@ -18,7 +18,7 @@ export class Handle {
   private wanted = 0; // the value before it is rounded
   private last = 0; // pixel
 
-  // `twin`: a second place to pull at, for the pointer only.
+  // `twin`: a second area for the same value, for the pointer only.
   constructor(
     box: HTMLElement,
     private readonly pull: Pull,
@@ -58,12 +58,12 @@ export class Handle {
     box.append(element);
   }
 
-  // Where it lies in its drawing [px], by its middle; null: nowhere.
+  // Position in the drawing by its centre [px]; null: hidden.
   place(at: { x: number; y: number; width: number; height: number } | null): void {
     const { style } = this.element;
     if (style.display !== (at ? "" : "none")) style.display = at ? "" : "none";
     if (!at) return;
-    const size = `${Math.round(at.width / 4) * 4}px`; // steps: a new size costs a layout
+    const size = `${Math.round(at.width / 4) * 4}px`; // rounded, because a new size costs a layout
     if (style.width !== size) style.width = size;
     const tall = `${Math.round(at.height / 4) * 4}px`;
     if (style.height !== tall) style.height = tall;

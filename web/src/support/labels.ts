@@ -1,4 +1,4 @@
-// Labels in a plot: where there is room for them, and their drawing.
+// Labels in a plot: their positions and their drawing.
 import type { Frame } from "./plot";
 import type { Theme } from "../style/theme";
 
@@ -60,7 +60,7 @@ export class Room {
     );
   }
 
-  // The first of the best positions, which is then reserved.
+  // Returns and reserves the first of the best positions.
   take(places: Box[]): Box {
     const costs = places.map((place) => this.cost(place));
     const best = places[costs.indexOf(Math.min(...costs))];

@@ -1,6 +1,6 @@
-// Axes of the plots: scales, ticks and labels. Why no library: uPlot 1.6.32 (51 kB minified) draws series over one x; bands of
-// rows, maps and labels that stand clear of the curves would still be ours. Observable Plot 0.6.17 (209 kB, D3 not counted)
-// makes a new SVG at each change. This file and labels.ts take 3 kB.
+// Axes of the plots: scales, ticks and labels. No library is used: uPlot 1.6.32 (51 kB minified) draws series over one
+// x, but no bands, maps or labels beside curves; Observable Plot 0.6.17 (209 kB without D3) creates a new SVG at each
+// change. This file and labels.ts take 3 kB.
 import { niceTicks } from "./format";
 import type { Theme } from "../style/theme";
 
@@ -33,8 +33,8 @@ export class Scale {
   }
 }
 
-// Scales with the plot and with the text of the page.
-// Size of text in pictures [px]: at least 13; in a lecture that of the text around them.
+// Size of text in pictures [px]: at least 13; in the story and in single panels that of the page. It grows with the
+// plot.
 export const lettering = { least: 13, story: false };
 
 export const fontSize = (w: number): number =>
@@ -53,11 +53,11 @@ export interface AxisText {
   ticks: number[];
   name: (tick: number) => string;
   title: string;
-  after?: number; // pixels: names of ticks begin to the right of it
+  after?: number; // pixel to the right of which the labels of ticks begin
 }
 
-// Ticks, grid and titles around a frame. The title of the vertical axis is horizontal, above the axis, so that it can
-// be read easily.
+// Ticks, grid and titles around a frame. The title of the vertical axis is horizontal and above the axis, for
+// legibility.
 export function drawAxes(
   g: CanvasRenderingContext2D,
   f: Frame,

@@ -1,6 +1,6 @@
-// What the page loads besides itself.
+// Scripts of workers, and WebAssembly modules.
 
-// The script of a worker, kept in memory once it is loaded: later workers need no network.
+// The script of a worker. It is kept in memory, so that later workers need no network.
 export class Script {
   url: string;
 
@@ -9,7 +9,7 @@ export class Script {
   }
 
   keep(): void {
-    // Without it, workers go on loading the file, and say so if they cannot.
+    // If this fails, workers load the file and report an error if they cannot.
     fetch(this.url)
       .then(async (answer) => answer.ok && (this.url = URL.createObjectURL(await answer.blob())))
       .catch(() => undefined);

@@ -1,4 +1,4 @@
-// The choice of the theme, which is kept after a reload. Print is light.
+// The choice of the theme, which is stored. Print is light.
 import { find, Sheet } from "./dom";
 import { chosenTheme, systemTheme, themeKey, themeNow } from "../style/chosen_theme";
 import { themeOf, type Theme } from "../style/theme";
@@ -6,14 +6,12 @@ import { themeOf, type Theme } from "../style/theme";
 export class ThemeSwitch {
   private chosen = chosenTheme();
 
-  // `draw` draws everything at once: no frame follows before the page is printed.
+  // `draw` draws everything at once, because no frame follows before printing.
   constructor(
     private readonly state: { theme: Theme; redraw(): void },
     draw: () => void,
   ) {
-    find("theme").addEventListener("click", () =>
-      this.choose(document.documentElement.dataset.theme === "dark" ? "light" : "dark"),
-    );
+    find("theme").addEventListener("click", () => this.choose(state.theme.dark ? "light" : "dark"));
     systemTheme.addEventListener("change", () => this.apply());
     const printed = (on: boolean): void => {
       Sheet.printing = on;

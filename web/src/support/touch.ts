@@ -1,8 +1,8 @@
-// Touch input: a swipe scrolls the page. A tap selects a point of a plot and activates it: from then on
-// fingers drag in it, until something else is touched.
+// Touch input: a swipe scrolls the page. A tap selects a point of a plot and activates the plot: fingers then drag in
+// it until something else is touched.
 type Place = (x: number, y: number) => void;
 
-const still = 8; // pixels that a resting finger moves
+const still = 8; // tolerance for a finger at rest [pixels]
 
 // Activates a plot on a tap; mouse and pen need no tap.
 function livens(canvas: HTMLElement, tap: Place): void {
@@ -31,30 +31,30 @@ const works = (canvas: HTMLElement, e: PointerEvent): boolean =>
 
 // Calls `move` with the position of a pressed pointer.
 export function dragged(canvas: HTMLCanvasElement, move: Place): void {
+  let dragging = false;
   canvas.addEventListener("pointerdown", (e) => {
     if (!works(canvas, e)) return;
     canvas.setPointerCapture(e.pointerId);
-    canvas.dataset.dragging = "";
+    dragging = true;
     move(e.offsetX, e.offsetY);
   });
   canvas.addEventListener("pointermove", (e) => {
-    if (canvas.dataset.dragging !== undefined && canvas.hasPointerCapture(e.pointerId)) move(e.offsetX, e.offsetY);
+    if (dragging && canvas.hasPointerCapture(e.pointerId)) move(e.offsetX, e.offsetY);
   });
-  for (const type of ["pointerup", "pointercancel"] as const)
-    canvas.addEventListener(type, () => delete canvas.dataset.dragging);
+  for (const type of ["pointerup", "pointercancel"] as const) canvas.addEventListener(type, () => (dragging = false));
   livens(canvas, move);
 }
 
 export interface Gestures {
   choose: Place;
-  pan: Place; // by so many pixels
+  pan: Place; // by a distance in pixels
   zoom: (factor: number, x: number, y: number) => void; // about a point
   frame: (from: [number, number], to: [number, number], done: boolean) => void; // a rectangle drawn with Shift
   hover: (at: [number, number] | null) => void;
 }
 
-// A map: a click or a tap chooses, a drag moves it, Shift and a drag draw a rectangle, two fingers or Ctrl and the wheel
-// zoom.
+// Gestures of a map: a click or a tap chooses a point, a drag moves the map, Shift and a drag draw a rectangle, two
+// fingers or Ctrl and the wheel zoom.
 export function moved(canvas: HTMLCanvasElement, to: Gestures): void {
   const pressed = new Map<number, [number, number]>();
   let begin: [number, number] | null = null; // of a press that is not yet a drag

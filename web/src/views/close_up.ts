@@ -1,4 +1,4 @@
-// Close-up: gaps and compressions magnified, forces as arrows, the sizes of the balls brought closer to each other.
+// Close-up: gaps and compressions are magnified, forces are arrows, and ratios of the radii are reduced.
 import type { State } from "../core/core";
 import type { Drop, Track } from "../core/drop";
 import { forceName, niceBelow, withUnit } from "../support/format";
@@ -10,13 +10,13 @@ import type { Theme } from "../style/theme";
 // Label at a contact.
 interface Tag {
   along: number; // position of the contact
-  radius: number; // of the larger of its balls
+  radius: number; // of the larger ball of the contact
   text: string;
   color: string;
   weight: number;
 }
 
-// The positions nearest to the wanted ones, ascending, at least a distance apart, within [low, high] if possible.
+// Ascending positions near the wanted ones, at least `distance` apart and within [low, high] if possible.
 export function apart(wanted: number[], distance: number, low: number, high: number): number[] {
   const places = [...wanted];
   for (let i = 0; i < places.length; i++) places[i] = Math.max(places[i], i > 0 ? places[i - 1] + distance : low);
@@ -49,14 +49,14 @@ export class CloseUp extends Painter {
     const begin = cradle ? r.y + 3.4 * size : r.x;
     const width = (cradle ? r.h - 3.6 * size : r.w) / 2;
     const length = cradle ? r.w - 5.6 * size : r.h - 6.4 * size;
-    const open = Math.min(2.1 * size, (0.4 * length) / this.d.scenario.balls.length); // room for a gap
+    const open = Math.min(2.1 * size, (0.4 * length) / this.d.scenario.balls.length); // space for a gap
     const radii = this.schematicRadii(
       length,
       cradle
         ? Math.min(0.34 * width, 0.62 * width - 3.2 * size)
         : width * Math.min(0.27, Math.max(0.16, 0.5 - (3.1 * size) / width)),
       open,
-    ); // leaves room for the forces
+    ); // leaves space for the forces
     const pairs = Math.max(...this.d.compression.slice(1), 1e-15);
     const magnify = this.d.compression.map((c, j) => (1.1 * size) / Math.max(j === 0 ? c : pairs, 1e-15));
     this.scales(r, magnify);
@@ -83,7 +83,7 @@ export class CloseUp extends Painter {
     if (note) this.text(note, begin, r.y + 0.9 * size, theme.muted);
   }
 
-  // Sizes that show all balls: ratios are compressed to their power 0.4.
+  // Radii in the picture. They are proportional to R to the power 0.4, so that small balls are visible.
   private schematicRadii(length: number, widest: number, open: number): number[] {
     const raw = this.d.scenario.balls.map((b) => b.radius ** 0.4);
     const free = length - raw.length * open;
@@ -118,8 +118,7 @@ export class CloseUp extends Painter {
     }
   }
 
-  // `limit`: the widest gap that is drawn [pixels]; a wider one is dotted. `edge`: where the picture ends on the right, or
-  // the other model begins.
+  // `limit`: the widest gap that is drawn [pixels]; a wider one is dotted. `edge`: right end of the space for labels.
   private stack(
     line: Line,
     state: State,
@@ -211,8 +210,8 @@ export class CloseUp extends Painter {
     };
   }
 
-  // To the right of a column, one below the other, each with a line to its contact. At the edge a force is written over the
-  // ball, and a gap is left out.
+  // Labels to the right of a column, each with a line to its contact. Without enough space a force is written over the
+  // ball, and a gap is omitted.
   private tagsBeside(line: Line, tags: Tag[], top: number, edge: number): void {
     const { g, size, theme } = this;
     const places = apart(
@@ -234,7 +233,7 @@ export class CloseUp extends Painter {
     });
   }
 
-  // Above a row of balls, in as many lines as needed; gaps without room are left out.
+  // Labels above a row of balls, in up to three lines; gaps without space are omitted.
   private tagsAbove(line: Line, tags: Tag[], radius: number): void {
     const { g, size } = this;
     const ends = [-Infinity, -Infinity, -Infinity];

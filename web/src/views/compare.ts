@@ -30,31 +30,31 @@ export function differences(a: Scenario, b: Scenario): Row[] {
       gap(b.gaps[i]),
     );
   for (const name of new Set([...constantsOf(a), ...constantsOf(b)])) {
-    const say = (s: Scenario): string =>
+    const text = (s: Scenario): string =>
       constantsOf(s).includes(name)
         ? [...new Set(s.balls.map((_, i) => withUnit(constantAt(s, name, i), constants[name].range.unit, 4)))].join(
             ", ",
           )
         : "–";
-    row(constants[name].label, say(a), say(b));
+    row(constants[name].label, text(a), text(b));
   }
   for (let i = 0; i < Math.max(a.balls.length, b.balls.length); i++) {
-    const say = (s: Scenario, f: (k: number) => string): string => (i < s.balls.length ? f(i) : "–");
+    const text = (s: Scenario, f: (k: number) => string): string => (i < s.balls.length ? f(i) : "–");
     row(
       `radius of ball ${i + 1}`,
-      say(a, (k) => withUnit(a.balls[k].radius, "m", 4)),
-      say(b, (k) => withUnit(b.balls[k].radius, "m", 4)),
+      text(a, (k) => withUnit(a.balls[k].radius, "m", 4)),
+      text(b, (k) => withUnit(b.balls[k].radius, "m", 4)),
     );
     row(
       `mass of ball ${i + 1}`,
-      say(a, (k) => withUnit(massOf(a.balls[k]), "kg", 4)),
-      say(b, (k) => withUnit(massOf(b.balls[k]), "kg", 4)),
+      text(a, (k) => withUnit(massOf(a.balls[k]), "kg", 4)),
+      text(b, (k) => withUnit(massOf(b.balls[k]), "kg", 4)),
     );
     if (a.cradle || b.cradle)
       row(
         `velocity of ball ${i + 1}`,
-        say(a, (k) => withUnit(a.velocities[k], "m/s")),
-        say(b, (k) => withUnit(b.velocities[k], "m/s")),
+        text(a, (k) => withUnit(a.velocities[k], "m/s")),
+        text(b, (k) => withUnit(b.velocities[k], "m/s")),
       );
   }
   return rows;
@@ -182,7 +182,7 @@ export class Compare {
     find("compare").dataset.ready = String(this.drop !== null);
   }
 
-  // Both at the instant of the film.
+  // Draws both settings at the time of the film.
   private draw(): void {
     const { sheet, state } = this;
     if (!this.view.pin || !state.drop || sheet.width < 40) return;
@@ -194,7 +194,7 @@ export class Compare {
     const tops = drops.map((d) => (d ? d.top : 0));
     drops.forEach((d, k) => {
       if (!d) return;
-      const shared = d.scenario.cradle ? d : { ...d, top: Math.max(...tops) }; // one scale for both
+      const shared = d.scenario.cradle ? d : { ...d, top: Math.max(...tops) }; // the same scale for both
       const moment = { time, rate: 1, newton: d.motion.newton.at(time), icm: d.motion.icm.at(time) };
       drawTrueScale(
         g,

@@ -1,5 +1,5 @@
-// The first screen: both worlds side by side, each with its balls on the floor. The camera comes close while the film is
-// slow, and goes back to show how high the balls rise.
+// The first screen: both models side by side. The picture is enlarged while the film is slow, and reduced to show how
+// high the balls rise.
 import type { State as Balls } from "../core/core";
 import type { Drop, Track } from "../core/drop";
 import { drawBall, shaded } from "./ball";
@@ -24,7 +24,7 @@ interface Place {
   height: number;
 }
 
-// Where things are, for the pointer.
+// Coordinates for the pointer.
 export interface DuelLayout {
   scale: number; // pixels per metre
   worlds: { top: Place; lowest: Place }[];
@@ -94,7 +94,7 @@ export function drawDuel(
   return { scale, worlds: places };
 }
 
-// Pixels per metre: near enough for the contacts where the film is slow, else far enough for the whole flight.
+// Pixels per metre: large while the film is slow, to show the contacts; otherwise small, to show the whole flight.
 function scaleAt(d: Drop, m: DuelMoment, room: number, width: number): number {
   const { balls, gaps } = d.scenario;
   const tall = balls.reduce((sum, b) => sum + 2 * b.radius, 0) + gaps.reduce((a, b) => a + b, 0);
@@ -130,7 +130,7 @@ function drawRuler(
   }
 }
 
-// One of the two worlds.
+// The picture of one model.
 class World {
   constructor(
     private readonly g: CanvasRenderingContext2D,
@@ -152,7 +152,7 @@ class World {
     return Math.max(this.d.scenario.balls[i].radius * this.scale, 3);
   }
 
-  // Where the top and the lowest ball are taken hold of: large enough for a finger, and apart.
+  // Areas in which the top and the lowest ball can be dragged. They are large enough for a finger and do not overlap.
   places(balls: Balls): { top: Place; lowest: Place } {
     const n = this.d.scenario.balls.length - 1;
     const [high, low] = [this.y(balls.position[n]), this.y(balls.position[0])];
@@ -196,7 +196,7 @@ class World {
     g.globalAlpha = 1;
   }
 
-  // Each ball is pressed flat where it overlaps a neighbour or the floor, and grows as much wider.
+  // A ball is flattened where it overlaps a neighbour or the floor, and becomes wider.
   balls(balls: Balls): void {
     const { g, d } = this;
     d.scenario.balls.forEach((b, i) => {
@@ -210,7 +210,7 @@ class World {
     });
   }
 
-  // Where two bodies touch: what each exerts on the other, beside the balls.
+  // Arrows of the contact forces, beside the balls.
   forces(balls: Balls): void {
     const { g, d, theme, size } = this;
     const most = Math.max(...d.peakForce, 1e-300);
@@ -222,7 +222,7 @@ class World {
       const force = balls.force[pair];
       if (!(force > 0.004 * most)) continue;
       const length = Math.max((longest * force) / most, 0.7 * size);
-      const way = n > 2 && pair % 2 === 1 ? -1 : 1; // in a high column on both sides, so that arrows of neighbours stay apart
+      const way = n > 2 && pair % 2 === 1 ? -1 : 1; // arrows of neighbouring contacts are on different sides
       const side = this.x + way * (this.radius(Math.max(pair - 1, 0)) + 1.3 * size);
       const y = pair === 0 ? this.floor : this.y(balls.position[pair - 1] + d.scenario.balls[pair - 1].radius);
       g.strokeStyle = g.fillStyle = theme.ink;
@@ -236,7 +236,7 @@ class World {
     }
   }
 
-  // A collision takes no time: a ring that grows and fades.
+  // Collisions are instantaneous. Each is shown as a ring that grows and fades.
   flashes(track: Track, balls: Balls, toScreen: (t: number) => number): void {
     const { g, d, m, size } = this;
     for (const c of track.run.contacts.slice(0, 400)) {
@@ -255,7 +255,7 @@ class World {
     }
   }
 
-  // How high the top ball rises, once it is there.
+  // Writes the rebound height of the top ball once the ball has reached it.
   height(track: Track, balls: Balls, wide: number): void {
     const { g, d, theme, size } = this;
     const top = d.scenario.balls.length - 1;

@@ -73,7 +73,7 @@ export class Film {
     state.screen = Math.min(Math.max(state.screen + by, 0), state.clock().length);
   }
 
-  // Keys of the film work everywhere except in a focused control that uses them.
+  // Keys of the film. A focused control that uses a key itself has precedence.
   private key(e: KeyboardEvent): void {
     const { state } = this;
     const target = e.target as HTMLElement;
@@ -158,7 +158,7 @@ export function drawMoment(g: CanvasRenderingContext2D, w: number, h: number, st
   drawStage(g, w, h, d, { time, rate: rateAt(state), newton, icm }, state.theme);
 }
 
-// In the unit of the contacts while they last, in seconds before and after, near them in milliseconds.
+// A time in the unit of the contacts near them; otherwise in seconds, or in milliseconds near zero.
 export function clockText(time: number, d: Drop): string {
   const span = d.to - d.from;
   const near = time > d.from - 2 * span && time < d.to + 2 * span;

@@ -136,7 +136,8 @@ function shadeContacts(
     if (lower) g.fillRect(from, lower.top, Math.max(to - from, 1), lower.height);
     const name = String(i + 1);
     const half = g.measureText(name).width / 2;
-    const middle = Math.min((from + to) / 2, from + size); // in a long contact beside the line of the film, which rests in its middle
+    // The cursor of the film often stands in the middle of a long contact.
+    const middle = Math.min((from + to) / 2, from + size);
     if (middle - half < right + 4) return;
     right = middle + half;
     g.fillStyle = theme.muted;

@@ -3,8 +3,8 @@ import { find } from "../support/dom";
 import { digits, withUnit } from "../support/format";
 import { experiments, measuredBalls, middle, stiffnessFor, type MeasuredBall } from "../scenario/measured";
 
-const span = ([low, high]: [number, number], say: (x: number) => string): string =>
-  say(low) === say(high) ? say(low) : `${say(low)} to ${say(high)}`;
+const span = ([low, high]: [number, number], show: (x: number) => string): string =>
+  show(low) === show(high) ? show(low) : `${show(low)} to ${show(high)}`;
 
 function facts(b: MeasuredBall): [string, string][] {
   const list: [string, string][] = [

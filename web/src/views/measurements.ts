@@ -4,16 +4,16 @@
 //   0, 1.02, 0.03
 //   5, 1.31
 //
-// The first line names the columns with their units: one of gap, restitution, ratio (R1/R2); height, that of the top
-// ball's centre above the floor; uncertainty, which may be left out, as may its values. Units of lengths: m, cm, mm,
-// µm or um; m where none is given. Columns are separated by commas, semicolons or tabs; with the last two a decimal
-// comma is understood. Lines that are empty or begin with # are passed over.
+// The first line names the columns and their units. One column is gap, restitution or ratio (R1/R2); `height` is that
+// of the top ball's centre above the floor; the column `uncertainty` and its values are optional. Units of lengths are
+// m (the default), cm, mm, µm or um. Columns are separated by commas, semicolons or tabs; the last two allow a decimal
+// comma. Empty lines and lines that begin with # are ignored.
 import type { CurveAxis } from "../scenario/story_view";
 
 export interface Measured {
   x: number;
   height: number; // m
-  uncertainty: number; // m, 0 where not given
+  uncertainty: number; // m, 0 if it is missing
 }
 
 export interface Measurements {
@@ -49,7 +49,8 @@ export function readMeasurements(text: string): Measurements {
   const x = columns.findIndex((c) => c.name in axisOf);
   if (x < 0)
     throw new Error(
-      `line ${filled[0].number}: got the columns ${columns.map((c) => c.name).join(", ")}; one must be gap, restitution or ratio`,
+      `line ${filled[0].number}: got the columns ${columns.map((c) => c.name).join(", ")}; one must be gap, ` +
+        `restitution or ratio`,
     );
   if (place("height") < 0)
     throw new Error(
@@ -74,7 +75,8 @@ function readColumn(cell: string, line: number): Column {
   const name = match?.[1].toLowerCase() ?? "";
   if (!(name in axisOf) && name !== "height" && name !== "uncertainty")
     throw new Error(
-      `line ${line}: got the column “${cell.trim().slice(0, 30)}”, must be gap, restitution, ratio, height or uncertainty, with its unit in brackets`,
+      `line ${line}: got the column “${cell.trim().slice(0, 30)}”, must be gap, restitution, ratio, height or ` +
+        `uncertainty, with its unit in brackets`,
     );
   const plain = name === "restitution" || name === "ratio";
   const unit = match![2] ?? (plain ? "1" : "m");
@@ -94,7 +96,8 @@ function readValue(cell: string, column: Column, separator: string, line: number
   const most = column.name === "restitution" ? 1 : Infinity;
   if (!Number.isFinite(x) || x < 0 || (positive && x === 0) || x > most)
     throw new Error(
-      `line ${line}, ${column.name}: got “${plain.slice(0, 20)}”, must be a number ${positive ? "above 0" : most === 1 ? "from 0 to 1" : "not below 0"}`,
+      `line ${line}, ${column.name}: got “${plain.slice(0, 20)}”, must be a number ` +
+        `${positive ? "above 0" : most === 1 ? "from 0 to 1" : "not below 0"}`,
     );
   return x;
 }

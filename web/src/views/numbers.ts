@@ -1,5 +1,5 @@
 // Draws the report: the table of results, the energy bars, the definitions.
-import { setAttribute, setText } from "../support/dom";
+import { changes, setAttribute, setText } from "../support/dom";
 import { namesOf } from "../scenario/tables";
 import type { Report, ShareRow } from "../report/report";
 
@@ -46,8 +46,7 @@ export function fillEnergy(box: HTMLElement, { shares }: Report): void {
   const { rows } = shares;
   const models = (["newton", "icm"] as const).filter((model) => shares[model]);
   const shape = [models, rows.map((r) => r.name + r.color)].join();
-  if (box.dataset.shape !== shape) buildEnergy(box, models, rows);
-  box.dataset.shape = shape;
+  if (changes(box, shape)) buildEnergy(box, models, rows);
   models.forEach((model, k) => {
     const part = shares[model]!;
     const bar = box.children[2 * k + 1];
@@ -87,8 +86,7 @@ function buildEnergy(box: HTMLElement, models: ("newton" | "icm")[], rows: Share
 // Definitions of the names shown in the table.
 export function fillDefinitions(list: HTMLElement, report: Report): void {
   const key = report.table.map((r) => r.name + r.title).join();
-  if (list.dataset.of === key) return;
-  list.dataset.of = key;
+  if (!changes(list, key)) return;
   const parts = report.table.flatMap((r) => {
     const [dt, dd] = [document.createElement("dt"), document.createElement("dd")];
     dt.replaceChildren(...subscripted(r.name));

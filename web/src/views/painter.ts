@@ -38,7 +38,7 @@ export class Painter {
     this.g.fillText(text, x, y);
   }
 
-  // The first of the titles that fits.
+  // Writes the first title that fits.
   protected header(r: Rect, ...titles: string[]): void {
     this.g.textBaseline = "middle";
     this.font(1, 600);
@@ -58,7 +58,7 @@ export class Painter {
     return ghost ? dashed(this.theme, this.size, radius) : { fill: this.theme.balls[ball] };
   }
 
-  // Text with a halo, for places where something may lie behind.
+  // Text with a halo, which is legible over other drawings.
   protected label(text: string, x: number, y: number, color: string, align: CanvasTextAlign = "center"): void {
     this.g.textAlign = align;
     this.g.lineWidth = 4;

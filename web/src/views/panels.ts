@@ -124,7 +124,7 @@ export class TimelinePanel {
 
   // Restarts unless only ε has changed.
   refresh(): void {
-    this.sheet.canvas.setAttribute("aria-valuenow", String(this.state.scenario.restitution)); // out of the window, too
+    this.sheet.canvas.setAttribute("aria-valuenow", String(this.state.scenario.restitution)); // also out of the window
     const key = JSON.stringify({ ...this.state.scenario, restitution: 0 });
     if (key === this.key) return;
     this.key = key;
@@ -132,7 +132,7 @@ export class TimelinePanel {
     this.sheet.canvas.dataset.computed = "false";
   }
 
-  // Whether to redraw: less often while rows arrive.
+  // Whether the plot may be drawn; less often while rows are computed.
   due(now: number): boolean {
     return this.sheet.shown() && (this.timeline.done || (this.sheet.seen && now - this.drawn >= 120));
   }

@@ -1,5 +1,5 @@
-// How high the top ball rises under both models, over the gap, ε or R1/R2: coarse first, then finer where the curve
-// bends or jumps. On a cradle, which has no heights: the velocity of the last ball.
+// Rebound height of the top ball by both models over the gap, ε or R1/R2. Few points are computed first, then more
+// where the curve bends or jumps. On a cradle the velocity of the last ball takes the place of the height.
 import type { CurveAxis } from "../scenario/story_view";
 import { piece, type Piece, type Pool } from "../core/pool";
 import { columnOf, copyOf, firstGap, lowestHeight, ranges, type Scenario } from "../scenario/scenario";
@@ -40,21 +40,21 @@ export function movedTo(s: Scenario, axis: CurveAxis, x: number): Scenario | nul
 }
 
 const coarse = 24; // intervals of the first pass
-const finest = 2 ** -4; // of a coarse interval: where a curve is not straight
+const finest = 2 ** -4; // smallest interval, relative to the first ones
 const mostPoints = 700;
 const batchTime = 30; // ms: longest time of one batch
 
 export class Curve {
   points: CurvePoint[] = [];
-  touching: CurvePoint | null = null; // at gap 0, which a logarithmic axis does not hold
+  touching: CurvePoint | null = null; // at gap 0, which a logarithmic axis does not have
   done = true;
   span: Span = { low: 0, high: 1, log: false };
   axis: CurveAxis = "gap";
   private scenario: Scenario | null = null;
   private queue: number[] = [];
-  private sent = 0; // batches of this job in progress
+  private sent = 0; // batches of this job that workers compute
   private job = 0;
-  private perPoint = 0; // ms, measured continuously; 0: not known yet
+  private perPoint = 0; // mean time of a point [ms]; 0: not measured yet
 
   constructor(
     private readonly pool: Pool,
@@ -85,7 +85,7 @@ export class Curve {
     this.done = true;
   }
 
-  // Place between 0 and 1 → value, and back.
+  // Converts a fraction of the axis to a value; shareOf is the inverse.
   private at(share: number): number {
     const { low, high, log } = this.span;
     return log ? low * (high / low) ** share : low + (high - low) * share;

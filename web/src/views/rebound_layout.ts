@@ -1,4 +1,4 @@
-// What the plot of rebound heights shows, and where: values and pixels.
+// Contents and coordinates of the plot of rebound heights.
 import { digits, withUnit } from "../support/format";
 import type { CurveAxis } from "../scenario/story_view";
 import type { Measurements } from "./measurements";
@@ -16,7 +16,8 @@ export interface CurvePicture {
   pinnedTouching: CurvePoint | null;
   pinnedAt: number | null; // x of setting A
   released: number; // height of the top ball's centre at release [m]; NaN on a cradle
-  alone: { low: number; high: number; by: string } | null; // heights to which the top ball comes back by itself [m]
+  // Rebound heights of the top ball when it is dropped alone [m].
+  alone: { low: number; high: number; by: string } | null;
   measured: Measurements | null;
   marked: CurvePoint; // the present setting
   hovered: number | null;
@@ -27,7 +28,7 @@ export interface CurveLayout {
   x: Scale;
   y: Scale;
   frame: Frame;
-  zero: number; // pixel of gap 0; NaN where there is no such place
+  zero: number; // pixel of gap 0; NaN if the axis has none
 }
 
 export const axisTitle: Record<CurveAxis, string> = {
@@ -45,7 +46,7 @@ export const nameOf = (axis: CurveAxis, x: number): string =>
       ? `ε = ${digits(x)}`
       : `R₁/R₂ = ${digits(x)}`;
 
-// The point computed nearest to x, and gap 0 by itself.
+// The computed point nearest to x; gap 0 is separate.
 export function nearest(p: Pick<CurvePicture, "points" | "touching" | "axis" | "span">, x: number): CurvePoint | null {
   if (p.axis === "gap" && x < 0.75 * p.span.low) return p.touching;
   const place = (v: number): number => (p.span.log ? Math.log(v) : v);

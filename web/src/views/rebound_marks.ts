@@ -1,11 +1,11 @@
-// Marks and their names in the plot of rebound heights: levels, measured heights, setting A, the present setting.
+// Marks and labels in the plot of rebound heights: levels, measured heights, setting A, the present setting.
 import { metres, withUnit } from "../support/format";
 import { halo, Room, write, type Box } from "../support/labels";
 import { grown, setFont, stroke, type Frame, type Scale } from "../support/plot";
 import { models, nearest, pixelOf, type CurveLayout, type CurvePicture } from "./rebound_layout";
 import type { Theme } from "../style/theme";
 
-// Room for labels beside both curves and the present setting.
+// Free space for labels beside both curves and the present setting.
 export function roomBeside(frame: Frame, l: CurveLayout, p: CurvePicture): Room {
   const curves = models.map((model) => p.points.map((q): [number, number] => [l.x.at(q.x), l.y.at(q[model])]));
   const points = [p.touching, p.marked].flatMap((q) =>
@@ -24,7 +24,7 @@ export function drawRelease(g: CanvasRenderingContext2D, f: Frame, y: Scale, p: 
   g.setLineDash([]);
 }
 
-// The heights that the rules of the top ball allow it, let go alone.
+// Band of the rebound heights of the top ball when it is dropped alone, from the rules of its sport.
 export function drawAlone(g: CanvasRenderingContext2D, f: Frame, y: Scale, p: CurvePicture, theme: Theme): void {
   if (!p.alone) return;
   const top = y.at(p.alone.high);
@@ -70,7 +70,7 @@ export function nameRelease(
     nameLevel(g, f, [y.at(p.released), y.at(p.released)], [`let go at ${metres(p.released)}`], room, theme, size);
 }
 
-// Above or below a line or a band, depending on the room; the first text that fits into the frame.
+// Writes the first text that fits into the frame above or below a line or a band, where there is space.
 function nameLevel(
   g: CanvasRenderingContext2D,
   f: Frame,
@@ -131,7 +131,7 @@ export function drawMeasured(g: CanvasRenderingContext2D, l: CurveLayout, p: Cur
   }
 }
 
-// The measured heights as numbers, as long as there are not too many to be read.
+// Writes the measured heights as numbers if there are few enough to be legible.
 export function nameMeasured(
   g: CanvasRenderingContext2D,
   l: CurveLayout,
@@ -180,7 +180,7 @@ export function drawPinned(
   halo(g, "A", at + 5, l.frame.top + l.frame.height - 4, theme.muted, theme);
 }
 
-// A line at the present setting, one under the pointer, and dots where they meet the curves.
+// Lines at the present setting and under the pointer, with dots at their intersections with the curves.
 export function drawPlace(
   g: CanvasRenderingContext2D,
   l: CurveLayout,
@@ -205,7 +205,7 @@ export function drawPlace(
   }
 }
 
-// The value beside its dot, where there is room; of two that are close the greater one above.
+// Writes the value beside its dot where there is space. If both values are close, the greater one is written above.
 function nameValue(
   g: CanvasRenderingContext2D,
   l: CurveLayout,

@@ -74,7 +74,7 @@ export class ReboundPanel {
     setText(find("rebound-title"), `${what} over ${{ gap: "the gap", e: "ε", ratio: "R₁/R₂" }[this.view.curve]}`);
   }
 
-  // Less often while points arrive.
+  // Draws if necessary; less often while the curves are computed.
   drawIfDue(now: number): void {
     if (!this.state.drop || this.sheet.width < 40 || !this.sheet.shown()) return;
     if (!this.curve.done && (!this.sheet.seen || now - this.drawn < 80)) return;
@@ -85,7 +85,6 @@ export class ReboundPanel {
     const { sheet, state } = this;
     this.layout = drawCurves(sheet.g, sheet.width, sheet.height, this.contents(), state.theme);
     this.write();
-    sheet.canvas.dataset.points = String(this.curve.points.length);
     sheet.canvas.dataset.done = String(this.curve.done && (this.pinnedKey === "" || this.pinned.done));
   }
 
@@ -125,7 +124,7 @@ export class ReboundPanel {
     );
   }
 
-  // The present setting: its own values, not those of the nearest point computed.
+  // The values of the present setting, which are more accurate than those of the nearest computed point.
   private marked(): CurvePoint {
     const { newton, icm, scenario } = this.state.drop!;
     const top = scenario.balls.length - 1;
@@ -134,12 +133,12 @@ export class ReboundPanel {
   }
 
   private describe(p: CurvePoint): string {
-    const say = (x: number): string =>
+    const text = (x: number): string =>
       !Number.isFinite(x) ? "none" : this.state.scenario.cradle ? withUnit(x, "m/s") : metres(x);
-    return `${newton.short} ${say(p.newton)}, ${independent.short} ${say(p.icm)}`;
+    return `${newton.short} ${text(p.newton)}, ${independent.short} ${text(p.icm)}`;
   }
 
-  // Newton's heights at gap 0 and the highest over the gap; null until they are computed.
+  // Newton's height at gap 0 and the greatest one over all gaps; null until the curve is complete.
   extremes(): { touching: number; best: number; at: number } | null {
     const { points, touching, axis, done } = this.curve;
     if (!done || axis !== "gap" || !touching) return null;
@@ -220,12 +219,16 @@ export class ReboundPanel {
     if (file.size > largestFile)
       return this.setMeasured(null, `${file.name}: got ${file.size} bytes, must be at most ${largestFile}`);
     try {
-      const found = readMeasurements(await file.text());
-      this.setMeasured(found, "");
-      if (found.axis !== this.view.curve) this.setAxis(found.axis);
-      const [low, high] = [Math.min(...found.list.map((m) => m.height)), Math.max(...found.list.map((m) => m.height))];
-      this.say(
-        `${file.name}: ${found.list.length} measured height${found.list.length === 1 ? "" : "s"}, ${digits(low)} to ${digits(high)} m.`,
+      const measurements = readMeasurements(await file.text());
+      this.setMeasured(measurements, "");
+      if (measurements.axis !== this.view.curve) this.setAxis(measurements.axis);
+      const [low, high] = [
+        Math.min(...measurements.list.map((m) => m.height)),
+        Math.max(...measurements.list.map((m) => m.height)),
+      ];
+      this.note(
+        `${file.name}: ${measurements.list.length} measured height${measurements.list.length === 1 ? "" : "s"}, ` +
+          `${digits(low)} to ${digits(high)} m.`,
         false,
       );
     } catch (error) {
@@ -236,10 +239,10 @@ export class ReboundPanel {
   private setMeasured(measured: Measurements | null, fault: string): void {
     this.measured = measured;
     find("measured").textContent = measured ? "Remove measured heights" : "Load measured heights (CSV)";
-    this.say(fault, true);
+    this.note(fault, true);
   }
 
-  private say(text: string, fault: boolean): void {
+  private note(text: string, fault: boolean): void {
     const box = find("measured-note");
     box.textContent = text;
     box.hidden = text === "";
@@ -247,7 +250,7 @@ export class ReboundPanel {
   }
 }
 
-// Key of the parameters of the curves, without the one along their axis.
+// Identifies the parameters of a curve, except the one along its axis.
 function keyOf(scenario: Scenario, axis: CurveAxis, span: object): string {
   const s = { ...scenario, gaps: [...scenario.gaps], balls: scenario.balls.map((b) => ({ ...b })) };
   if (axis === "e") s.restitution = 0;

@@ -85,7 +85,7 @@ function extent(p: CurvePicture): [number, number] {
   return [Math.min(0, 1.1 * Math.min(...known, 0)), 1.12 * high];
 }
 
-// A separate position for gap 0.
+// The position of gap 0 is left of the logarithmic axis.
 function drawLane(g: CanvasRenderingContext2D, f: Frame, zero: number, theme: Theme, size: number): void {
   g.strokeStyle = theme.line;
   g.lineWidth = 1;

@@ -7,13 +7,13 @@ import { observed } from "../state/signals";
 import type { Theme } from "../style/theme";
 import { alike, drawTimeline, type TimelineLayout } from "./timeline_drawing";
 
-const even = 241; // rows to begin with
-const finest = 1 / 4096; // of the distance between them, where the contacts change
-const finestBend = 1 / 40; // where their times bend
-const straight = 1 / 1500; // largest error of a line, relative to the times shown
-const most = 1500; // rows
+const even = 241; // number of equidistant rows that are computed first
+const finest = 1 / 4096; // smallest distance of rows where the contacts change, relative to the equidistant rows
+const finestBend = 1 / 40; // the same where the times of contacts are not linear in ε
+const straight = 1 / 1500; // largest error of linear interpolation, relative to the times shown
+const most = 1500; // number of rows
 const patience = 4_000; // ms: rows that would take longer are left out
-const longest = 5; // floor contacts: times shown
+const longest = 5; // largest time shown, in durations of the floor contact
 const low = ranges.restitution.low;
 
 // Rows are computed in workers, coarse first. Where the contacts change between two rows, more rows are inserted
@@ -22,13 +22,13 @@ export class Timeline {
   private rows: TimelineRow[] = []; // by ε
   private adiabatic: TimelineRow[] = [];
   private queue: number[] = []; // ε
-  private sent = 0; // batches in progress
-  private asked = 0;
+  private sent = 0; // batches that workers compute
+  private requested = 0;
   private answered = 0;
-  private perRow = 0; // ms, measured as it goes
+  private perRow = 0; // mean time of a row [ms]; 0: not measured yet
   private job = 0;
   private column: Float64Array = new Float64Array();
-  private exact = false; // there is an adiabatic solution
+  private exact = false; // the adiabatic solution exists
 
   constructor(pool: Pool, shown: () => boolean) {
     observed(this, ["rows"]);
@@ -47,7 +47,7 @@ export class Timeline {
     const places = new Set<number>();
     for (let stride = 16; stride >= 1; stride /= 2) for (let i = 0; i < even; i += stride) places.add(i);
     this.queue = [...places].map((i) => low + ((1 - low) * i) / (even - 1));
-    this.asked = this.queue.length;
+    this.requested = this.queue.length;
     this.wake();
   }
 
@@ -55,7 +55,7 @@ export class Timeline {
     return this.queue.length === 0 && this.sent === 0;
   }
   get progress(): number {
-    return this.answered / Math.max(this.asked, 1);
+    return this.answered / Math.max(this.requested, 1);
   }
 
   private nextBatch(): Piece | null {
@@ -92,11 +92,11 @@ export class Timeline {
       if (distance > finest * apart && (changed || bent)) this.queue.push(0.5 * (a.restitution + b.restitution));
     }
     if (rows.length + this.queue.length > most || this.queue.length * this.perRow > patience) this.queue = [];
-    this.asked += this.queue.length;
+    this.requested += this.queue.length;
   }
 
-  // Range of times: the whole floor contact and, for nearly all rows, the last contact between balls. If that is so late that it
-  // would compress the floor contact to a strip, the first contact between balls.
+  // Last time shown. It includes the whole floor contact and, for nearly all rows, the last contact between balls; only
+  // the first contact between balls if the last one is so late that the floor contact would become a narrow strip.
   private span(): number {
     const floor = this.rows.reduce(
       (most, { tFloorEnd }) => (tFloorEnd < Infinity ? Math.max(most, tFloorEnd) : most),
@@ -125,8 +125,8 @@ function mostOf(times: number[]): number {
   return sorted[Math.floor(0.9 * (sorted.length - 1))] ?? 0;
 }
 
-// Whether a line between the rows a and b would miss what is shown of the times between them, judged by the curvature
-// that a third row on either side shows. A curve with the second difference quotient q strays q h²/4 from its chord over h.
+// Whether linear interpolation between the rows a and b has a visible error. The curvature is estimated with a third
+// row on either side: a curve with the second difference quotient q deviates by q h²/4 from its chord over h.
 function bends(
   before: TimelineRow | undefined,
   a: TimelineRow,

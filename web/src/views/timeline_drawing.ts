@@ -63,8 +63,7 @@ export function drawTimeline(
   return { x, y, frame: f };
 }
 
-// The regions in which two bodies touch. A region continues between rows with the same contacts; where they change,
-// it ends.
+// Draws the regions in which two bodies touch. A region consists of neighbouring rows with the same contacts.
 function drawBands(
   g: CanvasRenderingContext2D,
   x: Scale,
@@ -82,7 +81,8 @@ function drawBands(
     group[0].contacts.forEach(({ pair }, k) => {
       const left = group.map((row, i): [number, number] => [x.at(row.contacts[k].begin), heights[i]]);
       const right = group.map((row, i): [number, number] => [end(row.contacts[k]), heights[i]]);
-      const over = several && pair > 0 ? 0 : 0.5; // pixels into the next region, or a hairline shows between them
+      // Pixels of overlap with the next region, to avoid a hairline between them.
+      const over = several && pair > 0 ? 0 : 0.5;
       for (const edge of [left, right]) {
         edge.unshift([edge[0][0], bottom + over]);
         edge.push([edge[last + 1][0], top - over]);
@@ -92,7 +92,7 @@ function drawBands(
       trace(g, [...left, ...right.reverse()]);
       g.fill();
       g.globalAlpha = 1;
-      g.lineWidth = pair === 0 ? 0.5 : several ? 2.5 : 1; // bands of several pairs overlap: their edges tell them apart
+      g.lineWidth = pair === 0 ? 0.5 : several ? 2.5 : 1; // bands of several pairs overlap: edges distinguish them
       for (const edge of [left, right]) {
         trace(g, edge);
         g.stroke();
@@ -101,13 +101,14 @@ function drawBands(
   }
 }
 
-// Half way to the next row above (1) or below (−1): there the region of a row ends.
+// The region of a row ends half way to the next row above (1) or below (−1).
 function border(rows: TimelineRow[], row: TimelineRow, side: 1 | -1): number {
   const next = rows[rows.indexOf(row) + side];
   return next ? 0.5 * (row.restitution + next.restitution) : row.restitution;
 }
 
-// Edges of the adiabatic contacts over the bands: where they coincide the reaction on the lower ball does not matter.
+// Draws the edges of the adiabatic contacts over the bands. Where both coincide, the lower ball is not affected by the
+// upper one.
 function drawAdiabatic(g: CanvasRenderingContext2D, x: Scale, y: Scale, rows: TimelineRow[], theme: Theme): void {
   g.fillStyle = theme.ink;
   for (const group of runsOf(rows))
@@ -181,7 +182,8 @@ function drawChosen(
     .filter((c) => c.pair === 1 && c.begin <= d.newton.run.last)
     .forEach((c, i) => {
       const end = Number.isFinite(c.end) ? c.end : Math.max(c.begin, x.high);
-      const center = Math.min(x.at((c.begin + end) / 2), x.at(c.begin) + 1.2 * size); // beside the line of the film, which rests in the middle
+      // The cursor of the film often stands in the middle of a long contact.
+      const center = Math.min(x.at((c.begin + end) / 2), x.at(c.begin) + 1.2 * size);
       const name = String(i + 1);
       const half = g.measureText(name).width / 2 + 3;
       if (center - half < right || center > f.left + f.width - width - 20) return;
@@ -222,7 +224,7 @@ function trace(g: CanvasRenderingContext2D, places: [number, number][]): void {
   for (const place of places) g.lineTo(...place);
 }
 
-// A dotted line; a dashed stroke of so many short pieces takes a hundred times as long.
+// A dotted line of rectangles: a dashed stroke with so many dots takes a hundred times as long.
 function dots(g: CanvasRenderingContext2D, places: [number, number][]): void {
   const apart = 4;
   let next = 0; // pixels to the next dot
@@ -237,7 +239,7 @@ function dots(g: CanvasRenderingContext2D, places: [number, number][]): void {
   }
 }
 
-// Stretches of rows with the same contacts.
+// Groups of neighbouring rows with the same contacts.
 function runsOf(rows: TimelineRow[]): TimelineRow[][] {
   const runs: TimelineRow[][] = [];
   rows.forEach((row, i) => {

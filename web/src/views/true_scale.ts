@@ -7,7 +7,7 @@ import { Line } from "./ball";
 import { Painter, type Moment, type Rect } from "./painter";
 import type { Theme } from "../style/theme";
 
-// The balls at true scale alone, with a title unless that is empty.
+// Draws the balls at true scale as a picture of its own; an empty title is omitted.
 export function drawTrueScale(
   g: CanvasRenderingContext2D,
   r: Rect,
@@ -49,7 +49,7 @@ export class TrueScale extends Painter {
     const nameSize = Math.min(1, lane / (3 * size));
     this.font(nameSize, 600);
     const needed = 0.5 * this.models().reduce((sum, [name]) => sum + g.measureText(name).width, size);
-    const aside = 0.5 * Math.max(needed - lane, 0); // keeps the names apart where a lane is narrower than they are
+    const aside = 0.5 * Math.max(needed - lane, 0); // shifts the names apart if a lane is narrower than its name
     this.models().forEach(([name, color, state, track, ghost], k) => {
       const line = new Line(g, false, floor, left + (k + 0.5) * lane);
       this.font(nameSize, 600);
@@ -60,7 +60,7 @@ export class TrueScale extends Painter {
     });
   }
 
-  // The rebound height of the top ball, and where it comes higher after the next floor contact, that.
+  // Marks the rebound height of the top ball, and a greater height after the next floor contact.
   private peaks(line: Line, track: Track, scale: number, lane: number, color: string): void {
     const { d, g, size } = this;
     const n = d.scenario.balls.length - 1;

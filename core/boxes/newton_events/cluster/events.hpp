@@ -1,191 +1,164 @@
-// Events of a cluster's pairs: event functions, location within a step, and the changes they cause.
+// Events of a cluster's pairs: those that may occur, their event functions, and the changes that they cause.
+//
+// A pair is `fresh` if an event has just occurred, so that an event function is zero. The function is ignored until it
+// has become positive; a negative value while it rises is rounding error.
 #pragma once
-#include "cluster.hpp"
+#include <array>
+#include <vector>
+
+#include "../../../contact/events.hpp"
+#include "scales.hpp"
+#include "state.hpp"
 
 namespace hardlimit::boxes {
 
+struct PairEvent {
+    ContactEvent what = ContactEvent::none;
+    int pair = 0;
+
+    explicit operator bool() const { return what != ContactEvent::none; }
+};
+
+// What a step has done. An event changes the state when it is applied; without `moved` it is one at the present state.
+struct Progress {
+    bool moved = false, failed = false;
+    PairEvent event{};
+};
+
+// The events that may occur next to a pair; the second may be `none`.
 template <class Law>
-EventFunction Cluster<Law>::event_at(int index, Event kind, const double* y, const double* dy) const {
-    const ContactPair<Law>& q = pairs[static_cast<std::size_t>(index)];
-    const Geometry g = geometry(q, y);
-    const double depth_slope = dy[time_index()] * g.rate;
-    if (kind == Event::deepens) {
-        const double left = depth_left(q, g);
+HL_FN_INLINE std::array<ContactEvent, 2> next_events(const ContactPair<Law>& q) {
+    if (q.state == ContactState::open) return {ContactEvent::begins, ContactEvent::none};
+    if (q.state == ContactState::slack) return {ContactEvent::opens, ContactEvent::engages};
+    return {ContactEvent::ends, q.may_be_too_deep ? ContactEvent::deepens : ContactEvent::none};
+}
+
+// Rounding error of a compression, the difference of positions [m]. While others are in contact, a pair that moves by
+// less does not begin a contact.
+template <class Law>
+double rounding(const ContactPair<Law>& q) {
+    return 2.0 * math::epsilon * q.contact_distance;
+}
+
+// Compression left until the largest of the law [m].
+template <class Law>
+double depth_left(const ContactNetwork<Law>& network, const ContactPair<Law>& q, const ContactGeometry& g) {
+    return deepest_compression * network.smaller_radius(q) - g.depth;
+}
+
+// Value of an event function that depends on the positions only.
+template <class Law>
+double event_value(const Snapshot<Law>& now, const ContactPair<Law>& q, ContactEvent kind) {
+    const ContactGeometry g = now.geometry(q);
+    if (kind == ContactEvent::begins) return -g.depth;
+    if (kind == ContactEvent::opens) return g.depth;
+    if (kind == ContactEvent::deepens) return depth_left(now.network, q, g);
+    const double excess = g.depth - q.law.slack(g.rate).depth;
+    return kind == ContactEvent::ends ? excess : -excess;
+}
+
+// d(rate)/dτ of a pair, from the derivative dy of the state.
+template <class Law>
+double acceleration(const Snapshot<Law>& now, const double* dy, const ContactPair<Law>& q,
+                    const ContactGeometry& g) {
+    const StateLayout& at = now.layout;
+    const double *a = dy + at.velocity(q.first), clock = dy[at.time()];
+    if (q.second < 0) return -q.side * (a[q.axis] - clock * now.network.wall_acceleration(q, now.time()));
+    const double* b = dy + at.velocity(q.second);
+    double along = 0.0;
+    for (std::size_t i = 0; i < 3; ++i) along += (b[i] - a[i]) * g.normal[i];
+    return -along - clock * (now.relative_speed_squared(q) - g.rate * g.rate) / g.distance;
+}
+
+// An event function of a pair and its derivative d/dτ, from the state and its derivative dy.
+template <class Law>
+EventFunction event_function(const Snapshot<Law>& now, const double* dy, int pair, ContactEvent kind) {
+    const ContactPair<Law>& q = now.network.pairs[pair];
+    const ContactGeometry g = now.geometry(q);
+    const double depth_slope = dy[now.layout.time()] * g.rate;
+    if (kind == ContactEvent::deepens) {
+        const double left = depth_left(now.network, q, g);
         return {left, -depth_slope, left, -depth_slope};
     }
     PairMotion m{g.depth, depth_slope, g.rate, 0.0, q.rooted, 0.0, 0.0};
-    if (kind == Event::ends || kind == Event::engages) m.rate_slope = acceleration(q, g, y, dy);
-    if (q.rooted) {
-        m.s = y[slot_[static_cast<std::size_t>(index)]];
-        m.s_slope = dy[slot_[static_cast<std::size_t>(index)]];
-    }
-    return event_function(q.law, kind, m);
+    if (kind == ContactEvent::ends || kind == ContactEvent::engages)
+        m.rate_slope = acceleration(now, dy, q, g);
+    if (q.rooted) m.s = now.y[now.layout.root(pair)], m.s_slope = dy[now.layout.root(pair)];
+    return hardlimit::event_function(q.law, kind, m);
 }
 
-// d(rate)/dτ
-template <class Law>
-double Cluster<Law>::acceleration(const ContactPair<Law>& q, const Geometry& g, const double* y,
-                                  const double* dy) const {
-    const double* a = dy + 3 * (count() + q.first);
-    if (q.second < 0) return -q.side * (a[q.axis] - dy[time_index()] * wall_acceleration(q, y[time_index()]));
-    const double* b = dy + 3 * (count() + q.second);
-    double along = 0.0;
-    for (std::size_t i = 0; i < 3; ++i) along += (b[i] - a[i]) * g.normal[i];
-    const double speed2 = relative_speed_squared(q, y);
-    return -along - dy[time_index()] * (speed2 - g.rate * g.rate) / g.distance;
-}
-
-template <class Law>
-bool Cluster<Law>::still_fresh(int q) const {
-    for (const Event kind : events_of(pairs[static_cast<std::size_t>(q)]))
-        if (kind != Event::none && !(event_at(q, kind, end_.data(), k_end_.data()).value > 0.0)) return true;
-    return false;
-}
-
-// Whether an event of the pair occurs in (0, length]; if so, moves `length` and end_ to the first one.
-template <class Law>
-bool Cluster<Law>::crosses(int q, Event kind, double& length) {
-    const ContactPair<Law>& pair = pairs[static_cast<std::size_t>(q)];
-    const EventFunction a = event_at(q, kind, y_.data(), k_.data());
-    const EventFunction b = event_at(q, kind, end_.data(), k_end_.data());
-    const double noise = rounding(pair);
-    if (pair.fresh && kind == Event::begins && b.value < 0.0 && b.value > -noise) return false;
-    const auto at_trial = [&] { return event_at(q, kind, trial_.data(), k_trial_.data()); };
-    const auto at = [&](double x) {
-        probe(x);
-        return at_trial();
-    };
-    double high = length;
-    if (!falls_to_zero(a, b, pair.fresh, high, at)) return false;
-    const double whole = length, guess = first_guess(q, a, b, whole, high);
-    probe(guess);
-    const auto close = [=](const EventFunction& f, double x, double next) {
-        return math::abs(f.smooth) <= noise || math::abs(next - x) <= 1e-14 * whole;
-    };
-    // Close to the zero the midpoint rule suffices, whose error is third order in the remaining distance. It needs two
-    // evaluations instead of twelve.
-    const auto move = [&](double x, double next) {
-        if (math::abs(next - x) <= 1e-4 * whole)
-            midpoint_step(next - x);
-        else
-            probe(next);
-    };
-    length = locate_zero(guess, high, at_trial, close, move);
-    end_.swap(trial_);
-    k_end_.swap(k_trial_);
-    return true;
-}
-
-// Advances the state in trial_ by a very short step.
-template <class Law>
-void Cluster<Law>::midpoint_step(double step) {
-    const std::size_t n = trial_.size();
-    for (std::size_t c = 0; c < n; ++c) stages_[c] = trial_[c] + 0.5 * step * k_trial_[c];
-    derivative(stages_.data(), k_trial_.data());
-    for (std::size_t c = 0; c < n; ++c) trial_[c] += step * k_trial_[c];
-    derivative(trial_.data(), k_trial_.data());
-}
-
-// Zero of the cubic Hermite polynomial through both ends of the step, or high/2 if there is none below `high`.
-template <class Law>
-double Cluster<Law>::first_guess(int q, const EventFunction& a, const EventFunction& b, double length,
-                                 double high) const {
-    if (pairs[static_cast<std::size_t>(q)].fresh || !(a.smooth > 0.0 && b.smooth < 0.0)) return 0.5 * high;
-    const double chord = (b.smooth - a.smooth) / length;
-    const double d = (a.smooth_slope + b.smooth_slope - 2.0 * chord) / (length * length);
-    const double c = (3.0 * chord - 2.0 * a.smooth_slope - b.smooth_slope) / length;
-    double low = 0.0, up = length, x = length * (a.smooth / (a.smooth - b.smooth));
-    for (int i = 0; i < 20; ++i) {
-        const double value = a.smooth + x * (a.smooth_slope + x * (c + x * d));
-        const double slope = a.smooth_slope + x * (2.0 * c + 3.0 * x * d);
-        (value > 0.0 ? low : up) = x;
-        const double newton = x - value / slope;
-        const double next = slope < 0.0 && newton > low && newton < up ? newton : 0.5 * (low + up);
-        if (math::abs(next - x) <= 1e-6 * length) break;
-        x = next;
-    }
-    return x < high ? x : 0.5 * high;
-}
-
-// Applies an event whose function is not positive at the start of the step, unless the pair is fresh. Returns whether
-// there is one.
-template <class Law>
-template <class Value>
-bool Cluster<Law>::event_at_start(const Value& value) {
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
-        if (pairs[i].fresh) continue;
-        const int q = static_cast<int>(i);
-        for (const Event kind : events_of(pairs[i])) {
-            if (kind == Event::none || value(q, kind) > 0.0) continue;
-            if (kind == Event::begins &&
-                !(geometry(pairs[i], y_.data()).rate * time_unit() > rounding(pairs[i]))) {
-                pairs[i].fresh = true;  // touches without a contact
-                continue;
-            }
-            apply(kind, q);
-            return true;
+// The first event whose function is not positive at the start of a step, unless the pair is fresh. value(pair, kind):
+// the event function.
+template <class Law, class Value>
+PairEvent event_at_start(ContactNetwork<Law>& network, const StateVector& state, const Scales& scales,
+                         const Value& value) {
+    for (int i = 0; i < static_cast<int>(network.pairs.size()); ++i) {
+        ContactPair<Law>& q = network.pairs[i];
+        if (q.fresh) continue;
+        for (const ContactEvent kind : next_events(q)) {
+            if (kind == ContactEvent::none || value(i, kind) > 0.0) continue;
+            const auto moves = [&] {
+                return state.at(network).geometry(q).rate * scales.time(network) > rounding(q);
+            };
+            if (kind != ContactEvent::begins || moves()) return {kind, i};
+            q.fresh = true;  // touches without a contact
         }
     }
-    return false;
+    return {};
 }
 
+// Changes the state of a pair when an event occurs.
 template <class Law>
-void Cluster<Law>::apply(Event what, int index) {
-    known_ = false;
-    ContactPair<Law>& q = pairs[static_cast<std::size_t>(index)];
-    const Geometry g = geometry(q, y_.data());
-    q.fresh = true;
-    if (what == Event::begins) {
-        begin_contact(index, g);
-    } else if (what == Event::engages) {
-        add_loss(q, -q.law.energy(onset_root<p>(g.depth)));
-        begin_contact(index, g);
-    } else if (what == Event::ends) {
-        end_contact(index, g);
-    } else if (what == Event::deepens) {
-        too_deep = index;
-    } else {
-        q.state = ContactState::open;
+struct EventChange {
+    ContactNetwork<Law>& network;
+    StateVector& state;
+    const Scales& scales;
+    Ledger& ledger;
+
+    void apply(PairEvent event) {
+        ContactPair<Law>& q = network.pairs[event.pair];
+        const ContactGeometry g = state.at(network).geometry(q);
+        q.fresh = true;
+        if (event.what == ContactEvent::engages)
+            state.add_loss(q, -q.law.energy(onset_root<Law::onset_power>(g.depth)));
+        if (event.what == ContactEvent::begins || event.what == ContactEvent::engages) begin(q, g);
+        if (event.what == ContactEvent::ends) end(event.pair, g);
+        if (event.what == ContactEvent::opens) q.state = ContactState::open;
     }
-    h_ = 0.0;
-}
 
-template <class Law>
-void Cluster<Law>::begin_contact(int index, const Geometry& g) {
-    ContactPair<Law>& q = pairs[static_cast<std::size_t>(index)];
-    ++begun;
-    begun_pairs += q.second >= 0;
-    q.state = ContactState::closed;
-    set_scales(q);
-    q.begin = base + y_[time_index()];
-    q.impact_speed = g.rate;
-    q.overlapped = false;
-    for (ContactPair<Law>& other : pairs) {
-        if (&other == &q || other.state != ContactState::closed || !share_a_body(q, other)) continue;
-        q.overlapped = other.overlapped = true;
+private:
+    void begin(ContactPair<Law>& q, const ContactGeometry& g) {
+        ++ledger.begun;
+        ledger.begun_pairs += q.second >= 0;
+        q.state = ContactState::closed;
+        scales.set(q, network, ledger.largest_compression);
+        q.begin = network.base + state.time();
+        q.impact_speed = g.rate;
+        q.overlapped = false;
+        for (ContactPair<Law>& other : network.pairs) {
+            if (&other == &q || other.state != ContactState::closed || !share_a_body(q, other)) continue;
+            q.overlapped = other.overlapped = true;
+        }
     }
-}
 
-template <class Law>
-bool Cluster<Law>::share_a_body(const ContactPair<Law>& a, const ContactPair<Law>& b) {
-    return a.first == b.first || a.first == b.second ||
-           (a.second >= 0 && (a.second == b.first || a.second == b.second));
-}
-
-template <class Law>
-void Cluster<Law>::end_contact(int index, const Geometry& g) {
-    ContactPair<Law>& q = pairs[static_cast<std::size_t>(index)];
-    ended.push_back({index, q.begin, base + y_[time_index()], q.impact_speed, -g.rate, q.overlapped});
-    const double s = math::max(depth_root(index, g, y_.data()), 0.0);
-    add_loss(q, q.law.energy(s));
-    if (q.rooted) {
-        std::vector<int> chosen;
-        for (const int other : rooted_)
-            if (other != index) chosen.push_back(other);
-        rearrange(chosen);
+    void end(int pair, const ContactGeometry& g) {
+        ContactPair<Law>& q = network.pairs[pair];
+        ledger.ended.push_back(
+            {pair, q.begin, network.base + state.time(), q.impact_speed, -g.rate, q.overlapped});
+        state.add_loss(q, q.law.energy(math::max(state.at(network).depth_root(pair, g), 0.0)));
+        if (q.rooted) {
+            std::vector<int> others = state.layout.rooted();
+            std::erase(others, pair);
+            state.choose_roots(network, others);
+        }
+        // A law without slack ends at touch: a remaining overlap is rounding.
+        q.state = g.depth > 0.0 && q.law.slack(g.rate).depth > 0.0 ? ContactState::slack : ContactState::open;
     }
-    // A law without slack ends at touch: a remaining overlap is rounding.
-    q.state = g.depth > 0.0 && q.law.slack(g.rate).depth > 0.0 ? ContactState::slack : ContactState::open;
-}
+
+    static bool share_a_body(const ContactPair<Law>& a, const ContactPair<Law>& b) {
+        return a.first == b.first || a.first == b.second ||
+               (a.second >= 0 && (a.second == b.first || a.second == b.second));
+    }
+};
 
 }  // namespace hardlimit::boxes

@@ -1,8 +1,11 @@
-// Records of a cluster: its members, their contacts, contacts that have ended, and the trajectory.
+// Records of a cluster: its members, their contacts, what it has done, and the trajectory.
 #pragma once
+#include <cstddef>
+#include <utility>
 #include <vector>
 
 #include "../../common/box.hpp"
+#include "../../common/symmetric_tensor.hpp"
 #include "../../common/triangle.hpp"
 
 namespace hardlimit::boxes {
@@ -59,6 +62,27 @@ struct EndedContact {
     bool overlapped;
 };
 
+// What a cluster has done: energy lost and given, virial, and its contacts.
+struct Ledger {
+    double dissipated = 0.0;  // including the elastic energy that slack pairs still store [J]
+    SymmetricTensor virial;   // ∫ Σ r⊗F dt over pairs of bodies [J s]
+    double wall_work = 0.0;   // done by moving walls [J]
+    WallSums walls;           // as `dissipated`, with the energy that slack pairs still store
+    double shear_work = 0.0;  // done on pairs whose image moves [J]
+    long begun = 0;           // contacts since the start
+    long begun_pairs = 0;     // of these, between two bodies
+    std::vector<EndedContact> ended;
+    double largest_compression = 0.0;  // in units of the smaller radius, including earlier clusters
+
+    void add_compression(double part) { largest_compression = math::max(largest_compression, part); }
+    void clear() {
+        std::vector<EndedContact> storage = std::move(ended);
+        storage.clear();
+        *this = {};
+        ended = std::move(storage);
+    }
+};
+
 // States of the members after each step.
 struct Trajectory {
     std::vector<double> time;
@@ -70,6 +94,17 @@ struct Trajectory {
         time.clear();
         state.clear();
         chord_deviation.clear();
+    }
+    // Adds a state vector, whose first components are positions and velocities.
+    void add(const double* y, std::size_t members, double at, bool deviations_known) {
+        time.push_back(at);
+        state.insert(state.end(), y, y + 6 * members);
+        if (deviations_known) chord_deviation.resize(time.size() * members);
+    }
+    // The chord deviations of the next state that is added.
+    double* next_deviations(std::size_t members) {
+        chord_deviation.resize((time.size() + 1) * members);
+        return &chord_deviation[time.size() * members];
     }
 };
 

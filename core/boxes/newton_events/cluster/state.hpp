@@ -1,240 +1,184 @@
-// The state vector of a cluster, its units, and the geometry of a pair.
+// The state vector of a cluster.
 #pragma once
-#include "cluster.hpp"
+#include <array>
+#include <vector>
+
+#include "network.hpp"
 
 namespace hardlimit::boxes {
 
-// Replaces the pieces of walls that have ended. Returns when the present ones end, at most `until`; steps along a sine
-// are at most a 32nd of its period, so that no event within a step is missed.
-template <class Law>
-double Cluster<Law>::end_of_pieces(double until) {
-    double end = until;
-    bool jumps = false;
-    for (const ContactPair<Law>& q : pairs) {
-        if (q.second >= 0) continue;
-        WallPiece& p = wall_pieces[q.wall_id.index()];
-        if (p.follow(time, base + time)) {
-            known_ = false;
-            if (p.amplitude == 0.0) {
-                h_ = 0.0;
-                jumps = true;
-            }
+// Working storage that is not copied with its owner.
+template <class T>
+struct WorkVector : std::vector<T> {
+    WorkVector() = default;
+    WorkVector(const WorkVector&) : std::vector<T>() {}
+    WorkVector& operator=(const WorkVector&) { return *this; }
+    WorkVector(WorkVector&&) noexcept : std::vector<T>() {}
+    WorkVector& operator=(WorkVector&&) noexcept { return *this; }
+    ~WorkVector() = default;
+};
+
+// Index of each quantity in the state vector: positions and velocities [3 a member], time, dissipated energy, work of
+// walls and work of images if any moves, the s of each rooted pair, the virial, and impulse and energy of each wall of
+// the pairs. Nothing depends on the components from virial() on.
+class StateLayout {
+public:
+    template <class Law>
+    void assign(const ContactNetwork<Law>& network) {
+        members_ = static_cast<int>(network.members.size());
+        walls_move_ = !network.wall_pieces.empty();
+        images_move_ = false;
+        wall_slot_.fill(-1);
+        walls_ = 0;
+        rooted_.clear();
+        for (std::size_t k = 0; k < network.pairs.size(); ++k) {
+            const ContactPair<Law>& q = network.pairs[k];
+            walls_move_ = walls_move_ || q.wall_velocity != 0.0;
+            images_move_ = images_move_ || q.image_moves;
+            if (q.second < 0 && wall_slot_[q.wall_id.index()] < 0) wall_slot_[q.wall_id.index()] = walls_++;
+            if (q.rooted) rooted_.push_back(static_cast<int>(k));
         }
-        end = math::min(end, p.end);
-        if (p.amplitude != 0.0) end = math::min(end, time + 0.125 * (p.end - p.begin));
+        root_.assign(network.pairs.size(), -1);
+        set_roots();
     }
-    if (jumps)
-        for (ContactPair<Law>& q : pairs)
-            if (q.second < 0) q.velocity_jumped();
-    return end;
-}
-
-template <class Law>
-void Cluster<Law>::load_state() {
-    walls_move_ = !wall_pieces.empty() || std::any_of(pairs.begin(), pairs.end(),
-                                                      [](const auto& q) { return q.wall_velocity != 0.0; });
-    images_move_ = std::any_of(pairs.begin(), pairs.end(), [](const auto& q) { return q.image_moves; });
-    integrates_ = !LinearLaw<Law> || images_move_;
-    sine_ = false;
-    if (!wall_pieces.empty())
-        for (const ContactPair<Law>& q : pairs) {
-            if (q.second >= 0) continue;
-            sine_ = sine_ || piece(q).amplitude != 0.0;
-        }
-    wall_slot_.fill(-1);
-    touched_walls_ = 0;
-    for (const ContactPair<Law>& q : pairs)
-        if (q.second < 0 && wall_slot_[q.wall_id.index()] < 0)
-            wall_slot_[q.wall_id.index()] = touched_walls_++;
-    slot_.assign(pairs.size(), -1);
-    rooted_.clear();
-    for (std::size_t q = 0; q < pairs.size(); ++q) {
-        if (!pairs[q].rooted) continue;
-        slot_[q] = first_root_index() + static_cast<int>(rooted_.size());
-        rooted_.push_back(static_cast<int>(q));
+    // Changes the pairs whose s is a component.
+    void choose_roots(const std::vector<int>& pairs) {
+        rooted_.assign(pairs.begin(), pairs.end());
+        set_roots();
     }
-    y_.assign(static_cast<std::size_t>(dimension()), 0.0);
-    for (int i = 0; i < count(); ++i)
-        for (int a = 0; a < 3; ++a) {
-            y_[3 * i + a] = members[i].position[a];
-            y_[3 * (count() + i) + a] = members[i].velocity[a];
-        }
-    y_[time_index()] = time;
-    y_[loss_index()] = dissipated;
-    std::ranges::copy(virial.component, &y_[virial_index()]);
-    for_touched_walls(
-        [&](std::size_t wall, int at) { y_[at] = walls.impulse[wall], y_[at + 1] = walls.energy[wall]; });
-    if (walls_move_) y_[wall_work_index()] = wall_work;
-    if (images_move_) y_[shear_work_index()] = shear_work;
-    for (const int q : rooted_) y_[slot_[q]] = pairs[q].s;
-    if (integrates()) resize();
-    lightest_ = lightest();
-    speed_unit_ = unit_of_speed();
-    known_ = false;
-    trajectory.clear();
-    record_state();
-}
 
-template <class Law>
-void Cluster<Law>::resize() {
-    const auto n = static_cast<std::size_t>(dimension());
-    for (auto* v : {&k_, &end_, &k_end_, &trial_, &k_trial_, &tolerance_}) v->resize(n);
-    stages_.resize(n * DormandPrince::stages);
-    factor_.resize(pairs.size());
-}
+    int members() const { return members_; }
+    int position(int member) const { return 3 * member; }
+    int velocity(int member) const { return 3 * (members_ + member); }
+    int time() const { return 6 * members_; }
+    int loss() const { return time() + 1; }
+    int wall_work() const { return time() + 2; }                            // if walls move
+    int shear_work() const { return wall_work() + (walls_move_ ? 1 : 0); }  // if images move
+    int first_root() const { return shear_work() + (images_move_ ? 1 : 0); }
+    int root(int pair) const { return root_[pair]; }
+    int virial() const { return first_root() + static_cast<int>(rooted_.size()); }
+    int wall_sums() const { return virial() + static_cast<int>(SymmetricTensor::size); }
+    int wall_sums(WallId wall) const { return wall_sums() + 2 * wall_slot_[wall.index()]; }
+    int size() const { return wall_sums() + 2 * walls_; }
 
-template <class Law>
-void Cluster<Law>::store_state() {
-    for (int i = 0; i < count(); ++i)
-        for (int a = 0; a < 3; ++a) {
-            members[i].position[a] = y_[3 * i + a];
-            members[i].velocity[a] = y_[3 * (count() + i) + a];
-        }
-    dissipated = y_[loss_index()];
-    std::copy_n(&y_[virial_index()], SymmetricTensor::size, virial.component);
-    for_touched_walls(
-        [&](std::size_t wall, int at) { walls.impulse[wall] = y_[at], walls.energy[wall] = y_[at + 1]; });
-    if (walls_move_) wall_work = y_[wall_work_index()];
-    if (images_move_) shear_work = y_[shear_work_index()];
-    for (const int q : rooted_) pairs[q].s = y_[slot_[q]];
-}
+    bool walls_move() const { return walls_move_; }
+    bool images_move() const { return images_move_; }
+    int walls() const { return walls_; }  // of the pairs
+    const std::vector<int>& rooted() const { return rooted_; }
 
-template <class Law>
-void Cluster<Law>::record_state() {
-    if (!record) return;
-    trajectory.time.push_back(y_[time_index()]);
-    trajectory.state.insert(trajectory.state.end(), y_.begin(), y_.begin() + 6 * count());
-    if (!integrates()) trajectory.chord_deviation.resize(trajectory.time.size() * members.size());
-}
-
-template <class Law>
-Vector3 Cluster<Law>::frame_velocity() const {
-    Vector3 mean{};
-    if (near_a_wall()) {
-        for (const ContactPair<Law>& q : pairs)
-            if (q.second < 0) mean[static_cast<std::size_t>(q.axis)] = wall_velocity(q, time);
-        return mean;
+private:
+    void set_roots() {
+        for (std::size_t i = 0; i < rooted_.size(); ++i)
+            root_[rooted_[i]] = first_root() + static_cast<int>(i);
     }
-    double mass = 0.0;
-    for (const Member& m : members) {
-        mass += m.mass;
-        for (std::size_t a = 0; a < 3; ++a) mean[a] += m.mass * m.velocity[a];
+
+    int members_ = 0, walls_ = 0;
+    bool walls_move_ = false, images_move_ = false;
+    std::array<int, most_walls> wall_slot_{};  // place of each wall among those of the pairs, or −1
+    WorkVector<int> rooted_;                   // pairs whose s is a component, in the order of the state
+    WorkVector<int> root_;                     // [pairs] index of s
+};
+
+// A contact network at a state y.
+template <class Law>
+struct Snapshot {
+    using Pair = ContactPair<Law>;
+
+    const ContactNetwork<Law>& network;
+    const StateLayout& layout;
+    const double* y;
+
+    double time() const { return y[layout.time()]; }
+    ContactGeometry geometry(const Pair& q) const {
+        return network.geometry(q, y + layout.position(q.first), y + layout.velocity(q.first),
+                                y + layout.position(q.second), y + layout.velocity(q.second), time());
     }
-    for (double& x : mean) x /= mass;
-    return mean;
-}
-
-template <class Law>
-double Cluster<Law>::lightest() const {
-    double least = math::infinity;
-    for (const Member& m : members) least = math::min(least, m.mass);
-    return least;
-}
-
-// Speed that the lightest member would have with all energy, kinetic in the cluster's frame and elastic. A second wall
-// with another velocity, a wall that changes its velocity, or a moving image does work in this frame: it may add
-// several times this difference.
-template <class Law>
-double Cluster<Law>::unit_of_speed() const {
-    const Vector3 mean = frame_velocity();
-    double energy = 0.0, gain = 0.0;
-    for (const Member& m : members)
-        for (int a = 0; a < 3; ++a)
-            energy += 0.5 * m.mass * (m.velocity[a] - mean[a]) * (m.velocity[a] - mean[a]);
-    for (const ContactPair<Law>& q : pairs) {
-        if (q.state == ContactState::closed) energy += q.law.energy(depth_root(q));
-        if (q.image_moves) gain = math::max(gain, 4.0 * math::sqrt(dot(q.image_velocity, q.image_velocity)));
-        if (q.second >= 0) continue;
-        const double other = wall_velocity(q, time) - mean[static_cast<std::size_t>(q.axis)];
-        const double change = wall_pieces.empty() ? 0.0 : 2.0 * piece(q).motion.fastest();
-        gain = math::max(gain, 4.0 * math::abs(other) + change);
+    // The s of a pair.
+    double depth_root(int pair, const ContactGeometry& g) const {
+        return network.pairs[pair].rooted ? y[layout.root(pair)] : onset_root<Law::onset_power>(g.depth);
     }
-    // Speed that gravity adds within a millionth of a radius, since bodies may lie at rest.
-    double smallest = math::infinity;
-    for (const Member& m : members) smallest = math::min(smallest, m.radius);
-    const double fall = 1e-6 * smallest * math::sqrt(dot(gravity, gravity));
-    return math::max(math::sqrt(2.0 * energy / lightest() + fall) + gain, slowest_approach);
-}
-
-template <class Law>
-void Cluster<Law>::set_scales(ContactPair<Law>& q) const {
-    if (q.scaled) return;
-    const double mass = math::min(q.mass, lightest_);  // of the lightest member: no contact has more energy
-    if constexpr (LinearLaw<Law>) {
-        q.s_unit = speed_unit_ * math::sqrt(mass / q.law.elastic_force(1.0));
-    } else {
-        const double energy = 0.5 * mass * speed_unit_ * speed_unit_;
-        q.s_unit = roots::solve_power([&](double x) { return q.law.energy(x); }, energy);
-    }
-    q.depth_unit = math::power<p>(q.s_unit);
-    const auto may_reach = [&](double part) {
-        return q.law.energy(onset_root<p>(part * smaller_radius(q))) <= most_energy();
-    };
-    q.may_be_too_deep = may_reach(deepest_compression);
-    q.may_be_deepest = may_reach(largest_compression);
-    q.scaled = true;
-}
-
-// Upper bound on the energy that one contact can store: all energy, and the work of each member's weight, or of its
-// inertia on an accelerated wall, over its radius [J].
-template <class Law>
-double Cluster<Law>::most_energy() const {
-    double pull = math::sqrt(dot(gravity, gravity)), sum = energy_unit();
-    for (const WallPiece& p : wall_pieces) pull = math::max(pull, p.motion.greatest_acceleration());
-    for (const Member& m : members) sum += m.mass * pull * m.radius;
-    return sum;
-}
-
-template <class Law>
-double Cluster<Law>::time_unit() const {
-    double least = math::infinity, least_open = math::infinity;
-    for (const ContactPair<Law>& q : pairs) {
-        double& of = q.state == ContactState::closed ? least : least_open;
-        if (q.scaled) of = math::min(of, q.depth_unit);
-    }
-    return (least < math::infinity ? least : least_open) /
-           speed_unit_;  // without a contact: in flight over a sine
-}
-
-// A body at x with the velocity v, and a wall, at the time t since `base`.
-template <class Law>
-typename Cluster<Law>::Geometry Cluster<Law>::wall_geometry(const ContactPair<Law>& q, const double* x,
-                                                            const double* v, double t) const {
-    Geometry g{};
-    const double away = q.side * (x[q.axis] - wall_position(q, t));
-    g.normal[static_cast<std::size_t>(q.axis)] = -q.side;
-    g.depth = q.contact_distance - away;
-    g.rate = -q.side * (v[q.axis] - wall_velocity(q, t));
-    g.distance = math::infinity;
-    return g;
-}
-
-template <class Law>
-typename Cluster<Law>::Geometry Cluster<Law>::geometry(const ContactPair<Law>& q, const double* xa,
-                                                       const double* va, const double* xb, const double* vb,
-                                                       double t) {
-    Geometry g{};
-    Vector3 v;
-    for (std::size_t a = 0; a < 3; ++a) {
-        g.normal[a] = (xb[a] - xa[a]) + q.image[a];
-        v[a] = vb[a] - va[a];
-    }
-    if (q.image_moves) [[unlikely]]
+    // Of two bodies [m²/s²].
+    double relative_speed_squared(const Pair& q) const {
+        const double *va = y + layout.velocity(q.first), *vb = y + layout.velocity(q.second);
+        double sum = 0.0;
         for (std::size_t a = 0; a < 3; ++a) {
-            g.normal[a] += q.image_velocity[a] * t;
-            v[a] += q.image_velocity[a];
+            double v = vb[a] - va[a];
+            if (q.image_moves) v += q.image_velocity[a];
+            sum += v * v;
         }
-    g.distance = math::sqrt(dot(g.normal, g.normal));
-    const double inverse = 1.0 / g.distance;
-    for (double& x : g.normal) x *= inverse;
-    g.depth = q.contact_distance - g.distance;
-    g.rate = -dot(g.normal, v);
-    return g;
-}
+        return sum;
+    }
+};
 
-template <class Law>
-double Cluster<Law>::depth_root(const ContactPair<Law>& q) const {
-    return q.rooted ? q.s : onset_root<p>(geometry_of_members(q).depth);
-}
+// The present state of a contact network as a vector.
+class StateVector {
+public:
+    StateLayout layout;
+    WorkVector<double> y;
+
+    template <class Law>
+    void load(const ContactNetwork<Law>& network, const Ledger& ledger) {
+        layout.assign(network);
+        y.assign(static_cast<std::size_t>(layout.size()), 0.0);
+        for (int i = 0; i < layout.members(); ++i) {
+            std::ranges::copy(network.members[i].position, &y[layout.position(i)]);
+            std::ranges::copy(network.members[i].velocity, &y[layout.velocity(i)]);
+        }
+        y[layout.time()] = network.time;
+        y[layout.loss()] = ledger.dissipated;
+        if (layout.walls_move()) y[layout.wall_work()] = ledger.wall_work;
+        if (layout.images_move()) y[layout.shear_work()] = ledger.shear_work;
+        for (const int q : layout.rooted()) y[layout.root(q)] = network.pairs[q].s;
+        std::ranges::copy(ledger.virial.component, &y[layout.virial()]);
+        for (const ContactPair<Law>& q : network.pairs) {
+            if (q.second >= 0) continue;
+            y[layout.wall_sums(q.wall_id)] = ledger.walls.impulse[q.wall_id.index()];
+            y[layout.wall_sums(q.wall_id) + 1] = ledger.walls.energy[q.wall_id.index()];
+        }
+    }
+    template <class Law>
+    void store(ContactNetwork<Law>& network, Ledger& ledger) const {
+        for (int i = 0; i < layout.members(); ++i) {
+            std::copy_n(&y[layout.position(i)], 3, network.members[i].position.begin());
+            std::copy_n(&y[layout.velocity(i)], 3, network.members[i].velocity.begin());
+        }
+        ledger.dissipated = y[layout.loss()];
+        if (layout.walls_move()) ledger.wall_work = y[layout.wall_work()];
+        if (layout.images_move()) ledger.shear_work = y[layout.shear_work()];
+        for (const int q : layout.rooted()) network.pairs[q].s = y[layout.root(q)];
+        std::copy_n(&y[layout.virial()], SymmetricTensor::size, ledger.virial.component);
+        for (const ContactPair<Law>& q : network.pairs) {
+            if (q.second >= 0) continue;
+            ledger.walls.impulse[q.wall_id.index()] = y[layout.wall_sums(q.wall_id)];
+            ledger.walls.energy[q.wall_id.index()] = y[layout.wall_sums(q.wall_id) + 1];
+        }
+    }
+
+    double& time() { return y[layout.time()]; }
+    double time() const { return y[layout.time()]; }
+    template <class Law>
+    Snapshot<Law> at(const ContactNetwork<Law>& network) const {
+        return {network, layout, y.data()};
+    }
+    // Adds energy that is dissipated in a pair, or taken back if negative.
+    template <class Law>
+    void add_loss(const ContactPair<Law>& q, double energy) {
+        y[layout.loss()] += energy;
+        if (q.second < 0) y[layout.wall_sums(q.wall_id) + 1] += energy;
+    }
+    // Makes the s of these pairs components, and no other.
+    template <class Law>
+    void choose_roots(ContactNetwork<Law>& network, const std::vector<int>& chosen) {
+        const Snapshot<Law> before = at(network);
+        WorkVector<double> changed;
+        changed.assign(y.begin(), y.begin() + layout.first_root());
+        for (const int q : chosen) changed.push_back(before.depth_root(q, before.geometry(network.pairs[q])));
+        changed.insert(changed.end(), y.begin() + layout.virial(), y.end());
+        for (ContactPair<Law>& q : network.pairs) q.rooted = false;
+        for (const int q : chosen) network.pairs[q].rooted = true;
+        layout.choose_roots(chosen);
+        y.swap(changed);
+    }
+};
 
 }  // namespace hardlimit::boxes

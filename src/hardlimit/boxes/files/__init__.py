@@ -38,14 +38,14 @@ def read(path: str | Path, frame: int = -1) -> Found:
         target.stat()
         if not target.is_file():
             raise ValueError("cannot be read: not a file")
-        found: Found = kind.read(target, which)
+        arguments: Found = kind.read(target, which)
     except OSError as error:
         raise validation.unreadable(path, error) from None
     except MemoryError:
         raise ValueError(f"{path}: cannot be read: larger than the memory") from None
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from None
-    return found
+    return arguments
 
 
 def write(path: str | Path, frames: Iterable[Frame]) -> Path:

@@ -214,10 +214,10 @@ def _vector(entries: dict[str, str], name: str, count: int, default: float | Non
     if name not in entries and default is not None:
         return np.full(count, default)
     try:
-        found = np.array([float(word) for word in entries.get(name, "").split()])
+        vector = np.array([float(word) for word in entries.get(name, "").split()])
     except ValueError:
-        found = np.empty(0)
-    if found.shape != (count,) or not np.isfinite(found).all():
+        vector = np.empty(0)
+    if vector.shape != (count,) or not np.isfinite(vector).all():
         got = validation.shown(entries[name]) if name in entries else "nothing"
         raise ValueError(f"{name}: got {got}, must be {count} numbers")
-    return found
+    return vector

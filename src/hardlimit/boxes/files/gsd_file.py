@@ -71,35 +71,35 @@ def cut(path: Path, keep: int) -> None:
             file.extend(old[k] for k in range(keep))
 
 
-def _made(made: Any, step: int, frame: Frame) -> Any:
+def _made(snapshot: Any, step: int, frame: Frame) -> Any:
     """A frame of the library gsd."""
-    made.configuration.step = step
-    made.configuration.dimensions = len(frame.box)
-    made.configuration.box = [*_single(three(frame.box)), 0.0, 0.0, 0.0]
-    made.particles.N = len(frame.positions)
+    snapshot.configuration.step = step
+    snapshot.configuration.dimensions = len(frame.box)
+    snapshot.configuration.box = [*_single(three(frame.box)), 0.0, 0.0, 0.0]
+    snapshot.particles.N = len(frame.positions)
     for name, values in _in_single(vars(frame)).items():
-        setattr(made.particles, name, values)
+        setattr(snapshot.particles, name, values)
     for name, key in OF_PARTICLES.items():
-        made.log[key] = np.ascontiguousarray(getattr(frame, name))
-    made.log[OF_BOX["box"]] = np.array(frame.box)
-    made.log[OF_BOX["periodic"]] = np.array([side != "wall" for side in frame.boundary], np.uint8)
-    made.log[OF_BOX["gravity"]] = np.array(frame.gravity)
-    made.log[OF_BOX["time"]] = np.array([frame.time])
+        snapshot.log[key] = np.ascontiguousarray(getattr(frame, name))
+    snapshot.log[OF_BOX["box"]] = np.array(frame.box)
+    snapshot.log[OF_BOX["periodic"]] = np.array([side != "wall" for side in frame.boundary], np.uint8)
+    snapshot.log[OF_BOX["gravity"]] = np.array(frame.gravity)
+    snapshot.log[OF_BOX["time"]] = np.array([frame.time])
     driving: dict[str, Any] = {"walls": as_entries(frame.walls), "thermostat": as_entry(frame.thermostat)}
     if sheared := "lees-edwards" in frame.boundary:
         axis = frame.boundary.index("lees-edwards")
         driving["shear"] = [axis, frame.shear_rate, frame.shear_displacement]
     if frame.walls or frame.thermostat is not None or sheared:
-        made.log[DRIVING] = np.frombuffer(json.dumps(driving).encode(), np.uint8)
-    return made
+        snapshot.log[DRIVING] = np.frombuffer(json.dumps(driving).encode(), np.uint8)
+    return snapshot
 
 
 def _single(values: Floats) -> Any:
     with np.errstate(over="ignore"):
-        found = values.astype(np.float32)
-    if not np.isfinite(found).all():
+        single = values.astype(np.float32)
+    if not np.isfinite(single).all():
         raise ValueError("got a value too large for GSD, must be below 3.4e38 (single precision)")
-    return found
+    return single
 
 
 def _in_single(values: dict[str, Any]) -> dict[str, Any]:
@@ -120,17 +120,17 @@ def read(path: Path, frame: int) -> Found:
             check_frame(frame, count)
             for index in {0, frame % count}:  # a frame omits values that equal those of the first frame
                 _check_counts(file.file, index, path.stat().st_size)
-            found = file[frame % count]
+            snapshot = file[frame % count]
     except (RuntimeError, OSError, KeyError, TypeError, AssertionError) as error:
         raise ValueError(f"not a GSD file of particles, or damaged: {_line(error)}") from None
-    tilted = np.any(found.configuration.box[3:])
-    if found.particles.N == 0 or tilted:
+    tilted = np.any(snapshot.configuration.box[3:])
+    if snapshot.particles.N == 0 or tilted:
         raise ValueError(
             f"got {'a tilted box' if tilted else 'no particles'}, must be particles in a box along the axes"
         )
-    if OF_PARTICLES["positions"] in found.log:
-        return _in_double(found)
-    return _of_another_program(found)
+    if OF_PARTICLES["positions"] in snapshot.log:
+        return _in_double(snapshot)
+    return _of_another_program(snapshot)
 
 
 def _check_counts(file: Any, frame: int, size: int) -> None:
@@ -149,15 +149,15 @@ def _line(error: Exception) -> str:
     return str(error).splitlines()[0] if str(error) else type(error).__name__
 
 
-def _in_double(found: Any) -> Found:
+def _in_double(snapshot: Any) -> Found:
     """The values under ``log``; refused if the values in single precision differ from them."""
-    missing = [key for key in (*OF_PARTICLES.values(), *OF_BOX.values()) if key not in found.log]
+    missing = [key for key in (*OF_PARTICLES.values(), *OF_BOX.values()) if key not in snapshot.log]
     if missing:
         raise ValueError(f"log: must contain {missing[0]}")
-    values = {name: found.log[key] for name, key in (OF_PARTICLES | OF_BOX).items()}
+    values = {name: snapshot.log[key] for name, key in (OF_PARTICLES | OF_BOX).items()}
     try:
         single = _in_single(values)
-        same = all(np.array_equal(getattr(found.particles, name), single[name]) for name in single)
+        same = all(np.array_equal(getattr(snapshot.particles, name), single[name]) for name in single)
     except ValueError:  # shapes that do not match
         same = False
     if not same:
@@ -167,8 +167,8 @@ def _in_double(found: Any) -> Found:
     values.pop("time")
     shear = None
     try:
-        if DRIVING in found.log:
-            driving = json.loads(bytes(found.log[DRIVING]))
+        if DRIVING in snapshot.log:
+            driving = json.loads(bytes(snapshot.log[DRIVING]))
             values["walls"] = from_entries(driving["walls"])
             values["thermostat"] = from_entry(driving["thermostat"])
             shear = driving.get("shear")
@@ -177,11 +177,11 @@ def _in_double(found: Any) -> Found:
         raise ValueError(f"log: {DRIVING} is damaged: {_line(error)}") from None
 
 
-def _of_another_program(found: Any) -> Found:
+def _of_another_program(snapshot: Any) -> Found:
     """A frame written by another program: single precision, all axes periodic."""
-    d = found.configuration.dimensions
-    p = found.particles
-    box = found.configuration.box[:d].astype(np.float64)
+    d = snapshot.configuration.dimensions
+    p = snapshot.particles
+    box = snapshot.configuration.box[:d].astype(np.float64)
     positions = p.position[:, :d].astype(np.float64) + 0.5 * box
     rounding = float(np.finfo(np.float32).eps) * box
     just_outside = (positions > -rounding) & (positions < box + rounding)

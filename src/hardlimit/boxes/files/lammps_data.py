@@ -92,14 +92,14 @@ def densities(mass: Floats, radius: Floats) -> Floats:
     """Densities [kg/m³] that give these masses, to the last bit if such a density exists."""
     rho = mass / (4.0 / 3.0 * math.pi * radius**3)
     best = rho.copy()
-    found = ball_masses(rho, radius) == mass
+    exact = ball_masses(rho, radius) == mass
     for direction in (-math.inf, math.inf):
         near = rho
         for _ in range(4):
             near = np.nextafter(near, direction)
-            hit = ~found & (ball_masses(near, radius) == mass)
+            hit = ~exact & (ball_masses(near, radius) == mass)
             best[hit] = near[hit]
-            found |= hit
+            exact |= hit
     return best
 
 
@@ -136,7 +136,7 @@ def _units(first: str) -> list[Decimal]:
     known = {"lj": (1.0, 1.0, 1.0), **SYSTEMS}
     if named and named[1] not in known:
         raise ValueError(f"units: got {validation.shown(named[1])}, must be {listed([*known], 'or')}")
-    return [Decimal(repr(one)) for one in known[named[1] if named else "si"]]
+    return [Decimal(repr(factor)) for factor in known[named[1] if named else "si"]]
 
 
 def _scaled(values: Floats, unit: Decimal) -> Floats:
@@ -171,17 +171,17 @@ def _count(header: Iterable[str]) -> int:
 
 def _limits(header: Iterable[str], sheared: bool) -> Floats:
     """Lower and upper limits (3, 2) of the box."""
-    found: dict[str, list[float]] = {}
+    limits: dict[str, list[float]] = {}
     for line in header:
         if not sheared and re.search(r"\b(xy\s+xz\s+yz|avec|bvec|cvec)\b", line):
             raise ValueError("header: got a tilted box, must be a box along the axes")
         match = re.fullmatch(r"\s*(\S+)\s+(\S+)\s+([xyz])lo\s+\3hi\s*", line)
         if match:
-            found[match[3]] = [_float(f"{match[3]}lo {match[3]}hi", word) for word in match.groups()[:2]]
-    missing = [axis for axis in "xyz" if axis not in found]
+            limits[match[3]] = [_float(f"{match[3]}lo {match[3]}hi", word) for word in match.groups()[:2]]
+    missing = [axis for axis in "xyz" if axis not in limits]
     if missing:
         raise ValueError(f"header: must contain a line such as '0 1 {missing[0]}lo {missing[0]}hi'")
-    return np.array([found[axis] for axis in "xyz"])
+    return np.array([limits[axis] for axis in "xyz"])
 
 
 def _float(name: str, word: str) -> float:
@@ -200,15 +200,15 @@ def _table(title: str, sections: dict[str, tuple[str, list[str]]], n: int, width
         raise ValueError(f"Atoms: got the style {validation.shown(style)}, must be sphere")
     if len(lines) != n:
         raise ValueError(f"{title}: got {len(lines)} lines, must be {n}, one for each atom")
-    found = read_table(title, lines)
-    if found.shape[1] not in widths:
+    rows = read_table(title, lines)
+    if rows.shape[1] not in widths:
         raise ValueError(
-            f"{title}: got {found.shape[1]} columns, must be {widths[0]}, as in atom_style sphere"
+            f"{title}: got {rows.shape[1]} columns, must be {widths[0]}, as in atom_style sphere"
         )
-    found = found[np.argsort(found[:, 0], kind="stable")]
-    if not np.all(np.diff(found[:, 0]) > 0.0):
+    rows = rows[np.argsort(rows[:, 0], kind="stable")]
+    if not np.all(np.diff(rows[:, 0]) > 0.0):
         raise ValueError(f"{title}: got an atom twice, must have a number of its own for each atom")
-    return found
+    return rows
 
 
 def _from_mark(mark: re.Match[str] | None, d: int) -> dict[str, Any]:

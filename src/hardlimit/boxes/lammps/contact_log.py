@@ -29,7 +29,7 @@ def contacts(begins: Sequence[Change], ends: Sequence[Change]) -> Contacts:
     """Match begins and ends. Those of a pair alternate, and its last end may be missing."""
     begun, ended = _sorted(begins), _sorted(ends)
     n = len(begun.first)
-    pairs = np.concatenate([np.stack([one.first, one.second], axis=1) for one in (begun, ended)])
+    pairs = np.concatenate([np.stack([change.first, change.second], axis=1) for change in (begun, ended)])
     _, numbers = np.unique(pairs, axis=0, return_inverse=True)
     pair, pair_of_end = np.split(numbers.ravel(), [n])
     earlier = np.arange(n) - np.searchsorted(pair, pair)  # number of earlier contacts of the pair
@@ -39,7 +39,15 @@ def contacts(begins: Sequence[Change], ends: Sequence[Change]) -> Contacts:
     order = np.lexsort((begun.second, begun.first, begun.time))
     columns: tuple[Any, ...] = begun.time, end, begun.first, begun.second, begun.speed, separation
     begin, end, first, second, impact, separation = (column[order] for column in columns)
-    return Contacts(begin, end, first, second, impact, separation, overlapped(begin, end, first, second))
+    return Contacts(
+        begin=begin,
+        end=end,
+        first=first,
+        second=second,
+        impact_speed=impact,
+        separation_speed=separation,
+        overlapped=overlapped(begin, end, first, second),
+    )
 
 
 def _sorted(parts: Sequence[Change]) -> Change:
@@ -61,7 +69,7 @@ def overlapped(begin: Floats, end: Floats, first: Integers, second: Integers) ->
     times, rank = np.unique(stops, return_inverse=True)
     latest = times[np.maximum.accumulate(particle * len(times) + rank) - particle * len(times)]
     same = particle[1:] == particle[:-1]
-    found = np.zeros(len(begin), bool)
-    found[contact[1:][same & (starts[1:] < latest[:-1])]] = True
-    found[contact[:-1][same & (starts[1:] < stops[:-1])]] = True
-    return found
+    overlaps = np.zeros(len(begin), bool)
+    overlaps[contact[1:][same & (starts[1:] < latest[:-1])]] = True
+    overlaps[contact[:-1][same & (starts[1:] < stops[:-1])]] = True
+    return overlaps

@@ -68,9 +68,9 @@ def result(job: Job, folder: Path, readers: list[DumpReader]) -> ContactResult:
     """Build the result from the files that LAMMPS wrote to the folder."""
     plan = job.plan
     falling = output.state(folder / jobs.END, job.system)
-    found = _contacts(readers) if plan.log else None
-    kept = _samples(job, output.thermo(folder / jobs.LOG), readers, found)
-    counts: dict[str, Any] = {name: None if found is None else int(kept[name][-1]) for name in COUNTS}
+    log = _contacts(readers) if plan.log else None
+    kept = _samples(job, output.thermo(folder / jobs.LOG), readers, log)
+    counts: dict[str, Any] = {name: None if log is None else int(kept[name][-1]) for name in COUNTS}
     return ContactResult(
         system=system_at(job.system, plan.until, falling),
         time=plan.until,
@@ -78,7 +78,7 @@ def result(job: Job, folder: Path, readers: list[DumpReader]) -> ContactResult:
         engine="lammps",
         outcome_name="ok",
         samples=kept,
-        log=None if found is None else tuple(found),
+        log=None if log is None else tuple(log),
         time_step=plan.time_step,
         n_steps=plan.n_steps,
         **counts,
@@ -113,7 +113,7 @@ def _samples(job: Job, thermo: Floats, readers: list[DumpReader], log: Contacts 
     seen = laboratory_sums(system, time, seen)
     kinetic, potential = seen["kinetic_energy"], seen["potential_energy"]
     sums = [[reader.sums[int(step)] for step in seen["step"]] for reader in readers]
-    stored = np.array([[s.energy for s in one] for one in sums]).sum(axis=0)
+    stored = np.array([[s.energy for s in block] for block in sums]).sum(axis=0)
     total = kinetic + potential + stored - shear_work
     columns = {
         "time": time,
@@ -123,7 +123,7 @@ def _samples(job: Job, thermo: Floats, readers: list[DumpReader], log: Contacts 
         "dissipated_energy": total[0] - total,
         "granular_temperature": seen["granular_temperature"],
         "momentum": seen["momentum"],
-        "n_in_contact": np.array([[s.in_contact for s in one] for one in sums]).sum(axis=0),
+        "n_in_contact": np.array([[s.in_contact for s in block] for block in sums]).sum(axis=0),
         "kinetic_tensor": seen["kinetic_tensor"],
         "virial_tensor": np.cumsum(virial * system.domain.volume * lasted[:, None], axis=0),
         "flow_momentum": seen["flow_momentum"],

@@ -66,7 +66,15 @@ def lammps_input(
     """
     target = _checked_folder(folder)
     end = validation.number("until", until, 0.0, lowest_allowed=True)
-    job = make_job(checked_system(system), checked_law(law), end, restitution_error, time_step, samples, log)
+    job = make_job(
+        system=checked_system(system),
+        law=checked_law(law),
+        until=end,
+        restitution_error=restitution_error,
+        time_step=time_step,
+        samples=samples,
+        log=log,
+    )
     try:
         target.mkdir(parents=True, exist_ok=True)
     except OSError as error:

@@ -56,8 +56,8 @@ def types_of(system: ParticleSystem, law: Law) -> Types:
     needed = model_of(law).needs(law, contact(law, 1.0, 1.0))
     columns = [getattr(system, name) for name in needed]
     if not columns:
-        one = (float(system.mass[0]), float(system.radius[0]))
-        return Types(np.zeros(system.n, np.int64), [one])
+        body = (float(system.mass[0]), float(system.radius[0]))
+        return Types(np.zeros(system.n, np.int64), [body])
     _, first, inverse = np.unique(np.stack(columns, axis=1), axis=0, return_index=True, return_inverse=True)
     if len(first) > MAX_TYPES:
         raise ValueError(
@@ -162,8 +162,8 @@ class Pairs:
 
     def effective_mass(self, first: Integers, second: Integers) -> Floats:
         """Effective mass [kg]."""
-        one, other = self._system.mass[first], self._system.mass[second]
-        return np.where(second < 0, one, one * other / (one + other))
+        mass, other = self._system.mass[first], self._system.mass[second]
+        return np.where(second < 0, mass, mass * other / (mass + other))
 
     def force(self, first: Integers, second: Integers, compression: Floats, rate: Floats) -> Floats:
         """Repulsive force [N]."""
@@ -175,7 +175,7 @@ class Pairs:
 
     def _each(self, first: Integers, second: Integers, value: Callable[[Any, Integers], Floats]) -> Floats:
         """Evaluate a function of all contacts, with one call per kind of contact."""
-        found = np.zeros(len(first))
-        for rows, one in of_pairs(self._system, self._law, first, second):
-            found[rows] = value(one, rows)
-        return found
+        values = np.zeros(len(first))
+        for rows, of_pair in of_pairs(self._system, self._law, first, second):
+            values[rows] = value(of_pair, rows)
+        return values

@@ -48,8 +48,8 @@ def longest_step(contact: Any, speed: float, error: float) -> float:
         return BETWEEN * max(restitution_error(contact, speed, duration / n) for n in TESTED * steps)
 
     steps = float(MIN_STEPS)
-    while (found := largest_error(steps)) > error:
+    while (worst := largest_error(steps)) > error:
         if steps >= MAX_STEPS:
-            return duration / (MARGIN * steps * found / error)
-        steps = min(MAX_STEPS, steps * min(4.0, max(1.1, found / error)))
+            return duration / (MARGIN * steps * worst / error)
+        steps = min(MAX_STEPS, steps * min(4.0, max(1.1, worst / error)))
     return duration / steps

@@ -50,13 +50,13 @@ def write(job: Job, folder: Path) -> Path:
 
 def _coefficients(job: Job, types: Types) -> Mapping[tuple[int, int | None], str]:
     """The coefficients for each pair of types, and for each type at a wall."""
-    found: dict[tuple[int, int | None], str] = {}
+    coefficients: dict[tuple[int, int | None], str] = {}
     wall = (float("inf"), float("inf"))
     for i, body in enumerate(types.bodies):
-        found[i, None] = between(job.law, body, wall)
+        coefficients[i, None] = between(job.law, body, wall)
         for j, other in enumerate(types.bodies[i:], start=i):
-            found[i, j] = between(job.law, body, other)
-    return found
+            coefficients[i, j] = between(job.law, body, other)
+    return coefficients
 
 
 def _header(job: Job, folder: Path) -> list[str]:

@@ -74,8 +74,8 @@ def state(path: Path, system: ParticleSystem) -> tuple[Floats, Floats]:
     """Positions and velocities of the unfolded paths, (N, d) each."""
     with open(path, encoding="utf-8") as file:
         (last,) = snapshots(file)
-    found, d = table(last.rows, 8), system.dimension
-    positions, velocities = found[:, 1 : 1 + d], found[:, 4 : 4 + d]
+    columns, d = table(last.rows, 8), system.dimension
+    positions, velocities = columns[:, 1 : 1 + d], columns[:, 4 : 4 + d]
     if system.domain.gradient is not None:
-        velocities[:, 0] += found[:, 7] * (system.shear_rate * float(system.box[system.domain.gradient]))
+        velocities[:, 0] += columns[:, 7] * (system.shear_rate * float(system.box[system.domain.gradient]))
     return np.ascontiguousarray(positions), np.ascontiguousarray(velocities)

@@ -104,17 +104,17 @@ class DumpReader:
     def _parse(self, parts: list[Snapshot]) -> None:
         steps = np.array([part.step for part in parts])
         numbers = table([row for part in parts for row in part.rows], self._dump.width)
-        found = self._dump.overlaps(np.repeat(steps, [len(part.rows) for part in parts]), numbers)
-        self._sum(steps[steps % self._per_sample == 0], found)
+        overlaps = self._dump.overlaps(np.repeat(steps, [len(part.rows) for part in parts]), numbers)
+        self._sum(steps[steps % self._per_sample == 0], overlaps)
         if self.finder is not None:
-            self.finder.add(found, int(steps[-1]))
+            self.finder.add(overlaps, int(steps[-1]))
 
-    def _sum(self, samples: Integers, found: Overlaps) -> None:
-        now = found.step % self._per_sample == 0
-        energies = self._pairs.energy(found.first[now], found.second[now], found.compression[now])
-        at, n = np.searchsorted(samples, found.step[now]), len(samples)
+    def _sum(self, samples: Integers, overlaps: Overlaps) -> None:
+        now = overlaps.step % self._per_sample == 0
+        energies = self._pairs.energy(overlaps.first[now], overlaps.second[now], overlaps.compression[now])
+        at, n = np.searchsorted(samples, overlaps.step[now]), len(samples)
         energy = np.bincount(at, energies, n)
-        acting = np.bincount(at, found.force_acts[now], n)
+        acting = np.bincount(at, overlaps.force_acts[now], n)
         for sample, stored, count in zip(samples.tolist(), energy.tolist(), acting.tolist(), strict=True):
             self.sums[sample] = Sums(stored, int(count))
 
@@ -138,10 +138,10 @@ class Finder:
         self.begins: list[Change] = []
         self.ends: list[Change] = []
 
-    def add(self, found: Overlaps, until: int) -> None:
+    def add(self, overlaps: Overlaps, until: int) -> None:
         """Add the overlaps of the next steps up to ``until``."""
-        self._kept.append(found)
-        self._count += len(found.step)
+        self._kept.append(overlaps)
+        self._count += len(overlaps.step)
         if until == self._last:
             self._search(until)
         elif self._count > ROWS:
@@ -149,22 +149,22 @@ class Finder:
 
     def _search(self, until: int) -> None:
         """Find begins and ends from the last searched step to ``until``, and keep the last rows for differences."""
-        found = Overlaps._make(np.concatenate(column) for column in zip(*self._kept, strict=True))
-        rows = Rows(self._pairs, self._dt, found)
+        overlaps = Overlaps._make(np.concatenate(column) for column in zip(*self._kept, strict=True))
+        rows = Rows(self._pairs, self._dt, overlaps)
         new = (rows.step > self._done) & (rows.step <= until)
         self.begins.append(rows.begins(new))
         self.ends.append(rows.ends(new & (rows.step < self._last)))
-        last = found.step >= until - 1
-        self._kept = [Overlaps._make(column[last] for column in found)]
+        last = overlaps.step >= until - 1
+        self._kept = [Overlaps._make(column[last] for column in overlaps)]
         self._count, self._done = int(last.sum()), until
 
 
 class Rows:
     """Overlaps of many steps, sorted by pair and then by time."""
 
-    def __init__(self, pairs: Pairs, dt: float, found: Overlaps) -> None:
-        order = np.lexsort((found.step, found.second, found.first))
-        columns: tuple[Any, ...] = found
+    def __init__(self, pairs: Pairs, dt: float, overlaps: Overlaps) -> None:
+        order = np.lexsort((overlaps.step, overlaps.second, overlaps.first))
+        columns: tuple[Any, ...] = overlaps
         step, first, second, depth, _ = (column[order] for column in columns)
         self.step, self._first, self._second, self._depth, self._dt = step, first, second, depth, dt
         same = (np.diff(first) == 0) & (np.diff(second) == 0) & (np.diff(step) == 1)

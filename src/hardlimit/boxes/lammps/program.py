@@ -31,11 +31,11 @@ class Program:
 
     def environment(self) -> dict[str, str]:
         """Environment of the process, with one thread per rank: ``pair_style granular`` cannot use more."""
-        found = {**os.environ, "OMP_NUM_THREADS": "1"}
+        variables = {**os.environ, "OMP_NUM_THREADS": "1"}
         if self.libraries is not None:
             name = "DYLD_LIBRARY_PATH" if sys.platform == "darwin" else "LD_LIBRARY_PATH"
-            found[name] = os.pathsep.join(filter(None, [self.libraries, os.environ.get(name)]))
-        return found
+            variables[name] = os.pathsep.join(filter(None, [self.libraries, os.environ.get(name)]))
+        return variables
 
     def command(self, ranks: int, *arguments: str) -> list[str]:
         alone = [self.path, *arguments]

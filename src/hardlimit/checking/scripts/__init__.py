@@ -138,6 +138,6 @@ def _code_of(text: str, folder: Path | None) -> str:
     names = re.findall(r"^[ \t]*include[ \t]+(\S+)", text, re.MULTILINE) if folder else []
     included = [text_of(folder / name) or "" for name in names[:MAX_INCLUDED] if folder]
     for code, sign in SIGNS.items():
-        if any(sign.search(one) for one in (text, *included)):
+        if any(sign.search(content) for content in (text, *included)):
             return code
     raise ValueError(f"script: has no granular contacts of {', '.join(CODES)}")

@@ -137,20 +137,20 @@ class Variables:
             return None
         return formulas.value(self.substitute(formula, depth + 1) if "$" in formula else formula, named)
 
-    def replaced(self, found: re.Match[str], depth: int = 0) -> str:
+    def replaced(self, match: re.Match[str], depth: int = 0) -> str:
         """The text for a match of ``VARIABLE``; the match itself if its value is not known."""
-        if found[3] is None:
-            text = self.text(found[1] or found[2], depth)
-            return found[0] if text is None else text
-        formula, _, form = found[3].partition(":")
+        if match[3] is None:
+            text = self.text(match[1] or match[2], depth)
+            return match[0] if text is None else text
+        formula, _, form = match[3].partition(":")
         number = self.number(formula, depth)
         if number is None:
-            return found[0]
-        return (_formatted(form, number) or found[0]) if form else repr(number)
+            return match[0]
+        return (_formatted(form, number) or match[0]) if form else repr(number)
 
     def substitute(self, text: str, depth: int = 0) -> str:
         """A text with its variables replaced."""
-        return VARIABLE.sub(lambda found: self.replaced(found, depth), text)
+        return VARIABLE.sub(lambda match: self.replaced(match, depth), text)
 
     def missing(self, text: str, depth: int = 0) -> Iterator[str]:
         """Names of variables in a text that have no value, or of those on which they depend."""
@@ -173,7 +173,7 @@ def merge(known: dict[str, Variable], others: Mapping[str, Variable]) -> None:
 def _loop(values: Sequence[str]) -> Sequence[str]:
     """Values of ``loop N [pad]`` or ``loop N1 N2 [pad]``."""
     pad = values[-1:] == ["pad"]
-    ends = [int(one) for one in values if one.isdigit()]
+    ends = [int(value) for value in values if value.isdigit()]
     if not 1 <= len(ends) <= 2 or len(ends) + pad != len(values):
         return ()
     first, last = (1, ends[0]) if len(ends) == 1 else (ends[0], ends[1])
@@ -206,12 +206,12 @@ class Frame:
     @cached_property
     def labels(self) -> dict[str, int]:
         """Places of labels."""
-        found: dict[str, int] = {}
+        labels: dict[str, int] = {}
         for k, (_, line) in enumerate(self.lines):
             words = line.split(maxsplit=2)
             if words[:1] == ["label"] and len(words) > 1:
-                found.setdefault(words[1].partition("#")[0], k)
-        return found
+                labels.setdefault(words[1].partition("#")[0], k)
+        return labels
 
 
 @dataclass
@@ -294,13 +294,13 @@ class Commands:
         """``run N every M`` with commands after each part; the steps of the last parts are not counted."""
         k = statement.words.index("every")
         whole, every, inner = statement.words[:k], statement.words[k + 1 : k + 2], statement.words[k + 2 :]
-        found = [
-            one
+        statements = [
+            command
             for text in inner
             if text != "NULL"
-            for one in self._run(frame, statement.line, text, depth + 1)
+            for command in self._run(frame, statement.line, text, depth + 1)
         ]
-        changing = [one for one in found if one.words[0] not in SILENT]
+        changing = [command for command in statements if command.words[0] not in SILENT]
         yield replace(statement, words=("run", *every) if changing else whole)
         if changing:
             yield from changing
@@ -371,7 +371,7 @@ class Commands:
         if known:
             for inner in possible[0]:
                 yield from self._run(frame, statement.line, inner, depth + 1)
-        elif not all(split(one)[:1] and split(one)[0] in SILENT for inner in possible for one in inner):
+        elif not all(split(text)[:1] and split(text)[0] in SILENT for inner in possible for text in inner):
             branches, variables = list[Branch](), list[dict[str, Variable]]()
             label: Place | None = None
             for part in possible:
@@ -386,13 +386,13 @@ class Commands:
                 elif not branch.ends:
                     variables.append(dict(self.variables.known))
                 self.variables.known = before
-            going = [one for one in branches if not one.ends and not one.place]
+            going = [branch for branch in branches if not branch.ends and not branch.place]
             self.may_quit = self.may_quit or len(going) < len(branches)
             if variables:
                 self.variables.known = variables[0]
-                for one in variables[1:]:
-                    merge(self.variables.known, one)
-            elif places := [one.place[1] for one in branches if one.place]:
+                for others in variables[1:]:
+                    merge(self.variables.known, others)
+            elif places := [branch.place[1] for branch in branches if branch.place]:
                 frame.at = min(places)
             else:
                 self.frames.clear()
@@ -413,20 +413,20 @@ class Commands:
         self, frame: Frame, statement: Statement, commands: Sequence[str], depth: int
     ) -> tuple[Branch, Place | None]:
         """The commands of a branch with where it leads, and a label before it to which it leads back."""
-        frames, at, found = list(self.frames), frame.at, list[Statement]()
+        frames, at, statements = list(self.frames), frame.at, list[Statement]()
         skip_jump, trying = self.skip_jump, self.trying
         self.trying = True
         for inner in commands:
-            found += self._run(frame, statement.line, inner, depth + 1)
+            statements += self._run(frame, statement.line, inner, depth + 1)
             while len(self.frames) > len(frames):  # an include file
-                found += self._step()
+                statements += self._step()
             if self.frames != frames or frame.at != at:
                 break
         ends, place, ahead = not self.frames, frame.place, frame.at - at
         if self.frames and self.frames[-1] is not frame:
             raise refused(statement, f"have a condition that is known without running; {USE_LOG}")
         self.frames, frame.at, self.skip_jump, self.trying = frames, at, skip_jump, trying
-        branch = Branch(tuple(found), place if ahead > 0 and not ends else None, ends)
+        branch = Branch(tuple(statements), place if ahead > 0 and not ends else None, ends)
         return branch, place if ahead < 0 and not ends else None
 
     def _condition(self, text: str) -> bool | None:
@@ -454,12 +454,12 @@ def _branches(statement: Statement) -> Iterator[tuple[str, Sequence[str]]]:
             raise refused(statement, "be if condition then commands")
 
 
-def _same_words(found: re.Match[str]) -> str:
+def _same_words(match: re.Match[str]) -> str:
     """A comparison of two words as 1 or 0; that of numbers as it is."""
-    words = [word.strip("\"'") for word in (found[1], found[3])]
+    words = [word.strip("\"'") for word in (match[1], match[3])]
     if any(NUMBERS.fullmatch(word) for word in words):
-        return found[0]
-    return f" {int((words[0] == words[1]) == (found[2] == '=='))} "
+        return match[0]
+    return f" {int((words[0] == words[1]) == (match[2] == '=='))} "
 
 
 def text_of(path: Path) -> str | None:

@@ -29,30 +29,30 @@ def plain(value: Any) -> Any:
     if isinstance(value, Quote):
         return None
     if isinstance(value, dict):
-        return {key: plain(one) for key, one in value.items()}
+        return {key: plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
         return tuple(map(plain, value))
     if is_dataclass(value):
-        return type(value).__name__, *(plain(getattr(value, one.name)) for one in fields(value))
+        return type(value).__name__, *(plain(getattr(value, part.name)) for part in fields(value))
     return value
 
 
 def settings_of(stage: Stage) -> Any:
     """What decides on the contacts of a stage."""
-    return plain(replace(stage, quote=NOWHERE, steps=None, time_step_given=True, units_given=True))
+    return plain(replace(stage, quote=NOWHERE, steps=None, time_step_given=True, units_given=True, system=0))
 
 
-def differences(one: Stage, other: Stage) -> Iterator[Part]:
+def differences(first: Stage, other: Stage) -> Iterator[Part]:
     """The parts in which two stages differ."""
     for name, words in FIELDS.items():
-        if plain(getattr(one, name)) != plain(getattr(other, name)):
+        if plain(getattr(first, name)) != plain(getattr(other, name)):
             yield words, name
-    both = [{(each.types, each.wall): plain(each) for each in stage.contacts} for stage in (one, other)]
+    both = [{(each.types, each.wall): plain(each) for each in stage.contacts} for stage in (first, other)]
     for key in dict.fromkeys([*both[0], *both[1]]):
         if both[0].get(key) != both[1].get(key):
             yield CONTACTS, *key
-    for kind in dict.fromkeys([*one.grains, *other.grains]):
-        if one.grains.get(kind) != other.grains.get(kind):
+    for kind in dict.fromkeys([*first.grains, *other.grains]):
+        if first.grains.get(kind) != other.grains.get(kind):
             yield GRAINS, kind
 
 
@@ -66,6 +66,10 @@ def without(stage: Stage, parts: Collection[Part]) -> Stage:
     return replace(
         stage,
         **missing,
-        contacts=tuple(one for one in stage.contacts if (CONTACTS, one.types, one.wall) not in parts),
-        grains={kind: Grains(kind) if (GRAINS, kind) in parts else one for kind, one in stage.grains.items()},
+        contacts=tuple(
+            contact for contact in stage.contacts if (CONTACTS, contact.types, contact.wall) not in parts
+        ),
+        grains={
+            kind: Grains(kind) if (GRAINS, kind) in parts else grains for kind, grains in stage.grains.items()
+        },
     )

@@ -107,9 +107,10 @@ class Stage:
     bath: tuple[float, float] | None = (
         None  #: energy k_B T of a thermostat, and the rate at which it restores T
     )
-    units: str = "si"  #: those of the system that runs; ``clear`` begins another one
+    units: str = "si"
     units_given: bool = True  #: False for the code's default
     dimension: int = 3
+    system: int = 0  #: number of the system that runs; ``clear`` begins another one
 
 
 @dataclass(frozen=True)

@@ -71,17 +71,17 @@ class _Parser:
         self.tokens: list[tuple[str, str]] = []
         place, text = 0, formula.strip()
         while place < len(text):
-            found = TOKEN.match(text, place)
-            if found is None:
+            match = TOKEN.match(text, place)
+            if match is None:
                 raise ValueError
-            self.tokens.append((str(found.lastgroup), found[0].strip()))
-            place = found.end()
+            self.tokens.append((str(match.lastgroup), match[0].strip()))
+            place = match.end()
 
     def parsed(self) -> float:
-        found = self.level(0)
+        result = self.level(0)
         if self.at != len(self.tokens):
             raise ValueError
-        return found
+        return result
 
     def next(self) -> tuple[str, str]:
         return self.tokens[self.at] if self.at < len(self.tokens) else ("", "")
@@ -94,11 +94,11 @@ class _Parser:
     def level(self, k: int) -> float:
         if k == len(LEVELS):
             return self.unary()
-        found, operators = self.level(k + 1), LEVELS[k]
+        result, operators = self.level(k + 1), LEVELS[k]
         while (sign := self.next()[1]) in operators:
             self.at += 1
-            found = operators[sign](found, self.level(k + 1))
-        return found
+            result = operators[sign](result, self.level(k + 1))
+        return result
 
     def unary(self) -> float:
         sign = self.next()[1]
@@ -108,11 +108,11 @@ class _Parser:
         if sign in ("-", "+", "!"):
             self.at += 1
             operand = self.unary()
-            found = -operand if sign == "-" else operand if sign == "+" else float(not operand)
+            result = -operand if sign == "-" else operand if sign == "+" else float(not operand)
         else:
-            found = self.atom()
+            result = self.atom()
         self.depth -= 1
-        return found
+        return result
 
     def atom(self) -> float:
         kind, text = self.next()
@@ -120,9 +120,9 @@ class _Parser:
         if kind == "number":
             return float(text)
         if text == "(":
-            found = self.level(0)
+            result = self.level(0)
             self.expect(")")
-            return found
+            return result
         if kind != "name":
             raise ValueError
         if self.next()[1] == "(":

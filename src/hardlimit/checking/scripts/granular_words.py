@@ -76,10 +76,10 @@ def gran(statement: Statement, words: Sequence[str], wall: bool = False) -> Word
     if not words or words[0] not in GRAN or len(words) < 7:
         raise refused(statement, f"be {', '.join(GRAN)} with six numbers")
     name = "gran/hertz" if words[0] == "hertz/history" else "gran/hooke"
-    found: dict[str, tuple[str, ...]] = {"normal": (name, words[1], words[3])}
+    settings: dict[str, tuple[str, ...]] = {"normal": (name, words[1], words[3])}
     rest = words[7:]
     if rest[:1] and rest[0] == "limit_damping":
-        found["limit_damping"] = ()
+        settings["limit_damping"] = ()
         rest = rest[1:]
     if rest and not (wall and rest[0] in WALLS):
         raise refusal(
@@ -92,7 +92,7 @@ def gran(statement: Statement, words: Sequence[str], wall: bool = False) -> Word
     tangent = ["0" if words[0] == "hooke" else words[2], "0" if is_zero(words[6]) else words[4]]
     if tangent[1] == "NULL":
         tangent[1] = words[3]
-    return Words(found, beside, rest=tuple(rest), friction=sliding([*tangent, words[5]]))
+    return Words(settings, beside, rest=tuple(rest), friction=sliding([*tangent, words[5]]))
 
 
 def sliding(numbers: Sequence[str]) -> str:
@@ -102,20 +102,20 @@ def sliding(numbers: Sequence[str]) -> str:
 
 def granular(statement: Statement, words: Sequence[str], wall: bool = False, adhesion: bool = False) -> Words:
     """``MODEL numbers [damping …] [tangential …] … [limit_damping]``, up to the shape of a wall."""
-    found: dict[str, tuple[str, ...]] = {"damping": ("viscoelastic",)}
+    settings: dict[str, tuple[str, ...]] = {"damping": ("viscoelastic",)}
     normal = {**NORMAL, **(ADHESIVE | PLASTIC if adhesion else {})}
     beside, friction, k = list[str](), "0", 0
     while k < len(words) and not (wall and words[k] in WALLS):
         word, after = words[k], words[k + 1 : k + 2]
         if word in normal:
             step = 1 + normal[word]
-            found["normal"] = tuple(words[k : k + step])
+            settings["normal"] = tuple(words[k : k + step])
         elif word == "damping" and after and after[0] in DAMPING:
             step = 2
-            found["damping"] = (after[0],)
+            settings["damping"] = (after[0],)
         elif word == "damping" and after and after[0] == "mdr" and adhesion:
             step = 3
-            found["damping"] = tuple(words[k + 1 : k + 3])
+            settings["damping"] = tuple(words[k + 1 : k + 3])
         elif word in BESIDE and after and after[0] in BESIDE[word]:
             step = 2 + BESIDE[word][after[0]]
             beside += [] if after[0] == "none" else [f"{word} {after[0]}"]
@@ -125,7 +125,7 @@ def granular(statement: Statement, words: Sequence[str], wall: bool = False, adh
             step = 1
         elif word in ("limit_damping", "cutoff"):
             step = 1 if word == "limit_damping" else 2
-            found[word] = ()
+            settings[word] = ()
         else:
             raise refusal(
                 statement.line,
@@ -137,22 +137,22 @@ def granular(statement: Statement, words: Sequence[str], wall: bool = False, adh
             raise refused(statement, f"have {step - 1} words after {word}")
         k += step
     if (
-        found["damping"] == ("none",) and "normal" in found
+        settings["damping"] == ("none",) and "normal" in settings
     ):  # the damping coefficient is read, and does nothing
-        name, stiffness, _, *others = found["normal"]
-        found |= {"damping": ("velocity",), "normal": (name, stiffness, "0", *others)}
-    return Words(found, tuple(beside), tuple(words[k:]), friction)
+        name, stiffness, _, *others = settings["normal"]
+        settings |= {"damping": ("velocity",), "normal": (name, stiffness, "0", *others)}
+    return Words(settings, tuple(beside), tuple(words[k:]), friction)
 
 
 def wall(statement: Statement, words: Sequence[str], adhesion: bool = False) -> Words:
     """The words of ``fix … wall/gran`` after its style."""
     if words[:1] and words[0] == "granular":
-        found = granular(statement, words[1:], True, adhesion)
+        parsed = granular(statement, words[1:], True, adhesion)
     else:
-        found = gran(statement, words, True)
-    if "limit_damping" in found.rest:
-        raise refused(statement, f"have limit_damping before {found.rest[0]}")
-    return found
+        parsed = gran(statement, words, True)
+    if "limit_damping" in parsed.rest:
+        raise refused(statement, f"have limit_damping before {parsed.rest[0]}")
+    return parsed
 
 
 def ordered(first: str, second: str) -> tuple[str, str]:
@@ -196,7 +196,7 @@ def gran_model(statement: Statement, words: Sequence[str], adhesion: bool = Fals
     """``model NAME word value …``, up to the shape of a wall."""
     if len(words) < 2 or words[0] != "model":
         raise refused(statement, "begin with model NAME")
-    found: dict[str, tuple[str, ...]] = {"model": (words[1],)}
+    settings: dict[str, tuple[str, ...]] = {"model": (words[1],)}
     beside, shape, k = list[str](), list[str](), 2
     while k < len(words):
         word, after = words[k], words[k + 1 : k + 2]
@@ -214,10 +214,10 @@ def gran_model(statement: Statement, words: Sequence[str], adhesion: bool = Fals
                 f"{must}: nothing else is supported",
                 statement.file,
             )
-        found[word] = (after[0],)
+        settings[word] = (after[0],)
         if word in ("tangential", "rolling_friction") and after[0] not in ("off", "no_history"):
             beside.append(f"{word} {after[0]}")
         elif word == "tangential" and after[0] == "no_history":
             beside.append("tangential no_history")
         k += 2
-    return Words(found, tuple(beside), tuple(shape))
+    return Words(settings, tuple(beside), tuple(shape))

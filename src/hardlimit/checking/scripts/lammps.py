@@ -81,15 +81,15 @@ class Lammps(State):
 
     def parts(self, words: Sequence[str]) -> list[list[str]]:
         """The styles of a hybrid style with their words."""
-        found: list[list[str]] = []
+        styles: list[list[str]] = []
         for word in words:
             name = unaccelerated(word)
             options = ("limit_damping", "NULL", "scaled")
-            if not found or (name not in options and not word.startswith("v_") and word[:1].isalpha()):
-                found.append([word])
+            if not styles or (name not in options and not word.startswith("v_") and word[:1].isalpha()):
+                styles.append([word])
             else:
-                found[-1].append(word)
-        return found
+                styles[-1].append(word)
+        return styles
 
     def gran(self, statement: Statement, name: str, words: Sequence[str]) -> None:
         """A style gran/…, whose numbers hold for all pairs."""
@@ -98,10 +98,10 @@ class Lammps(State):
 
     def coefficients(self, statement: Statement, style: str, parsed: Words) -> Coefficients:
         """Settings whose numbers are known."""
-        found = self.resolve(statement, settings(statement, parsed.settings))
+        resolved = self.resolve(statement, settings(statement, parsed.settings))
         for what in parsed.beside:
             self.ignore(what, statement)
-        return Coefficients(style, found, statement.quote, parsed.friction)
+        return Coefficients(style, resolved, statement.quote, parsed.friction)
 
     def command_pair_coeff(self, statement: Statement) -> None:
         self.understood(statement, lambda: self.pair_coeff(statement))
@@ -112,7 +112,7 @@ class Lammps(State):
         words = list(statement.words[1:])
         if len(words) < 2:
             raise refused(statement, "name two types")
-        first, second = ordered(*(str(self.labels.get(one, one)) for one in words[:2]))
+        first, second = ordered(*(str(self.labels.get(word, word)) for word in words[:2]))
         rest, style = words[2:], self.style
         if self.hybrid:
             style = unaccelerated(rest[0]) if rest else "none"
@@ -133,26 +133,26 @@ class Lammps(State):
         self.types = max(self.types, *(int(word) for word in (first, second) if word.isdecimal()), 0)
         for pair in pairs:
             if self.style == "hybrid/overlay":
-                held = [one for one in self.pairs.get(pair, []) if one.style != new.style]
-                self.pairs[pair] = [*held, new]
+                others = [entry for entry in self.pairs.get(pair, []) if entry.style != new.style]
+                self.pairs[pair] = [*others, new]
             else:
                 self.pairs[pair] = [new]
 
     def contacts(self) -> Iterator[ContactSettings]:
         """Pairs of types, then walls; adhesion whose constant is 0 is left out."""
-        for one in self.all_contacts():
-            settings, adhesion = sticky(one.settings)
-            yield replace(one, settings=settings, adhesion=adhesion)
+        for contact in self.all_contacts():
+            settings, adhesion = sticky(contact.settings)
+            yield replace(contact, settings=settings, adhesion=adhesion)
 
     def all_contacts(self) -> Iterator[ContactSettings]:
         """The contacts with their settings as given."""
         kinds = self.present()
         for i in kinds:
             for j in kinds[kinds.index(i) :]:
-                found = self.between(i, j)
-                if found is not None:
+                contact = self.between(i, j)
+                if contact is not None:
                     moving = motion.strongest([motion.of_grains(self, k) for k in (i, j)])
-                    yield replace(found, motion=moving)
+                    yield replace(contact, motion=moving)
         for name, fix in self.fixes.items():
             if fix.style in GRANULAR_WALLS:
                 parsed = self.wall(fix)
@@ -164,42 +164,52 @@ class Lammps(State):
                     moves = motion.of_wall(self, words.rest, WALLS[shape], friction != 0.0)
                     quotes = (fix.statement.quote,)
                     for kind in self.walls_of(fix.group):
-                        yield self.wall_contact(kind, name, parsed, quotes, pushes, friction, moves)
+                        yield self.wall_contact(
+                            kind, name, parsed, quotes=quotes, pushes=pushes, friction=friction, motion=moves
+                        )
         for kind in kinds if self.part and self.alone else ():
             for model in self.pairs.get((kind, kind), [])[-1:]:
                 friction = self.coefficient(model.friction)
-                yield self.wall_contact(kind, WALL, model.settings, (model.quote,), None, friction, None)
+                yield self.wall_contact(
+                    kind,
+                    WALL,
+                    model.settings,
+                    quotes=(model.quote,),
+                    pushes=None,
+                    friction=friction,
+                    motion=None,
+                )
 
     def between(self, i: int, j: int) -> ContactSettings | None:
         """Settings of two types: those given, those of a gran/… style, or the mixed ones."""
         types = (str(i), str(j))
-        given = [one for one in self.pairs.get((i, j), []) if "normal" in one.settings]
-        if given:
-            return self.of_pair(types, given[-1])
+        entries = [entry for entry in self.pairs.get((i, j), []) if "normal" in entry.settings]
+        if entries:
+            return self.of_pair(types, entries[-1])
         if (i, j) in self.pairs and self.hybrid:
             return None
         if self.everywhere and not self.hybrid:
             return self.of_pair(types, next(iter(self.everywhere.values())))
         ends = [self.pairs.get((k, k), []) for k in (i, j)]
-        alone = [one[-1] for one in ends if one and "normal" in one[-1].settings]
+        alone = [end[-1] for end in ends if end and "normal" in end[-1].settings]
         if len(alone) < 2 or i == j:
             return None
-        found = mixed(*(one.settings for one in alone))
-        quotes = tuple(dict.fromkeys(one.quote for one in alone))
-        if found is None:
+        mixture = mixed(*(entry.settings for entry in alone))
+        quotes = tuple(dict.fromkeys(entry.quote for entry in alone))
+        if mixture is None:
             self.unknown.update(dict.fromkeys(quotes))
             return None
-        coefficients = [self.coefficient(one.friction) for one in alone]
-        known = [one for one in coefficients if one is not None]
+        coefficients = [self.coefficient(entry.friction) for entry in alone]
+        known = [coefficient for coefficient in coefficients if coefficient is not None]
         friction = math.sqrt(math.prod(known)) if len(known) == 2 and min(known) >= 0.0 else None
         return ContactSettings(
-            types, None, found, quotes, since=mixed_since(alone[0].settings), friction=friction
+            types, None, mixture, quotes, since=mixed_since(alone[0].settings), friction=friction
         )
 
-    def of_pair(self, types: tuple[str, str], given: Coefficients) -> ContactSettings:
+    def of_pair(self, types: tuple[str, str], entry: Coefficients) -> ContactSettings:
         """Settings of two types for which coefficients are given."""
-        friction = self.coefficient(given.friction)
-        return ContactSettings(types, None, given.settings, (given.quote,), friction=friction)
+        friction = self.coefficient(entry.friction)
+        return ContactSettings(types, None, entry.settings, (entry.quote,), friction=friction)
 
     # --- walls and insertions -----------------------------------------------------------------------------------
 
@@ -208,7 +218,7 @@ class Lammps(State):
         if fix.style in GRANULAR_WALLS:
             self.last, self.granular = fix.statement, True
             if not self.understood(fix.statement, lambda: self.read_wall(fix)):
-                self.fixes = {name: one for name, one in self.fixes.items() if one is not fix}
+                self.fixes = {name: other for name, other in self.fixes.items() if other is not fix}
             return True
         if fix.style in ("pour", "deposit"):
             if not self.understood(fix.statement, lambda: self.insert(fix), contacts=False):
@@ -297,10 +307,10 @@ class Lammps(State):
 
     def limits(self, statement: Statement, words: Sequence[str]) -> tuple[float, float]:
         """Smallest and largest of some positive numbers."""
-        found = [self.number(statement, word) for word in words]
-        if not found or min(found) <= 0.0 or not math.isfinite(max(found)):
+        numbers = [self.number(statement, word) for word in words]
+        if not numbers or min(numbers) <= 0.0 or not math.isfinite(max(numbers)):
             raise refused(statement, "have positive diameters and densities")
-        return min(found), max(found)
+        return min(numbers), max(numbers)
 
 
 def sticky(settings: Settings) -> tuple[Settings, str]:
@@ -324,14 +334,18 @@ def mixed_since(settings: Settings) -> str:
     return "" if usual else MIXED_SINCE[name]
 
 
-def mixed(one: Settings, other: Settings) -> Settings | None:
+def mixed(settings: Settings, other: Settings) -> Settings | None:
     """Settings of a pair without its own: as in ``GranSubMod::mix_coeffs``; None if the models differ.
 
     Coefficients have their geometric mean, moduli E* with 1/E* = (1 − ν₁²)/E₁ + (1 − ν₂²)/E₂. The result for
     ``hertz/material``, and of adhesion whose constant is 0, is ``hertz`` with 4/3 E*.
     """
-    a, b = one["normal"].words, other["normal"].words
-    if a[0] != b[0] or one["damping"].words != other["damping"].words or a[0] not in {**NORMAL, **ADHESIVE}:
+    a, b = settings["normal"].words, other["normal"].words
+    if (
+        a[0] != b[0]
+        or settings["damping"].words != other["damping"].words
+        or a[0] not in {**NORMAL, **ADHESIVE}
+    ):
         return None
     try:
         first, second = ([float(word) for word in words[1:]] for words in (a, b))
@@ -343,9 +357,9 @@ def mixed(one: Settings, other: Settings) -> Settings | None:
             name, means = "hertz", [4.0 / 3.0 * means[0], means[1]]
     except (ValueError, ZeroDivisionError):
         return None
-    found = dict(one)
-    line = one["normal"]
-    found["normal"] = Setting((name, *(repr(x) for x in means)), line.line, line.text)
+    mixture = dict(settings)
+    line = settings["normal"]
+    mixture["normal"] = Setting((name, *(repr(x) for x in means)), line.line, line.text)
     if "limit_damping" in other:
-        found["limit_damping"] = other["limit_damping"]
-    return found
+        mixture["limit_damping"] = other["limit_damping"]
+    return mixture

@@ -62,16 +62,16 @@ class Property:
         return Setting((word,), self.statement.line, self.statement.text)
 
 
-def property_types(statement: Statement, kind: str, given: Sequence[str]) -> int:
+def property_types(statement: Statement, kind: str, values: Sequence[str]) -> int:
     """Number of types for which a property is given; 0 for a scalar."""
     if kind == "peratomtypepair":
-        count = int(given[0]) if given and given[0].isdecimal() and len(given[0]) < 6 else 0
-        if count < 1 or len(given) != 1 + count * count:
+        count = int(values[0]) if values and values[0].isdecimal() and len(values[0]) < 6 else 0
+        if count < 1 or len(values) != 1 + count * count:
             raise refused(statement, "be a number of types and one number for each pair of types")
         return count
-    if not given or (kind == "scalar" and len(given) != 1):
+    if not values or (kind == "scalar" and len(values) != 1):
         raise refused(statement, "have its numbers")
-    return 0 if kind == "scalar" else len(given)
+    return 0 if kind == "scalar" else len(values)
 
 
 def sticky(contact: ContactSettings) -> ContactSettings:
@@ -85,9 +85,11 @@ def sticky(contact: ContactSettings) -> ContactSettings:
         return replace(contact, adhesion=f"plastic deformation or adhesion ({model})")
     constants = [settings.get(name) for name in COHESION.get(cohesion, ())]
     if cohesion == "off" or (
-        constants and all(one is not None and is_zero(one.words[0]) for one in constants)
+        constants and all(constant is not None and is_zero(constant.words[0]) for constant in constants)
     ):
-        return replace(contact, settings={name: one for name, one in settings.items() if name != "cohesion"})
+        return replace(
+            contact, settings={name: setting for name, setting in settings.items() if name != "cohesion"}
+        )
     return replace(contact, adhesion=f"cohesion ({cohesion})")
 
 
@@ -160,7 +162,7 @@ class Liggghts(State):
 
     def forget(self, fix: Fix) -> None:
         """Drop a fix that was not understood."""
-        self.fixes = {name: one for name, one in self.fixes.items() if one is not fix}
+        self.fixes = {name: other for name, other in self.fixes.items() if other is not fix}
         if fix.style.startswith(("particle", "insert", "pour")):
             self.population.elsewhere = True
 
@@ -169,14 +171,16 @@ class Liggghts(State):
         name, kind, *values = (*fix.words, "", "")
         if kind not in PROPERTIES:
             return
-        given = [one for one in values if one]
-        if given[-2:-1] == ["every"]:
-            given = given[:-2]
+        words = [word for word in values if word]
+        if words[-2:-1] == ["every"]:
+            words = words[:-2]
         if name in OF_CONTACT:
-            given = [one if NUMBER.fullmatch(one) else repr(self.number(fix.statement, one)) for one in given]
-        found = Property(fix.statement, kind, tuple(given))
-        self.types = max(self.types, min(found.types(), MAX_TYPES))
-        self.properties[name] = found
+            words = [
+                word if NUMBER.fullmatch(word) else repr(self.number(fix.statement, word)) for word in words
+            ]
+        new = Property(fix.statement, kind, tuple(words))
+        self.types = max(self.types, min(new.types(), MAX_TYPES))
+        self.properties[name] = new
 
     def mesh(self, fix: Fix) -> None:
         """The material type of a mesh."""
@@ -194,15 +198,15 @@ class Liggghts(State):
         kind = self.type_of((*fix.words, "", "")[1])
         if fix.style not in ("pour", "pour/legacy") or not 1 <= kind <= MAX_TYPES:
             raise refused(fix.statement, "be fix pour/legacy with a type, or fix insert")
-        found: dict[str, Range | None] = {"diam": (1.0, 1.0), "dens": (1.0, 1.0)}
-        found |= self.random(fix, tuple(found))
-        diameters, densities = found.values()
+        limits: dict[str, Range | None] = {"diam": (1.0, 1.0), "dens": (1.0, 1.0)}
+        limits |= self.random(fix, tuple(limits))
+        diameters, densities = limits.values()
         radii = None if diameters is None else (0.5 * diameters[0], 0.5 * diameters[1])
         self.population.add(kind, Batch(radii, densities))
 
     def random(self, fix: Fix, names: Sequence[str]) -> dict[str, Range | None]:
         """Smallest and largest value after each of these words; None for a distribution without them, quoted."""
-        found: dict[str, Range | None] = {}
+        limits: dict[str, Range | None] = {}
         words = fix.words
         for k, name in enumerate(words):
             if name in names:
@@ -211,12 +215,12 @@ class Liggghts(State):
                     del rest[0]
                 if NUMBER.fullmatch(style):  # LO HI
                     style, rest = "uniform", [style, *rest]
-                found[name] = self.ends(fix, style, [one for one in rest if one])
-                if found[name] is None:
+                limits[name] = self.ends(fix, style, [word for word in rest if word])
+                if limits[name] is None:
                     self.unknown[fix.statement.quote] = None
-        if any(one and not 0.0 < one[0] <= one[1] for one in found.values()):
+        if any(ends and not 0.0 < ends[0] <= ends[1] for ends in limits.values()):
             raise refused(fix.statement, "have positive sizes and densities")
-        return found
+        return limits
 
     def ends(self, fix: Fix, style: str, words: Sequence[str]) -> Range | None:
         """Smallest and largest value of a distribution; LIGGGHTS draws a Gaussian one again beyond 3σ."""
@@ -256,7 +260,7 @@ class Liggghts(State):
         self.words(fix.statement, fix.words)
         if not kinds:
             raise refused(fix.statement, "name meshes with a type")
-        if any(one.endswith("cylinder") for one in parsed.rest):
+        if any(word.endswith("cylinder") for word in parsed.rest):
             self.ignore("curvature of a wall, which is taken as a plane", fix.statement)
         if "shear" in parsed.rest:
             self.ignore("a moving wall (shear)", fix.statement)
@@ -272,11 +276,11 @@ class Liggghts(State):
             model, quote = self.model
             for i in kinds:
                 for j in kinds[kinds.index(i) :]:
-                    found, quotes = self.between(i, j)
+                    numbers, quotes = self.between(i, j)
                     yield ContactSettings(
                         (str(i), str(j)),
                         None,
-                        {**model, **found},
+                        {**model, **numbers},
                         (quote, *quotes),
                         friction=self.friction(model, i, j),
                         motion=motion.strongest([motion.of_grains(self, k) for k in (i, j)]),
@@ -286,22 +290,22 @@ class Liggghts(State):
                 parsed, ends = self.parsed_wall(fix)
                 model = settings(fix.statement, parsed.settings)
                 shapes = [granular_words.pushes(word) for word in parsed.rest]
-                pushes = next((one for one in shapes if one is not None), None)
+                pushes = next((shape for shape in shapes if shape is not None), None)
                 moves = motion.strongest([motion.of_mesh(self, word) for word in parsed.rest], self.down())
                 for kind in kinds:
                     for end in ends:
-                        found, quotes = self.between(kind, end)
+                        numbers, quotes = self.between(kind, end)
                         wall = name if len(ends) == 1 else f"{name} (type {end})"
                         friction = self.friction(model, kind, end)
                         moving = motion.of_wall(self, parsed.rest, 0, friction != 0.0) or moves
                         yield self.wall_contact(
                             kind,
                             wall,
-                            {**model, **found},
-                            (fix.statement.quote, *quotes),
-                            pushes,
-                            friction,
-                            moving,
+                            {**model, **numbers},
+                            quotes=(fix.statement.quote, *quotes),
+                            pushes=pushes,
+                            friction=friction,
+                            motion=moving,
                         )
 
     def friction(self, model: Settings, i: int, j: int) -> float | None:
@@ -309,43 +313,43 @@ class Liggghts(State):
         tangential = model.get("tangential")
         if tangential is None or tangential.words[0] == "off":
             return 0.0
-        given = self.properties.get("coefficientFriction")
-        pair = None if given is None else given.between(i, j)
+        coefficients = self.properties.get("coefficientFriction")
+        pair = None if coefficients is None else coefficients.between(i, j)
         return None if pair is None else self.coefficient(pair[0])
 
     def between(self, i: int, j: int) -> tuple[Settings, tuple[Quote, ...]]:
         """The properties of a pair of types. Two materials are replaced by one with the same effective modulus."""
-        found: Settings = {}
+        settings: Settings = {}
         quotes: dict[Quote, None] = {}
         values: dict[str, tuple[str, str]] = {}
         for name in OF_CONTACT:
-            one = self.properties.get(name)
-            pair = None if one is None else one.between(i, j)
-            if one is not None and pair is not None:
+            source = self.properties.get(name)
+            pair = None if source is None else source.between(i, j)
+            if source is not None and pair is not None:
                 values[name] = pair
-                found[name] = one.setting(pair[0])
-                quotes[one.statement.quote] = None
+                settings[name] = source.setting(pair[0])
+                quotes[source.statement.quote] = None
         moduli, ratios = values.get("youngsModulus"), values.get("poissonsRatio")
         if moduli and ratios and not (same_word(*moduli) and same_word(*ratios)):
             modulus, ratio = one_material(
                 *((float(y), float(nu)) for y, nu in zip(moduli, ratios, strict=True))
             )
-            found["youngsModulus"] = replace(found["youngsModulus"], words=(repr(modulus),))
-            found["poissonsRatio"] = replace(found["poissonsRatio"], words=(repr(ratio),))
-        return found, tuple(quotes)
+            settings["youngsModulus"] = replace(settings["youngsModulus"], words=(repr(modulus),))
+            settings["poissonsRatio"] = replace(settings["poissonsRatio"], words=(repr(ratio),))
+        return settings, tuple(quotes)
 
     # --- templates and insertions -------------------------------------------------------------------------------
 
     def template(self, fix: Fix) -> None:
         """Radius and density of a particle template."""
         kind = self.type_of(self.option(fix, "atom_type") or "1")
-        found = self.random(fix, ("radius", "density"))
-        radii = found.get("radius")
+        limits = self.random(fix, ("radius", "density"))
+        radii = limits.get("radius")
         if not 1 <= kind <= MAX_TYPES:
             raise refused(fix.statement, "have a type")
         if radii is not None:
             radii = (radii[0] * self.coarse, radii[1] * self.coarse)
-        self.templates[fix.statement.words[1]] = (kind, Batch(radii, found.get("density")))
+        self.templates[fix.statement.words[1]] = (kind, Batch(radii, limits.get("density")))
 
     def distribution(self, fix: Fix) -> None:
         """The templates of a distribution."""
@@ -354,16 +358,16 @@ class Liggghts(State):
     def insert(self, fix: Fix) -> None:
         """Insertion of a distribution."""
         name = self.option(fix, "distributiontemplate")
-        templates = [self.templates.get(one) for one in self.distributions.get(name, [])]
+        templates = [self.templates.get(template) for template in self.distributions.get(name, [])]
         if not templates or None in templates:
             raise refused(fix.statement, "have a distribution of spheres")
-        for one in templates:
-            if one is not None:
-                self.population.add(*one)
+        for template in templates:
+            if template is not None:
+                self.population.add(*template)
 
     def changed(self, keyword: str, value: float | None) -> Callable[[Batch], Batch]:
         """What a keyword of ``set`` does to grains. In LIGGGHTS, another diameter keeps the density."""
         if keyword == "diameter":
             radius = None if value is None else 0.5 * value * self.coarse
-            return lambda one: one.with_radius(radius)
+            return lambda batch: batch.with_radius(radius)
         return super().changed(keyword, value)

@@ -33,9 +33,9 @@ def header(text: str) -> tuple[str, str] | None:
     lines = text.splitlines()
     printed = OUTPUT.search(text) is not None
     for line in lines if printed else lines[:MAX_BEFORE]:
-        found = HEADER.match(line)
-        if found:
-            return found[1].lower(), found[2].strip()
+        match = HEADER.match(line)
+        if match:
+            return match[1].lower(), match[2].strip()
     return ("", "") if printed else None
 
 
@@ -52,24 +52,24 @@ def commands(text: str, file: str, variables: Variables, state: type[State]) -> 
         if not words or words[0] not in known or (words[1:] and words[1].startswith("CPU = ")):
             continue
         pieces, quote = scan(lines[k - 1])
-        code = "".join(one for one, _ in pieces)
+        code = "".join(piece for piece, _ in pieces)
         while quote == '"""' and k < min(len(lines), first + LONGEST_QUOTE):
             code, k = f"{code}\n{lines[k]}", k + 1
             pieces, quote = scan(code)
         # The same command follows once more after each replacement.
-        while UNRESOLVED.search("".join(one for one, quoted in pieces if not quoted)) and k < len(lines):
+        while UNRESOLVED.search("".join(piece for piece, quoted in pieces if not quoted)) and k < len(lines):
             again, _ = scan(lines[k])
-            replaced = "".join(one for one, _ in again)
+            replaced = "".join(piece for piece, _ in again)
             if replaced.split(maxsplit=1)[:1] != words[:1]:
                 break
             pieces, code, k = again, replaced, k + 1
-        found = split(code)
-        if found[0] == "print" and len(found) > 1:
-            for line in found[1].split("\n"):  # what it prints follows
+        command = split(code)
+        if command[0] == "print" and len(command) > 1:
+            for line in command[1].split("\n"):  # what it prints follows
                 k += k < len(lines) and lines[k].startswith(line.partition("$")[0])
-        if found[0] == "variable":
-            variables.define(found[1:])
-        elif found[0] == "next":
-            variables.step(found[1:])
-        elif found[0] not in ("include", "if", "jump", "label", "quit", "log"):
-            yield Statement(first, found, code, file=file)
+        if command[0] == "variable":
+            variables.define(command[1:])
+        elif command[0] == "next":
+            variables.step(command[1:])
+        elif command[0] not in ("include", "if", "jump", "label", "quit", "log"):
+            yield Statement(first, command, code, file=file)

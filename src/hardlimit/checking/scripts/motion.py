@@ -59,8 +59,8 @@ def driven(state: State) -> Driven:
             others.append(Note(f"a servo ({fix.style})", None, fix.statement.quote))
         elif "servo" in fix.style or (fix.style.startswith("wall/gran") and measured(state, fix.words)):
             pressed.append(Note(f"a servo ({fix.style})", None, fix.statement.quote))
-        elif fix.style.startswith("langevin") and (found := bath(state, fix)) is not None:
-            baths.append(found)
+        elif fix.style.startswith("langevin") and (thermostat := bath(state, fix)) is not None:
+            baths.append(thermostat)
     if len(rates) + len(baths) > 1:
         others.append(Note("several drives"))
     return tuple(pressed), tuple(others), rates[0] if rates else None, baths[0] if baths else None
@@ -79,7 +79,7 @@ def bath(state: State, fix: Fix) -> tuple[float, float] | None:
     group, numbers = state.members(fix.group), [state.coefficient(word) for word in fix.words[:3]]
     if len(numbers) < 3 or None in numbers or not group.whole:
         return None
-    start, stop, damp = (float(one) for one in numbers if one is not None)
+    start, stop, damp = (float(number) for number in numbers if number is not None)
     every = group.types is None or group.types >= {k for k in state.present() if not state.frozen(k)}
     if not every or start != stop or not (start > 0.0 and damp > 0.0) or state.units not in BOLTZMANN:
         return None
@@ -105,20 +105,20 @@ def deformation(state: State, words: Sequence[str]) -> tuple[str, float | None]:
             other = True
         else:
             growth.setdefault(style, []).append(_growth(state, axis, style, numbers))
-    changes = [change for one in growth.values() for change in one]
+    changes = [change for axis in growth.values() for change in axis]
     if shrinks(growth) and not kept:
         return "pressed", None
-    if other or None in rates or len(rates) > 1 or (changes and any(one != 0.0 for one in changes)):
+    if other or None in rates or len(rates) > 1 or (changes and any(change != 0.0 for change in changes)):
         return "other", None
     return "", rates[0] if rates else None
 
 
 def shrinks(growth: dict[str, list[float | None]]) -> bool:
     """Whether the volume falls: the sum of relative changes of one style, or any change if there are several."""
-    known = [[one for one in each if one is not None] for each in growth.values()]
+    known = [[change for change in each if change is not None] for each in growth.values()]
     if len(growth) == 1:
         return sum(known[0]) < -1e-9 * max(map(abs, known[0]), default=0.0)
-    return any(one < 0.0 for each in known for one in each)
+    return any(change < 0.0 for each in known for change in each)
 
 
 def deformed(words: Sequence[str]) -> Iterator[tuple[str, str, list[str]]]:
@@ -136,7 +136,7 @@ def deformed(words: Sequence[str]) -> Iterator[tuple[str, str, list[str]]]:
 
 def _growth(state: State, axis: str, style: str, numbers: Sequence[float | None]) -> float | None:
     """A relative change of an edge, or its rate: its sign counts, and among those of one style its size."""
-    known = [one for one in numbers if one is not None]
+    known = [number for number in numbers if number is not None]
     edge = state.edges.get(axis)
     if not known or len(known) < len(numbers):
         return None
@@ -171,7 +171,7 @@ def of_wall(state: State, rest: Sequence[str], ends: int, rubs: bool) -> Motion 
     options = list(rest[1 + ends :])
     if "wiggle" in options:
         axis, amplitude, period = (*options[options.index("wiggle") + 1 :], "", "", "")[:3]
-        return oscillation(state, [amplitude if axis == one else "0" for one in AXES], period)
+        return oscillation(state, [amplitude if axis == name else "0" for name in AXES], period)
     regions = state.parts_of(rest[1]).values() if rest[0] == "region" and len(rest) > 1 else ()
     for words in regions:
         if "move" in words:
@@ -180,7 +180,7 @@ def of_wall(state: State, rest: Sequence[str], ends: int, rubs: bool) -> Motion 
     places = [word for word in rest[1 : 1 + ends] if word.startswith("v_")]
     if any(state.coefficient(word) is None for word in places):
         axis = rest[0][:1]
-        return by_variables(state, [places[0] if one == axis else "NULL" for one in AXES])
+        return by_variables(state, [places[0] if name == axis else "NULL" for name in AXES])
     slides = "shear" in options or any("rotate" in words for words in regions)
     return STEADY if slides and rubs else None
 
@@ -192,23 +192,23 @@ def by_variables(state: State, words: Sequence[str]) -> Motion | None:
         if not word.startswith("v_") or state.coefficient(word) is not None:
             continue
         variable = state.variables.known.get(word[2:])
-        found = WIGGLE.fullmatch(state.variables.substitute(variable.values[0])) if variable else None
-        if found is None:
+        match = WIGGLE.fullmatch(state.variables.substitute(variable.values[0])) if variable else None
+        if match is None:
             return UNKNOWN
-        parts[axis] = str(state.variables.number(found[2])), str(state.variables.number(found[3]))
+        parts[axis] = str(state.variables.number(match[2])), str(state.variables.number(match[3]))
     periods = {period for _, period in parts.values()}
     if not parts:
         return None
     if len(periods) > 1:
         return UNKNOWN
-    return oscillation(state, [parts.get(one, ("0", ""))[0] for one in AXES], periods.pop())
+    return oscillation(state, [parts.get(axis, ("0", ""))[0] for axis in AXES], periods.pop())
 
 
 def oscillation(state: State, amplitudes: Sequence[str], period: str) -> Motion:
     """The motion of what oscillates with these amplitudes; its numbers may be unknown."""
     sizes = [0.0 if word == "NULL" else state.coefficient(word) for word in amplitudes]
     time = state.coefficient(period)
-    known = [one for one in sizes if one is not None]
+    known = [size for size in sizes if size is not None]
     if len(known) < 3 or not time or not math.isfinite(time):
         return UNKNOWN
     return Motion(tuple(known), 2.0 * math.pi / abs(time))
@@ -227,19 +227,19 @@ def of_grains(state: State, kind: int) -> Motion | None:
 
 def of_mesh(state: State, name: str) -> Motion | None:
     """The motion of a mesh of LIGGGHTS, the fastest if there are several."""
-    found = [
+    motions = [
         _of_mesh(state, fix.words)
         for fix in state.fixes.values()
         if fix.style.startswith("move/mesh") and "mesh" in fix.words[:-1]
         if fix.words[fix.words.index("mesh") + 1] == name
     ]
-    return strongest(found, state.down())
+    return strongest(motions, state.down())
 
 
 def strongest(motions: Sequence[Motion | None], down: Direction | None = None) -> Motion | None:
     """An unknown motion, or that of the greatest acceleration along gravity, then along any direction."""
-    moving = [one for one in motions if one is not None]
-    return max(moving, key=lambda one: (acceleration(one, down), acceleration(one)), default=None)
+    moving = [motion for motion in motions if motion is not None]
+    return max(moving, key=lambda motion: (acceleration(motion, down), acceleration(motion)), default=None)
 
 
 def acceleration(motion: Motion, down: Direction | None = None) -> float:
@@ -266,7 +266,7 @@ def _of_mesh(state: State, words: Sequence[str]) -> Motion:
         order = after("order", 1)[0]
         count = int(order) if order.isdecimal() and len(order) < 3 else 0
         axis = [state.coefficient(word) for word in after("axis", 3)]
-        size = math.hypot(*(one or 0.0 for one in axis))
+        size = math.hypot(*(x or 0.0 for x in axis))
         parts = list(zip(after("amplitude", count), after("period", count), strict=True))
         if None in axis or not size or not parts:
             return UNKNOWN

@@ -42,7 +42,7 @@ class Batch:
 
 def union(ranges: Collection[Range | None]) -> Range | None:
     """From the smallest to the largest; None if one of them is not known."""
-    known = [one for one in ranges if one is not None]
+    known = [limits for limits in ranges if limits is not None]
     if not ranges or len(known) < len(ranges):
         return None
     return min(low for low, _ in known), max(high for _, high in known)
@@ -57,15 +57,19 @@ class Population:
 
     def add(self, kind: int, batch: Batch) -> None:
         """Create grains."""
-        held = self.batches.setdefault(kind, [])
-        if batch not in held:
-            held.append(batch)
+        batches = self.batches.setdefault(kind, [])
+        if batch not in batches:
+            batches.append(batch)
 
     def next_atom(self) -> int | None:
         """The number of the next grain; None if not all grains before it were created one by one."""
-        held = [one for each in self.batches.values() for one in each]
-        known = not self.elsewhere and len(held) < MAX_ATOMS and all(one.atom is not None for one in held)
-        return 1 + max([one.atom or 0 for one in held], default=0) if known else None
+        batches = [batch for each in self.batches.values() for batch in each]
+        known = (
+            not self.elsewhere
+            and len(batches) < MAX_ATOMS
+            and all(batch.atom is not None for batch in batches)
+        )
+        return 1 + max([batch.atom or 0 for batch in batches], default=0) if known else None
 
     def split(
         self, kinds: Collection[int], whole: bool, atoms: range | None
@@ -74,15 +78,21 @@ class Population:
 
         Chosen are all grains of some types if ``whole`` is true, or those with the numbers ``atoms``, or unknown ones.
         """
-        numbers = {one.atom for each in self.batches.values() for one in each} - {None}
+        numbers = {batch.atom for each in self.batches.values() for batch in each} - {None}
         missing = atoms is not None and sum(k in atoms for k in numbers) < len(atoms)
         for kind in set(kinds) & self.batches.keys():
-            held = self.batches[kind]
+            batches = self.batches[kind]
             if atoms is None:
-                yield kind, [] if whole else held, held
+                yield kind, [] if whole else batches, batches
             else:
-                chosen = [one for one in held if (missing if one.atom is None else one.atom in atoms)]
-                yield kind, [one for one in held if one.atom is None or one.atom not in atoms], chosen
+                chosen = [
+                    batch for batch in batches if (missing if batch.atom is None else batch.atom in atoms)
+                ]
+                yield (
+                    kind,
+                    [batch for batch in batches if batch.atom is None or batch.atom not in atoms],
+                    chosen,
+                )
 
     def change(
         self,
@@ -101,9 +111,9 @@ class Population:
         for each, kept, _ in parts:
             self.batches[each] = kept
         for _, _, chosen in parts:
-            for one in chosen:
-                self.add(kind, one)
-        self.batches = {each: held for each, held in self.batches.items() if held}
+            for batch in chosen:
+                self.add(kind, batch)
+        self.batches = {each: batches for each, batches in self.batches.items() if batches}
 
     def grains(
         self,
@@ -115,15 +125,23 @@ class Population:
         partly_frozen: bool = False,
     ) -> Grains:
         """The grains of one type, whose densities may be those of disks."""
-        held = [one.with_mass_of(2) if disks else one for one in self.batches.get(kind, [])]
+        batches = [batch.with_mass_of(2) if disks else batch for batch in self.batches.get(kind, [])]
         if self.elsewhere:
-            held = [*held, Batch()]
-        densities = union([one.densities for one in held])
+            batches = [*batches, Batch()]
+        densities = union([batch.densities for batch in batches])
         masses = None
         if densities is None:
-            masses = union([one.with_mass_of(3).masses for one in held])
-        radii = union([one.radii for one in held])
-        return Grains(name, radii, densities, masses, frozen, counted, partly_frozen)
+            masses = union([batch.with_mass_of(3).masses for batch in batches])
+        radii = union([batch.radii for batch in batches])
+        return Grains(
+            type=name,
+            radii=radii,
+            densities=densities,
+            masses=masses,
+            frozen=frozen,
+            counted=counted,
+            partly_frozen=partly_frozen,
+        )
 
 
 def atoms(text: str, style: str) -> Iterator[tuple[int, Batch]]:
@@ -155,17 +173,17 @@ def atoms(text: str, style: str) -> Iterator[tuple[int, Batch]]:
             yield int(words[1]), Batch((radius, radius), (density, density))
 
 
-def merged(found: Iterator[tuple[int, Batch]]) -> dict[int, Batch]:
+def merged(pairs: Iterator[tuple[int, Batch]]) -> dict[int, Batch]:
     """One batch for each type, from the smallest to the largest grain."""
     batches: dict[int, Batch] = {}
-    for kind, one in found:
+    for kind, batch in pairs:
         old = batches.get(kind)
         if old is None:
-            batches[kind] = one
-        elif old != one:
-            dense = union([old.densities, one.densities])
-            masses = None if dense else union([old.with_mass_of(3).masses, one.with_mass_of(3).masses])
-            batches[kind] = Batch(union([old.radii, one.radii]), dense, masses)
+            batches[kind] = batch
+        elif old != batch:
+            dense = union([old.densities, batch.densities])
+            masses = None if dense else union([old.with_mass_of(3).masses, batch.with_mass_of(3).masses])
+            batches[kind] = Batch(union([old.radii, batch.radii]), dense, masses)
     return batches
 
 
@@ -196,9 +214,9 @@ def molecule(text: str) -> list[tuple[int, Batch]]:
                 diameters[int(words[0])] = float(words[1])
             elif section == "Masses":
                 masses[int(words[0])] = float(words[1])
-    found = []
+    grains = []
     for k in range(1, min(count, 100_000) + 1):
         radius = 0.5 * diameters.get(k, 1.0)
         mass = (masses[k], masses[k]) if k in masses else None
-        found.append((types.get(k, 1), Batch((radius, radius), None if mass else (1.0, 1.0), mass)))
-    return found
+        grains.append((types.get(k, 1), Batch((radius, radius), None if mass else (1.0, 1.0), mass)))
+    return grains

@@ -219,14 +219,14 @@ class Evaluator:
 
     def imported(self, node: ast.Import | ast.ImportFrom) -> None:
         """An import. Other names of modules and of their members stand for these."""
-        for one in node.names:
-            if isinstance(node, ast.Import) and one.asname:
-                self.names[one.asname] = Unknown(one.name)
-                if one.name in MODULES:
-                    self.modules |= {one.asname}
-            elif isinstance(node, ast.ImportFrom) and one.asname:
-                self.names[one.asname] = Unknown(one.name)
-            elif isinstance(node, ast.ImportFrom) and one.name == "argv":
+        for alias in node.names:
+            if isinstance(node, ast.Import) and alias.asname:
+                self.names[alias.asname] = Unknown(alias.name)
+                if alias.name in MODULES:
+                    self.modules |= {alias.asname}
+            elif isinstance(node, ast.ImportFrom) and alias.asname:
+                self.names[alias.asname] = Unknown(alias.name)
+            elif isinstance(node, ast.ImportFrom) and alias.name == "argv":
                 self.names["argv"] = Arguments([self.file or "script.py"])
 
     # --- statements ---------------------------------------------------------------------------------------------
@@ -249,9 +249,9 @@ class Evaluator:
             case ast.Expr(value):
                 self.value(value)
             case ast.Assign(targets, value):
-                found = self.value(value)
+                result = self.value(value)
                 for target in targets:
-                    self.assign(target, found, node)
+                    self.assign(target, result, node)
             case ast.AnnAssign(target, _, ast.expr() as value):
                 self.assign(target, self.value(value), node)
             case ast.AugAssign(target, sign, value):
@@ -276,7 +276,9 @@ class Evaluator:
             case ast.Import() | ast.ImportFrom():
                 self.imported(node)
             case ast.ClassDef(name, body=body):
-                self.classes[name] = {one.name: one for one in body if isinstance(one, ast.FunctionDef)}
+                self.classes[name] = {
+                    method.name: method for method in body if isinstance(method, ast.FunctionDef)
+                }
                 for method in self.classes[name].values():
                     self.defaults[method] = self.default_values(method.args)
                 self.names[name] = self.namespace(name, body, node)
@@ -287,7 +289,7 @@ class Evaluator:
             case ast.Try() | ast.TryStar():
                 self.tried(node)
             case ast.Match(_, cases):
-                self.uncertain(node, [one.body for one in cases])
+                self.uncertain(node, [case.body for case in cases])
             case ast.Delete(targets):
                 for target in targets:
                     self.forget(target)
@@ -308,15 +310,17 @@ class Evaluator:
     def namespace(self, name: str, body: list[ast.stmt], node: ast.stmt) -> Instance:
         """The values that a class assigns, as its attributes; its methods are not run."""
         outside = dict(self.names)
-        self.block(one for one in body if isinstance(one, ast.Assign | ast.AnnAssign))
-        made = {key: one for key, one in self.names.items() if key not in outside or outside[key] is not one}
+        self.block(statement for statement in body if isinstance(statement, ast.Assign | ast.AnnAssign))
+        members = {
+            key: value for key, value in self.names.items() if key not in outside or outside[key] is not value
+        }
         self.names = outside
-        return Instance(name, (), made, node.lineno, name)
+        return Instance(name, (), members, node.lineno, name)
 
     def loop(self, target: ast.expr, iterable: ast.expr, body: list[ast.stmt]) -> None:
         """A loop over known values; if it is too long or ends early, its body once, with names of unknown value."""
         items = self.items(iterable)
-        jumps = any(isinstance(one, ast.Break | ast.Continue) for part in body for one in ast.walk(part))
+        jumps = any(isinstance(node, ast.Break | ast.Continue) for part in body for node in ast.walk(part))
         long = (
             sum(1 for part in body for _ in ast.walk(part)) * len(items or ()) > MAX_STEPS // 2 - self.count
         )
@@ -329,9 +333,9 @@ class Evaluator:
 
     def items(self, node: ast.expr) -> list[Any] | None:
         """What an iteration runs over; None if it is not known or too long."""
-        found = self.value(node)
-        if isinstance(found, range | list | tuple | str) and len(found) <= MAX_ITEMS:
-            return list(found)
+        iterable = self.value(node)
+        if isinstance(iterable, range | list | tuple | str) and len(iterable) <= MAX_ITEMS:
+            return list(iterable)
         return None
 
     def uncertain(self, node: ast.AST, bodies: list[list[ast.stmt]], also: ast.AST | None = None) -> None:
@@ -349,9 +353,9 @@ class Evaluator:
 
     def forget(self, node: ast.AST) -> None:
         """Names that a part of the script assigns are no longer known."""
-        for one in ast.walk(node):
-            if isinstance(one, ast.Name) and isinstance(one.ctx, ast.Store | ast.Del):
-                self.names.pop(one.id, None)
+        for inner in ast.walk(node):
+            if isinstance(inner, ast.Name) and isinstance(inner.ctx, ast.Store | ast.Del):
+                self.names.pop(inner.id, None)
 
     def assign(self, target: ast.expr, value: Any, node: ast.AST) -> None:
         """Assign to a name, an attribute, or several of them."""
@@ -365,10 +369,10 @@ class Evaluator:
                 for k, part in enumerate(parts):
                     self.assign(part, known[k] if known else Unknown(self.source(part)), node)
             case ast.Subscript(owner, place):
-                held, key = self.value(owner), self.value(place)
+                container, key = self.value(owner), self.value(place)
                 with suppress(TypeError, IndexError, KeyError):
-                    if isinstance(held, list | dict):
-                        held[key] = value
+                    if isinstance(container, list | dict):
+                        container[key] = value
             case ast.Starred():
                 self.forget(target)
 
@@ -376,25 +380,25 @@ class Evaluator:
 
     def owner(self, node: ast.expr) -> Any:
         """What stands before a dot: its value, or its source text if that is not known."""
-        found = self.value(node)
-        return found.text if isinstance(found, Unknown) else found
+        value = self.value(node)
+        return value.text if isinstance(value, Unknown) else value
 
     def value(self, node: ast.expr) -> Any:
         """The value of an expression."""
         self.step(node)
         try:
-            found = self._value(node)
+            value = self._value(node)
         except (Refusal, Missing):
             raise
         except (ValueError, TypeError, KeyError, IndexError, ArithmeticError, AttributeError):
             return Unknown(self.source(node))
         if (
-            isinstance(found, float)
-            and not math.isfinite(found)
+            isinstance(value, float)
+            and not math.isfinite(value)
             and not isinstance(node, ast.Name | ast.Attribute)
         ):
             return Unknown(self.source(node))
-        return found
+        return value
 
     def _value(self, node: ast.expr) -> Any:
         match node:
@@ -421,11 +425,11 @@ class Evaluator:
             case ast.BoolOp(sign, parts):
                 return self.boolean(isinstance(sign, ast.And), [self.value(part) for part in parts], node)
             case ast.Compare(left, signs, others):
-                values = [self.value(one) for one in (left, *others)]
-                if any(isinstance(one, Unknown | Instance) for one in values):
+                values = [self.value(operand) for operand in (left, *others)]
+                if any(isinstance(value, Unknown | Instance) for value in values):
                     return self.compared(node, values)
                 pairs = zip(signs, values, values[1:], strict=False)
-                return all(COMPARISONS[type(sign)](one, next_one) for sign, one, next_one in pairs)
+                return all(COMPARISONS[type(sign)](value, next_one) for sign, value, next_one in pairs)
             case ast.IfExp(test, body, other):
                 holds = self.value(test)
                 if not isinstance(holds, Unknown | Instance):
@@ -439,10 +443,10 @@ class Evaluator:
             case ast.Subscript(owner, place):
                 return self.item(self.value(owner), place, node)
             case ast.ListComp(element, generators) | ast.GeneratorExp(element, generators):
-                before, found = dict(self.names), list[Any]()
-                self.comprehension(element, generators, found)
+                before, items = dict(self.names), list[Any]()
+                self.comprehension(element, generators, items)
                 self.names = before
-                return found
+                return items
             case ast.JoinedStr(parts):
                 texts = [self.formatted(part) for part in parts]
                 return Unknown(self.source(node)) if None in texts else "".join(map(str, texts))
@@ -468,7 +472,7 @@ class Evaluator:
         if isinstance(sign, ast.Not):
             return not value
         if isinstance(value, tuple):
-            return Vector(-one for one in value) if isinstance(sign, ast.USub) else value
+            return Vector(-x for x in value) if isinstance(sign, ast.USub) else value
         return -value if isinstance(sign, ast.USub) else +value
 
     def binary(self, left: Any, sign: ast.operator, right: Any, node: ast.AST) -> Any:
@@ -478,11 +482,15 @@ class Evaluator:
             return Unknown(self.source(node))
         if isinstance(sign, ast.Pow):
             return math.pow(left, right)
-        sizes = [len(one) for one in (left, right) if isinstance(one, str | list | tuple)]
-        numbers = [one for one in (left, right) if isinstance(one, int) and not isinstance(one, bool)]
+        sizes = [len(operand) for operand in (left, right) if isinstance(operand, str | list | tuple)]
+        numbers = [
+            operand for operand in (left, right) if isinstance(operand, int) and not isinstance(operand, bool)
+        ]
         if sizes and isinstance(sign, ast.Mult) and numbers and max(sizes) * max(numbers) > MAX_ITEMS:
             return Unknown(self.source(node))
-        if any(abs(one) > 1e100 for one in numbers) or (isinstance(left, str) and isinstance(sign, ast.Mod)):
+        if any(abs(number) > 1e100 for number in numbers) or (
+            isinstance(left, str) and isinstance(sign, ast.Mod)
+        ):
             return Unknown(self.source(node))
         return OPERATORS[type(sign)](left, right)
 
@@ -494,23 +502,30 @@ class Evaluator:
                 return value
         return values[-1]
 
-    def item(self, held: Any, place: ast.expr, node: ast.expr) -> Any:
-        if not isinstance(held, list | tuple | dict):
+    def item(self, container: Any, place: ast.expr, node: ast.expr) -> Any:
+        if not isinstance(container, list | tuple | dict):
             return Unknown(self.source(node))
         if isinstance(place, ast.Slice):
             ends = [
-                None if one is None else self.value(one) for one in (place.lower, place.upper, place.step)
+                None if end is None else self.value(end) for end in (place.lower, place.upper, place.step)
             ]
-            return held[slice(*ends)]
+            return container[slice(*ends)]
         key = self.value(place)
-        if isinstance(held, Arguments) and self.trials and isinstance(key, int) and key >= len(held):
+        if (
+            isinstance(container, Arguments)
+            and self.trials
+            and isinstance(key, int)
+            and key >= len(container)
+        ):
             raise Missing
-        return held[key]
+        return container[key]
 
-    def comprehension(self, element: ast.expr, generators: list[ast.comprehension], found: list[Any]) -> None:
+    def comprehension(
+        self, element: ast.expr, generators: list[ast.comprehension], values: list[Any]
+    ) -> None:
         """Add the values of a comprehension. Over values or under conditions that are not known, its element once."""
         if not generators:
-            found.append(self.value(element))
+            values.append(self.value(element))
             return
         (generator, *inner), chosen = generators, list[Any]()
         items = self.items(generator.iter)
@@ -519,14 +534,14 @@ class Evaluator:
         self.repeats += items is None
         for item in [Unknown(self.source(generator.iter))] if items is None else items:
             self.assign(generator.target, item, generator.target)
-            holds = [self.value(one) for one in generator.ifs]
-            if any(isinstance(one, Unknown | Instance) for one in holds):
+            holds = [self.value(condition) for condition in generator.ifs]
+            if any(isinstance(value, Unknown | Instance) for value in holds):
                 chosen = [Unknown(self.source(generator.iter))]
                 break
             chosen += [item] * all(holds)
         for item in chosen:
             self.assign(generator.target, item, generator.target)
-            self.comprehension(element, inner, found)
+            self.comprehension(element, inner, values)
         self.repeats -= items is None
 
     def call(self, node: ast.Call) -> Any:
@@ -582,7 +597,7 @@ class Evaluator:
             if word.arg is not None:
                 keywords[word.arg] = value
             elif isinstance(value, dict):
-                keywords |= {str(key): one for key, one in value.items()}
+                keywords |= {str(key): item for key, item in value.items()}
             else:
                 keywords["**"] = value
         return arguments, keywords
@@ -594,22 +609,22 @@ class Evaluator:
         arithmetic = owner is None or (isinstance(owner, str) and owner in self.modules)
         if name in ("Vector3", "Vector2", "Vector6") and len(arguments) > 1:
             return Vector(arguments)
-        if name == "range" and arithmetic and all(isinstance(one, int) for one in arguments):
+        if name == "range" and arithmetic and all(isinstance(argument, int) for argument in arguments):
             return range(*arguments)
         if name in LISTS and owner is None and not keywords and name not in self.names:
             short = all(
-                isinstance(one, list | tuple | range | str | int) and count(one) <= MAX_ITEMS
-                for one in arguments
+                isinstance(argument, list | tuple | range | str | int) and count(argument) <= MAX_ITEMS
+                for argument in arguments
             )
             return LISTS[name](*arguments) if short else Unknown(self.source(node))
         if name == "dict" and owner is None and not arguments and "**" not in keywords:
             return keywords
         if isinstance(owner, dict) and name in ("items", "keys", "values", "get"):
-            found = getattr(owner, name)(*arguments)
-            return found if name == "get" else list(found)
+            result = getattr(owner, name)(*arguments)
+            return result if name == "get" else list(result)
         if name in FUNCTIONS and arithmetic and not keywords and name not in self.names:
             kinds = (Unknown, Instance) if name in OF_TEXTS else (Unknown, Instance, str)
-            unknown = any(isinstance(one, kinds) for one in flat(arguments))
+            unknown = any(isinstance(argument, kinds) for argument in flat(arguments))
             return Unknown(self.source(node)) if unknown else FUNCTIONS[name](*arguments)
         return NOT_COMPUTED
 
@@ -619,19 +634,19 @@ class Evaluator:
         """An object of one of the script's own classes."""
         common = self.names.get(name)
         attributes = dict(common.attributes) if isinstance(common, Instance) else {}
-        made = Instance(name, tuple(arguments), attributes, node.lineno, self.source(node))
+        instance = Instance(name, tuple(arguments), attributes, node.lineno, self.source(node))
         if "__init__" in self.classes[name]:
-            self.inside(self.classes[name]["__init__"], [made, *arguments], keywords, node)
-        return made
+            self.inside(self.classes[name]["__init__"], [instance, *arguments], keywords, node)
+        return instance
 
-    def default_values(self, given: ast.arguments) -> dict[str, Any]:
+    def default_values(self, parameters: ast.arguments) -> dict[str, Any]:
         """The values of the arguments that a function has by default, when it is defined."""
-        places = [*given.posonlyargs, *given.args]
+        places = [*parameters.posonlyargs, *parameters.args]
         pairs = [
-            *zip(places[len(places) - len(given.defaults) :], given.defaults, strict=True),
-            *zip(given.kwonlyargs, given.kw_defaults, strict=True),
+            *zip(places[len(places) - len(parameters.defaults) :], parameters.defaults, strict=True),
+            *zip(parameters.kwonlyargs, parameters.kw_defaults, strict=True),
         ]
-        return {one.arg: self.value(value) for one, value in pairs if value is not None}
+        return {argument.arg: self.value(value) for argument, value in pairs if value is not None}
 
     def inside(
         self, function: ast.FunctionDef, arguments: list[Any], keywords: Mapping[str, Any], node: ast.Call
@@ -639,31 +654,33 @@ class Evaluator:
         """Run one of the script's own functions."""
         if self.depth >= DEEPEST:
             return Unknown(self.source(node))
-        given = function.args
-        places = [one.arg for one in [*given.posonlyargs, *given.args]]
-        local = {name: Unknown(name) for name in [*places, *(one.arg for one in given.kwonlyargs)]}
+        parameters = function.args
+        places = [parameter.arg for parameter in [*parameters.posonlyargs, *parameters.args]]
+        local = {
+            name: Unknown(name) for name in [*places, *(parameter.arg for parameter in parameters.kwonlyargs)]
+        }
         local |= self.defaults[function]
         self.executed.add(function)
         local |= dict(zip(places, arguments, strict=False)) | dict(keywords)
         outside, self.depth = self.names, self.depth + 1
-        changed = {name for one in ast.walk(function) if isinstance(one, ast.Global) for name in one.names}
+        changed = {name for node in ast.walk(function) if isinstance(node, ast.Global) for name in node.names}
         self.names = {**outside, **local}
         try:
             self.block(function.body)
-            found = None
+            result = None
         except Return as ended:
-            found = ended.args[0]
+            result = ended.args[0]
         finally:
             inside, self.names, self.depth = self.names, outside, self.depth - 1
         self.names |= {name: inside[name] for name in changed if name in inside}
-        return found
+        return result
 
 
 def parsed_argument(name: str, parser: Instance, instance: Instance) -> Any:
     """A method of ``argparse.ArgumentParser``: arguments have their defaults."""
     if name == "add_argument":
-        flags = [one for one in instance.arguments if isinstance(one, str)]
-        long = next((one for one in flags if one.startswith("--")), flags[0] if flags else "")
+        flags = [argument for argument in instance.arguments if isinstance(argument, str)]
+        long = next((flag for flag in flags if flag.startswith("--")), flags[0] if flags else "")
         target = instance.attributes.get("dest", long.lstrip("-").replace("-", "_"))
         default = False if instance.attributes.get("action") == "store_true" else Unknown(instance.text)
         parser.made.append((target, instance.attributes.get("default", default)))
@@ -687,4 +704,6 @@ def spaced(first: float, last: float, step: float = 1) -> list[float]:
 
 def flat(values: Iterable[Any]) -> list[Any]:
     """Values of nested lists."""
-    return [one for value in values for one in (flat(value) if isinstance(value, list | tuple) else [value])]
+    return [
+        item for value in values for item in (flat(value) if isinstance(value, list | tuple) else [value])
+    ]

@@ -95,7 +95,7 @@ ELSEWHERE: Final = (*HARMLESS_FIXES, "pour", "deposit", "insert")
 #: What the settings of contacts do not depend on.
 NO_SETTINGS_NAMES: Final = """
 variables folder version code types_seen part ignored invalidates unknown refused stages last granular changed_since
-undefined forks unclear steps_done regions fixes time_step
+undefined forks system unclear steps_done regions fixes time_step
 """
 NO_SETTINGS: Final = frozenset(NO_SETTINGS_NAMES.split())
 #: Fixes that move grains whatever forces act on them.
@@ -169,6 +169,7 @@ class State:
         self.changed_since = True  #: whether settings may differ from those of the last stage
         self.undefined: dict[str, Statement] = {}  #: variables without a value, and where they matter
         self.forks: dict[Place, list[tuple[Statement, State]]] = {}  #: states that go on at a later label
+        self.system = 0  #: its number
         self.reset()
 
     def reset(self) -> None:
@@ -219,13 +220,13 @@ class State:
         if not self.granular or not self.stages:
             raise ValueError("script: has no granular contacts")
         return Description(
-            self.code,
-            self.version,
-            tuple(self.stages),
-            tuple(self.ignored),
-            tuple(self.invalidates),
-            tuple(self.unknown),
-            tuple(self.refused),
+            code=self.code,
+            version=self.version,
+            stages=tuple(self.stages),
+            ignored=tuple(self.ignored),
+            invalidates=tuple(self.invalidates),
+            unknown=tuple(self.unknown),
+            refused=tuple(self.refused),
         )
 
     def without_values(self) -> ValueError:
@@ -275,15 +276,15 @@ class State:
         """A number of a statement, or of a variable ``v_name``."""
         if NUMBER.fullmatch(word):
             return float(word)
-        found = self.variables.of(word[2:]) if word.startswith("v_") else None
-        if found is None:
+        value = self.variables.of(word[2:]) if word.startswith("v_") else None
+        if value is None:
             raise self.no_number(statement, "a number", word)
-        return found
+        return value
 
     def resolve(self, statement: Statement, settings: Settings) -> Settings:
         """Settings whose numbers are all known."""
-        for name, one in settings.items():
-            for word in one.words:
+        for name, setting in settings.items():
+            for word in setting.words:
                 if is_variable(word):
                     raise self.no_number(statement, f"a number for {name}", word)
         return settings
@@ -297,7 +298,7 @@ class State:
     def command_if(self, statement: Statement) -> None:
         """Read all branches that may run. What all leave alike stays; the rest is not known from then on."""
         if not any(
-            one.words[0] not in HARMLESS for branch in statement.branches for one in branch.statements
+            command.words[0] not in HARMLESS for branch in statement.branches for command in branch.statements
         ):
             for branch in statement.branches:
                 self.fork(statement, branch, self)
@@ -323,7 +324,7 @@ class State:
         """Keep the state with which a branch goes on at a later label."""
         if branch.place:
             known = self.forks.setdefault(branch.place, [])
-            if not any(end.as_well(one) for _, one in known[-MAX_FORKS:]):
+            if not any(end.as_well(state) for _, state in known[-MAX_FORKS:]):
                 known.append((condition, end.copied()))
 
     def command_label(self, statement: Statement) -> None:
@@ -353,20 +354,20 @@ class State:
 
     def joined(self, before: Sequence[Stage], ends: Sequence[Sequence[Stage]]) -> list[Stage]:
         """The stages before a condition, and those of all its branches."""
-        found = list(before)
-        for stage in (one for end in ends for one in end[len(before) :]):
-            if not any(conditions.settings_of(one) == conditions.settings_of(stage) for one in found):
-                found.append(stage)
-        if found and any(list(end) != list(before) for end in ends):
+        stages = list(before)
+        for stage in (stage for end in ends for stage in end[len(before) :]):
+            if not any(conditions.settings_of(other) == conditions.settings_of(stage) for other in stages):
+                stages.append(stage)
+        if stages and any(list(end) != list(before) for end in ends):
             k = max(0, len(before) - 1)
-            found[k:] = [replace(one, steps=None) for one in found[k:]]
-        return found
+            stages[k:] = [replace(stage, steps=None) for stage in stages[k:]]
+        return stages
 
     def as_well(self, other: State) -> bool:
         """Whether all settings on which contacts depend now or later are those of another state."""
         fixes, others = (
-            {name: fix for name, fix in one.fixes.items() if not fix.style.startswith(ELSEWHERE)}
-            for one in (self, other)
+            {name: fix for name, fix in state.fixes.items() if not fix.style.startswith(ELSEWHERE)}
+            for state in (self, other)
         )
         values = [
             (value, getattr(other, name)) for name, value in vars(self).items() if name not in NO_SETTINGS
@@ -398,7 +399,7 @@ class State:
     def quote_with(self, statement: Statement, reason: str = "") -> None:
         """Quote a statement that is not understood, with the reason."""
         quote = statement.quote
-        if not any((one.file, one.line) == (quote.file, quote.line) for one in self.unknown):
+        if not any((other.file, other.line) == (quote.file, quote.line) for other in self.unknown):
             self.unknown[replace(quote, text=f"{quote.text} ({reason})" if reason else quote.text)] = None
 
     # --- types and groups ---------------------------------------------------------------------------------------
@@ -435,11 +436,11 @@ class State:
 
     def within(self, group: Group) -> Collection[int]:
         """The types of a group among those present."""
-        return [one for one in self.present() if group.types is None or one in group.types]
+        return [kind for kind in self.present() if group.types is None or kind in group.types]
 
     def command_group(self, statement: Statement) -> None:
         name, style, *words = (*statement.words[1:], "", "")
-        words = [one for one in words if one]
+        words = [word for word in words if word]
         if style not in GROUP_STYLES.split():
             self.unknown[statement.quote] = None
         old = self.groups.get(name)
@@ -457,7 +458,7 @@ class State:
     def group_of_types(self, words: Sequence[str]) -> Group:
         """Grains of types such as ``1 3``, ``1:3``, ``> 2`` or ``<> 2 4``."""
         if words[:1] and words[0] in COMPARISONS:
-            limits = [int(one) for one in words[1:] if one.isdecimal()]
+            limits = [int(word) for word in words[1:] if word.isdecimal()]
             within = COMPARISONS[words[0]]
             every = range(1, self.count() + 1) if limits else ()
             return Group(frozenset(k for k in every if within(k, limits[0], limits[-1])), True)
@@ -479,24 +480,24 @@ class State:
             return Group(None, False)
         ranges = [range(int(first), int(last or first) + 1) for first, _, last in ends]
         chosen = {
-            kind: [one.atom is not None and any(one.atom in r for r in ranges) for one in held]
-            for kind, held in self.population.batches.items()
+            kind: [batch.atom is not None and any(batch.atom in r for r in ranges) for batch in batches]
+            for kind, batches in self.population.batches.items()
         }
-        if any(one.atom is None for held in self.population.batches.values() for one in held):
+        if any(batch.atom is None for batches in self.population.batches.values() for batch in batches):
             return Group(None, False)
         chosen = {kind: each for kind, each in chosen.items() if any(each)}
         return Group(frozenset(chosen), all(map(all, chosen.values())))
 
     def combined(self, style: str, names: Sequence[str]) -> Group:
         """A union, difference or intersection of groups; any part of the grains for other styles, such as region."""
-        parts = [self.members(one) for one in names]
-        known = [one.types for one in parts if one.types is not None]
-        whole = all(one.whole for one in parts)
+        parts = [self.members(name) for name in names]
+        known = [part.types for part in parts if part.types is not None]
+        whole = all(part.whole for part in parts)
         if style == "empty":
             return Group(frozenset(), True)
         if style == "union" and len(known) == len(parts):
             return Group(frozenset().union(*known), whole)
-        if style == "union" and any(one.types is None and one.whole for one in parts):
+        if style == "union" and any(part.types is None and part.whole for part in parts):
             return Group(None, True)
         if style == "intersect" and parts:
             return Group(frozenset.intersection(*known) if known else None, whole)
@@ -505,8 +506,10 @@ class State:
             types = first.types
             if types is None and first.whole:
                 types = frozenset(range(1, self.count() + 1))
-            minus = frozenset().union(*(one.types for one in others if one.types is not None and one.whole))
-            exact = whole and all(one.types is not None for one in others)
+            minus = frozenset().union(
+                *(part.types for part in others if part.types is not None and part.whole)
+            )
+            exact = whole and all(part.types is not None for part in others)
             return Group(None if types is None else types - minus, exact)
         return Group(None, False)
 
@@ -538,7 +541,7 @@ class State:
         self.last = statement
 
     def command_atom_style(self, statement: Statement) -> None:
-        words = [one for one in statement.words[1:] if not one.isdecimal()]
+        words = [word for word in statement.words[1:] if not word.isdecimal()]
         self.atom_style = " ".join(words)
         for word in words:
             if word.startswith(CLUMP_STYLES):
@@ -575,10 +578,10 @@ class State:
             elif word == "exclude" and words[k + 1] in ("type", "group"):
                 typed = words[k + 1] == "type"
                 ends = [
-                    Group(frozenset(self.types_of(one)), True) if typed else self.members(one)
-                    for one in words[k + 2 : k + 4]
+                    Group(frozenset(self.types_of(word)), True) if typed else self.members(word)
+                    for word in words[k + 2 : k + 4]
                 ]
-                if len(ends) == 2 and all(one.whole for one in ends):
+                if len(ends) == 2 and all(end.whole for end in ends):
                     pairs = [(i, j) for i in self.within(ends[0]) for j in self.within(ends[1])]
                     self.excluded |= dict.fromkeys((str(min(pair)), str(max(pair))) for pair in pairs)
 
@@ -591,6 +594,7 @@ class State:
                 self.population.batches.pop(kind, None)
 
     def command_clear(self, statement: Statement) -> None:
+        self.system += 1
         self.reset()
 
     def command_reset_timestep(self, statement: Statement) -> None:
@@ -619,7 +623,7 @@ class State:
         self.changed_since = False
         new = conditions.without(self.now(quote, steps), self.unclear)
         self.note_adhesion(new.contacts)
-        if self.stages and replace(self.stages[-1], quote=quote, steps=steps) == new:
+        if self.stages and replace(self.stages[-1], quote=quote, steps=steps, system=new.system) == new:
             self.longer(steps)
         else:
             self.stages.append(new)
@@ -630,40 +634,49 @@ class State:
         grains = {}
         for kind in self.present():
             frozen, freezes = self.frozen(kind), self.stopped("freeze", kind)
-            partly = [one for one in ("freeze", "setforce") if not frozen and self.stopped(one, kind, False)]
+            partly = [
+                style for style in ("freeze", "setforce") if not frozen and self.stopped(style, kind, False)
+            ]
             grains[str(kind)] = self.population.grains(
                 kind, str(kind), frozen, not freezes and "freeze" not in partly, disks, bool(partly)
             )
+        pressed, driven, shear_rate, bath = motion.driven(self)
         return Stage(
-            quote,
-            self.step_now(),
-            self.time_step is not None,
-            steps,
-            tuple(one for one in self.contacts() if one.types not in self.excluded),
-            grains,
-            self.gravity(),
-            None,
-            self.down(),
-            *motion.driven(self),
-            self.units,
-            self.units_given,
-            self.dimension,
+            quote=quote,
+            time_step=self.step_now(),
+            time_step_given=self.time_step is not None,
+            steps=steps,
+            contacts=tuple(contact for contact in self.contacts() if contact.types not in self.excluded),
+            grains=grains,
+            gravity=self.gravity(),
+            numerical_damping=None,
+            down=self.down(),
+            pressed=pressed,
+            driven=driven,
+            shear_rate=shear_rate,
+            bath=bath,
+            units=self.units,
+            units_given=self.units_given,
+            dimension=self.dimension,
+            system=self.system,
         )
 
     def note_adhesion(self, contacts: Sequence[ContactSettings]) -> None:
         """Note the statements that make contacts adhesive or plastic, each with all types that it concerns."""
-        for one in contacts:
-            if one.adhesion:
-                same = [n for n in self.invalidates if (n.what, n.quote) == (one.adhesion, one.quotes[0])]
-                types = {*one.types, *(name for note in same for name in note.types or ())} - {WALL}
+        for contact in contacts:
+            if contact.adhesion:
+                same = [
+                    n for n in self.invalidates if (n.what, n.quote) == (contact.adhesion, contact.quotes[0])
+                ]
+                types = {*contact.types, *(name for note in same for name in note.types or ())} - {WALL}
                 for note in same:
                     del self.invalidates[note]
-                note = Note(one.adhesion, tuple(sorted(types, key=int)), one.quotes[0])
+                note = Note(contact.adhesion, tuple(sorted(types, key=int)), contact.quotes[0])
                 self.invalidates[note] = None
 
     def step_now(self) -> float | None:
         """The time step; None if a fix changes it."""
-        if any(one.style.startswith("dt/reset") for one in self.fixes.values()):
+        if any(fix.style.startswith("dt/reset") for fix in self.fixes.values()):
             return None
         return TIME_STEPS[self.units] if self.time_step is None else self.time_step
 
@@ -695,16 +708,16 @@ class State:
 
     def parts_of(self, region: str) -> dict[str, tuple[str, ...]]:
         """A region, or those of which it is a union or an intersection."""
-        found: dict[str, tuple[str, ...]] = {}
+        parts: dict[str, tuple[str, ...]] = {}
         pending = [region]
         while pending:
             name = pending.pop()
             words = self.regions.get(name, ())
-            if name not in found:
-                found[name] = words
+            if name not in parts:
+                parts[name] = words
                 if words[:1] and words[0] in ("union", "intersect"):
                     pending += words[2:]
-        return found
+        return parts
 
     def command_create_atoms(self, statement: Statement) -> None:
         words = statement.words
@@ -715,8 +728,10 @@ class State:
         if template:
             self.add_molecule(statement, template[0], kind)
         elif 1 <= kind <= MAX_TYPES:
-            one = words[2:3] == ("single",)
-            self.population.add(kind, replace(CREATED, atom=self.population.next_atom()) if one else CREATED)
+            single = words[2:3] == ("single",)
+            self.population.add(
+                kind, replace(CREATED, atom=self.population.next_atom()) if single else CREATED
+            )
             for k, word in enumerate(words[:-2]):
                 if word == "basis" and self.type_of(words[k + 2]):
                     self.population.add(self.type_of(words[k + 2]), CREATED)
@@ -733,22 +748,22 @@ class State:
                 self.population.add(kind + offset, batch)
 
     def command_molecule(self, statement: Statement) -> None:
-        found: list[tuple[int, Batch]] = []
+        batches: list[tuple[int, Batch]] = []
         words = statement.words[1:]
         for name in words[1:]:
             text = None if self.folder is None else text_of(self.folder / name)
             if text is None:
-                if not found:
+                if not batches:
                     self.unknown[statement.quote] = None
                 break
             try:
-                found += population.molecule(text)
+                batches += population.molecule(text)
             except (ValueError, KeyError, IndexError):
                 self.unknown[statement.quote] = None
                 return
-        if found:
-            self.molecules[words[0]] = found
-            if len(found) > 1:
+        if batches:
+            self.molecules[words[0]] = batches
+            if len(batches) > 1:
                 self.invalidate("molecules of several grains", statement)
 
     def elsewhere(self, statement: Statement, reason: str = "") -> None:
@@ -776,12 +791,12 @@ class State:
         if population.header(text, "bonds"):
             self.invalidate("bonds between grains", statement)
         try:
-            found = population.merged(population.atoms(text, self.atom_style))
+            batches = population.merged(population.atoms(text, self.atom_style))
         except (ValueError, IndexError):
-            found = {}
-        if not found:
+            batches = {}
+        if not batches:
             self.elsewhere(statement, "only atom style sphere is read")
-        for kind, batch in found.items():
+        for kind, batch in batches.items():
             if 1 <= kind + offset <= MAX_TYPES:
                 self.population.add(kind + offset, batch)
 
@@ -825,7 +840,7 @@ class State:
         self.population.change(
             self.within(chosen),
             chosen.whole,
-            lambda one: reduce(lambda now, change: change(now), changes, one),
+            lambda batch: reduce(lambda now, change: change(now), changes, batch),
             atoms,
         )
 
@@ -858,14 +873,14 @@ class State:
         same = None if value is None else (value, value)
         if keyword == "diameter":
             radius = None if value is None else 0.5 * value
-            return lambda one: one.with_mass_of(3).with_radius(radius)
+            return lambda batch: batch.with_mass_of(3).with_radius(radius)
         if keyword == "density/disc":
-            return lambda one: replace(one, densities=same, masses=None).with_mass_of(2)
+            return lambda batch: replace(batch, densities=same, masses=None).with_mass_of(2)
         if keyword == "shape":
-            return lambda one: replace(one, radii=None)
+            return lambda batch: replace(batch, radii=None)
         if keyword == "mass":
-            return lambda one: replace(one, densities=None, masses=same)
-        return lambda one: replace(one, densities=same, masses=None)
+            return lambda batch: replace(batch, densities=None, masses=same)
+        return lambda batch: replace(batch, densities=same, masses=None)
 
     # --- fixes --------------------------------------------------------------------------------------------------
 
@@ -887,7 +902,7 @@ class State:
     def other_fix(self, fix: Fix) -> None:
         """A fix beside contacts and insertions."""
         style, group = fix.style, self.members(fix.group)
-        types = None if group.types is None else tuple(str(one) for one in sorted(group.types))
+        types = None if group.types is None else tuple(str(kind) for kind in sorted(group.types))
         known = style.startswith((*HARMLESS_FIXES, *INTEGRATORS, "freeze", "gravity"))
         if style.startswith(CLUMPS):
             self.invalidate(f"clumps ({style})", fix.statement, types)
@@ -926,9 +941,9 @@ class State:
         """Whether no contact changes the velocity of a grain of a type."""
         integrated = False
         integrators = [
-            one
-            for one in self.fixes.values()
-            if one.style.startswith(INTEGRATORS) and not one.style.startswith(PRESCRIBED)
+            fix
+            for fix in self.fixes.values()
+            if fix.style.startswith(INTEGRATORS) and not fix.style.startswith(PRESCRIBED)
         ]
         for fix in integrators:
             group = self.members(fix.group)
@@ -939,11 +954,11 @@ class State:
     def stopped(self, style: str, kind: int, whole: bool = True) -> bool:
         """Whether ``fix freeze``, or ``fix setforce`` with three zeros, acts on all grains of a type, or on some."""
         return any(
-            one.style == style
-            and (style == "freeze" or (len(one.words) >= 3 and set(one.words[:3]) <= ZEROS))
-            and (self.members(one.group).whole or not whole)
-            and kind in self.within(self.members(one.group))
-            for one in self.fixes.values()
+            fix.style == style
+            and (style == "freeze" or (len(fix.words) >= 3 and set(fix.words[:3]) <= ZEROS))
+            and (self.members(fix.group).whole or not whole)
+            and kind in self.within(self.members(fix.group))
+            for fix in self.fixes.values()
         )
 
     def gravity(self) -> float | None:
@@ -959,18 +974,18 @@ class State:
 
     def down(self) -> Direction | None:
         """The direction of gravity, as in LAMMPS' ``FixGravity``."""
-        fix = next((one for one in self.fixes.values() if one.style == "gravity"), None)
+        fix = next((fix for fix in self.fixes.values() if fix.style == "gravity"), None)
         if fix is None or len(fix.words) < 3:
             return None
         _, style, *rest = fix.words
         words = rest[: {"chute": 1, "spherical": 2, "vector": self.dimension}.get(style, 0)]
-        if not words or any(is_variable(one) and self.variables.of(one[2:]) is None for one in words):
+        if not words or any(is_variable(word) and self.variables.of(word[2:]) is None for word in words):
             return None
-        given = [self.number(fix.statement, word) for word in words]
+        numbers = [self.number(fix.statement, word) for word in words]
         if style == "vector":
-            size = math.hypot(*given)
-            return (*(x / size for x in given), *(0.0,) * (3 - len(given))) if size > 0.0 else None
-        azimuth, polar = map(math.radians, given if style == "spherical" else (0.0, 180.0 - given[0]))
+            size = math.hypot(*numbers)
+            return (*(x / size for x in numbers), *(0.0,) * (3 - len(numbers))) if size > 0.0 else None
+        azimuth, polar = map(math.radians, numbers if style == "spherical" else (0.0, 180.0 - numbers[0]))
         if self.dimension == 2:
             return math.sin(polar), math.cos(polar), 0.0
         return math.sin(polar) * math.cos(azimuth), math.sin(polar) * math.sin(azimuth), math.cos(polar)
@@ -984,6 +999,7 @@ class State:
         kind: int,
         name: str,
         settings: Settings,
+        *,
         quotes: tuple[Quote, ...],
         pushes: tuple[Direction, ...] | None,
         friction: float | None,
@@ -996,14 +1012,14 @@ class State:
 
     def coefficient(self, word: str) -> float | None:
         """A number that need not be known."""
-        found = float(word) if NUMBER.fullmatch(word) else None
-        return self.variables.of(word[2:]) if word.startswith("v_") else found
+        value = float(word) if NUMBER.fullmatch(word) else None
+        return self.variables.of(word[2:]) if word.startswith("v_") else value
 
 
 def atoms_of(word: str) -> range | None:
     """Numbers of grains within ``2``, ``2*``, ``*3`` or ``1*3``; None if it is not of this form."""
     low, star, high = word.partition("*")
-    if not all(one.isdecimal() and len(one) < 10 for one in (low, high) if one) or word == "*" or not word:
+    if not all(end.isdecimal() and len(end) < 10 for end in (low, high) if end) or word == "*" or not word:
         return None
     last = int(high) if high else MAX_NUMBER if star else int(low)
     return range(int(low or 1), last + 1)

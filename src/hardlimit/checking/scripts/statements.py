@@ -72,11 +72,11 @@ def quoted(file: str, line: int, text: str) -> Quote:
 def refusal(line: int, text: str, must: str, file: str = "") -> ValueError:
     """The error for a part of an input, with its line and text."""
     part = " ".join(text.split())
-    found = Refusal(
+    error = Refusal(
         f"{' '.join(file.split()) or 'input'}: line {line}: got {validation.shown(part)}, must {must}"
     )
-    found.part = part
-    return found
+    error.part = part
+    return error
 
 
 def refused(statement: Statement, must: str) -> ValueError:
@@ -84,17 +84,17 @@ def refused(statement: Statement, must: str) -> ValueError:
     return refusal(statement.line, statement.text, must, statement.file)
 
 
-def same_word(one: str, other: str) -> bool:
+def same_word(word: str, other: str) -> bool:
     """Whether two words are equal, however their numbers are written."""
     try:
-        return float(one) == float(other)
+        return float(word) == float(other)
     except ValueError:
-        return one == other
+        return word == other
 
 
-def settings(statement: Statement, found: Mapping[str, tuple[str, ...]]) -> Settings:
+def settings(statement: Statement, words: Mapping[str, tuple[str, ...]]) -> Settings:
     """Settings that a statement makes."""
-    return {name: Setting(words, statement.line, statement.text) for name, words in found.items()}
+    return {name: Setting(words, statement.line, statement.text) for name, words in words.items()}
 
 
 # --- words of LAMMPS and LIGGGHTS -------------------------------------------------------------------------------
@@ -103,7 +103,7 @@ def settings(statement: Statement, found: Mapping[str, tuple[str, ...]]) -> Sett
 def logical_lines(text: str) -> list[tuple[int, str]]:
     """Lines with their numbers, joined where ``&`` or an open triple quote continues them."""
     lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
-    found, k = [], 0
+    logical, k = [], 0
     while k < len(lines):
         first, line = k + 1, lines[k]
         while k + 1 < len(lines):
@@ -117,9 +117,9 @@ def logical_lines(text: str) -> list[tuple[int, str]]:
             else:
                 break
             k += 1
-        found.append((first, line))
+        logical.append((first, line))
         k += 1
-    return found
+    return logical
 
 
 @lru_cache(4096)
@@ -156,4 +156,4 @@ def open_quote(line: str) -> str:
 @lru_cache(4096)
 def split(code: str) -> tuple[str, ...]:
     """Words of a command without its comment."""
-    return tuple(next((g for g in found.groups() if g is not None), "") for found in WORD.finditer(code))
+    return tuple(next((g for g in match.groups() if g is not None), "") for match in WORD.finditer(code))

@@ -277,6 +277,7 @@ class Yade(Evaluator):
         self.time_step_given = self.elsewhere = False
         self.strain: tuple[Any, Quote] | None = None  #: of the periodic cell, as velGrad
         self.stages: list[Stage] = []
+        self.system = 0  #: number of the scene
         self.ignored: dict[Note, None] = {}
         self.invalidates: dict[Note, None] = {}
         self.unknown: dict[Quote, None] = {}
@@ -301,13 +302,15 @@ class Yade(Evaluator):
 
     def items(self, node: ast.expr) -> list[Any] | None:
         """What an iteration runs over: also the centres and the smallest and largest radius of a SpherePack."""
-        found = self.value(node)
-        if isinstance(found, Instance) and found.name == "SpherePack":
+        iterable = self.value(node)
+        if isinstance(iterable, Instance) and iterable.name == "SpherePack":
             centre = Unknown("a centre")
-            sizes = list(dict.fromkeys(one for one in found.made if not isinstance(one, Body))) or [None]
-            ends = [(None, None) if one is None else one for one in sizes]
+            sizes = list(dict.fromkeys(size for size in iterable.made if not isinstance(size, Body))) or [
+                None
+            ]
+            ends = [(None, None) if size is None else size for size in sizes]
             return [(centre, Unknown("a radius") if r is None else r) for end in ends for r in end]
-        if found == BODIES:
+        if iterable == BODIES:
             known = [self.body_at(k) for k in range(min(len(self.bodies), MAX_BODIES))]
             return None if None in known or len(known) < len(self.bodies) else known
         return super().items(node)
@@ -327,20 +330,23 @@ class Yade(Evaluator):
         k %= len(self.bodies)
         if k >= self.numbered:
             return None
-        one = self.bodies[k]
-        return Instance("Body", (), {}, one.quote.line, one.quote.text, [one])
+        body = self.bodies[k]
+        return Instance("Body", (), {}, body.quote.line, body.quote.text, [body])
 
     def imported(self, node: ast.Import | ast.ImportFrom) -> None:
         """An import. A name of a module that is not known may stand for anything."""
         super().imported(node)
         inside = isinstance(node, ast.ImportFrom)
-        for one in node.names:
-            root = "." * node.level + (node.module or "") if isinstance(node, ast.ImportFrom) else one.name
+        for alias in node.names:
+            root = "." * node.level + (node.module or "") if isinstance(node, ast.ImportFrom) else alias.name
             if root.partition(".")[0] in KNOWN_MODULES:
                 continue
-            if one.name == "*":
+            if alias.name == "*":
                 self.not_understood(node)
-            self.foreign |= {one.asname or one.name, one.name if inside else one.name.partition(".")[0]}
+            self.foreign |= {
+                alias.asname or alias.name,
+                alias.name if inside else alias.name.partition(".")[0],
+            }
 
     def not_understood(self, node: ast.AST, attribute: str = "") -> None:
         """Quote a statement, such as the assignment of an attribute."""
@@ -378,21 +384,23 @@ class Yade(Evaluator):
             return owner
         return super().member(owner, name, node)
 
-    def item(self, held: Any, place: ast.expr, node: ast.expr) -> Any:
-        if held is self.materials:
+    def item(self, container: Any, place: ast.expr, node: ast.expr) -> Any:
+        if container is self.materials:
             key = self.value(place)
             named = [
-                one for one in self.materials if isinstance(key, str) and one.attributes.get("label") == key
+                material
+                for material in self.materials
+                if isinstance(key, str) and material.attributes.get("label") == key
             ]
             if named:
                 return named[0]
-        if held == BODIES and (body := self.body_at(self.value(place))) is not None:
+        if container == BODIES and (body := self.body_at(self.value(place))) is not None:
             return body
-        return super().item(held, place, node)
+        return super().item(container, place, node)
 
     def statement(self, node: ast.stmt) -> None:
         if isinstance(node, ast.ImportFrom) and (node.module or "").endswith("params.table"):
-            self.names |= {name: one for name, one in self.table.items() if name not in self.given}
+            self.names |= {name: value for name, value in self.table.items() if name not in self.given}
         super().statement(node)
 
     def assigned(self, owner: Any, name: str, value: Any, node: ast.AST) -> None:
@@ -427,15 +435,15 @@ class Yade(Evaluator):
                 self.not_understood(node)
         elif name == "engines":
             parts = flat([value])
-            engines = [one for one in parts if isinstance(one, Instance)]
+            engines = [part for part in parts if isinstance(part, Instance)]
             if len(engines) < len(parts) or (self.repeats and engines != self.engines):
                 self.not_understood(node, name)
             self.engines, self.engines_given = engines, True
             self.engines_quote = self.quote(getattr(node, "lineno", 1), self.source(node))
             self.label(self.engines)
         elif name in ("dynDt", "usesTimeStepper") and isinstance(value, bool | int):
-            for one in self.used("GlobalStiffnessTimeStepper"):
-                one.attributes["active"] = bool(value)
+            for stepper in self.used("GlobalStiffnessTimeStepper"):
+                stepper.attributes["active"] = bool(value)
         elif name not in SCENE_NAMES.split():
             self.not_understood(node)
 
@@ -453,12 +461,12 @@ class Yade(Evaluator):
 
     def label(self, instances: Iterable[Any]) -> None:
         """Labels of engines and functors are names in the script."""
-        for one in instances:
-            if isinstance(one, Instance):
-                name = one.attributes.get("label")
+        for instance in instances:
+            if isinstance(instance, Instance):
+                name = instance.attributes.get("label")
                 if isinstance(name, str):
-                    self.names[name] = one
-                self.label(flat(one.arguments))
+                    self.names[name] = instance
+                self.label(flat(instance.arguments))
 
     def called(self, name: str, owner: Any, instance: Instance) -> Any:
         super().called(name, owner, instance)
@@ -500,9 +508,11 @@ class Yade(Evaluator):
             self.clumps(instance)
         elif name == "readParamsFromTable":
             plain = {
-                key: one for key, one in instance.attributes.items() if key not in ("noTableOk", "unknownOk")
+                key: value
+                for key, value in instance.attributes.items()
+                if key not in ("noTableOk", "unknownOk")
             }
-            self.table |= {**plain, **{key: one for key, one in self.given.items() if key in plain}}
+            self.table |= {**plain, **{key: value for key, value in self.given.items() if key in plain}}
         else:
             return self.function(name, owner, instance)
         return instance
@@ -519,7 +529,9 @@ class Yade(Evaluator):
             )
             return radius / math.sqrt(young / density)
         if name == "typedEngine" and arguments:
-            return next((one for one in self.engines if one.name == arguments[0]), Unknown(instance.text))
+            return next(
+                (engine for engine in self.engines if engine.name == arguments[0]), Unknown(instance.text)
+            )
         if name == "isinstance" and len(arguments) == 2 and (body := body_of(arguments[0])) is not None:
             kind = arguments[1].text.rpartition(".")[2] if isinstance(arguments[1], Unknown) else ""
             return body.kind == {"Sphere": "sphere", "Facet": "facets", "Wall": "walls", "Box": "boxes"}.get(
@@ -528,7 +540,9 @@ class Yade(Evaluator):
         if name == "runningInBatch":
             return False
         root = owner.partition(".")[0] if isinstance(owner, str) else name if owner is None else ""
-        passed = owner is None and name not in PLAIN and any(one in (SCENE, BODIES) for one in arguments)
+        passed = (
+            owner is None and name not in PLAIN and any(argument in (SCENE, BODIES) for argument in arguments)
+        )
         if name in HIDDEN or name.startswith("growParticle") or root in self.foreign or passed:
             self.unknown[self.quote(instance.line, instance.text)] = None
         return instance
@@ -537,8 +551,8 @@ class Yade(Evaluator):
         """Methods of lists, and of ``O.materials`` and ``O.engines``."""
         arguments = instance.arguments
         if owner is self.materials and name == "append":
-            added = [one for one in flat(arguments) if isinstance(one, Instance)]
-            indices = [self.index(one) for one in added]
+            added = [argument for argument in flat(arguments) if isinstance(argument, Instance)]
+            indices = [self.index(material) for material in added]
             return indices[0] if len(indices) == 1 and not isinstance(arguments[0], list) else indices
         if name == "append" and arguments:
             owner.append(arguments[0])
@@ -564,6 +578,7 @@ class Yade(Evaluator):
         elif self.repeats and name.startswith("reset") and name != "resetTime":
             self.unknown[self.quote(instance.line, instance.text)] = None
         elif name in ("reset", "resetThisScene", "resetCurrentScene", "resetAllScenes"):
+            self.system += 1
             self.materials.clear()
             self.bodies, self.numbered = [], 0
             self.engines, self.engines_given, self.engines_quote = [], True, None
@@ -610,33 +625,33 @@ class Yade(Evaluator):
 
     def index(self, material: Instance) -> int:
         """The number of a material, which is added to ``O.materials`` if it is new."""
-        for k, one in enumerate(self.materials):
-            if one is material:
+        for k, known in enumerate(self.materials):
+            if known is material:
                 return k
         self.materials.append(material)
         return len(self.materials) - 1
 
     def material_of(self, instance: Instance, place: int = -1) -> int:
         """The material of a body: given by number, label or instance; the last one by default."""
-        given = instance.argument(place, "material", -1)
-        if isinstance(given, Unknown) and given.text in self.functions:
+        material = instance.argument(place, "material", -1)
+        if isinstance(material, Unknown) and material.text in self.functions:
             # The function makes the material of each body.
-            call = ast.parse(f"{given.text}()", mode="eval").body
-            given = self.value(ast.copy_location(call, self.functions[given.text]))
-        if isinstance(given, Instance):
-            return self.index(given)
-        if isinstance(given, str):
-            labels = [one.attributes.get("label") for one in self.materials]
-            if given in labels:
-                return labels.index(given)
+            call = ast.parse(f"{material.text}()", mode="eval").body
+            material = self.value(ast.copy_location(call, self.functions[material.text]))
+        if isinstance(material, Instance):
+            return self.index(material)
+        if isinstance(material, str):
+            labels = [known.attributes.get("label") for known in self.materials]
+            if material in labels:
+                return labels.index(material)
             raise refusal(
-                instance.line, instance.text, f"have a material of the script, not {given}", self.file
+                instance.line, instance.text, f"have a material of the script, not {material}", self.file
             )
         if not self.materials:
             self.index(Instance("FrictMat", (), dict(DEFAULT_MATERIAL), instance.line, "default material"))
-        if isinstance(given, int) and -len(self.materials) <= given < len(self.materials):
-            return given % len(self.materials)
-        if given is None:
+        if isinstance(material, int) and -len(self.materials) <= material < len(self.materials):
+            return material % len(self.materials)
+        if material is None:
             return len(self.materials) - 1
         raise refusal(instance.line, instance.text, "have a known material", self.file)
 
@@ -652,7 +667,9 @@ class Yade(Evaluator):
             )
             if not known:
                 self.unknown[quote] = None
-        return Body(kind, radii, material, frozen, quote, None, several)
+        return Body(
+            kind=kind, radii=radii, material=material, frozen=frozen, quote=quote, mass=None, several=several
+        )
 
     def sphere(self, instance: Instance) -> None:
         """``sphere(center, radius, …)``."""
@@ -661,21 +678,21 @@ class Yade(Evaluator):
 
     def shape(self, instance: Instance) -> None:
         """Facets, walls and boxes."""
-        found = self.body(instance, SHAPES[instance.name], None)
-        found.several |= instance.name not in ("facet", "wall", "box")
-        found.frozen |= instance.name != "box"
+        body = self.body(instance, SHAPES[instance.name], None)
+        body.several |= instance.name not in ("facet", "wall", "box")
+        body.frozen |= instance.name != "box"
         if instance.name == "box":
             half = instance.argument(1, "extents")
             if isinstance(half, list | tuple) and len(half) == 3 and all(as_range(x) or x == 0 for x in half):
-                density = self.number(self.materials[found.material], "density")
-                found.mass = 8.0 * math.prod(half) * density
-        instance.made.append(found)
+                density = self.number(self.materials[body.material], "density")
+                body.mass = 8.0 * math.prod(half) * density
+        instance.made.append(body)
 
     def packing(self, instance: Instance) -> None:
         """Regular and random packings: ``(predicate, radius, …, rRelFuzz=)``."""
         source = instance.argument(1, "spherePack") if instance.name == "filterSpherePack" else None
         if isinstance(source, Instance):
-            sizes = [one for one in source.made if not isinstance(one, Body)]
+            sizes = [size for size in source.made if not isinstance(size, Body)]
         else:
             place = 0 if instance.name == "hexaNet" else 1
             sizes = [fuzzy(instance.argument(place, "radius"), instance.attributes.get("rRelFuzz", 0.0))]
@@ -684,15 +701,15 @@ class Yade(Evaluator):
             instance.made += sizes
         else:
             place = 2 if instance.name == "randomDensePack" else -1
-            made = [self.body(instance, "sphere", one, place) for one in sizes]
-            instance.made += [replace(one, several=True) for one in made]
+            spheres = [self.body(instance, "sphere", size, place) for size in sizes]
+            instance.made += [replace(sphere, several=True) for sphere in spheres]
 
     def pack_method(self, name: str, pack: Instance, instance: Instance) -> None:
         """Methods of a SpherePack."""
         if name == "makeCloud":
             sizes = instance.argument(7, "psdSizes")
             if isinstance(sizes, list | tuple) and sizes and "num" not in instance.attributes:
-                radii = union([as_range(one) for one in sizes])
+                radii = union([as_range(size) for size in sizes])
                 pack.made.append(None if radii is None else (0.5 * radii[0], 0.5 * radii[1]))
             elif sizes:
                 pack.made.append(None)  # YADE may scale the sizes down
@@ -707,28 +724,30 @@ class Yade(Evaluator):
             pack.made.append(None)
         elif name == "toSimulation":
             sizes = list(dict.fromkeys(pack.made)) or [None]
-            made = [self.body(instance, "sphere", one) for one in sizes]
-            self.bodies += [replace(one, several=True) for one in made]
+            spheres = [self.body(instance, "sphere", size) for size in sizes]
+            self.bodies += [replace(sphere, several=True) for sphere in spheres]
         elif name == "scale":
             factor = as_range(instance.argument(0, "scaleFactor"))
             pack.made = [
-                None if one is None or factor is None else (factor[0] * one[0], factor[0] * one[1])
-                for one in pack.made
+                None if size is None or factor is None else (factor[0] * size[0], factor[0] * size[1])
+                for size in pack.made
             ]
         elif name == "toList":
             instance.name, instance.made = "SpherePack", pack.made
 
     def append(self, instance: Instance, clumped: bool) -> None:
         """``O.bodies.append``: bodies, lists of them, or packings."""
-        for one in flat([*instance.arguments, *instance.attributes.values()]):
-            made = [body for body in one.made if isinstance(body, Body)] if isinstance(one, Instance) else []
-            self.bodies += made
-            if clumped and isinstance(one, Instance):
-                self.clumps(replace(one, name="appendClumped"))
-            other = isinstance(one, Instance) and one.name in (*CLUMPS, *OTHER_SHAPES)
-            if isinstance(one, Unknown | Instance) and not made and not other:
+        for part in flat([*instance.arguments, *instance.attributes.values()]):
+            bodies = (
+                [body for body in part.made if isinstance(body, Body)] if isinstance(part, Instance) else []
+            )
+            self.bodies += bodies
+            if clumped and isinstance(part, Instance):
+                self.clumps(replace(part, name="appendClumped"))
+            other = isinstance(part, Instance) and part.name in (*CLUMPS, *OTHER_SHAPES)
+            if isinstance(part, Unknown | Instance) and not bodies and not other:
                 self.elsewhere = True
-                if not (isinstance(one, Instance) and one.name in FILES):
+                if not (isinstance(part, Instance) and part.name in FILES):
                     self.unknown[self.quote(instance.line, instance.text)] = None
 
     def from_file(self, instance: Instance) -> None:
@@ -772,13 +791,13 @@ class Yade(Evaluator):
     def number(self, instance: Instance, name: str) -> float:
         """A number of a material, or its default."""
         default = MATERIALS.get(instance.name, {"density": 1000.0}).get(name)
-        found = instance.attributes.get(name, instance.attributes.get("**", default))
-        if isinstance(found, bool) or not isinstance(found, int | float) or not math.isfinite(found):
-            said = found.text if isinstance(found, Unknown) else found
+        value = instance.attributes.get(name, instance.attributes.get("**", default))
+        if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+            said = value.text if isinstance(value, Unknown) else value
             raise refusal(
                 instance.line, instance.text, f"have a known number for {name}, not {said}", self.file
             )
-        return float(found)
+        return float(value)
 
     @property
     def bare(self) -> bool:
@@ -791,7 +810,7 @@ class Yade(Evaluator):
         """Whether a script makes engines and does not enter them in ``O.engines``, as a part of a script may."""
         parts = ("Ip2_", "Law2_", "NewtonIntegrator", *["ViscElMat"] * self.bare)
         entered = self.engines_given and not self.bare
-        return not entered and any(one.name.startswith(parts) for one in self.instances)
+        return not entered and any(instance.name.startswith(parts) for instance in self.instances)
 
     def used(self, start: str) -> list[Instance]:
         """Instances whose name begins so: those of ``O.engines``, or all of a script that makes them beside it."""
@@ -803,23 +822,27 @@ class Yade(Evaluator):
             self.continue_stage(steps)
             return
         self.changed = False
-        for one in self.instances if self.bare else ():
-            if one.name in MATERIALS:
-                self.index(one)  # although the part does not append it
+        for instance in self.instances if self.bare else ():
+            if instance.name in MATERIALS:
+                self.index(instance)  # although the part does not append it
         integrators = self.used("NewtonIntegrator")
+        pressed, driven, shear_rate = self.driven()
         new = Stage(
-            quote,
-            self.step_now(),
-            self.time_step_given,
-            steps,
-            tuple(self.contacts()),
-            self.grains(),
-            self.gravity(integrators),
-            self.damping(integrators),
-            self.down(integrators),
-            *self.driven(),
+            quote=quote,
+            time_step=self.step_now(),
+            time_step_given=self.time_step_given,
+            steps=steps,
+            contacts=tuple(self.contacts()),
+            grains=self.grains(),
+            gravity=self.gravity(integrators),
+            numerical_damping=self.damping(integrators),
+            down=self.down(integrators),
+            pressed=pressed,
+            driven=driven,
+            shear_rate=shear_rate,
+            system=self.system,
         )
-        if self.stages and replace(self.stages[-1], quote=quote, steps=steps) == new:
+        if self.stages and replace(self.stages[-1], quote=quote, steps=steps, system=self.system) == new:
             self.continue_stage(steps)
         else:
             self.stages.append(new)
@@ -836,46 +859,46 @@ class Yade(Evaluator):
 
     def step_now(self) -> float | None:
         """The time step; None if it is not known or an engine changes it."""
-        if any(is_active(one) for one in self.used("GlobalStiffnessTimeStepper")):
+        if any(is_active(stepper) for stepper in self.used("GlobalStiffnessTimeStepper")):
             return None
         return self.time_step if self.time_step_given else DEFAULT_TIME_STEP
 
     def damping(self, integrators: list[Instance]) -> float | None:
         # A part of a script may set that of the integrator that YADE makes.
-        integrators = integrators or [one for one in self.engines if "damping" in one.attributes]
+        integrators = integrators or [engine for engine in self.engines if "damping" in engine.attributes]
         if not integrators:
             return None
-        found = integrators[-1].argument(0, "damping", NUMERICAL_DAMPING)
-        if not isinstance(found, int | float) or not 0.0 <= found < 1.0:
-            one = integrators[-1]
-            raise refusal(one.line, one.text, "have a number in [0, 1) for damping", self.file)
-        return float(found)
+        damping = integrators[-1].argument(0, "damping", NUMERICAL_DAMPING)
+        if not isinstance(damping, int | float) or not 0.0 <= damping < 1.0:
+            integrator = integrators[-1]
+            raise refusal(integrator.line, integrator.text, "have a number in [0, 1) for damping", self.file)
+        return float(damping)
 
     def gravity(self, integrators: list[Instance]) -> float | None:
-        for one in [*integrators, *self.used("GravityEngine")]:
-            found = one.attributes.get("gravity")
-            if isinstance(found, tuple | list) and all(isinstance(x, int | float) for x in found):
-                size = math.hypot(*found)
+        for engine in [*integrators, *self.used("GravityEngine")]:
+            gravity = engine.attributes.get("gravity")
+            if isinstance(gravity, tuple | list) and all(isinstance(x, int | float) for x in gravity):
+                size = math.hypot(*gravity)
                 return size or None
-            if found is not None:
-                self.unknown[self.quote(one.line, one.text)] = None
+            if gravity is not None:
+                self.unknown[self.quote(engine.line, engine.text)] = None
         return None
 
     def down(self, integrators: list[Instance]) -> Direction | None:
         """The direction of gravity."""
-        for one in [*integrators, *self.used("GravityEngine")]:
-            found = one.attributes.get("gravity")
-            if isinstance(found, tuple | list) and all(isinstance(x, int | float) for x in found):
-                size = math.hypot(*found)
-                return tuple(x / size for x in found) if size else None
+        for engine in [*integrators, *self.used("GravityEngine")]:
+            gravity = engine.attributes.get("gravity")
+            if isinstance(gravity, tuple | list) and all(isinstance(x, int | float) for x in gravity):
+                size = math.hypot(*gravity)
+                return tuple(x / size for x in gravity) if size else None
         return None
 
     def driven(self) -> tuple[tuple[Note, ...], tuple[Note, ...], float | None]:
         """What presses the grains, what else drives them, and the shear rate."""
         pressed = [
-            Note(one.name, None, self.quote(one.line, one.text))
-            for one in self.used("")
-            if one.name in PRESSING
+            Note(engine.name, None, self.quote(engine.line, engine.text))
+            for engine in self.used("")
+            if engine.name in PRESSING
         ]
         if self.strain is None:
             return tuple(pressed), (), None
@@ -894,10 +917,10 @@ class Yade(Evaluator):
 
     def motion(self) -> Motion | None:
         """The fastest motion of walls and of fixed spheres; which of them move is not read."""
-        found: list[Motion | None] = []
-        for one in self.used(""):
-            if one.name == "HarmonicMotionEngine":
-                sizes, rates = (one.attributes.get(name, default) for name, default in HARMONIC)
+        motions: list[Motion | None] = []
+        for engine in self.used(""):
+            if engine.name == "HarmonicMotionEngine":
+                sizes, rates = (engine.attributes.get(name, default) for name, default in HARMONIC)
                 vectors = all(
                     isinstance(each, list | tuple) and all(isinstance(x, int | float) for x in each)
                     for each in (sizes, rates)
@@ -906,10 +929,10 @@ class Yade(Evaluator):
                     Motion(tuple(a * (k == axis) for k in range(3)), 2.0 * math.pi * f)
                     for axis, (a, f) in enumerate(zip(sizes, rates, strict=False) if vectors else ())
                 ]
-                found += waves or [UNKNOWN]
-            elif one.name in MOTION and one.name not in PRESSING:
-                found.append(STEADY if one.name in STEADY_MOTION else UNKNOWN)
-        return strongest(found, self.down(self.used("NewtonIntegrator")))
+                motions += waves or [UNKNOWN]
+            elif engine.name in MOTION and engine.name not in PRESSING:
+                motions.append(STEADY if engine.name in STEADY_MOTION else UNKNOWN)
+        return strongest(motions, self.down(self.used("NewtonIntegrator")))
 
     def name(self, k: int) -> str:
         """The name of a material: its label, or its number."""
@@ -918,104 +941,122 @@ class Yade(Evaluator):
 
     def spheres(self) -> list[Body]:
         """Spheres of the script, and those that factories will make."""
-        found = [one for one in self.bodies if one.kind == "sphere"]
-        for one in (*self.used("BoxFactory"), *self.used("CircularFactory")):
-            given = one.attributes
-            radii = union([as_range(given.get(name)) for name in ("rMin", "rMax")])
-            number, quote = given.get("materialId", -1), self.quote(one.line, one.text)
+        spheres = [body for body in self.bodies if body.kind == "sphere"]
+        for factory in (*self.used("BoxFactory"), *self.used("CircularFactory")):
+            attributes = factory.attributes
+            radii = union([as_range(attributes.get(name)) for name in ("rMin", "rMax")])
+            number, quote = attributes.get("materialId", -1), self.quote(factory.line, factory.text)
             if isinstance(number, int) and -len(self.materials) <= number < len(self.materials):
-                sizes = None if "PSDsizes" in given else radii
+                sizes = None if "PSDsizes" in attributes else radii
                 material = number % len(self.materials)
-                found.append(Body("sphere", sizes, material, False, quote, several=True))
+                spheres.append(Body("sphere", sizes, material, False, quote, several=True))
             else:
                 self.unknown[quote] = None
-        return found
+        return spheres
 
     def kinds(self) -> list[int]:
         """Materials of spheres, or all if the script makes none."""
-        found = sorted({one.material for one in self.spheres()})
-        return list(range(len(self.materials))) if self.elsewhere or not found else found
+        kinds = sorted({sphere.material for sphere in self.spheres()})
+        return list(range(len(self.materials))) if self.elsewhere or not kinds else kinds
 
     def grains(self) -> dict[str, Grains]:
         """The grains of each material: those that move, if some do."""
         grains, several = {}, self.elsewhere or len(self.bodies) > 1
         for k in self.kinds():
-            held = [one for one in self.spheres() if one.material == k]
-            fixed = [one for one in held if one.frozen]
-            moving = [one for one in held if not one.frozen]
+            spheres = [sphere for sphere in self.spheres() if sphere.material == k]
+            fixed = [sphere for sphere in spheres if sphere.frozen]
+            moving = [sphere for sphere in spheres if not sphere.frozen]
             frozen = bool(fixed) and not self.elsewhere and not moving
-            one = self.grains_of(k, fixed if frozen else moving, frozen)
+            kind = self.grains_of(k, fixed if frozen else moving, frozen)
             if fixed and not frozen:
-                one = replace(one, partly_frozen=True, fixed=self.grains_of(k, fixed, True))
+                kind = replace(kind, partly_frozen=True, fixed=self.grains_of(k, fixed, True))
             lone = len(moving) == 1 and not moving[0].several and several and not self.elsewhere
-            grains[one.type] = replace(one, alone=lone)
+            grains[kind.type] = replace(kind, alone=lone)
         return grains
 
-    def grains_of(self, k: int, held: list[Body], frozen: bool) -> Grains:
+    def grains_of(self, k: int, spheres: list[Body], frozen: bool) -> Grains:
         """Spheres of one material."""
-        radii = None if self.elsewhere and not frozen else union([one.radii for one in held])
-        density = self.number(self.materials[k], "density") if held or self.elsewhere else None
+        radii = None if self.elsewhere and not frozen else union([sphere.radii for sphere in spheres])
+        density = self.number(self.materials[k], "density") if spheres or self.elsewhere else None
         # ViscElPhys takes the mass of a fixed sphere; MindlinPhys does not.
         counted = self.materials[k].name == "ViscElMat" and any(
-            PHYSICS.get(one.name) == "ViscElMat" for one in self.used("Ip2_")
+            PHYSICS.get(functor.name) == "ViscElMat" for functor in self.used("Ip2_")
         )
         densities = None if density is None else (density, density)
         return Grains(self.name(k), radii, densities, None, frozen, counted)
 
     def contacts(self) -> Iterator[ContactSettings]:
         """Pairs of materials, then walls, without damping if the law leaves it out."""
-        undamped = [one for one in self.used("Law2_ScGeom_MindlinPhys_") if one.name in UNDAMPED_LAWS]
+        undamped = [law for law in self.used("Law2_ScGeom_MindlinPhys_") if law.name in UNDAMPED_LAWS]
         moves = self.motion()
         for contact in self.all_contacts():
             settings = contact.settings
             if undamped and settings["physics"].words[0] == "MindlinPhys":
                 law, en = undamped[-1], settings.get("en")
-                kept = {name: one for name, one in settings.items() if name not in ("en", "betan")}
+                kept = {name: setting for name, setting in settings.items() if name not in ("en", "betan")}
                 zero = Setting(("0.0",), law.line, law.text)
-                asked = None if en is None else float(en.words[0])
-                contact = replace(contact, settings={**kept, "betan": zero}, asked=asked)
+                restitution = None if en is None else float(en.words[0])
+                contact = replace(contact, settings={**kept, "betan": zero}, asked=restitution)
             yield replace(contact, motion=moves)
 
     def all_contacts(self) -> Iterator[ContactSettings]:
         """The contacts, whose damping is that of the functor."""
-        functors = {PHYSICS[one.name]: one for one in self.used("Ip2_") if one.name in PHYSICS}
+        functors = self.functors()
+        yield from self.pairs_of_grains(functors)
+        yield from self.contacts_with_walls(functors)
+
+    def functors(self) -> dict[str, Instance]:
+        """The functors that make contacts, by the material that they read."""
+        functors = {
+            PHYSICS[functor.name]: functor for functor in self.used("Ip2_") if functor.name in PHYSICS
+        }
         if self.bare and self.apart and not functors:  # only one functor reads this material
-            functors = {one.name: replace(one, name=OF_VISCOELASTIC) for one in self.used("ViscElMat")[:1]}
+            materials = self.used("ViscElMat")[:1]
+            functors = {material.name: replace(material, name=OF_VISCOELASTIC) for material in materials}
+        return functors
+
+    def pairs_of_grains(self, functors: Mapping[str, Instance]) -> Iterator[ContactSettings]:
+        """Pairs of materials whose grains meet."""
         kinds, grains = self.kinds(), self.grains()
-        still = {k for k in kinds if grains[self.name(k)].frozen}
         for i in kinds if self.touching("sphere") is not None else []:
-            one = grains[self.name(i)]
+            first = grains[self.name(i)]
             for j in kinds[kinds.index(i) :]:
-                if {i, j} <= still or (i == j and one.alone and not one.partly_frozen):
-                    continue  # they do not meet
-                found = self.between(functors, i, j)
-                if found is not None:
+                fixed = first.frozen and grains[self.name(j)].frozen
+                if fixed or (i == j and first.alone and not first.partly_frozen):
+                    continue
+                parts = self.between(functors, i, j)
+                if parts is not None:
                     types, friction = (self.name(i), self.name(j)), self.friction(functors, i, j)
-                    yield ContactSettings(types, None, *found, friction=friction)
-        walls = {(one.kind, one.material, one.mass): one.quote for one in self.bodies if one.kind != "sphere"}
+                    yield ContactSettings(types, None, *parts, friction=friction)
+
+    def contacts_with_walls(self, functors: Mapping[str, Instance]) -> Iterator[ContactSettings]:
+        """Grains that move, with walls, or in a part of a script without walls with ``wall`` of each material."""
+        kinds, grains = self.kinds(), self.grains()
+        walls = {
+            (body.kind, body.material, body.mass): body.quote for body in self.bodies if body.kind != "sphere"
+        }
         assumed = self.part and not walls
-        if assumed:
-            materials = {k: self.materials[k] for k in kinds}
-            walls = {("walls", k, None): self.quote(one.line, one.text) for k, one in materials.items()}
+        for k in kinds if assumed else ():
+            walls["walls", k, None] = self.quote(self.materials[k].line, self.materials[k].text)
         several = len({material for _, material, _ in walls}) > 1
-        for i in sorted({*kinds} - still):
+        for i in sorted(k for k in kinds if not grains[self.name(k)].frozen):
             for (kind, j, mass), quote in walls.items():
                 size = self.touching(kind)
-                found = None if size is None else self.between(functors, i, j, size)
-                if found is None or size is None:
+                parts = None if size is None else self.between(functors, i, j, size)
+                if parts is None or size is None:
                     continue
-                words = found[0]
+                words = parts[0]
                 counted = words["physics"].words[0] == "ViscElPhys" and "en" in words and kind == "boxes"
                 if counted and mass is None:
                     self.unknown[quote] = None  # its mass is in the formulas
                     continue
                 name = self.name(j) if assumed else f"{kind} of {self.name(j)}" if several else kind
                 larger = 2.0 if math.isinf(size) else 2.0 * size / (1.0 + size)
-                types = (self.name(i), WALL)
                 # YADE takes a body without mass to have that of the sphere.
+                formula_mass = (mass or None) if counted else None
                 friction = self.friction(functors, i, j)
-                mass = (mass or None) if counted else None
-                yield ContactSettings(types, name, *found, mass, larger, friction=friction)
+                types = (self.name(i), WALL)
+                yield ContactSettings(types, name, *parts, formula_mass, larger, friction=friction)
 
     def friction(self, functors: Mapping[str, Instance], i: int, j: int) -> float | None:
         """tan of the smaller angle of friction, or of the functor's; None if it is not known."""
@@ -1028,40 +1069,44 @@ class Yade(Evaluator):
             except ValueError:
                 angle = None
             return None if angle is None else math.tan(angle)
-        angles = [one.attributes.get("frictionAngle", FRICTION_ANGLE) for one in pair]
-        known = all(isinstance(one, int | float) and not isinstance(one, bool) for one in angles)
-        return math.tan(min(angles)) if known and not any("**" in one.attributes for one in pair) else None
+        angles = [material.attributes.get("frictionAngle", FRICTION_ANGLE) for material in pair]
+        known = all(isinstance(angle, int | float) and not isinstance(angle, bool) for angle in angles)
+        return (
+            math.tan(min(angles))
+            if known and not any("**" in material.attributes for material in pair)
+            else None
+        )
 
     def touching(self, kind: str) -> float | None:
         """The size of bodies of this kind over that of a sphere in YADE's formulas; None if they touch no sphere."""
         shape, size = (SHAPE_NAMES[kind], SIZES.get(kind, 1.0))
-        meet = [one for one in self.used("Ig2_") if one.name.startswith(f"Ig2_{shape}_Sphere_")]
+        meet = [functor for functor in self.used("Ig2_") if functor.name.startswith(f"Ig2_{shape}_Sphere_")]
         seen = [*self.used(f"Bo1_{shape}_Aabb"), *self.used("FlatGridCollider")]
         if not (self.apart or (meet and seen)):
             missing = f"Bo1_{shape}_Aabb" if meet else f"Ig2_{shape}_Sphere_…"
             what = f"{kind if kind in SIZES else 'spheres'} without contacts: no {missing}"
             self.ignored[Note(what, None, self.engines_quote)] = None
             return None
-        for one in meet:
-            hertzian = one.attributes.get("hertzian", False)
+        for functor in meet:
+            hertzian = functor.attributes.get("hertzian", False)
             if isinstance(hertzian, bool | int):
                 size = math.inf if hertzian else size
             else:
-                self.unknown[self.quote(one.line, one.text)] = None
+                self.unknown[self.quote(functor.line, functor.text)] = None
         return size
 
     def functor_of(
         self, functors: Mapping[str, Instance], pair: tuple[Instance, Instance]
     ) -> Instance | None:
         """The functor that makes the contacts of two materials, with a law for them; None if there is none."""
-        names = {one.name for one in pair}
+        names = {material.name for material in pair}
         functor = functors.get(pair[0].name) if len(names) == 1 else None
         if functor is None and names <= MATERIALS.keys():
             functor = functors.get("FrictMat")  # the others are FrictMat as well
         if functor is None:
             return None
         laws, physics = self.used("Law2_"), functor.name.rpartition("_")[2]
-        if (laws or not self.apart) and not any(f"_{physics}_" in one.name for one in laws):
+        if (laws or not self.apart) and not any(f"_{physics}_" in law.name for law in laws):
             self.unknown[self.quote(functor.line, f"{functor.text} without its law")] = None
             return None
         return functor
@@ -1087,29 +1132,35 @@ class Yade(Evaluator):
             missing = (
                 pair if functor.attributes.keys().isdisjoint(("en", "betan", "tc", "kn")) else (functor,)
             )
-            self.unknown.update(dict.fromkeys(self.quote(one.line, one.text) for one in missing))
+            self.unknown.update(dict.fromkeys(self.quote(source.line, source.text) for source in missing))
             return None
         physics = functor.name.rpartition("_")[2]
-        found = {"physics": Setting((LIKE.get(physics, physics),), functor.line, functor.text)}
+        settings = {"physics": Setting((LIKE.get(physics, physics),), functor.line, functor.text)}
         for name, (value, source) in numbers.items():
-            found[name] = Setting((repr(value),), source.line, source.text)
-        quotes = dict.fromkeys(self.quote(one.line, one.text) for one in (*pair, functor))
-        return found, tuple(quotes)
+            settings[name] = Setting((repr(value),), source.line, source.text)
+        quotes = dict.fromkeys(self.quote(source.line, source.text) for source in (*pair, functor))
+        return settings, tuple(quotes)
 
     def no_spring(self, functor: Instance, pair: tuple[Instance, Instance]) -> str:
         """Why a contact is none of a spring and a dashpot; empty if it is one."""
-        if functor.name.endswith("ViscElPhys") and all(one.attributes.get("SPHmode", False) for one in pair):
+        if functor.name.endswith("ViscElPhys") and all(
+            material.attributes.get("SPHmode", False) for material in pair
+        ):
             return "smoothed-particle hydrodynamics (SPHmode)"
         if not functor.name.endswith("CohFrictPhys"):
             return ""
         bonds = [
             functor.attributes.get(name, False) for name in ("setCohesionNow", "setCohesionOnNewContacts")
         ]
-        cohesive = [one.attributes.get("isCohesive", True) for one in pair]
-        given = functor.attributes.get("normalCohesion")
-        if isinstance(given, Instance):
-            given = given.attributes.get("val") if not list(entries(given)) else 1.0
-        strengths = [one.attributes.get("normalCohesion", -1.0) for one in pair] if given is None else [given]
+        cohesive = [material.attributes.get("isCohesive", True) for material in pair]
+        cohesion = functor.attributes.get("normalCohesion")
+        if isinstance(cohesion, Instance):
+            cohesion = cohesion.attributes.get("val") if not list(entries(cohesion)) else 1.0
+        strengths = (
+            [material.attributes.get("normalCohesion", -1.0) for material in pair]
+            if cohesion is None
+            else [cohesion]
+        )
         positive = all(not isinstance(x, int | float) or x > 0.0 for x in strengths)
         return f"adhesion or bonds ({functor.name})" if any(bonds) and all(cohesive) and positive else ""
 
@@ -1121,7 +1172,7 @@ class Yade(Evaluator):
         wall: float | None,
     ) -> dict[str, tuple[float, Instance]] | None:
         """Numbers of a contact with the object that gives them; None if one material cannot replace the two."""
-        one = pair[0]
+        material = pair[0]
         if functor.name.endswith("ViscElPhys"):
             return self.viscoelastic(functor, pair, ends, wall)
         young = [self.number(each, "young") for each in pair]
@@ -1129,21 +1180,21 @@ class Yade(Evaluator):
             if "kn" in functor.attributes:
                 return None  # a stiffness instead of the modulus
             mean = self.mean_modulus(young, ends, wall)
-            return None if mean is None else {"young": (mean, one)}
+            return None if mean is None else {"young": (mean, material)}
         ratios = [self.number(each, "poisson") for each in pair]
         modulus, ratio = young[0], ratios[0]
         if young[0] != young[1] or ratios[0] != ratios[1]:
             modulus, ratio = one_material((young[0], ratios[0]), (young[1], ratios[1]))
-        found = {"young": (modulus, one), "poisson": (ratio, one)}
+        numbers = {"young": (modulus, material), "poisson": (ratio, material)}
         for name in ("en", "betan"):
             if name in functor.attributes:
                 value = self.matched(functor, name, ends)
                 if value is None:
                     return None
-                found[name] = (value, functor)
-        if "en" not in found and "betan" not in found:
-            found["betan"] = (0.0, functor)
-        return found
+                numbers[name] = (value, functor)
+        if "en" not in numbers and "betan" not in numbers:
+            numbers["betan"] = (0.0, functor)
+        return numbers
 
     def viscoelastic(
         self,
@@ -1156,28 +1207,30 @@ class Yade(Evaluator):
 
         Of two materials, tc and en are means, and springs and dashpots are in series.
         """
-        one = pair[0]
+        material = pair[0]
 
         def have(*names: str) -> bool:
             return all(name in each.attributes for each in pair for name in names)
 
         def mean(name: str) -> tuple[float, Instance] | None:
             if name not in functor.attributes:
-                return 0.5 * sum(self.number(each, name) for each in pair), one
+                return 0.5 * sum(self.number(each, name) for each in pair), material
             value = self.matched(functor, name, ends)
             return None if value is None else (value, functor)
 
-        found: dict[str, tuple[float, Instance] | None] = {}
+        numbers: dict[str, tuple[float, Instance] | None] = {}
         if have("tc", "en", "et") or {"tc", "en", "et"} <= functor.attributes.keys():
-            found = {name: mean(name) for name in ("tc", "en")}
+            numbers = {name: mean(name) for name in ("tc", "en")}
         elif have("kn", "cn", "ks", "cs"):
-            found = {name: (self.in_series(name, pair), one) for name in ("kn", "cn")}
+            numbers = {name: (self.in_series(name, pair), material) for name in ("kn", "cn")}
         elif have("en") or have("cn", "cs"):
             young = self.mean_modulus([self.number(each, "young") for each in pair], ends, wall)
-            found["young"] = None if young is None else (young, one)
-            found |= {"cn": (self.in_series("cn", pair), one)} if have("cn", "cs") else {"en": mean("en")}
-        known = {name: value for name, value in found.items() if value is not None}
-        return known if found and len(known) == len(found) else None
+            numbers["young"] = None if young is None else (young, material)
+            numbers |= (
+                {"cn": (self.in_series("cn", pair), material)} if have("cn", "cs") else {"en": mean("en")}
+            )
+        known = {name: value for name, value in numbers.items() if value is not None}
+        return known if numbers and len(known) == len(numbers) else None
 
     def in_series(self, name: str, pair: tuple[Instance, Instance]) -> float:
         """Twice the number of two springs or dashpots in series; a zero is left out."""
@@ -1196,48 +1249,52 @@ class Yade(Evaluator):
             )
         if young[0] == young[1]:
             return young[0]
-        sizes = union([one.radii for one in self.spheres() if one.material in ends])
+        sizes = union([sphere.radii for sphere in self.spheres() if sphere.material in ends])
         if sizes is None or sizes[0] != sizes[1]:
             return None
         return 2.0 * young[0] * young[1] / (young[0] + young[1])
 
     def matched(self, functor: Instance, name: str, ends: tuple[int, int]) -> float | None:
         """A number of a functor: the same for all contacts, or that of a MatchMaker; None if it has none."""
-        given = functor.attributes[name]
-        if isinstance(given, Instance) and given.name == "MatchMaker":
-            for entry in entries(given):
+        value = functor.attributes[name]
+        if isinstance(value, Instance) and value.name == "MatchMaker":
+            for entry in entries(value):
                 if sorted(entry[:2]) == sorted(ends):
                     return entry[2]
-            given = given.attributes.get("val")
-            if given is None:
+            value = value.attributes.get("val")
+            if value is None:
                 return None
-        if isinstance(given, bool) or not isinstance(given, int | float):
+        if isinstance(value, bool) or not isinstance(value, int | float):
             raise refusal(functor.line, functor.text, f"have a known number for {name}", self.file)
-        return float(given)
+        return float(value)
 
     # --- the description ----------------------------------------------------------------------------------------
 
     def description(self) -> Description:
         """Run the script and describe it."""
         self.run()
-        contacts = [one for stage in self.stages for one in stage.contacts]
+        contacts = [contact for stage in self.stages for contact in stage.contacts]
         if not self.stages or not contacts or (self.part and self.changed):
             last = self.instances[-1] if self.instances else None
             self.stage(self.quote(last.line if last else 1, last.text if last else self.text[:80]), None)
         self.notes()
         self.callbacks()
-        found = Description(
-            "yade",
-            None,
-            tuple(self.stages),
-            tuple(self.ignored),
-            tuple(self.invalidates),
-            tuple(self.unknown),
-            tuple(self.refused),
+        description = Description(
+            code="yade",
+            version=None,
+            stages=tuple(self.stages),
+            ignored=tuple(self.ignored),
+            invalidates=tuple(self.invalidates),
+            unknown=tuple(self.unknown),
+            refused=tuple(self.refused),
         )
-        if not any(stage.contacts for stage in found.stages) and not found.invalidates and not found.unknown:
+        if (
+            not any(stage.contacts for stage in description.stages)
+            and not description.invalidates
+            and not description.unknown
+        ):
             raise ValueError("script: has no granular contacts")
-        return found
+        return description
 
     def notes(self) -> None:
         """What is in the engines beside normal contacts."""
@@ -1248,25 +1305,27 @@ class Yade(Evaluator):
         ):
             what = "only one sphere: its contact is that with another like it"
             self.ignored[Note(what, None, self.bodies[0].quote)] = None
-        self.unknown |= {one.quote: None for one in self.bodies if one.kind == "boxes" and not one.frozen}
-        known = [one for one in self.materials if one.name in MATERIALS]
-        for one in dict.fromkeys([*self.used(""), *known]):
-            quote, name = self.quote(one.line, one.text), one.name
+        self.unknown |= {body.quote: None for body in self.bodies if body.kind == "boxes" and not body.frozen}
+        known = [material for material in self.materials if material.name in MATERIALS]
+        for instance in dict.fromkeys([*self.used(""), *known]):
+            quote, name = self.quote(instance.line, instance.text), instance.name
             strange = (
-                one.attributes.keys() - {"**"} - set(ATTRIBUTES.get(name, " ".join(one.attributes)).split())
+                instance.attributes.keys()
+                - {"**"}
+                - set(ATTRIBUTES.get(name, " ".join(instance.attributes)).split())
             )
             if strange:
                 self.unknown[quote] = None
                 self.refuse(quote, f"have known words, not {', '.join(sorted(strange))}")
             if name.startswith(("Ip2_", "Law2_")) or (name.endswith("Mat") and name[:1].isupper()):
-                self.contact_note(one, quote)
+                self.contact_note(instance, quote)
             elif name in MOTION:
                 self.ignored[Note(f"prescribed motion ({name})", None, quote)] = None
-            elif name == "GlobalStiffnessTimeStepper" and is_active(one):
+            elif name == "GlobalStiffnessTimeStepper" and is_active(instance):
                 self.ignored[Note("a time step that adapts (GlobalStiffnessTimeStepper)", None, quote)] = None
             elif name == "PyRunner":
-                self.runner_note(one, quote)
-            elif one in self.engines:
+                self.runner_note(instance, quote)
+            elif instance in self.engines:
                 what = next((what for sign, what in FORCES.items() if sign in name), "")
                 if what:
                     self.invalidates[Note(f"{what} ({name})", None, quote)] = None
@@ -1275,23 +1334,23 @@ class Yade(Evaluator):
 
     def missing_engines(self) -> None:
         """Engines without which nothing moves or forces are never reset."""
-        given = self.engines_quote
-        for part in ("ForceResetter", "Integrator") if given is not None and self.engines_given else ():
-            if given is not None and not any(part in one.name for one in self.engines):
-                self.unknown[self.quote(given.line, f"no {part} in {given.text}")] = None
+        engines = self.engines_quote
+        for part in ("ForceResetter", "Integrator") if engines is not None and self.engines_given else ():
+            if engines is not None and not any(part in engine.name for engine in self.engines):
+                self.unknown[self.quote(engines.line, f"no {part} in {engines.text}")] = None
 
-    def contact_note(self, one: Instance, quote: Quote) -> None:
-        name = one.name
+    def contact_note(self, instance: Instance, quote: Quote) -> None:
+        name = instance.name
         law, force = name.startswith("Law2_"), ""
         if any(sign in name for sign in STICKY) and name not in (*MATERIALS, *PHYSICS, *LAWS):
             force = f"adhesion or bonds ({name})"
-        elif name in (*LAWS, *UNDAMPED_LAWS) and one.attributes.get("includeAdhesion") not in (
+        elif name in (*LAWS, *UNDAMPED_LAWS) and instance.attributes.get("includeAdhesion") not in (
             None,
             False,
             0,
         ):
             force = "adhesion (includeAdhesion)"
-        elif name == "ViscElMat" and one.attributes.get("lubrication", False):
+        elif name == "ViscElMat" and instance.attributes.get("lubrication", False):
             force = "a fluid (lubrication)"
         if force:
             self.invalidates[Note(force, None, quote)] = None
@@ -1304,9 +1363,9 @@ class Yade(Evaluator):
         elif law:
             self.ignored[Note(f"tangential forces ({name})", None, quote)] = None
 
-    def runner_note(self, one: Instance, quote: Quote) -> None:
+    def runner_note(self, instance: Instance, quote: Quote) -> None:
         """A callback that changes contacts or grains."""
-        command = one.argument(0, "command", "")
+        command = instance.argument(0, "command", "")
         if not isinstance(command, str):
             return
         pending, named = [command], dict[str, ast.FunctionDef]()
@@ -1324,33 +1383,35 @@ class Yade(Evaluator):
 
     def callbacks(self) -> None:
         """Functions that were not run here, although the script may run them."""
-        named = {one.id for one in ast.walk(self.tree) if isinstance(one, ast.Name)}
-        methods = [one for each in self.classes.values() for one in each.values()]
-        for one in [*(one for name, one in self.functions.items() if name in named), *methods]:
-            if one not in self.executed and touches(one):
-                self.unknown[self.quote(one.lineno, f"def {one.name}({ast.unparse(one.args)})")] = None
+        named = {node.id for node in ast.walk(self.tree) if isinstance(node, ast.Name)}
+        methods = [method for each in self.classes.values() for method in each.values()]
+        for function in [*(function for name, function in self.functions.items() if name in named), *methods]:
+            if function not in self.executed and touches(function):
+                self.unknown[
+                    self.quote(function.lineno, f"def {function.name}({ast.unparse(function.args)})")
+                ] = None
 
 
 def inside(instances: Iterable[Any], start: str) -> Iterator[Instance]:
     """These instances and those in their arguments whose name begins so, each once."""
     pending, seen = list(reversed([*instances])), set[int]()
     while pending:
-        one = pending.pop()
-        if isinstance(one, Instance) and id(one) not in seen:
-            seen.add(id(one))
-            if one.name.startswith(start):
-                yield one
-            pending += reversed(flat([*one.arguments, *one.attributes.values()]))
+        instance = pending.pop()
+        if isinstance(instance, Instance) and id(instance) not in seen:
+            seen.add(id(instance))
+            if instance.name.startswith(start):
+                yield instance
+            pending += reversed(flat([*instance.arguments, *instance.attributes.values()]))
 
 
 def touches(part: ast.AST) -> bool:
     """Whether statements change contacts, bodies, engines or the time step."""
-    for one in ast.walk(part):
-        targets = one.targets if isinstance(one, ast.Assign) else [getattr(one, "target", None)]
+    for node in ast.walk(part):
+        targets = node.targets if isinstance(node, ast.Assign) else [getattr(node, "target", None)]
         if any(isinstance(each, ast.Attribute) and each.attr in CHANGING - {"dead"} for each in targets):
             return True
-        if isinstance(one, ast.Call):
-            owner, _, name = ast.unparse(one.func).rpartition(".")
+        if isinstance(node, ast.Call):
+            owner, _, name = ast.unparse(node.func).rpartition(".")
             if name in TOUCHING or name in HIDDEN or owner.endswith((".bodies", ".materials")):
                 return True
     return False
@@ -1358,8 +1419,10 @@ def touches(part: ast.AST) -> bool:
 
 def body_of(value: Any) -> Body | None:
     """The body of ``sphere(…)``, ``wall(…)`` or ``O.bodies[…]``; None for anything else."""
-    made = value.made if isinstance(value, Instance) else []
-    return made[0] if len(made) == 1 and isinstance(made[0], Body) and value.name != "SpherePack" else None
+    bodies = value.made if isinstance(value, Instance) else []
+    return (
+        bodies[0] if len(bodies) == 1 and isinstance(bodies[0], Body) and value.name != "SpherePack" else None
+    )
 
 
 def fixes(degrees: str) -> bool:

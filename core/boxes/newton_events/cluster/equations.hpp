@@ -1,0 +1,90 @@
+// Newton's equations for the state vector of a cluster, in the scaled time (contact/smooth_time.hpp).
+#pragma once
+#include <algorithm>
+
+#include "../../../contact/smooth_time.hpp"
+#include "state.hpp"
+
+namespace hardlimit::boxes {
+
+template <class Law>
+struct Equations {
+    static constexpr int p = Law::onset_power;
+
+    const ContactNetwork<Law>& network;
+    const StateLayout& layout;
+
+    // dy = dy/dτ
+    void operator()(const double* y, double* dy) const {
+        const int n = layout.members();
+        const double gamma = clock_rate(y, dy);
+        for (int i = 0; i < 3 * n; ++i) dy[i] = gamma * y[3 * n + i];
+        for (int i = 3 * n; i < 6 * n; i += 3)
+            for (std::size_t a = 0; a < 3; ++a) dy[static_cast<std::size_t>(i) + a] = network.gravity[a];
+        Sums sums;
+        int index = 0;
+        for (const ContactPair<Law>& q : network.pairs) {
+            if (q.state == ContactState::closed) add_contact(q, index, y, dy, sums);
+            ++index;
+        }
+        if constexpr (p > 1)
+            for (int i = 3 * n; i < 6 * n; ++i) dy[i] *= gamma;
+        dy[layout.time()] = gamma;
+        dy[layout.loss()] = gamma * sums.loss;
+        if (layout.walls_move()) dy[layout.wall_work()] = gamma * sums.wall_power;
+        if (layout.images_move()) dy[layout.shear_work()] = gamma * sums.shear_power;
+        for (std::size_t k = 0; k < SymmetricTensor::size; ++k)
+            dy[static_cast<std::size_t>(layout.virial()) + k] = gamma * sums.virial.component[k];
+        for (int k = 0; k < 2 * layout.walls(); ++k) dy[layout.wall_sums() + k] = gamma * sums.given[k];
+    }
+
+private:
+    // Rates of the sums, per time.
+    struct Sums {
+        double loss = 0.0, wall_power = 0.0, shear_power = 0.0;
+        SymmetricTensor virial;             // Σ r⊗F
+        double given[2 * most_walls] = {};  // force on each wall of the pairs, and power that it gets
+    };
+
+    // Returns γ, and stores γ (ℓ/s)^{p−1} of each rooted contact in place of the derivative of its s.
+    double clock_rate(const double* y, double* dy) const {
+        if constexpr (p == 1) return 1.0;
+        const auto for_rooted = [first = layout.first_root(), end = layout.virial()](const auto& f) {
+            for (int c = first; c < end; ++c) f(c);
+        };
+        for (const int q : layout.rooted())
+            dy[layout.root(q)] = math::power<p - 1>(y[layout.root(q)] / network.pairs[q].s_unit);
+        return smooth_time_rate(for_rooted, dy);
+    }
+
+    // Adds the force of a closed contact to the accelerations of its bodies.
+    HL_FN_INLINE void add_contact(const ContactPair<Law>& q, int index, const double* y, double* dy,
+                                  Sums& sums) const {
+        const Snapshot<Law> now{network, layout, y};
+        const ContactGeometry g = now.geometry(q);
+        const double s = q.rooted ? y[layout.root(index)] : onset_root<p>(g.depth),
+                     force = q.law.force(s, g.rate);
+        const double lost = (force - q.law.elastic_force(s)) * g.rate;
+        sums.loss += lost;
+        if (q.second >= 0) sums.virial.add_square(force * g.distance, g.normal);
+        if (q.image_moves) sums.shear_power -= force * dot(g.normal, q.image_velocity);
+        if (q.second < 0) {
+            const double work = force * q.side * network.wall_velocity(q, now.time());
+            sums.wall_power += work;
+            double* const of_wall = sums.given + (layout.wall_sums(q.wall_id) - layout.wall_sums());
+            of_wall[0] += force, of_wall[1] += lost - work;
+        }
+        double *a = dy + layout.velocity(q.first), *b = dy + layout.velocity(q.second);
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double along = force * g.normal[k];
+            a[k] -= along / network.members[q.first].mass;
+            if (q.second >= 0) b[k] += along / network.members[q.second].mass;
+        }
+        if (q.rooted) {
+            double& slope = dy[layout.root(index)];
+            slope = g.rate / p * slope / math::power<p - 1>(q.s_unit);
+        }
+    }
+};
+
+}  // namespace hardlimit::boxes

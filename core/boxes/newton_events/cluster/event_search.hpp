@@ -1,0 +1,86 @@
+// Location of events within an integrated step.
+#pragma once
+#include <vector>
+
+#include "equations.hpp"
+#include "events.hpp"
+#include "integrator.hpp"
+
+namespace hardlimit::boxes {
+
+template <class Law>
+struct EventSearch {
+    const ContactNetwork<Law>& network;
+    const StateVector& state;
+    Integrator& integrator;
+    const Equations<Law> f{network, state.layout};
+
+    // Whether an event of the pair occurs in (0, length]; if so, moves `length` and the end of the step to the first.
+    bool locate(int pair, ContactEvent kind, double& length) {
+        Integrator& in = integrator;
+        const ContactPair<Law>& q = network.pairs[pair];
+        const EventFunction a = function(pair, kind, state.y, in.slope);
+        const EventFunction b = function(pair, kind, in.end, in.end_slope);
+        const double noise = rounding(q);
+        if (q.fresh && kind == ContactEvent::begins && b.value < 0.0 && b.value > -noise) return false;
+        const auto at_trial = [&] { return function(pair, kind, in.trial, in.trial_slope); };
+        const auto at = [&](double x) {
+            in.probe(f, state, x);
+            return at_trial();
+        };
+        double high = length;
+        if (!falls_to_zero(a, b, q.fresh, high, at)) return false;
+        const double whole = length, guess = q.fresh ? 0.5 * high : first_guess(a, b, whole, high);
+        in.probe(f, state, guess);
+        const auto close = [=](const EventFunction& value, double x, double next) {
+            return math::abs(value.smooth) <= noise || math::abs(next - x) <= 1e-14 * whole;
+        };
+        // Close to the zero the midpoint rule suffices, whose error is third order in the remaining distance. It needs
+        // two evaluations instead of twelve.
+        const auto move = [&](double x, double next) {
+            if (math::abs(next - x) <= 1e-4 * whole)
+                in.nudge(f, next - x);
+            else
+                in.probe(f, state, next);
+        };
+        length = locate_zero(guess, high, at_trial, close, move);
+        in.end_at_trial();
+        return true;
+    }
+
+    // Whether an event function of a fresh pair is not yet positive at the end of the step.
+    bool still_fresh(int pair) const {
+        for (const ContactEvent kind : next_events(network.pairs[pair]))
+            if (kind != ContactEvent::none &&
+                !(function(pair, kind, integrator.end, integrator.end_slope).value > 0.0))
+                return true;
+        return false;
+    }
+
+private:
+    EventFunction function(int pair, ContactEvent kind, const std::vector<double>& y,
+                           const std::vector<double>& slope) const {
+        return event_function(Snapshot<Law>{network, state.layout, y.data()}, slope.data(), pair, kind);
+    }
+
+    // Zero of the cubic Hermite polynomial through both ends of the step, or high/2 if there is none below `high`.
+    static double first_guess(const EventFunction& a, const EventFunction& b, double length, double high) {
+        if (!(a.smooth > 0.0 && b.smooth < 0.0)) return 0.5 * high;
+        const double chord = (b.smooth - a.smooth) / length;
+        const double d = (a.smooth_slope + b.smooth_slope - 2.0 * chord) / (length * length);
+        const double c = (3.0 * chord - 2.0 * a.smooth_slope - b.smooth_slope) / length;
+        double low = 0.0, up = length, x = length * (a.smooth / (a.smooth - b.smooth));
+        for (int i = 0; i < 20; ++i) {
+            const double value = a.smooth + x * (a.smooth_slope + x * (c + x * d));
+            const double slope = a.smooth_slope + x * (2.0 * c + 3.0 * x * d);
+            (value > 0.0 ? low : up) = x;
+            const double newton = x - value / slope;
+            const double next = slope < 0.0 && newton > low && newton < up ? newton : 0.5 * (low + up);
+            if (math::abs(next - x) <= 1e-6 * length) break;
+            x = next;
+        }
+        return x < high ? x : 0.5 * high;
+    }
+};
+
+}  // namespace hardlimit::boxes

@@ -1,0 +1,181 @@
+// A step of a cluster that is integrated at order 8, up to the first event of a pair.
+#pragma once
+#include <vector>
+
+#include "event_search.hpp"
+
+namespace hardlimit::boxes {
+
+// Smallest compression that the positions resolve, relative to the contact distance.
+inline constexpr double resolved_depth = 1e-12;
+
+// Chooses the coordinate of each closed contact: s if it is compressed or approaches fast, otherwise the positions.
+// s is kept if the compression is lost in the rounding error of the positions. It is not used for a contact that
+// has hardly begun and hardly moves, which would stop the scaled time of all others. Returns whether a choice changes.
+template <class Law>
+bool choose_coordinates(ContactNetwork<Law>& network, StateVector& state, const Scales& scales) {
+    bool changed = false, at_zero = false;
+    const double unit = scales.time(network);
+    const Snapshot<Law> now = state.at(network);
+    std::vector<int> chosen;
+    for (int i = 0; i < static_cast<int>(network.pairs.size()); ++i) {
+        const ContactPair<Law>& q = network.pairs[i];
+        bool use = false;
+        if (q.state == ContactState::closed) {
+            const ContactGeometry g = now.geometry(q);
+            const double sigma = now.depth_root(i, g) / q.s_unit;
+            const bool earnest = sigma > 0.1 || math::abs(g.rate) > sigma * scales.speed;
+            const bool lost = q.rooted && g.depth < resolved_depth * q.contact_distance;
+            const bool still = sigma < 0.01 && !(math::abs(g.rate) * unit > rounding(q));
+            use = (earnest || lost) && !still && !(sigma <= 0.0 && at_zero);
+            at_zero = at_zero || (use && sigma <= 0.0);
+        }
+        if (use) chosen.push_back(i);
+        changed = changed || use != q.rooted;
+    }
+    if (changed) state.choose_roots(network, chosen);
+    return changed;
+}
+
+// Sets the tolerance of each component that is under error control, in a step of this length. `relative`: to the units
+// of length, speed and energy; `lost`: dissipated since the start.
+template <class Law>
+void set_tolerances(const Snapshot<Law>& now, const Scales& scales, double length, double relative,
+                    double lost, WorkVector<double>& of) {
+    const StateLayout& at = now.layout;
+    double depth = math::infinity, force = 0.0;
+    for (int i = 0; i < static_cast<int>(now.network.pairs.size()); ++i) {
+        const ContactPair<Law>& q = now.network.pairs[i];
+        if (q.state != ContactState::closed) continue;
+        depth = math::min(depth, q.depth_unit);
+        const ContactGeometry g = now.geometry(q);
+        force = math::max(force, math::abs(q.law.force(now.depth_root(i, g), g.rate)));
+    }
+    for (int i = 0; i < at.members(); ++i) {
+        const double mass = now.network.members[i].mass;
+        // Rounding of the forces is not an error of the step, and a shorter step would not reduce it.
+        const double rounding = 0.25 * math::epsilon * length * force / mass;
+        const double fastest = scales.speed * math::sqrt(scales.mass / mass);  // with all energy
+        for (int a = 0; a < 3; ++a) {
+            const int x = at.position(i) + a;
+            of[x] = math::max(relative * depth, 4.0 * math::epsilon * math::abs(now.y[x]));
+            of[at.velocity(i) + a] = math::max(relative * fastest, rounding);
+        }
+    }
+    of[at.time()] = relative * scales.time(now.network);
+    of[at.loss()] = relative * math::max(scales.energy(), math::abs(lost));
+    if (at.walls_move()) of[at.wall_work()] = math::infinity;
+    if (at.images_move()) of[at.shear_work()] = math::infinity;
+    for (const int q : at.rooted())
+        of[at.root(q)] = relative * (math::abs(now.y[at.root(q)]) + now.network.pairs[q].s_unit);
+}
+
+template <class Law>
+struct IntegratedStep {
+    static constexpr int p = Law::onset_power;
+
+    ContactNetwork<Law>& network;
+    StateVector& state;
+    const Scales& scales;
+    Ledger& ledger;
+    Integrator& integrator;
+    const double tolerance;  // of a step, relative to the units of length, speed and time
+    const Equations<Law> f{network, state.layout};
+
+    Progress take(double until) {
+        scales.set_active(network, ledger.largest_compression);
+        Integrator& in = integrator;
+        const double longest = 0.25 * scales.time(network);
+        if (p > 1 && choose_coordinates(network, state, scales)) {
+            in.forget();
+            in.length = math::min(in.length, longest);
+        }
+        if (!(in.length > 0.0)) in.length = longest;
+        in.begin(f, state);
+        const Snapshot<Law> start = state.at(network);
+        const auto value = [&](int q, ContactEvent kind) {
+            return event_function(start, in.slope.data(), q, kind).value;
+        };
+        if (const PairEvent now = event_at_start(network, state, scales, value)) return {.event = now};
+        double length = in.length;
+        bool last = false;
+        if constexpr (p == 1) {
+            last = length >= until - state.time();
+            if (last) length = until - state.time();
+        }
+        in.advance(f, state, length);
+        const double lost = state.y[state.layout.loss()] - ledger.dissipated;
+        set_tolerances(state.at(network), scales, length, tolerance, lost, in.tolerance);
+        const double error = in.error(state, length), growth = DormandPrince::growth(error);
+        const bool accepted = error <= 1.0;
+        if (!accepted || !last || growth < 1.0) in.length = length * growth;
+        if (accepted) return end_step(until, length, last);
+        return {.failed = in.length < 1e-20 * scales.time(network)};
+    }
+
+private:
+    // Takes the step up to the first event or to `until`.
+    Progress end_step(double until, double length, bool last) {
+        Integrator& in = integrator;
+        const auto end = [&] { return in.end[state.layout.time()]; };
+        f(in.end.data(), in.end_slope.data());
+        const auto end_at_time = [&] {
+            length = in.end_at_time(f, state, until, length);
+            last = true;
+        };
+        if (end() > until) end_at_time();
+        PairEvent event{};
+        EventSearch<Law> search{network, state, in};
+        for (int q = 0; q < static_cast<int>(network.pairs.size()); ++q)
+            for (const ContactEvent kind : next_events(network.pairs[q]))
+                if (kind != ContactEvent::none && search.locate(q, kind, length))
+                    event = {kind, q}, last = false;
+        if (const PairEvent now = ends_within_rounding()) return {.event = now};
+        if (event && end() > until) {  // time would have run backwards beyond touch
+            end_at_time();
+            event = {};
+        }
+        for (int q = 0; q < static_cast<int>(network.pairs.size()); ++q)
+            if (network.pairs[q].fresh && !(event && event.pair == q))
+                network.pairs[q].fresh = search.still_fresh(q);
+        record_compressions(length);
+        in.accept(state);
+        if (last) state.time() = until;
+        return {.moved = true, .event = event};
+    }
+
+    // The end of a contact that began within rounding of touch and separates: for s < 0, γ < 0 and time would run
+    // backwards.
+    PairEvent ends_within_rounding() const {
+        const StateLayout& at = state.layout;
+        const WorkVector<double>& end = integrator.end;
+        if (end[at.time()] < state.time())
+            for (const int q : at.rooted())
+                if (end[at.root(q)] < 0.0) return {ContactEvent::ends, q};
+        return {};
+    }
+
+    // Updates the largest compression within the step. If the rate of a pair falls through zero, one more state near
+    // that point and a parabola give the maximum.
+    void record_compressions(double length) {
+        const auto geometry = [&](const WorkVector<double>& y, const ContactPair<Law>& q) {
+            return Snapshot<Law>{network, state.layout, y.data()}.geometry(q);
+        };
+        for (const ContactPair<Law>& q : network.pairs) {
+            if (q.state != ContactState::closed || !q.may_be_deepest) continue;
+            const ContactGeometry a = geometry(state.y, q), b = geometry(integrator.end, q);
+            const double radius = network.smaller_radius(q);
+            ledger.add_compression(math::max(a.depth, b.depth) / radius);
+            if (!(a.rate > 0.0 && b.rate < 0.0)) continue;
+            integrator.probe(f, state, length * (a.rate / (a.rate - b.rate)));
+            const Snapshot<Law> trial{network, state.layout, integrator.trial.data()};
+            const double* slope = integrator.trial_slope.data();
+            const ContactGeometry near = trial.geometry(q);
+            const double bend = acceleration(trial, slope, q, near);
+            const double beyond = slope[state.layout.time()] * near.rate * near.rate / (-2.0 * bend);
+            ledger.add_compression((near.depth + (bend < 0.0 ? beyond : 0.0)) / radius);
+        }
+    }
+};
+
+}  // namespace hardlimit::boxes

@@ -1,0 +1,85 @@
+// Steps of order 8 of a state vector, and states within the step.
+#pragma once
+#include "../../../base/dormand_prince.hpp"
+#include "state.hpp"
+
+namespace hardlimit::boxes {
+
+// A step from a state y: the slope there, the end of the step, and a trial state within it. A slope is a derivative
+// d/dτ, computed by f(y, slope).
+class Integrator {
+public:
+    double length = 0.0;  // of the next step; 0: unknown
+    WorkVector<double> slope, end, end_slope, trial, trial_slope, tolerance;
+
+    // For a state that has changed since the last step; restart() also forgets the length of the step.
+    void forget() { known_ = false; }
+    void restart() { known_ = false, length = 0.0; }
+
+    template <class F>
+    void begin(const F& f, const StateVector& state) {
+        const auto n = state.y.size();
+        for (auto* x : {&slope, &end, &end_slope, &trial, &trial_slope, &tolerance}) x->resize(n);
+        stages_.resize(n * DormandPrince::stages);
+        if (!known_) f(state.y.data(), slope.data());
+        known_ = true;
+    }
+    // Computes the end of a step. error() is in units of the tolerance: the virial has none of its own, but counts as
+    // one component.
+    template <class F>
+    void advance(const F& f, const StateVector& state, double step) {
+        advance(f, state, step, end);
+    }
+    double error(const StateVector& state, double step) const {
+        const int n = state.layout.size(), used = state.layout.virial();
+        return DormandPrince::error(stages_.data(), step, n, tolerance.data(), used, used + 1);
+    }
+    // Computes the trial state at a part of the step.
+    template <class F>
+    void probe(const F& f, const StateVector& state, double at) {
+        advance(f, state, at, trial);
+        f(trial.data(), trial_slope.data());
+    }
+    // Moves the trial state by a very short step.
+    template <class F>
+    HL_FN_APART void nudge(const F& f, double step) {
+        const std::size_t n = trial.size();
+        for (std::size_t c = 0; c < n; ++c) stages_[c] = trial[c] + 0.5 * step * trial_slope[c];
+        f(stages_.data(), trial_slope.data());
+        for (std::size_t c = 0; c < n; ++c) trial[c] += step * trial_slope[c];
+        f(trial.data(), trial_slope.data());
+    }
+    void end_at_trial() { end.swap(trial), end_slope.swap(trial_slope); }
+    // Ends the step where the time is `until`, before its present end. Returns its length.
+    template <class F>
+    HL_FN_APART double end_at_time(const F& f, const StateVector& state, double until, double step) {
+        const auto time = static_cast<std::size_t>(state.layout.time());
+        double low = 0.0, high = step, at = step * (until - state.time()) / (end[time] - state.time());
+        for (int i = 0; i < 80; ++i) {
+            probe(f, state, at);
+            const double excess = trial[time] - until;
+            (excess > 0.0 ? high : low) = at;
+            const double next = at - excess / trial_slope[time], previous = at;
+            at = next > low && next < high ? next : 0.5 * (low + high);
+            if (math::abs(at - previous) <= 4.0 * math::epsilon * step) break;
+        }
+        probe(f, state, at);
+        end_at_trial();
+        return at;
+    }
+    // Makes the end of the step the state.
+    void accept(StateVector& state) { state.y.swap(end), slope.swap(end_slope); }
+
+private:
+    template <class F>
+    HL_FN_APART void advance(const F& f, const StateVector& state, double step, WorkVector<double>& out) {
+        std::copy(slope.begin(), slope.end(), stages_.begin());
+        const StateLayout& at = state.layout;
+        DormandPrince::step(f, state.y.data(), step, at.size(), stages_.data(), out.data(), at.virial());
+    }
+
+    WorkVector<double> stages_;
+    bool known_ = false;  // whether `slope` is that of the state
+};
+
+}  // namespace hardlimit::boxes
