@@ -93,7 +93,11 @@ def displaced(system: hl.ParticleSystem, fraction: float) -> hl.ParticleSystem:
     sliding = system.replace(shear_rate=speed / system.box[axis])
     until = fraction * float(system.box[0]) / speed
     there = (
-        hl.event_driven(sliding, restitution=1.0, until=until, samples=1).system if until > 0.0 else system
+        hl.event_driven(
+            sliding, restitution=1.0, until=until, samples=1, max_collisions=1000 * system.n
+        ).system
+        if until > 0.0
+        else system
     )
     there = there.replace(shear_rate=system.shear_rate)
     off = system.velocities - system.domain.mean_flow(system.positions)
