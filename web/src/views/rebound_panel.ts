@@ -85,6 +85,7 @@ export class ReboundPanel {
     const { sheet, state } = this;
     this.layout = drawCurves(sheet.g, sheet.width, sheet.height, this.contents(), state.theme);
     this.write();
+    sheet.canvas.dataset.points = String(this.curve.points.length);
     sheet.canvas.dataset.done = String(this.curve.done && (this.pinnedKey === "" || this.pinned.done));
   }
 
