@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 import hardlimit as hl
@@ -95,6 +95,7 @@ def run_of(name: str, system: hl.ParticleSystem, law: hl.Law, until: float, **op
 
 
 @each_solver
+@example(seed=50, law=LAWS[0])  # a wall that comes near between two instants
 @draws(60, few=12)
 @given(seed=st.integers(0, 2**20), law=st.sampled_from(LAWS))
 def test_energy_and_momentum(name: str, seed: int, law: hl.Law) -> None:
