@@ -27,7 +27,10 @@ struct Flight {
                 velocity_after(path, axis, since, setting.box)};
     }
     AxisState at_present(int axis) const { return at(axis, particles.now); }
-    AxisState straight(int axis) const { return {0.0, path.position[axis], path.velocity[axis]}; }
+    AxisState from(int axis, bool high, bool wall) const {
+        if (setting.falls()) return falling(axis, high, wall);
+        return {0.0, path.position[axis], path.velocity[axis]};
+    }
     HL_FN_APART AxisState falling(int axis, bool high, bool wall) const {
         return at(axis, wall ? contacts.wall_blocked_until(i, WallId::at(axis, high), particles.now)
                              : particles.now);
