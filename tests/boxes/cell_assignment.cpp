@@ -1,6 +1,6 @@
-// Program for test_hard_spheres.py: CellAssignment without an engine. Particles of a sheared box jump at random times by
-// random distances, also through its sides. Prints the numbers of jumps, of jumps that change the kinetic energy, and of
-// wrong cells, and the largest relative errors of the work of the boundary and of the sum over all particles.
+// Program for test_hard_spheres.py: CellAssignment without an engine. Particles of a sheared box jump at random times
+// by random distances, also through its sides. Prints the numbers of jumps, of jumps that change the kinetic energy,
+// and of wrong cells, and the relative errors of the work of the boundary and of the sum over all particles.
 #include "boxes/hard_spheres/cell_assignment.hpp"
 
 #include <cstdio>

@@ -7,7 +7,7 @@
 namespace hardlimit::boxes::spheres {
 
 // The path of a particle since its last collision, for next_self_event(). A fall is followed from now on: a face
-// crossed on the way up must not be found again.
+// crossed on the way up must not be found again. The rare functions are kept apart, so that the others are inlined.
 template <int d, bool mixed>
 struct Flight {
     const Particles<d, mixed>& particles;
@@ -27,12 +27,15 @@ struct Flight {
                 velocity_after(path, axis, since, setting.box)};
     }
     AxisState at_present(int axis) const { return at(axis, particles.now); }
-    AxisState straight(int axis) const { return {0.0, path.position[axis], path.velocity[axis]}; }
-    AxisState falling(int axis, bool high, bool wall) const {
+    AxisState from(int axis, bool high, bool wall) const {
+        if (setting.falls()) return falling(axis, high, wall);
+        return {0.0, path.position[axis], path.velocity[axis]};
+    }
+    HL_FN_APART AxisState falling(int axis, bool high, bool wall) const {
         return at(axis, wall ? contacts.wall_blocked_until(i, WallId::at(axis, high), particles.now)
                              : particles.now);
     }
-    double until_wall(const Wall& wall, double end) const {
+    HL_FN_APART double until_wall(const Wall& wall, double end) const {
         const int axis = wall.id.axis();
         if (setting.grows()) {
             const double touch = radius * setting.growth.at(path.time), out = -wall.inward();

@@ -22,8 +22,7 @@ struct BodyFlight {
     bool falls(int axis) const { return box.gravity[axis] != 0.0; }
     bool walls_move(int axis) const { return box.has_moving_walls(axis); }
     AxisState at_present(int axis) const { return {0.0, body.position[axis], body.velocity[axis]}; }
-    AxisState straight(int axis) const { return at_present(axis); }
-    AxisState falling(int axis, bool, bool) const { return at_present(axis); }
+    AxisState from(int axis, bool, bool) const { return at_present(axis); }
     double until_wall(const Wall& wall, double end) const {
         const int axis = wall.id.axis();
         return wall_contact_time(wall, body.now, body.position[axis], body.velocity[axis], box.gravity[axis],

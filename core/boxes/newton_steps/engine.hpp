@@ -21,7 +21,7 @@
 #include "../common/archive.hpp"
 #include "../common/newton_setting.hpp"
 #include "contact_log.hpp"
-#include "observables.hpp"
+#include "observe.hpp"
 #include "stepper.hpp"
 #include "thread_team.hpp"
 

@@ -46,14 +46,13 @@ void consider_column(NextSelfEvent& next, const Box& box, const Cells<d>& cells,
 
 // Predicts the next event of a particle in the cell `at`. A wall at rest is the face of the outermost cells. Flight
 // describes the path:
-//   axes, radius               number of axes; [m]
-//   meets_walls()              whether it meets walls itself; otherwise it only leaves its cell
-//   walls_move(axis)           whether walls along the axis move, as seen from its surface
-//   falls(axis)                whether its path may be curved along the axis
-//   straight(axis)             if not: AxisState from which events are found
-//   falling(axis, high, wall)  otherwise: AxisState from which that face of the cell, or wall at rest, is met
-//   at_present(axis)           AxisState now
-//   until_wall(wall, end)      time until it meets a moving wall, from the begin of the path; any later one after `end`
+//   axes, radius            number of axes; [m]
+//   meets_walls()           whether it meets walls itself; otherwise it only leaves its cell
+//   falls(axis)             whether its path may be curved along the axis
+//   walls_move(axis)        whether walls along the axis move, as seen from its surface
+//   from(axis, high, wall)  AxisState from which the time to that face of the cell, or wall at rest, is found
+//   at_present(axis)        AxisState now
+//   until_wall(wall, end)   time until it meets a moving wall, from the begin of the path; any later one if after `end`
 template <int d, class Flight>
 NextSelfEvent next_self_event(const Box& box, const Cells<d>& cells, int level, const Place<d>& at,
                               double now, const Flight& flight) {
@@ -75,12 +74,12 @@ NextSelfEvent next_self_event(const Box& box, const Cells<d>& cells, int level, 
             walls_move = walls_move || (moving && flight.meets_walls());
         }
         if (!flight.falls(k)) {
-            const AxisState s = flight.straight(k);
-            const bool up = s.v > 0.0;
+            const bool up = flight.from(k, false, false).v > 0.0;
+            const AxisState s = flight.from(k, up, wall[up]);
             next.consider(s.since + time_to(face[up] - s.x, s.v), k, up, wall[up]);
         } else {
             const double pull = box.gravity[k];
-            const AxisState high = flight.falling(k, true, wall[1]), low = flight.falling(k, false, wall[0]);
+            const AxisState high = flight.from(k, true, wall[1]), low = flight.from(k, false, wall[0]);
             next.consider(high.since + time_below(high.x, high.v, pull, face[1]), k, true, wall[1]);
             next.consider(low.since + time_below(-low.x, -low.v, -pull, -face[0]), k, false, wall[0]);
         }
