@@ -103,8 +103,8 @@ private:
     const BodyCells<Law>& cells_;
     const BusyBodies<Law>& busy_;
     const hardlimit_abi::TouchKernels::Of touch_;
-    hardlimit_abi::ContactQuery query_{};  // constant parts are set once
-    double kernel_exact_after_ = 0.0;      // from then on the kernel's times for free bodies are exact [s]
+    alignas(64) hardlimit_abi::ContactQuery query_{};  // constant parts are set once; aligned for wide loads
+    double kernel_exact_after_ = 0.0;  // from then on the kernel's times for free bodies are exact [s]
     Scratch<u32> candidates_;
     Scratch<double> times_;  // until touch [s]
 
