@@ -100,13 +100,16 @@ function faultsOfWidth() {
 
 // In the page: code that is cut at the right, and panels of the explorer that are higher or wider than their frame.
 async function faultsOfBlocks() {
-  const faults = [...document.querySelectorAll("article pre")].filter((e) => e.scrollWidth > e.clientWidth + 1)
+  const faults = [...document.querySelectorAll("article pre")]
+    .filter((e) => e.scrollWidth > e.clientWidth + 1)
     .map((e) => "a block of code is cut: " + e.innerText.slice(0, 60));
   for (const frame of document.querySelectorAll("article iframe")) {
     frame.loading = "eager";
     const excess = () => {
       const inside = frame.contentDocument?.querySelector("svg, canvas") && frame.contentDocument.scrollingElement;
-      return inside ? Math.max(inside.scrollWidth - frame.clientWidth, inside.scrollHeight - frame.clientHeight) : Infinity;
+      return inside
+        ? Math.max(inside.scrollWidth - frame.clientWidth, inside.scrollHeight - frame.clientHeight)
+        : Infinity;
     };
     for (let k = 0; k < 600 && excess() > 0; k++) await new Promise(requestAnimationFrame); // until it is laid out
     if (excess() > 0) faults.push(`${frame.title}: ${excess()} px larger than its frame`);

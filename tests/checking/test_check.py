@@ -875,9 +875,9 @@ def test_every_value_has_its_type(text, options):
     assert has_form(verdict, KEYS) and json.loads(json.dumps(verdict, allow_nan=False)) == verdict
     assert all(has_form(stage, STAGE) for stage in verdict["stages"]) and not verdict["dump"]
     for key in ("checked", "ignored", "invalidates"):
-        assert all(has_form(one, FINDING) for one in verdict[key])
+        assert all(has_form(finding, FINDING) for finding in verdict[key])
     for key in ("unknown", "missing", "remarks", "corrected"):
-        assert all(isinstance(one, str) for one in verdict[key])
+        assert all(isinstance(line, str) for line in verdict[key])
     for contact in verdict["contacts"]:
         assert has_form(contact, CONTACT)
         assert contact["error"].keys() <= {"constant", "law", "tc", "soft"}

@@ -98,9 +98,9 @@ def test_a_contact_that_is_not_named_is_asked_for(name):
     for model in code(name).models:
         if model.input.shared and not model.input.matrix:
             continue
-        asked = {"stiffness": 1e5} if model.elastic == "hooke" else STEEL
+        spring = {"stiffness": 1e5} if model.elastic == "hooke" else STEEL
         text = hl.convert(
-            BED, restitution=0.7, code=name, model=model.name, restitution_error=0.05, **asked
+            BED, restitution=0.7, code=name, model=model.name, restitution_error=0.05, **spring
         ).text
         try:
             back(text, name)
@@ -597,7 +597,7 @@ def test_common_inputs_of_yade(text, model, gives):
 
 
 @pytest.mark.parametrize(
-    "materials,given,number",
+    "materials,contact_time,number",
     [
         (
             ("FrictMat(young=1e7, poisson=.3)", "FrictMat(young=1e9, poisson=.3)"),
@@ -612,10 +612,10 @@ def test_common_inputs_of_yade(text, model, gives):
         ),
     ],
 )
-def test_two_materials_that_differ_are_combined_as_by_yade(materials, given, number):
+def test_two_materials_that_differ_are_combined_as_by_yade(materials, contact_time, number):
     functor = "FrictMat_FrictMat_MindlinPhys" if "Frict" in materials[0] else "ViscElMat_ViscElMat_ViscElPhys"
     matches = "(0, 0, .9), (0, 1, .5), (1, 1, .3)"
-    text = "\n".join([*materials, f"Ip2_{functor}({given}en=MatchMaker(matches=[{matches}]))"])
+    text = "\n".join([*materials, f"Ip2_{functor}({contact_time}en=MatchMaker(matches=[{matches}]))"])
     assert back(text, "yade", contact="1-1").numbers["restitution"] == 0.9
     numbers = back(text, "yade", contact="1-2").numbers
     assert numbers["restitution"] == 0.5 and numbers | number == pytest.approx(numbers)

@@ -255,7 +255,7 @@ def usually(name, model, restitution, attraction=False, wall=False):
 
 
 @pytest.mark.parametrize(
-    "name,model,asked,attraction,wall,gives,digits",
+    "name,model,restitution,attraction,wall,gives,digits",
     [
         ("lammps", "hooke-restitution", 0.7, False, False, 0.718, 5e-4),
         ("lammps", "hooke-restitution", 0.7, True, False, 0.7, 1e-9),
@@ -276,8 +276,8 @@ def usually(name, model, restitution, attraction=False, wall=False):
         ("mujoco", "ratio", 0.7, False, True, 0.718, 5e-4),
     ],
 )
-def test_known_facts(name, model, asked, attraction, wall, gives, digits):
-    assert usually(name, model, asked, attraction, wall) == pytest.approx(gives, abs=digits)
+def test_known_facts(name, model, restitution, attraction, wall, gives, digits):
+    assert usually(name, model, restitution, attraction, wall) == pytest.approx(gives, abs=digits)
 
 
 def test_mercury_wants_twice_the_effective_mass():
@@ -564,7 +564,7 @@ def test_bad_text_is_refused_in_one_line(text, line):
 
 
 @pytest.mark.parametrize(
-    "ball,asked",
+    "ball,wanted",
     [
         (hl.Ball(2e-7, mass=2e39), {"restitution": 0.5, "duration": 3.5e-29, "speed": 5e22}),
         (
@@ -573,10 +573,10 @@ def test_bad_text_is_refused_in_one_line(text, line):
         ),
     ],
 )
-def test_numbers_beyond_double_precision_are_not_given_to_a_code(ball, asked):
-    hooke, coefficients = hl.convert(ball, **asked, code="chrono", wall=False).models
+def test_numbers_beyond_double_precision_are_not_given_to_a_code(ball, wanted):
+    hooke, coefficients = hl.convert(ball, **wanted, code="chrono", wall=False).models
     assert hooke.contacts[0].numbers is None and not hooke.text
-    assert coefficients.contacts[0].restitution == pytest.approx(asked["restitution"], abs=1e-6)
+    assert coefficients.contacts[0].restitution == pytest.approx(wanted["restitution"], abs=1e-6)
 
 
 def test_contacts_beyond_double_precision_are_refused_in_one_line():
