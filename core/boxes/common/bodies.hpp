@@ -79,7 +79,7 @@ struct Bodies {
 // Velocity of a body relative to the mean flow of a sheared box [m/s].
 inline Double4 velocity_from_flow(const Box& box, const Bodies& bodies, std::size_t i) {
     Double4 v = bodies.velocity[i];
-    if (box.is_sheared()) v[0] -= box.mean_flow(bodies.position[i][box.gradient]);
+    v[0] -= box.mean_flow(bodies.position[i]);
     return v;
 }
 

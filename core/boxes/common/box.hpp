@@ -39,6 +39,8 @@ struct Box {
     // Whether a particle that leaves through one side comes back through the other.
     bool wraps(int axis) const { return is_periodic(axis) || boundary[axis] == Boundary::lees_edwards; }
     bool is_sheared() const { return boxes_move && gradient != 0; }
+    // Whether the images along an axis slide along the first one.
+    bool slides(int axis) const { return is_sheared() && axis == gradient; }
     bool has_walls(int axis) const { return boundary[axis] == Boundary::wall; }
     bool any_wall() const { return has_walls(0) || has_walls(1) || has_walls(2); }
     bool falls() const { return gravity[0] != 0.0 || gravity[1] != 0.0 || gravity[2] != 0.0; }
@@ -103,9 +105,18 @@ struct Box {
         const double displaced = image_displacement(time);
         return math::clamp(displaced - edge[0] * math::floor_small(displaced / edge[0]), 0.0, edge[0]);
     }
-    // Velocity of the mean flow at a coordinate along the gradient axis [m/s].
-    double mean_flow(double y) const { return shear_rate * (y - 0.5 * edge[gradient]); }
+    // Velocity of the mean flow at a position [m/s]; 0 without shear.
+    template <class Position>
+    double mean_flow(const Position& x) const {
+        if (!is_sheared()) return 0.0;
+        return shear_rate * (x[static_cast<std::size_t>(gradient)] - 0.5 * edge[gradient]);
+    }
 
+    // The layer of boxes along the gradient in which the image with these flags lies; 0 without shear.
+    template <class Flags>
+    int layer(const Flags& flags) const {
+        return is_sheared() ? static_cast<int>(flags[gradient]) : 0;
+    }
     // The image with these flags, one for each axis. A flag counts crossings of the far side (+1) and of the side at 0
     // (−1). In a sheared box, position + shift and velocity + image velocity are the path in the infinite system, also
     // beyond a crossing.
@@ -113,8 +124,7 @@ struct Box {
     ImageMotion image(const Flags& flags, double time) const {
         ImageMotion of{};
         for (int k = 0; k < dimension; ++k) of.shift[k] = static_cast<int>(flags[k]) * edge[k];
-        if (is_sheared()) {
-            const int crossed = static_cast<int>(flags[gradient]);
+        if (const int crossed = layer(flags)) {
             of.shift[0] += crossed * image_displacement(time);
             of.velocity[0] = crossed * image_velocity();
         }

@@ -78,13 +78,15 @@ void for_fields(const Observation& o, const F& f) {
 }
 
 // Changes the velocity of a particle at x to that of its image in a sheared box, and adds the work that this takes. A
-// particle may be beyond the side before its path is continued from the other one. Returns the mean flow there [m/s].
+// particle may be beyond the side before its path is continued from the other one. Returns the mean flow there [m/s], 0
+// without shear.
 template <class Position, class Velocity>
-double to_image_in_box(const Box& box, Observation& sums, double mass, const Position& x, Velocity& v) {
-    const double y = x[static_cast<std::size_t>(box.gradient)];
-    const int crossed = box.turns(y, box.gradient);
-    const double change = -crossed * box.image_velocity(),
-                 flow = box.mean_flow(y - crossed * box.edge[box.gradient]);
+double to_image_in_box(const Box& box, Observation& sums, double mass, Position x, Velocity& v) {
+    if (!box.is_sheared()) return 0.0;
+    const auto axis = static_cast<std::size_t>(box.gradient);
+    const int crossed = box.turns(x[axis], box.gradient);
+    x[axis] -= crossed * box.edge[box.gradient];
+    const double change = -crossed * box.image_velocity(), flow = box.mean_flow(x);
     sums.shear_work += gained_energy(mass, v[0], change);
     sums.flow_momentum += mass * flow;
     v[0] += change;

@@ -20,12 +20,13 @@ public:
         columns_ = cells_.columns();
         const u32 n = static_cast<u32>(s.n);
         std::vector<u32> cell(n);
-        std::vector<int> turns(
-            box_.is_sheared() ? n : 0);  // edges by which each is moved back along the first axis
-        for (u32 i = 0; i < n; ++i) {
-            double x[d];
+        double x[d];
+        const auto fold = [&](u32 i) {
             std::copy_n(&s.position[std::size_t{i} * d], d, x);
-            if (box_.is_sheared()) x[0] -= (turns[i] = box_.turns(cells_.along(x, 0.0), 0)) * box_.edge[0];
+            return cells_.fold(box_, x);
+        };
+        for (u32 i = 0; i < n; ++i) {
+            fold(i);
             const int own = mixed ? cells_.level_for(2.0 * s.radius[i]) : 0;
             cell[i] = cells_.number(own, cells_.place_of(own, x));
         }
@@ -35,7 +36,7 @@ public:
             const u32 from = order[i], later = order[std::min(i + 24, n - 1)];
             prefetch(&s.position[std::size_t{later} * d]);
             prefetch(&s.velocity[std::size_t{later} * d]);
-            particles_.put(i, s, from, box_.is_sheared() ? turns[from] : 0);
+            particles_.put(i, s, from, fold(from));
             particles_.pending[i].cell = cell[from] & (most_cells - 1);
         }
         fill();
@@ -43,7 +44,7 @@ public:
     // Makes the cells of a saved run.
     void resume() {
         lay(particles_.size());
-        if (box_.is_sheared()) cells_.set_columns(columns_);
+        cells_.set_columns(columns_);
         fill();
     }
     // Puts the particles into the cells that `pending` names.
@@ -78,7 +79,7 @@ public:
         if (at[axis] < 0 || at[axis] == g.cells[axis]) {
             at[axis] -= step * g.cells[axis];
             int along = axis, turns = step;
-            if (box_.is_sheared() && axis == box_.gradient) {
+            if (box_.slides(axis)) {
                 cross_sheared_side(i, step);
                 along = 0, turns = cells_.displace(own, at[0], -step);
             }
@@ -140,11 +141,7 @@ private:
     u32 fold_into_column(u32 i) {
         double x[d];
         for (int k = 0; k < d; ++k) x[k] = particles_.position(i, k);
-        const int turns = box_.is_sheared() ? box_.turns(cells_.along(x, particles_.now), 0) : 0;
-        if (turns != 0) {
-            particles_.wrap(i, 0, turns);
-            x[0] -= turns * box_.edge[0];
-        }
+        if (const int turns = cells_.fold(box_, x, particles_.now)) particles_.wrap(i, 0, turns);
         return cells_.number(level(i), cells_.place_of(level(i), x, particles_.now));
     }
 };

@@ -30,7 +30,7 @@ public:
         Particle<d>& p = particles_.paths[i];
         so_far.sums.change(particles_.mass(i), p.velocity, velocity);
         if (box_.is_sheared()) {
-            const double flow = box_.mean_flow(p.position[box_.gradient]);
+            const double flow = box_.mean_flow(p.position);
             double before[d], after[d];
             std::copy_n(p.velocity, d, before);
             std::copy_n(velocity, d, after);
@@ -48,7 +48,7 @@ public:
         set_velocity(i, changed);
         for (int k = 0; k < d; ++k) p.position[k] += share * shift[k];
         if (box_.is_sheared()) {  // the mean flow at the new place is another one
-            const double flow = box_.mean_flow(p.position[box_.gradient]);
+            const double flow = box_.mean_flow(p.position);
             const double moved = box_.shear_rate * (share * shift[box_.gradient]);
             double before[d];
             changed[0] -= flow;
@@ -130,14 +130,14 @@ private:
         for (std::size_t at = 0; at < place.size(); ++at) {
             const u32 i = place[at];
             particles_.fetch(place[std::min(at + ahead, place.size() - 1)]);
-            double velocity[d], potential = 0.0;
-            for (int k = 0; k < d; ++k) velocity[k] = particles_.velocity(i, k);
-            if (from_flow) velocity[0] -= box_.mean_flow(particles_.position(i, box_.gradient));
+            double x[d], velocity[d], potential = 0.0;
+            for (int k = 0; k < d; ++k)
+                x[k] = particles_.position(i, k), velocity[k] = particles_.velocity(i, k);
+            if (from_flow) velocity[0] -= box_.mean_flow(x);
             sums.add(particles_.mass(i), velocity);
             if (!particles_.setting.falls()) continue;
             const ImageMotion image = box_.image(particles_.image_flags[i], particles_.now);
-            for (int k = 0; k < d; ++k)
-                potential -= box_.gravity[k] * (particles_.position(i, k) + image.shift[k]);
+            for (int k = 0; k < d; ++k) potential -= box_.gravity[k] * (x[k] + image.shift[k]);
             sums.add_potential(particles_.mass(i) * potential);
         }
         return sums;

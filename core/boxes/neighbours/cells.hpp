@@ -66,7 +66,6 @@ public:
     Cells() = default;
     Cells(const Box& box, std::size_t n, double smallest, double largest) {
         lay(box, n, smallest, largest);
-        if (!box.is_sheared()) return;
         shear_rate_ = box.shear_rate, displacement_ = box.shear_displacement;
         gradient_ = box.gradient, length_ = box.edge[gradient_], middle_ = 0.5 * length_;
         set_columns(math::round_small(displacement_ / grids_.back().edge[0]));
@@ -100,7 +99,15 @@ public:
         p[d - 1] = static_cast<int>(index);
         return p;
     }
-    // In a sheared box the position must be folded: 0 <= along() < edge at this time.
+    // Moves a position into the columns of a sheared box at this time: 0 <= along() < edge. Returns the number of edges
+    // by which it was moved back along the first axis, 0 without shear.
+    int fold(const Box& box, double* position, double time = 0.0) const {
+        if (!box.is_sheared()) return 0;
+        const int turns = box.turns(along(position, time), 0);
+        position[0] -= turns * box.edge[0];
+        return turns;
+    }
+    // In a sheared box the position must be folded.
     Place<d> place_of(int level, const double (&position)[d], double time = 0.0) const {
         const Grid<d>& g = grids_[level];
         Place<d> p;
@@ -343,7 +350,7 @@ public:
                            const F& f) const {
         const Grid<d>& g = grids_[static_cast<std::size_t>(level)];
         const int axis = box.gradient, rows = g.cells[axis];
-        if (from[axis] >= 0 && to[axis] < rows) return;
+        if (!box.is_sheared() || (from[axis] >= 0 && to[axis] < rows)) return;
         const int last = floor_to_int(static_cast<double>(to[axis]) / rows);
         for (int count = floor_to_int(static_cast<double>(from[axis]) / rows); count <= last; ++count) {
             if (count == 0) continue;

@@ -45,9 +45,7 @@ public:
         divide(reach, 2.0 * static_cast<double>(bodies) + 64.0);
         for (int a = 0; a < 3; ++a) order_[a] = a;
         std::stable_sort(order_, order_ + 3, [&](int a, int b) {
-            const bool along = box.is_sheared() && a == box.gradient,
-                       other = box.is_sheared() && b == box.gradient;
-            return along != other ? along : cells_[a] > cells_[b];
+            return box.slides(a) != box.slides(b) ? box.slides(a) : cells_[a] > cells_[b];
         });
         if (int& layers = cells_[order_[0]]; layers > 16) layers -= layers % 2;
         if (box.is_sheared()) {
@@ -59,7 +57,7 @@ public:
         for (std::uint32_t code = 0; code < count_[0] * count_[1] * count_[2]; ++code) {
             const std::array<int, 3> flags = flags_of(code);
             for (std::size_t a = 0; a < 3; ++a) shift_[code][a] = flags[a] * box.edge[a];
-            if (box.is_sheared()) shift_[code][3] = flags[static_cast<std::size_t>(box.gradient)];
+            shift_[code][3] = box.layer(flags);
             shift_[code][0] += shift_[code][3] * displacement_;
         }
     }
@@ -107,7 +105,7 @@ public:
         visit_run(x, y, z + 1, z + 1, visit);
         visit_run(x, y + 1, z - 1, z + 1, visit);
         int from[2] = {y - 1, z - 1}, to[2] = {y + 1, z + 1};
-        if (box_.is_sheared() && x + 1 == cells_[order_[0]]) {
+        if (box_.slides(order_[0]) && x + 1 == cells_[order_[0]]) {
             const int k = order_[1] == 0 ? 0 : 1;
             from[k] = floor_to_int(from[k] - displacement_ / box_.edge[0] * cells_[0]);
             to[k] = from[k] + 3;

@@ -45,20 +45,11 @@ private:
 
     // Of the nearest images. A periodic edge is at least four times the largest radius.
     double distance_squared(u32 a, u32 b) const {
-        double sum = 0.0;
-        if (box_.is_sheared()) {
-            double r[d];
-            for (int axis = 0; axis < d; ++axis)
-                r[axis] = position_[std::size_t{b} * d + axis] - position_[std::size_t{a} * d + axis];
-            box_.to_minimum_image(r, 0.0);
-            return boxes::dot(r, r);
-        }
-        for (int axis = 0; axis < d; ++axis) {
-            double x = math::abs(position_[std::size_t{a} * d + axis] - position_[std::size_t{b} * d + axis]);
-            if (box_.is_periodic(axis) && box_.edge[axis] - x < x) x = box_.edge[axis] - x;
-            sum += x * x;
-        }
-        return sum;
+        double r[d];
+        for (int axis = 0; axis < d; ++axis)
+            r[axis] = position_[std::size_t{b} * d + axis] - position_[std::size_t{a} * d + axis];
+        box_.to_minimum_image(r, 0.0);
+        return boxes::dot(r, r);
     }
 };
 
@@ -72,7 +63,7 @@ Overlap deepest_overlap_in(const Box& box, const double* position, const double*
         double at[d];
         // NaN gives 0: as an index it would lie outside the cells.
         for (int axis = 0; axis < d; ++axis) at[axis] = math::max(0.0, position[std::size_t{i} * d + axis]);
-        if (box.is_sheared()) at[0] -= box.edge[0] * box.turns(cells.along(at, 0.0), 0);
+        cells.fold(box, at);
         return cells.place_of(level, at);
     };
     const u32 n = static_cast<u32>(count);
@@ -91,7 +82,6 @@ Overlap deepest_overlap_in(const Box& box, const double* position, const double*
                     if (level > own || near[k] < i) deepest.consider(i, near[k]);
             };
             cells.for_block(box, level, from, to, consider);
-            if (!box.is_sheared()) return;
             cells.for_sheared_parts(box, level, from, to, 0.0,
                                     [&](const Place<d>& low, const Place<d>& high, const ImageMotion&) {
                                         cells.for_block(box, level, low, high, consider);

@@ -28,11 +28,8 @@ public:
     };
 
     BodyCells(const NewtonSetting& setting, double shortest_cell, Paths<Law>& paths) : paths_(paths) {
-        if (box_.is_sheared()) cell_box_.shear(box_.gradient, box_.shear_rate, box_.shear_displacement);
-        for (int a = 0; a < 3; ++a) {
-            cell_box_.edge[a] = a < box_.dimension ? box_.edge[a] : shortest_cell;
-            cell_box_.boundary[a] = box_.boundary[a];
-        }
+        if (box_.dimension == 2) cell_box_.edge[2] = shortest_cell;
+        cell_box_.dimension = 3;
         cells_ = Cells<3>(cell_box_, setting.count(), shortest_cell, shortest_cell);
         level_ = cells_.level_for(shortest_cell);
         several_images_ = grid().few;
@@ -50,21 +47,15 @@ public:
     // Stores the bodies of a system sorted by cell.
     void sort_in(const NewtonSetting& setting, const System& s) {
         std::vector<u32> cell(s.n);
-        std::vector<int> turns(box_.is_sheared() ? s.n : 0);
         for (std::size_t i = 0; i < s.n; ++i) {
             double x[3];
             setting.in_three(s.position, i, x);
-            if (box_.is_sheared()) x[0] -= (turns[i] = box_.turns(cells_.along(x, 0.0), 0)) * box_.edge[0];
+            cells_.fold(box_, x);
             cell[i] = cells_.number(level_, cells_.place_of(level_, x));
         }
         const std::vector<u32> order = order_by_cell(cell);
         paths_.sort_in(setting, s, order);
-        for (int i = 0; i < paths_.size(); ++i) {
-            const u32 from = order[static_cast<std::size_t>(i)];
-            if (box_.is_sheared()) wrap(i, 0, turns[from]);
-            paths_.pending[i].cell = cell[from] & (most_cells - 1);
-        }
-        put_in();
+        put_in_anew();
     }
     void put_in() {
         cells_.clear();
@@ -81,7 +72,6 @@ public:
     template <class F>
     void for_sides(const Block& in, const F& f) const {
         f(in, ImageMotion{});
-        if (!box_.is_sheared()) return;
         cells_.for_sheared_parts(box_, level_, in.from, in.to, paths_.now,
                                  [&](const Place<3>& from, const Place<3>& to, const ImageMotion& image) {
                                      f(Block{from, to}, image);
@@ -118,7 +108,7 @@ public:
         at[axis] += step;
         if (at[axis] < 0 || at[axis] == cells) {
             at[axis] -= step * cells;
-            if (box_.is_sheared() && axis == box_.gradient) {
+            if (box_.slides(axis)) {
                 crossing.shear_work = cross_sheared_side(i, step);
                 wrap(i, 0, cells_.displace(level_, at[0], -step));
             } else {
@@ -137,20 +127,17 @@ public:
     double next_tilt() const { return cells_.next_tilt(); }
     void tilt_back() {
         cells_.tilt_back();
-        for (int i = 0; i < paths_.size(); ++i) fold_into_column(i);
-        put_in();
+        put_in_anew();
     }
     double columns() const { return cells_.columns(); }
-    void set_columns(double columns) {
-        if (box_.is_sheared()) cells_.set_columns(columns);
-    }
+    void set_columns(double columns) { cells_.set_columns(columns); }
 
     std::size_t bytes() const { return cells_.bytes() + ids_.capacity() * sizeof(u32); }
 
 private:
     Paths<Law>& paths_;
     const Box& box_ = paths_.box;
-    Box cell_box_;
+    Box cell_box_ = paths_.box;
     Cells<3> cells_;
     int level_ = 0;
     bool several_images_ = false;
@@ -168,13 +155,16 @@ private:
         if (!paths_.free(i)) return 0.0;
         return gained_energy(paths_.mass(i), before, -(step * box_.image_velocity()));
     }
-    void fold_into_column(int i) {
-        const Vector3 now = paths_.position(i, paths_.now);
-        const int turns = box_.turns(cells_.along(now.data(), paths_.now), 0);
-        if (turns != 0) wrap(i, 0, turns);
-        double x[3] = {now[0] - turns * box_.edge[0], now[1], now[2]};
-        paths_.pending[i].cell =
-            cells_.number(level_, cells_.place_of(level_, x, paths_.now)) & (most_cells - 1);
+    // Puts every body into the cell where it is.
+    void put_in_anew() {
+        for (int i = 0; i < paths_.size(); ++i) {
+            const Vector3 now = paths_.position(i, paths_.now);
+            double x[3] = {now[0], now[1], now[2]};
+            if (const int turns = cells_.fold(box_, x, paths_.now)) wrap(i, 0, turns);
+            paths_.pending[i].cell =
+                cells_.number(level_, cells_.place_of(level_, x, paths_.now)) & (most_cells - 1);
+        }
+        put_in();
     }
 };
 

@@ -54,9 +54,8 @@ public:
         for (std::size_t k = 0; k < 3; ++k) r[k] = b.position[k] - a.position[k];
         with_nearest_image(r, [&](const Image& image) {
             for (std::size_t k = 0; k < 3; ++k) q.image[k] = -image.motion.shift[k];
-            if (!box_.is_sheared()) return;
-            for (std::size_t k = 0; k < 3; ++k) q.image_velocity[k] = -image.motion.velocity[k];
-            q.image_moves = image.flags[box_.gradient] != 0.0;
+            q.image_velocity[0] = -image.motion.velocity[0];
+            q.image_moves = box_.layer(image.flags) != 0;
         });
         q.contact_distance = a.radius + b.radius;
         q.mass = effective(a.mass, b.mass);
@@ -99,27 +98,29 @@ public:
         return x;
     }
     Vector3 body_velocity(const Group& g, std::size_t m, Vector3 v) const {
-        if (!box_.is_sheared()) return v;
-        const ImageMotion image = cell_frame(g, m, paths_.now);
-        for (std::size_t a = 0; a < 3; ++a) v[a] += image.velocity[a];
+        v[0] -= cell_velocity(g, m);
         return v;
+    }
+    // Velocity of the frame of a body's cell in that of its group, along the first axis [m/s]; 0 without shear.
+    double cell_velocity(const Group& g, std::size_t m) const {
+        return box_.is_sheared() ? -cell_frame(g, m, paths_.now).velocity[0] : 0.0;
     }
 
     // Stores the energy from which shear_work() counts. velocity(m): of a member in the frame of the group.
     template <class Velocity>
     void begin_shear_work(Group& g, const Velocity& velocity) const {
-        if (box_.is_sheared()) g.sheared_energy = sheared_energy(g, velocity);
+        g.sheared_energy = sheared_energy(g, velocity);
     }
     // Work of the boundary on a group since its begin, without pairs across it [J].
     template <class Velocity>
     double shear_work(const Group& g, const Velocity& velocity) const {
-        return !box_.is_sheared() ? 0.0 : sheared_energy(g, velocity) - g.sheared_energy;
+        return sheared_energy(g, velocity) - g.sheared_energy;
     }
     // The same at the end of an isolated contact, where the members have their velocities.
     double shear_work_of_contact(const Group& g) const {
         return shear_work(g, [&](std::size_t m) {
             Vector3 v = paths_.velocity(g.body[m], paths_.now);
-            v[0] -= cell_frame(g, m, paths_.now).velocity[0];
+            v[0] += cell_velocity(g, m);
             return v;
         });
     }
@@ -151,13 +152,14 @@ private:
         nearest.motion = box_.image(nearest.flags, paths_.now);
         return nearest;
     }
-    // Kinetic energy of the members in the frames of their cells, less that in the frame of the group [J].
+    // Kinetic energy of the members in the frames of their cells, less that in the frame of the group [J]; 0 without
+    // shear.
     template <class Velocity>
     double sheared_energy(const Group& g, const Velocity& velocity) const {
         double sum = 0.0;
+        if (!box_.is_sheared()) return sum;
         for (std::size_t m = 0; m < g.body.size(); ++m)
-            sum += gained_energy(paths_.mass(g.body[m]), velocity(m)[0],
-                                 cell_frame(g, m, paths_.now).velocity[0]);
+            sum += gained_energy(paths_.mass(g.body[m]), velocity(m)[0], -cell_velocity(g, m));
         return sum;
     }
 };

@@ -59,7 +59,7 @@ struct Membership {
                 p.velocity[a] = v;
                 p.position[a] += x - l.before[m].position[a];
             }
-            if (paths.box.is_sheared()) p.velocity[0] += frames.cell_frame(g, m, paths.now).velocity[0];
+            p.velocity[0] -= frames.cell_velocity(g, m);
         }
     }
     // Reverts both: the members are free bodies at their present positions.
@@ -112,7 +112,7 @@ private:
         for (std::size_t a = 0; a < 3; ++a)
             p.velocity[a] =
                 (after.position[a] - before.position[a]) / span - 0.5 * span * paths.box.gravity[a];
-        if (paths.box.is_sheared()) p.velocity[0] += frames.cell_frame(g, m, paths.now).velocity[0];
+        p.velocity[0] -= frames.cell_velocity(g, m);
     }
     // Largest distance of a member's true path from its parabola. Between steps the chord deviation is added. If that
     // is unknown, the distance is close to a cubic within a step: it exceeds its values at the ends by at most a
@@ -122,7 +122,7 @@ private:
         const Vector3& x0 = g.cluster->before.members[m].position;
         Vector3 chord;
         std::copy_n(paths.particles[g.body[m]].velocity, 3, chord.begin());
-        if (paths.box.is_sheared()) chord[0] -= frames.cell_frame(g, m, paths.now).velocity[0];
+        chord[0] += frames.cell_velocity(g, m);
         const Trajectory& trajectory = g.cluster->after.trajectory;
         double largest = 0.0, last = 0.0, last_rate = 0.0, last_time = 0.0;
         for (std::size_t k = 0; k < trajectory.time.size(); ++k) {

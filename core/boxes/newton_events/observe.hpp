@@ -76,7 +76,7 @@ private:
         for_bodies([&](int i, const Vector3& x, Vector3 v) {
             const double m = paths.mass(i);
             const ImageMotion image = paths.box.image(paths.pending[i].image_flags, paths.now);
-            const double flow = paths.box.is_sheared() ? to_image_in_box(paths.box, o, m, x, v) : 0.0;
+            const double flow = to_image_in_box(paths.box, o, m, x, v);
             for (std::size_t a = 0; a < static_cast<std::size_t>(paths.box.dimension); ++a) {
                 o.kinetic_energy += 0.5 * m * v[a] * v[a];
                 o.potential_energy -= m * paths.box.gravity[a] * (x[a] + image.shift[a]);

@@ -22,7 +22,7 @@ double initial_safety_radius(const NewtonSetting& setting, const System& s) {
         double x[3]{}, v[3]{};
         setting.in_three(s.position, i, x);
         setting.in_three(s.velocity, i, v);
-        if (box.is_sheared()) v[0] -= box.mean_flow(x[box.gradient]);
+        v[0] -= box.mean_flow(x);
         square += dot(v, v);
     }
     const double of_shear = math::abs(box.shear_rate) * radius;

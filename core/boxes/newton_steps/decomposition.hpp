@@ -108,7 +108,7 @@ public:
         for (std::uint32_t i = slab.first_body; i < slab.last_body; ++i) {
             Double4 d = bodies.position[i] - from[i];
             const Double4 v = velocity_from_flow(box_, bodies, i);
-            if (box_.is_sheared()) d[0] -= box_.mean_flow(from[i][box_.gradient]) * (time - listed_at_);
+            d[0] -= box_.mean_flow(from[i]) * (time - listed_at_);
             const double distance = dot(d, d), speed = dot(v, v);
             slab.farthest = distance <= slab.farthest ? slab.farthest : distance;  // keeps NaN
             slab.fastest = speed <= slab.fastest ? slab.fastest : speed;

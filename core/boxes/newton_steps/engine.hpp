@@ -88,12 +88,10 @@ public:
             Double4& v = bodies_.velocity[i];
             const double before = v[0];
             for (std::size_t axis = 0; axis < d; ++axis) v[axis] = of[axis];
-            if (box_.is_sheared()) {
-                v[0] -= box_.image(bodies_.tag[i].image_flags, time_).velocity[0];
-                // Beyond the side, the work of the crossing is counted in advance. It depends on the velocity.
-                const int crossed = box_.turns(bodies_.position[i][box_.gradient], box_.gradient);
-                domain_.shear_work += crossed * box_.image_velocity() * (v[0] - before) / v[3];
-            }
+            v[0] -= box_.image(bodies_.tag[i].image_flags, time_).velocity[0];
+            // Beyond a sheared side, the work of the crossing is counted in advance. It depends on the velocity.
+            const int crossed = box_.turns(bodies_.position[i][box_.gradient], box_.gradient);
+            domain_.shear_work += crossed * box_.image_velocity() * (v[0] - before) / v[3];
             include_speed(i);
         }
         return 0.0;

@@ -16,7 +16,7 @@ Observation observe(const Box& box, const Decomposition<Law>& domain, double tim
         Double4 v = velocity_of(i);
         const double mass = 1.0 / bodies.velocity[i][3];
         const ImageMotion image = box.image(bodies.tag[i].image_flags, time);
-        const double flow = box.is_sheared() ? to_image_in_box(box, o, mass, bodies.position[i], v) : 0.0;
+        const double flow = to_image_in_box(box, o, mass, bodies.position[i], v);
         o.kinetic_energy += 0.5 * mass * dot(v, v);
         for (int axis = 0; axis < box.dimension; ++axis) {
             const double unfolded = bodies.position[i][axis] + image.shift[axis];

@@ -85,7 +85,8 @@ def _comment(frame: Frame) -> str:
     """The comment line of a frame: cell, columns, periodicity, time, gravity and moving walls."""
     d = len(frame.box)
     edges = three(frame.box, 2.0 * float(frame.radius.max()))
-    flags = ["F" if side == "wall" else "T" for side in frame.boundary] + ["F"] * (3 - d)
+    wraps, shear = frame.sides
+    flags = ["T" if flag else "F" for flag in wraps] + ["F"] * (3 - d)
     gravity = " ".join(map(repr, three(frame.gravity).tolist()))
     lattice = " ".join(map(repr, np.diag(edges).ravel().tolist()))
     walls = "; ".join(" ".join(map(str, entry)) for entry in as_entries(frame.walls))
@@ -93,9 +94,8 @@ def _comment(frame: Frame) -> str:
     if frame.thermostat is not None:
         entry = as_entry(frame.thermostat) or {}
         walls += f' thermostat="{" ".join(f"{name}:{value}" for name, value in entry.items())}"'
-    if "lees-edwards" in frame.boundary:
-        axis = frame.boundary.index("lees-edwards")
-        walls += f' shear="{axis} {frame.shear_rate!r} {frame.shear_displacement!r}"'
+    if shear:
+        walls += f' shear="{" ".join(map(repr, shear))}"'
     return (
         f'Lattice="{lattice}" Properties={COLUMNS} pbc="{" ".join(flags)}" '
         f'Time={frame.time!r} gravity="{gravity}" dimension={d}{walls}'

@@ -33,6 +33,14 @@ class Frame:
     shear_displacement: float = 0.0  #: of the images beyond its far side, along the first axis [m]
     time: float = 0.0  #: [s]
 
+    @property
+    def sides(self) -> tuple[list[bool], tuple[int, float, float] | None]:
+        """The boundary as files hold it: whether each axis wraps, and the shear, see :func:`boundary_of`."""
+        wraps = [side != "wall" for side in self.boundary]
+        if "lees-edwards" not in self.boundary:
+            return wraps, None
+        return wraps, (self.boundary.index("lees-edwards"), self.shear_rate, self.shear_displacement)
+
 
 #: Function that appends a frame to a file.
 Append = Callable[[Frame], None]
@@ -66,10 +74,9 @@ def read_table(name: str, lines: Iterable[Any], columns: list[int] | None = None
         raise ValueError(f"{name}: {str(error).splitlines()[0]}") from None
 
 
-def boundary_of(periodic: Any, shear: Any = None) -> dict[str, Any]:
-    """The boundary of each axis from flags that are true for periodic axes, with that of a sheared box: axis of the
-    gradient, rate [1/s] and displacement [m]."""
-    sides = ["periodic" if flag else "wall" for flag in periodic]
+def boundary_of(wraps: Iterable[Any], shear: Any = None) -> dict[str, Any]:
+    """Arguments from :attr:`Frame.sides`; shear: axis of the gradient, rate [1/s], displacement of the images [m]."""
+    sides = ["periodic" if flag else "wall" for flag in wraps]
     if shear is None:
         return {"boundary": tuple(sides)}
     axis, rate, displacement = (float(value) for value in shear)

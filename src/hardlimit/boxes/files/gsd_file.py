@@ -82,14 +82,14 @@ def _made(snapshot: Any, step: int, frame: Frame) -> Any:
     for name, key in OF_PARTICLES.items():
         snapshot.log[key] = np.ascontiguousarray(getattr(frame, name))
     snapshot.log[OF_BOX["box"]] = np.array(frame.box)
-    snapshot.log[OF_BOX["periodic"]] = np.array([side != "wall" for side in frame.boundary], np.uint8)
+    wraps, shear = frame.sides
+    snapshot.log[OF_BOX["periodic"]] = np.array(wraps, np.uint8)
     snapshot.log[OF_BOX["gravity"]] = np.array(frame.gravity)
     snapshot.log[OF_BOX["time"]] = np.array([frame.time])
     driving: dict[str, Any] = {"walls": as_entries(frame.walls), "thermostat": as_entry(frame.thermostat)}
-    if sheared := "lees-edwards" in frame.boundary:
-        axis = frame.boundary.index("lees-edwards")
-        driving["shear"] = [axis, frame.shear_rate, frame.shear_displacement]
-    if frame.walls or frame.thermostat is not None or sheared:
+    if shear:
+        driving["shear"] = shear
+    if frame.walls or frame.thermostat is not None or shear:
         snapshot.log[DRIVING] = np.frombuffer(json.dumps(driving).encode(), np.uint8)
     return snapshot
 

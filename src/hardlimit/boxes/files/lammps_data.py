@@ -28,7 +28,6 @@ _MARK: Final = re.compile(
     r"LAMMPS data file by hardlimit, SI units, dimension ([23]), boundary ([pfl ]+), gravity ([^,]+)"
     r"(?:, shear rate (.+), displacement (.+))?"
 )
-_LETTERS: Final = {"periodic": "p", "wall": "f", "lees-edwards": "l"}
 
 
 @contextmanager
@@ -66,12 +65,14 @@ def _write(file: BinaryIO, frame: Frame, types: NDArray[np.int64]) -> None:
 
 def _header(frame: Frame, types: int) -> str:
     d = len(frame.box)
-    sides = " ".join(_LETTERS[side] for side in frame.boundary)
-    gravity = " ".join(map(repr, frame.gravity.tolist()))
-    sheared = "lees-edwards" in frame.boundary
-    shear = f", shear rate {frame.shear_rate!r}, displacement {frame.shear_displacement!r}" if sheared else ""
+    wraps, shear = frame.sides
+    sides = ["p" if flag else "f" for flag in wraps]
+    gravity, flow = " ".join(map(repr, frame.gravity.tolist())), ""
+    if shear:
+        axis, rate, shift = shear
+        sides[axis], flow = "l", f", shear rate {rate!r}, displacement {shift!r}"
     lines = [
-        f"LAMMPS data file by hardlimit, SI units, dimension {d}, boundary {sides}, gravity {gravity}{shear}",
+        f"LAMMPS data file by hardlimit, SI units, dimension {d}, boundary {' '.join(sides)}, gravity {gravity}{flow}",
         "",
         f"{len(frame.positions)} atoms",
         f"{types} atom types",
@@ -80,10 +81,9 @@ def _header(frame: Frame, types: int) -> str:
     half = float(frame.radius.max())
     limits = [(0.0, float(edge)) for edge in frame.box] + [(-half, half)] * (3 - d)
     lines += [f"{low!r} {high!r} {axis}lo {axis}hi" for axis, (low, high) in zip("xyz", limits, strict=True)]
-    if sheared:
-        shift, edge = frame.shear_displacement, float(frame.box[0])
-        tilt = [0.0] * 3
-        tilt[frame.boundary.index("lees-edwards") - 1] = shift - (edge if shift > 0.5 * edge else 0.0)
+    if shear:
+        tilt, edge = [0.0] * 3, float(frame.box[0])
+        tilt[axis - 1] = shift - (edge if shift > 0.5 * edge else 0.0)
         lines.append(f"{' '.join(map(repr, tilt))} xy xz yz")
     return "\n".join(lines) + "\n"
 
