@@ -13,7 +13,7 @@ public:
     Stop(Ask ask, void* context) : ask_(ask), context_(context) {}
 
     // For every step of a computation.
-    bool operator()() { return stopped_ || (ask_ && (++steps_ & 63u) == 0 && now()); }
+    HL_FN_INLINE bool operator()() { return stopped_ || (ask_ && (++steps_ & 63u) == 0 && now()); }
     // For long steps: always passed on.
     bool now() { return stopped_ = stopped_ || (ask_ && ask_(context_)); }
     bool stopped() const { return stopped_; }

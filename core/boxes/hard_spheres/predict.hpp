@@ -7,7 +7,7 @@
 namespace hardlimit::boxes::spheres {
 
 // The path of a particle since its last collision, for next_self_event(). A fall is followed from now on: a face
-// crossed on the way up must not be found again. The rare functions are kept apart, so that the others are inlined.
+// crossed on the way up must not be found again. A moving wall is rare and kept apart, so that the rest is inlined.
 template <int d, bool mixed>
 struct Flight {
     const Particles<d, mixed>& particles;
@@ -31,7 +31,7 @@ struct Flight {
         if (setting.falls()) return falling(axis, high, wall);
         return {0.0, path.position[axis], path.velocity[axis]};
     }
-    HL_FN_APART AxisState falling(int axis, bool high, bool wall) const {
+    AxisState falling(int axis, bool high, bool wall) const {
         return at(axis, wall ? contacts.wall_blocked_until(i, WallId::at(axis, high), particles.now)
                              : particles.now);
     }

@@ -25,19 +25,20 @@ struct NextSelfEvent {
     }
 };
 
-// A moving wall may be in any cell.
+// A moving wall may be in any cell. By value: a flight that is referred to could not stay in registers.
 template <class Flight>
-void consider_moving_walls(NextSelfEvent& next, const Box& box, const Flight& flight) {
+NextSelfEvent with_moving_walls(NextSelfEvent next, const Box& box, Flight flight) {
     for (int k = 0; k < flight.axes; ++k)
         for (const bool high : {false, true})
             if (box.has_walls(k) && flight.walls_move(k))
                 next.consider(flight.until_wall(box.wall(k, high), next.in), k, high, true);
+    return next;
 }
 
 // The faces of a column of cells in a sheared box, between two values of Cells::along().
 template <int d, class Flight>
-void consider_column(NextSelfEvent& next, const Box& box, const Cells<d>& cells, double low, double high,
-                     double now, const Flight& flight) {
+HL_FN_INLINE void consider_column(NextSelfEvent& next, const Box& box, const Cells<d>& cells, double low,
+                                  double high, double now, const Flight& flight) {
     const AxisState x = flight.at_present(0), y = flight.at_present(box.gradient);
     const auto u = cells.along(x.x, y.x, x.v, y.v, now);
     const Exit leaves = exit_of(u.at, u.rate, u.acceleration, low, high, 4.0 * math::epsilon * now);
@@ -54,8 +55,8 @@ void consider_column(NextSelfEvent& next, const Box& box, const Cells<d>& cells,
 //   at_present(axis)        AxisState now
 //   until_wall(wall, end)   time until it meets a moving wall, from the begin of the path; any later one if after `end`
 template <int d, class Flight>
-NextSelfEvent next_self_event(const Box& box, const Cells<d>& cells, int level, const Place<d>& at,
-                              double now, const Flight& flight) {
+HL_FN_INLINE NextSelfEvent next_self_event(const Box& box, const Cells<d>& cells, int level,
+                                           const Place<d>& at, double now, const Flight& flight) {
     const Grid<d>& g = cells.grids()[static_cast<std::size_t>(level)];
     NextSelfEvent next;
     bool walls_move = false;
@@ -85,7 +86,7 @@ NextSelfEvent next_self_event(const Box& box, const Cells<d>& cells, int level, 
         }
     }
     if (walls_move) [[unlikely]]
-        consider_moving_walls(next, box, flight);
+        next = with_moving_walls(next, box, flight);
     if (box.is_sheared())
         consider_column(next, box, cells, at[0] * g.edge[0], (at[0] + 1) * g.edge[0], now, flight);
     return next;
