@@ -231,7 +231,8 @@ def test_a_run_interrupted_at_any_instruction_has_the_same_bits(
         if path.exists():
             resumed = hl.resume(path, observe=options["observe"])
             assert resumed.system == whole.system and resumed.series.identical(whole.series), last
-            assert all(map(np.array_equal, resumed.log, whole.log)), last
+            for column, other in zip(resumed.log, whole.log, strict=True):
+                np.testing.assert_array_equal(column, other)  # NaN where a contact goes on
             went_on += 1
     assert went_on > 0.8 * all_of_them.count / every
 

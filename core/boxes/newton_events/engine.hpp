@@ -120,7 +120,7 @@ public:
     // All groups are integrated up to now and formed again from the contacts that are open.
     double set_velocities(const double* velocity) override {
         observer_.forget();
-        formation_.interrupt([&] { paths_.set_velocities(velocity); });
+        formation_.interrupt([&] { ledger_.sums.shear_work += paths_.set_velocities(velocity); });
         return 0.0;
     }
 

@@ -100,14 +100,23 @@ public:
         particles[i].radius = (radius(i) + safety_radius) * (1.0 + rounding_of_touch);
     }
 
-    // Gives all bodies, which must be free, new velocities at the current time: n·d values by original index.
-    void set_velocities(const double* velocity) {
+    // Gives all bodies, which must be free, new velocities at the current time: n·d values by original index. Returns what
+    // this adds to the work of the shear [J]: beyond a sheared side, the work of the crossing is counted in advance, and
+    // depends on the velocity.
+    double set_velocities(const double* velocity) {
         const auto d = static_cast<std::size_t>(box.dimension);
+        double work = 0.0;
         for (int i = 0; i < size(); ++i) {
             restart(i);
-            std::copy_n(velocity + d * std::size_t{pending[i].original_index}, d, particles[i].velocity);
-            particles[i].velocity[0] -= box.image(pending[i].image_flags, now).velocity[0];
+            Particle<3>& p = particles[i];
+            const double before = p.velocity[0];
+            std::copy_n(velocity + d * std::size_t{pending[i].original_index}, d, p.velocity);
+            p.velocity[0] -= box.image(pending[i].image_flags, now).velocity[0];
+            if (box.is_sheared())
+                work += box.turns(p.position[box.gradient], box.gradient) * box.image_velocity() *
+                        (p.velocity[0] - before) * mass(i);
         }
+        return work;
     }
 
     std::size_t bytes() const {

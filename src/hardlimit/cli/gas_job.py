@@ -190,7 +190,7 @@ class GasJob:
 
 
 def make_job(file: str | None, params: dict[str, Any]) -> GasJob:
-    """The job of a file, or of glass beads without a file, changed by the options, which are taken out of ``given``."""
+    """The job of a file, or of glass beads without a file, changed by the options, which are taken out of ``params``."""
     law = take_law(params)
     tables = read(file)
     run = changed(tables.get("event_driven", {}), RUN, params)
@@ -244,7 +244,7 @@ def moving_walls(shaken: Mapping[str, str], dimension: int, boundary: Any) -> di
 def shear(rate: float | None, boundary: Any, sides: Any) -> dict[str, Any]:
     """The arguments ``shear_rate`` and ``boundary`` of a sheared system.
 
-    ``given`` is the boundary in options and job, ``sides`` the one of the system without shear, for each axis.
+    ``boundary`` is the boundary in options and job, ``sides`` the one of the system without shear, for each axis.
     """
     if rate is None:
         return {}
