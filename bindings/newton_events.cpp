@@ -1,4 +1,7 @@
 // Compiles the event-driven engine for Newton's equations.
+#ifndef HARDLIMIT_LAWS_APART  // otherwise newton_events_of_law.cpp does
+#include "boxes/newton_events/engine.hpp"
+#endif
 #include "boxes/newton_events/make_engine.hpp"
 #include "engines.hpp"
 

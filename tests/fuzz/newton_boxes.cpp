@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "boxes/newton_events/make_engine.hpp"
+#include "boxes/newton_events/engine.hpp"
 #include "small_box.hpp"
 
 namespace {

@@ -23,11 +23,13 @@
 //   Observer                                state and sums at the current time
 #pragma once
 #include <cstddef>
+#include <memory>
 #include <utility>
 #include <vector>
 
 #include "checkpoint.hpp"
 #include "events.hpp"
+#include "make_engine.hpp"
 #include "observe.hpp"
 #include "safety_use.hpp"
 #include "start.hpp"
@@ -197,5 +199,11 @@ private:
         schedule_.rebuild();
     }
 };
+
+template <class Law, class Source>
+std::unique_ptr<Engine> newton_events_of(const NewtonSetting& setting, Source& source,
+                                         const hardlimit_abi::TouchKernels& kernels) {
+    return std::make_unique<NewtonEvents<Law>>(setting, source, kernels);
+}
 
 }  // namespace hardlimit::boxes

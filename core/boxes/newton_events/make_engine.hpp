@@ -2,16 +2,24 @@
 #pragma once
 #include <memory>
 
-#include "engine.hpp"
+#include "../common/archive.hpp"
+#include "../common/engine.hpp"
+#include "../common/newton_setting.hpp"
+#include "../kernels/interface.hpp"
 
 namespace hardlimit::boxes {
+
+// The engine of one law, new or continued: Source is `const System` or `Reader`. Defined in engine.hpp, which each law
+// compiles in a source file of its own: with several laws in one file, gcc would inline less.
+template <class Law, class Source>
+std::unique_ptr<Engine> newton_events_of(const NewtonSetting& setting, Source& source,
+                                         const hardlimit_abi::TouchKernels& kernels);
 
 inline std::unique_ptr<Engine> make_newton_events(const System& s, const LawChoice& law, bool keep_log,
                                                   const hardlimit_abi::TouchKernels& kernels) {
     const NewtonSetting setting(s, law, keep_log);
-    return with_law<std::unique_ptr<Engine>>(law.law, [&]<class Law>() -> std::unique_ptr<Engine> {
-        return std::make_unique<NewtonEvents<Law>>(setting, s, kernels);
-    });
+    return with_law<std::unique_ptr<Engine>>(
+        law.law, [&]<class Law>() { return newton_events_of<Law>(setting, s, kernels); });
 }
 
 // Returns nullptr if the bytes are not a complete checkpoint of this engine.
@@ -21,10 +29,9 @@ inline std::unique_ptr<Engine> load_newton_events(const char* data, std::size_t 
     if (!reader.whole("newton_events")) return nullptr;
     NewtonSetting setting;
     setting.exchange(reader);
-    auto engine = with_law<std::unique_ptr<Engine>>(
-        reader.failed() ? -1 : setting.law.law, [&]<class Law>() -> std::unique_ptr<Engine> {
-            return std::make_unique<NewtonEvents<Law>>(setting, reader, kernels);
-        });
+    auto engine = with_law<std::unique_ptr<Engine>>(reader.failed() ? -1 : setting.law.law, [&]<class Law>() {
+        return newton_events_of<Law>(setting, reader, kernels);
+    });
     return reader.failed() ? nullptr : std::move(engine);
 }
 
