@@ -190,7 +190,8 @@ class GasJob:
 
 
 def make_job(file: str | None, params: dict[str, Any]) -> GasJob:
-    """The job of a file, or of glass beads without a file, changed by the options, which are taken out of ``params``."""
+    """The job of a file, or of glass beads without a file, changed by the options, which are taken out of
+    ``params``."""
     law = take_law(params)
     tables = read(file)
     run = changed(tables.get("event_driven", {}), RUN, params)
