@@ -36,6 +36,7 @@ test("the laboratory works without network once it is loaded", async (t) => {
   await page.selectOption("#rebound-axis", "e");
   await page.waitForFunction(() => document.getElementById("rebound").dataset.done === "true");
   // A long computation is cancelled; its worker is replaced.
+  await page.waitForSelector("#busy", { state: "hidden" }); // of the settings before
   await goTo(page, long);
   await page.waitForSelector("#busy:not([hidden])");
   await page.click("#give-up");
