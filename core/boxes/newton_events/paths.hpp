@@ -100,9 +100,9 @@ public:
         particles[i].radius = (radius(i) + safety_radius) * (1.0 + rounding_of_touch);
     }
 
-    // Gives all bodies, which must be free, new velocities at the current time: n·d values by original index. Returns what
-    // this adds to the work of the shear [J]: beyond a sheared side, the work of the crossing is counted in advance, and
-    // depends on the velocity.
+    // Gives all bodies, which must be free, new velocities at the current time: n·d values by original index. Returns
+    // what this adds to the work of the shear [J]: beyond a sheared side, the work of the crossing is counted in
+    // advance, and depends on the velocity.
     double set_velocities(const double* velocity) {
         const auto d = static_cast<std::size_t>(box.dimension);
         double work = 0.0;
