@@ -110,7 +110,7 @@ def test_energy_and_momentum(name: str, seed: int, law: hl.Law) -> None:
     series, now = run.series, run.system
     scale = np.abs(energies(run)).max()
     assert energy_error(run) <= ENERGY.get(name, 1e-11)
-    # Rule soft between walls under gravity: up to 1e-5 were seen, where contacts overlap in time.
+    # Rule soft gives back up to 1e-5 between walls under gravity; the cause is not known.
     backwards = 1e-4 if name.startswith("soft") and system.gravity.any() else 1e-12
     assert np.diff(series.dissipated_energy).min() >= -backwards * scale
     if system.n == 1 and "wall_energy" in series:  # it loses energy only at walls
