@@ -39,7 +39,7 @@
 
 // Always inlined, where the choice of the compiler would depend on what else the source file holds.
 #if defined(__CUDACC__) || defined(__CUDACC_RTC__)
-#define HL_FN_INLINE HL_FN __forceinline__
+#define HL_FN_INLINE __host__ __device__ __forceinline__
 #else
 #define HL_FN_INLINE __attribute__((always_inline)) inline
 #endif
