@@ -5,6 +5,7 @@
 
 #include "arrays.hpp"
 #include "boxes/common/law_choice.hpp"
+#include "contact/friction.hpp"
 
 namespace hardlimit::bindings {
 
@@ -24,6 +25,7 @@ using Itself = Law;
 struct Contact {
     OfEachLaw<Itself>::Variant law;
     PairGeometry pair;
+    FrictionTerms friction{};
 };
 
 #define HL_RECORD(Law) &contact::Law::record,

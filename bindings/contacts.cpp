@@ -26,11 +26,39 @@ using hl::bindings::map;
 namespace {
 
 Contact make_contact(const std::string& name, int alternative, const std::vector<double>& parameters,
-                     double mass, double radius) {
+                     double mass, double radius, const std::optional<hl::Friction>& friction) {
     const hl::boxes::LawChoice choice = hl::bindings::law_choice(name, alternative, parameters);
     const hl::PairGeometry pair{mass, radius};
-    return hl::boxes::with_law<Contact>(
-        choice.law, [&]<class Law>() { return Contact{hl::boxes::make_law<Law>(choice, pair), pair}; });
+    return hl::boxes::with_law<Contact>(choice.law, [&]<class Law>() {
+        const Law law = hl::boxes::make_law<Law>(choice, pair);
+        Contact contact{law, pair, {}};
+        if constexpr (hl::PowerLaw<Law>)
+            if (friction)
+                contact.friction = hl::friction_terms(*friction, Law::record.powers, law.coefficients());
+        return contact;
+    });
+}
+
+nb::dict parameter_dict(const hl::Parameter& p) {
+    return dict_of("name", p.name, "unit", p.unit, "lowest", p.lowest, "highest", p.highest, "lowest_allowed",
+                   p.lowest_allowed, "highest_allowed", p.highest_allowed, "meaning", p.meaning);
+}
+
+nb::dict friction_record() {
+    nb::list parameters, models;
+    for (const hl::Parameter& p : hl::friction_parameters) parameters.append(parameter_dict(p));
+    for (const hl::FrictionModelRecord& m : hl::friction_models)
+        models.append(dict_of("name", m.name, "summary", m.summary, "source", m.source, "loading", m.loading,
+                              "unloading", m.unloading));
+    return dict_of(
+        "parameters", parameters, "models", models, "limits",
+        list_of(hl::slip_limit_names, std::size(hl::slip_limit_names), [](const char* n) { return n; }));
+}
+
+nb::tuple friction_terms(const Contact& c) {
+    const hl::FrictionTerms& f = c.friction;
+    return nb::make_tuple(f.coefficient, f.stiffness.factor, f.stiffness.power, f.damping.factor,
+                          f.damping.power, f.loading, f.unloading, static_cast<int>(f.limit));
 }
 
 auto force(const Contact& c, In compression, In rate) {
@@ -59,11 +87,6 @@ auto elementwise(F f) {
             },
             c.law);
     };
-}
-
-nb::dict parameter_dict(const hl::Parameter& p) {
-    return dict_of("name", p.name, "unit", p.unit, "lowest", p.lowest, "highest", p.highest, "lowest_allowed",
-                   p.lowest_allowed, "highest_allowed", p.highest_allowed, "meaning", p.meaning);
 }
 
 template <class Law>
@@ -96,6 +119,22 @@ nb::list law_records() {
 
 void bind_contacts(nb::module_& m) {
     m.def("law_records", &law_records, "Records of the registered contact laws.");
+    m.def("friction_record", &friction_record, "Parameters, models and limits of friction.");
+    nb::class_<hl::Friction>(m, "Friction", "Friction as the user gives it; NaN: not given.")
+        .def(
+            "__init__",
+            [](hl::Friction* f, int model, int limit, double coefficient, double stiffness_ratio,
+               double stiffness, double damping_ratio, double damping) {
+                new (f) hl::Friction{coefficient,
+                                     static_cast<hl::FrictionModel>(model),
+                                     static_cast<hl::SlipLimit>(limit),
+                                     stiffness_ratio,
+                                     stiffness,
+                                     damping_ratio,
+                                     damping};
+            },
+            "model"_a, "limit"_a, "coefficient"_a, "stiffness_ratio"_a, "stiffness"_a, "damping_ratio"_a,
+            "damping"_a);
     nb::class_<Contact>(m, "Contact", "One contact: law, effective mass and radius.")
         .def_prop_ro("effective_mass", [](const Contact& c) { return c.pair.effective_mass; })
         .def_prop_ro("effective_radius", [](const Contact& c) { return c.pair.effective_radius; })
@@ -122,6 +161,10 @@ void bind_contacts(nb::module_& m) {
                     c.law);
             },
             "K and C of the force K ξ^p + C ξ^q dξ/dt; None if the force is not of this form.")
+        .def_prop_ro(
+            "friction_terms", &friction_terms,
+            "μ, k_t and four times its power, γ_t and four times its power, m while the compression grows "
+            "and while it falls, number of the limit.")
         .def("force", &force, "compression"_a, "rate"_a)
         .def("restitution",
              elementwise([](const auto& law, double v, double mass) { return law.restitution(v, mass); }),
@@ -139,7 +182,10 @@ void bind_contacts(nb::module_& m) {
              }),
              "compression"_a);
     m.def("make_contact", &make_contact, "law"_a, "alternative"_a, "parameters"_a, "effective_mass"_a,
-          "effective_radius"_a);
+          "effective_radius"_a, "friction"_a = nb::none());
+    m.def("inverse_tangential_mass", &hl::inverse_tangential_mass, "mass"_a, "inertia_factor"_a,
+          "other_mass"_a, "other_inertia_factor"_a,
+          "1/m_t = 1/m_n + R_i²/I_i + R_j²/I_j; masses of walls are infinite.");
     m.def("effective", &hl::effective, "a"_a, "b"_a, "a b/(a + b); also if one of them is infinite.");
     using hl::contact::viscoelastic_collision;
     const auto over = [](auto f) { return [f](In values) { return map(values, f); }; };

@@ -36,7 +36,8 @@ def laws_stub() -> str:
 
     records = _core.law_records()
     names = ["LAWS", *(record["class_name"] for record in records)]
-    lines = ["# Written by tools/stubs.py from the laws' records.", "", "from .contact import Law", ""]
+    lines = ["# Written by tools/stubs.py from the laws' records.", "", "from .contact import Law"]
+    lines += ["from .friction import Friction", ""]
     lines += [f"__all__ = {names!r}".replace("'", '"'), "", "LAWS: dict[str, type[Law]]", ""]
     for record in records:
         common = [p["name"] for p in record["common"]]
@@ -46,6 +47,7 @@ def laws_stub() -> str:
             "*",
             *(f"{n}: float" for n in common),
             *(f"{n}: float | None = None" for n in chosen),
+            "friction: Friction | None = None",
         ]
         lines += [f"class {record['class_name']}(Law):"]
         lines += ["    def __init__(", *(f"        {a}," for a in arguments), "    ) -> None: ..."]

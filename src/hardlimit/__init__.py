@@ -25,6 +25,7 @@ from .contact.approximations import restitution_pade, restitution_series, usual_
 from .contact.balls import FLOOR, Ball
 from .contact.compression import CompressionWarning
 from .contact.contact import Contact, Law
+from .contact.friction import Friction
 from .contact.laws import *  # noqa: F403
 from .contact.laws import LAWS
 from .contact.laws import __all__ as _laws
@@ -74,6 +75,7 @@ __all__ = [
     "Comparison",
     "CompressionWarning",
     "Contact",
+    "Friction",
     "Law",
     "Result",
     "adiabatic",

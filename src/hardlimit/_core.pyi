@@ -18,6 +18,14 @@ deepest_compression: float = 0.5
 def law_records() -> list:
     """Records of the registered contact laws."""
 
+def friction_record() -> dict:
+    """Parameters, models and limits of friction."""
+
+class Friction:
+    """Friction as the user gives it; NaN: not given."""
+
+    def __init__(self, model: int, limit: int, coefficient: float, stiffness_ratio: float, stiffness: float, damping_ratio: float, damping: float) -> None: ...
+
 class Contact:
     """One contact: law, effective mass and radius."""
 
@@ -35,6 +43,12 @@ class Contact:
         K and C of the force K ξ^p + C ξ^q dξ/dt; None if the force is not of this form.
         """
 
+    @property
+    def friction_terms(self) -> tuple:
+        """
+        μ, k_t and four times its power, γ_t and four times its power, m while the compression grows and while it falls, number of the limit.
+        """
+
     def force(self, compression: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], rate: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> NDArray[numpy.float64]: ...
 
     def restitution(self, speed: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> NDArray[numpy.float64]: ...
@@ -45,7 +59,10 @@ class Contact:
 
     def energy(self, compression: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> NDArray[numpy.float64]: ...
 
-def make_contact(law: str, alternative: int, parameters: Sequence[float], effective_mass: float, effective_radius: float) -> Contact: ...
+def make_contact(law: str, alternative: int, parameters: Sequence[float], effective_mass: float, effective_radius: float, friction: Friction | None = None) -> Contact: ...
+
+def inverse_tangential_mass(mass: float, inertia_factor: float, other_mass: float, other_inertia_factor: float) -> float:
+    """1/m_t = 1/m_n + R_i²/I_i + R_j²/I_j; masses of walls are infinite."""
 
 def effective(a: float, b: float) -> float:
     """a b/(a + b); also if one of them is infinite."""

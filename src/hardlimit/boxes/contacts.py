@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from .. import _core
 from ..contact import compression
 from ..contact.contact import Law
+from ..contact.contact import checked_law as checked_contact_law
 from ..support import validation
 from .box import Floats
 from .system import ParticleSystem
@@ -27,9 +28,7 @@ MAX_KINDS: Final = 6
 
 
 def checked_law(law: Any) -> Law:
-    if not isinstance(law, Law):
-        raise ValueError(f"law: got {validation.shown(law)}, must be a contact law such as LinearDashpot")
-    return law
+    return checked_contact_law(law, "grains in a box")
 
 
 def checked_system(system: Any) -> ParticleSystem:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from .. import _core
 from ..contact.balls import FLOOR, Ball, Floor
-from ..contact.contact import Contact, Law
+from ..contact.contact import Contact, Law, checked_law
 from ..contact.laws import LinearDashpot
 from ..support import html, validation
 
@@ -362,10 +362,7 @@ def _checked_laws(law: Any, contacts: int) -> tuple[Law, ...]:
     laws = (law,) * contacts if isinstance(law, Law) else law
     listed = laws if isinstance(laws, Sequence) and not isinstance(laws, str) else [laws]
     for item in listed:
-        if not isinstance(item, Law):
-            raise ValueError(
-                f"law: got {validation.shown(item)}, must be a contact law such as LinearDashpot"
-            )
+        checked_law(item, "balls of a column")
     if len(laws) != contacts:
         raise ValueError(f"law: got {len(laws)} laws, must be one or {contacts}, one for each contact")
     if len({type(item) for item in laws}) > 1:

@@ -1,4 +1,4 @@
-"""Bodies in contact: solid spheres and the floor."""
+"""Bodies in contact: spheres and the floor."""
 
 from __future__ import annotations
 
@@ -15,6 +15,8 @@ from ..support import validation
 #: Limits of a mass [kg]; products of two masses neither underflow nor overflow.
 LIGHTEST: Final = 1e-150
 HEAVIEST: Final = 1e150
+#: q in the moment of inertia q m R² of a solid sphere.
+SOLID_SPHERE: Final = 0.4
 
 
 def ball_masses(density: NDArray[np.float64], radius: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -25,7 +27,7 @@ def ball_masses(density: NDArray[np.float64], radius: NDArray[np.float64]) -> ND
 @validation.sealed("write a function that returns a Ball")
 @dataclass(frozen=True, init=False)
 class Ball:
-    """A solid sphere.
+    """A sphere, by default a solid one.
 
     Parameters
     ----------
@@ -34,6 +36,9 @@ class Ball:
         The mass is (4/3) π density radius³.
     mass : float [kg]
         Give exactly one of ``density`` and ``mass``.
+    inertia_factor : float, default 2/5
+        q in the moment of inertia q m R², in (0, 1]: 2/5 for a solid sphere, 2/3 for a shell such as a tennis ball, 1/2
+        for a disk. Only contacts with friction depend on it.
 
     Raises
     ------
@@ -46,8 +51,16 @@ class Ball:
     mass: float  #: [kg]
     density: float  #: [kg/m³]
     given: str  #: the value that :meth:`resized` keeps, ``"density"`` or ``"mass"``
+    inertia_factor: float = SOLID_SPHERE  #: q in the moment of inertia q m R²
 
-    def __init__(self, radius: float, density: float | None = None, mass: float | None = None) -> None:
+    def __init__(
+        self,
+        radius: float,
+        density: float | None = None,
+        mass: float | None = None,
+        *,
+        inertia_factor: float = SOLID_SPHERE,
+    ) -> None:
         kept = validation.exactly_one(density=density, mass=mass)
         size = validation.number("radius", radius, 0.0)
         if density is not None:
@@ -63,17 +76,25 @@ class Ball:
                 f"radius | {what}: got {size:.16g} and {value:.16g}, a mass of {weight:g} kg, "
                 f"must be in [{LIGHTEST:g}, {HEAVIEST:g}]"
             )
-        for name, entry in (("radius", size), ("mass", weight), ("density", rho), ("given", kept)):
+        q = validation.number("inertia_factor", inertia_factor, 0.0, 1.0, highest_allowed=True)
+        values = {"radius": size, "mass": weight, "density": rho, "given": kept, "inertia_factor": q}
+        for name, entry in values.items():
             object.__setattr__(self, name, entry)
 
     def __repr__(self) -> str:
-        return f"Ball(radius={self.radius!r}, {self.given}={getattr(self, self.given)!r})"
+        q = "" if self.inertia_factor == SOLID_SPHERE else f", inertia_factor={self.inertia_factor!r}"
+        return f"Ball(radius={self.radius!r}, {self.given}={getattr(self, self.given)!r}{q})"
+
+    @property
+    def moment_of_inertia(self) -> float:
+        """q m R² [kg m²]."""
+        return self.inertia_factor * self.mass * self.radius**2
 
     def resized(self, radius: float) -> Ball:
         """A ball with another radius and the same density (or the same mass if the mass was given)."""
         if self.given == "density":
-            return Ball(radius, density=self.density)
-        return Ball(radius, mass=self.mass)
+            return Ball(radius, density=self.density, inertia_factor=self.inertia_factor)
+        return Ball(radius, mass=self.mass, inertia_factor=self.inertia_factor)
 
 
 @validation.sealed("the floor is hl.FLOOR")
@@ -84,6 +105,7 @@ class Floor:
 
     radius: Final = math.inf
     mass: Final = math.inf
+    inertia_factor: Final = 1.0  # has no effect, since the mass is infinite
 
     def __repr__(self) -> str:
         return "FLOOR"

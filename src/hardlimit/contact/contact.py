@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from .. import _core
 from ..support import validation
 from .balls import FLOOR, Ball, Floor
+from .friction import Friction, FrictionTerms, checked_friction
 
 RESTITUTION: Final = "restitution"
 
@@ -48,13 +49,19 @@ class Contact:
     """
 
     law: Law
+    ball: Ball
+    other: Ball | Floor
     core: _core.Contact
     _constants: dict[str, float]
 
-    def __init__(self, law: Law, core: _core.Contact) -> None:
+    def __init__(self, law: Law, ball: Ball, other: Ball | Floor) -> None:
+        mass, radius = _core.effective(ball.mass, other.mass), _core.effective(ball.radius, other.radius)
+        friction = None if law.friction is None else law.friction.core
+        parameters = list(law.parameters.values())
+        core = _core.make_contact(law.record["name"], law.alternative, parameters, mass, radius, friction)
         names = [constant["name"] for constant in law.record["constants"]]
         constants = dict(zip(names, core.values(), strict=True))
-        self.__dict__.update(law=law, core=core, _constants=constants)
+        self.__dict__.update(law=law, ball=ball, other=other, core=core, _constants=constants)
 
     def __setattr__(self, name: str, value: Any) -> None:
         raise AttributeError(f"{name}: a contact is immutable, change its law or its bodies")
@@ -70,7 +77,7 @@ class Contact:
         return f"Contact({inner}, effective_mass={self.effective_mass:.6g})"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _contact, (self.law, self.effective_mass, self.effective_radius)
+        return Contact, (self.law, self.ball, self.other)
 
     @property
     def effective_mass(self) -> float:
@@ -81,6 +88,25 @@ class Contact:
     def effective_radius(self) -> float:
         """R_i R_j/(R_i + R_j) [m]."""
         return self.core.effective_radius
+
+    @property
+    def tangential_mass(self) -> float:
+        """m_t [kg], the mass of the tangential motion of the surfaces.
+
+        Notes
+        -----
+        1/m_t = 1/m_eff + R_i²/I_i + R_j²/I_j (Foerster et al., Phys. Fluids 6, 1108 (1994)).
+        """
+        bodies = (self.ball.mass, self.ball.inertia_factor, self.other.mass, self.other.inertia_factor)
+        return 1.0 / _core.inverse_tangential_mass(*bodies)
+
+    @property
+    def friction_terms(self) -> FrictionTerms | None:
+        """The friction of this contact in numbers; None without friction.
+
+        :meta private:
+        """
+        return None if self.law.friction is None else FrictionTerms(*self.core.friction_terms)
 
     @overload
     def restitution(self, speed: float = ...) -> float: ...
@@ -213,8 +239,10 @@ class Law:
     record: ClassVar[dict[str, Any]]
     parameters: Mapping[str, float]  #: as given, in the record's order
     alternative: int  #: which set of alternatives was given
+    friction: Friction | None  #: with the defaults of this law; None: smooth surfaces
 
-    def __init__(self, **parameters: float | None) -> None:
+    def __init__(self, **parameters: Any) -> None:
+        friction = checked_friction(parameters.pop("friction", None))
         record = self.record
         common = record["common"]
         choices = record["alternatives"]
@@ -232,6 +260,17 @@ class Law:
             raise ValueError(_refused_choice(choices, rest))
         checked = {p["name"]: check_parameter(p, named[p["name"]]) for p in [*common, *choices[matching[0]]]}
         self.__dict__.update(alternative=matching[0], parameters=MappingProxyType(checked))
+        self.__dict__.update(friction=self._completed(friction))
+
+    def _completed(self, friction: Friction | None) -> Friction | None:
+        """The friction with the defaults of this law."""
+        if friction is None:
+            return None
+        if not self.record["power_law"]:
+            raise ValueError(
+                f"friction: got it with {type(self).__name__}, whose stiffness is not a power of ξ"
+            )
+        return friction.completed(self.record["powers"][0], self.parameters.get("poisson_ratio"))
 
     def __setattr__(self, name: str, value: Any) -> None:
         raise AttributeError(f"{name}: a law is immutable, use replace({name}=…)")
@@ -240,7 +279,11 @@ class Law:
         raise AttributeError(f"{name}: a law is immutable")
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return partial(type(self), **self.parameters), ()
+        return partial(type(self), **{**self.parameters, **self._friction()}), ()
+
+    def _friction(self) -> dict[str, Any]:
+        """The argument of the friction if there is one."""
+        return {} if self.friction is None else {"friction": self.friction}
 
     def __getattr__(self, name: str) -> float:
         parameters = self.__dict__.get("parameters", {})
@@ -249,15 +292,18 @@ class Law:
         raise AttributeError(f"{type(self).__name__} has no parameter {name!r}")
 
     def __repr__(self) -> str:
-        return f"{type(self).__name__}({', '.join(f'{k}={v!r}' for k, v in self.parameters.items())})"
+        values = {**self.parameters, **self._friction()}
+        return f"{type(self).__name__}({', '.join(f'{k}={v!r}' for k, v in values.items())})"
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Law) and type(self) is type(other) and self.parameters == other.parameters
+        if not isinstance(other, Law) or type(self) is not type(other):
+            return False
+        return self.parameters == other.parameters and self.friction == other.friction
 
     def __hash__(self) -> int:
-        return hash((type(self).__name__, tuple(self.parameters.items())))
+        return hash((type(self).__name__, tuple(self.parameters.items()), self.friction))
 
-    def replace(self, **changes: float) -> Self:
+    def replace(self, **changes: Any) -> Self:
         """A law with some parameters changed.
 
         A parameter of another alternative selects this alternative. Parameters that it does not use are dropped.
@@ -265,7 +311,7 @@ class Law:
         Parameters
         ----------
         **changes : float
-            New values of parameters by name.
+            New values of parameters by name; ``friction``: a :class:`Friction`, or None for none.
 
         Raises
         ------
@@ -277,10 +323,10 @@ class Law:
         >>> hl.LinearDashpot(stiffness=1e6, restitution=0.5).replace(damping=3.0)
         LinearDashpot(stiffness=1000000.0, damping=3.0)
         """
-        chosen = self._alternative_for(set(changes))
+        chosen = self._alternative_for(set(changes) - {"friction"})
         names = {p["name"] for group in (self.record["common"], chosen) for p in group}
         kept = {name: value for name, value in self.parameters.items() if name in names}
-        return type(self)(**(kept | changes))
+        return type(self)(**(kept | self._friction() | changes))
 
     def _alternative_for(self, changed: set[str]) -> list[dict[str, Any]]:
         """The alternative for which the changed and the present parameters are complete, or else the present one."""
@@ -325,14 +371,16 @@ class Law:
             raise ValueError(f"ball: got {validation.shown(ball)}, must be a Ball")
         if not isinstance(other, Ball | Floor):
             raise ValueError(f"other: got {validation.shown(other)}, must be a Ball or FLOOR")
-        mass, radius = _core.effective(ball.mass, other.mass), _core.effective(ball.radius, other.radius)
-        return _contact(self, mass, radius)
+        return Contact(self, ball, other)
 
 
-def _contact(law: Law, mass: float, radius: float) -> Contact:
-    """The contact of two bodies of this effective mass and radius."""
-    parameters = list(law.parameters.values())
-    return Contact(law, _core.make_contact(law.record["name"], law.alternative, parameters, mass, radius))
+def checked_law(law: Any, smooth: str = "") -> Law:
+    """``law``, if it is one; ``smooth`` names what has no rotation and refuses a law with friction."""
+    if not isinstance(law, Law):
+        raise ValueError(f"law: got {validation.shown(law)}, must be a contact law such as LinearDashpot")
+    if smooth and law.friction is not None:
+        raise ValueError(f"law: got one with friction, must be without: {smooth} do not rotate")
+    return law
 
 
 def check_parameter(record: Mapping[str, Any], value: Any) -> float:
@@ -378,7 +426,8 @@ def _signature(record: dict[str, Any]) -> Signature:
     chosen = dict.fromkeys(p["name"] for choice in record["alternatives"] for p in choice)
     required = [Parameter(p["name"], only, annotation=float) for p in record["common"]]
     optional = [Parameter(name, only, default=None, annotation=float | None) for name in chosen]
-    return Signature([*required, *optional])
+    friction = Parameter("friction", only, default=None, annotation=Friction | None)
+    return Signature([*required, *optional, friction])
 
 
 def _documentation(law: type[Law]) -> str:
@@ -394,6 +443,7 @@ def _documentation(law: type[Law]) -> str:
     for name, p in law_parameters(law).items():
         meaning = f"{p['meaning'][0].upper()}{p['meaning'][1:]}"
         lines += [f"{name} : float{_unit(p)}", f"    {meaning}; {_range_of(p)}."]
+    lines += ["friction : Friction, optional", "    Tangential forces; None for smooth surfaces."]
     lines += ["", "Raises", "------", "ValueError"]
     lines += ["    If a value is outside its range or not exactly one of the sets is given."]
     lines += ["", "Notes", "-----", f"Source: {record['source']}."]
@@ -407,7 +457,7 @@ def _unit(parameter: dict[str, Any]) -> str:
 def _example(law: type[Law]) -> list[str]:
     """An example with a ball on the floor and the parameters of the first alternative."""
     parameters = [*law.record["common"], *law.record["alternatives"][0]]
-    values = {p["name"]: _typical(p) for p in parameters}
+    values: dict[str, Any] = {p["name"]: _typical(p) for p in parameters}
     contact = law(**values).between(Ball(0.01, density=2500.0))
     return [
         f">>> law = hl.{law.__name__}({', '.join(f'{name}={_short(value)}' for name, value in values.items())})",

@@ -1,6 +1,7 @@
 # Written by tools/stubs.py from the laws' records.
 
 from .contact import Law
+from .friction import Friction
 
 __all__ = ["LAWS", "LinearDashpot", "Viscoelastic", "Tsuji"]
 
@@ -13,6 +14,7 @@ class LinearDashpot(Law):
         stiffness: float,
         restitution: float | None = None,
         damping: float | None = None,
+        friction: Friction | None = None,
     ) -> None: ...
     stiffness: float
     restitution: float
@@ -27,6 +29,7 @@ class Viscoelastic(Law):
         dissipative_time: float | None = None,
         restitution: float | None = None,
         impact_speed: float | None = None,
+        friction: Friction | None = None,
     ) -> None: ...
     youngs_modulus: float
     poisson_ratio: float
@@ -43,6 +46,7 @@ class Tsuji(Law):
         damping_coefficient: float | None = None,
         youngs_modulus: float | None = None,
         poisson_ratio: float | None = None,
+        friction: Friction | None = None,
     ) -> None: ...
     elastic_prefactor: float
     restitution: float

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from ...convert.tangential import Tangential
+
 #: Second type of a contact with a wall.
 WALL = "wall"
 
@@ -76,6 +78,7 @@ class ContactSettings:
     friction: float | None = (
         0.0  #: coefficient of sliding friction, 0 without tangential forces; None if not known
     )
+    tangential: Tangential | None = None  #: the tangential force; None without one, or if it is not known
     motion: Motion | None = None  #: of the wall, or of the grains that do not follow forces; None at rest
 
 
