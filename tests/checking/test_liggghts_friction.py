@@ -14,6 +14,7 @@ import pytest
 from hardlimit.checking.cases import force_of
 from hardlimit.checking.contacts import KnownBody
 from hardlimit.checking.scripts import read
+from hardlimit.contact.impact import tangential_restitution
 from hardlimit.convert.codes import code
 from hardlimit.convert.tangential import NormalContact, liggghts
 
@@ -71,51 +72,37 @@ def normal_contact(contact, script):
     )
 
 
-def restitutions(force, terms, speed, slips, steps=6000):
-    """β of spheres, by small steps of the contact with a fixed normal."""
-    elastic, damping = 0.25 * force.powers.elastic, 0.25 * force.powers.damping
-    step = force.collision(speed).duration / steps
-    mass, x, v = force.effective_mass, 0.0, speed
-    slip, spring = np.array(slips), np.zeros(len(slips))
+def restitutions(script, tangents):
+    """β of spheres with the numbers that are read from a script."""
+    description, contact = contact_of(script)
+    assert not description.unknown
+    normal, speed = normal_contact(contact, script), script["speed"]
+    terms = MODELS[contact.tangential.model].terms(contact.tangential.numbers, normal)
+    mass = normal.force.effective_mass
+    return tangential_restitution(
+        normal.force.powers.arguments,
+        normal.force.stiffness,
+        normal.force.damping,
+        mass,
+        terms,
+        mass / 3.5,
+        speed,
+        np.array(tangents) * speed,
+    )
 
-    def push(x, v):
-        value = force.stiffness * x**elastic + force.damping * x**damping * v
-        return value if force.powers.attracts else max(value, 0.0)
 
-    def half(x, v, dt):  # explicit midpoint
-        middle = max(x + 0.5 * dt * v, 0.0), v - 0.5 * dt * push(x, v) / mass
-        return x + dt * middle[1], v - dt * push(*middle) / mass
-
-    while True:
-        new, rate = half(x, v, step)
-        if new <= 0.0:
-            return -slip / slips
-        power = 0.5 * (terms.loading if new > x else terms.unloading)
-        spring *= (new / x) ** power if x > 0.0 else 1.0
-        spring += terms.stiffness * (0.5 * (x + new)) ** (0.25 * terms.stiffness_power) * slip * step
-        x, v = new, rate
-        limit = terms.coefficient * abs(push(x, v))
-        drag = terms.damping * x ** (0.25 * terms.damping_power) * slip
-        held = np.clip(spring, -limit, limit)
-        friction = np.where(held != spring, held, held + drag)
-        if terms.limit == 0:  # without a spring
-            friction = np.clip(drag, -limit, limit)
-        spring = held
-        slip = slip - step * friction / (mass / 3.5)
+def agree(script, tangents, real):
+    """Whether β is that in LIGGGHTS to 2e-3. It may jump where surfaces stick or slip once more."""
+    beside = [restitutions(script, np.array(tangents) * factor) for factor in (0.999, 1.0, 1.001)]
+    return np.all((np.min(beside, axis=0) - 2e-3 <= real) & (real <= np.max(beside, axis=0) + 2e-3))
 
 
 @pytest.mark.parametrize("name", SCRIPTS)
 def test_restitution_is_that_in_liggghts(name):
     """30 random angles, directions and spins each."""
-    script = SCRIPTS[name]
-    description, contact = contact_of(script)
-    assert not description.unknown
-    normal = normal_contact(contact, script)
-    terms = MODELS[contact.tangential.model].terms(contact.tangential.numbers, normal)
     tangents, real = MEASURED[name].T
     assert len(real) == 30
-    got = restitutions(normal.force, terms, script["speed"], tangents * script["speed"])
-    assert got == pytest.approx(real, abs=2e-3)
+    assert agree(SCRIPTS[name], tangents, real)
 
 
 @pytest.mark.slow
@@ -123,11 +110,7 @@ def test_restitution_is_that_in_liggghts(name):
 @pytest.mark.parametrize("name", SCRIPTS)
 def test_restitution_of_other_angles(name):
     """As recorded, at angles that were not."""
-    script, draw = SCRIPTS[name], random.Random(5)
+    draw = random.Random(5)
     tangents = [math.tan(math.radians(draw.uniform(1.0, 85.0))) for _ in range(30)]
-    _, real = recorder().measured(script, tangents, "other")
-    _, contact = contact_of(script)
-    normal = normal_contact(contact, script)
-    terms = MODELS[contact.tangential.model].terms(contact.tangential.numbers, normal)
-    got = restitutions(normal.force, terms, script["speed"], np.array(tangents) * script["speed"])
-    assert got == pytest.approx(real, abs=2e-3)
+    _, real = recorder().measured(SCRIPTS[name], tangents, "other")
+    assert agree(SCRIPTS[name], tangents, real)
