@@ -114,3 +114,209 @@ def test_restitution_of_other_angles(name):
     tangents = [math.tan(math.radians(draw.uniform(1.0, 85.0))) for _ in range(30)]
     _, real = recorder().measured(SCRIPTS[name], tangents, "other")
     assert agree(SCRIPTS[name], tangents, real)
+
+
+# --- what is said -----------------------------------------------------------------------------------------------
+
+GRAIN = "create_atoms 1 box\nset group all diameter 0.002 density 2500\n"
+HEAD = "units si\natom_style granular\nregion box block 0 1 0 1 0 1 units box\ncreate_box {} box\n"
+MATERIAL = """
+fix m1 all property/global youngsModulus peratomtype 1e7
+fix m2 all property/global poissonsRatio peratomtype 0.3
+fix m3 all property/global coefficientRestitution peratomtypepair 1 {e}
+fix m4 all property/global coefficientFriction peratomtypepair 1 {mu}
+fix m5 all property/global characteristicVelocity scalar 1
+fix m6 all property/global coefficientRollingFriction peratomtypepair 1 {roll}
+fix m7 all property/global coefficientRollingViscousDamping peratomtypepair 1 {viscous}
+fix m8 all property/global kn peratomtypepair 1 1e4
+fix m9 all property/global kt peratomtypepair 1 8e3
+fix m10 all property/global gamman{absolute} peratomtypepair 1 {gamman}
+fix m11 all property/global gammat{absolute} peratomtypepair 1 {gammat}
+"""
+NUMBERS = {"e": 0.8, "mu": 0.5, "roll": 0.1, "viscous": 0.3, "gamman": 9, "gammat": 4, "absolute": ""}
+
+
+def script_of(model, **numbers):
+    """One material, one type of grains."""
+    return (
+        HEAD.format(1) + MATERIAL.format(**(NUMBERS | numbers)) + f"pair_style gran {model}\n{GRAIN}run 9\n"
+    )
+
+
+def said(model, **numbers):
+    """The warnings."""
+    return [note.what for note in read(script_of(model, **numbers)).warnings]
+
+
+@pytest.mark.parametrize(
+    "model,numbers,name,read_numbers",
+    [
+        ("model hooke tangential history", {}, "hooke history", {"ktToKnUser": None}),
+        (
+            "model hooke tangential history ktToKnUser on tangential_damping off",
+            {},
+            "hooke history",
+            {"ktToKnUser": 1.0, "tangential_damping": 0.0},
+        ),
+        ("model hooke tangential no_history", {"mu": 0}, "hooke no_history", {"coefficient": 0.0}),
+        ("model hertz tangential history", {}, "hertz history", {"coefficient": 0.5}),
+        (
+            "model hooke/stiffness tangential history",
+            {},
+            "hooke/stiffness history",
+            {"stiffness": 8e3, "damping": 4.0},
+        ),
+        (
+            "model hooke/stiffness tangential no_history absolute_damping on",
+            {"absolute": "_abs"},
+            "hooke/stiffness no_history",
+            {"stiffness": 8e3, "absolute_damping": 4.0},
+        ),
+        (
+            "model hertz/stiffness tangential history tangential_damping on",
+            {},
+            "hertz/stiffness history",
+            {"damping": 4.0, "tangential_damping": 1.0},
+        ),
+    ],
+)
+def test_words_and_numbers(model, numbers, name, read_numbers):
+    description = read(script_of(model, **numbers))
+    force = description.stages[0].contacts[0].tangential
+    assert force.model == name and read_numbers.items() <= force.numbers.items() and not description.unknown
+    assert set(force.numbers) <= set(MODELS[name].numbers)
+
+
+def test_shear_modulus_is_that_of_two_materials():
+    text = f"""{HEAD.format(2)}
+fix m1 all property/global youngsModulus peratomtype 1e7 4e7
+fix m2 all property/global poissonsRatio peratomtype 0.3 0.1
+fix m3 all property/global coefficientRestitution peratomtypepair 2 0.9 0.9 0.9 0.9
+fix m4 all property/global coefficientFriction peratomtypepair 2 0.1 0.2 0.2 0.3
+pair_style gran model hertz tangential history
+fix w all wall/gran model hertz tangential history primitive type 2 zplane 0
+{GRAIN}create_atoms 2 box
+run 1
+"""
+    contacts = read(text).stages[0].contacts
+    numbers = {
+        contact.types: contact.tangential.numbers for contact in contacts if contact.types != ("2", "wall")
+    }
+
+    def modulus(*moduli_and_ratios):
+        return 1.0 / sum(2.0 * (2.0 - nu) * (1.0 + nu) / e for e, nu in moduli_and_ratios)
+
+    hard, soft = (4e7, 0.1), (1e7, 0.3)
+    expected = {
+        ("1", "1"): (0.1, (soft, soft)),
+        ("1", "2"): (0.2, (soft, hard)),
+        ("2", "2"): (0.3, (hard, hard)),
+        ("1", "wall"): (0.2, (soft, hard)),
+    }
+    assert {
+        types: (row["coefficient"], pytest.approx(row["shear_modulus"])) for types, row in numbers.items()
+    } == {types: (mu, modulus(*pair)) for types, (mu, pair) in expected.items()}
+
+
+@pytest.mark.parametrize(
+    "model,numbers,part",
+    [
+        ("model hertz tangential custom", {}, "tangential custom"),
+        ("model hooke tangential tan_luding", {}, "tangential tan_luding"),
+        ("model hertz tangential history rolling_friction magic", {}, "rolling_friction magic"),
+    ],
+)
+def test_what_is_not_known_is_quoted(model, numbers, part):
+    description = read(script_of(model, **numbers))
+    assert [quote.part for quote in description.unknown] == [part]
+    assert (description.stages[0].contacts[0].tangential is None) == (part.split()[0] == "tangential")
+
+
+@pytest.mark.parametrize("name", ["coefficientFriction", "kt", "gammat"])
+def test_without_a_number_the_tangential_force_is_not_known(name):
+    text = script_of("model hooke/stiffness tangential history").replace(f"global {name} ", "global other ")
+    assert read(text).stages[0].contacts[0].tangential is None
+
+
+SLIDING = "model {} tangential history {}"
+
+
+@pytest.mark.parametrize(
+    "model,numbers,words",
+    [
+        (SLIDING.format("hooke", ""), {}, ["k_t = k_n", "spring alone", "limitForce off"]),
+        (SLIDING.format("hooke", "ktToKnUser off limitForce on"), {}, ["k_t = k_n", "spring alone"]),
+        (SLIDING.format("hooke", "ktToKnUser on limitForce on"), {"e": 0.9}, ["spring alone"]),
+        (SLIDING.format("hooke", "ktToKnUser on"), {"e": 1}, []),
+        (SLIDING.format("hertz", "tangential_damping off"), {}, ["without γ_t", "limitForce off"]),
+        (SLIDING.format("hertz", "limitForce on"), {}, ["spring alone"]),
+        (SLIDING.format("hertz", ""), {"mu": 0}, []),
+        (SLIDING.format("hertz/stiffness", ""), {}, ["spring alone", "limitForce off"]),
+        (SLIDING.format("hooke/stiffness", ""), {"gammat": 0, "gamman": 0}, []),
+        (
+            SLIDING.format("hooke/stiffness", "absolute_damping on"),
+            {"absolute": "_abs", "gamman": 0},
+            ["spring alone"],
+        ),
+        ("model hooke tangential no_history limitForce on", {}, ["no spring"]),
+        ("model hertz tangential no_history limitForce on", {"e": 1}, ["no tangential force"]),
+        (
+            "model hertz tangential no_history",
+            {},
+            ["no spring", "limitForce off"],
+        ),
+        (
+            "model hooke/stiffness tangential no_history limitForce on tangential_damping off",
+            {},
+            ["no tangential force"],
+        ),
+        ("model hertz tangential off", {}, []),
+        ("model hertz", {}, []),
+    ],
+)
+def test_traps(model, numbers, words):
+    """k_t = k_n; no spring; no damping while surfaces slip; limits in the attractive tail."""
+    notes = said(model, **numbers)
+    assert len(notes) == len(words)
+    assert all(word in note for word, note in zip(words, notes, strict=True))
+
+
+OFF = "μ_r R_eff J_n = {:g} R_eff J_n off the relative spin"
+
+
+@pytest.mark.parametrize(
+    "words,numbers,what",
+    [
+        ("cdt", {}, f"takes {OFF.format(0.1)}, not about the normal, and at most all of it"),
+        ("cdt torsionTorque on", {"roll": 0.25}, f"takes {OFF.format(0.25)}, and at most all of it"),
+        ("epsd2", {}, f"takes up to {OFF.format(0.1)}, not about the normal; its spring may reverse it"),
+        ("epsd", {}, "its dashpot has no limit"),
+        ("epsd", {"viscous": 0}, f"takes up to {OFF.format(0.1)}, not about the normal"),
+        ("cdt", {"roll": 0}, ""),
+        ("off", {}, ""),
+    ],
+)
+def test_rolling_friction(words, numbers, what):
+    """Its angular impulse in one collision."""
+    notes = said(f"model hertz tangential off rolling_friction {words}", **numbers)
+    assert [what in note for note in notes] == [True] * bool(what)
+
+
+def test_a_trap_names_the_types_and_the_statement():
+    text = f"""{HEAD.format(2)}
+fix m1 all property/global youngsModulus peratomtype 1e7 4e7
+fix m2 all property/global poissonsRatio peratomtype 0.3 0.1
+fix m3 all property/global coefficientRestitution peratomtypepair 2 0.9 0.9 0.9 1
+fix m4 all property/global coefficientFriction peratomtypepair 2 0 0.2 0.2 0.3
+fix m5 all property/global characteristicVelocity scalar 1
+pair_style gran model hooke tangential history limitForce on tangential_damping off
+fix w all wall/gran model hertz tangential no_history primitive type 1 zplane 0 limitForce on
+{GRAIN}create_atoms 2 box
+run 1
+"""
+    notes = [(note.what.split()[0], note.types, note.quote.line) for note in read(text).warnings]
+    assert notes == [
+        ("k_t", ("1", "2"), 11),
+        ("tangential_damping", ("1", "2"), 11),
+        ("tangential", ("2",), 12),
+    ]

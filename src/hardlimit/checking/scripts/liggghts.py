@@ -138,9 +138,10 @@ class Liggghts(State):
         parsed = granular_words.gran_model(statement, words, True)
         for what in parsed.beside:
             self.ignore(what, statement)
-        kind = parsed.settings.get("tangential", ("off",))[0]
-        if kind not in liggghts_friction.KNOWN:
-            self.unknown[replace(statement.quote, part=f"tangential {kind}")] = None
+        for name, known in liggghts_friction.KNOWN_WORDS.items():
+            kind = parsed.settings.get(name, known)[0]
+            if kind not in known:
+                self.unknown[replace(statement.quote, part=f"{name} {kind}")] = None
         return self.resolve(statement, settings(statement, parsed.settings))
 
     def own_fix(self, fix: Fix) -> bool:
@@ -345,12 +346,14 @@ class Liggghts(State):
         return None if first is None or second is None else (first, second)
 
     def rolling(self, model: Settings, i: int, j: int) -> Settings:
-        """The coefficient of rolling friction of two types, if the model has it."""
-        name = "coefficientRollingFriction"
-        source, value = self.properties.get(name), liggghts_friction.first(self.values(name, i, j))
-        if liggghts_friction.word(model, "rolling_friction") == "off" or source is None or value is None:
+        """The properties of rolling friction of two types, if the model has it and they are known."""
+        if liggghts_friction.word(model, "rolling_friction") == "off":
             return {}
-        return {name: source.setting(repr(value))}
+        return {
+            name: self.properties[name].setting(repr(pair[0]))
+            for name in liggghts_friction.ROLLING_PROPERTIES
+            if (pair := self.values(name, i, j)) is not None
+        }
 
     def between(self, i: int, j: int) -> tuple[Settings, tuple[Quote, ...]]:
         """The properties of a pair of types. Two materials are replaced by one with the same effective modulus."""
