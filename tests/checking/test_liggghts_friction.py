@@ -60,9 +60,11 @@ def contact_of(script, text=None):
 
 
 def normal_contact(contact, script):
-    """Its normal force."""
+    """Its normal force. In two dimensions, LIGGGHTS takes disks."""
     bodies = [
-        KnownBody(radius, 4.0 / 3.0 * math.pi * radius**3 * density)
+        KnownBody(
+            radius, density * math.pi * radius**2 * (1.0 if script["dimension"] == 2 else 4.0 / 3.0 * radius)
+        )
         for radius, density in zip(script["radii"], script["densities"], strict=True)
     ]
     first, second = (bodies[1], None) if script["types"][1] == "wall" else bodies
@@ -73,7 +75,7 @@ def normal_contact(contact, script):
 
 
 def restitutions(script, tangents):
-    """β of spheres with the numbers that are read from a script."""
+    """β with the numbers that are read from a script."""
     description, contact = contact_of(script)
     assert not description.unknown
     normal, speed = normal_contact(contact, script), script["speed"]
@@ -85,7 +87,7 @@ def restitutions(script, tangents):
         normal.force.damping,
         mass,
         terms,
-        mass / 3.5,
+        mass / (3.0 if script["dimension"] == 2 else 3.5),
         speed,
         np.array(tangents) * speed,
     )
