@@ -104,6 +104,20 @@ def surface_velocities(script: dict[str, Any], rows: np.ndarray) -> np.ndarray:
     return second[:, :3] - first[:, :3] - np.cross(a * first[:, 3:] + b * second[:, 3:], Z)
 
 
+def velocities_after(text: str, steps: int, time_step: float) -> np.ndarray:
+    """Velocities and spins of all grains of a script after a run, one row for each."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        (folder / "floor.stl").write_text(FLOOR)
+        (folder / "in.script").write_text(text + RUN.format(steps=steps, time_step=time_step))
+        command = ["liggghts", "-in", "in.script", "-log", "none"]
+        done = subprocess.run(command, cwd=folder, capture_output=True, timeout=600)
+        if done.returncode or not (folder / "dump.end").exists():
+            raise RuntimeError((done.stdout + done.stderr)[-1500:].decode(errors="replace"))
+        dump = (folder / "dump.end").read_text().rpartition("ITEM: ATOMS")[2].splitlines()[1:]
+    return np.array(sorted([float(x) for x in line.split()] for line in dump))[:, 1:]
+
+
 def measured(script: dict[str, Any], tangents: list[float], seed: str) -> tuple[np.ndarray, np.ndarray]:
     """ε and β of each collision."""
     placed = bodies(script, tangents, random.Random(seed))
@@ -111,16 +125,7 @@ def measured(script: dict[str, Any], tangents: list[float], seed: str) -> tuple[
     if script["types"][1] == "wall":
         before = before[1::2]
     text = script["text"].replace("{grains}", grains(script, placed))
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        (folder / "floor.stl").write_text(FLOOR)
-        (folder / "in.script").write_text(text + RUN.format(**script))
-        command = ["liggghts", "-in", "in.script", "-log", "none"]
-        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=600)
-        if done.returncode or not (folder / "dump.end").exists():
-            raise RuntimeError((done.stdout + done.stderr)[-1500:])
-        dump = (folder / "dump.end").read_text().rpartition("ITEM: ATOMS")[2].splitlines()[1:]
-    after = np.array(sorted([float(x) for x in line.split()] for line in dump))[:, 1:]
+    after = velocities_after(text, script["steps"], script["time_step"])
     if script["dimension"] == 2:
         after = np.hstack([after[:, :3] @ TURN, after[:, 3:] @ TURN])
     old, new = surface_velocities(script, before), surface_velocities(script, after)

@@ -304,6 +304,52 @@ def test_rolling_friction(words, numbers, what):
     assert [what in note for note in notes] == [True] * bool(what)
 
 
+ROLLING = """
+units si
+atom_style granular
+atom_modify map array
+boundary f f f
+newton off
+communicate single vel yes
+region box block -0.05 0.05 -0.05 0.05 -0.05 0.05 units box
+create_box 1 box
+neighbor 0.0005 bin
+fix m1 all property/global youngsModulus peratomtype 1e8
+fix m2 all property/global poissonsRatio peratomtype 0.3
+fix m3 all property/global coefficientRestitution peratomtypepair 1 0.8
+fix m4 all property/global coefficientRollingFriction peratomtypepair 1 0.1
+fix m5 all property/global coefficientRollingViscousDamping peratomtypepair 1 0.3
+pair_style gran model hertz tangential off rolling_friction {kind}
+pair_coeff * *
+create_atoms 1 single 0 0 0 units box
+create_atoms 1 single 0 0 0.002000001 units box
+set atom 1 diameter 0.002 density 2500 omegax {spin}
+set atom 2 diameter 0.002 density 2500 vz -0.01 omegax -{spin}
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not shutil.which("liggghts"), reason="no LIGGGHTS")
+@pytest.mark.parametrize(
+    "kind,spin,low,high",
+    [
+        ("cdt", 50.0, 0.999, 1.001),
+        ("cdt", 0.5, 0.0, 0.445),  # all of the spin
+        ("epsd2", 50.0, 0.9, 1.02),
+        ("epsd", 50.0, 5.0, 9.0),  # by its dashpot
+    ],
+)
+def test_spin_that_rolling_friction_takes(kind, spin, low, high):
+    """The change of angular momentum over μ_r R_eff J_n, as the warnings say."""
+    text = ROLLING.format(kind=kind, spin=spin)
+    rows = recorder().velocities_after(text, 10000, 5e-8)
+    mass, radius = 4.0 / 3.0 * math.pi * 1e-9 * 2500.0, 1e-3
+    impulse = mass * abs(rows[0, 2])
+    assert rows[0, 3] == pytest.approx(-rows[1, 3], abs=1e-6) and rows[0, 3] > -1e-6
+    lost = 0.4 * mass * radius**2 * (spin - rows[0, 3])
+    assert low <= lost / (0.1 * 0.5 * radius * impulse) <= high
+
+
 def test_a_trap_names_the_types_and_the_statement():
     text = f"""{HEAD.format(2)}
 fix m1 all property/global youngsModulus peratomtype 1e7 4e7
