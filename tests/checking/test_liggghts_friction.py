@@ -87,7 +87,7 @@ def restitutions(script, tangents):
         normal.force.damping,
         mass,
         terms,
-        mass / (3.0 if script["dimension"] == 2 else 3.5),
+        mass / (1.0 + 1.0 / description.stages[0].grains["1"].inertia_factor),
         speed,
         np.array(tangents) * speed,
     )
@@ -283,17 +283,18 @@ def test_traps(model, numbers, words):
     assert all(word in note for word, note in zip(words, notes, strict=True))
 
 
-OFF = "μ_r R_eff J_n = {:g} R_eff J_n off the relative spin"
-
-
 @pytest.mark.parametrize(
     "words,numbers,what",
     [
-        ("cdt", {}, f"takes {OFF.format(0.1)}, not about the normal, and at most all of it"),
-        ("cdt torsionTorque on", {"roll": 0.25}, f"takes {OFF.format(0.25)}, and at most all of it"),
-        ("epsd2", {}, f"takes up to {OFF.format(0.1)}, not about the normal; its spring may reverse it"),
-        ("epsd", {}, "its dashpot has no limit"),
-        ("epsd", {"viscous": 0}, f"takes up to {OFF.format(0.1)}, not about the normal"),
+        ("cdt", {}, "of 0.1 R_eff J_n against ω_i − ω_j across the normal, and at most what stops it"),
+        ("cdt torsionTorque on", {"roll": 0.25}, "of 0.25 R_eff J_n against ω_i − ω_j, and at most what"),
+        (
+            "epsd2",
+            {},
+            "of up to 0.1 R_eff J_n against ω_i − ω_j across the normal, and its spring may reverse",
+        ),
+        ("epsd", {}, "and more by its dashpot"),
+        ("epsd", {"viscous": 0}, "of up to 0.1 R_eff J_n against ω_i − ω_j across the normal"),
         ("cdt", {"roll": 0}, ""),
         ("off", {}, ""),
     ],
@@ -368,3 +369,15 @@ run 1
         ("tangential_damping", ("1", "2"), 11),
         ("tangential", ("2",), 12),
     ]
+
+
+@pytest.mark.parametrize(
+    "dimension,fix,factor",
+    [(3, "nve/sphere", 0.4), (2, "nve/sphere", 0.5), (3, "nve", math.inf), (3, "multisphere", 0.4)],
+)
+def test_moment_of_inertia(dimension, fix, factor):
+    """LIGGGHTS takes grains in two dimensions as disks."""
+    text = f"dimension {dimension}\n" + script_of("model hertz tangential history").replace(
+        "run", f"fix i all {fix}\nrun"
+    )
+    assert read(text).stages[0].grains["1"].inertia_factor == factor

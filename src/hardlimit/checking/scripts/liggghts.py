@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
 from ...convert.tangential import Tangential
 from . import granular_words, liggghts_friction, motion
-from .description import WALL, ContactSettings, Note, Quote, Range, Setting, Settings
+from .description import ContactSettings, Quote, Range, Setting, Settings
 from .formulas import NUMBER
 from .granular_words import PROPERTIES, Words, is_zero, unaccelerated
 from .materials import one_material
 from .population import Batch
-from .state import MAX_TYPES, Fix, State
+from .state import DISK, INTEGRATORS, MAX_TYPES, SPHERE, Fix, State
 from .statements import Statement, refused, same_word, settings
 
 #: Properties that the models read; each depends on two types.
@@ -23,6 +24,8 @@ OF_CONTACT: Final = (
 )
 #: Normal models with plasticity or adhesion.
 STICKY_MODELS: Final = ("hooke/hysteresis", "edinburgh", "edinburgh/stiffness", "luding", "thornton_ning")
+#: Fixes that leave spins alone.
+SPINLESS: Final = ("nve", "nve/limit", "nve/noforce", "move")
 #: Models of cohesion with the properties to which their force is proportional.
 COHESION: Final[dict[str, tuple[str, ...]]] = {
     **dict.fromkeys(("sjkr", "sjkr2"), ("cohesionEnergyDensity",)),
@@ -319,14 +322,21 @@ class Liggghts(State):
                         yield replace(contact, tangential=self.tangential(model, kind, end))
 
     def note_friction(self, contacts: Sequence[ContactSettings]) -> None:
-        """Note what the friction of the contacts really does, each with all types that it concerns."""
+        """Note what the friction of the contacts really does."""
         for contact in contacts:
             for what in liggghts_friction.remarks(contact):
-                same = [n for n in self.warnings if (n.what, n.quote) == (what, contact.quotes[0])]
-                types = {*contact.types, *(name for note in same for name in note.types or ())} - {WALL}
-                for note in same:
-                    del self.warnings[note]
-                self.warnings[Note(what, tuple(sorted(types, key=int)), contact.quotes[0])] = None
+                self.warn(what, contact)
+
+    def inertia_factor(self, kind: int) -> float:
+        """Disks in two dimensions; infinite if only fixes that leave spins alone move the grains."""
+        own = [
+            fix
+            for fix in self.fixes.values()
+            if fix.style.startswith(INTEGRATORS) and kind in self.within(self.members(fix.group))
+        ]
+        if own and all(fix.style in SPINLESS for fix in own):
+            return math.inf
+        return DISK if self.dimension == 2 else SPHERE
 
     def friction(self, model: Settings, i: int, j: int) -> float | None:
         """The coefficient of friction of two types; 0 if the model has no tangential forces."""

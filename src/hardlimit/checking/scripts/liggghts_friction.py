@@ -132,13 +132,18 @@ def _of_rolling(settings: Settings) -> Iterator[str]:
     coefficient, damping = (word(settings, name, "") for name in ROLLING_PROPERTIES)
     if kind not in ROLLING[1:] or (coefficient and float(coefficient) == 0.0):
         return
-    size = f"μ_r R_eff J_n = {float(coefficient):g} R_eff J_n" if coefficient else "μ_r R_eff J_n"
-    about = "" if word(settings, "torsionTorque") == "on" else ", not about the normal"
+    most = f"{float(coefficient):g} R_eff J_n" if coefficient else "μ_r R_eff J_n"
+    about = "" if word(settings, "torsionTorque") == "on" else " across the normal"
     if kind == "cdt":
-        limit = f"takes {size} off the relative spin{about}, and at most all of it"
+        end = "and at most what stops it"
     elif kind == "epsd2":
-        limit = f"takes up to {size} off the relative spin{about}; its spring may reverse it"
+        end = "and its spring may reverse that"
     else:
-        beyond = "" if damping and float(damping) == 0.0 else "; its dashpot has no limit and may take more"
-        limit = f"takes up to {size} off the relative spin{about}{beyond}"
-    yield f"rolling_friction {kind}: a collision of normal impulse J_n {limit}"
+        end = "" if damping and float(damping) == 0.0 else "and more by its dashpot, which has no limit"
+    impulse = f"an angular impulse of {'' if kind == 'cdt' else 'up to '}{most} against ω_i − ω_j{about}"
+    yield ", ".join(
+        [
+            f"rolling_friction {kind}: a collision with the normal impulse J_n adds {impulse}",
+            *filter(None, [end]),
+        ]
+    )
