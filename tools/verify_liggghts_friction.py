@@ -1,6 +1,6 @@
-"""Run oblique collisions in LIGGGHTS with the scripts of tests/checking/data/friction_liggghts.toml; write β.
+"""Run oblique collisions in LIGGGHTS with the scripts of tests/checking/data/liggghts_friction.toml; write β.
 
-    python tools/verify_liggghts_friction.py tests/data/friction_liggghts.csv
+    python tools/verify_liggghts_friction.py tests/data/liggghts_friction.csv
 
 Each script collides thirty grains with a wall, or with others, at random angles of impact, directions and spins.
 Requires the program ``liggghts`` in PATH (Debian has it).
@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-SCRIPTS = Path(__file__).parents[1] / "tests/checking/data/friction_liggghts.toml"
+SCRIPTS = Path(__file__).parents[1] / "tests/checking/data/liggghts_friction.toml"
 VERSION = "3.8.0 (Debian 3.8.0+repack1-9)"
 ANGLES = 30
 #: Distance of the surfaces at the start, in impact speeds times steps.

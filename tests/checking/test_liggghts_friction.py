@@ -21,10 +21,10 @@ from hardlimit.convert.tangential import NormalContact, liggghts
 HERE = Path(__file__).parent
 SCRIPTS = {
     table["name"]: table
-    for table in tomllib.loads((HERE / "data/friction_liggghts.toml").read_text(encoding="utf-8"))["script"]
+    for table in tomllib.loads((HERE / "data/liggghts_friction.toml").read_text(encoding="utf-8"))["script"]
 }
 MODELS = {model.name: model for model in liggghts.MODELS}
-with (HERE.parent / "data/friction_liggghts.csv").open(encoding="utf-8") as file:
+with (HERE.parent / "data/liggghts_friction.csv").open(encoding="utf-8") as file:
     ROWS = list(csv.DictReader(file))
 MEASURED = {
     name: np.array(
