@@ -107,6 +107,17 @@ def test_restitution_is_that_in_liggghts(name):
     assert agree(SCRIPTS[name], tangents, real)
 
 
+def test_damping_that_outlasts_the_normal_force_is_not_modelled():
+    """With kt 0 and limitForce on, LIGGGHTS brakes grains that overlap and do not push each other."""
+    script = SCRIPTS["hooke/stiffness history, kt 0"]
+    changed = {
+        **script,
+        "text": script["text"].replace("tangential history", "tangential history limitForce on"),
+    }
+    with pytest.raises(ValueError, match="kt: got 0 with limitForce on"):
+        restitutions(changed, [1.0])
+
+
 @pytest.mark.slow
 @pytest.mark.skipif(not shutil.which("liggghts"), reason="no LIGGGHTS")
 @pytest.mark.parametrize("name", SCRIPTS)
@@ -131,11 +142,20 @@ fix m5 all property/global characteristicVelocity scalar 1
 fix m6 all property/global coefficientRollingFriction peratomtypepair 1 {roll}
 fix m7 all property/global coefficientRollingViscousDamping peratomtypepair 1 {viscous}
 fix m8 all property/global kn peratomtypepair 1 1e4
-fix m9 all property/global kt peratomtypepair 1 8e3
+fix m9 all property/global kt peratomtypepair 1 {kt}
 fix m10 all property/global gamman{absolute} peratomtypepair 1 {gamman}
 fix m11 all property/global gammat{absolute} peratomtypepair 1 {gammat}
 """
-NUMBERS = {"e": 0.8, "mu": 0.5, "roll": 0.1, "viscous": 0.3, "gamman": 9, "gammat": 4, "absolute": ""}
+NUMBERS = {
+    "e": 0.8,
+    "mu": 0.5,
+    "roll": 0.1,
+    "viscous": 0.3,
+    "gamman": 9,
+    "gammat": 4,
+    "kt": 8e3,
+    "absolute": "",
+}
 
 
 def script_of(model, **numbers):
@@ -272,6 +292,12 @@ SLIDING = "model {} tangential history {}"
             {},
             ["no tangential force"],
         ),
+        (
+            SLIDING.format("hooke/stiffness", "limitForce on"),
+            {"kt": 0},
+            ["kt is 0: the damping is not limited"],
+        ),
+        (SLIDING.format("hooke/stiffness", ""), {"kt": 0, "gammat": 0, "gamman": 0}, ["no tangential force"]),
         ("model hertz tangential off", {}, []),
         ("model hertz", {}, []),
     ],

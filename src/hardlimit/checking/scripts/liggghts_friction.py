@@ -73,6 +73,7 @@ NO_SPRING: Final = "tangential no_history has no spring: no static friction, β 
 NO_FORCE: Final = (
     "tangential no_history without damping: no tangential force, whatever coefficientFriction is"
 )
+UNLIMITED: Final = "kt is 0: the damping is not limited, whatever coefficientFriction is"
 SPRING_LIMITED: Final = (
     "μ |F_n| limits the spring alone: damping adds to it while surfaces stick, and is off while they slip"
 )
@@ -93,6 +94,8 @@ def _of_sliding(contact: ContactSettings) -> Iterator[str]:
     settings = contact.settings
     if word(settings, "tangential") == "no_history":
         yield NO_SPRING if _is_damped(contact) else NO_FORCE
+    elif contact.tangential is not None and contact.tangential.numbers.get("stiffness") == 0.0:
+        yield UNLIMITED if _is_damped(contact) else NO_FORCE
     else:
         if word(settings, "model") == "hooke" and word(settings, "ktToKnUser") == "off":
             yield EQUAL_STIFFNESS
