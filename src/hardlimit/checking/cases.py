@@ -6,7 +6,6 @@ import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from datetime import datetime
 from itertools import permutations
 from typing import Any, Final, NamedTuple
 
@@ -25,6 +24,7 @@ from ..support.units import SYSTEMS
 from .contacts import Body, Case, CheckedContact, KnownBody
 from .models import selected
 from .scripts import ContactSettings, Description, Grains, Quote, Stage
+from .scripts.logs import date
 
 WALL = "wall"
 #: In place of the name of a wall: the second grain is one of those of its type that do not move.
@@ -230,8 +230,8 @@ def force_of(
     ``models``: those of the code by default. ``units``: of the script, to have the numbers in SI units.
     """
     read = selected(source, models or source.models, contact.settings, units)
-    known = None if version is None else _date(version)
-    if contact.since and known is not None and known < (_date(contact.since) or known):
+    known = None if version is None else date(version)
+    if contact.since and known is not None and known < (date(contact.since) or known):
         raise ValueError(f"not mixed before {contact.since}")
 
     def force(version: tuple[int, ...] | None) -> ModelForce:
@@ -256,9 +256,9 @@ def force_of(
 def _as_of(model: Model, version: tuple[int, ...] | None, wall: bool) -> Model:
     """The model in a version of the code, by default the newest."""
     for difference in model.difference:
-        since = not difference.since or version is None or version >= (_date(difference.since) or version)
+        since = not difference.since or version is None or version >= (date(difference.since) or version)
         before = not difference.before or (
-            version is not None and version < (_date(difference.before) or version)
+            version is not None and version < (date(difference.before) or version)
         )
         if since and before and (wall or not difference.walls):
             if difference.unknown:
@@ -274,20 +274,8 @@ def _as_of(model: Model, version: tuple[int, ...] | None, wall: bool) -> Model:
 
 def _just_before(limit: str) -> tuple[int, ...]:
     """A version older than this one, and not older than those before."""
-    *first, last = _date(limit) or (0,)
+    *first, last = date(limit) or (0,)
     return (*first, last - 1)
-
-
-def _date(version: str) -> tuple[int, ...] | None:
-    """A version as numbers that can be compared: ``2 Sep 2026`` or ``2023.02a``."""
-    if day := re.search(r"\d{1,2} [A-Z][a-z]{2} \d{4}", version):
-        try:
-            moment = datetime.strptime(day[0], "%d %b %Y")
-        except ValueError:
-            return None
-        return moment.year, moment.month, moment.day
-    numbers = re.search(r"\d+(?:\.\d+)+", version)
-    return tuple(map(int, numbers[0].split("."))) if numbers else None
 
 
 def _ends(
