@@ -7,6 +7,8 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
+from functools import cache
+from importlib import import_module
 from itertools import permutations
 from typing import Any, Final, NamedTuple
 
@@ -15,14 +17,17 @@ import numpy as np
 from .. import _core
 from ..boxes.system import ParticleSystem
 from ..contact.balls import Ball
-from ..contact.contact import Law, law_parameters
+from ..contact.contact import Contact, Law, law_parameters
+from ..contact.friction import FrictionTerms
 from ..convert.codes import Code, Model, Pair, Written, code
 from ..convert.force import AdhesiveForce, ContactArea, Force
 from ..convert.formulas import DEFAULT_POISSON_RATIO, Numbers
+from ..convert.tangential import NormalContact, TangentialModel
 from ..convert.wanted import LAWS
 from ..support.formatting import digits, listed, quantity
 from ..support.units import SYSTEMS
 from .contacts import Body, Case, CheckedContact, KnownBody
+from .friction import FrictionLaw
 from .models import selected
 from .scripts import ContactSettings, Description, Grains, Quote, Stage
 
@@ -72,6 +77,39 @@ class ModelForce:
         return None if name is None else (name, self.numbers[name], power)
 
 
+def friction_of(source: Code, contact: ContactSettings, force: ModelForce | None) -> FrictionLaw:
+    """The friction of a contact, with its terms if the tangential model is understood."""
+    tangential = contact.tangential
+    unknown = FrictionLaw(contact.friction)
+    if force is None or tangential is None or contact.friction == 0.0:
+        return unknown
+    model = _tangential_models(source.name).get(tangential.model)
+    if model is None:
+        return unknown._replace(not_known=f"tangential model {tangential.model} not understood")
+
+    def terms(first: KnownBody, second: KnownBody | None, speed: float) -> FrictionTerms:
+        written = force.written(first, second, speed)
+        normal = NormalContact(written, force.numbers, written.force(force.numbers))
+        return model.terms(tangential.numbers, normal)
+
+    try:
+        tried = Body(None, None).tried(0)
+        terms(tried, None if contact.types[1] == WALL else tried, 1.0)
+    except ValueError as error:
+        return unknown._replace(model=model.name, not_known=str(error))
+    return FrictionLaw(contact.friction, model.name, terms)
+
+
+@cache
+def _tangential_models(name: str) -> dict[str, TangentialModel]:
+    """The tangential models of a code by name."""
+    try:
+        module = import_module(f"..convert.tangential.{name}", __package__)
+    except ModuleNotFoundError:
+        return {}
+    return {model.name: model for model in module.MODELS}
+
+
 def energy_density(contact: ContactSettings, units: str = "si") -> tuple[Any, float] | None:
     """LIGGGHTS' model of cohesion and its energy density [J/m³]; None without one, or if that is not known."""
     mass, length, time = SYSTEMS[units]
@@ -104,13 +142,27 @@ class LawForce:
     law: Law
 
     def __call__(self, first: KnownBody, second: KnownBody | None, speed: float) -> Force:
-        ball = Ball(first.radius, mass=first.mass)
-        contact = self.law.between(
-            *[ball] if second is None else [ball, Ball(second.radius, mass=second.mass)]
-        )
+        contact = self._between(first, second)
         coefficients = contact.core.coefficients
         assert coefficients is not None  # check accepts no other law
         return Force(LAWS[self.law.record["name"]], *coefficients, contact.effective_mass)
+
+    def _between(self, first: KnownBody, second: KnownBody | None) -> Contact:
+        balls = [Ball(body.radius, mass=body.mass) for body in (first, second) if body is not None]
+        return self.law.between(*balls)
+
+    def friction(self, inertia_factor: float) -> FrictionLaw:
+        """The friction of this law between bodies of this I/(m R²)."""
+        friction = self.law.friction
+        if friction is None:
+            return FrictionLaw()
+
+        def terms(first: KnownBody, second: KnownBody | None, speed: float) -> FrictionTerms:
+            known = self._between(first, second).friction_terms
+            assert known is not None
+            return known
+
+        return FrictionLaw(friction.coefficient, friction.model, terms, inertia_factor)
 
 
 # --- scripts ------------------------------------------------------------------------------------------------
@@ -161,7 +213,8 @@ def of_script(description: Description, kinds: Sequence[object]) -> tuple[list[C
                 forces.append((contact, None))
         materials = _materials(forces)
         for contact, known in forces:
-            cases += _ends(number, stage, contact, known, materials)
+            friction = friction_of(source, contact, known)
+            cases += _ends(number, stage, contact, known, friction, materials)
     said = [
         f"{listed(list(names))}: mixed as {source.title} does since {limit}; before, their numbers do not determine ε."
         for limit, names in since.items()
@@ -211,6 +264,7 @@ def _state(stage: Stage) -> object:
             contact.wall_mass,
             contact.wall_radius,
             contact.friction,
+            contact.tangential,
             {name: setting.words for name, setting in contact.settings.items()},
         )
         for contact in stage.contacts
@@ -295,6 +349,7 @@ def _ends(
     stage: Stage,
     contact: ContactSettings,
     force: ModelForce | None,
+    friction: FrictionLaw,
     materials: Mapping[str, tuple[float, float]],
 ) -> Iterator[Case]:
     """The contact at the smallest and at the largest sizes; one if they are equal. Then those with fixed grains."""
@@ -302,13 +357,13 @@ def _ends(
     if all(kind.frozen for kind in grains):
         return
     if not (len(set(contact.types)) == 1 and grains[0].alone):
-        yield from _between(number, stage, contact, force, materials, grains)
+        yield from _between(number, stage, contact, force, friction, materials, grains)
     for first, second in {
         (first.type, other.type): (first, other) for first, other in permutations(grains, 2)
     }.values():
         if second.partly_frozen and not first.frozen:
-            pair = [first, second.fixed or replace(second, frozen=True)]
-            yield from _between(number, stage, replace(contact, wall=FIXED), force, materials, pair)
+            pair, fixed = [first, second.fixed or replace(second, frozen=True)], replace(contact, wall=FIXED)
+            yield from _between(number, stage, fixed, force, friction, materials, pair)
 
 
 def _between(
@@ -316,6 +371,7 @@ def _between(
     stage: Stage,
     contact: ContactSettings,
     force: ModelForce | None,
+    friction: FrictionLaw,
     materials: Mapping[str, tuple[float, float]],
     grains: list[Grains],
 ) -> Iterator[Case]:
@@ -338,7 +394,7 @@ def _between(
             materials=(materials.get(grains[0].type), materials.get(grains[-1].type)),
             spring=None if force is None else force.spring,
             others=() if force is None else force.others,
-            friction=contact.friction,
+            friction=friction,
             spring_powers=None
             if force is None or force.spring is None
             else force.model.unit(force.spring[0]),
@@ -368,6 +424,7 @@ def of_law(balls: Sequence[Ball], law: Law, walls: bool, time_step: float | None
     """The contacts of the smallest and the largest ball under one of our laws, and with a wall."""
     bodies = [Body(ball.radius, ball.mass, ball.density) for ball in balls]
     force, p, spring = LawForce(law), law.parameters, _spring_of(law)
+    friction = force.friction(balls[0].inertia_factor)
     material = (p["youngs_modulus"], p["poisson_ratio"]) if "youngs_modulus" in p else None
 
     def case(first: Body, second: Body | None) -> Case:
@@ -385,6 +442,7 @@ def of_law(balls: Sequence[Ball], law: Law, walls: bool, time_step: float | None
             time_step=time_step,
             materials=(material, material),
             spring=spring and (spring[0], p[spring[0]], 1.0),
+            friction=friction,
             spring_powers=spring and spring[1],
         )
 

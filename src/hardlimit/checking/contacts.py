@@ -17,7 +17,9 @@ from ..boxes.rules import DEFAULTS, RULES
 from ..boxes.theory import Gas
 from ..boxes.time_step import DEFAULT_ERROR
 from ..convert.force import AdhesiveForce, Collision, Force
+from . import friction
 from .expectation import ACCEPTED, Expected, expected
+from .friction import SMOOTH, SMOOTH_LAW, CheckedFriction, FrictionLaw
 
 #: Values tried for an unknown radius, mass and speed, far apart: a contact may be overdamped at two of them only.
 TRIALS: Final = {
@@ -102,7 +104,7 @@ class Case:
     spring: tuple[str, float, float] | None = None
     #: The force before versions of the code that changed it.
     others: tuple[tuple[str, MakeForce], ...] = ()
-    friction: float | None = 0.0  #: coefficient of sliding friction; None if not known
+    friction: FrictionLaw = SMOOTH_LAW
     #: Powers of mass, length and time in the unit of the number that sets the stiffness.
     spring_powers: tuple[float, float, float] | None = None
 
@@ -150,7 +152,7 @@ class CheckedContact:
     heated_error_bar: float | None = None  #: its standard error
     sheared_error: float | None = None  #: of the shear stress of event-driven spheres at equal shear rate
     sheared_error_bar: float | None = None  #: its standard error
-    friction: float | None = 0.0  #: coefficient of sliding friction; with friction, no error is known
+    friction: CheckedFriction = SMOOTH  #: with friction, no error is known
     frictionless_error: float | None = None  #: of the quantity asked for, without friction
     softening: float | None = None  #: factor of the stiffness at an error of 1 %, with its bar
     spring: tuple[str, float, float] | None = None  #: name of the stiffness, value, value after this change
@@ -180,7 +182,7 @@ def _at(case: Case, speed: float | None, gas: Surroundings) -> CheckedContact:
         restitution_asked=case.restitution_asked,
         clipped=case.clipped,
         speed=speed,
-        friction=case.friction,
+        friction=friction.friction_of(case.friction, {}),
     )
     if case.force is None:
         return row
@@ -202,8 +204,24 @@ def _at(case: Case, speed: float | None, gas: Surroundings) -> CheckedContact:
     if case.spring is not None and kept.get("softening") is not None:
         name, value, power = case.spring
         kept["spring"] = name, value, value * kept["softening"] ** (1.0 / power)
+    rubbing = [_friction(case, *trial, gas.dimension) for trial in tried]
+    kept["friction"] = friction.friction_of(
+        case.friction, {name: _agreed([result.get(name) for result in rubbing]) for name in rubbing[0]}
+    )
     kept["other_versions"] = tuple(_other_version(case, *version, tried) for version in case.others)
     return replace(row, **kept, error={rule: pair for rule, pair in errors.items() if None not in pair})
+
+
+def _friction(
+    case: Case, first: KnownBody, second: KnownBody | None, speed: float, dimension: int
+) -> dict[str, Any]:
+    """All results of the friction of known bodies at a known speed."""
+    assert case.force is not None
+    force = case.force(first, second, speed)
+    if not case.friction.coefficient or case.friction.terms is None or isinstance(force, AdhesiveForce):
+        return {}
+    contact = friction.contact_of(case.friction, force, (first, second), speed)
+    return friction.numbers(contact, force, speed, case.time_step, dimension)
 
 
 def _other_version(
@@ -310,7 +328,7 @@ def _in_gas(
 
     usual = usual_rule(force)
     known = with_bar(usual, tc_nu)
-    if case.friction != 0.0 or gas.rubs:
+    if case.friction.coefficient != 0.0 or gas.rubs:
         decisive = None if known is None else getattr(known, gas.quantity)
         return numbers | {"frictionless_error": None if decisive is None else decisive[0]}
     for rule in KNOWN_RULES:

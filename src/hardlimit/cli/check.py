@@ -14,6 +14,7 @@ from ..checking import check as checked
 from ..checking.answer import Question, given_by, judged, stiffness
 from ..checking.contacts import CheckedContact
 from ..checking.expectation import ACCEPTED
+from ..checking.friction import words
 from ..checking.result import Finding, Verdict
 from ..column import files
 from ..contact.balls import Ball
@@ -197,6 +198,13 @@ def report(verdict: Verdict, verbose: bool) -> None:
     if not verbose and len({row.stage for row in verdict.rows}) > 1:
         which = f"run {last}{units_of(verdict, last)}"
         say(f"Settings change between runs. These are of {which}; --verbose has the others.")
+    for line in friction_lines(shown, verdict):
+        say(line)
+    warned = verdict.warnings if verbose else verdict.warnings[:MAX_FINDINGS]
+    for finding in warned:
+        say(f"Warning: {with_place(finding, verbose)}.")
+    if len(warned) < len(verdict.warnings):
+        say(f"… and {len(verdict.warnings) - len(warned)} more warnings: --verbose")
     if verdict.remarks:
         say(" ".join(verdict.remarks))
     if verbose:
@@ -209,6 +217,31 @@ def report(verdict: Verdict, verbose: bool) -> None:
     say(f"{verdict.sentence}{more}{corrected}", style="bold")
     for line in verdict.corrected:
         click.echo(f"  {line}")
+
+
+def friction_lines(groups: Sequence[list[CheckedContact]], verdict: Verdict) -> Iterator[str]:
+    """One line on the friction of each contact, at the highest speed; contacts with the same one share it."""
+    lines: dict[str, list[CheckedContact]] = {}
+    for rows in groups:
+        if text := words(rows[-1].friction):
+            lines.setdefault(text, []).append(rows[0])
+    texts_of: dict[str, set[str]] = {}
+    for text, rows in lines.items():
+        for row in rows:
+            texts_of.setdefault("–".join(row.types), set()).add(text)
+    for text, rows in lines.items():
+        names = [
+            labelled(row, verdict, True) if len(texts_of[pair]) > 1 else pair
+            for row in rows
+            for pair in ["–".join(row.types)]
+        ]
+        names = list(dict.fromkeys(names))
+        yield f"{', '.join(names[:MAX_FINDINGS])}{' …' * (len(names) > MAX_FINDINGS)}  {text}"
+
+
+def with_place(finding: Finding, verbose: bool) -> str:
+    """A finding, with its place in the script if ``verbose``."""
+    return f"{finding.what} ({finding.where})" if verbose and finding.where else finding.what
 
 
 def corrections(verdict: Verdict) -> str:
@@ -241,13 +274,14 @@ HEAD = [
     "t_c",
     "steps",
     "error\nof ε",
+    "error\nof β",
     "over-\nlap",
     "t_c ν",
 ]
 #: The head of the error that decides.
 WORSE = {"cooling": "cools\nfaster by", "temperature": "hotter\nby", "stress": "stress\nhigher by"}
 #: Columns that a table leaves out if it is too wide, the first first.
-SPARE = ["steps", "over-\nlap", "error\nof ε", "t_c"]
+SPARE = ["steps", "over-\nlap", "error\nof β", "error\nof ε", "t_c"]
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[str]], stages: bool) -> None:
@@ -379,6 +413,7 @@ def cells(rows: Sequence[CheckedContact], plain: bool, quantity: str | None) -> 
     row = rows[-1]
     requested, tc, steps = row.restitution_asked, row.duration, row.steps_per_contact
     error, overlap, tc_nu = row.restitution_error_of_step, row.largest_overlap, row.tc_nu
+    error_of_beta = row.friction.tangential_restitution_error_of_step
     wrong = judged(row, Question(quantity)) if quantity else None
     if row.types[1] == "wall":
         wrong = None
@@ -388,6 +423,7 @@ def cells(rows: Sequence[CheckedContact], plain: bool, quantity: str | None) -> 
         "–" if tc is None else time(tc, plain),
         "–" if steps is None else str(steps),
         "–" if error is None else small(error),
+        "–" if error_of_beta is None else small(error_of_beta),
         "–" if overlap is None else percent(overlap),
         "–" if tc_nu is None else digits(tc_nu, 2),
         "–" if wrong is None else FAR if (tc_nu or 0.0) > MEASURED_TC_NU else cools(*wrong),
@@ -395,7 +431,7 @@ def cells(rows: Sequence[CheckedContact], plain: bool, quantity: str | None) -> 
 
 
 def small(error: float) -> str:
-    """An error of ε."""
+    """An error of ε or β."""
     if error > 1.0:
         return "> 1"
     return "< 1e-4" if error < SMALLEST_ERROR else digits(error, 2)
@@ -479,19 +515,20 @@ def detail(row: CheckedContact, plain: bool, accepted: float) -> str:
     def when(value: float | None) -> str | None:
         return None if value is None else time(value, plain)
 
-    spring = row.spring
+    spring, error_of_beta = row.spring, row.friction.tangential_restitution_error_of_step
     parts = {
         "ε": number(row.restitution, 4),
         "t_c": when(row.duration),
         "steps": None if row.steps_per_contact is None else str(row.steps_per_contact),
         "error of ε": None if row.restitution_error_of_step is None else small(row.restitution_error_of_step),
+        "error of β": None if error_of_beta is None else small(error_of_beta),
         "overlap": None if row.largest_overlap is None else percent(row.largest_overlap),
         "t_c ν": number(row.tc_nu, 2),
         "δ/d": number(row.delta_over_d, 2),
         f"time step for an error of {digits(accepted, 2)}": when(row.time_step),
         "Rayleigh time": when(row.rayleigh_time),
         "P-wave time": when(row.p_wave_time),
-        "friction": None if row.friction == 0.0 else number(row.friction) or "not known",
+        "friction": words(row.friction) or None,
         "error 1 % at": None
         if spring is None
         else f"{stiffness(spring[0])} of {digits(spring[2], 3)} {row.stiffness_unit}".rstrip(),
