@@ -94,8 +94,8 @@ HARMLESS_FIXES: Final = tuple(HARMLESS_FIX_NAMES.split())
 ELSEWHERE: Final = (*HARMLESS_FIXES, "pour", "deposit", "insert")
 #: What the settings of contacts do not depend on.
 NO_SETTINGS_NAMES: Final = """
-variables folder version code types_seen part ignored invalidates unknown refused stages last granular changed_since
-undefined forks system unclear steps_done regions fixes time_step
+variables folder version code types_seen part ignored invalidates warnings unknown refused stages last granular
+changed_since undefined forks system unclear steps_done regions fixes time_step
 """
 NO_SETTINGS: Final = frozenset(NO_SETTINGS_NAMES.split())
 #: Fixes that move grains whatever forces act on them.
@@ -161,6 +161,7 @@ class State:
     def __post_init__(self) -> None:
         self.ignored: dict[Note, None] = {}
         self.invalidates: dict[Note, None] = {}
+        self.warnings: dict[Note, None] = {}
         self.unknown: dict[Quote, None] = {}
         self.refused: dict[str, None] = {}
         self.stages: list[Stage] = []
@@ -225,6 +226,7 @@ class State:
             stages=tuple(self.stages),
             ignored=tuple(self.ignored),
             invalidates=tuple(self.invalidates),
+            warnings=tuple(self.warnings),
             unknown=tuple(self.unknown),
             refused=tuple(self.refused),
         )
@@ -312,6 +314,7 @@ class State:
         vars(self).update(vars((going or leading or [self])[0].copied()))
         for _, end in ends:
             self.ignored |= end.ignored
+            self.warnings |= end.warnings
             self.unknown |= end.unknown
             self.refused |= end.refused
             self.undefined |= end.undefined
@@ -623,6 +626,7 @@ class State:
         self.changed_since = False
         new = conditions.without(self.now(quote, steps), self.unclear)
         self.note_adhesion(new.contacts)
+        self.note_friction(new.contacts)
         if self.stages and replace(self.stages[-1], quote=quote, steps=steps, system=new.system) == new:
             self.longer(steps)
         else:
@@ -673,6 +677,9 @@ class State:
                     del self.invalidates[note]
                 note = Note(contact.adhesion, tuple(sorted(types, key=int)), contact.quotes[0])
                 self.invalidates[note] = None
+
+    def note_friction(self, contacts: Sequence[ContactSettings]) -> None:
+        """Note what the friction of the contacts really does."""
 
     def step_now(self) -> float | None:
         """The time step; None if a fix changes it."""
