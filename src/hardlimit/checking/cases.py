@@ -7,8 +7,6 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
-from functools import cache
-from importlib import import_module
 from itertools import permutations
 from typing import Any, Final, NamedTuple
 
@@ -22,7 +20,7 @@ from ..contact.friction import FrictionTerms
 from ..convert.codes import Code, Model, Pair, Written, code
 from ..convert.force import AdhesiveForce, ContactArea, Force
 from ..convert.formulas import DEFAULT_POISSON_RATIO, Numbers
-from ..convert.tangential import NormalContact, TangentialModel
+from ..convert.tangential import NormalContact, models_of
 from ..convert.wanted import LAWS
 from ..support.formatting import digits, listed, quantity
 from ..support.units import SYSTEMS
@@ -83,7 +81,7 @@ def friction_of(source: Code, contact: ContactSettings, force: ModelForce | None
     unknown = FrictionLaw(contact.friction)
     if force is None or tangential is None or contact.friction == 0.0:
         return unknown
-    model = _tangential_models(source.name).get(tangential.model)
+    model = models_of(source.name).get(tangential.model)
     if model is None:
         return unknown._replace(not_known=f"tangential model {tangential.model} not understood")
 
@@ -98,16 +96,6 @@ def friction_of(source: Code, contact: ContactSettings, force: ModelForce | None
     except ValueError as error:
         return unknown._replace(model=model.name, not_known=str(error))
     return FrictionLaw(contact.friction, model.name, terms)
-
-
-@cache
-def _tangential_models(name: str) -> dict[str, TangentialModel]:
-    """The tangential models of a code by name."""
-    try:
-        module = import_module(f"..convert.tangential.{name}", __package__)
-    except ModuleNotFoundError:
-        return {}
-    return {model.name: model for model in module.MODELS}
 
 
 def energy_density(contact: ContactSettings, units: str = "si") -> tuple[Any, float] | None:

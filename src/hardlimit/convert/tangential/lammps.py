@@ -79,7 +79,9 @@ def _terms(
     assert coefficient is not None
     still = given.get("static_coefficient", coefficient)
     if still != coefficient:
-        raise ValueError(f"tangential: static μ {still:g} and dynamic μ {coefficient:g} differ, must be equal")
+        raise ValueError(
+            f"tangential: static μ {still:g} and dynamic μ {coefficient:g} differ, must be equal"
+        )
     if model != "none" and stiffness == 0.0 and damping > 0.0:
         raise ValueError("tangential: k_t is 0, must be > 0: LAMMPS divides by it where the surfaces slip")
     return FrictionTerms.of_model(
@@ -105,9 +107,7 @@ def _scaled_wall(given: Given, contact: NormalContact) -> FrictionTerms:
 Terms = Callable[[Given, NormalContact], FrictionTerms]
 
 
-def _model(
-    name: str, terms: Terms, **numbers: tuple[float, float, float]
-) -> TangentialModel:
+def _model(name: str, terms: Terms, **numbers: tuple[float, float, float]) -> TangentialModel:
     return TangentialModel(name, {**numbers, "coefficient": NUMBER}, terms)
 
 
