@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
@@ -59,9 +59,7 @@ class CheckedFriction:
     damping_ratio: float | None = None  #: tangential over normal damping, there
     limit: str | None = None  #: what μ F_n limits: "total" or "spring"
     sticks_below: float | None = None  #: angle of impact [rad] below which they do not slip on approach
-    slides_beyond: float | None = (
-        None  #: angle [rad] beyond which they slip to the end without sticking again
-    )
+    slides_beyond: float | None = None  #: angle [rad] beyond which they do not stick on separation
     tangential_restitution: tuple[tuple[float, float], ...] = ()  #: angle [rad] and β; 0 is the limit
     effective_tangential_restitution: float | None = None  #: β0 of the constant rule in a gas
     half_period: float | None = None  #: of the tangential spring, over the duration of the contact
@@ -176,16 +174,22 @@ def friction_of(law: FrictionLaw, results: Mapping[str, Any]) -> CheckedFriction
 # --- in words -------------------------------------------------------------------------------------------------
 
 
-def words(friction: CheckedFriction) -> str:
-    """One line about the friction of a contact; empty without friction."""
+def words(frictions: Sequence[CheckedFriction]) -> str:
+    """One line about the friction of contacts that differ in the number of steps only; empty without friction."""
+    friction = frictions[0]
     if friction.coefficient == 0.0:
         return ""
     if friction.coefficient is None:
         return "μ is not known"
-    parts = [_angles(friction), _restitution(friction), _period(friction)]
+    parts = [_angles(friction), _restitution(friction), _period(frictions)]
     unknown = "tangential model not understood" if friction.model is None else "depends on what is not known"
     known = "; ".join(filter(None, parts)) or friction.not_known or unknown
     return f"μ {digits(friction.coefficient, 3)}: {known}"
+
+
+def but_for_steps(friction: CheckedFriction) -> str:
+    """The line, without what depends on the time step."""
+    return words([replace(friction, steps_per_half_period=None)])
 
 
 def _angles(friction: CheckedFriction) -> str:
@@ -197,7 +201,7 @@ def _angles(friction: CheckedFriction) -> str:
         return ""
     if friction.coefficient == math.inf:
         return "never slips"
-    below = f"sticks below {_degrees(sticks)}" if sticks > 0.0 else "slips first at every angle"
+    below = f"sticks below {_degrees(sticks)}" if sticks > ONE_ANGLE else "slips first at every angle"
     if slides - sticks < ONE_ANGLE:
         return f"{below}, slides beyond"
     return f"{below}, slides beyond {_degrees(slides)}" if slides < math.radians(89.5) else below
@@ -216,12 +220,14 @@ def _restitution(friction: CheckedFriction) -> str:
     return f"β {', '.join(parts)}{'' if gas is None else f', {gas:.2f} in a gas'.replace('-', '−')}"
 
 
-def _period(friction: CheckedFriction) -> str:
-    if friction.half_period is None:
+def _period(frictions: Sequence[CheckedFriction]) -> str:
+    period = frictions[0].half_period
+    if period is None:
         return ""
-    steps = friction.steps_per_half_period
-    count = "" if steps is None else f", {steps} step{'' if steps == 1 else 's'}"
-    return f"tangential half period {digits(friction.half_period, 2)} t_c{count}"
+    steps = [friction.steps_per_half_period for friction in frictions]
+    known = [count for count in steps if count is not None]
+    ends = "–".join(dict.fromkeys(str(count) for count in (min(known), max(known)))) if known else ""
+    return f"tangential half period {digits(period, 2)} t_c{f', {ends} steps' if ends else ''}"
 
 
 def _degrees(angle: float) -> str:
