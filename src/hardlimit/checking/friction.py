@@ -18,10 +18,12 @@ from ..convert.force import Force, Powers
 from ..support.formatting import digits
 
 if TYPE_CHECKING:
-    from .contacts import CheckedContact
+    from .contacts import CheckedContact, KnownBody
 
 #: Solid spheres: I = q m R².
 SPHERE: Final = 2.0 / 5.0
+#: The angle [rad] at which other versions of a code are compared.
+OBLIQUE: Final = np.array(ANGLES[9:10])
 #: Impacts at which the error of a time step is computed: tan γ over κμ, κ = m_n/m_t.
 TESTED: Final = np.array([0.1, 0.5, 1.0, 1.5])
 #: Stiffest tangential spring that is computed: half periods in a contact.
@@ -36,15 +38,18 @@ ONE_ANGLE: Final = math.radians(0.5)
 HIGHER: Final = 0.05
 
 
+#: The terms of two bodies, the second of which is None at a wall, at a speed.
+MakeTerms = Callable[[Any, Any, float], FrictionTerms]
+
+
 class FrictionLaw(NamedTuple):
     """The friction of the contacts of two types."""
 
     coefficient: float | None = 0.0  #: of sliding friction; None if not known
     model: str | None = None  #: tangential model, as the script or our laws name it
-    #: The terms of two bodies, the second of which is None at a wall, at a speed; None if they are not known.
-    terms: Callable[[Any, Any, float], FrictionTerms] | None = None
-    inertia_factor: float = SPHERE  #: q of all bodies
-    not_known: str | None = None  #: why the terms are not known
+    terms: MakeTerms | None = None  #: None if they are not known
+    not_known: str | None = None  #: why
+    others: tuple[tuple[str, MakeTerms], ...] = ()  #: in other versions of the code
 
 
 @dataclass(frozen=True)
@@ -66,6 +71,8 @@ class CheckedFriction:
     steps_per_half_period: int | None = None  #: whole time steps
     tangential_restitution_error_of_step: float | None = None  #: error of β by the time step
     not_known: str | None = None  #: why numbers are not known
+    #: β at 45° in other versions of the code, after the words for these.
+    other_versions: tuple[tuple[str, float], ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
         """As plain values.
@@ -73,7 +80,11 @@ class CheckedFriction:
         :meta private:
         """
         named = {name: getattr(self, name) for name in self.__dataclass_fields__}
-        return {**named, "tangential_restitution": [list(pair) for pair in self.tangential_restitution]}
+        pairs = {
+            name: [list(pair) for pair in named[name]]
+            for name in ("tangential_restitution", "other_versions")
+        }
+        return {**named, **pairs}
 
 
 #: Contacts without friction.
@@ -86,15 +97,24 @@ RESULTS: Final = (
 )
 
 
-def contact_of(law: FrictionLaw, force: Force, bodies: Sequence[Any], speed: float) -> FrictionalContact:
+def contact_of(
+    make: MakeTerms, force: Force, bodies: tuple[KnownBody, KnownBody | None], speed: float
+) -> FrictionalContact:
     """The contact of two bodies, the second of which is None at a wall."""
-    assert law.terms is not None
     first, second = bodies
-    mass = math.inf if second is None else second.mass
-    inverse = _core.inverse_tangential_mass(first.mass, law.inertia_factor, mass, law.inertia_factor)
-    terms = law.terms(first, second, speed)
+    inverse = _core.inverse_tangential_mass(
+        first.mass,
+        first.inertia_factor,
+        math.inf if second is None else second.mass,
+        SPHERE if second is None else second.inertia_factor,
+    )
     return FrictionalContact(
-        force.powers.arguments, force.stiffness, force.damping, force.effective_mass, terms, 1.0 / inverse
+        force.powers.arguments,
+        force.stiffness,
+        force.damping,
+        force.effective_mass,
+        make(first, second, speed),
+        1.0 / inverse,
     )
 
 
@@ -156,17 +176,17 @@ def _error_of_step(own: FrictionalContact, time_step: float) -> float:
 
 def friction_of(law: FrictionLaw, results: Mapping[str, Any]) -> CheckedFriction:
     """The friction of a contact from those of its results that are known."""
-    beta = [results.get(f"β {k}") for k in range(len(ANGLES))]
     steps = results.get("steps_per_half_period")
-    known = {name: results.get(name) for name in (*RESULTS, "limit")}
+    known: dict[str, Any] = {name: results.get(name) for name in (*RESULTS, "limit")}
     known["steps_per_half_period"] = None if steps is None else math.floor(steps)
+    table = [(angle, results.get(f"β {k}")) for k, angle in enumerate(ANGLES)]
+    others = [(when, results.get(f"other {when}")) for when, _ in law.others]
     return CheckedFriction(
         coefficient=law.coefficient,
         model=law.model,
         not_known=law.not_known,
-        tangential_restitution=tuple(
-            (angle, value) for angle, value in zip(ANGLES, beta, strict=True) if value is not None
-        ),
+        tangential_restitution=tuple((angle, beta) for angle, beta in table if beta is not None),
+        other_versions=tuple((when, beta) for when, beta in others if beta is not None),
         **known,
     )
 
@@ -227,7 +247,8 @@ def _period(frictions: Sequence[CheckedFriction]) -> str:
     steps = [friction.steps_per_half_period for friction in frictions]
     known = [count for count in steps if count is not None]
     ends = "–".join(dict.fromkeys(str(count) for count in (min(known), max(known)))) if known else ""
-    return f"tangential half period {digits(period, 2)} t_c{f', {ends} steps' if ends else ''}"
+    shown = digits(period, 2) if period < 10.0 else f"{period:.0f}"
+    return f"tangential half period {shown} t_c{f', {ends} steps' if ends else ''}"
 
 
 def _degrees(angle: float) -> str:
@@ -238,9 +259,22 @@ def _signed(beta: float) -> str:
     return f"{beta:+.2f}".replace("-", "−")
 
 
+#: Words of traps of which readers of scripts tell as well, by the words of the script.
+OF_READERS: Final = ("no static friction", "attracts")
+
+
+def versions(row: CheckedContact) -> str:
+    """β of a contact in other versions of its code; empty if it is the same in all."""
+    beta = dict(row.friction.tangential_restitution).get(float(OBLIQUE[0]))
+    others = [f"{_signed(other)} {when}" for when, other in row.friction.other_versions]
+    if not others:
+        return ""
+    return f"β at 45° is {', and '.join(([] if beta is None else [_signed(beta)]) + others)}"
+
+
 def traps(rows: Sequence[CheckedContact]) -> Iterator[tuple[str, list[CheckedContact]]]:
     """What the friction of contacts does that is rarely meant, with the contacts."""
-    for trap in (_superball, _smooth, _no_static_friction, _gain, _attractive):
+    for trap in (versions, _superball, _smooth, _no_static_friction, _gain, _attractive):
         texts: dict[str, list[CheckedContact]] = {}
         for row in rows:
             if row.friction.coefficient != 0.0 and (text := trap(row)):

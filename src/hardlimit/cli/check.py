@@ -198,15 +198,8 @@ def report(verdict: Verdict, verbose: bool) -> None:
     if not verbose and len({row.stage for row in verdict.rows}) > 1:
         which = f"run {last}{units_of(verdict, last)}"
         say(f"Settings change between runs. These are of {which}; --verbose has the others.")
-    for lines, most, what in (
-        (friction_lines(groups, verdict), MAX_ROWS, "contacts with friction"),
-        (list(warnings(verdict.warnings, verbose)), MAX_FINDINGS, "warnings"),
-    ):
-        few = lines if verbose else lines[:most]
-        for line in few:
-            say(line)
-        if len(few) < len(lines):
-            say(f"… and {len(lines) - len(few)} more {what}: --verbose")
+    say_first(friction_lines(groups, verdict), MAX_ROWS, "contacts with friction", verbose)
+    say_first(list(warnings(verdict.warnings, verbose)), MAX_FINDINGS, "warnings", verbose)
     if verdict.remarks:
         say(" ".join(verdict.remarks))
     if verbose:
@@ -219,6 +212,15 @@ def report(verdict: Verdict, verbose: bool) -> None:
     say(f"{verdict.sentence}{more}{corrected}", style="bold")
     for line in verdict.corrected:
         click.echo(f"  {line}")
+
+
+def say_first(paragraphs: Sequence[str], most: int, what: str, verbose: bool) -> None:
+    """Print the first paragraphs, or all."""
+    few = paragraphs if verbose else paragraphs[:most]
+    for paragraph in few:
+        say(paragraph)
+    if len(few) < len(paragraphs):
+        say(f"… and {len(paragraphs) - len(few)} more {what}: --verbose")
 
 
 def friction_lines(groups: Sequence[list[CheckedContact]], verdict: Verdict) -> list[str]:
