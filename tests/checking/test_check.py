@@ -814,7 +814,7 @@ FRICTION = {
     "coefficient": MAYBE, "model": str | None, "stiffness_ratio": MAYBE, "damping_ratio": MAYBE, "limit": str | None,
     "sticks_below": MAYBE, "slides_beyond": MAYBE, "tangential_restitution": list,
     "effective_tangential_restitution": MAYBE, "half_period": MAYBE, "steps_per_half_period": int | None,
-    "tangential_restitution_error_of_step": MAYBE, "not_known": str | None,
+    "tangential_restitution_error_of_step": MAYBE, "not_known": str | None, "other_versions": list,
 }  # fmt: skip
 FINDING = {"what": str, "types": list | None, "where": str | None}
 STAGE = {
@@ -885,7 +885,7 @@ def test_every_value_has_its_type(text, options):
     for key in ("unknown", "missing", "remarks", "corrected"):
         assert all(isinstance(line, str) for line in verdict[key])
     for contact in verdict["contacts"]:
-        assert has_form(contact, CONTACT)
+        assert has_form(contact, CONTACT) and has_form(contact["friction"], FRICTION)
         assert contact["error"].keys() <= {"constant", "law", "tc", "soft"}
         assert all(len(pair) == 2 for pair in contact["error"].values())
         assert contact["types"][1] == "wall" or contact["wall"] is None

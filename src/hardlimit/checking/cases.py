@@ -20,14 +20,15 @@ from ..contact.friction import FrictionTerms
 from ..convert.codes import Code, Model, Pair, Written, code
 from ..convert.force import AdhesiveForce, ContactArea, Force
 from ..convert.formulas import DEFAULT_POISSON_RATIO, Numbers
-from ..convert.tangential import NormalContact, models_of
+from ..convert.tangential import NormalContact, Tangential, models_of
 from ..convert.wanted import LAWS
 from ..support.formatting import digits, listed, quantity
 from ..support.units import SYSTEMS
 from .contacts import Body, Case, CheckedContact, KnownBody
-from .friction import FrictionLaw
+from .friction import FrictionLaw, MakeTerms
 from .models import selected
 from .scripts import ContactSettings, Description, Grains, Quote, Stage
+from .scripts.logs import date
 
 WALL = "wall"
 #: In place of the name of a wall: the second grain is one of those of its type that do not move.
@@ -77,25 +78,38 @@ class ModelForce:
 
 def friction_of(source: Code, contact: ContactSettings, force: ModelForce | None) -> FrictionLaw:
     """The friction of a contact, with its terms if the tangential model is understood."""
-    tangential = contact.tangential
-    unknown = FrictionLaw(contact.friction)
-    if force is None or tangential is None or contact.friction == 0.0:
-        return unknown
+    law = FrictionLaw(contact.friction)
+    if force is None or contact.friction == 0.0:
+        return law
+    others = [(when, _terms_of(source, contact, force, model)) for when, model in contact.other_tangential]
+    law = law._replace(others=tuple((when, terms) for when, terms in others if not isinstance(terms, str)))
+    if contact.tangential is None:
+        return law
+    terms = _terms_of(source, contact, force, contact.tangential)
+    if isinstance(terms, str):
+        return law._replace(not_known=terms)
+    return law._replace(model=contact.tangential.model, terms=terms)
+
+
+def _terms_of(
+    source: Code, contact: ContactSettings, force: ModelForce, tangential: Tangential
+) -> MakeTerms | str:
+    """The terms of a tangential force, or why they are not known."""
     model = models_of(source.name).get(tangential.model)
     if model is None:
-        return unknown._replace(not_known=f"tangential model {tangential.model} not understood")
+        return f"tangential model {tangential.model} not understood"
 
     def terms(first: KnownBody, second: KnownBody | None, speed: float) -> FrictionTerms:
         written = force.written(first, second, speed)
         normal = NormalContact(written, force.numbers, written.force(force.numbers))
         return model.terms(tangential.numbers, normal)
 
+    tried = Body(None, None).tried(0)
     try:
-        tried = Body(None, None).tried(0)
         terms(tried, None if contact.types[1] == WALL else tried, 1.0)
     except ValueError as error:
-        return unknown._replace(model=model.name, not_known=str(error))
-    return FrictionLaw(contact.friction, model.name, terms)
+        return str(error)
+    return terms
 
 
 def energy_density(contact: ContactSettings, units: str = "si") -> tuple[Any, float] | None:
@@ -136,11 +150,15 @@ class LawForce:
         return Force(LAWS[self.law.record["name"]], *coefficients, contact.effective_mass)
 
     def _between(self, first: KnownBody, second: KnownBody | None) -> Contact:
-        balls = [Ball(body.radius, mass=body.mass) for body in (first, second) if body is not None]
+        balls = [
+            Ball(body.radius, mass=body.mass, inertia_factor=body.inertia_factor)
+            for body in (first, second)
+            if body is not None
+        ]
         return self.law.between(*balls)
 
-    def friction(self, inertia_factor: float) -> FrictionLaw:
-        """The friction of this law between bodies of this I/(m R²)."""
+    def friction(self) -> FrictionLaw:
+        """The friction of this law."""
         friction = self.law.friction
         if friction is None:
             return FrictionLaw()
@@ -150,7 +168,7 @@ class LawForce:
             assert known is not None
             return known
 
-        return FrictionLaw(friction.coefficient, friction.model, terms, inertia_factor)
+        return FrictionLaw(friction.coefficient, friction.model, terms)
 
 
 # --- scripts ------------------------------------------------------------------------------------------------
@@ -252,7 +270,7 @@ def _state(stage: Stage) -> object:
             contact.wall_mass,
             contact.wall_radius,
             contact.friction,
-            contact.tangential,
+            (contact.tangential, contact.other_tangential),
             {name: setting.words for name, setting in contact.settings.items()},
         )
         for contact in stage.contacts
@@ -272,8 +290,8 @@ def force_of(
     ``models``: those of the code by default. ``units``: of the script, to have the numbers in SI units.
     """
     read = selected(source, models or source.models, contact.settings, units)
-    known = None if version is None else _date(version)
-    if contact.since and known is not None and known < (_date(contact.since) or known):
+    known = None if version is None else date(version)
+    if contact.since and known is not None and known < (date(contact.since) or known):
         raise ValueError(f"not mixed before {contact.since}")
 
     def force(version: tuple[int, ...] | None) -> ModelForce:
@@ -298,9 +316,9 @@ def force_of(
 def _as_of(model: Model, version: tuple[int, ...] | None, wall: bool) -> Model:
     """The model in a version of the code, by default the newest."""
     for difference in model.difference:
-        since = not difference.since or version is None or version >= (_date(difference.since) or version)
+        since = not difference.since or version is None or version >= (date(difference.since) or version)
         before = not difference.before or (
-            version is not None and version < (_date(difference.before) or version)
+            version is not None and version < (date(difference.before) or version)
         )
         if since and before and (wall or not difference.walls):
             if difference.unknown:
@@ -316,20 +334,8 @@ def _as_of(model: Model, version: tuple[int, ...] | None, wall: bool) -> Model:
 
 def _just_before(limit: str) -> tuple[int, ...]:
     """A version older than this one, and not older than those before."""
-    *first, last = _date(limit) or (0,)
+    *first, last = date(limit) or (0,)
     return (*first, last - 1)
-
-
-def _date(version: str) -> tuple[int, ...] | None:
-    """A version as numbers that can be compared: ``2 Sep 2026`` or ``2023.02a``."""
-    if day := re.search(r"\d{1,2} [A-Z][a-z]{2} \d{4}", version):
-        try:
-            moment = datetime.strptime(day[0], "%d %b %Y")
-        except ValueError:
-            return None
-        return moment.year, moment.month, moment.day
-    numbers = re.search(r"\d+(?:\.\d+)+", version)
-    return tuple(map(int, numbers[0].split("."))) if numbers else None
 
 
 def _ends(
@@ -402,7 +408,8 @@ def body(grains: Grains, end: int) -> Body:
         elif density is None and mass is not None and volume > 0.0:
             density = mass / volume
     fixed = grains.frozen and grains.counted
-    return Body(radius, math.inf if grains.frozen and not fixed else mass, density, fixed)
+    moved = math.inf if grains.frozen and not fixed else mass
+    return Body(radius, moved, density, fixed, grains.inertia_factor)
 
 
 # --- systems and numbers --------------------------------------------------------------------------------------
@@ -410,9 +417,11 @@ def body(grains: Grains, end: int) -> Body:
 
 def of_law(balls: Sequence[Ball], law: Law, walls: bool, time_step: float | None) -> list[Case]:
     """The contacts of the smallest and the largest ball under one of our laws, and with a wall."""
-    bodies = [Body(ball.radius, ball.mass, ball.density) for ball in balls]
+    bodies = [
+        Body(ball.radius, ball.mass, ball.density, inertia_factor=ball.inertia_factor) for ball in balls
+    ]
     force, p, spring = LawForce(law), law.parameters, _spring_of(law)
-    friction = force.friction(balls[0].inertia_factor)
+    friction = force.friction()
     material = (p["youngs_modulus"], p["poisson_ratio"]) if "youngs_modulus" in p else None
 
     def case(first: Body, second: Body | None) -> Case:

@@ -386,7 +386,7 @@ def _of_script(script: Description, options: Options, frames: Sequence[dumps.Fra
             *dict.fromkeys(note for system in systems for note in system.remarks(several)),
             *_numerically_damped(last.numerical_damping, final.examined),
         ),
-        warnings=(*map(_finding, script.warnings), *_traps(rows)),
+        warnings=_warnings(script, rows),
         corrected=tuple(
             dict.fromkeys(line for system in systems for line in system.corrected(script.code, several))
         ),
@@ -508,6 +508,16 @@ def _rest(support: drive.Support) -> str:
     """That grains rest, and how strongly their support is shaken."""
     shaking = "" if support.shaking is None else f" (Γ = A ω²/g = {digits(support.shaking, 3)})"
     return f"grains rest on each other under gravity{shaking}"
+
+
+def _warnings(script: Description, rows: Sequence[CheckedContact]) -> tuple[Finding, ...]:
+    """First what other versions of the code do, then what the script says, then what follows from numbers."""
+    traps, read = list(_traps(rows)), [_finding(note) for note in script.warnings]
+    first = traps[: any(row.friction.other_versions for row in rows)]
+    said = " ".join(finding.what for finding in read)
+    repeated = [words for words in friction.OF_READERS if words in said]
+    others = [trap for trap in traps[len(first) :] if not any(words in trap.what for words in repeated)]
+    return (*first, *read, *others)
 
 
 def _traps(rows: Sequence[CheckedContact]) -> Iterator[Finding]:

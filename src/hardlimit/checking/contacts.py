@@ -19,7 +19,7 @@ from ..boxes.time_step import DEFAULT_ERROR
 from ..convert.force import AdhesiveForce, Collision, Force
 from . import friction
 from .expectation import ACCEPTED, Expected, expected
-from .friction import SMOOTH, SMOOTH_LAW, CheckedFriction, FrictionLaw
+from .friction import SMOOTH, SMOOTH_LAW, SPHERE, CheckedFriction, FrictionLaw
 
 #: Values tried for an unknown radius, mass and speed, far apart: a contact may be overdamped at two of them only.
 TRIALS: Final = {
@@ -39,12 +39,14 @@ class Body:
     mass: float | None
     density: float | None = None
     fixed: bool = False  #: whether it does not move although its mass is finite in the code's formulas
+    inertia_factor: float = SPHERE  #: q of the moment of inertia q m R²; infinite if it does not spin
 
     def tried(self, k: int) -> KnownBody:
         """The body, with trial values in place of unknown ones."""
         radius = TRIALS["radius"][k] if self.radius is None else self.radius
         mass = TRIALS["mass"][k] if self.mass is None else self.mass
-        return KnownBody(radius, math.inf, mass) if self.fixed else KnownBody(radius, mass)
+        moved, counted = (math.inf, mass) if self.fixed else (mass, None)
+        return KnownBody(radius, moved, counted, self.inertia_factor)
 
 
 class KnownBody(NamedTuple):
@@ -53,6 +55,7 @@ class KnownBody(NamedTuple):
     radius: float
     mass: float
     formula_mass: float | None = None  #: in the code's formulas, if it is another one
+    inertia_factor: float = SPHERE
 
 
 @dataclass(frozen=True)
@@ -217,11 +220,22 @@ def _friction(
 ) -> dict[str, Any]:
     """All results of the friction of known bodies at a known speed."""
     assert case.force is not None
-    force = case.force(first, second, speed)
-    if not case.friction.coefficient or case.friction.terms is None or isinstance(force, AdhesiveForce):
+    force, law = case.force(first, second, speed), case.friction
+    if law.coefficient == 0.0 or isinstance(force, AdhesiveForce):
         return {}
-    contact = friction.contact_of(case.friction, force, (first, second), speed)
-    return friction.numbers(contact, force, speed, case.time_step, dimension)
+    contacts = {
+        when: friction.contact_of(terms, force, (first, second), speed)
+        for when, terms in (("", law.terms), *law.others)
+        if terms is not None
+    }
+    results: dict[str, Any] = {
+        f"other {when}": contact.tangential_restitution(speed, friction.OBLIQUE)[0]
+        for when, contact in contacts.items()
+        if when
+    }
+    if "" in contacts:
+        results |= friction.numbers(contacts[""], force, speed, case.time_step, dimension)
+    return results
 
 
 def _other_version(

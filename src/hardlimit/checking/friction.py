@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
@@ -18,10 +18,12 @@ from ..convert.force import Force, Powers
 from ..support.formatting import digits
 
 if TYPE_CHECKING:
-    from .contacts import CheckedContact
+    from .contacts import CheckedContact, KnownBody
 
 #: Solid spheres: I = q m R².
 SPHERE: Final = 2.0 / 5.0
+#: The angle [rad] at which other versions of a code are compared.
+OBLIQUE: Final = np.array(ANGLES[9:10])
 #: Impacts at which the error of a time step is computed: tan γ over κμ, κ = m_n/m_t.
 TESTED: Final = np.array([0.1, 0.5, 1.0, 1.5])
 #: Stiffest tangential spring that is computed: half periods in a contact.
@@ -36,15 +38,18 @@ ONE_ANGLE: Final = math.radians(0.5)
 HIGHER: Final = 0.05
 
 
+#: The terms of two bodies, the second of which is None at a wall, at a speed.
+MakeTerms = Callable[[Any, Any, float], FrictionTerms]
+
+
 class FrictionLaw(NamedTuple):
     """The friction of the contacts of two types."""
 
     coefficient: float | None = 0.0  #: of sliding friction; None if not known
     model: str | None = None  #: tangential model, as the script or our laws name it
-    #: The terms of two bodies, the second of which is None at a wall, at a speed; None if they are not known.
-    terms: Callable[[Any, Any, float], FrictionTerms] | None = None
-    inertia_factor: float = SPHERE  #: q of all bodies
-    not_known: str | None = None  #: why the terms are not known
+    terms: MakeTerms | None = None  #: None if they are not known
+    not_known: str | None = None  #: why
+    others: tuple[tuple[str, MakeTerms], ...] = ()  #: in other versions of the code
 
 
 @dataclass(frozen=True)
@@ -59,15 +64,15 @@ class CheckedFriction:
     damping_ratio: float | None = None  #: tangential over normal damping, there
     limit: str | None = None  #: what μ F_n limits: "total" or "spring"
     sticks_below: float | None = None  #: angle of impact [rad] below which they do not slip on approach
-    slides_beyond: float | None = (
-        None  #: angle [rad] beyond which they slip to the end without sticking again
-    )
+    slides_beyond: float | None = None  #: angle [rad] beyond which they do not stick on separation
     tangential_restitution: tuple[tuple[float, float], ...] = ()  #: angle [rad] and β; 0 is the limit
     effective_tangential_restitution: float | None = None  #: β0 of the constant rule in a gas
     half_period: float | None = None  #: of the tangential spring, over the duration of the contact
     steps_per_half_period: int | None = None  #: whole time steps
     tangential_restitution_error_of_step: float | None = None  #: error of β by the time step
     not_known: str | None = None  #: why numbers are not known
+    #: β at 45° in other versions of the code, after the words for these.
+    other_versions: tuple[tuple[str, float], ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
         """As plain values.
@@ -75,7 +80,11 @@ class CheckedFriction:
         :meta private:
         """
         named = {name: getattr(self, name) for name in self.__dataclass_fields__}
-        return {**named, "tangential_restitution": [list(pair) for pair in self.tangential_restitution]}
+        pairs = {
+            name: [list(pair) for pair in named[name]]
+            for name in ("tangential_restitution", "other_versions")
+        }
+        return {**named, **pairs}
 
 
 #: Contacts without friction.
@@ -88,15 +97,24 @@ RESULTS: Final = (
 )
 
 
-def contact_of(law: FrictionLaw, force: Force, bodies: Sequence[Any], speed: float) -> FrictionalContact:
+def contact_of(
+    make: MakeTerms, force: Force, bodies: tuple[KnownBody, KnownBody | None], speed: float
+) -> FrictionalContact:
     """The contact of two bodies, the second of which is None at a wall."""
-    assert law.terms is not None
     first, second = bodies
-    mass = math.inf if second is None else second.mass
-    inverse = _core.inverse_tangential_mass(first.mass, law.inertia_factor, mass, law.inertia_factor)
-    terms = law.terms(first, second, speed)
+    inverse = _core.inverse_tangential_mass(
+        first.mass,
+        first.inertia_factor,
+        math.inf if second is None else second.mass,
+        SPHERE if second is None else second.inertia_factor,
+    )
     return FrictionalContact(
-        force.powers.arguments, force.stiffness, force.damping, force.effective_mass, terms, 1.0 / inverse
+        force.powers.arguments,
+        force.stiffness,
+        force.damping,
+        force.effective_mass,
+        make(first, second, speed),
+        1.0 / inverse,
     )
 
 
@@ -158,17 +176,17 @@ def _error_of_step(own: FrictionalContact, time_step: float) -> float:
 
 def friction_of(law: FrictionLaw, results: Mapping[str, Any]) -> CheckedFriction:
     """The friction of a contact from those of its results that are known."""
-    beta = [results.get(f"β {k}") for k in range(len(ANGLES))]
     steps = results.get("steps_per_half_period")
-    known = {name: results.get(name) for name in (*RESULTS, "limit")}
+    known: dict[str, Any] = {name: results.get(name) for name in (*RESULTS, "limit")}
     known["steps_per_half_period"] = None if steps is None else math.floor(steps)
+    table = [(angle, results.get(f"β {k}")) for k, angle in enumerate(ANGLES)]
+    others = [(when, results.get(f"other {when}")) for when, _ in law.others]
     return CheckedFriction(
         coefficient=law.coefficient,
         model=law.model,
         not_known=law.not_known,
-        tangential_restitution=tuple(
-            (angle, value) for angle, value in zip(ANGLES, beta, strict=True) if value is not None
-        ),
+        tangential_restitution=tuple((angle, beta) for angle, beta in table if beta is not None),
+        other_versions=tuple((when, beta) for when, beta in others if beta is not None),
         **known,
     )
 
@@ -176,16 +194,22 @@ def friction_of(law: FrictionLaw, results: Mapping[str, Any]) -> CheckedFriction
 # --- in words -------------------------------------------------------------------------------------------------
 
 
-def words(friction: CheckedFriction) -> str:
-    """One line about the friction of a contact; empty without friction."""
+def words(frictions: Sequence[CheckedFriction]) -> str:
+    """One line about the friction of contacts that differ in the number of steps only; empty without friction."""
+    friction = frictions[0]
     if friction.coefficient == 0.0:
         return ""
     if friction.coefficient is None:
         return "μ is not known"
-    parts = [_angles(friction), _restitution(friction), _period(friction)]
+    parts = [_angles(friction), _restitution(friction), _period(frictions)]
     unknown = "tangential model not understood" if friction.model is None else "depends on what is not known"
     known = "; ".join(filter(None, parts)) or friction.not_known or unknown
     return f"μ {digits(friction.coefficient, 3)}: {known}"
+
+
+def but_for_steps(friction: CheckedFriction) -> str:
+    """The line, without what depends on the time step."""
+    return words([replace(friction, steps_per_half_period=None)])
 
 
 def _angles(friction: CheckedFriction) -> str:
@@ -197,7 +221,7 @@ def _angles(friction: CheckedFriction) -> str:
         return ""
     if friction.coefficient == math.inf:
         return "never slips"
-    below = f"sticks below {_degrees(sticks)}" if sticks > 0.0 else "slips first at every angle"
+    below = f"sticks below {_degrees(sticks)}" if sticks > ONE_ANGLE else "slips first at every angle"
     if slides - sticks < ONE_ANGLE:
         return f"{below}, slides beyond"
     return f"{below}, slides beyond {_degrees(slides)}" if slides < math.radians(89.5) else below
@@ -216,12 +240,15 @@ def _restitution(friction: CheckedFriction) -> str:
     return f"β {', '.join(parts)}{'' if gas is None else f', {gas:.2f} in a gas'.replace('-', '−')}"
 
 
-def _period(friction: CheckedFriction) -> str:
-    if friction.half_period is None:
+def _period(frictions: Sequence[CheckedFriction]) -> str:
+    period = frictions[0].half_period
+    if period is None:
         return ""
-    steps = friction.steps_per_half_period
-    count = "" if steps is None else f", {steps} step{'' if steps == 1 else 's'}"
-    return f"tangential half period {digits(friction.half_period, 2)} t_c{count}"
+    steps = [friction.steps_per_half_period for friction in frictions]
+    known = [count for count in steps if count is not None]
+    ends = "–".join(dict.fromkeys(str(count) for count in (min(known), max(known)))) if known else ""
+    shown = digits(period, 2) if period < 10.0 else f"{period:.0f}"
+    return f"tangential half period {shown} t_c{f', {ends} steps' if ends else ''}"
 
 
 def _degrees(angle: float) -> str:
@@ -232,9 +259,22 @@ def _signed(beta: float) -> str:
     return f"{beta:+.2f}".replace("-", "−")
 
 
+#: Words of traps of which readers of scripts tell as well, by the words of the script.
+OF_READERS: Final = ("no static friction", "attracts")
+
+
+def versions(row: CheckedContact) -> str:
+    """β of a contact in other versions of its code; empty if it is the same in all."""
+    beta = dict(row.friction.tangential_restitution).get(float(OBLIQUE[0]))
+    others = [f"{_signed(other)} {when}" for when, other in row.friction.other_versions]
+    if not others:
+        return ""
+    return f"β at 45° is {', and '.join(([] if beta is None else [_signed(beta)]) + others)}"
+
+
 def traps(rows: Sequence[CheckedContact]) -> Iterator[tuple[str, list[CheckedContact]]]:
     """What the friction of contacts does that is rarely meant, with the contacts."""
-    for trap in (_superball, _smooth, _no_static_friction, _gain, _attractive):
+    for trap in (versions, _superball, _smooth, _no_static_friction, _gain, _attractive):
         texts: dict[str, list[CheckedContact]] = {}
         for row in rows:
             if row.friction.coefficient != 0.0 and (text := trap(row)):

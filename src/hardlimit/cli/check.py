@@ -14,7 +14,7 @@ from ..checking import check as checked
 from ..checking.answer import Question, given_by, judged, stiffness
 from ..checking.contacts import CheckedContact
 from ..checking.expectation import ACCEPTED
-from ..checking.friction import words
+from ..checking.friction import but_for_steps, words
 from ..checking.result import Finding, Verdict
 from ..column import files
 from ..contact.balls import Ball
@@ -198,13 +198,8 @@ def report(verdict: Verdict, verbose: bool) -> None:
     if not verbose and len({row.stage for row in verdict.rows}) > 1:
         which = f"run {last}{units_of(verdict, last)}"
         say(f"Settings change between runs. These are of {which}; --verbose has the others.")
-    for line in friction_lines(shown, verdict):
-        say(line)
-    warned = verdict.warnings if verbose else verdict.warnings[:MAX_FINDINGS]
-    for finding in warned:
-        say(f"Warning: {with_place(finding, verbose)}.")
-    if len(warned) < len(verdict.warnings):
-        say(f"… and {len(verdict.warnings) - len(warned)} more warnings: --verbose")
+    say_first(friction_lines(groups, verdict), MAX_ROWS, "contacts with friction", verbose)
+    say_first(list(warnings(verdict.warnings, verbose)), MAX_FINDINGS, "warnings", verbose)
     if verdict.remarks:
         say(" ".join(verdict.remarks))
     if verbose:
@@ -219,29 +214,42 @@ def report(verdict: Verdict, verbose: bool) -> None:
         click.echo(f"  {line}")
 
 
-def friction_lines(groups: Sequence[list[CheckedContact]], verdict: Verdict) -> Iterator[str]:
-    """One line on the friction of each contact, at the highest speed; contacts with the same one share it."""
+def say_first(paragraphs: Sequence[str], most: int, what: str, verbose: bool) -> None:
+    """Print the first paragraphs, or all."""
+    few = paragraphs if verbose else paragraphs[:most]
+    for paragraph in few:
+        say(paragraph)
+    if len(few) < len(paragraphs):
+        say(f"… and {len(paragraphs) - len(few)} more {what}: --verbose")
+
+
+def friction_lines(groups: Sequence[list[CheckedContact]], verdict: Verdict) -> list[str]:
+    """What friction does in each contact, at its highest speed; contacts with the same numbers share a line."""
+    last = {(rows[0].stage, name(rows[0], True, True)): rows[-1] for rows in groups}
     lines: dict[str, list[CheckedContact]] = {}
-    for rows in groups:
-        if text := words(rows[-1].friction):
-            lines.setdefault(text, []).append(rows[0])
-    texts_of: dict[str, set[str]] = {}
-    for text, rows in lines.items():
-        for row in rows:
-            texts_of.setdefault("–".join(row.types), set()).add(text)
-    for text, rows in lines.items():
-        names = [
-            labelled(row, verdict, True) if len(texts_of[pair]) > 1 else pair
-            for row in rows
-            for pair in ["–".join(row.types)]
-        ]
-        names = list(dict.fromkeys(names))
-        yield f"{', '.join(names[:MAX_FINDINGS])}{' …' * (len(names) > MAX_FINDINGS)}  {text}"
+    for row in last.values():
+        if text := but_for_steps(row.friction):
+            lines.setdefault(text, []).append(row)
+    pairs = [{"–".join(row.types) for row in rows} for rows in lines.values()]
+    texts = []
+    for rows, own in zip(lines.values(), pairs, strict=True):
+        apart = any(own & others for others in pairs if others is not own)
+        names = list(
+            dict.fromkeys(labelled(row, verdict, True) if apart else "–".join(row.types) for row in rows)
+        )
+        more = " …" * (len(names) > MAX_FINDINGS)
+        texts.append(f"{', '.join(names[:MAX_FINDINGS])}{more}  {words([row.friction for row in rows])}")
+    return texts
 
 
-def with_place(finding: Finding, verbose: bool) -> str:
-    """A finding, with its place in the script if ``verbose``."""
-    return f"{finding.what} ({finding.where})" if verbose and finding.where else finding.what
+def warnings(findings: Sequence[Finding], verbose: bool) -> Iterator[str]:
+    """Each warning once, with its places in the script if ``verbose``."""
+    places: dict[str, list[str]] = {}
+    for finding in findings:
+        places.setdefault(finding.what, []).append(finding.where)
+    for what, where in places.items():
+        known = list(dict.fromkeys(filter(None, where)))
+        yield f"Warning: {what}{f' ({known[0]})' if verbose and known else ''}."
 
 
 def corrections(verdict: Verdict) -> str:
@@ -528,7 +536,7 @@ def detail(row: CheckedContact, plain: bool, accepted: float) -> str:
         f"time step for an error of {digits(accepted, 2)}": when(row.time_step),
         "Rayleigh time": when(row.rayleigh_time),
         "P-wave time": when(row.p_wave_time),
-        "friction": words(row.friction) or None,
+        "friction": words([row.friction]) or None,
         "error 1 % at": None
         if spring is None
         else f"{stiffness(spring[0])} of {digits(spring[2], 3)} {row.stiffness_unit}".rstrip(),

@@ -255,7 +255,7 @@ class Contact:
         return self._frictional.borders(_impact_speed(speed)).sticks_below
 
     def slides_beyond(self, speed: float = 1.0) -> float:
-        """Angle of impact [rad] beyond which the surfaces slip from the approach to the end without sticking again.
+        """Angle of impact [rad] beyond which the surfaces do not stick while the bodies separate.
 
         Beyond it β = −1 + (m_n/m_t) μ (1 + ε)/tan γ, but for the short time in which the surfaces of damped contacts
         stick at touch. Argument, result and errors as for :meth:`Contact.sticks_below`.

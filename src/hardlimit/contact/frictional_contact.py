@@ -26,9 +26,13 @@ ANGLES: Final = tuple(math.radians(angle) for angle in range(0, 90, 5))
 HEAD_ON: Final = 1e-6
 #: Steps of a contact by which the angles are located, to about 1e-4.
 STEPS: Final = 256
-#: Range in which tan γ/μ is searched.
-SMALLEST: Final = 1e-9
+#: Share of the largest normal force below which sticking at the end is of no account.
+NEGLIGIBLE: Final = 0.01
+#: Range in which tan γ/μ is searched, the factor of the search, and the relative precision.
+SMALLEST: Final = 1e-6
 LARGEST: Final = 1e4
+FARTHER: Final = 1.5
+PRECISION: Final = 1e-5
 #: Points of the quadrature over angles, in each of the three ranges of sticking, mixed and sliding contacts.
 POINTS: Final = 20
 #: Digits to which contacts count as equal, so that they are computed once.
@@ -101,7 +105,7 @@ class Borders(NamedTuple):
     """Angles of impact [rad]; NaN without a spring or if the bodies stay together."""
 
     sticks_below: float  #: below it, the surfaces do not slip while the bodies approach
-    slides_beyond: float  #: beyond it, they slip from the approach to the end without sticking again
+    slides_beyond: float  #: beyond it, they do not stick while the bodies separate
 
 
 def _rounded(value: float) -> float:
@@ -137,14 +141,16 @@ def _table(own: FrictionalContact) -> tuple[tuple[float, float], ...]:
 
 
 class Motion(NamedTuple):
-    """The normal motion of a contact at equal steps, and the tangential motion without slip from the slip rate 1."""
+    """The normal motion of a contact in steps, shorter at both ends, and what it does to tangential forces."""
 
-    step: float
-    compression: Floats  #: at each step and between two
-    limit: Floats  #: |F_n| at each step
-    pull: Floats  #: the tangential force that Coulomb's law limits
-    slip_rate: Floats
+    steps: list[float]
+    force: list[float]  #: F_n at each step
+    limit: list[float]  #: |F_n|
+    damping: list[float]  #: γ_t at each step
+    kept: list[float]  #: what a step multiplies the elastic force by
+    grown: list[float]  #: what a step adds to it at a unit slip rate
     deepest: int  #: number of the step
+    negligible: float  #: F_n below which sticking is of no account
 
 
 @lru_cache(maxsize=1024)
@@ -163,35 +169,34 @@ def _borders(own: FrictionalContact) -> Borders:
     if mu == 0.0 or mu == math.inf:
         return Borders(math.atan(mu), math.atan(mu))
     motion = _motion(own)
-    limit, pull = (values[: motion.deepest + 1] for values in (motion.limit, np.abs(motion.pull)))
-    sticks = max(float((limit[pull > 0.0] / pull[pull > 0.0]).min()), SMALLEST)
-
-    def margin(logarithm: float) -> float:
-        return _margin_of_slip(own, motion, math.exp(logarithm))
-
-    low, high = math.log(sticks * (1.0 + 1e-9)), math.log(LARGEST * max(sticks, 1.0))
-    slides = math.inf
-    if margin(low) > 0.0:
-        slides = sticks
-    elif margin(high) > 0.0:
-        slides = math.exp(scipy.optimize.brentq(margin, low, high, xtol=1e-7))
-    return Borders(math.atan(mu * sticks) if sticks > SMALLEST else 0.0, math.atan(mu * slides))
+    sticks = _largest_sticking(own, motion)
+    low = max(sticks, SMALLEST)
+    high = low
+    while _sticks_at_end(own, motion, high):
+        low, high = high, FARTHER * high
+        if high > LARGEST:
+            return Borders(math.atan(mu * sticks), 0.5 * math.pi)
+    while high > (1.0 + PRECISION) * low:
+        middle = math.sqrt(low * high)
+        low, high = (middle, high) if _sticks_at_end(own, motion, middle) else (low, middle)
+    return Borders(math.atan(mu * sticks), math.atan(mu * high))
 
 
 def _motion(own: FrictionalContact) -> Motion:
     _, duration, _, _ = _collision(own)
     elastic, damped, attracts = own.powers
-    p, q, c = 0.25 * elastic, 0.25 * damped, own.damping
-    step = duration / STEPS
+    p, q, c, terms = 0.25 * elastic, 0.25 * damped, own.damping, own.friction
+    share = np.arange(STEPS + 1) / STEPS
+    steps = duration * np.diff(share * share * (3.0 - 2.0 * share))
 
     def force(x: float, v: float) -> float:
         depth = max(x, 0.0)
         push: float = depth**p + c * depth**q * v
         return push if attracts else max(push, 0.0)
 
-    h, x, v = 0.5 * step, 0.0, 1.0
+    x, v = 0.0, 1.0
     depths, forces = [x], [force(x, v)]
-    for _ in range(2 * STEPS):  # Runge & Kutta, at order 4
+    for h in np.repeat(0.5 * steps, 2).tolist():  # Runge & Kutta, at order 4
         a1 = force(x, v)
         a2 = force(x + 0.5 * h * v, v - 0.5 * h * a1)
         a3 = force(x + 0.5 * h * (v - 0.5 * h * a1), v - 0.5 * h * a2)
@@ -200,67 +205,65 @@ def _motion(own: FrictionalContact) -> Motion:
         v -= h / 6.0 * (a1 + 2.0 * (a2 + a3) + a4)
         depths.append(max(x, 0.0))
         forces.append(force(x, v))
-    pull, rate = _sticking(own, np.array(depths), step)
-    deepest = int(np.argmax(depths[::2]))
-    return Motion(step, np.array(depths), np.abs(forces[::2]), pull, rate, deepest)
-
-
-def _sticking(own: FrictionalContact, depths: Floats, step: float) -> tuple[Floats, Floats]:
-    """The force that Coulomb's law limits, and the slip rate, at each step without slip."""
-    terms, over_mass = own.friction, 1.0 / own.tangential_mass
-    stiffness, damping = _terms_at(terms, depths)
-    kept, grown = _growth(terms, depths, stiffness, step)
-    elastic, g, pulls, rates = 0.0, 1.0, [], []
-    for n in range(STEPS + 1):
-        force = elastic + damping[2 * n] * g
-        pulls.append(force if terms.limit == LIMITS.index("total") else elastic)
-        rates.append(g)
-        if n < STEPS:
-            between = g - 0.5 * step * over_mass * force
-            elastic = elastic * kept[n] + grown[n] * between
-            g = (between - 0.5 * step * over_mass * elastic) / (
-                1.0 + 0.5 * step * over_mass * damping[2 * n + 2]
-            )
-    return np.array(pulls), np.array(rates)
-
-
-def _terms_at(terms: FrictionTerms, depths: Floats) -> tuple[Floats, Floats]:
-    """k_t and γ_t at each compression."""
-    return (
-        terms.stiffness * depths ** (0.25 * terms.stiffness_power),
-        terms.damping * depths ** (0.25 * terms.damping_power),
+    kept, grown, damping = _changes(terms, np.array(depths), steps)
+    return Motion(
+        steps.tolist(),
+        forces[::2],
+        np.abs(forces[::2]).tolist(),
+        damping.tolist(),
+        kept.tolist(),
+        grown.tolist(),
+        int(np.argmax(depths[::2])),
+        NEGLIGIBLE * max(forces),
     )
 
 
-def _growth(terms: FrictionTerms, depths: Floats, stiffness: Floats, step: float) -> tuple[Floats, Floats]:
-    """What each step multiplies the elastic force by, and what it adds for a unit slip rate."""
+def _changes(terms: FrictionTerms, depths: Floats, steps: Floats) -> tuple[Floats, Floats, Floats]:
+    """What each step multiplies the elastic force by, what it adds at a unit slip rate, and the damping."""
     before, middle, after = depths[:-2:2], depths[1:-1:2], depths[2::2]
     power = 0.5 * np.where(after > before, terms.loading, terms.unloading)
     with np.errstate(divide="ignore", invalid="ignore"):
         kept = np.where(before > 0.0, (after / before) ** power, 0.0)
-        grown = np.where(middle > 0.0, stiffness[1:-1:2] * step * (after / middle) ** power, 0.0)
-    return kept, grown
+        stiffness = terms.stiffness * middle ** (0.25 * terms.stiffness_power)
+        grown = np.where(middle > 0.0, stiffness * steps * (after / middle) ** power, 0.0)
+        damping = terms.damping * depths[::2] ** (0.25 * terms.damping_power)
+    return kept, grown, np.where(np.isfinite(damping), damping, 0.0)
 
 
-def _margin_of_slip(own: FrictionalContact, motion: Motion, tangent: float) -> float:
-    """Smallest excess of the tangential force over its limit, once they slip, if nothing but slip reduced it.
+def _largest_sticking(own: FrictionalContact, motion: Motion) -> float:
+    """tan γ/μ up to which the surfaces do not slip while the bodies approach, touch included."""
+    total, over_mass = LIMITS[own.friction.limit] == "total", 0.5 / own.tangential_mass
+    elastic, rate, ratio = 0.0, 1.0, math.inf
+    for n in range(motion.deepest + 1):
+        half = over_mass * motion.steps[n]
+        limited = abs(elastic + motion.damping[n] * rate if total else elastic)
+        if limited > 0.0:
+            ratio = min(ratio, motion.limit[n] / limited)
+        between = rate - half * (elastic + motion.damping[n] * rate)
+        elastic = elastic * motion.kept[n] + motion.grown[n] * between
+        rate = (between - half * elastic) / (1.0 + half * motion.damping[n + 1])
+    return ratio
 
-    ``tangent``: tan γ/μ. Negative if the surfaces stick again, or do not slip before the deepest compression.
-    """
-    terms = own.friction
-    over = tangent * np.abs(motion.pull[: motion.deepest + 1]) > motion.limit[: motion.deepest + 1]
-    if not over.any():
-        return -1.0
-    first = max(int(np.argmax(over)) - 1, 0)
-    limit = motion.limit[first:]
-    impulse = np.concatenate([[0.0], np.cumsum(0.5 * (limit[1:] + limit[:-1]) * motion.step)])
-    rate = tangent * motion.slip_rate[first] - impulse / own.tangential_mass
-    stiffness, damping = _terms_at(terms, motion.compression)
-    kept, grown = (values[first:] for values in _growth(terms, motion.compression, stiffness, motion.step))
-    damped = damping[::2][first:] * rate if terms.limit == LIMITS.index("total") else np.zeros_like(rate)
-    between = 0.5 * (rate[1:] + rate[:-1])
-    trial = (limit - damped)[:-1] * kept + grown * between + damped[1:]
-    return float((trial - limit[1:])[:-1].min())
+
+def _sticks_at_end(own: FrictionalContact, motion: Motion, tangent: float) -> bool:
+    """Whether the surfaces stick at a time when the bodies separate, at tan γ = μ ``tangent``."""
+    total, over_mass = LIMITS[own.friction.limit] == "total", 0.5 / own.tangential_mass
+    elastic, rate = 0.0, tangent
+    force = min(motion.damping[0] * rate, motion.limit[0])
+    for n in range(STEPS):
+        half = over_mass * motion.steps[n]
+        between = rate - half * force
+        elastic = elastic * motion.kept[n] + motion.grown[n] * between
+        damped, limit = motion.damping[n + 1] * between, motion.limit[n + 1]
+        force = elastic + damped
+        limited = force if total else elastic
+        if abs(limited) > limit:
+            force = math.copysign(limit, limited)
+            elastic = force - damped if total else force
+        elif n >= motion.deepest and motion.force[n + 1] >= motion.negligible:
+            return True
+        rate = between - half * force
+    return False
 
 
 # --- in a gas -------------------------------------------------------------------------------------------------

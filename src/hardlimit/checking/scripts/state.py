@@ -14,7 +14,18 @@ from typing import Final, Self
 from ...support.formatting import listed
 from . import conditions, motion, population
 from .commands import SILENT, UNRESOLVED, USE_LOG, Variables, text_of
-from .description import WALL, ContactSettings, Description, Direction, Motion, Note, Quote, Settings, Stage
+from .description import (
+    WALL,
+    ContactSettings,
+    Description,
+    Direction,
+    Grains,
+    Motion,
+    Note,
+    Quote,
+    Settings,
+    Stage,
+)
 from .formulas import NUMBER
 from .granular_words import unaccelerated
 from .population import Batch, Population
@@ -31,6 +42,8 @@ TIME_STEPS: Final = {
     "micro": 2.0,
     "nano": 4.5e-4,
 }
+#: q of the moment of inertia q m R² of a sphere and of a disk.
+SPHERE, DISK = 0.4, 0.5
 #: Grains that ``create_atoms`` makes: radius 0.5, density 1.
 CREATED: Final = Batch((0.5, 0.5), (1.0, 1.0))
 MAX_TYPES: Final = 100
@@ -634,16 +647,7 @@ class State:
 
     def now(self, quote: Quote, steps: int | None) -> Stage:
         """What holds now."""
-        disks = self.code == "liggghts" and self.dimension == 2
-        grains = {}
-        for kind in self.present():
-            frozen, freezes = self.frozen(kind), self.stopped("freeze", kind)
-            partly = [
-                style for style in ("freeze", "setforce") if not frozen and self.stopped(style, kind, False)
-            ]
-            grains[str(kind)] = self.population.grains(
-                kind, str(kind), frozen, not freezes and "freeze" not in partly, disks, bool(partly)
-            )
+        grains = {str(kind): self.grains(kind) for kind in self.present()}
         pressed, driven, shear_rate, bath = motion.driven(self)
         return Stage(
             quote=quote,
@@ -664,6 +668,18 @@ class State:
             dimension=self.dimension,
             system=self.system,
         )
+
+    def grains(self, kind: int) -> Grains:
+        """The grains of a type as they are now."""
+        disks = self.code == "liggghts" and self.dimension == 2
+        frozen, freezes = self.frozen(kind), self.stopped("freeze", kind)
+        partly = [
+            style for style in ("freeze", "setforce") if not frozen and self.stopped(style, kind, False)
+        ]
+        grains = self.population.grains(
+            kind, str(kind), frozen, not freezes and "freeze" not in partly, disks, bool(partly)
+        )
+        return replace(grains, inertia_factor=self.inertia_factor(kind))
 
     def note_adhesion(self, contacts: Sequence[ContactSettings]) -> None:
         """Note the statements that make contacts adhesive or plastic, each with all types that it concerns."""
@@ -957,6 +973,10 @@ class State:
             integrated = integrated or group.types is None or kind in group.types
         stopped = self.stopped("freeze", kind) or self.stopped("setforce", kind)
         return stopped or bool(integrators and not integrated)
+
+    def inertia_factor(self, kind: int) -> float:
+        """q of the moment of inertia q m R² with which the grains of a type spin; infinite if their spins stay."""
+        return SPHERE
 
     def stopped(self, style: str, kind: int, whole: bool = True) -> bool:
         """Whether ``fix freeze``, or ``fix setforce`` with three zeros, acts on all grains of a type, or on some."""

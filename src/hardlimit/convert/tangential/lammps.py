@@ -28,6 +28,8 @@ LENGTH: Final = (0.0, 1.0, 0.0)
 NUMBER: Final = (0.0, 0.0, 0.0)
 #: The contact radius √(R ξ), as four times the power of ξ.
 RADIUS: Final = 2
+#: Steps in a contact whose spring is lost at each slip.
+STEPS: Final = 5000
 
 
 def material_stiffness(youngs_modulus: float, poisson_ratio: float) -> float:
@@ -77,8 +79,8 @@ def _terms(
 ) -> FrictionTerms:
     coefficient = given["coefficient"]
     assert coefficient is not None
-    still = given.get("static_coefficient", coefficient)
-    if still != coefficient:
+    still = given.get("static_coefficient")
+    if still not in (None, coefficient):
         raise ValueError(
             f"tangential: static μ {still:g} and dynamic μ {coefficient:g} differ, must be equal"
         )
@@ -95,16 +97,21 @@ def _terms(
     )
 
 
-def _scaled_wall(given: Given, contact: NormalContact) -> FrictionTerms:
-    """``fix wall/gran hooke/history`` with the error: k_t times the contact radius, as a number in the script's unit."""
-    right = _gran(given, contact, "mindlin")
-    unit = given["length_unit"]
+Terms = Callable[[Given, NormalContact], FrictionTerms]
+
+
+def _scaled(given: Given, contact: NormalContact, right: Terms) -> FrictionTerms:
+    """A linear spring with the error: its k_t times the contact radius, as a number in the script's unit."""
+    terms, unit = right(given, contact), given["length_unit"]
     assert unit is not None
     factor = math.sqrt(contact.written.pair.radius) / unit
-    return right._replace(stiffness=right.stiffness * factor, stiffness_power=RADIUS)
-
-
-Terms = Callable[[Given, NormalContact], FrictionTerms]
+    history = FrictionTerms.of_model("mindlin", "total", coefficient=terms.coefficient)
+    return terms._replace(
+        stiffness=terms.stiffness * factor,
+        stiffness_power=RADIUS,
+        loading=history.loading,
+        unloading=history.unloading,
+    )
 
 
 def _model(name: str, terms: Terms, **numbers: tuple[float, float, float]) -> TangentialModel:
@@ -112,17 +119,21 @@ def _model(name: str, terms: Terms, **numbers: tuple[float, float, float]) -> Ta
 
 
 _HISTORIES: Final = ("mindlin", "mindlin_force", "mindlin_rescale", "mindlin_rescale_force")
-_HERTZ: Final = partial(_gran, model="mindlin", hertz=True)
-_MINDLIN: Final = partial(_granular, model="mindlin", radius=True)
-_LINEAR: Final = partial(_granular, model="spring")
 _RATIO: Final = {"damping_ratio": NUMBER}
 _STATIC: Final = {**_RATIO, "static_coefficient": NUMBER}
+_HOOKE: Final = partial(_gran, model="spring")
+_HERTZ: Final = partial(_gran, model="mindlin", hertz=True)
+_LINEAR: Final = partial(_granular, model="spring")
+_MINDLIN: Final = partial(_granular, model="mindlin", radius=True)
 
-#: The models by the name that a script gives them; those of the styles gran/… are those of classic walls as well.
-MODELS: Final = (
+#: Models with the words in ``pair_style gran/…`` and, without ``gran/``, ``fix wall/gran``.
+GRAN: Final = (
     _model("gran/hooke", partial(_gran, model="none"), damping=RATE),
-    _model("gran/hooke/history", partial(_gran, model="spring"), stiffness=STIFFNESS, damping=RATE),
+    _model("gran/hooke/history", _HOOKE, stiffness=STIFFNESS, damping=RATE),
     _model("gran/hertz/history", _HERTZ, stiffness=MODULUS, damping=RATE_BY_LENGTH),
+)
+#: Models after ``tangential``, with their numbers in the order of the script.
+GRANULAR: Final = (
     _model("linear_nohistory", partial(_granular, model="none"), **_RATIO),
     _model("linear_history", _LINEAR, stiffness=STIFFNESS, **_RATIO),
     _model("linear_history_classic", _LINEAR, stiffness=STIFFNESS, **_RATIO),
@@ -138,7 +149,68 @@ MODELS: Final = (
         for name in _HISTORIES
     ),
     _model("mindlin/static", _MINDLIN, stiffness=MODULUS, **_STATIC),
-    # Walls with the error of 2023 to 2026: the spring is multiplied by the contact radius once too often.
-    _model("scaled hooke/history", _scaled_wall, stiffness=STIFFNESS, damping=RATE, length_unit=LENGTH),
-    _model("scaled hertz/history", _HERTZ, stiffness=MODULUS, damping=RATE_BY_LENGTH, length_unit=LENGTH),
 )
+#: Models with an error of the versions from 2 Aug 2023 until it was mended in 2026: the spring is multiplied by the
+#: contact radius, a number in the script's unit of length, once too often: a linear spring always, and each of them
+#: after every slip, where T becomes T a. The terms do not say the latter: see ``worn_restitution``.
+SCALED: Final = (
+    _model(
+        "scaled gran/hooke/history",
+        partial(_scaled, right=_HOOKE),
+        stiffness=STIFFNESS,
+        damping=RATE,
+        length_unit=LENGTH,
+    ),
+    _model(
+        "scaled gran/hertz/history", _HERTZ, stiffness=MODULUS, damping=RATE_BY_LENGTH, length_unit=LENGTH
+    ),
+    _model(
+        "scaled linear_history_classic",
+        partial(_scaled, right=_LINEAR),
+        stiffness=STIFFNESS,
+        **_RATIO,
+        length_unit=LENGTH,
+    ),
+    _model("scaled mindlin_classic", _MINDLIN, stiffness=MODULUS, **_RATIO, length_unit=LENGTH),
+)
+MODELS: Final = (*GRAN, *GRANULAR, *SCALED)
+
+
+def scaled(tangential: Tangential) -> Tangential:
+    """A model as it was in the versions with the error; the numbers are in the script's units."""
+    return Tangential(f"scaled {tangential.model}", {**tangential.numbers, "length_unit": 1.0})
+
+
+def worn_restitution(
+    contact: NormalContact,
+    terms: FrictionTerms,
+    length_unit: float,
+    tangential_mass: float,
+    speed: float,
+    tangential_speed: float,
+) -> float:
+    """β of a model in ``SCALED``, whose spring loses most of its force at every slip, by small steps."""
+    force, radius = contact.force, contact.written.pair.radius
+    step = force.collision(speed).duration / STEPS
+    p, q = 0.25 * force.powers.elastic, 0.25 * force.powers.damping
+    k, c = 0.25 * terms.stiffness_power, 0.25 * terms.damping_power
+    x, v, g, spring = 0.0, speed, tangential_speed, 0.0
+    for _ in range(2 * STEPS):
+        before, middle = x, v
+        for _ in range(2):  # implicit midpoint rule: fixed point
+            half = max(0.5 * (before + x), 0.0)
+            normal = force.stiffness * half**p + force.damping * half**q * middle
+            x = before + step * middle
+            middle = v - 0.5 * step * normal / force.effective_mass
+        v = 2.0 * middle - v
+        if x <= 0.0 or (normal <= 0.0 and not force.powers.attracts):
+            break
+        spring = spring * math.sqrt(x / before) if before > 0.0 else 0.0
+        spring += terms.stiffness * x**k * g * step
+        damping, limit = terms.damping * x**c * g, terms.coefficient * abs(normal)
+        total = spring + damping
+        if abs(total) > limit:
+            total = math.copysign(limit, total)
+            spring = (total - damping) * math.sqrt(radius * x) / length_unit
+        g -= total / tangential_mass * step
+    return -g / tangential_speed
