@@ -127,6 +127,7 @@ class Description:
     invalidates: tuple[Note, ...] = field(
         default=()
     )  #: makes contacts sticky, dissipates elsewhere, ties grains
+    warnings: tuple[Note, ...] = field(default=())  #: what the friction of the script really does
     unknown: tuple[Quote, ...] = field(default=())  #: statements that were not understood
     #: Messages that refuse those of them, and of what invalidates, on which the force of contacts depends.
     refused: tuple[str, ...] = field(default=())
