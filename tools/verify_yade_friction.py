@@ -42,7 +42,7 @@ for case in {!r}:
         first.state.angVel = -(1 - case[4]) / radii[0] * share * around
     before = slip()
     exec("O.run(" + script.rpartition("O.run(")[2])
-    if any(interaction.isReal for interaction in O.interactions):
+    if any(each.isReal and each.phys.normalForce.norm() for each in O.interactions):
         print("RESULT", "touch", flush=True)
     after = slip()
     print("RESULT", repr(-after.dot(before) / before.dot(before)), before.norm() / case[0], flush=True)

@@ -720,6 +720,10 @@ def test_friction_that_the_script_changes():
     sphere = SPHERE.replace("0.01", "0.01, material='glass'")
     contact = read(script(MINDLIN, material, sphere + fixed, rest=rest)).stages[1].contacts[-1]
     assert contact.types == ("glass", "floor") and contact.friction == pytest.approx(math.tan(0.1))
+    pair = (FRICT[0].replace("()", "(frictAngle=0.2)"), FRICT[1])
+    own = read(script(pair, GLASS, SPHERE + SPHERE, rest=rest))
+    assert [stage.contacts[0].friction for stage in own.stages] == pytest.approx([math.tan(0.2)])
+    assert any("setContactFriction" in note.what for note in own.warnings)
     unknown = read(script(FRICT, GLASS, SPHERE + SPHERE, rest="setContactFriction(final())\nO.run(1)\n"))
     assert unknown.stages[0].contacts[0].tangential is None and unknown.unknown
 

@@ -577,6 +577,9 @@ class Yade(Evaluator):
         for k, material in enumerate(self.materials):
             if k in moving or self.elsewhere:
                 material.attributes["frictionAngle"] = instance.argument(0, "angleRad")
+        if any("frictAngle" in functor.attributes for functor in self.used("Ip2_")):
+            what = "setContactFriction changes contacts that last: new ones have the functor's frictAngle"
+            self.warnings[Note(what, None, self.quote(instance.line, instance.text))] = None
 
     def list_method(self, name: str, owner: list[Any], instance: Instance) -> Any:
         """Methods of lists, and of ``O.materials`` and ``O.engines``."""
