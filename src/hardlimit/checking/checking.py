@@ -18,7 +18,7 @@ from ..convert.force import MAX_SPEED, MIN_SPEED
 from ..support import validation
 from ..support.formatting import digits, listed, percent
 from ..support.units import SYSTEMS
-from . import answer, cases, corrections, drive, dumps
+from . import answer, cases, corrections, drive, dumps, friction
 from .contacts import Case, CheckedContact, Surroundings, examine
 from .expectation import checked_packing_fraction
 from .result import CheckedStage, Finding, Verdict
@@ -200,7 +200,9 @@ def _examined(
     depend on the speed if there is none.
     """
     share = math.sqrt(0.5) if gas.mean_speed is not None or driven is not None else 1.0
-    gas = replace(gas, rubs=any(case.friction != 0.0 for case in contacts if case.second is not None))
+    gas = replace(
+        gas, rubs=any(case.friction.coefficient != 0.0 for case in contacts if case.second is not None)
+    )
     rows = []
     for case in contacts:
         at, where = speeds, gas
@@ -384,6 +386,7 @@ def _of_script(script: Description, options: Options, frames: Sequence[dumps.Fra
             *dict.fromkeys(note for system in systems for note in system.remarks(several)),
             *_numerically_damped(last.numerical_damping, final.examined),
         ),
+        warnings=_warnings(script, rows),
         corrected=tuple(
             dict.fromkeys(line for system in systems for line in system.corrected(script.code, several))
         ),
@@ -505,6 +508,24 @@ def _rest(support: drive.Support) -> str:
     """That grains rest, and how strongly their support is shaken."""
     shaking = "" if support.shaking is None else f" (Γ = A ω²/g = {digits(support.shaking, 3)})"
     return f"grains rest on each other under gravity{shaking}"
+
+
+def _warnings(script: Description, rows: Sequence[CheckedContact]) -> tuple[Finding, ...]:
+    """First what other versions of the code do, then what the script says, then what follows from numbers."""
+    traps, read = list(_traps(rows)), [_finding(note) for note in script.warnings]
+    first = traps[: any(row.friction.other_versions for row in rows)]
+    said = " ".join(finding.what for finding in read)
+    repeated = [words for words in friction.OF_READERS if words in said]
+    others = [trap for trap in traps[len(first) :] if not any(words in trap.what for words in repeated)]
+    return (*first, *read, *others)
+
+
+def _traps(rows: Sequence[CheckedContact]) -> Iterator[Finding]:
+    """What the friction of contacts does that is rarely meant."""
+    for what, contacts in friction.traps(rows):
+        pairs = list(dict.fromkeys("–".join(row.types) for row in contacts))
+        kinds = tuple(dict.fromkeys(name for row in contacts for name in row.types))
+        yield Finding(f"{', '.join(pairs[:3])}{' …' * (len(pairs) > 3)}: {what}", kinds)
 
 
 def _not_modelled(contacts: Sequence[cases.NotModelled]) -> Iterator[Finding]:
@@ -784,6 +805,7 @@ def _of_law(
         unknown=(),
         missing=missing,
         remarks=tuple(_remarks(examined, options, gas, speeds, at, False)),
+        warnings=tuple(_traps(rows)),
         corrected=(),
         quantity=None if question.driven else question.quantity,
         restitution_error=options.restitution_error,

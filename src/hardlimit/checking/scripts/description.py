@@ -51,6 +51,7 @@ class Grains:
     partly_frozen: bool = False  #: whether some of them, but not all, do not move
     fixed: Grains | None = None  #: those, if their sizes are not those of the others
     alone: bool = False  #: whether only one of them moves, which then touches none like itself
+    inertia_factor: float = 0.4  #: q of the moment of inertia q m R²; infinite if the grains do not spin
 
 
 @dataclass(frozen=True)
@@ -79,6 +80,8 @@ class ContactSettings:
         0.0  #: coefficient of sliding friction, 0 without tangential forces; None if not known
     )
     tangential: Tangential | None = None  #: the tangential force; None without one, or if it is not known
+    #: The tangential force in versions of the code that have another one, with these versions in words.
+    other_tangential: tuple[tuple[str, Tangential], ...] = ()
     motion: Motion | None = None  #: of the wall, or of the grains that do not follow forces; None at rest
 
 

@@ -1,0 +1,250 @@
+"""Friction of a contact in LAMMPS: its tangential model with numbers, and what it really does, in words."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Final
+
+from ...convert.tangential import Tangential
+from ...convert.tangential.lammps import material_stiffness, scaled
+from .description import WALL, ContactSettings, Grains, Settings
+from .granular_words import ADHESIVE, Words, is_zero
+from .logs import date
+
+#: Normal models with Young's modulus and Poisson's ratio.
+MATERIALS: Final = ("hertz/material", *ADHESIVE)
+#: Models whose spring is multiplied by the contact radius once too often in some versions; gran/… at walls only.
+SCALED: Final = ("gran/hooke/history", "gran/hertz/history", "linear_history_classic", "mindlin_classic")
+#: Versions with this error: from the first to before the next are sure, and none is from the last on. The change is
+#: https://github.com/lammps/lammps/pull/5007.
+ERROR_BEGINS, ERROR_MAY_END, ERROR_ENDED = "2 Aug 2023", "4 Jul 2026", "2 Sep 2026"
+#: The last version before it of which a run is known.
+BEFORE_ERROR: Final = "23 Jun 2022"
+#: The last update of 22 Jul 2025 that was examined.
+EXAMINED_UPDATE: Final = 4
+#: Size ratio beyond which velocities of half a step before matter.
+LARGE_RATIO: Final = 3.0
+
+#: A setting that says which normal model limits friction by its elastic force.
+ELASTIC: Final = "elastic_limit"
+#: A setting that says that k_t follows from the modulus of two materials.
+MIXED: Final = "mixed_modulus"
+
+Number = Callable[[str], float | None]
+
+
+def tangential(words: Words, number: Number) -> Tangential | None:
+    """The tangential force of a contact; None without one, or if a number of it is not known."""
+    if not words.tangential or is_zero(words.friction):
+        return None
+    values = {name: None if word == "NULL" else number(word) for name, word in words.numbers.items()}
+    known = all(values[name] is not None or word == "NULL" for name, word in words.numbers.items())
+    positive = all(value is None or value >= 0.0 for value in values.values())
+    has_coefficient = values["coefficient"] is not None and values.get("static_coefficient", 0.0) is not None
+    return Tangential(words.tangential, values) if known and positive and has_coefficient else None
+
+
+def mixed(
+    forces: Sequence[Tangential | None], settings: Sequence[Settings], mixture: Settings
+) -> Tangential | None:
+    """The tangential force of two types without their own: all numbers have their geometric mean.
+
+    If k_t is NULL, LAMMPS takes the mixed modulus E* in place of E, and the mean of Poisson's ratios.
+    """
+    first, other = forces
+    if first is None or other is None or first.model != other.model:
+        return None
+    numbers: dict[str, float | None] = {}
+    for name, value in first.numbers.items():
+        pair = value, other.numbers[name]
+        known = [x for x in pair if x is not None]
+        numbers[name] = math.sqrt(math.prod(known)) if len(known) == len(pair) else None
+    if numbers.get("stiffness", 0.0) is None:
+        normals = [each["normal"].words for each in settings]
+        if any(words[0] not in MATERIALS for words in normals):
+            return None
+        ratio = math.sqrt(math.prod(float(words[3]) for words in normals))
+        numbers["stiffness"] = material_stiffness(0.75 * float(mixture["normal"].words[1]), ratio)
+    return Tangential(first.model, numbers)
+
+
+def has_error(version: str | None) -> bool | None:
+    """Whether a version multiplies springs by the contact radius once too often; None if that is not known."""
+    day = None if version is None else date(version)
+    begins, may_end, ended, before = map(date, (ERROR_BEGINS, ERROR_MAY_END, ERROR_ENDED, BEFORE_ERROR))
+    if version is None or day is None or not (begins and may_end and ended and before):
+        return None
+    if day <= before or day >= ended:
+        return False
+    update = re.search(r"Update (\d+)", version)
+    sure = begins <= day < may_end and (update is None or int(update[1]) <= EXAMINED_UPDATE)
+    return True if sure else None
+
+
+def in_versions(
+    force: Tangential | None, wall: bool, version: str | None
+) -> tuple[Tangential | None, tuple[tuple[str, Tangential], ...]]:
+    """The force in a version, by default the newest, and that in others."""
+    classic = force is not None and force.model.startswith("gran/")
+    if force is None or force.model not in SCALED or (classic and not wall):
+        return force, ()
+    error = has_error(version)
+    until = f"from {ERROR_BEGINS} until it was mended in 2026"
+    if error:
+        return scaled(force), ((f"since {ERROR_ENDED}", force),)
+    if error is None:
+        return None if version else force, ((until, scaled(force)),)
+    return force, ()
+
+
+# --- what it really does ----------------------------------------------------------------------------------------
+
+HALF_STEP: Final = (
+    "sizes differ by more than a factor of 3: the tangential force mixes positions with velocities of half a step "
+    "before, so that small grains may stick to large ones (Vyas et al. 2025)"
+)
+SMOOTH: Final = "no history, and no damping: no tangential force, whatever μ is"
+NO_HISTORY: Final = "no history: no static friction, and surfaces never rebound, β ≤ 0"
+NO_DAMPING: Final = "x_t multiplies a normal damping of 0: there is no tangential damping"
+DEFAULT_SPRING: Final = (
+    "k_t NULL is 2/7 k_n: without damping each contact that sticks reverses the slip, β = 1, as superballs do"
+)
+DAMPFLAG: Final = "dampflag 0 leaves out the tangential damping only"
+ATTRACTIVE: Final = (
+    "without limit_damping, the normal force attracts at the end, and μ |F_n| limits friction there as well"
+)
+ELASTIC_LIMIT: Final = "{}: μ times the elastic force limits friction, without damping; its β is not known"
+NOT_A_NUMBER: Final = (
+    f"γ_n is 0: since {ERROR_BEGINS}, LAMMPS divides by it at this wall, and grains vanish (NaN)"
+)
+SAME_MATERIAL: Final = "the wall has the material of its line on both sides: as a large grain, not rigid"
+MIXED_SPRING: Final = (
+    "k_t NULL of two types that are mixed: LAMMPS takes E* for E, so that k_t is 1/(2 (1 − ν²)) of Mindlin's"
+)
+KEPT_SPRING: Final = (
+    "{} with γ_t: beyond tan γ ≈ μ/x_t the spring begins against the slip and grows with the contact radius, so that "
+    "β depends on the time step and may be below −1"
+)
+DISKS: Final = (
+    "grains in two dimensions spin as spheres, I = 2/5 m R²; disks have 1/2 (fix nve/sphere … disc)"
+)
+NO_SPIN: Final = "no fix changes their spins (nve/sphere does): friction acts on velocities alone"
+
+
+def undamped(settings: Settings) -> bool:
+    """Whether the normal force has no damping."""
+    name, *numbers = settings["normal"].words
+    by_restitution = (
+        settings.get("damping") is not None and settings["damping"].words[0] == "coeff_restitution"
+    )
+    number = numbers[1] if len(numbers) > 1 else ""
+    try:
+        return float(number) == (1.0 if by_restitution and not name.startswith("gran/") else 0.0)
+    except ValueError:
+        return False
+
+
+def error_of_version(contact: ContactSettings, version: str | None) -> str | None:
+    """The error that multiplies the spring by the contact radius, in words; None without it."""
+    if not contact.other_tangential:
+        return None
+    force = contact.other_tangential[0][1]
+    model = force.model.removeprefix("scaled ")
+    where = f"wall/gran {model.removeprefix('gran/')}" if contact.wall else f"tangential {model}"
+    what = (
+        "loses its spring at each slip"
+        if model in ("gran/hertz/history", "mindlin_classic")
+        else "has k_t times the contact radius in the script's unit of length: almost no friction in SI units"
+    )
+    text = f"{where} of LAMMPS from {ERROR_BEGINS} until it was mended in 2026 (PR 5007) {what}"
+    if version is None:
+        return f"{text}; only a log states the version"
+    return f"{text}; {version} {'is' if has_error(version) else 'may be'} one of them"
+
+
+def divides_by_zero(settings: Settings, version: str | None) -> bool:
+    """Whether a wall gran/… has forces that are not numbers: without normal damping, from 2 Aug 2023 on."""
+    day, last = None if version is None else date(version), date(BEFORE_ERROR)
+    old = day is not None and last is not None and day <= last
+    return settings["normal"].words[0].startswith("gran/") and undamped(settings) and not old
+
+
+def remarks(
+    contact: ContactSettings, version: str | None, grains: Mapping[str, Grains], dimension: int
+) -> Iterator[str]:
+    """What the friction of a contact really does, beside the error that multiplies springs."""
+    if contact.wall and divides_by_zero(contact.settings, version):
+        yield NOT_A_NUMBER
+    if contact.friction != 0.0:
+        yield from _of_grains(contact, grains, dimension)
+        yield from _of_model(contact)
+    yield from _of_rolling(contact.settings)
+
+
+def _of_model(contact: ContactSettings) -> Iterator[str]:
+    force, settings, name = contact.tangential, contact.settings, contact.settings["normal"].words[0]
+    smooth = undamped(settings)
+    if force is None and contact.other_tangential:
+        force = contact.other_tangential[0][1]
+    if force is not None:
+        yield from _of_numbers(force, settings, smooth)
+    if MIXED in settings:
+        yield MIXED_SPRING
+    if ELASTIC in settings and not smooth:
+        yield ELASTIC_LIMIT.format(settings[ELASTIC].words[0])
+    if "dampflag" in settings:
+        yield DAMPFLAG
+    if "limit_damping" not in settings and not smooth:
+        yield ATTRACTIVE
+    if contact.wall and name in MATERIALS:
+        yield SAME_MATERIAL
+
+
+def _of_numbers(force: Tangential, settings: Settings, smooth: bool) -> Iterator[str]:
+    model, numbers = force.model.removeprefix("scaled "), force.numbers
+    damping = numbers.get("damping_ratio", numbers.get("damping"))
+    if "damping_ratio" in numbers and damping and smooth:
+        yield SMOOTH if model == "linear_nohistory" else NO_DAMPING
+    elif model in ("gran/hooke", "linear_nohistory"):
+        yield NO_HISTORY
+    if model.startswith("gran/") and numbers.get("stiffness", 0.0) is None:
+        yield DEFAULT_SPRING
+    kept = model in ("mindlin", "mindlin_rescale", "mindlin_classic", "mindlin/static")
+    if kept and damping and not smooth and settings["damping"].words[0] != "viscoelastic":
+        yield KEPT_SPRING.format(f"tangential {model}")
+
+
+def _of_grains(contact: ContactSettings, grains: Mapping[str, Grains], dimension: int) -> Iterator[str]:
+    kinds = [grains[name] for name in contact.types if name != WALL and name in grains]
+    moving = [kind for kind in kinds if not kind.frozen]
+    if any(math.isinf(kind.inertia_factor) for kind in moving):
+        yield NO_SPIN
+    elif dimension == 2 and any(kind.inertia_factor == 0.4 for kind in moving):
+        yield DISKS
+    radii = [radius for kind in kinds for radius in kind.radii or ()]
+    lowest = min(radii, default=0.0)
+    mends = "synchronized_verlet"
+    wide = lowest > 0.0 and max(radii) > LARGE_RATIO * lowest
+    if wide and not contact.wall and mends not in contact.settings:
+        granular = not contact.settings["normal"].words[0].startswith("gran/")
+        yield HALF_STEP + (f"; {mends} mends it" if granular else "")
+
+
+def _of_rolling(settings: Settings) -> Iterator[str]:
+    """The angular impulse of rolling and twisting resistance in one collision."""
+    for name, about in (
+        ("rolling", "ω_i − ω_j across the normal"),
+        ("twisting", "ω_i − ω_j about the normal"),
+    ):
+        words = settings[name].words if name in settings else ("none",)
+        if words[0] == "none" or (len(words) > 1 and is_zero(words[-1])):
+            continue
+        number = words[-1] if len(words) > 1 else "μ_r" if name == "rolling" else "μ_w"
+        size = {"rolling": f"{number} R_eff J_n", "sds": f"{number} J_n"}
+        most = size["rolling"] if name == "rolling" else size.get(words[0], "2/3 μ a J_n (a: contact radius)")
+        yield (
+            f"{name} {words[0]}: a collision with the normal impulse J_n adds an angular impulse of at most {most} "
+            f"against {about}, and at most what stops it"
+        )
