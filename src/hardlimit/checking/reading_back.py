@@ -205,7 +205,7 @@ def _friction(
     """What the friction of a contact does at this speed."""
     results: dict[str, Any] = {}
     if law.coefficient and law.terms is not None and not isinstance(force, AdhesiveForce):
-        contact = contact_of(law, force, bodies, speed)
+        contact = contact_of(law.terms, force, bodies, speed)
         step = None if math.isnan(time_step) else time_step
         results = numbers(contact, force, speed, step, dimension)
     return checked_friction(law, results)
