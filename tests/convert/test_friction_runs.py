@@ -160,7 +160,7 @@ def lammps(text, wall, grains, time_step, steps, folder):
     for k, (_, _, vx, vz, wy) in enumerate(grains):
         lines += [f"set atom {k + 1} diameter {2 * BALL.radius} density {BALL.density} vx {vx!r} vz {vz!r}"]
         lines += [f"set atom {k + 1} omega 0 {wy!r} 0"]
-    lines += text.splitlines()
+    lines += [line for line in text.splitlines() if not (wall and line.startswith("pair"))]
     lines += [f"timestep {time_step!r}", "fix move all nve/sphere", f"run {steps}"]
     lines += ['write_dump all custom end.txt id vx omegay modify sort id format line "%d %.15g %.15g"']
     lmp = program.find(1)
