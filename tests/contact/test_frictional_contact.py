@@ -44,14 +44,14 @@ def test_elastic_contacts_stick_and_slide_as_in_theory(rho: float, mu: float, q:
     contact = linear(rho, 1.0, mu, q)
     sticks, slides = (psi(angle, contact) for angle in borders(contact, 1.0))
     assert sticks == pytest.approx(1.0 / rho, rel=1e-3 * rho / 4.0)
-    assert slides == pytest.approx(2.0 - 1.0 / rho, rel=3e-4)
+    assert slides == pytest.approx(2.0 - 1.0 / rho, rel=5e-4)
 
 
 @pytest.mark.parametrize("rho", [0.1, 0.5, 0.875, 0.99])
 def test_soft_tangential_springs_have_one_angle(rho: float) -> None:
     contact = linear(rho, 1.0, 0.5)
     expected = 1.0 / (math.sqrt(rho) * math.sin(0.5 * math.pi * math.sqrt(rho)))
-    assert [psi(angle, contact) for angle in borders(contact, 1.0)] == pytest.approx([expected] * 2, rel=1e-4)
+    assert [psi(angle, contact) for angle in borders(contact, 1.0)] == pytest.approx([expected] * 2, rel=4e-4)
 
 
 def surfaces(contact: FrictionalContact, tangent: float, steps: int = 20_000) -> tuple[bool, bool]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
@@ -270,17 +270,6 @@ def versions(row: CheckedContact) -> str:
     return f"β at 45° is {', and '.join(([] if beta is None else [_signed(beta)]) + others)}"
 
 
-def traps(rows: Sequence[CheckedContact]) -> Iterator[tuple[str, list[CheckedContact]]]:
-    """What the friction of contacts does that is rarely meant, with the contacts."""
-    for trap in (versions, _superball, _smooth, _no_static_friction, _gain, _attractive):
-        texts: dict[str, list[CheckedContact]] = {}
-        for row in rows:
-            if row.friction.coefficient != 0.0 and (text := trap(row)):
-                texts.setdefault(text, []).append(row)
-        if texts:
-            yield next(iter(texts)), [row for same in texts.values() for row in same]
-
-
 def _head_on(row: CheckedContact) -> float:
     return next((beta for _, beta in row.friction.tangential_restitution), math.nan)
 
@@ -322,3 +311,7 @@ def _attractive(row: CheckedContact) -> str:
     if row.clipped is not False or row.restitution in (None, 1.0) or row.friction.limit is None:
         return ""
     return "friction acts at the end of contacts too, where the normal force attracts: μ |F_n| is the limit"
+
+
+#: What friction does that is rarely meant: words about a contact, empty if it does not.
+TRAPS: Final = (_superball, _smooth, _no_static_friction, _gain, _attractive)

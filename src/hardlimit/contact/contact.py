@@ -235,7 +235,7 @@ class Contact:
         Notes
         -----
         tan γ = μ k_n/k_t for undamped linear contacts with ρ = m_n k_t/(m_t k_n) ≥ 1: Maw, Barber & Fawcett, Wear 38,
-        101 (1976). For ρ < 1 it is tan γ = μ (m_n/m_t)/(√ρ sin(π√ρ/2)). Located at 256 steps of the contact, to 1e-4.
+        101 (1976). For ρ < 1 it is tan γ = μ (m_n/m_t)/(√ρ sin(π√ρ/2)). Located by 128 steps, to 2e-4.
 
         Examples
         --------

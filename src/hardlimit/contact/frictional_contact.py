@@ -24,8 +24,8 @@ Floats = np.typing.NDArray[np.float64]
 ANGLES: Final = tuple(math.radians(angle) for angle in range(0, 90, 5))
 #: tan γ/μ of this limit. A slip at the end of the contact changes β in proportion to it.
 HEAD_ON: Final = 1e-6
-#: Steps of a contact by which the angles are located, to about 1e-4.
-STEPS: Final = 256
+#: Steps of a contact by which the angles are located, to about 2e-4.
+STEPS: Final = 128
 #: Share of the largest normal force below which sticking at the end is of no account.
 NEGLIGIBLE: Final = 0.01
 #: Range in which tan γ/μ is searched, the factor of the search, and the relative precision.
@@ -34,7 +34,7 @@ LARGEST: Final = 1e4
 FARTHER: Final = 1.5
 PRECISION: Final = 1e-5
 #: Points of the quadrature over angles, in each of the three ranges of sticking, mixed and sliding contacts.
-POINTS: Final = 20
+POINTS: Final = 16
 #: Digits to which contacts count as equal, so that they are computed once.
 DIGITS: Final = 10
 
