@@ -47,8 +47,6 @@ HARMLESS = re.compile(
         )
     )
 )
-#: Words of YADE that change no head-on collision.
-TANGENTIAL = re.compile(r"\b(ks|cs|betas|es|et)»?=")
 
 
 def scripts() -> dict[str, str]:
@@ -137,8 +135,9 @@ def test_no_statement_is_dropped_in_silence(name):
     assert changes
     assert not silent
     # Properties may be those of pairs that the script does not have; what is deleted may be the default.
-    unused = re.compile(f"property/global|^«O.dt = 1e-8»$|{TANGENTIAL.pattern}")
-    used = [change for change in changes if not unused.search(change[0])]
+    used = [
+        change for change in changes if "property/global" not in change[0] and change[0] != "«O.dt = 1e-8»"
+    ]
     drawn = random.Random(name).sample(used, min(4, len(used)))
     before = answer(text)
     assert not [marked for marked, changed in drawn if answer(changed) == before]
