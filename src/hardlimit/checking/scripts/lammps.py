@@ -26,7 +26,7 @@ MIXED_SINCE: Final = {
     **dict.fromkeys(("hertz/material", *ADHESIVE), "15 Jun 2023"),  # whose moduli were mixed twice
 }
 #: Settings whose numbers need not be known.
-OPTIONAL: Final = ("dampflag", "rolling", "twisting")
+OPTIONAL: Final = ("dampflag", "rolling", "twisting", lammps_friction.UNUSED)
 #: Fixes that integrate velocities but no spins.
 SPINLESS: Final = ("nve", "nvt", "npt", "nph", "nve/limit", "nve/noforce", "move", "brownian")
 #: Fixes with their own walls.
@@ -109,7 +109,7 @@ class Lammps(State):
 
     def known_settings(self, statement: Statement, parsed: Words) -> Settings:
         """Settings whose numbers are known; a tangential force with other numbers is quoted."""
-        given = settings(statement, parsed.settings)
+        given = lammps_friction.marked(settings(statement, parsed.settings), parsed)
         self.resolve(statement, {name: each for name, each in given.items() if name not in OPTIONAL})
         friction = self.coefficient(parsed.friction)
         if parsed.tangential and friction != 0.0 and self.tangential(parsed) is None:
@@ -314,7 +314,8 @@ class Lammps(State):
     def wall(self, fix: Fix) -> Settings | None:
         """The settings of a wall that was understood."""
         try:
-            return settings(fix.statement, self.words_of(fix).settings)
+            words = self.words_of(fix)
+            return lammps_friction.marked(settings(fix.statement, words.settings), words)
         except ValueError:
             return None
 

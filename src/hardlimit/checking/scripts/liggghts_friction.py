@@ -137,16 +137,11 @@ def _of_rolling(settings: Settings) -> Iterator[str]:
         return
     most = f"{float(coefficient):g} R_eff J_n" if coefficient else "μ_r R_eff J_n"
     about = "" if word(settings, "torsionTorque") == "on" else " across the normal"
-    if kind == "cdt":
-        end = "and at most what stops it"
-    elif kind == "epsd2":
-        end = "and its spring may reverse that"
-    else:
-        end = "" if damping and float(damping) == 0.0 else "and more by its dashpot, which has no limit"
     impulse = f"an angular impulse of {'' if kind == 'cdt' else 'up to '}{most} against ω_i − ω_j{about}"
-    yield ", ".join(
-        [
-            f"rolling_friction {kind}: a collision with the normal impulse J_n adds {impulse}",
-            *filter(None, [end]),
-        ]
-    )
+    ends = ["and at most what stops it"] if kind == "cdt" else []
+    if kind == "epsd2":
+        ends = ["and its spring may reverse that"]
+    elif kind != "cdt" and not (damping and float(damping) == 0.0):
+        ends = ["and more by its dashpot, which has no limit"]
+    words = [f"rolling_friction {kind}: a collision with the normal impulse J_n adds {impulse}", *ends]
+    yield f"{', '.join(words)}; β leaves it out"
