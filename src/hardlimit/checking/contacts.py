@@ -16,6 +16,7 @@ from ..boxes.error_law import KNOWN_RULES, MEASURED_TC_NU
 from ..boxes.rules import DEFAULTS, RULES
 from ..boxes.theory import Gas
 from ..boxes.time_step import DEFAULT_ERROR
+from ..contact import frictional_contact
 from ..convert.force import AdhesiveForce, Collision, Force
 from . import friction
 from .expectation import ACCEPTED, Expected, expected
@@ -229,7 +230,7 @@ def _friction(
         if terms is not None
     }
     results: dict[str, Any] = {
-        f"other {when}": contact.tangential_restitution(speed, friction.OBLIQUE)[0]
+        f"other {when}": frictional_contact.tangential_restitution(contact, speed, friction.OBLIQUE)[0]
         for when, contact in contacts.items()
         if when
     }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
@@ -12,8 +12,10 @@ import numpy as np
 
 from .. import _core
 from ..boxes.lammps import integration_error
+from ..contact import frictional_contact
 from ..contact.friction import LIMITS, FrictionTerms
-from ..contact.frictional_contact import ANGLES, FrictionalContact
+from ..contact.frictional_contact import ANGLES
+from ..contact.impact import FrictionalContact
 from ..convert.force import Force, Powers
 from ..support.formatting import digits
 
@@ -108,32 +110,28 @@ def contact_of(
         math.inf if second is None else second.mass,
         SPHERE if second is None else second.inertia_factor,
     )
-    return FrictionalContact(
-        force.powers.arguments,
-        force.stiffness,
-        force.damping,
-        force.effective_mass,
-        make(first, second, speed),
-        1.0 / inverse,
-    )
+    coefficients, terms = (force.stiffness, force.damping), make(first, second, speed)
+    return FrictionalContact(force.powers.arguments, coefficients, force.effective_mass, 1.0 / inverse, terms)
 
 
 def numbers(
     contact: FrictionalContact, force: Force, speed: float, time_step: float | None, dimension: int
 ) -> dict[str, Any]:
     """All results, and β by the number of its angle."""
-    own = contact.in_own_units(speed)
-    scaled = Force(force.powers, 1.0, own.damping, 1.0)
+    own = frictional_contact.in_own_units(contact, speed)
+    scaled = Force(force.powers, 1.0, own.coefficients[1], 1.0)
     collision = scaled.collision(1.0)
-    results, half_period = _ratios(own, collision.compression), own.half_period(1.0)
+    results, half_period = _ratios(own, collision.compression), frictional_contact.half_period(own, 1.0)
     if not collision.restitution > 0.0:
         return results
     results["half_period"] = half_period
     if half_period * MOST_HALF_PERIODS < 1.0:
         return results
-    results["sticks_below"], results["slides_beyond"] = own.borders(1.0)
-    results |= {f"β {k}": beta for k, (_, beta) in enumerate(own.table(1.0))}
-    results["effective_tangential_restitution"] = own.effective_restitution(1.0, dimension)
+    results["sticks_below"], results["slides_beyond"] = frictional_contact.borders(own, 1.0)
+    results |= {f"β {k}": beta for k, (_, beta) in enumerate(frictional_contact.table(own, 1.0))}
+    results["effective_tangential_restitution"] = frictional_contact.effective_restitution(
+        own, 1.0, dimension
+    )
     if time_step is not None:
         step = time_step / force.scales(speed)[1]
         results["steps_per_half_period"] = half_period * collision.duration / step
@@ -144,11 +142,11 @@ def numbers(
 
 def _ratios(own: FrictionalContact, compression: float) -> dict[str, Any]:
     """Tangential over normal stiffness and damping at a compression."""
-    terms, (elastic, damped, _) = own.friction, own.powers
+    terms, (elastic, damped, _) = own.terms, own.powers
     p, q = 0.25 * elastic, 0.25 * damped
     stiffness = terms.stiffness * compression ** (0.25 * terms.stiffness_power)
     damping = terms.damping * compression ** (0.25 * terms.damping_power)
-    normal = own.damping * compression**q
+    normal = own.coefficients[1] * compression**q
     return {
         "limit": LIMITS[terms.limit],
         "stiffness_ratio": stiffness / (p * compression ** (p - 1.0)),
@@ -162,13 +160,13 @@ def _error_of_step(own: FrictionalContact, time_step: float) -> float:
 
     Beyond the largest number of steps that is tried, the error is taken as proportional to the step.
     """
-    scaled = Force(Powers(*own.powers), 1.0, own.damping, 1.0)
+    scaled = Force(Powers(*own.powers), 1.0, own.coefficients[1], 1.0)
     tried = max(time_step, scaled.collision(1.0).duration / integration_error.MAX_FRICTION_STEPS)
-    tangents = TESTED * min(own.friction.coefficient, 1.0) / own.tangential_mass
-    exact = own.tangential_restitution(1.0, np.arctan(tangents))
+    tangents = TESTED * min(own.terms.coefficient, 1.0) / own.tangential_mass
+    exact = frictional_contact.tangential_restitution(own, 1.0, np.arctan(tangents))
     with np.errstate(over="ignore", invalid="ignore"):  # a contact that gains energy without end
         beta = integration_error.tangential_restitution(
-            scaled, own.friction, own.tangential_mass, 1.0, tangents, tried
+            scaled, own.terms, own.tangential_mass, 1.0, tangents, tried
         )
         error = math.inf if beta is None else float(np.abs(beta - exact).max())
     return error * time_step / tried
@@ -272,17 +270,6 @@ def versions(row: CheckedContact) -> str:
     return f"β at 45° is {', and '.join(([] if beta is None else [_signed(beta)]) + others)}"
 
 
-def traps(rows: Sequence[CheckedContact]) -> Iterator[tuple[str, list[CheckedContact]]]:
-    """What the friction of contacts does that is rarely meant, with the contacts."""
-    for trap in (versions, _superball, _smooth, _no_static_friction, _gain, _attractive):
-        texts: dict[str, list[CheckedContact]] = {}
-        for row in rows:
-            if row.friction.coefficient != 0.0 and (text := trap(row)):
-                texts.setdefault(text, []).append(row)
-        if texts:
-            yield next(iter(texts)), [row for same in texts.values() for row in same]
-
-
 def _head_on(row: CheckedContact) -> float:
     return next((beta for _, beta in row.friction.tangential_restitution), math.nan)
 
@@ -324,3 +311,7 @@ def _attractive(row: CheckedContact) -> str:
     if row.clipped is not False or row.restitution in (None, 1.0) or row.friction.limit is None:
         return ""
     return "friction acts at the end of contacts too, where the normal force attracts: μ |F_n| is the limit"
+
+
+#: What friction does that is rarely meant: words about a contact, empty if it does not.
+TRAPS: Final = (_superball, _smooth, _no_static_friction, _gain, _attractive)

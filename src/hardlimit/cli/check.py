@@ -243,13 +243,17 @@ def friction_lines(groups: Sequence[list[CheckedContact]], verdict: Verdict) -> 
 
 
 def warnings(findings: Sequence[Finding], verbose: bool) -> Iterator[str]:
-    """Each warning once, with its places in the script if ``verbose``."""
-    places: dict[str, list[str]] = {}
+    """Each warning once: with its contacts, or if ``verbose`` with its first place in the script."""
+    same: dict[str, list[Finding]] = {}
     for finding in findings:
-        places.setdefault(finding.what, []).append(finding.where)
-    for what, where in places.items():
-        known = list(dict.fromkeys(filter(None, where)))
-        yield f"Warning: {what}{f' ({known[0]})' if verbose and known else ''}."
+        same.setdefault(finding.what, []).append(finding)
+    for what, each in same.items():
+        pairs = list(
+            dict.fromkeys("–".join(finding.types) for finding in each if finding.types and not finding.where)
+        )
+        of = f"{', '.join(pairs[:MAX_FINDINGS])}{' …' * (len(pairs) > MAX_FINDINGS)}: " if pairs else ""
+        where = f" ({each[0].where})" if verbose and each[0].where else ""
+        yield f"Warning: {of}{what}{where}."
 
 
 def corrections(verdict: Verdict) -> str:

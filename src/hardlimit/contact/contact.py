@@ -18,11 +18,10 @@ from numpy.typing import NDArray
 
 from .. import _core
 from ..support import validation
+from . import frictional_contact
 from .balls import FLOOR, Ball, Floor
 from .friction import Friction, FrictionTerms, checked_friction
-from .frictional_contact import FrictionalContact
-from .impact import SMOOTH, Impact, impact_of
-from .impact import FrictionalContact as ImpactNumbers
+from .impact import SMOOTH, FrictionalContact, Impact, impact_of
 
 RESTITUTION: Final = "restitution"
 
@@ -111,7 +110,7 @@ class Contact:
         """
         return None if self.law.friction is None else FrictionTerms(*self.core.friction_terms)
 
-    def _numbers(self) -> ImpactNumbers:
+    def _numbers(self) -> FrictionalContact:
         """The contact for the core, which takes forces K ξ^p + C ξ^q dξ/dt only."""
         coefficients = self.core.coefficients
         if coefficients is None:
@@ -120,7 +119,7 @@ class Contact:
             )
         powers = (*self.law.record["powers"], False)
         terms = self.friction_terms or SMOOTH
-        return ImpactNumbers(powers, coefficients, self.effective_mass, self.tangential_mass, terms)
+        return FrictionalContact(powers, coefficients, self.effective_mass, self.tangential_mass, terms)
 
     def impact(
         self, speed: float, tangential_speed: float = 0.0, spin: float = 0.0, other_spin: float = 0.0
@@ -236,7 +235,7 @@ class Contact:
         Notes
         -----
         tan γ = μ k_n/k_t for undamped linear contacts with ρ = m_n k_t/(m_t k_n) ≥ 1: Maw, Barber & Fawcett, Wear 38,
-        101 (1976). For ρ < 1 it is tan γ = μ (m_n/m_t)/(√ρ sin(π√ρ/2)). Located at 256 steps of the contact, to 1e-4.
+        101 (1976). For ρ < 1 it is tan γ = μ (m_n/m_t)/(√ρ sin(π√ρ/2)). Located by 128 steps, to 2e-4.
 
         Examples
         --------
@@ -252,7 +251,7 @@ class Contact:
         ... ]
         ['29°', '71°']
         """
-        return self._frictional.borders(_impact_speed(speed)).sticks_below
+        return frictional_contact.borders(self._rubbing(), _impact_speed(speed)).sticks_below
 
     def slides_beyond(self, speed: float = 1.0) -> float:
         """Angle of impact [rad] beyond which the surfaces do not stick while the bodies separate.
@@ -266,7 +265,7 @@ class Contact:
         surfaces stick at most until the largest compression, and this angle is :meth:`Contact.sticks_below`; without
         any sticking they slip from tan γ = μ k_n/k_t on.
         """
-        return self._frictional.borders(_impact_speed(speed)).slides_beyond
+        return frictional_contact.borders(self._rubbing(), _impact_speed(speed)).slides_beyond
 
     def effective_tangential_restitution(self, speed: float = 1.0, dimension: int = 3) -> float:
         """β0 of the constant rule β = min(β0, −1 + (m_n/m_t) μ (1 + ε)/tan γ) that stands for this contact in a gas.
@@ -308,17 +307,13 @@ class Contact:
         0.327
         """
         kind = validation.whole("dimension", dimension, 2, 3)
-        return self._frictional.effective_restitution(_impact_speed(speed), kind)
+        return frictional_contact.effective_restitution(self._rubbing(), _impact_speed(speed), kind)
 
-    @property
-    def _frictional(self) -> FrictionalContact:
-        terms, coefficients = self.friction_terms, self.core.coefficients
-        if terms is None or coefficients is None:
+    def _rubbing(self) -> FrictionalContact:
+        """The same, of a law with friction."""
+        if self.law.friction is None:
             raise ValueError("friction: missing, must be given to the law")
-        powers = self.law.record["powers"]
-        return FrictionalContact(
-            (powers[0], powers[1], False), *coefficients, self.effective_mass, terms, self.tangential_mass
-        )
+        return self._numbers()
 
     @overload
     def restitution(self, speed: float = ...) -> float: ...

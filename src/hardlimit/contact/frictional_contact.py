@@ -7,7 +7,6 @@ the surfaces, and β = −(tangential speed after)/(before).
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Final, NamedTuple
 
@@ -17,6 +16,7 @@ import scipy
 from .. import _core
 from . import impact
 from .friction import LIMITS, FrictionTerms
+from .impact import FrictionalContact
 
 Floats = np.typing.NDArray[np.float64]
 
@@ -24,8 +24,8 @@ Floats = np.typing.NDArray[np.float64]
 ANGLES: Final = tuple(math.radians(angle) for angle in range(0, 90, 5))
 #: tan γ/μ of this limit. A slip at the end of the contact changes β in proportion to it.
 HEAD_ON: Final = 1e-6
-#: Steps of a contact by which the angles are located, to about 1e-4.
-STEPS: Final = 256
+#: Steps of a contact by which the angles are located, to about 2e-4.
+STEPS: Final = 128
 #: Share of the largest normal force below which sticking at the end is of no account.
 NEGLIGIBLE: Final = 0.01
 #: Range in which tan γ/μ is searched, the factor of the search, and the relative precision.
@@ -34,71 +34,56 @@ LARGEST: Final = 1e4
 FARTHER: Final = 1.5
 PRECISION: Final = 1e-5
 #: Points of the quadrature over angles, in each of the three ranges of sticking, mixed and sliding contacts.
-POINTS: Final = 20
+POINTS: Final = 16
 #: Digits to which contacts count as equal, so that they are computed once.
 DIGITS: Final = 10
 
 
-@dataclass(frozen=True)
-class FrictionalContact:
-    """A contact with the normal force K ξ^p + C ξ^q dξ/dt and friction."""
+def in_own_units(contact: FrictionalContact, speed: float) -> FrictionalContact:
+    """The contact in units in which K, the effective mass and the impact speed are 1, rounded."""
+    (elastic, damped, _), (stiffness, damping) = contact.powers, contact.coefficients
+    p, q, mass, terms = 0.25 * elastic, 0.25 * damped, contact.effective_mass, contact.terms
+    length = (mass / stiffness * speed * speed) ** (1.0 / (p + 1.0))
+    time = length / speed
+    unit = time / mass  # of a damping
+    spring = terms.stiffness * time * unit * length ** (0.25 * terms.stiffness_power)
+    dashpot = terms.damping * unit * length ** (0.25 * terms.damping_power)
+    return FrictionalContact(
+        contact.powers,
+        (1.0, _rounded(damping * unit * length**q)),
+        1.0,
+        _rounded(contact.tangential_mass / mass),
+        terms._replace(stiffness=_rounded(spring), damping=_rounded(dashpot)),
+    )
 
-    powers: tuple[int, int, bool]  #: four times p and q, and whether the normal force may attract
-    stiffness: float  #: K [N/m^p]
-    damping: float  #: C [N s/m^(1 + q)]
-    effective_mass: float  #: [kg]
-    friction: FrictionTerms
-    tangential_mass: float  #: [kg]
 
-    def in_own_units(self, speed: float) -> FrictionalContact:
-        """The contact in units in which K, the effective mass and the impact speed are 1, rounded."""
-        p, q = 0.25 * self.powers[0], 0.25 * self.powers[1]
-        length = (self.effective_mass / self.stiffness * speed * speed) ** (1.0 / (p + 1.0))
-        time, terms = length / speed, self.friction
-        damping = time / self.effective_mass  # over C ξ^q
-        return FrictionalContact(
-            powers=self.powers,
-            stiffness=1.0,
-            damping=_rounded(self.damping * damping * length**q),
-            effective_mass=1.0,
-            friction=terms._replace(
-                stiffness=_rounded(
-                    terms.stiffness * time * damping * length ** (0.25 * terms.stiffness_power)
-                ),
-                damping=_rounded(terms.damping * damping * length ** (0.25 * terms.damping_power)),
-            ),
-            tangential_mass=_rounded(self.tangential_mass / self.effective_mass),
-        )
+def borders(contact: FrictionalContact, speed: float) -> Borders:
+    """The angles [rad] below which the contact sticks and beyond which it slides."""
+    return _borders(in_own_units(contact, speed))
 
-    @property
-    def has_spring(self) -> bool:
-        """Whether the surfaces can stick."""
-        return self.friction.stiffness > 0.0
 
-    def borders(self, speed: float) -> Borders:
-        """The angles [rad] below which the contact sticks and beyond which it slides."""
-        return _borders(self.in_own_units(speed))
+def tangential_restitution(contact: FrictionalContact, speed: float, angles: Floats) -> Floats:
+    """β at each angle of impact [rad], 0 for the limit of head-on impacts."""
+    smallest = HEAD_ON * min(contact.terms.coefficient, 1.0)
+    return _restitution(contact, speed, np.maximum(np.tan(angles), smallest))
 
-    def tangential_restitution(self, speed: float, angles: Floats) -> Floats:
-        """β at each angle of impact [rad], 0 for the limit of head-on impacts; NaN if the bodies stay together."""
-        smallest = HEAD_ON * min(self.friction.coefficient, 1.0)
-        return _restitution(self, speed, np.maximum(np.tan(angles), smallest))
 
-    def table(self, speed: float) -> tuple[tuple[float, float], ...]:
-        """β at each of :data:`ANGLES`; empty if the bodies stay together."""
-        return _table(self.in_own_units(speed))
+def table(contact: FrictionalContact, speed: float) -> tuple[tuple[float, float], ...]:
+    """β at each of :data:`ANGLES`; empty if the bodies stay together."""
+    return _table(in_own_units(contact, speed))
 
-    def effective_restitution(self, speed: float, dimension: int) -> float:
-        """β0 of the constant rule with the same ε and μ that stands for this contact in a gas; NaN if none does."""
-        return _effective(self.in_own_units(speed), dimension)
 
-    def half_period(self, speed: float) -> float:
-        """Half period of the tangential spring at the deepest compression, over the duration; infinite without one."""
-        own = self.in_own_units(speed)
-        _, duration, deepest, _ = _collision(own)
-        terms = own.friction
-        stiffness = terms.stiffness * deepest ** (0.25 * terms.stiffness_power)
-        return math.pi * math.sqrt(own.tangential_mass / stiffness) / duration if stiffness else math.inf
+def effective_restitution(contact: FrictionalContact, speed: float, dimension: int) -> float:
+    """β0 of the constant rule with the same ε and μ that stands for this contact in a gas; NaN if none does."""
+    return _effective(in_own_units(contact, speed), dimension)
+
+
+def half_period(contact: FrictionalContact, speed: float) -> float:
+    """Half period of the tangential spring at the deepest compression, over the duration; infinite without one."""
+    own = in_own_units(contact, speed)
+    _, duration, deepest, _ = _collision(own)
+    stiffness = own.terms.stiffness * deepest ** (0.25 * own.terms.stiffness_power)
+    return math.pi * math.sqrt(own.tangential_mass / stiffness) / duration if stiffness else math.inf
 
 
 class Borders(NamedTuple):
@@ -114,19 +99,13 @@ def _rounded(value: float) -> float:
 
 def _collision(own: FrictionalContact) -> tuple[float, float, float, float]:
     """ε, duration, largest compression and largest force."""
-    return _core.power_collision(*own.powers, own.damping)
+    return _core.power_collision(*own.powers, own.coefficients[1])
 
 
 def _restitution(contact: FrictionalContact, speed: float, tangents: Floats) -> Floats:
+    powers, coefficients, mass, tangential_mass, terms = contact
     return impact.tangential_restitution(
-        contact.powers,
-        contact.stiffness,
-        contact.damping,
-        contact.effective_mass,
-        contact.friction,
-        contact.tangential_mass,
-        speed,
-        speed * tangents,
+        powers, *coefficients, mass, terms, tangential_mass, speed, speed * tangents
     )
 
 
@@ -134,7 +113,7 @@ def _restitution(contact: FrictionalContact, speed: float, tangents: Floats) -> 
 def _table(own: FrictionalContact) -> tuple[tuple[float, float], ...]:
     if not _collision(own)[0] > 0.0:
         return ()
-    return tuple(zip(ANGLES, own.tangential_restitution(1.0, np.array(ANGLES)).tolist(), strict=True))
+    return tuple(zip(ANGLES, tangential_restitution(own, 1.0, np.array(ANGLES)).tolist(), strict=True))
 
 
 # --- where it sticks and slides -------------------------------------------------------------------------------
@@ -163,8 +142,8 @@ def _borders(own: FrictionalContact) -> Borders:
     damping the normal force jumps at touch, so that each contact sticks first; hence the whole approach is asked. For
     ρ < 1 both angles are at tan γ = μ (m_n/m_t)/(√ρ sin(π√ρ/2)).
     """
-    mu = own.friction.coefficient
-    if not (own.has_spring and _collision(own)[0] > 0.0):
+    mu = own.terms.coefficient
+    if not (own.terms.stiffness > 0.0 and _collision(own)[0] > 0.0):
         return Borders(math.nan, math.nan)
     if mu == 0.0 or mu == math.inf:
         return Borders(math.atan(mu), math.atan(mu))
@@ -185,7 +164,7 @@ def _borders(own: FrictionalContact) -> Borders:
 def _motion(own: FrictionalContact) -> Motion:
     _, duration, _, _ = _collision(own)
     elastic, damped, attracts = own.powers
-    p, q, c, terms = 0.25 * elastic, 0.25 * damped, own.damping, own.friction
+    p, q, c, terms = 0.25 * elastic, 0.25 * damped, own.coefficients[1], own.terms
     share = np.arange(STEPS + 1) / STEPS
     steps = duration * np.diff(share * share * (3.0 - 2.0 * share))
 
@@ -232,7 +211,7 @@ def _changes(terms: FrictionTerms, depths: Floats, steps: Floats) -> tuple[Float
 
 def _largest_sticking(own: FrictionalContact, motion: Motion) -> float:
     """tan γ/μ up to which the surfaces do not slip while the bodies approach, touch included."""
-    total, over_mass = LIMITS[own.friction.limit] == "total", 0.5 / own.tangential_mass
+    total, over_mass = LIMITS[own.terms.limit] == "total", 0.5 / own.tangential_mass
     elastic, rate, ratio = 0.0, 1.0, math.inf
     for n in range(motion.deepest + 1):
         half = over_mass * motion.steps[n]
@@ -247,7 +226,7 @@ def _largest_sticking(own: FrictionalContact, motion: Motion) -> float:
 
 def _sticks_at_end(own: FrictionalContact, motion: Motion, tangent: float) -> bool:
     """Whether the surfaces stick at a time when the bodies separate, at tan γ = μ ``tangent``."""
-    total, over_mass = LIMITS[own.friction.limit] == "total", 0.5 / own.tangential_mass
+    total, over_mass = LIMITS[own.terms.limit] == "total", 0.5 / own.tangential_mass
     elastic, rate = 0.0, tangent
     force = min(motion.damping[0] * rate, motion.limit[0])
     for n in range(STEPS):
@@ -277,7 +256,7 @@ def _effective(own: FrictionalContact, dimension: int) -> float:
     κ = m_n/m_t, and g_t² u has the density 2u for spheres and 3√u/2 for disks. Equal is the mean of (1 + β) g_t², the
     angular momentum that is exchanged. Walton's rule slides beyond tan γ = K/(1 + β0), K = κμ(1 + ε).
     """
-    mu, restitution = own.friction.coefficient, _collision(own)[0]
+    mu, restitution = own.terms.coefficient, _collision(own)[0]
     if not (restitution > 0.0 and mu > 0.0):
         return math.nan
     kappa = 1.0 / own.tangential_mass
@@ -302,8 +281,8 @@ def _shares(own: FrictionalContact, dimension: int) -> tuple[Floats, Floats]:
     """Points u and their weights of a Gauss quadrature, split where contacts begin to slip and where they slide."""
     borders, root = _borders(own), math.sqrt(1.0 / own.tangential_mass)
     ends = [math.atan(math.tan(border) / root) for border in borders if 0.0 < border < 0.5 * math.pi]
-    if not ends and own.friction.coefficient < math.inf:
-        ends = [math.atan(2.0 * own.friction.coefficient * root)]
+    if not ends and own.terms.coefficient < math.inf:
+        ends = [math.atan(2.0 * own.terms.coefficient * root)]
     edges = np.array([0.0, *ends, 0.5 * math.pi])
     nodes, weights = np.polynomial.legendre.leggauss(POINTS)
     half = 0.5 * np.diff(edges)[:, None]

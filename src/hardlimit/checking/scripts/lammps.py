@@ -10,7 +10,7 @@ from typing import Final
 
 from ...convert.tangential import Tangential
 from . import granular_words, lammps_friction, motion
-from .description import WALL, ContactSettings, Note, Quote, Setting, Settings
+from .description import WALL, ContactSettings, Quote, Setting, Settings
 from .formulas import NUMBER
 from .granular_words import ADHESIVE, NORMAL, PLASTIC, WALLS, Words, is_zero, ordered, unaccelerated
 from .population import Batch
@@ -26,7 +26,7 @@ MIXED_SINCE: Final = {
     **dict.fromkeys(("hertz/material", *ADHESIVE), "15 Jun 2023"),  # whose moduli were mixed twice
 }
 #: Settings whose numbers need not be known.
-OPTIONAL: Final = ("dampflag", "rolling", "twisting")
+OPTIONAL: Final = ("dampflag", "rolling", "twisting", lammps_friction.UNUSED)
 #: Fixes that integrate velocities but no spins.
 SPINLESS: Final = ("nve", "nvt", "npt", "nph", "nve/limit", "nve/noforce", "move", "brownian")
 #: Fixes with their own walls.
@@ -109,7 +109,7 @@ class Lammps(State):
 
     def known_settings(self, statement: Statement, parsed: Words) -> Settings:
         """Settings whose numbers are known; a tangential force with other numbers is quoted."""
-        given = settings(statement, parsed.settings)
+        given = lammps_friction.marked(settings(statement, parsed.settings), parsed)
         self.resolve(statement, {name: each for name, each in given.items() if name not in OPTIONAL})
         friction = self.coefficient(parsed.friction)
         if parsed.tangential and friction != 0.0 and self.tangential(parsed) is None:
@@ -278,16 +278,6 @@ class Lammps(State):
             if what is not None:
                 self.warn(what, contact)
 
-    def warn(self, what: str, contact: ContactSettings) -> None:
-        """Add a note, one for all types that it concerns."""
-        same = [note for note in self.warnings if note.what == what]
-        types = {*contact.types, *(name for note in same for name in note.types or ())} - {WALL}
-        quote = same[0].quote if same else next(iter(contact.quotes), None)
-        notes = [note for note in self.warnings if note.what != what]
-        new = Note(what, tuple(sorted(types, key=int)), quote)
-        at = list(self.warnings).index(same[0]) if same else len(notes)
-        self.warnings = dict.fromkeys([*notes[:at], new, *notes[at:]])
-
     def inertia_factor(self, kind: int) -> float:
         """As for all codes; the fixes that integrate spins take grains as disks if they have the word ``disc``."""
         own = [
@@ -324,7 +314,8 @@ class Lammps(State):
     def wall(self, fix: Fix) -> Settings | None:
         """The settings of a wall that was understood."""
         try:
-            return settings(fix.statement, self.words_of(fix).settings)
+            words = self.words_of(fix)
+            return lammps_friction.marked(settings(fix.statement, words.settings), words)
         except ValueError:
             return None
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Final
 
 from ...convert.tangential import Tangential
@@ -31,6 +32,8 @@ LARGE_RATIO: Final = 3.0
 ELASTIC: Final = "elastic_limit"
 #: A setting that says that k_t follows from the modulus of two materials.
 MIXED: Final = "mixed_modulus"
+#: A setting with a coefficient of friction that has no effect.
+UNUSED: Final = "unused_friction"
 
 Number = Callable[[str], float | None]
 
@@ -44,6 +47,14 @@ def tangential(words: Words, number: Number) -> Tangential | None:
     positive = all(value is None or value >= 0.0 for value in values.values())
     has_coefficient = values["coefficient"] is not None and values.get("static_coefficient", 0.0) is not None
     return Tangential(words.tangential, values) if known and positive and has_coefficient else None
+
+
+def marked(settings: Settings, words: Words) -> Settings:
+    """Settings that keep a coefficient of friction that has no effect."""
+    coefficient = words.numbers.get("coefficient", "0")
+    if is_zero(coefficient) or not is_zero(words.friction):
+        return settings
+    return {**settings, UNUSED: replace(settings["normal"], words=(coefficient,))}
 
 
 def mixed(
@@ -106,6 +117,7 @@ HALF_STEP: Final = (
     "before, so that small grains may stick to large ones (Vyas et al. 2025)"
 )
 SMOOTH: Final = "no history, and no damping: no tangential force, whatever μ is"
+IDLE: Final = "μ {} without a tangential spring or damping: no tangential force"
 NO_HISTORY: Final = "no history: no static friction, and surfaces never rebound, β ≤ 0"
 NO_DAMPING: Final = "x_t multiplies a normal damping of 0: there is no tangential damping"
 DEFAULT_SPRING: Final = (
@@ -177,6 +189,8 @@ def remarks(
     """What the friction of a contact really does, beside the error that multiplies springs."""
     if contact.wall and divides_by_zero(contact.settings, version):
         yield NOT_A_NUMBER
+    if contact.friction == 0.0 and UNUSED in contact.settings:
+        yield IDLE.format(contact.settings[UNUSED].words[0])
     if contact.friction != 0.0:
         yield from _of_grains(contact, grains, dimension)
         yield from _of_model(contact)

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
 from ...convert.tangential import Tangential
 from . import granular_words, liggghts_friction, motion
-from .description import WALL, ContactSettings, Note, Quote, Range, Setting, Settings
+from .description import ContactSettings, Quote, Range, Setting, Settings
 from .formulas import NUMBER
 from .granular_words import PROPERTIES, Words, is_zero, unaccelerated
 from .materials import one_material
 from .population import Batch
-from .state import MAX_TYPES, Fix, State
+from .state import DISK, INTEGRATORS, MAX_TYPES, SPHERE, Fix, State
 from .statements import Statement, refused, same_word, settings
 
 #: Properties that the models read; each depends on two types.
@@ -23,6 +24,8 @@ OF_CONTACT: Final = (
 )
 #: Normal models with plasticity or adhesion.
 STICKY_MODELS: Final = ("hooke/hysteresis", "edinburgh", "edinburgh/stiffness", "luding", "thornton_ning")
+#: Fixes that leave spins alone.
+SPINLESS: Final = ("nve", "nve/limit", "nve/noforce", "move")
 #: Models of cohesion with the properties to which their force is proportional.
 COHESION: Final[dict[str, tuple[str, ...]]] = {
     **dict.fromkeys(("sjkr", "sjkr2"), ("cohesionEnergyDensity",)),
@@ -138,9 +141,10 @@ class Liggghts(State):
         parsed = granular_words.gran_model(statement, words, True)
         for what in parsed.beside:
             self.ignore(what, statement)
-        kind = parsed.settings.get("tangential", ("off",))[0]
-        if kind not in liggghts_friction.KNOWN:
-            self.unknown[replace(statement.quote, part=f"tangential {kind}")] = None
+        for name, known in liggghts_friction.KNOWN_WORDS.items():
+            kind = parsed.settings.get(name, known)[0]
+            if kind not in known:
+                self.unknown[replace(statement.quote, part=f"{name} {kind}")] = None
         return self.resolve(statement, settings(statement, parsed.settings))
 
     def own_fix(self, fix: Fix) -> bool:
@@ -318,14 +322,21 @@ class Liggghts(State):
                         yield replace(contact, tangential=self.tangential(model, kind, end))
 
     def note_friction(self, contacts: Sequence[ContactSettings]) -> None:
-        """Note what the friction of the contacts really does, each with all types that it concerns."""
+        """Note what the friction of the contacts really does."""
         for contact in contacts:
             for what in liggghts_friction.remarks(contact):
-                same = [n for n in self.warnings if (n.what, n.quote) == (what, contact.quotes[0])]
-                types = {*contact.types, *(name for note in same for name in note.types or ())} - {WALL}
-                for note in same:
-                    del self.warnings[note]
-                self.warnings[Note(what, tuple(sorted(types, key=int)), contact.quotes[0])] = None
+                self.warn(what, contact)
+
+    def inertia_factor(self, kind: int) -> float:
+        """Disks in two dimensions; infinite if only fixes that leave spins alone move the grains."""
+        own = [
+            fix
+            for fix in self.fixes.values()
+            if fix.style.startswith(INTEGRATORS) and kind in self.within(self.members(fix.group))
+        ]
+        if own and all(fix.style in SPINLESS for fix in own):
+            return math.inf
+        return DISK if self.dimension == 2 else SPHERE
 
     def friction(self, model: Settings, i: int, j: int) -> float | None:
         """The coefficient of friction of two types; 0 if the model has no tangential forces."""
@@ -345,12 +356,14 @@ class Liggghts(State):
         return None if first is None or second is None else (first, second)
 
     def rolling(self, model: Settings, i: int, j: int) -> Settings:
-        """The coefficient of rolling friction of two types, if the model has it."""
-        name = "coefficientRollingFriction"
-        source, value = self.properties.get(name), liggghts_friction.first(self.values(name, i, j))
-        if liggghts_friction.word(model, "rolling_friction") == "off" or source is None or value is None:
+        """The properties of rolling friction of two types, if the model has it and they are known."""
+        if liggghts_friction.word(model, "rolling_friction") == "off":
             return {}
-        return {name: source.setting(repr(value))}
+        return {
+            name: self.properties[name].setting(repr(pair[0]))
+            for name in liggghts_friction.ROLLING_PROPERTIES
+            if (pair := self.values(name, i, j)) is not None
+        }
 
     def between(self, i: int, j: int) -> tuple[Settings, tuple[Quote, ...]]:
         """The properties of a pair of types. Two materials are replaced by one with the same effective modulus."""

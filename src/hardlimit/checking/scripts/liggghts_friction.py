@@ -11,11 +11,13 @@ from .description import ContactSettings, Settings
 
 #: Words after ``tangential`` that are understood.
 KNOWN: Final = ("off", "history", "no_history")
+#: Words after ``rolling_friction`` that are understood.
+ROLLING: Final = ("off", "cdt", "epsd", "epsd2", "epsd3")
+ROLLING_PROPERTIES: Final = ("coefficientRollingFriction", "coefficientRollingViscousDamping")
 #: Properties of two types on which friction depends, beside those of the normal force.
-PROPERTIES: Final = (
-    *("coefficientFriction", "kt", "gammat", "gammat_abs"),
-    *("coefficientRollingFriction", "coefficientRollingViscousDamping"),
-)
+PROPERTIES: Final = ("coefficientFriction", "kt", "gammat", "gammat_abs", *ROLLING_PROPERTIES)
+#: Words of the settings of a model that are understood.
+KNOWN_WORDS: Final = {"tangential": KNOWN, "rolling_friction": ROLLING}
 
 #: The values of a property for two types, the same twice for a pair; None if one is not known.
 Values = Callable[[str], tuple[float, float] | None]
@@ -71,6 +73,7 @@ NO_SPRING: Final = "tangential no_history has no spring: no static friction, β 
 NO_FORCE: Final = (
     "tangential no_history without damping: no tangential force, whatever coefficientFriction is"
 )
+UNLIMITED: Final = "kt is 0: the damping is not limited, whatever coefficientFriction is"
 SPRING_LIMITED: Final = (
     "μ |F_n| limits the spring alone: damping adds to it while surfaces stick, and is off while they slip"
 )
@@ -89,51 +92,56 @@ def remarks(contact: ContactSettings) -> Iterator[str]:
 
 def _of_sliding(contact: ContactSettings) -> Iterator[str]:
     settings = contact.settings
-    damped = word(settings, "tangential_damping", "on") == "on" and not _is_undamped(contact)
     if word(settings, "tangential") == "no_history":
-        yield NO_SPRING if damped else NO_FORCE
+        yield NO_SPRING if _is_damped(contact) else NO_FORCE
+    elif contact.tangential is not None and contact.tangential.numbers.get("stiffness") == 0.0:
+        yield UNLIMITED if _is_damped(contact) else NO_FORCE
     else:
         if word(settings, "model") == "hooke" and word(settings, "ktToKnUser") == "off":
             yield EQUAL_STIFFNESS
         if word(settings, "tangential_damping", "on") == "off":
             yield NO_DAMPING
-        elif damped:
+        elif _is_damped(contact):
             yield SPRING_LIMITED
-    if word(settings, "limitForce") == "off" and not _has_value(settings, RESTITUTION_OR_DAMPING):
+    if word(settings, "limitForce") == "off" and not _normal_is_undamped(settings):
         yield ATTRACTIVE
 
 
 #: What makes a normal force undamped: a property and its value.
-RESTITUTION_OR_DAMPING: Final = {"coefficientRestitution": 1.0, "gamman": 0.0, "gamman_abs": 0.0}
+UNDAMPED: Final = {"coefficientRestitution": 1.0, "gamman": 0.0, "gamman_abs": 0.0}
 
 
-def _has_value(settings: Settings, values: dict[str, float]) -> bool:
-    """Whether the property that the model reads has the value that makes a force undamped."""
+def _normal_is_undamped(settings: Settings) -> bool:
+    """Whether the property from which the model has its damping says that there is none."""
+    name = "coefficientRestitution"
     if "/stiffness" in word(settings, "model"):
         name = "gamman_abs" if word(settings, "absolute_damping") == "on" else "gamman"
-    else:
-        name = "coefficientRestitution"
-    return name in settings and float(settings[name].words[0]) == values[name]
+    return name in settings and float(settings[name].words[0]) == UNDAMPED[name]
 
 
-def _is_undamped(contact: ContactSettings) -> bool:
-    """Whether γ_t is 0 because its number is, or that of the normal force."""
+def _is_damped(contact: ContactSettings) -> bool:
+    """Whether γ_t > 0."""
     force = contact.tangential
+    if word(contact.settings, "tangential_damping", "on") == "off":
+        return False
     if force is not None and "/stiffness" in force.model:
-        return (force.numbers.get("damping") or force.numbers.get("absolute_damping") or 0.0) == 0.0
-    return _has_value(contact.settings, RESTITUTION_OR_DAMPING)
+        return bool(force.numbers.get("damping") or force.numbers.get("absolute_damping"))
+    return not _normal_is_undamped(contact.settings)
 
 
 def _of_rolling(settings: Settings) -> Iterator[str]:
-    """The angular impulse of rolling resistance in one collision."""
+    """The angular impulse of rolling resistance in one collision; cdt and the limit of epsd2 agree with runs."""
     kind = word(settings, "rolling_friction")
-    coefficient = word(settings, "coefficientRollingFriction", "")
-    if kind == "off" or (coefficient and float(coefficient) == 0.0):
+    coefficient, damping = (word(settings, name, "") for name in ROLLING_PROPERTIES)
+    if kind not in ROLLING[1:] or (coefficient and float(coefficient) == 0.0):
         return
-    size = f"μ_r R_eff J_n = {float(coefficient):g} R_eff J_n" if coefficient else "μ_r R_eff J_n"
-    bound = "takes" if kind == "cdt" else "takes up to"  # the others have a spring, which turns first
-    about = "" if word(settings, "torsionTorque") == "on" else ", without that about the normal"
-    yield (
-        f"rolling_friction {kind}: a collision with the normal impulse J_n {bound} {size} of the relative spin{about}, "
-        "and at most all of it"
-    )
+    most = f"{float(coefficient):g} R_eff J_n" if coefficient else "μ_r R_eff J_n"
+    about = "" if word(settings, "torsionTorque") == "on" else " across the normal"
+    impulse = f"an angular impulse of {'' if kind == 'cdt' else 'up to '}{most} against ω_i − ω_j{about}"
+    ends = ["and at most what stops it"] if kind == "cdt" else []
+    if kind == "epsd2":
+        ends = ["and its spring may reverse that"]
+    elif kind != "cdt" and not (damping and float(damping) == 0.0):
+        ends = ["and more by its dashpot, which has no limit"]
+    words = [f"rolling_friction {kind}: a collision with the normal impulse J_n adds {impulse}", *ends]
+    yield f"{', '.join(words)}; β leaves it out"

@@ -205,16 +205,22 @@ def warnings(
         yield Note(text, types, functor)
     if (et := numbers.get("et")) is not None:
         source = functor if "et" in contact.functor.attributes else material
-        yield Note(
-            f"et = {et:g} reverses the velocity of the surfaces: β = +{et:g} without slip", types, source
-        )
-    if et is not None and types[1] == WALL and contact.kind != "boxes":
-        text = (
-            f"at {contact.kind}, YADE computes kn, cn, ks and cs with half the mass of the sphere: a contact lasts"
-            " √2 tc, and neither is ε = en, nor β = et"
-        )
-        yield Note(text, types, functor)
+        halved = types[1] == WALL and contact.kind != "boxes"
+        yield Note(of_half_mass(contact.kind, et) if halved else of_et(et), types, source)
     yield from (Note(text, types, functor) for text in of_rolling(script, contact))
+
+
+def of_et(et: float) -> str:
+    """What ``et`` is."""
+    return f"et = {et:g} reverses the velocity of the surfaces: β = +{et:g} in a contact of duration tc without slip"
+
+
+def of_half_mass(kind: str, et: float) -> str:
+    """What ``et`` is at a body without mass."""
+    return (
+        f"at {kind}, YADE computes kn, cn, ks and cs with half the mass of the sphere: a contact lasts √2 tc, and"
+        f" neither is ε = en, nor β = et = {et:g}"
+    )
 
 
 def of_law(law: Instance) -> str:

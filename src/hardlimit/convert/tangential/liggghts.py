@@ -85,13 +85,17 @@ def _terms(numbers: GivenNumbers, normal: NormalContact, of: str, history: bool)
     coefficients = NORMAL[of][0](numbers, normal)
     if numbers.get("tangential_damping") == 0.0:
         coefficients = coefficients._replace(damping=0.0)
-    if not history:
-        model, limit, coefficients = "none", "total", coefficients._replace(stiffness=0.0, stiffness_power=0)
+    coefficient = numbers["coefficient"] or 0.0
+    if not history or coefficients.stiffness == 0.0:
+        if history:  # a spring without stiffness never reaches the limit
+            coefficient = math.inf
+            if not normal.force.powers.attracts and coefficients.damping > 0.0:
+                raise ValueError("kt: got 0 with limitForce on, must be > 0: its damping outlasts the force")
+        coefficients = coefficients._replace(stiffness=0.0, stiffness_power=0)
+        model, limit = "none", "total"
     else:
         model, limit = ("mindlin" if coefficients.stiffness_power else "spring"), "spring"
-    return FrictionTerms.of_model(
-        model, limit, coefficient=numbers["coefficient"] or 0.0, **coefficients._asdict()
-    )
+    return FrictionTerms.of_model(model, limit, coefficient=coefficient, **coefficients._asdict())
 
 
 #: One for each normal model and each tangential one: ``hooke history``, …
