@@ -13,9 +13,10 @@ import pytest
 import hardlimit as hl
 from conftest import slow
 from hardlimit.boxes.lammps import program
+from hardlimit.contact import frictional_contact
 from hardlimit.convert import codes, texts
 from hardlimit.convert.conversion import placeholders
-from hardlimit.convert.friction import frictional_contact
+from hardlimit.convert.friction import contact_of
 from hardlimit.convert.tangential import NormalContact, models_of
 
 BALL = hl.Ball(radius=5e-4, density=2500.0)
@@ -91,8 +92,9 @@ def expected(converted, wall, impacts):
     terms = form.terms(
         {**dict.fromkeys(form.numbers), **row.friction.numbers}, NormalContact(written, row.numbers, force)
     )
-    contact = frictional_contact(force, terms)
-    return contact.tangential_restitution(SPEED, np.arctan(impacts.tangents)), force.collision(SPEED).duration
+    contact = contact_of(force, terms)
+    beta = frictional_contact.tangential_restitution(contact, SPEED, np.arctan(impacts.tangents))
+    return beta, force.collision(SPEED).duration
 
 
 def text_of(converted, wall):

@@ -442,7 +442,7 @@ def show_obtained(obtained: Obtained, params: dict[str, Any], as_json: bool) -> 
         if obtained.restitution > 0.0
         else "The bodies do not separate."
     )
-    friction = [f"friction: {said}"] if (said := words(obtained.friction)) else []
+    friction = [f"friction: {said}"] if (said := words([obtained.friction])) else []
     below = " ".join([below, *map(sentence, [*friction, *obtained.notes])])
     speed = 1.0 if params["speed"] is None else params["speed"]
     title = f"{obtained.code.title} {obtained.model.name} at {digits(speed)} m/s"

@@ -1,7 +1,7 @@
 """Friction for a wanted tangential restitution: the numbers of a code with which a gas of grains has it.
 
 The tangential restitution of a spring is the β0 of Walton's grains that stand for it in a gas
-(``FrictionalContact.effective_restitution``).
+(``frictional_contact.effective_restitution``).
 """
 
 from __future__ import annotations
@@ -16,9 +16,10 @@ from typing import Final, NamedTuple
 import numpy as np
 import scipy
 
+from ..contact import frictional_contact
 from ..contact.balls import SOLID_SPHERE
 from ..contact.friction import LIMITS, LINEAR, RESCALED, SPRING, FrictionTerms
-from ..contact.frictional_contact import FrictionalContact
+from ..contact.impact import FrictionalContact
 from .codes import Code, Model, TangentialInput, Written
 from .force import Force
 from .formulas import Numbers
@@ -53,17 +54,16 @@ class Walton(NamedTuple):
     tangential_restitution: float  #: β0
 
 
-def frictional_contact(force: Force, terms: FrictionTerms) -> FrictionalContact:
+def contact_of(force: Force, terms: FrictionTerms) -> FrictionalContact:
     """A contact of solid spheres with this force and friction."""
     mass = force.effective_mass
-    return FrictionalContact(
-        force.powers.arguments, force.stiffness, force.damping, mass, terms, mass / KAPPA
-    )
+    coefficients = force.stiffness, force.damping
+    return FrictionalContact(force.powers.arguments, coefficients, mass, mass / KAPPA, terms)
 
 
 def restitution_of(force: Force, terms: FrictionTerms, speed: float) -> float:
     """β0 of a gas of grains with this force and friction, whose normal speed at impact is ``speed`` [m/s]."""
-    return frictional_contact(force, terms).effective_restitution(speed, DIMENSION)
+    return frictional_contact.effective_restitution(contact_of(force, terms), speed, DIMENSION)
 
 
 # --- one unknown --------------------------------------------------------------------------------------------
@@ -162,9 +162,16 @@ class FrictionWay:
             tangential["friction_angle"] = math.atan(self.coefficient)
         else:
             tangential["coefficient"] = self.coefficient
+        return self._normal if written is self.written else self._normal_numbers(written), tangential
+
+    @cached_property
+    def _normal(self) -> Numbers:
+        return self._normal_numbers(self.written)
+
+    def _normal_numbers(self, written: Written) -> Numbers:
         normal = written.numbers(self.stiffness, self.restitution)
         assert normal is not None  # as for the contact without friction
-        return normal, tangential
+        return normal
 
     def _force(self, value: float | None) -> tuple[Force, FrictionTerms]:
         normal, tangential = self.numbers(value)
