@@ -69,6 +69,26 @@ class Extra:
 
 
 @dataclass(frozen=True)
+class TangentialInput:
+    """How a contact of a code gets friction: a tangential model, its numbers, and what changes in the input."""
+
+    name: str  #: in this file
+    model: str  #: name in ``MODELS`` of the code's module in ``tangential``
+    #: Texts of the smooth input, and what stands in their place with friction. {friction} is μ, {friction_angle} its
+    #: angle [rad]; other numbers of the tangential model begin with ``tangential_``.
+    words: dict[str, str]
+    #: Number that sets the tangential restitution: "stiffness" or another one of the model, or "poisson_ratio" of the
+    #: normal model at constant Y/(1 − ν²); empty if there is none.
+    free: str = ""
+    lowest: float = 0.0  #: of this number, unless it is a stiffness
+    highest: float = 0.0
+    numbers: dict[str, float] = field(
+        default_factory=dict
+    )  #: the other ones, without those that stay the code's default
+    usual: bool = False  #: whether this is what the code does unless it is told otherwise
+
+
+@dataclass(frozen=True)
 class Input:
     """Templates of a code's input, with placeholders such as {stiffness}."""
 
@@ -117,6 +137,8 @@ class Model:
     mass: Mass = Mass()  #: in the formulas, if it is not the effective mass
     note: str = ""  #: remark on the model
     checked: Literal["", "source"] = ""  #: if it was checked less thoroughly than its code
+    #: Names of ways to give it friction; the first that has a wanted tangential restitution is taken.
+    friction: list[str] = field(default_factory=list)
     difference: list[Difference] = field(default_factory=list)  #: in other versions of the code
 
     def unit(self, name: str) -> tuple[float, float, float]:
@@ -156,6 +178,7 @@ class Code:
     walls: str  #: description of the effective mass at a wall
     scheme: Literal["half step"]  #: the damping uses the velocity of half a step before
     models: list[Model]  #: its contact models
+    friction: list[TangentialInput] = field(default_factory=list)  #: ways to give contacts friction
     least_inertia: float = 0.0  #: moment of inertia [kg m²] that a ball must exceed
     comment: str = "#"  #: begins a comment of its input
     comment_end: str = ""  #: ends a comment, if not the end of the line
@@ -198,6 +221,7 @@ INNER: Final[dict[str, Any]] = {
     "models": Model,
     "spring": Spring,
     "damping": Damping,
+    "friction": TangentialInput,
     "difference": Difference,
     "mass": Mass,
     "input": Input,
