@@ -95,15 +95,21 @@ class Written:
         moduli, ratios = ([self.value(low, high) for _ in every] for low, high in ((1e6, 1e8), (0.1, 0.4)))
         restitutions = {(i, j): self.value(0.1, 0.9) for i in every for j in every if i <= j}
         self.add(f"create_box {self.types} box")
+        mu = self.value(0.1, 0.9)
         matrix = [self.written(restitutions[min(i, j), max(i, j)]) for i in every for j in every]
         for name, words in (
             ("youngsModulus peratomtype", [self.written(x) for x in moduli]),
             ("poissonsRatio peratomtype", [self.written(x) for x in ratios]),
             (f"coefficientRestitution peratomtypepair {self.types}", matrix),
+            (f"coefficientFriction peratomtypepair {self.types}", [self.written(mu)] * self.types**2),
         ):
             self.add(f"fix p{len(self.lines)} all property/global {name} {' '.join(words)}")
         limited = self.choose("", " limitForce on")
-        self.add(f"pair_style gran model hertz tangential history{limited}")
+        friction, damping = self.choose("history", "no_history", "off", ""), self.choose(None, "on", "off")
+        tangential = f" tangential {friction}" if friction else ""
+        last = [limited, "" if damping is None else f" tangential_damping {damping}"]
+        self.random.shuffle(last)
+        self.add(f"pair_style gran model hertz{tangential}{self.choose('', ' cohesion off')}{''.join(last)}")
         for k in every:
             radius = self.value(0.1, 1.0)
             self.radii[str(k + 1)] = (radius, radius)
@@ -114,12 +120,16 @@ class Written:
         self.add("fix ins all insert/pack seed 7 distributiontemplate d")
         end = self.random.choice(every)
         self.add(
-            f"fix w all wall/gran model hertz primitive type {end + 1} zplane {self.written(0.0)}{limited}"
+            f"fix w all wall/gran model hertz{tangential} primitive type {end + 1} "
+            f"zplane {self.written(0.0)}{''.join(last)}"
         )
 
         def contact(i, j):
             effective = 1.0 / sum((1.0 - ratios[k] ** 2) / moduli[k] for k in (i, j))
-            return restitutions[min(i, j), max(i, j)], effective, bool(limited)
+            shear = 1.0 / sum(2.0 * (2.0 - ratios[k]) * (1.0 + ratios[k]) / moduli[k] for k in (i, j))
+            numbers = (mu, {"on": 1.0, "off": 0.0}.get(damping), shear)
+            force = (f"hertz {friction}", *numbers) if friction not in ("", "off") else None
+            return restitutions[min(i, j), max(i, j)], effective, bool(limited), force
 
         self.pairs = {(str(i + 1), str(j + 1)): contact(i, j) for i, j in restitutions}
         self.walls = {(str(i + 1), "wall"): contact(i, end) for i in every}
@@ -170,7 +180,13 @@ def test_random_scripts_of_liggghts(seed):
         restitution, modulus, ratio = (float(contact.settings[name].words[0]) for name in names)
         effective = 0.5 * modulus / (1.0 - ratio**2)
         limited = "limitForce" in contact.settings
-        contacts[contact.types] = (restitution, pytest.approx(effective, rel=1e-12), limited)
+        force = contact.tangential and (
+            contact.tangential.model,
+            *(contact.tangential.numbers[name] for name in ("coefficient", "tangential_damping")),
+            pytest.approx(contact.tangential.numbers["shear_modulus"], rel=1e-12),
+        )
+        contacts[contact.types] = (restitution, pytest.approx(effective, rel=1e-12), limited, force)
+        assert contact.friction == (0.0 if force is None else force[1])
     assert contacts == {**written.pairs, **written.walls}
     assert {kind: grains.radii for kind, grains in stage.grains.items()} == written.radii
 

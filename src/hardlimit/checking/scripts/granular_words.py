@@ -192,11 +192,11 @@ LIGGGHTS: Final[dict[str, tuple[str, ...] | None]] = {
     "tangential_reduce": ("on", "off"),
     "surface": ("default",),
     "limitForce": ("on", "off"),
-    "tangential_damping": None,
-    "ktToKnUser": None,
-    "torsionTorque": None,
+    "tangential_damping": ("on", "off"),
+    "ktToKnUser": ("on", "off"),
+    "torsionTorque": ("on", "off"),
     "viscous": ("off",),
-    "absolute_damping": ("off",),
+    "absolute_damping": ("on", "off"),
     "computeElasticPotential": None,
     "computeDissipatedEnergy": None,
     "computeDissipation": None,
@@ -233,4 +233,6 @@ def gran_model(statement: Statement, words: Sequence[str], adhesion: bool = Fals
         elif word == "tangential" and after[0] == "no_history":
             beside.append("tangential no_history")
         k += 2
+    if words[1] == "hooke/stiffness":
+        settings.setdefault("absolute_damping", ("off",))
     return Words(settings, tuple(beside), tuple(shape))

@@ -10,7 +10,7 @@ from typing import Final
 
 from ...convert.tangential import Tangential
 from . import granular_words, lammps_friction, motion
-from .description import WALL, ContactSettings, Note, Quote, Setting, Settings
+from .description import WALL, ContactSettings, Quote, Setting, Settings
 from .formulas import NUMBER
 from .granular_words import ADHESIVE, NORMAL, PLASTIC, WALLS, Words, is_zero, ordered, unaccelerated
 from .population import Batch
@@ -262,16 +262,6 @@ class Lammps(State):
         ]
         for contact, what in said:
             self.warn(what, contact)
-
-    def warn(self, what: str, contact: ContactSettings) -> None:
-        """Add a note, one for all types that it concerns."""
-        same = [note for note in self.warnings if note.what == what]
-        types = {*contact.types, *(name for note in same for name in note.types or ())} - {WALL}
-        quote = same[0].quote if same else next(iter(contact.quotes), None)
-        notes = [note for note in self.warnings if note.what != what]
-        new = Note(what, tuple(sorted(types, key=int)), quote)
-        at = list(self.warnings).index(same[0]) if same else len(notes)
-        self.warnings = dict.fromkeys([*notes[:at], new, *notes[at:]])
 
     def inertia_factor(self, kind: int) -> float:
         """As for all codes; the fixes that integrate spins take grains as disks if they have the word ``disc``."""

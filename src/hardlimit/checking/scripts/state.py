@@ -697,6 +697,16 @@ class State:
     def note_friction(self, contacts: Sequence[ContactSettings]) -> None:
         """Note what the friction of the contacts really does."""
 
+    def warn(self, what: str, contact: ContactSettings) -> None:
+        """Add a note, one for all types that it concerns."""
+        same = [note for note in self.warnings if note.what == what]
+        types = {*contact.types, *(name for note in same for name in note.types or ())} - {WALL}
+        quote = same[0].quote if same else next(iter(contact.quotes), None)
+        notes = [note for note in self.warnings if note.what != what]
+        new = Note(what, tuple(sorted(types, key=int)), quote)
+        at = list(self.warnings).index(same[0]) if same else len(notes)
+        self.warnings = dict.fromkeys([*notes[:at], new, *notes[at:]])
+
     def step_now(self) -> float | None:
         """The time step; None if a fix changes it."""
         if any(fix.style.startswith("dt/reset") for fix in self.fixes.values()):
