@@ -91,6 +91,15 @@ def test_tangential_restitution_is_that_in_the_code(name):
     np.testing.assert_allclose(expected(SCRIPTS[name], angles), measured, rtol=0, atol=TOLERANCE)
 
 
+def test_numbers_that_are_not_given_are_those_of_the_code():
+    for name in ("FrictMat, angle and ratio by default", "MindlinPhys betan at a wall"):
+        contact, _, _, known = normal_force(SCRIPTS[name])
+        terms, of_script = MODEL[contact.tangential.model].terms, dict(contact.tangential.numbers)
+        of_script |= {"friction_angle": 0.5, "poisson": 0.25}
+        none = dict.fromkeys(MODEL[contact.tangential.model].numbers)
+        assert terms(none, known) == terms({}, known) == terms(of_script, known)
+
+
 def materials(draw, kind, count):
     """Random materials of two, which YADE accepts together."""
     texts = []
