@@ -41,7 +41,7 @@ def bodies(stage, contact):
     elif len(kinds) == 2 and kinds[0] is kinds[1]:
         sizes[1] = kinds[0], kinds[0].radii[1]
     known = []
-    for kind, radius in sizes:
+    for kind, radius in sorted(sizes, key=lambda each: each[0].frozen):
         mass = 4.0 / 3.0 * math.pi * radius**3 * kind.densities[0]
         counted = mass if kind.counted and kind.frozen else None
         known.append(KnownBody(radius, math.inf if kind.frozen else mass, counted))
