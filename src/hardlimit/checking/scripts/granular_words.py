@@ -95,7 +95,6 @@ def gran(statement: Statement, words: Sequence[str], wall: bool = False) -> Word
     tangent = ["0" if words[0] == "hooke" else words[2], *list(numbers.values())[1:]]
     if tangent[1] == "NULL":
         tangent[1] = words[3]
-    numbers = {name: numbers[name] for name in numbers if words[0] != "hooke" or name == "damping"}
     return Words(
         settings,
         beside,
