@@ -35,12 +35,10 @@ HARMLESS = re.compile(
             r"^«?(set|create_atoms) «?(atom|type|\d+)»? .*(vz|single)",
             r"distribution/discrete|particletemplate/sphere (\d+ )?«|«particletemplate",
             r"sphere\(\([^)]*«|(facet\(\[|box\(\(|wall\().*«|«material»|for (z|k) in .*«|(=|append\()mat\)+»$",
-            # forces beside the normal one
-            r"\b(ks|cs|betas)»?=",
             # what only two walls, or no grains, have; a value that stays what it was
             r"«set type 2 diameter 0\.01 density 4000»",
             r"(kt|gammat) peratomtypepair 2 (?P<k>\S+) (?P=k) (?P=k) «",
-            r"0\.9 0\.35 0\.35 «0\.1»|damping=«0\.0»|^if .*«|^«?v(ariable (z|e index|gap))?\b",
+            r"0\.9 0\.35 0\.35 «0\.1»|(damping|betas)=«0\.0»|^if .*«|^«?v(ariable (z|e index|gap))?\b",
             r"coefficientFriction «?peratomtypepair»? (1 «?0\.[01]»?|2 («?0»? ?){4}|2 \S+ \S+ \S+ «)",
             # YADE: places and numbers of bodies, words of the command line, what only a run shows
             r"makeCloud\([^r]*«|geom\.facet\w+\(.*«|«?gap»?=|in range\(«|sys\.argv.*«",

@@ -6,6 +6,8 @@ import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
+from importlib import import_module
 from itertools import permutations
 from typing import Any, Final, NamedTuple
 
@@ -14,14 +16,17 @@ import numpy as np
 from .. import _core
 from ..boxes.system import ParticleSystem
 from ..contact.balls import Ball
-from ..contact.contact import Law, law_parameters
+from ..contact.contact import Contact, Law, law_parameters
+from ..contact.friction import FrictionTerms
 from ..convert.codes import Code, Model, Pair, Written, code
 from ..convert.force import AdhesiveForce, ContactArea, Force
 from ..convert.formulas import DEFAULT_POISSON_RATIO, Numbers
+from ..convert.tangential import NormalContact, Tangential, TangentialModel
 from ..convert.wanted import LAWS
 from ..support.formatting import digits, listed, quantity
 from ..support.units import SYSTEMS
 from .contacts import Body, Case, CheckedContact, KnownBody
+from .friction import FrictionLaw, MakeTerms
 from .models import selected
 from .scripts import ContactSettings, Description, Grains, Quote, Stage
 from .scripts.logs import date
@@ -72,6 +77,52 @@ class ModelForce:
         return None if name is None else (name, self.numbers[name], power)
 
 
+def friction_of(source: Code, contact: ContactSettings, force: ModelForce | None) -> FrictionLaw:
+    """The friction of a contact, with its terms if the tangential model is understood."""
+    law = FrictionLaw(contact.friction)
+    if force is None or contact.friction == 0.0:
+        return law
+    others = [(when, _terms_of(source, contact, force, model)) for when, model in contact.other_tangential]
+    law = law._replace(others=tuple((when, terms) for when, terms in others if not isinstance(terms, str)))
+    if contact.tangential is None:
+        return law
+    terms = _terms_of(source, contact, force, contact.tangential)
+    if isinstance(terms, str):
+        return law._replace(not_known=terms)
+    return law._replace(model=contact.tangential.model, terms=terms)
+
+
+def _terms_of(
+    source: Code, contact: ContactSettings, force: ModelForce, tangential: Tangential
+) -> MakeTerms | str:
+    """The terms of a tangential force, or why they are not known."""
+    model = _tangential_models(source.name).get(tangential.model)
+    if model is None:
+        return f"tangential model {tangential.model} not understood"
+
+    def terms(first: KnownBody, second: KnownBody | None, speed: float) -> FrictionTerms:
+        written = force.written(first, second, speed)
+        normal = NormalContact(written, force.numbers, written.force(force.numbers))
+        return model.terms(tangential.numbers, normal)
+
+    tried = Body(None, None).tried(0)
+    try:
+        terms(tried, None if contact.types[1] == WALL else tried, 1.0)
+    except ValueError as error:
+        return str(error)
+    return terms
+
+
+@cache
+def _tangential_models(name: str) -> dict[str, TangentialModel]:
+    """The tangential models of a code by name."""
+    try:
+        module = import_module(f"..convert.tangential.{name}", __package__)
+    except ModuleNotFoundError:
+        return {}
+    return {model.name: model for model in module.MODELS}
+
+
 def energy_density(contact: ContactSettings, units: str = "si") -> tuple[Any, float] | None:
     """LIGGGHTS' model of cohesion and its energy density [J/m³]; None without one, or if that is not known."""
     mass, length, time = SYSTEMS[units]
@@ -104,13 +155,31 @@ class LawForce:
     law: Law
 
     def __call__(self, first: KnownBody, second: KnownBody | None, speed: float) -> Force:
-        ball = Ball(first.radius, mass=first.mass)
-        contact = self.law.between(
-            *[ball] if second is None else [ball, Ball(second.radius, mass=second.mass)]
-        )
+        contact = self._between(first, second)
         coefficients = contact.core.coefficients
         assert coefficients is not None  # check accepts no other law
         return Force(LAWS[self.law.record["name"]], *coefficients, contact.effective_mass)
+
+    def _between(self, first: KnownBody, second: KnownBody | None) -> Contact:
+        balls = [
+            Ball(body.radius, mass=body.mass, inertia_factor=body.inertia_factor)
+            for body in (first, second)
+            if body is not None
+        ]
+        return self.law.between(*balls)
+
+    def friction(self) -> FrictionLaw:
+        """The friction of this law."""
+        friction = self.law.friction
+        if friction is None:
+            return FrictionLaw()
+
+        def terms(first: KnownBody, second: KnownBody | None, speed: float) -> FrictionTerms:
+            known = self._between(first, second).friction_terms
+            assert known is not None
+            return known
+
+        return FrictionLaw(friction.coefficient, friction.model, terms)
 
 
 # --- scripts ------------------------------------------------------------------------------------------------
@@ -161,7 +230,8 @@ def of_script(description: Description, kinds: Sequence[object]) -> tuple[list[C
                 forces.append((contact, None))
         materials = _materials(forces)
         for contact, known in forces:
-            cases += _ends(number, stage, contact, known, materials)
+            friction = friction_of(source, contact, known)
+            cases += _ends(number, stage, contact, known, friction, materials)
     said = [
         f"{listed(list(names))}: mixed as {source.title} does since {limit}; before, their numbers do not determine ε."
         for limit, names in since.items()
@@ -211,6 +281,7 @@ def _state(stage: Stage) -> object:
             contact.wall_mass,
             contact.wall_radius,
             contact.friction,
+            (contact.tangential, contact.other_tangential),
             {name: setting.words for name, setting in contact.settings.items()},
         )
         for contact in stage.contacts
@@ -283,6 +354,7 @@ def _ends(
     stage: Stage,
     contact: ContactSettings,
     force: ModelForce | None,
+    friction: FrictionLaw,
     materials: Mapping[str, tuple[float, float]],
 ) -> Iterator[Case]:
     """The contact at the smallest and at the largest sizes; one if they are equal. Then those with fixed grains."""
@@ -290,13 +362,13 @@ def _ends(
     if all(kind.frozen for kind in grains):
         return
     if not (len(set(contact.types)) == 1 and grains[0].alone):
-        yield from _between(number, stage, contact, force, materials, grains)
+        yield from _between(number, stage, contact, force, friction, materials, grains)
     for first, second in {
         (first.type, other.type): (first, other) for first, other in permutations(grains, 2)
     }.values():
         if second.partly_frozen and not first.frozen:
-            pair = [first, second.fixed or replace(second, frozen=True)]
-            yield from _between(number, stage, replace(contact, wall=FIXED), force, materials, pair)
+            pair, fixed = [first, second.fixed or replace(second, frozen=True)], replace(contact, wall=FIXED)
+            yield from _between(number, stage, fixed, force, friction, materials, pair)
 
 
 def _between(
@@ -304,6 +376,7 @@ def _between(
     stage: Stage,
     contact: ContactSettings,
     force: ModelForce | None,
+    friction: FrictionLaw,
     materials: Mapping[str, tuple[float, float]],
     grains: list[Grains],
 ) -> Iterator[Case]:
@@ -326,7 +399,7 @@ def _between(
             materials=(materials.get(grains[0].type), materials.get(grains[-1].type)),
             spring=None if force is None else force.spring,
             others=() if force is None else force.others,
-            friction=contact.friction,
+            friction=friction,
             spring_powers=None
             if force is None or force.spring is None
             else force.model.unit(force.spring[0]),
@@ -346,7 +419,8 @@ def body(grains: Grains, end: int) -> Body:
         elif density is None and mass is not None and volume > 0.0:
             density = mass / volume
     fixed = grains.frozen and grains.counted
-    return Body(radius, math.inf if grains.frozen and not fixed else mass, density, fixed)
+    moved = math.inf if grains.frozen and not fixed else mass
+    return Body(radius, moved, density, fixed, grains.inertia_factor)
 
 
 # --- systems and numbers --------------------------------------------------------------------------------------
@@ -354,8 +428,11 @@ def body(grains: Grains, end: int) -> Body:
 
 def of_law(balls: Sequence[Ball], law: Law, walls: bool, time_step: float | None) -> list[Case]:
     """The contacts of the smallest and the largest ball under one of our laws, and with a wall."""
-    bodies = [Body(ball.radius, ball.mass, ball.density) for ball in balls]
+    bodies = [
+        Body(ball.radius, ball.mass, ball.density, inertia_factor=ball.inertia_factor) for ball in balls
+    ]
     force, p, spring = LawForce(law), law.parameters, _spring_of(law)
+    friction = force.friction()
     material = (p["youngs_modulus"], p["poisson_ratio"]) if "youngs_modulus" in p else None
 
     def case(first: Body, second: Body | None) -> Case:
@@ -373,6 +450,7 @@ def of_law(balls: Sequence[Ball], law: Law, walls: bool, time_step: float | None
             time_step=time_step,
             materials=(material, material),
             spring=spring and (spring[0], p[spring[0]], 1.0),
+            friction=friction,
             spring_powers=spring and spring[1],
         )
 
