@@ -691,6 +691,7 @@ def test_springs_of_two_materials():
     [
         ("", 0.2),
         ("frictAngle=0.3", 0.3),
+        ("frictAngle=math.radiansHP1(20)", math.pi / 9),
         ("frictAngle=MatchMaker(matches=((0, 1, 0.1),))", 0.1),
         ("frictAngle=MatchMaker(matches=((0, 0, 0.1),))", 0.4),
         ("frictAngle=MatchMaker(algo='max')", 0.6),

@@ -275,7 +275,9 @@ def of_drag(script: Yade, contact: Contact) -> Iterator[str]:
         return
     if resistance > 0.0:
         factor = " |R₁ω₁ + R₂ω₂|" if contact.pair[0].attributes.get("mRtype", 1) == 2 else ""
-        impulse = f"an angular impulse of up to mR{factor} ω J_n per collision, with the relative spin ω itself"
+        impulse = (
+            f"an angular impulse of up to mR{factor} ω J_n per collision, with the relative spin ω itself"
+        )
         yield f"resistance against rolling and twisting (mR = {resistance:g}): {impulse}; {WITHOUT}"
 
 
