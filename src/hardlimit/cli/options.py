@@ -191,12 +191,12 @@ def take_friction(law: Law, params: dict[str, Any]) -> Law:
     values = {name: value for name, value in taken.items() if value is not None}
     if not values:
         return law
-    if "coefficient" not in values:
-        raise ValueError(
-            f"friction: missing, must be given beside {spelled(FRICTION_OPTIONS[next(iter(values))])}"
-        )
     try:
-        return law.replace(friction=Friction(**values))
+        friction = Friction(**({"coefficient": 1.0} | values))
+        if "coefficient" not in values:
+            option = spelled(FRICTION_OPTIONS[next(iter(values))])
+            raise ValueError(f"coefficient: missing, must be given beside {option}")
+        return law.replace(friction=friction)
     except ValueError as error:
         subject, colon, rest = str(error).partition(": ")
         subject = re.sub(r"\w+", lambda match: FRICTION_OPTIONS.get(match[0], match[0]), subject)
