@@ -59,6 +59,9 @@ TANGENTIAL = {
     "damping_ratio": "x_γt",
 }
 
+#: Angles of impact [deg] of which β is shown; multiples of 5.
+ANGLES = (0, 30, 45, 60, 80)
+
 bed = options(
     quantity_option(
         "--radius",
@@ -398,6 +401,16 @@ def print_model(out: Any, model: ModelConversion) -> None:
         click.echo(model.text + "\n")
 
 
+def friction_values(obtained: Obtained) -> list[list[str]]:
+    """β at some angles, and in a gas, if they are known."""
+    beta = {round(math.degrees(angle)): beta for angle, beta in obtained.friction.tangential_restitution}
+    rows = [
+        [f"β at {angle}°" if angle else "β near head-on", digits(beta[angle], 4)] for angle in ANGLES if beta
+    ]
+    in_gas = obtained.friction.effective_tangential_restitution
+    return rows if in_gas is None else [*rows, ["β0 in a gas", digits(in_gas, 4)]]
+
+
 def friction_table(model: ModelConversion) -> Any:
     """The numbers of the friction of each contact; None without friction."""
     frictions = [(row.pair, row.friction) for row in model.contacts if row.friction is not None]
@@ -436,6 +449,7 @@ def show_obtained(obtained: Obtained, params: dict[str, Any], as_json: bool) -> 
     rows += [["duration", quantity(obtained.duration, "s")]]
     rows += [["largest compression", quantity(obtained.compression, "m")]]
     rows += [["largest force", quantity(obtained.force, "N")], ["time step", step_of(obtained)]]
+    rows += friction_values(obtained)
     end = "attracts at its end" if obtained.attraction else "never attracts"
     below = f"The force {end}. " + (
         f"With this time step the error of ε is {digits(obtained.restitution_error, 2)}."

@@ -130,18 +130,16 @@ def wanted(
     return Wanted(epsilon, v, name, way, value, nu, *_wanted_friction(friction, tangential_restitution))
 
 
-def _wanted_friction(friction: Any, tangential_restitution: Any) -> tuple[float, float] | tuple[None, None]:
+def _wanted_friction(friction: Any, tangential_restitution: Any) -> tuple[float | None, float | None]:
     """μ and β0, of which none or both are given."""
-    accepted = {"friction": "> 0 and finite", "tangential_restitution": "in (-1, 1]"}
-    both = {"friction": friction, "tangential_restitution": tangential_restitution}
-    named = [name for name, value in both.items() if value is not None]
-    if not named:
+    mu = None if friction is None else validation.number("friction", friction, 0.0)
+    if tangential_restitution is None:
+        if mu is not None:
+            raise ValueError("tangential_restitution: missing, must be in (-1, 1] beside friction")
         return None, None
-    for name in both:
-        if name not in named:
-            raise ValueError(f"{name}: missing, must be {accepted[name]} beside {named[0]}")
-    mu = validation.number("friction", friction, 0.0)
     beta = validation.number(
         "tangential_restitution", tangential_restitution, -1.0, 1.0, highest_allowed=True
     )
+    if mu is None:
+        raise ValueError("friction: missing, must be > 0 and finite beside tangential_restitution")
     return mu, beta
