@@ -1,7 +1,7 @@
 """An isolated contact with friction, integrated by SciPy in the coordinates of both bodies.
 
-Written from the equations (Cundall & Strack 1979; arms a_i = R_i r/(R_i + R_j), parallel transport of the elastic force)
-and independent of the core: positions, velocities and spins of both bodies and the elastic force T as vectors in space.
+Written from the equations (Cundall & Strack 1979; arms a_i = R_i r/(R_i + R_j), parallel transport of the elastic
+force) and independent of the core: positions, velocities and spins of both bodies and T as vectors in space.
 """
 
 from dataclasses import dataclass
@@ -259,7 +259,6 @@ def first_surfaces(motion: Motion, y: Vector, duration: float) -> tuple[bool, Ve
     start = 0.0
     if at["normal"] == 0.0:  # a little later
         start = INSTANT * duration
-        linear, _ = motion.accelerations(at)
         y[:6] += start * y[6:12]
         at = motion.pieces(y)
     f = at["g"] / np.linalg.norm(at["g"])
