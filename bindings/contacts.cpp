@@ -1,13 +1,16 @@
 // Bindings of the contact laws: their records, and one contact of two bodies.
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include <optional>
 #include <string>
+#include <tuple>
 #include <type_traits>
 #include <utility>
 
+#include "../core/contact/frictional_impact.hpp"
 #include "../core/contact/powers.hpp"
 #include "arrays.hpp"
 #include "boxes/binary_contact/planar_contact.hpp"
@@ -53,6 +56,25 @@ nb::dict friction_record() {
     return dict_of(
         "parameters", parameters, "models", models, "limits",
         list_of(hl::slip_limit_names, std::size(hl::slip_limit_names), [](const char* n) { return n; }));
+}
+
+// What hardlimit.contact.friction.FrictionTerms holds.
+using Terms = std::tuple<double, double, int, double, int, int, int, int>;
+hl::contact::FrictionalContact frictional_contact(std::tuple<int, int, bool> powers,
+                                                  std::pair<double, double> normal, double mass,
+                                                  double tangential_mass, const Terms& terms) {
+    const auto [coefficient, stiffness, stiffness_power, damping, damping_power, loading, unloading, limit] =
+        terms;
+    return {{std::get<0>(powers), std::get<1>(powers), std::get<2>(powers)},
+            {normal.first, normal.second},
+            mass,
+            tangential_mass,
+            {coefficient,
+             {stiffness, stiffness_power},
+             {damping, damping_power},
+             loading,
+             unloading,
+             static_cast<hl::SlipLimit>(limit)}};
 }
 
 nb::tuple friction_terms(const Contact& c) {
@@ -183,6 +205,16 @@ void bind_contacts(nb::module_& m) {
              "compression"_a);
     m.def("make_contact", &make_contact, "law"_a, "alternative"_a, "parameters"_a, "effective_mass"_a,
           "effective_radius"_a, "friction"_a = nb::none());
+    m.def(
+        "tangential_restitution",
+        [](std::tuple<int, int, bool> powers, std::pair<double, double> normal, double mass,
+           double tangential_mass, const Terms& terms, double speed, In slip) {
+            const auto contact = frictional_contact(powers, normal, mass, tangential_mass, terms);
+            return map(slip,
+                       [&](double g) { return hl::contact::tangential_restitution(contact, speed, g); });
+        },
+        "powers"_a, "coefficients"_a, "effective_mass"_a, "tangential_mass"_a, "terms"_a, "speed"_a, "slip"_a,
+        "β of a contact at each slip velocity at touch.");
     m.def("inverse_tangential_mass", &hl::inverse_tangential_mass, "mass"_a, "inertia_factor"_a,
           "other_mass"_a, "other_inertia_factor"_a,
           "1/m_t = 1/m_n + R_i²/I_i + R_j²/I_j; masses of walls are infinite.");

@@ -61,6 +61,9 @@ class Contact:
 
 def make_contact(law: str, alternative: int, parameters: Sequence[float], effective_mass: float, effective_radius: float, friction: Friction | None = None) -> Contact: ...
 
+def tangential_restitution(powers: tuple[int, int, bool], coefficients: tuple[float, float], effective_mass: float, tangential_mass: float, terms: tuple[float, float, int, float, int, int, int, int], speed: float, slip: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> NDArray[numpy.float64]:
+    """β of a contact at each slip velocity at touch."""
+
 def inverse_tangential_mass(mass: float, inertia_factor: float, other_mass: float, other_inertia_factor: float) -> float:
     """1/m_t = 1/m_n + R_i²/I_i + R_j²/I_j; masses of walls are infinite."""
 
