@@ -11,13 +11,15 @@ import numpy as np
 import pytest
 from numpy.typing import ArrayLike, NDArray
 
+import hardlimit as hl
 from box_engines import compiled
 from conftest import DATA
 from hardlimit.contact.friction import LIMITS, MODELS
+from hardlimit.contact.impact import tangential_restitution
 
 pytestmark = pytest.mark.slow  # the program takes seconds to compile
 
-CASES = json.loads((DATA / "friction.json").read_text(encoding="utf-8"))["newton"]
+CASES = json.loads((DATA / "friction_newton.json").read_text(encoding="utf-8"))
 LINEAR, VISCOELASTIC, TSUJI, FRICTIONLESS = range(4)
 SPHERE = 2 / 5
 
@@ -207,7 +209,10 @@ SETTINGS |= {
         (VISCOELASTIC, 1e7, 0.3, 1e-5),
         {"coefficient": 0.5, "model": "mindlin", "stiffness_ratio": 0.8, "damping_ratio": 1.0},
     ),
-    "hertz with a constant spring": ((VISCOELASTIC, 1e7, 0.3, 0.0), {"coefficient": 0.5, "stiffness": 100.0}),
+    "hertz with a constant spring": (
+        (VISCOELASTIC, 1e7, 0.3, 0.0),
+        {"coefficient": 0.5, "model": "spring", "stiffness": 100.0},
+    ),
 }
 SETTINGS |= {
     f"{model} {time}": (
@@ -325,3 +330,49 @@ def test_a_sphere_that_slides_throughout(
     lost = (v_x - run.velocities[-1, 0, 0]) / (restitution * v_z + v_z)
     assert radius * run.spins[-1, 0, 1] == pytest.approx(2.5 * (v_x - run.velocities[-1, 0, 0]), rel=1e-12)
     assert lost == pytest.approx(mu, rel=1e-4)
+
+
+def exact(name: str, ball: hl.Ball, speed: float, sliding: ArrayLike) -> NDArray[np.float64]:
+    """β of a contact at a wall, from the exact contact with a fixed normal."""
+    (kind, *values), rough = SETTINGS[name]
+    friction = hl.Friction(**{key: value for key, value in rough.items() if value or key != "damping"})
+    names: dict[float, tuple[Any, tuple[str, ...]]] = {
+        LINEAR: (hl.LinearDashpot, ("stiffness", "restitution")),
+        VISCOELASTIC: (hl.Viscoelastic, ("youngs_modulus", "poisson_ratio", "dissipative_time")),
+        TSUJI: (hl.Tsuji, ("elastic_prefactor", "restitution")),
+    }
+    law_class, parameters = names[kind]
+    contact = law_class(**dict(zip(parameters, values, strict=True)), friction=friction).between(ball)
+    stiffness, damping = contact.core.coefficients
+    elastic, inelastic = contact.law.record["powers"]
+    return tangential_restitution(
+        (elastic, inelastic, False),
+        stiffness,
+        damping,
+        contact.effective_mass,
+        contact.friction_terms,
+        contact.tangential_mass,
+        speed,
+        sliding,
+    )
+
+
+@each_setting
+def test_halved_steps_converge_to_the_exact_contact_at_a_wall(solve: Solve, name: str) -> None:
+    """A wall does not turn: β over the angle of impact."""
+    ball, speed = hl.Ball(1e-3, mass=1e-5, inertia_factor=0.5), 0.5
+    sliding = speed * np.tan(np.radians([5.0, 20.0, 40.0, 55.0, 65.0, 80.0]))
+    expected = exact(name, ball, speed, sliding)
+    box, errors = Box((0.05,) * 3, ("periodic", "periodic", "wall")), []
+    for steps in (32, 256):
+        slower = []
+        for g, depth in zip(sliding, np.linspace(1e-5, 2e-5, 6), strict=True):
+            grain = Grain(
+                1e-3, 1e-5, (0.02, 0.02, 1e-3 + depth), (0.4 * g, 0.0, -speed), (0.0, -600.0 * g, 0.0), 0.5
+            )
+            run = solve(*SETTINGS[name], box, [grain], step=2.2e-4 / steps, until=8e-4)
+            slower.append((run.velocities[-1, 0, 0] - 1e-3 * run.spins[-1, 0, 1]) / -g)
+        errors.append(np.abs(slower - expected) * sliding)
+    coarse, fine = np.mean(errors, axis=1)
+    jumps = "spring 0.02" in name
+    assert fine < (2e-3 if jumps else 5e-5) and fine < (0.5 if jumps else 0.12) * coarse
