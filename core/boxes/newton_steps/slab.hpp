@@ -14,6 +14,7 @@ inline constexpr std::uint32_t most_slabs = 128;
 struct Impulse {
     std::uint32_t body;
     Double4 velocity_change;  // [m/s]
+    Double4 spin_change{};    // [rad/s]; only of laws with friction
 };
 
 template <class Law>
