@@ -2,12 +2,13 @@ r"""
 A superball, and a grain that hardly feels friction
 ===================================================
 
-Both come from one number that nobody looks at: the ratio :math:`k_t/k_n` of the stiffnesses. Solid spheres with a linear
-spring, :math:`\varepsilon = 1`, over the angle of impact divided by :math:`\kappa\mu`, :math:`\kappa = 7/2`. The tangential
-spring oscillates :math:`\sqrt\rho` times as fast as the normal one, :math:`\rho = \kappa k_t/k_n`. With the default of LAMMPS,
-:math:`k_t = 2k_n/7`, both end together: :math:`\beta = 1`, the surface velocity is reversed. With :math:`k_t = k_n` the
-spring has swung back when the contact ends: :math:`\beta \approx -1`, as without friction. Grains that slide throughout share
-one line. Ratios of elastic spheres, :math:`2(1-\nu)/(2-\nu)`, lie between 2/3 and 1 (:doc:`/friction`).
+Both come from one number that nobody looks at: the ratio :math:`k_t/k_n` of the stiffnesses. Solid spheres with a
+linear spring, :math:`\varepsilon = 1`, over the angle of impact divided by :math:`\kappa\mu`, :math:`\kappa = 7/2`.
+The tangential spring oscillates :math:`\sqrt\rho` times as fast as the normal one, :math:`\rho = \kappa k_t/k_n`.
+With the default of LAMMPS, :math:`k_t = 2k_n/7`, both end together: :math:`\beta = 1`, the surface velocity is
+reversed. With :math:`k_t = k_n` the spring has swung back when the contact ends: :math:`\beta \approx -1`, as
+without friction. Grains that slide throughout share one line. Ratios of elastic spheres, :math:`2(1-\nu)/(2-\nu)`,
+lie between 2/3 and 1 (:doc:`/friction`).
 """
 
 import matplotlib.pyplot as plt
@@ -27,8 +28,18 @@ with plots.style():
         contact = law.between(ball, ball)
         beta = contact.tangential_restitution(np.arctan(kappa * mu * psi))
         ax.plot(psi, beta, label=rf"$\rho = {rho:g}$, $k_t = {rho / kappa:.3g}\,k_n$")
-    ax.plot(psi[psi > 1.0], -1.0 + 2.0 / psi[psi > 1.0], "k:", lw=1.2, label="sliding throughout")
+    ax.plot(
+        psi[psi > 1.0],
+        -1.0 + 2.0 / psi[psi > 1.0],
+        "k:",
+        lw=1.2,
+        label="sliding throughout",
+    )
     ax.axhline(0.0, color="0.6", lw=0.8)
-    ax.set(xlabel=r"$\tan\gamma/(\kappa\mu)$", ylabel=r"tangential restitution $\beta$", ylim=(-1.05, 1.1))
+    ax.set(
+        xlabel=r"$\tan\gamma/(\kappa\mu)$",
+        ylabel=r"tangential restitution $\beta$",
+        ylim=(-1.05, 1.1),
+    )
     ax.legend()
 plt.show()

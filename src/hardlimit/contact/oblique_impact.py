@@ -439,7 +439,4 @@ def _intervals(end: dict[str, Any]) -> tuple[Interval, ...]:
     """The intervals of stick and slip; of very many changes the first."""
     borders = [0.0, *end["change_times"], end["duration"]]
     states = ("slip", "stick") if end["slips_first"] else ("stick", "slip")
-    return tuple(
-        Interval(states[i % 2], begin, stop)
-        for i, (begin, stop) in enumerate(pairwise(borders))
-    )
+    return tuple(Interval(states[i % 2], begin, stop) for i, (begin, stop) in enumerate(pairwise(borders)))
