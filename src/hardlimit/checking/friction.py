@@ -40,8 +40,9 @@ class RigidBody(Protocol):
         """I/(m R²)."""
 
 
-#: The terms of two bodies, the second of which is None at a wall, at a speed.
+#: The terms of two bodies, the second of which is None at a wall, at a speed; and β at :data:`OBLIQUE`.
 MakeTerms = Callable[[Any, Any, float], FrictionTerms]
+MakeRestitution = Callable[[Any, Any, float], float]
 
 
 class FrictionLaw(NamedTuple):
@@ -51,7 +52,7 @@ class FrictionLaw(NamedTuple):
     model: str | None = None  #: tangential model, as the script or our laws name it
     terms: MakeTerms | None = None  #: None if they are not known
     not_known: str | None = None  #: why
-    others: tuple[tuple[str, MakeTerms], ...] = ()  #: in other versions of the code
+    others: tuple[tuple[str, MakeRestitution], ...] = ()  #: in other versions of the code
 
 
 @dataclass(frozen=True)

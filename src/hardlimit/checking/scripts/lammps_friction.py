@@ -155,8 +155,10 @@ def different(
         return LOST_SPRING if lost else SCALED_SPRING, scaled(force)
     if wall and force.model == "gran/hooke" and (shifted := _shifted(words, number)):
         return SHIFTED_NUMBERS, shifted
-    if wall and force.model.startswith("mindlin") and force.numbers["stiffness"] is None:
-        modulus, _, ratio = map(number, words.settings["normal"][1:4])
+    name, *normal = words.settings.get("normal", ("",))
+    material = wall and name in MATERIALS and force.model.startswith("mindlin")
+    if material and force.numbers["stiffness"] is None:
+        modulus, ratio = number(normal[0]), number(normal[2])
         if modulus is not None and ratio is not None:
             old = 0.25 * modulus * (2.0 - ratio) * (1.0 + ratio)
             return WALL_MODULUS, Tangential(force.model, {**force.numbers, "stiffness": old})
