@@ -230,6 +230,8 @@ class Lammps(State):
         if len(alone) < 2 or i == j:
             return None
         mixture = mixed(*(entry.settings for entry in alone))
+        if len({entry.words.tangential for entry in alone} - {""}) > 1:  # LAMMPS stops
+            mixture = None
         quotes = tuple(dict.fromkeys(entry.quote for entry in alone))
         if mixture is None:
             self.unknown.update(dict.fromkeys(quotes))

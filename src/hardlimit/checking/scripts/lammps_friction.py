@@ -241,7 +241,7 @@ MIXED_SPRING: Final = (
 )
 KEPT_SPRING: Final = (
     "{} with γ_t: beyond tan γ ≈ μ/x_t the spring begins against the slip and grows with the contact radius, so that "
-    "β depends on the time step and may be below −1"
+    "β may depend on the time step and be below −1"
 )
 DISKS: Final = (
     "grains in two dimensions spin as spheres, I = 2/5 m R²; disks have 1/2 (fix nve/sphere … disc)"
