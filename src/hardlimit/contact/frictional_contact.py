@@ -262,7 +262,7 @@ def _effective(own: FrictionalContact, dimension: int) -> float:
     kappa = 1.0 / own.tangential_mass
     sliding = kappa * mu * (1.0 + restitution)  # K
     u, weights = _shares(own, dimension)
-    tangents = np.sqrt(kappa * u / (1.0 - u))
+    tangents = np.sqrt(kappa * u / np.maximum(1.0 - u, np.finfo(float).eps))
     beta = _restitution(own, 1.0, tangents)
     if mu == math.inf:
         return float(weights @ beta)
