@@ -293,7 +293,9 @@ private:
         return kind;
     }
     // An overdamped contact with attraction never ends.
-    HL_FN bool rests() const { return of_.powers.attracts && state_[v] < 0.0 && -state_[v] < 1e-12 * scale_; }
+    HL_FN bool rests() const {
+        return of_.powers.attracts && state_[v] < 0.0 && -state_[v] < 1e-12 * scale_ && state_[s] < 0.1;
+    }
 
     // --- output
 

@@ -13,9 +13,9 @@ from hardlimit.checking.scripts import read
 from hardlimit.contact.impact import tangential_restitution
 from hardlimit.convert.codes import code
 from hardlimit.convert.tangential import NormalContact
-from hardlimit.convert.tangential.lammps import MODELS, worn_restitution
+from hardlimit.convert.tangential.lammps import MODELS
 
-TERMS = {model.name: model.terms for model in MODELS}
+BY_NAME = {model.name: model for model in MODELS}
 DENSITY = 2500.0
 #: Greatest overlap over the distance of the centres without damping.
 OVERLAP = 1e-5
@@ -111,20 +111,16 @@ class Contact(NamedTuple):
         """β of a tangential force, or of none, at each tan γ."""
         if tangential is None:
             return np.full_like(tangents, -1.0)
-        terms, force = TERMS[tangential.model](tangential.numbers, self.normal), self.normal.force
-        if tangential.model.startswith("scaled"):
-            unit = tangential.numbers["length_unit"]
-            values = [
-                worn_restitution(self.normal, terms, unit, self.tangential_mass, speed, speed * x)
-                for x in tangents
-            ]
-            return np.array(values)
+        model, numbers, force = BY_NAME[tangential.model], tangential.numbers, self.normal.force
+        if model.restitution is not None:
+            known = numbers, self.normal, self.tangential_mass, speed
+            return np.array([model.restitution(*known, speed * x) for x in tangents])
         return tangential_restitution(
             force.powers.arguments,
             force.stiffness,
             force.damping,
             self.mass,
-            terms,
+            model.terms(numbers, self.normal),
             self.tangential_mass,
             speed,
             speed * tangents,

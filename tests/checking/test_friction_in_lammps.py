@@ -1,12 +1,13 @@
 """β from what the reader and the models make of a script, against grains that collide in LAMMPS at 30 random angles."""
 
+import csv
 import zlib
 
 import numpy as np
 import pytest
 from oblique_in_lammps import Setting, contact_of, measured, prepared
 
-from conftest import slow
+from conftest import DATA, slow
 from hardlimit.boxes.lammps import program
 
 try:
@@ -125,6 +126,8 @@ SCALED = {
 }
 #: Those whose spring is lost at each slip; of these, a few angles are left out.
 LOST = ("wall hertz/history", "wall hertz/history lj", "mindlin_classic")
+#: Angles of a setting in tests/data/friction_lammps.csv.
+RECORDED_ANGLES = 6
 FEW = ("gran/hooke/history", "mixed mindlin", "wall hooke/history lj", "spins as disks")
 
 
@@ -157,3 +160,46 @@ def test_tangential_restitution_is_that_of_lammps(name, tmp_path):
     if name in SETTINGS:
         script = contact_of(tmp_path / "in.script", setting, types_of(setting))
         assert script.tangential == contact.tangential
+
+
+def recorded() -> dict[tuple[str, str], list[tuple[float, float]]]:
+    """tan γ and β by version and setting."""
+    rows: dict[tuple[str, str], list[tuple[float, float]]] = {}
+    with (DATA / "friction_lammps.csv").open(encoding="utf-8") as file:
+        for version, setting, tangent, beta in list(csv.reader(file))[1:]:
+            rows.setdefault((version, setting), []).append((float(tangent), float(beta)))
+    return rows
+
+
+RECORDED = recorded()
+
+
+VERSIONS = sorted({version for version, _ in RECORDED})
+#: Settings that versions know differently, and others.
+CHANGED = (
+    "wall hooke",
+    "wall hooke/history lj",
+    "wall mindlin/force tsuji",
+    "pair mindlin_rescale/force tsuji",
+)
+
+
+@pytest.mark.parametrize("version,every", [(v, False) for v in VERSIONS] + [slow(v, True) for v in VERSIONS])
+def test_tangential_restitution_is_that_of_recorded_versions(version, every, tmp_path):
+    """Against runs of several versions, written by ``tools/verify_lammps_friction.py``."""
+    wrong = []
+    for (of, name), rows in RECORDED.items():
+        if not every and name not in CHANGED:
+            continue
+        # A log repeats a command with the values of variables; older versions do not mix as the newest one does.
+        if of != version or name == "variables" or ("mixed" in name and "2022" in version):
+            continue
+        setting, (angles, real) = (SETTINGS | SCALED)[name], np.array(rows).T
+        speed, *_ = prepared(setting, tmp_path, angles)
+        log = tmp_path / "log.lammps"
+        log.write_text(f"LAMMPS ({version})\n{(tmp_path / 'in.script').read_text()}")
+        contact = contact_of(log, setting, types_of(setting))
+        computed = contact.restitution(contact.tangential, speed, angles)
+        if not close(name, computed, real):
+            wrong.append((name, np.abs(computed - real).max()))
+    assert not wrong

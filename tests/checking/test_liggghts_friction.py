@@ -266,14 +266,15 @@ SLIDING = "model {} tangential history {}"
 @pytest.mark.parametrize(
     "model,numbers,words",
     [
-        (SLIDING.format("hooke", ""), {}, ["k_t = k_n", "spring alone", "limitForce off"]),
+        (SLIDING.format("hooke", ""), {}, ["k_t = k_n", "spring alone", "limitForce off", "steps fall"]),
         (SLIDING.format("hooke", "ktToKnUser off limitForce on"), {}, ["k_t = k_n", "spring alone"]),
         (SLIDING.format("hooke", "ktToKnUser on limitForce on"), {"e": 0.9}, ["spring alone"]),
         (SLIDING.format("hooke", "ktToKnUser on"), {"e": 1}, []),
         (SLIDING.format("hertz", "tangential_damping off"), {}, ["without γ_t", "limitForce off"]),
         (SLIDING.format("hertz", "limitForce on"), {}, ["spring alone"]),
         (SLIDING.format("hertz", ""), {"mu": 0}, []),
-        (SLIDING.format("hertz/stiffness", ""), {}, ["spring alone", "limitForce off"]),
+        (SLIDING.format("hertz/stiffness", ""), {}, ["spring alone", "limitForce off", "steps fall"]),
+        (SLIDING.format("hertz", ""), {}, ["spring alone", "limitForce off"]),
         (SLIDING.format("hooke/stiffness", ""), {"gammat": 0, "gamman": 0}, []),
         (
             SLIDING.format("hooke/stiffness", "absolute_damping on"),
@@ -375,6 +376,19 @@ def test_spin_that_rolling_friction_takes(kind, spin, low, high):
     assert rows[0, 3] == pytest.approx(-rows[1, 3], abs=1e-6) and rows[0, 3] > -1e-6
     lost = 0.4 * mass * radius**2 * (spin - rows[0, 3])
     assert low <= lost / (0.1 * 0.5 * radius * impulse) <= high
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not shutil.which("liggghts"), reason="no LIGGGHTS")
+@pytest.mark.parametrize("words,low,high", [("", 0.1, 0.2), (" limitForce on", 0.0, 2e-3)])
+def test_time_steps_that_decide_on_restitution(words, low, high):
+    """Where F_n changes its sign, stick and slip alternate, and the next step decides."""
+    script = SCRIPTS["hooke history, ktToKnUser on, strong damping"]
+    script |= {"text": script["text"].replace("ktToKnUser on", f"ktToKnUser on{words}")}
+    tangents = [math.tan(math.radians(angle)) for angle in np.linspace(70.0, 80.0, 30)]
+    runs = [script | {"time_step": script["time_step"] * k, "steps": 8000} for k in (3.0, 3.03, 3.1)]
+    values = np.array([recorder().measured(run, tangents, "same")[1] for run in runs])
+    assert low <= np.max(np.ptp(values, axis=0)) <= high
 
 
 def test_a_trap_names_the_types_and_the_statement():

@@ -691,6 +691,7 @@ def test_springs_of_two_materials():
     [
         ("", 0.2),
         ("frictAngle=0.3", 0.3),
+        ("frictAngle=math.radiansHP1(20)", math.pi / 9),
         ("frictAngle=MatchMaker(matches=((0, 1, 0.1),))", 0.1),
         ("frictAngle=MatchMaker(matches=((0, 0, 0.1),))", 0.4),
         ("frictAngle=MatchMaker(algo='max')", 0.6),
@@ -824,7 +825,7 @@ TRAPS = {
     "rolling": (
         (KROT.format(0.1), "Law2_ScGeom_MindlinPhys_Mindlin(includeMoment=True)"),
         GLASS,
-        "krot = 0.001 and ktwist = 0.0001): an angular impulse of up to k ω t_c²/2 per collision, rolling",
+        "krot = 0.001 and ktwist = 0.0001): an angular impulse of up to k ω t_c²/2 per collision, that",
     ),
     "rolling without limit": (
         (KROT.format(0), "Law2_ScGeom_MindlinPhys_Mindlin(includeMoment=True)"),
@@ -832,8 +833,8 @@ TRAPS = {
         "not limited",
     ),
     "rolling without effect": ((KROT.format(0.1), MINDLIN[1]), GLASS, "without effect: the law lacks includeMoment"),
-    "mR": (VISCEL, TC.format("mR=1e-4, ", 0.3), "(mR = 0.0001): an angular impulse of mR times the relative spin"),
-    "mRtype": (VISCEL, TC.format("mR=1e-4, mRtype=2, ", 0.3), "mR |R₁ω₁ + R₂ω₂| times"),
+    "mR": (VISCEL, TC.format("mR=1e-4, ", 0.3), "(mR = 0.0001): an angular impulse of up to mR ω J_n"),
+    "mRtype": (VISCEL, TC.format("mR=1e-4, mRtype=2, ", 0.3), "mR |R₁ω₁ + R₂ω₂| ω J_n"),
     "moments": (
         (COHESION[0], COHESION[1].format("always_use_moment_law=True")),
         "O.materials.append(CohFrictMat(momentRotationLaw=True, alphaKr=1, etaRoll=0.1))\n",

@@ -11,7 +11,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import hardlimit as hl
 from hardlimit.checking.cases import force_of
 from hardlimit.checking.contacts import KnownBody
 from hardlimit.checking.scripts import read
@@ -34,38 +33,42 @@ TOLERANCE = 2e-3
 
 
 def bodies(stage, contact):
-    """The two bodies, infinitely heavy if they are fixed, and their masses in formulas if those differ."""
-    for name in contact.types:
-        if name == "wall":
-            yield None
-            continue
-        kind = stage.grains[name]
-        for each in [kind] if kind.fixed is None else [kind, kind.fixed]:
-            radius = each.radii[0]
-            mass = 4.0 / 3.0 * math.pi * radius**3 * each.densities[0]
-            if each.frozen:
-                yield KnownBody(radius, math.inf, mass if each.counted else None)
-            else:
-                yield KnownBody(radius, mass)
+    """The two bodies, the first of which moves; None for a wall."""
+    kinds = [stage.grains[name] for name in contact.types if name != "wall"]
+    sizes = [(kind, kind.radii[0]) for kind in kinds]
+    if kinds[0].fixed is not None:
+        sizes[1] = kinds[0].fixed, kinds[0].fixed.radii[0]
+    elif len(kinds) == 2 and kinds[0] is kinds[1]:
+        sizes[1] = kinds[0], kinds[0].radii[1]
+    known = []
+    for kind, radius in sorted(sizes, key=lambda each: each[0].frozen):
+        mass = 4.0 / 3.0 * math.pi * radius**3 * kind.densities[0]
+        counted = mass if kind.counted and kind.frozen else None
+        known.append(KnownBody(radius, math.inf if kind.frozen else mass, counted))
+    return known if len(known) == 2 else [*known, None]
 
 
-def expected(script, angles):
-    """β at these angles by our reading of the script."""
+def normal_force(script):
+    """The contact of a script, its two bodies, its force, and what the tangential force depends on."""
     description = read(script["text"])
     stage = description.stages[-1]
     assert not description.unknown
     (contact,) = (each for each in stage.contacts if list(each.types) == script["types"])
-    first, second = list(bodies(stage, contact))[:2]
-    force = force_of(code("yade"), contact, None)
-    written = force.written(first, second, script["speed"])
-    normal = written.force(force.numbers)
+    both = bodies(stage, contact)
+    model = force_of(code("yade"), contact, None)
+    written = model.written(*both, script["speed"])
+    force = written.force(model.numbers)
+    return contact, both, force, NormalContact(written, model.numbers, force)
+
+
+def expected(script, angles):
+    """β at these angles by our reading of the script."""
+    contact, both, normal, known = normal_force(script)
     terms = FrictionTerms(0.0)
     if contact.tangential is not None:
-        terms = MODEL[contact.tangential.model].terms(
-            contact.tangential.numbers, NormalContact(written, force.numbers, normal)
-        )
+        terms = MODEL[contact.tangential.model].terms(contact.tangential.numbers, known)
         assert terms.coefficient == contact.friction
-    inverse = sum(3.5 / body.mass for body in (first, second) if body is not None)
+    inverse = sum(3.5 / body.mass for body in both if body is not None)
     return tangential_restitution(
         normal.powers.arguments,
         normal.stiffness,
@@ -86,6 +89,15 @@ def test_tangential_restitution_is_that_in_the_code(name):
     )
     assert len(rows) == 30
     np.testing.assert_allclose(expected(SCRIPTS[name], angles), measured, rtol=0, atol=TOLERANCE)
+
+
+def test_numbers_that_are_not_given_are_those_of_the_code():
+    for name in ("FrictMat, angle and ratio by default", "MindlinPhys betan at a wall"):
+        contact, _, _, known = normal_force(SCRIPTS[name])
+        terms, of_script = MODEL[contact.tangential.model].terms, dict(contact.tangential.numbers)
+        of_script |= {"friction_angle": 0.5, "poisson": 0.25}
+        none = dict.fromkeys(MODEL[contact.tangential.model].numbers)
+        assert terms(none, known) == terms({}, known) == terms(of_script, known)
 
 
 def materials(draw, kind, count):
@@ -169,13 +181,9 @@ def test_random_scripts_in_yade(seed):
     verify = importlib.util.module_from_spec(tool)
     tool.loader.exec_module(verify)
     script = random_script(random.Random(seed))
-    row = next(
-        row
-        for row in hl.check(script["text"], speed=script["speed"]).rows
-        if list(row.types) == script["types"]
-    )
-    step = float(f"{row.duration / 2e4:.2g}")
-    text = f"{script['text']}O.dt = {step}\nO.run({int(1.3 * row.duration / step) + 10}, True)\n"
+    duration = normal_force(script)[2].collision(script["speed"]).duration
+    step = float(f"{duration / 2e4:.2g}")
+    text = f"{script['text']}O.dt = {step}\nO.run({int(1.3 * duration / step) + 10}, True)\n"
     results = np.array(verify.measured(script | {"text": text, "name": str(seed)}))
     np.testing.assert_allclose(expected(script, results[:, 0]), results[:, 1], rtol=0, atol=TOLERANCE)
 

@@ -16,6 +16,7 @@ from ..boxes.system import ParticleSystem
 from ..contact.balls import Ball
 from ..contact.contact import Contact, Law, law_parameters
 from ..contact.friction import FrictionTerms
+from ..contact.frictional_contact import tangential_restitution
 from ..convert.codes import Code, Model, Pair, Written, code
 from ..convert.force import AdhesiveForce, ContactArea, Force
 from ..convert.formulas import DEFAULT_POISSON_RATIO, Numbers
@@ -24,7 +25,7 @@ from ..convert.wanted import LAWS
 from ..support.formatting import digits, listed, quantity
 from ..support.units import SYSTEMS
 from .contacts import Body, Case, CheckedContact, KnownBody
-from .friction import FrictionLaw, MakeTerms
+from .friction import OBLIQUE, FrictionLaw, MakeRestitution, MakeTerms, contact_of
 from .models import selected
 from .scripts import ContactSettings, Description, Grains, Quote, Stage
 from .scripts.logs import date
@@ -80,21 +81,50 @@ def friction_of(source: Code, contact: ContactSettings, force: ModelForce | None
     law = FrictionLaw(contact.friction)
     if force is None or contact.friction == 0.0:
         return law
-    others = [(when, _terms_of(source, contact, force, model)) for when, model in contact.other_tangential]
-    law = law._replace(others=tuple((when, terms) for when, terms in others if not isinstance(terms, str)))
-    if contact.tangential is None:
+    others = [(when, _oblique(source, contact, force, model)) for when, model in contact.other_tangential]
+    own = contact.tangential
+    model = None if own is None else _model_of(source, own)
+    if own is not None and model is not None and model.restitution is not None:
+        others.insert(0, ("in this version", _oblique(source, contact, force, own)))
+        law, own = law._replace(model=own.model, not_known="only β at 45° is known"), None
+    law = law._replace(others=tuple((when, beta) for when, beta in others if beta is not None))
+    if own is None:
         return law
-    terms = _terms_of(source, contact, force, contact.tangential)
+    terms = _terms_of(source, contact, force, own)
     if isinstance(terms, str):
         return law._replace(not_known=terms)
-    return law._replace(model=contact.tangential.model, terms=terms)
+    return law._replace(model=own.model, terms=terms)
+
+
+def _model_of(source: Code, tangential: Tangential) -> TangentialModel | None:
+    return models_of(source.name).get(tangential.model)
+
+
+def _oblique(
+    source: Code, contact: ContactSettings, force: ModelForce, tangential: Tangential
+) -> MakeRestitution | None:
+    """β at 45° under a tangential force; None if it is not known."""
+    model, terms = _model_of(source, tangential), _terms_of(source, contact, force, tangential)
+    if model is None or isinstance(terms, str):
+        return None
+
+    def beta(first: KnownBody, second: KnownBody | None, speed: float) -> float:
+        own = contact_of(terms, force(first, second, speed), (first, second), speed)
+        if model.restitution is None:
+            return float(tangential_restitution(own, speed, OBLIQUE)[0])
+        written = force.written(first, second, speed)
+        normal = NormalContact(written, force.numbers, written.force(force.numbers))
+        slip = math.tan(float(OBLIQUE[0])) * speed
+        return model.restitution(tangential.numbers, normal, own.tangential_mass, speed, slip)
+
+    return beta
 
 
 def _terms_of(
     source: Code, contact: ContactSettings, force: ModelForce, tangential: Tangential
 ) -> MakeTerms | str:
     """The terms of a tangential force, or why they are not known."""
-    model = models_of(source.name).get(tangential.model)
+    model = _model_of(source, tangential)
     if model is None:
         return f"tangential model {tangential.model} not understood"
 

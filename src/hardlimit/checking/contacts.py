@@ -16,7 +16,6 @@ from ..boxes.error_law import KNOWN_RULES, MEASURED_TC_NU
 from ..boxes.rules import DEFAULTS, RULES
 from ..boxes.theory import Gas
 from ..boxes.time_step import DEFAULT_ERROR
-from ..contact import frictional_contact
 from ..convert.force import AdhesiveForce, Collision, Force
 from . import friction
 from .expectation import ACCEPTED, Expected, expected
@@ -30,6 +29,7 @@ TRIALS: Final = {
 }
 FIXED_POINT_STEPS: Final = 20  #: of the largest t_c ν
 AGREEMENT: Final = 1e-6  #: relative difference of results that count as equal
+SHOWN: Final = 0.02  #: difference of β in other versions that counts as none
 
 
 @dataclass(frozen=True)
@@ -210,7 +210,13 @@ def _at(case: Case, speed: float | None, gas: Surroundings) -> CheckedContact:
         kept["spring"] = name, value, value * kept["softening"] ** (1.0 / power)
     rubbing = [_friction(case, *trial, gas.dimension) for trial in tried]
     kept["friction"] = friction.friction_of(
-        case.friction, {name: _agreed([result.get(name) for result in rubbing]) for name in rubbing[0]}
+        case.friction,
+        {
+            name: _agreed(
+                [result.get(name) for result in rubbing], SHOWN if name.startswith("other") else 0.0
+            )
+            for name in rubbing[0]
+        },
     )
     kept["other_versions"] = tuple(_other_version(case, *version, tried) for version in case.others)
     return replace(row, **kept, error={rule: pair for rule, pair in errors.items() if None not in pair})
@@ -224,18 +230,10 @@ def _friction(
     force, law = case.force(first, second, speed), case.friction
     if law.coefficient == 0.0 or isinstance(force, AdhesiveForce):
         return {}
-    contacts = {
-        when: friction.contact_of(terms, force, (first, second), speed)
-        for when, terms in (("", law.terms), *law.others)
-        if terms is not None
-    }
-    results: dict[str, Any] = {
-        f"other {when}": frictional_contact.tangential_restitution(contact, speed, friction.OBLIQUE)[0]
-        for when, contact in contacts.items()
-        if when
-    }
-    if "" in contacts:
-        results |= friction.numbers(contacts[""], force, speed, case.time_step, dimension)
+    results: dict[str, Any] = {f"other {when}": beta(first, second, speed) for when, beta in law.others}
+    if law.terms is not None:
+        contact = friction.contact_of(law.terms, force, (first, second), speed)
+        results |= friction.numbers(contact, force, speed, case.time_step, dimension)
     return results
 
 
@@ -248,14 +246,15 @@ def _other_version(
     )
 
 
-def _agreed(values: Sequence[Any]) -> Any:
+def _agreed(values: Sequence[Any], tolerance: float = 0.0) -> Any:
     """The common value; None if the values differ or one of them is missing or infinite."""
     if isinstance(values[0], str):
         return values[0]
     known = [value for value in values if value is not None and math.isfinite(value)]
     if len(known) < len(values):
         return None
-    close = all(math.isclose(value, known[0], rel_tol=AGREEMENT, abs_tol=1e-12) for value in known)
+    absolute = max(tolerance, 1e-12)
+    close = all(math.isclose(value, known[0], rel_tol=AGREEMENT, abs_tol=absolute) for value in known)
     return known[0] if close else None
 
 

@@ -14,7 +14,7 @@ from ..checking import check as checked
 from ..checking.answer import Question, given_by, judged, stiffness
 from ..checking.contacts import CheckedContact
 from ..checking.expectation import ACCEPTED
-from ..checking.friction import but_for_steps, words
+from ..checking.friction_words import but_for_steps, words
 from ..checking.result import Finding, Verdict
 from ..column import files
 from ..contact.balls import Ball

@@ -261,9 +261,10 @@ class Contact:
 
         Notes
         -----
-        tan γ = μ (m_n/m_t)(2 − 1/ρ) for undamped linear contacts with ρ = m_n k_t/(m_t k_n) ≥ 1. For ρ < 1 the
-        surfaces stick at most until the largest compression, and this angle is :meth:`Contact.sticks_below`; without
-        any sticking they slip from tan γ = μ k_n/k_t on.
+        tan γ = μ (m_n/m_t)(2 − 1/ρ) for undamped linear contacts with ρ = m_n k_t/(m_t k_n) ≥ 1: Maw, Barber & Fawcett,
+        Wear 38, 101 (1976). For ρ < 1 this angle is :meth:`Contact.sticks_below`: the surfaces stick at most until the
+        largest compression, and not at all beyond tan γ = μ k_n/k_t. Sticking with a normal force below 1 % of its
+        largest value does not count.
         """
         return frictional_contact.borders(self._rubbing(), _impact_speed(speed)).slides_beyond
 
@@ -293,7 +294,8 @@ class Contact:
         Notes
         -----
         Rule: Walton, in Particulate Two-Phase Flow (1993), p. 884. The mean of (1 + β) g_t² is that over
-        tan γ = √((m_n/m_t) u/(1 − u)) with the weight 2u for spheres, 3√u/2 for disks.
+        tan γ = √((m_n/m_t) u/(1 − u)) with the weight 2u for spheres, 3√u/2 for disks. Where damping exceeds Coulomb's
+        limit (``limit="spring"``), the sliding impulse is that of the contact in place of μ(1 + ε).
 
         Examples
         --------

@@ -82,6 +82,7 @@ class ContactSettings:
     tangential: Tangential | None = None  #: the tangential force; None without one, or if it is not known
     #: The tangential force in versions of the code that have another one, with these versions in words.
     other_tangential: tuple[tuple[str, Tangential], ...] = ()
+    differs: str = ""  #: how it differs in these versions, in words
     motion: Motion | None = None  #: of the wall, or of the grains that do not follow forces; None at rest
 
 

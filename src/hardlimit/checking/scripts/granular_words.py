@@ -9,6 +9,7 @@ from typing import Final
 
 from ...convert.tangential import lammps as tangential_models
 from .description import Direction
+from .formulas import NUMBER
 from .statements import Statement, refusal, refused
 
 # --- LAMMPS ---------------------------------------------------------------------------------------------------
@@ -77,6 +78,8 @@ def gran(statement: Statement, words: Sequence[str], wall: bool = False) -> Word
         raise refused(statement, f"be {', '.join(GRAN)} with six numbers")
     name = "gran/hertz" if words[0] == "hertz/history" else "gran/hooke"
     settings: dict[str, tuple[str, ...]] = {"normal": (name, words[1], words[3])}
+    if NUMBER.fullmatch(words[6]) and float(words[6]) not in (0.0, 1.0):
+        raise refusal(statement.line, words[6], "be 0 or 1 for dampflag", statement.file)
     if is_zero(words[6]):
         settings["dampflag"] = ("0",)
     rest = words[7:]
@@ -95,7 +98,6 @@ def gran(statement: Statement, words: Sequence[str], wall: bool = False) -> Word
     tangent = ["0" if words[0] == "hooke" else words[2], *list(numbers.values())[1:]]
     if tangent[1] == "NULL":
         tangent[1] = words[3]
-    numbers = {name: numbers[name] for name in numbers if words[0] != "hooke" or name == "damping"}
     return Words(
         settings,
         beside,

@@ -178,7 +178,7 @@ class Lammps(State):
                 parsed = self.wall(fix)
                 if parsed is not None:
                     words = self.words_of(fix)
-                    force, others = self.at_wall(words, parsed)
+                    force = self.at_wall(words, parsed)
                     shape, *ends = words.rest
                     friction = self.coefficient(words.friction)
                     pushes = granular_words.pushes(shape, *(end != "NULL" for end in ends[: WALLS[shape]]))
@@ -188,7 +188,7 @@ class Lammps(State):
                         contact = self.wall_contact(
                             kind, name, parsed, quotes=quotes, pushes=pushes, friction=friction, motion=moves
                         )
-                        yield replace(contact, tangential=force, other_tangential=others)
+                        yield with_force(contact, force)
         for kind in kinds if self.part and self.alone else ():
             for model in self.pairs.get((kind, kind), [])[-1:]:
                 friction = self.coefficient(model.words.friction)
@@ -201,16 +201,19 @@ class Lammps(State):
                     friction=friction,
                     motion=None,
                 )
-                force, others = self.at_wall(model.words, model.settings)
-                yield replace(contact, tangential=force, other_tangential=others)
+                yield with_force(contact, self.at_wall(model.words, model.settings))
 
-    def at_wall(
-        self, words: Words, known: Settings
-    ) -> tuple[Tangential | None, tuple[tuple[str, Tangential], ...]]:
+    def at_wall(self, words: Words, known: Settings) -> lammps_friction.Versions:
         """The tangential force of a wall in this version, and in others."""
         if self.version is not None and lammps_friction.divides_by_zero(known, self.version):
-            return None, ()
-        return lammps_friction.in_versions(self.tangential(words), True, self.version)
+            return lammps_friction.Versions(None)
+        return self.in_versions(self.tangential(words), words, wall=True)
+
+    def in_versions(
+        self, force: Tangential | None, words: Words, wall: bool = False
+    ) -> lammps_friction.Versions:
+        """A tangential force in this version, and in others."""
+        return lammps_friction.in_versions(force, words, wall, self.version, self.coefficient)
 
     def between(self, i: int, j: int) -> ContactSettings | None:
         """Settings of two types: those given, those of a gran/… style, or the mixed ones."""
@@ -238,45 +241,27 @@ class Lammps(State):
         force = lammps_friction.mixed(forces, [entry.settings for entry in alone], mixture)
         if any(each is not None and each.numbers.get("stiffness", 0.0) is None for each in forces):
             mixture[lammps_friction.MIXED] = replace(mixture["normal"], words=())
-        force, others = lammps_friction.in_versions(force, False, self.version)
         since = mixed_since(alone[0].settings)
-        return ContactSettings(
-            types,
-            None,
-            mixture,
-            quotes,
-            since=since,
-            friction=friction,
-            tangential=force,
-            other_tangential=others,
-        )
+        contact = ContactSettings(types, None, mixture, quotes, since=since, friction=friction)
+        return with_force(contact, self.in_versions(force, alone[0].words))
 
     def of_pair(self, types: tuple[str, str], entry: Coefficients) -> ContactSettings:
         """Settings of two types for which coefficients are given."""
         friction = self.coefficient(entry.words.friction)
-        force, others = lammps_friction.in_versions(self.tangential(entry.words), False, self.version)
-        return ContactSettings(
-            types,
-            None,
-            entry.settings,
-            (entry.quote,),
-            friction=friction,
-            tangential=force,
-            other_tangential=others,
-        )
+        contact = ContactSettings(types, None, entry.settings, (entry.quote,), friction=friction)
+        return with_force(contact, self.in_versions(self.tangential(entry.words), entry.words))
 
     def note_friction(self, contacts: Sequence[ContactSettings]) -> None:
         """Note what the friction of the contacts really does, errors of a version first."""
         grains = {str(kind): self.grains(kind) for kind in self.present()}
-        said = [(contact, lammps_friction.error_of_version(contact, self.version)) for contact in contacts]
+        said = [(contact, contact.differs) for contact in contacts if contact.differs]
         said += [
             (contact, what)
             for contact in contacts
             for what in lammps_friction.remarks(contact, self.version, grains, self.dimension)
         ]
         for contact, what in said:
-            if what is not None:
-                self.warn(what, contact)
+            self.warn(what, contact)
 
     def inertia_factor(self, kind: int) -> float:
         """As for all codes; the fixes that integrate spins take grains as disks if they have the word ``disc``."""
@@ -391,6 +376,15 @@ class Lammps(State):
         if not numbers or min(numbers) <= 0.0 or not math.isfinite(max(numbers)):
             raise refused(statement, "have positive diameters and densities")
         return min(numbers), max(numbers)
+
+
+def with_force(contact: ContactSettings, force: lammps_friction.Versions) -> ContactSettings:
+    """A contact with its tangential force."""
+    own = force.force
+    friction = own.numbers["coefficient"] if own is not None else contact.friction
+    return replace(
+        contact, friction=friction, tangential=own, other_tangential=force.others, differs=force.what
+    )
 
 
 def sticky(settings: Settings) -> tuple[Settings, str]:

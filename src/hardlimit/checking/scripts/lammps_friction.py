@@ -6,10 +6,11 @@ import math
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Final
+from typing import Final, NamedTuple
 
+from ...contact.friction import DEFAULT_RATIO
 from ...convert.tangential import Tangential
-from ...convert.tangential.lammps import material_stiffness, scaled
+from ...convert.tangential.lammps import DEFAULT_DAMPING, MODELS, material_stiffness, scaled
 from .description import WALL, ContactSettings, Grains, Settings
 from .granular_words import ADHESIVE, Words, is_zero
 from .logs import date
@@ -18,13 +19,6 @@ from .logs import date
 MATERIALS: Final = ("hertz/material", *ADHESIVE)
 #: Models whose spring is multiplied by the contact radius once too often in some versions; gran/… at walls only.
 SCALED: Final = ("gran/hooke/history", "gran/hertz/history", "linear_history_classic", "mindlin_classic")
-#: Versions with this error: from the first to before the next are sure, and none is from the last on. The change is
-#: https://github.com/lammps/lammps/pull/5007.
-ERROR_BEGINS, ERROR_MAY_END, ERROR_ENDED = "2 Aug 2023", "4 Jul 2026", "2 Sep 2026"
-#: The last version before it of which a run is known.
-BEFORE_ERROR: Final = "23 Jun 2022"
-#: The last update of 22 Jul 2025 that was examined.
-EXAMINED_UPDATE: Final = 4
 #: Size ratio beyond which velocities of half a step before matter.
 LARGE_RATIO: Final = 3.0
 
@@ -35,6 +29,9 @@ MIXED: Final = "mixed_modulus"
 #: A setting with a coefficient of friction that has no effect.
 UNUSED: Final = "unused_friction"
 
+#: Names of the numbers of each model.
+NUMBERS: Final = {model.name: tuple(model.numbers) for model in MODELS}
+
 Number = Callable[[str], float | None]
 
 
@@ -42,8 +39,9 @@ def tangential(words: Words, number: Number) -> Tangential | None:
     """The tangential force of a contact; None without one, or if a number of it is not known."""
     if not words.tangential or is_zero(words.friction):
         return None
-    values = {name: None if word == "NULL" else number(word) for name, word in words.numbers.items()}
-    known = all(values[name] is not None or word == "NULL" for name, word in words.numbers.items())
+    given = {name: word for name, word in words.numbers.items() if name in NUMBERS[words.tangential]}
+    values = {name: None if word == "NULL" else number(word) for name, word in given.items()}
+    known = all(values[name] is not None or word == "NULL" for name, word in given.items())
     positive = all(value is None or value >= 0.0 for value in values.values())
     has_coefficient = values["coefficient"] is not None and values.get("static_coefficient", 0.0) is not None
     return Tangential(words.tangential, values) if known and positive and has_coefficient else None
@@ -81,33 +79,141 @@ def mixed(
     return Tangential(first.model, numbers)
 
 
-def has_error(version: str | None) -> bool | None:
-    """Whether a version multiplies springs by the contact radius once too often; None if that is not known."""
-    day = None if version is None else date(version)
-    begins, may_end, ended, before = map(date, (ERROR_BEGINS, ERROR_MAY_END, ERROR_ENDED, BEFORE_ERROR))
-    if version is None or day is None or not (begins and may_end and ended and before):
+# --- versions ---------------------------------------------------------------------------------------------------
+
+#: Versions of which runs are known (tests/data/friction_lammps.csv), and one that changed the walls of ``granular``.
+BEFORE_REWRITE, REWRITTEN, FIRST, SECOND = "23 Jun 2022", "28 Mar 2023", "2 Aug 2023", "29 Aug 2024"
+#: The last update of 22 Jul 2025 that was examined.
+EXAMINED_UPDATE: Final = 4
+
+
+class Difference(NamedTuple):
+    """How a tangential force differs in some versions."""
+
+    since: str  #: the first version of which this is sure
+    before: str  #: the first version of which it is not
+    old: str  #: the last version before ``since`` that is known to be without; empty if none is
+    mended: str  #: the first version that is known to be without
+    what: str  #: it, in words
+    when: str  #: its versions, in words
+    others: str  #: the other versions, in words
+
+    def holds(self, version: str) -> bool | None:
+        """Whether a version has this difference; None if that is not known."""
+        day, since, before, mended = map(_day, (version, self.since, self.before, self.mended))
+        if not day or day >= mended or (self.old and day <= _day(self.old)):
+            return False if day else None
+        update = re.search(r"Update (\d+)", version)
+        examined = update is None or int(update[1]) <= EXAMINED_UPDATE
+        return True if since <= day < before and examined else None
+
+
+def _day(version: str) -> tuple[int, ...]:
+    return date(version) or ()
+
+
+#: https://github.com/lammps/lammps/pull/5007 mended it after the release of 30 Mar 2026.
+SCALED_SPRING: Final = Difference(
+    FIRST,
+    "4 Jul 2026",
+    BEFORE_REWRITE,
+    "2 Sep 2026",
+    "{} of LAMMPS from 2 Aug 2023 until it was mended in 2026 (PR 5007) has k_t times the contact radius in the "
+    "script's unit of length: almost no friction in SI units",
+    "from 2 Aug 2023 to 2026",
+    "since it was mended in 2026",
+)
+LOST_SPRING: Final = SCALED_SPRING._replace(
+    what="{} of LAMMPS from 2 Aug 2023 until it was mended in 2026 (PR 5007) loses its spring at each slip"
+)
+SHIFTED_NUMBERS: Final = Difference(
+    FIRST,
+    "3 Aug 2023",
+    BEFORE_REWRITE,
+    SECOND,
+    "{} of LAMMPS 2 Aug 2023 takes the number k_t for γ_t/γ_n, and γ_t/γ_n for μ",
+    f"in {FIRST}",
+    f"since {SECOND}",
+)
+WALL_MODULUS: Final = Difference(
+    "",
+    REWRITTEN,
+    "",
+    REWRITTEN,
+    f"{{}} NULL of a wall has k_t = E (2 − ν)(1 + ν)/4 in LAMMPS before {REWRITTEN}, and 8 G* since",
+    f"before {REWRITTEN}",
+    f"since {REWRITTEN}",
+)
+
+
+def different(
+    force: Tangential, words: Words, wall: bool, number: Number
+) -> tuple[Difference, Tangential] | None:
+    """How versions of LAMMPS differ in a force, and the force there."""
+    if force.model in SCALED and (wall or not force.model.startswith("gran/")):
+        lost = force.model in ("gran/hertz/history", "mindlin_classic")
+        return LOST_SPRING if lost else SCALED_SPRING, scaled(force)
+    if wall and force.model == "gran/hooke" and (shifted := _shifted(words, number)):
+        return SHIFTED_NUMBERS, shifted
+    name, *normal = words.settings.get("normal", ("",))
+    material = wall and name in MATERIALS and force.model.startswith("mindlin")
+    if material and force.numbers["stiffness"] is None:
+        modulus, ratio = number(normal[0]), number(normal[2])
+        if modulus is not None and ratio is not None:
+            old = 0.25 * modulus * (2.0 - ratio) * (1.0 + ratio)
+            return WALL_MODULUS, Tangential(force.model, {**force.numbers, "stiffness": old})
+    return None
+
+
+def _shifted(words: Words, number: Number) -> Tangential | None:
+    """The numbers of ``fix wall/gran hooke`` in the version that takes each for the next."""
+    normal = [number(word) for word in words.settings["normal"][1:3]]
+    if None in normal or not normal[1]:
         return None
-    if day <= before or day >= ended:
-        return False
-    update = re.search(r"Update (\d+)", version)
-    sure = begins <= day < may_end and (update is None or int(update[1]) <= EXAMINED_UPDATE)
-    return True if sure else None
+    stiffness, damping = (x for x in normal if x is not None)
+    ratio, slip = words.numbers["stiffness"], words.numbers["damping"]
+    taken = DEFAULT_RATIO * stiffness if ratio == "NULL" else number(ratio)
+    coefficient = DEFAULT_DAMPING * damping if slip == "NULL" else number(slip)
+    if taken is None or coefficient is None:
+        return None
+    return Tangential("gran/hooke", {"damping": taken * damping, "coefficient": coefficient / damping})
+
+
+class Versions(NamedTuple):
+    """A tangential force in a version, by default the newest, and in others."""
+
+    force: Tangential | None  #: None without one, or if it is not known
+    others: tuple[tuple[str, Tangential], ...] = ()  #: after their versions in words
+    what: str = ""  #: the difference, in words
 
 
 def in_versions(
-    force: Tangential | None, wall: bool, version: str | None
-) -> tuple[Tangential | None, tuple[tuple[str, Tangential], ...]]:
-    """The force in a version, by default the newest, and that in others."""
-    classic = force is not None and force.model.startswith("gran/")
-    if force is None or force.model not in SCALED or (classic and not wall):
-        return force, ()
-    error = has_error(version)
-    until = f"from {ERROR_BEGINS} until it was mended in 2026"
-    if error:
-        return scaled(force), ((f"since {ERROR_ENDED}", force),)
-    if error is None:
-        return None if version else force, ((until, scaled(force)),)
-    return force, ()
+    force: Tangential | None, words: Words, wall: bool, version: str | None, number: Number
+) -> Versions:
+    """The tangential force of a contact in this version, and in others."""
+    differs = None if force is None else different(force, words, wall, number)
+    if force is None or differs is None:
+        return Versions(force)
+    difference, other = differs
+    holds = None if version is None else difference.holds(version)
+    if holds is False:
+        return Versions(force)
+    where = f"wall/gran {force.model.removeprefix('gran/')}" if wall else f"tangential {force.model}"
+    if force.model.startswith("mindlin"):
+        where = f"tangential {force.model}"
+    text = difference.what.format(where)
+    if holds:
+        return Versions(other, ((difference.others, force),), f"{text}; the log is of {version}")
+    if version is None:
+        return Versions(force, ((difference.when, other),), f"{text}; only a log states the version")
+    both = ((difference.when, other), (difference.others, force))
+    return Versions(None, both, f"{text}; whether {version} does is not known")
+
+
+def divides_by_zero(settings: Settings, version: str | None) -> bool:
+    """Whether a wall gran/… has forces that are not numbers: without normal damping, from 2 Aug 2023 on."""
+    old = version is not None and () < _day(version) <= _day(BEFORE_REWRITE)
+    return settings["normal"].words[0].startswith("gran/") and undamped(settings) and not old
 
 
 # --- what it really does ----------------------------------------------------------------------------------------
@@ -128,9 +234,7 @@ ATTRACTIVE: Final = (
     "without limit_damping, the normal force attracts at the end, and μ |F_n| limits friction there as well"
 )
 ELASTIC_LIMIT: Final = "{}: μ times the elastic force limits friction, without damping; its β is not known"
-NOT_A_NUMBER: Final = (
-    f"γ_n is 0: since {ERROR_BEGINS}, LAMMPS divides by it at this wall, and grains vanish (NaN)"
-)
+NOT_A_NUMBER: Final = f"γ_n is 0: since {FIRST}, LAMMPS divides by it at this wall, and grains vanish (NaN)"
 SAME_MATERIAL: Final = "the wall has the material of its line on both sides: as a large grain, not rigid"
 MIXED_SPRING: Final = (
     "k_t NULL of two types that are mixed: LAMMPS takes E* for E, so that k_t is 1/(2 (1 − ν²)) of Mindlin's"
@@ -158,31 +262,6 @@ def undamped(settings: Settings) -> bool:
         return False
 
 
-def error_of_version(contact: ContactSettings, version: str | None) -> str | None:
-    """The error that multiplies the spring by the contact radius, in words; None without it."""
-    if not contact.other_tangential:
-        return None
-    force = contact.other_tangential[0][1]
-    model = force.model.removeprefix("scaled ")
-    where = f"wall/gran {model.removeprefix('gran/')}" if contact.wall else f"tangential {model}"
-    what = (
-        "loses its spring at each slip"
-        if model in ("gran/hertz/history", "mindlin_classic")
-        else "has k_t times the contact radius in the script's unit of length: almost no friction in SI units"
-    )
-    text = f"{where} of LAMMPS from {ERROR_BEGINS} until it was mended in 2026 (PR 5007) {what}"
-    if version is None:
-        return f"{text}; only a log states the version"
-    return f"{text}; {version} {'is' if has_error(version) else 'may be'} one of them"
-
-
-def divides_by_zero(settings: Settings, version: str | None) -> bool:
-    """Whether a wall gran/… has forces that are not numbers: without normal damping, from 2 Aug 2023 on."""
-    day, last = None if version is None else date(version), date(BEFORE_ERROR)
-    old = day is not None and last is not None and day <= last
-    return settings["normal"].words[0].startswith("gran/") and undamped(settings) and not old
-
-
 def remarks(
     contact: ContactSettings, version: str | None, grains: Mapping[str, Grains], dimension: int
 ) -> Iterator[str]:
@@ -200,8 +279,6 @@ def remarks(
 def _of_model(contact: ContactSettings) -> Iterator[str]:
     force, settings, name = contact.tangential, contact.settings, contact.settings["normal"].words[0]
     smooth = undamped(settings)
-    if force is None and contact.other_tangential:
-        force = contact.other_tangential[0][1]
     if force is not None:
         yield from _of_numbers(force, settings, smooth)
     if MIXED in settings:

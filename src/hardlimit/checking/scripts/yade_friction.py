@@ -178,6 +178,10 @@ def of_viscoelastic(script: Yade, contact: Contact) -> dict[str, float | None] |
     return numbers
 
 
+#: What β leaves out.
+WITHOUT: Final = "β is without it"
+
+
 # --- what a reader of the script does not expect ------------------------------------------------------------------
 
 
@@ -257,13 +261,13 @@ def of_bending(script: Yade, contact: Contact) -> Iterator[str]:
     eta = attributes.get("eta", 0.0)
     limit = "not limited"
     if isinstance(eta, int | float) and eta > 0.0:
-        limit = f"rolling limited to {eta:g} times the mean radius times the normal impulse"
+        limit = f"that against rolling limited to {eta:g} R J_n"
     impulse = "an angular impulse of up to k ω t_c²/2 per collision"
-    yield f"springs against rolling and twisting ({shown}): {impulse}, {limit}"
+    yield f"springs against rolling and twisting ({shown}): {impulse}, {limit}; {WITHOUT}"
 
 
 def of_drag(script: Yade, contact: Contact) -> Iterator[str]:
-    """``mR`` of ViscElPhys, which multiplies a relative spin that YADE does not normalize."""
+    """``mR`` of ViscElPhys, which multiplies the relative spin, not its direction as it was meant."""
     try:
         resistance = script.in_series("mR", contact.pair)
     except ValueError:
@@ -271,10 +275,10 @@ def of_drag(script: Yade, contact: Contact) -> Iterator[str]:
         return
     if resistance > 0.0:
         factor = " |R₁ω₁ + R₂ω₂|" if contact.pair[0].attributes.get("mRtype", 1) == 2 else ""
-        yield (
-            f"resistance against rolling and twisting (mR = {resistance:g}): an angular impulse of mR{factor} times the"
-            " relative spin times the normal impulse per collision, not limited to what stops it"
+        impulse = (
+            f"an angular impulse of up to mR{factor} ω J_n per collision, with the relative spin ω itself"
         )
+        yield f"resistance against rolling and twisting (mR = {resistance:g}): {impulse}; {WITHOUT}"
 
 
 def of_moments(script: Yade, contact: Contact) -> Iterator[str]:
@@ -293,11 +297,9 @@ def of_moments(script: Yade, contact: Contact) -> Iterator[str]:
     limits = numbers["etaRoll"]
     limit = "not limited"
     if all(isinstance(value, int | float) and value >= 0.0 for value in limits):
-        limit = "limited to etaRoll times the radius times the normal impulse"
-    yield (
-        f"springs against rolling and twisting ({shown}): an angular impulse of up to alphaKr ks R₁R₂ ω t_c²/2 per"
-        f" collision, {limit}"
-    )
+        limit = "limited to etaRoll R J_n"
+    impulse = "an angular impulse of up to alphaKr ks R₁R₂ ω t_c²/2 per collision"
+    yield f"springs against rolling and twisting ({shown}): {impulse}, {limit}; {WITHOUT}"
 
 
 def listed(values: list[Any]) -> str:

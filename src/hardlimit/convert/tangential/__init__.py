@@ -41,6 +41,10 @@ class TangentialModel:
     name: str  #: as in the code's input
     numbers: Mapping[str, tuple[float, float, float]]  #: powers of mass, length and time in each of its units
     terms: Callable[[Mapping[str, float | None], NormalContact], FrictionTerms]  #: of one contact
+    #: β where the terms do not say all; from its numbers, contact, m_t, impact speed and slip velocity.
+    restitution: Callable[[Mapping[str, float | None], NormalContact, float, float, float], float] | None = (
+        None
+    )
 
 
 @cache

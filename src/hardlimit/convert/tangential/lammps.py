@@ -114,8 +114,50 @@ def _scaled(given: Given, contact: NormalContact, right: Terms) -> FrictionTerms
     )
 
 
+def _worn(
+    given: Given,
+    contact: NormalContact,
+    tangential_mass: float,
+    speed: float,
+    tangential_speed: float,
+    terms: Terms,
+) -> float:
+    """β of a spring that loses most of its force at every slip, by small steps."""
+    numbers, length_unit = terms(given, contact), given["length_unit"]
+    assert length_unit is not None
+    force, radius = contact.force, contact.written.pair.radius
+    step = force.collision(speed).duration / STEPS
+    p, q = 0.25 * force.powers.elastic, 0.25 * force.powers.damping
+    k, c = 0.25 * numbers.stiffness_power, 0.25 * numbers.damping_power
+    x, v, g, spring = 0.0, speed, tangential_speed, 0.0
+    for _ in range(2 * STEPS):
+        before, middle = x, v
+        for _ in range(2):  # implicit midpoint rule: fixed point
+            half = max(0.5 * (before + x), 0.0)
+            normal = force.stiffness * half**p + force.damping * half**q * middle
+            x = before + step * middle
+            middle = v - 0.5 * step * normal / force.effective_mass
+        v = 2.0 * middle - v
+        if x <= 0.0 or (normal <= 0.0 and not force.powers.attracts):
+            break
+        spring = spring * math.sqrt(x / before) if before > 0.0 else 0.0
+        spring += numbers.stiffness * x**k * g * step
+        damping, limit = numbers.damping * x**c * g, numbers.coefficient * abs(normal)
+        total = spring + damping
+        if abs(total) > limit:
+            total = math.copysign(limit, total)
+            spring = (total - damping) * math.sqrt(radius * x) / length_unit
+        g -= total / tangential_mass * step
+    return -g / tangential_speed
+
+
 def _model(name: str, terms: Terms, **numbers: tuple[float, float, float]) -> TangentialModel:
     return TangentialModel(name, {**numbers, "coefficient": NUMBER}, terms)
+
+
+def _of(models: tuple[TangentialModel, ...], name: str) -> TangentialModel:
+    """The model of a name."""
+    return next(model for model in models if model.name == name)
 
 
 _HISTORIES: Final = ("mindlin", "mindlin_force", "mindlin_rescale", "mindlin_rescale_force")
@@ -152,26 +194,20 @@ GRANULAR: Final = (
 )
 #: Models with an error of the versions from 2 Aug 2023 until it was mended in 2026: the spring is multiplied by the
 #: contact radius, a number in the script's unit of length, once too often: a linear spring always, and each of them
-#: after every slip, where T becomes T a. The terms do not say the latter: see ``worn_restitution``.
-SCALED: Final = (
-    _model(
-        "scaled gran/hooke/history",
-        partial(_scaled, right=_HOOKE),
-        stiffness=STIFFNESS,
-        damping=RATE,
-        length_unit=LENGTH,
-    ),
-    _model(
-        "scaled gran/hertz/history", _HERTZ, stiffness=MODULUS, damping=RATE_BY_LENGTH, length_unit=LENGTH
-    ),
-    _model(
-        "scaled linear_history_classic",
-        partial(_scaled, right=_LINEAR),
-        stiffness=STIFFNESS,
-        **_RATIO,
-        length_unit=LENGTH,
-    ),
-    _model("scaled mindlin_classic", _MINDLIN, stiffness=MODULUS, **_RATIO, length_unit=LENGTH),
+#: after every slip, where T becomes T a. The terms do not say the latter; ``restitution`` does.
+SCALED: Final = tuple(
+    TangentialModel(
+        f"scaled {model.name}",
+        {**model.numbers, "length_unit": LENGTH},
+        terms,
+        partial(_worn, terms=terms),
+    )
+    for model, terms in (
+        (_of(GRAN, "gran/hooke/history"), partial(_scaled, right=_HOOKE)),
+        (_of(GRAN, "gran/hertz/history"), _HERTZ),
+        (_of(GRANULAR, "linear_history_classic"), partial(_scaled, right=_LINEAR)),
+        (_of(GRANULAR, "mindlin_classic"), _MINDLIN),
+    )
 )
 MODELS: Final = (*GRAN, *GRANULAR, *SCALED)
 
@@ -179,38 +215,3 @@ MODELS: Final = (*GRAN, *GRANULAR, *SCALED)
 def scaled(tangential: Tangential) -> Tangential:
     """A model as it was in the versions with the error; the numbers are in the script's units."""
     return Tangential(f"scaled {tangential.model}", {**tangential.numbers, "length_unit": 1.0})
-
-
-def worn_restitution(
-    contact: NormalContact,
-    terms: FrictionTerms,
-    length_unit: float,
-    tangential_mass: float,
-    speed: float,
-    tangential_speed: float,
-) -> float:
-    """β of a model in ``SCALED``, whose spring loses most of its force at every slip, by small steps."""
-    force, radius = contact.force, contact.written.pair.radius
-    step = force.collision(speed).duration / STEPS
-    p, q = 0.25 * force.powers.elastic, 0.25 * force.powers.damping
-    k, c = 0.25 * terms.stiffness_power, 0.25 * terms.damping_power
-    x, v, g, spring = 0.0, speed, tangential_speed, 0.0
-    for _ in range(2 * STEPS):
-        before, middle = x, v
-        for _ in range(2):  # implicit midpoint rule: fixed point
-            half = max(0.5 * (before + x), 0.0)
-            normal = force.stiffness * half**p + force.damping * half**q * middle
-            x = before + step * middle
-            middle = v - 0.5 * step * normal / force.effective_mass
-        v = 2.0 * middle - v
-        if x <= 0.0 or (normal <= 0.0 and not force.powers.attracts):
-            break
-        spring = spring * math.sqrt(x / before) if before > 0.0 else 0.0
-        spring += terms.stiffness * x**k * g * step
-        damping, limit = terms.damping * x**c * g, terms.coefficient * abs(normal)
-        total = spring + damping
-        if abs(total) > limit:
-            total = math.copysign(limit, total)
-            spring = (total - damping) * math.sqrt(radius * x) / length_unit
-        g -= total / tangential_mass * step
-    return -g / tangential_speed
