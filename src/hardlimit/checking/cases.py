@@ -20,7 +20,7 @@ from ..contact.frictional_contact import tangential_restitution
 from ..convert.codes import Code, Model, Pair, Written, code
 from ..convert.force import AdhesiveForce, ContactArea, Force
 from ..convert.formulas import DEFAULT_POISSON_RATIO, Numbers
-from ..convert.tangential import NormalContact, Tangential, models_of
+from ..convert.tangential import NormalContact, Tangential, TangentialModel, models_of
 from ..convert.wanted import LAWS
 from ..support.formatting import digits, listed, quantity
 from ..support.units import SYSTEMS

@@ -9,7 +9,7 @@ from typing import Any
 import click
 
 from ..checking import convert_back
-from ..checking.friction import words
+from ..checking.friction_words import words
 from ..checking.reading_back import Obtained
 from ..checking.scripts import CODES
 from ..column.files import prefixed
