@@ -128,10 +128,10 @@ def contact(
     default = {*SPEEDS, pair.law.parameters.get("impact_speed", 1.0)} if depends_on_speed(pair) else {1.0}
     v = np.array(given_speeds or sorted(default))
     usual = usual_formula(pair)
-    if path and gamma is None:
-        draw(pair, path, dpi)
-    elif path:
+    if path and gamma is not None:
         draw_friction(pair, gamma, v, path, dpi)
+    elif path:
+        draw(pair, path, dpi)
     depth = pair.compression(v) / min(ball.radius, partner.radius)
     frictions = (
         []

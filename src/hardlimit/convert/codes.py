@@ -137,8 +137,7 @@ class Model:
     mass: Mass = Mass()  #: in the formulas, if it is not the effective mass
     note: str = ""  #: remark on the model
     checked: Literal["", "source"] = ""  #: if it was checked less thoroughly than its code
-    #: Names of ways to give it friction; the first that has a wanted tangential restitution is taken.
-    friction: list[str] = field(default_factory=list)
+    friction: list[str] = field(default_factory=list)  #: ways to give it friction, by preference
     difference: list[Difference] = field(default_factory=list)  #: in other versions of the code
 
     def unit(self, name: str) -> tuple[float, float, float]:

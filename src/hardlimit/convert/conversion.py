@@ -37,9 +37,7 @@ class ContactNumbers:
     force: float  #: largest [N]
     time_step: float  #: [s], with the error ``restitution_error`` of ε; NaN if the bodies stay together
     restitution_error: float  #: error of ε by the time step
-    #: k_t over the stiffness of the normal force with which a gas has the wanted β0; None for smooth grains, NaN if no
-    #: spring has it
-    stiffness_ratio: float | None = None
+    stiffness_ratio: float | None = None  #: k_t/k_n for β0, NaN if none has it; None for smooth grains
 
 
 @dataclass(frozen=True)
