@@ -264,7 +264,7 @@ def _effective(own: FrictionalContact, dimension: int) -> float:
         return math.nan
     kappa = 1.0 / own.tangential_mass
     u, weights = _shares(own, dimension)
-    tangents = np.sqrt(kappa * u / (1.0 - u))
+    tangents = np.sqrt(kappa * u / np.maximum(1.0 - u, np.finfo(float).eps))
     grazing = GRAZING * max(mu, 1.0)
     *beta, last = _restitution(own, 1.0, np.append(tangents, grazing)).tolist()
     if mu == math.inf:

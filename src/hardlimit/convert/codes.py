@@ -70,22 +70,21 @@ class Extra:
 
 @dataclass(frozen=True)
 class TangentialInput:
-    """How a contact of a code gets friction: a tangential model, its numbers, and what changes in the input."""
+    """How a contact of a code gets friction; returned by :func:`hardlimit.convert`.
 
-    name: str  #: in this file
-    model: str  #: name in ``MODELS`` of the code's module in ``tangential``
-    #: Texts of the smooth input, and what stands in their place with friction. {friction} is μ, {friction_angle} its
-    #: angle [rad]; other numbers of the tangential model begin with ``tangential_``.
-    words: dict[str, str]
-    #: Number that sets the tangential restitution: "stiffness" or another one of the model, or "poisson_ratio" of the
-    #: normal model at constant Y/(1 − ν²); empty if there is none.
-    free: str = ""
-    lowest: float = 0.0  #: of this number, unless it is a stiffness
-    highest: float = 0.0
-    numbers: dict[str, float] = field(
-        default_factory=dict
-    )  #: the other ones, without those that stay the code's default
-    usual: bool = False  #: whether this is what the code does unless it is told otherwise
+    In ``words``, {friction} is μ, {friction_angle} its angle [rad], and other numbers of the tangential model begin with
+    ``tangential_``. The number ``free`` sets the tangential restitution. It is in proportion to k_t, unless it has a
+    range, or is Poisson's ratio ν of the normal model, whose Y/(1 − ν²) stays.
+    """
+
+    name: str  #: in the file of the code
+    model: str  #: tangential model, as in ``tangential/NAME.py``
+    words: dict[str, str]  #: texts of the smooth input, and what stands in their place
+    free: str = ""  #: name of the number that sets β0; empty if there is none
+    lowest: float = 0.0  #: of this number
+    highest: float = 0.0  #: of this number
+    numbers: dict[str, float] = field(default_factory=dict)  #: others, if they are not the code's defaults
+    usual: bool = False  #: whether the code does this unless it is told otherwise
 
 
 @dataclass(frozen=True)
@@ -137,8 +136,7 @@ class Model:
     mass: Mass = Mass()  #: in the formulas, if it is not the effective mass
     note: str = ""  #: remark on the model
     checked: Literal["", "source"] = ""  #: if it was checked less thoroughly than its code
-    #: Names of ways to give it friction; the first that has a wanted tangential restitution is taken.
-    friction: list[str] = field(default_factory=list)
+    friction: list[str] = field(default_factory=list)  #: ways to give it friction, by preference
     difference: list[Difference] = field(default_factory=list)  #: in other versions of the code
 
     def unit(self, name: str) -> tuple[float, float, float]:

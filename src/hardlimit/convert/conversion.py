@@ -16,7 +16,7 @@ from . import texts
 from .codes import Code, Model, Pair, TangentialInput, Written, code, names
 from .force import Force
 from .formulas import Numbers
-from .friction import FrictionNumbers, FrictionOfModel, friction_of_model, stiffness_ratio
+from .friction import FrictionNumbers, FrictionOfModel, Walton, friction_of_model, stiffness_ratio
 from .wanted import LAWS, Wanted
 
 #: Largest number of sizes.
@@ -37,9 +37,7 @@ class ContactNumbers:
     force: float  #: largest [N]
     time_step: float  #: [s], with the error ``restitution_error`` of ε; NaN if the bodies stay together
     restitution_error: float  #: error of ε by the time step
-    #: k_t over the stiffness of the normal force with which a gas has the wanted β0; None for smooth grains, NaN if no
-    #: spring has it
-    stiffness_ratio: float | None = None
+    stiffness_ratio: float | None = None  #: k_t/k_n for β0, NaN if none has it; None for smooth grains
 
 
 @dataclass(frozen=True)
@@ -298,7 +296,10 @@ def _text(
         return ""
     way = None if friction is None else friction.way
     if wanted.walton is not None and way is None:
-        return texts.comment(source, f"{source.title} {model.name}: {refused_friction(rows[0][1])}")
+        return texts.comment(
+            source,
+            f"{source.title} {model.name}: {refused_friction([row for _, row in rows], wanted.walton)}",
+        )
     step = min(row.time_step for _, row in rows)
     contacts = [(pair, {**(row.numbers or {}), **placeholders(row.friction, wanted)}) for pair, row in rows]
     return texts.written(source, model, contacts, attraction, step, way)
@@ -313,15 +314,18 @@ def placeholders(friction: FrictionNumbers | None, wanted: Wanted) -> Numbers:
     return {**named, "friction": mu, "friction_angle": math.atan(mu)}
 
 
-def refused_friction(row: ModelNumbers) -> str:
-    """Why a contact has no input with friction."""
-    if row.friction is None:
+def refused_friction(rows: Sequence[ModelNumbers], walton: Walton) -> str:
+    """Why contacts have no input with friction."""
+    if any(row.friction is None for row in rows):
         return "how this code computes friction is not known here"
-    ranges = listed(
-        [f"{low:.4g}" if low == high else f"{low:.4g} to {high:.4g}" for low, high in row.friction.reachable],
-        "or",
-    )
-    return f"no numbers give this tangential restitution, which is {ranges} with this friction"
+    possible = [(row.pair, row.friction.reachable) for row in rows if row.friction is not None]
+    beta = walton.tangential_restitution
+    outside = [pair for pair in possible if not any(low <= beta <= high for low, high in pair[1])]
+    name, ranges = (outside or possible)[0]
+    texts_of = [f"{low:.4g}" if low == high else f"{low:.4g} to {high:.4g}" for low, high in ranges]
+    if not ranges:
+        return f"no tangential restitution stands for the friction of {name} in a gas"
+    return f"no numbers give {name} a tangential restitution of {beta:g}, only {listed(texts_of, 'or')}"
 
 
 def _row(written: Written, stiffness: float, wanted: Wanted, stepping: Stepping) -> ModelNumbers:

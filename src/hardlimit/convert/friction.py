@@ -69,7 +69,7 @@ def restitution_of(force: Force, terms: FrictionTerms, speed: float) -> float:
 
 # --- one unknown --------------------------------------------------------------------------------------------
 
-#: β0 of a number.
+#: β0 of a number; NaN where no β0 stands for it.
 Curve = Callable[[float], float]
 
 
@@ -77,7 +77,7 @@ class Solution(NamedTuple):
     """The value of a free number."""
 
     value: float | None  #: None if no value has the wanted β0
-    lowest: float  #: smallest and largest β0 that it can give
+    lowest: float  #: smallest and largest β0 that it can give; NaN if there is none
     highest: float
 
 
@@ -87,11 +87,15 @@ def solve_ratio(curve: Curve, wanted: float) -> Solution:
     β0 is −1 without a spring, largest near ρ = 1, and smaller again up to ρ = 4. Of two solutions it is the stiffer
     one, with which sticking contacts turn back; the softer one, if β0 is smaller than at ρ = 4.
     """
+
+    def height(ratio: float) -> float:
+        return -math.inf if math.isnan(value := curve(ratio)) else value
+
     grid = np.geomspace(0.25, STIFFEST, 9).tolist()
-    peak = max(range(len(grid)), key=lambda k: curve(grid[k]))
+    peak = max(range(len(grid)), key=lambda k: height(grid[k]))
     around = grid[max(peak - 1, 0)], grid[min(peak + 1, len(grid) - 1)]
-    best = scipy.optimize.minimize_scalar(lambda x: -curve(x), bounds=around, options={"xatol": 1e-4})
-    top = max(float(best.x), grid[peak], key=curve)
+    best = scipy.optimize.minimize_scalar(lambda x: -height(x), bounds=around, options={"xatol": 1e-4})
+    top = max(float(best.x), grid[peak], key=height)
     value = _crossing(curve, wanted, [top, *(x for x in grid if x > top)])
     if value is None:
         value = _crossing(curve, wanted, [top, *np.geomspace(top, SOFTEST, 13)[1:].tolist()])
@@ -101,8 +105,9 @@ def solve_ratio(curve: Curve, wanted: float) -> Solution:
 def solve_range(curve: Curve, wanted: float, lowest: float, highest: float) -> Solution:
     """The value within a range."""
     grid = np.linspace(lowest, highest, 9).tolist()
-    values = list(map(curve, grid))
-    return Solution(_crossing(curve, wanted, grid), min(values), max(values))
+    values = [value for x in grid if not math.isnan(value := curve(x))]
+    ends = (min(values), max(values)) if values else (math.nan, math.nan)
+    return Solution(_crossing(curve, wanted, grid), *ends)
 
 
 def _crossing(curve: Curve, wanted: float, grid: list[float]) -> float | None:
@@ -240,7 +245,7 @@ def _row(
     solutions: Sequence[Solution], chosen: tuple[FrictionWay, float | None] | None, usual: FrictionWay | None
 ) -> tuple[Numbers | None, FrictionNumbers]:
     """The numbers of one contact in the normal model, and those of its friction."""
-    reachable = merged(sorted((s.lowest, s.highest) for s in solutions))
+    reachable = merged(sorted((s.lowest, s.highest) for s in solutions if not math.isnan(s.highest)))
     usually = math.nan
     if usual is not None:
         with contextlib.suppress(ValueError):  # the code has no default for this normal model
