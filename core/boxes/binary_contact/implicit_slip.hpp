@@ -1,8 +1,8 @@
-// One step of slipping surfaces whose direction of slip relaxes quickly: near F_n = 0, or where the slip is fast, its rate
-// h/(μ F_n) would bound the steps of an explicit method. Radau IIA of order 9 (base/radau.hpp), of which only the equation
-// of the direction z is implicit:
+// One step of slipping surfaces whose direction of slip relaxes quickly: near F_n = 0, or where the slip is fast, its
+// rate h/(μ F_n) would bound the steps of an explicit method. Radau IIA of order 9 (base/radau.hpp), of which only the
+// equation of the direction z is implicit:
 //   μ F_n dz/dτ = (1 + z²) h_⊥(z)/2,
-// which becomes algebraic where F_n = 0. Newton's method solves it at the five nodes; all other components depend on z
+// which becomes algebraic where F_n = 0. Newton's method solves it at the five nodes. All other components depend on z
 // only weakly and follow by iteration.
 #pragma once
 #include "../../base/radau.hpp"

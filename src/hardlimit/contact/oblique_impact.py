@@ -63,7 +63,7 @@ class ObliqueImpact:
     ω: the surface of a ball moves at v + ω × (point − centre). A wall keeps its velocity and has no spin.
     """
 
-    contact: Contact
+    contact: Contact  #: ball, other body and law
     initial_velocities: Floats  #: (2, 3) [m/s]
     initial_spins: Floats  #: (2, 3) [rad/s]
     initial_normal: Floats  #: unit vector from the ball to the other body at touch
@@ -131,6 +131,10 @@ class ObliqueImpact:
         """β: slip velocity at the end along −g/|g|, turned with the normal, over |g|, g that at touch; NaN if g = 0.
 
         The part of the slip velocity perpendicular to g is not in β.
+
+        Notes
+        -----
+        Foerster et al., Phys. Fluids 6, 1108 (1994), for a fixed normal.
         """
         g = self.initial_slip_velocity
         square = float(g @ g)
@@ -316,9 +320,8 @@ def oblique_impact(
     ...     stiffness=1e4, restitution=0.9, friction=hl.Friction(0.5)
     ... )
     >>> ball = hl.Ball(0.01, density=2500.0)
-    >>> impact = hl.oblique_impact(ball, ball, law, velocity=(1.0, 0.0, -1.0))
-    >>> f"{math.degrees(impact.turn):.1f}°", round(impact.restitution, 3)
-    ('4.7°', 0.879)
+    >>> hl.oblique_impact(ball, ball, law, velocity=(1.0, 0.0, -1.0))
+    <ObliqueImpact: ε = 0.879438, β = 1.02969, turn 4.738°, stick–slip>
     """
     contact = _checked_contact(ball, other, law)
     moves = np.array([_vector("velocity", velocity), _vector("other_velocity", other_velocity)])
