@@ -192,7 +192,8 @@ def test_energy_without_slip_and_damping(seed: int) -> None:
     path = impact.trajectory([impact.duration])
     force = np.linalg.norm(path["tangential_force"].values)
     left = 0.5 * force**2 / contact.friction_terms.stiffness
-    assert impact.energies["friction"] == pytest.approx(left, abs=1e-13 * impact.initial_energy)
+    assert impact.energies["tangential_spring"] == pytest.approx(left, abs=1e-13 * impact.initial_energy)
+    assert abs(impact.energies["slip"]) < 1e-13 * impact.initial_energy
     assert impact.energies["normal_damping"] == 0.0 and impact.transitions == 0
 
 

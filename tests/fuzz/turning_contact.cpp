@@ -62,8 +62,9 @@ void check_balances(const TurningApproach& a, const TurningContact& end) {
         return 0.5 * m * dot(v, v) + 0.5 * inertia * dot(w, w);
     };
     const double before = energy(a.velocity, a.spin), after = energy(end.velocity, end.spin);
-    const double taken = end.normal_loss + end.stored + end.tangential_work;
-    const double scale = before + math::abs(end.tangential_work) + end.normal_loss;
+    const double taken =
+        end.normal_spring + end.tangential_spring + end.normal_damping + end.tangential_damping + end.slip;
+    const double scale = before + math::abs(end.tangential_spring) + math::abs(end.slip);
     fuzz::require(math::abs(before - after - taken) <= 1e-10 * scale, "the energy closes");
     Vector3 centres, first;
     for (std::size_t k = 0; k < 3; ++k) {

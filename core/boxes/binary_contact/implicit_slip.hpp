@@ -12,8 +12,8 @@ namespace hardlimit::boxes {
 template <class Motion>
 class ImplicitSlip {
 public:
-    // out = y(h) by two steps of half the length. Returns the largest difference from one whole step in units of `scale`,
-    // or infinity if the iteration has not converged.
+    // out = y(h) by two steps of half the length. Returns the largest difference from one whole step in units of
+    // `scale`, or infinity if the iteration has not converged.
     static double step(const Motion& motion, const double* y, double h, const double* scale, double* out) {
         double whole[n], half[n];
         const bool converged = single(motion, y, h, whole) && single(motion, y, 0.5 * h, half) &&

@@ -26,11 +26,11 @@ struct TurningContact {
     Vector3 spin = shift;                            // Ω [rad/s]
     Vector3 normal = shift;                          // from the first body to the second
     double compression = math::nan;                  // residual [m]
-    double normal_loss = math::nan;                  // taken by the damping of the normal force [J]
-    double stored = math::nan;                       // left in the normal spring [J]
-    double tangential_work = math::nan;              // taken by the tangential force [J]
-    double tangential_loss = math::nan;  // part of it that its damping took while the surfaces stuck [J]
-    int changes = 0;                     // between stick and slip
+    // Energies [J]: left in the springs, taken by damping (that of the tangential force while the surfaces stick), and
+    // by slip, the rest of the work of the tangential force.
+    double normal_spring = math::nan, tangential_spring = math::nan;
+    double normal_damping = math::nan, tangential_damping = math::nan, slip = math::nan;
+    int changes = 0;  // between stick and slip
     // Whether they slip at touch, and the times of the changes [s]; only the first are kept.
     bool slips_first = false;
     double change[most_intervals] = {};
@@ -331,7 +331,7 @@ private:
             if (followed) drift_ = 2.0 * math::max(-motion_.slipping(end_), 0.0);
         } else
             motion_.begin_stick(end_);
-        h_ = implicit_h_ = longest_step;
+        implicit_h_ = longest_step;
         return true;
     }
 
@@ -375,10 +375,12 @@ private:
         result_.spin = end.spin;
         result_.normal = end.normal;
         result_.compression = units.length * math::power<M::p>(math::max(end_[M::root_depth], 0.0));
-        result_.normal_loss = energy * end_[M::loss];
-        result_.stored = units.law->energy(units.root * math::max(end_[M::root_depth], 0.0));
-        result_.tangential_work = energy * end_[M::work];
-        result_.tangential_loss = energy * end_[M::damped];
+        result_.normal_damping = energy * end_[M::loss];
+        result_.normal_spring = units.law->energy(units.root * math::max(end_[M::root_depth], 0.0));
+        const double left = motion_.spring_energy(end_);
+        result_.tangential_spring = energy * left;
+        result_.tangential_damping = energy * end_[M::damped];
+        result_.slip = energy * (end_[M::work] - end_[M::damped] - left);
         return result_;
     }
 };
@@ -413,10 +415,11 @@ TurningContact frictionless_contact(const Normal& law, const TurningApproach& to
             .spin = touch.spin,
             .normal = turned(1.0, 0.0),
             .compression = left,
-            .normal_loss = lost - stored,
-            .stored = stored,
-            .tangential_work = 0.0,
-            .tangential_loss = 0.0,
+            .normal_spring = stored,
+            .tangential_spring = 0.0,
+            .normal_damping = lost - stored,
+            .tangential_damping = 0.0,
+            .slip = 0.0,
             .changes = 0,
             .slips_first = true,
             .change = {}};

@@ -69,7 +69,8 @@ public:
         time = coupled,  // T; this and the following are integrals on which nothing depends
         loss,            // by damping of the normal force
         work,            // ∫Φ·g dT
-        damped,          // part of it that the tangential damping takes while the surfaces stick
+        stuck,           // part of it while the surfaces stick
+        damped,          // part of that by the tangential damping
         dimension
     };
 
@@ -174,6 +175,18 @@ public:
     }
     // The power of σ in dT/dτ.
     int memory_power() const { return stiffness_power_ + p - 1 - p * history() / 2; }
+
+    // Energy of the spring: T²/(2k_t), and if k_t is not constant the work that it took while the surfaces stuck.
+    double spring_energy(const double* y) const {
+        const Now at = now(y);
+        if (!has_spring()) return 0.0;
+        if (stiffness_power_ > 0 || friction_.loading > 0 || friction_.unloading > 0)
+            return y[stuck] - y[damped];
+        Tangential elastic = spring(y);
+        if (slips) elastic = force(y, at);
+        if (slips && !limits_spring()) elastic = elastic - dashpot(y[root_depth]) * at.g;
+        return 0.5 * (elastic * elastic) / stiffness_;
+    }
 
     // What Coulomb's law limits, of surfaces that stick.
     Tangential limited(const double* y, const Now& at) const {
@@ -473,7 +486,8 @@ private:
         dy[time] = clock;
         dy[loss] = clock * (at.normal - at.elastic) * y[rate];
         dy[work] = clock * (push * at.g);
-        dy[damped] = slips ? 0.0 : clock * dashpot(y[root_depth]) * (at.g * at.g);
+        dy[stuck] = slips ? 0.0 : dy[work];
+        dy[damped] = slips ? 0.0 : clock * ((push - spring(y)) * at.g);
     }
 };
 
