@@ -16,7 +16,7 @@ Vector = NDArray[np.float64]
 NEGLIGIBLE = 1e-6
 #: Start of a slip from zero force, over the duration of the contact.
 INSTANT = 1e-8
-TOLERANCE = {"method": "DOP853", "rtol": 3e-13, "atol": 1e-14}
+TOLERANCE = {"method": "DOP853", "rtol": 2e-12, "atol": 1e-13}
 
 
 @dataclass
@@ -200,7 +200,7 @@ def integrate(
             y,
             events=events,
             first_step=1e-7 * duration,
-            max_step=0.02 * duration,
+            max_step=0.04 * duration,
             **TOLERANCE,
         )
         assert run.success, run.message

@@ -1,8 +1,8 @@
-// One step of slipping surfaces whose direction of slip relaxes quickly: near F_n = 0, or where the slip is fast, its rate
-// h/(μ F_n) would bound the steps of an explicit method. Radau IIA of order 9 (base/radau.hpp), of which only the equation
-// of the direction z is implicit:
+// One step of slipping surfaces whose direction of slip relaxes quickly: near F_n = 0, or where the slip is fast, its
+// rate h/(μ F_n) would bound the steps of an explicit method. Radau IIA of order 9 (base/radau.hpp), of which only the
+// equation of the direction z is implicit:
 //   μ F_n dz/dτ = (1 + z²) h_⊥(z)/2,
-// which becomes algebraic where F_n = 0. Newton's method solves it at the five nodes; all other components depend on z
+// which becomes algebraic where F_n = 0. Newton's method solves it at the five nodes. All other components depend on z
 // only weakly and follow by iteration.
 #pragma once
 #include "../../base/radau.hpp"
@@ -12,8 +12,8 @@ namespace hardlimit::boxes {
 template <class Motion>
 class ImplicitSlip {
 public:
-    // out = y(h) by two steps of half the length. Returns the largest difference from one whole step in units of `scale`,
-    // or infinity if the iteration has not converged.
+    // out = y(h) by two steps of half the length. Returns the largest difference from one whole step in units of
+    // `scale`, or infinity if the iteration has not converged.
     static double step(const Motion& motion, const double* y, double h, const double* scale, double* out) {
         double whole[n], half[n];
         const bool converged = single(motion, y, h, whole) && single(motion, y, 0.5 * h, half) &&

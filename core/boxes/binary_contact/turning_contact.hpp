@@ -26,11 +26,11 @@ struct TurningContact {
     Vector3 spin = shift;                            // Ω [rad/s]
     Vector3 normal = shift;                          // from the first body to the second
     double compression = math::nan;                  // residual [m]
-    double normal_loss = math::nan;                  // taken by the damping of the normal force [J]
-    double stored = math::nan;                       // left in the normal spring [J]
-    double tangential_work = math::nan;              // taken by the tangential force [J]
-    double tangential_loss = math::nan;  // part of it that its damping took while the surfaces stuck [J]
-    int changes = 0;                     // between stick and slip
+    // Energies [J]: left in the springs, taken by damping (that of the tangential force while the surfaces stick), and
+    // by slip, the rest of the work of the tangential force.
+    double normal_spring = math::nan, tangential_spring = math::nan;
+    double normal_damping = math::nan, tangential_damping = math::nan, slip = math::nan;
+    int changes = 0;  // between stick and slip
     // Whether they slip at touch, and the times of the changes [s]; only the first are kept.
     bool slips_first = false;
     double change[most_intervals] = {};
@@ -48,7 +48,7 @@ struct TurningState {
 template <class Normal>
 class TurningSolver {
 public:
-    static constexpr double tolerance = 1e-14;   // of one step
+    static constexpr double tolerance = 1e-13;   // of one step
     static constexpr double longest_step = 0.2;  // in τ
     static constexpr int most_steps = 100'000;
     static constexpr int most_changes = 1000;
@@ -149,6 +149,7 @@ private:
     double h_ = longest_step, implicit_h_ = longest_step, length_ = 0.0;
     bool implicit_ = false;
     int followed_ = 0;
+    double drift_ = 0.0;  // by which the rate of slip is too small after T has followed its limit
     Event last_ = Event::none;
 
     // --- one step -------------------------------------------------------------------------------------------------
@@ -187,6 +188,8 @@ private:
     // Chooses the method and a bound of the step.
     double prepare() {
         implicit_ = false;
+        if (motion_.follows && begin_[M::rate] < 0.0 && motion_.limit(motion_.now(begin_)) < negligible_limit)
+            motion_.freeze(begin_);
         if (!motion_.slips || !motion_.has_spring() || motion_.frozen || motion_.is_planar(begin_))
             return longest_step;
         double dy[n];
@@ -195,8 +198,10 @@ private:
         const double pull = math::sqrt(drive.along * drive.along + drive.across * drive.across);
         implicit_ = !(pull * math::min(h_, longest_step) < mild * limit);
         if (!(begin_[M::rate] < 0.0)) return longest_step;
-        motion_.frozen = limit < negligible_limit;
-        if (motion_.frozen) implicit_ = false;
+        if (limit < negligible_limit) {
+            motion_.freeze(begin_);
+            implicit_ = false;
+        }
         const auto surface = motion_.units().end_surface(begin_, dy);
         const double left = surface.value / -surface.slope;
         if (motion_.frozen || !(pull * left < mild * limit)) return longest_step;
@@ -266,7 +271,7 @@ private:
                 const double part = motion_.damping_part(at, motion_.now(at));
                 return event == Event::slips ? math::min(part, 10.0) : math::max(1.0 - part, -10.0);
             }
-            return event == Event::slips ? motion_.grip(at) : motion_.slipping(at);
+            return event == Event::slips ? motion_.grip(at) : motion_.slipping(at) + drift_;
         };
         const double difference = 1e-5 * length_, here = value(y);
         double near[n];
@@ -319,11 +324,14 @@ private:
         }
         if (result_.changes < most_intervals) result_.change[result_.changes] = end_time();
         if (++result_.changes > most_changes) return false;
-        if (event == Event::slips)
+        drift_ = 0.0;
+        if (event == Event::slips) {
+            const bool followed = motion_.follows;
             motion_.begin_slip(end_, motion_.limited(end_, motion_.now(end_)));
-        else
+            if (followed) drift_ = 2.0 * math::max(-motion_.slipping(end_), 0.0);
+        } else
             motion_.begin_stick(end_);
-        h_ = implicit_h_ = longest_step;
+        implicit_h_ = longest_step;
         return true;
     }
 
@@ -367,10 +375,12 @@ private:
         result_.spin = end.spin;
         result_.normal = end.normal;
         result_.compression = units.length * math::power<M::p>(math::max(end_[M::root_depth], 0.0));
-        result_.normal_loss = energy * end_[M::loss];
-        result_.stored = units.law->energy(units.root * math::max(end_[M::root_depth], 0.0));
-        result_.tangential_work = energy * end_[M::work];
-        result_.tangential_loss = energy * end_[M::damped];
+        result_.normal_damping = energy * end_[M::loss];
+        result_.normal_spring = units.law->energy(units.root * math::max(end_[M::root_depth], 0.0));
+        const double left = motion_.spring_energy(end_);
+        result_.tangential_spring = energy * left;
+        result_.tangential_damping = energy * end_[M::damped];
+        result_.slip = energy * (end_[M::work] - end_[M::damped] - left);
         return result_;
     }
 };
@@ -405,10 +415,11 @@ TurningContact frictionless_contact(const Normal& law, const TurningApproach& to
             .spin = touch.spin,
             .normal = turned(1.0, 0.0),
             .compression = left,
-            .normal_loss = lost - stored,
-            .stored = stored,
-            .tangential_work = 0.0,
-            .tangential_loss = 0.0,
+            .normal_spring = stored,
+            .tangential_spring = 0.0,
+            .normal_damping = lost - stored,
+            .tangential_damping = 0.0,
+            .slip = 0.0,
             .changes = 0,
             .slips_first = true,
             .change = {}};

@@ -1,12 +1,13 @@
-// Equations of the isolated contact of two spheres that touch with friction (turning_contact.hpp), in a frame that the
-// line of centres n carries along without twist (parallel transport). With r the distance of the centres, l that at
-// touch, ξ = l − r, w the tangential velocity of the centres, Ω = (R_i ω_i + R_j ω_j)/l, u = Ω×n, g = w − r u the
-// velocity of the surfaces and −Φ the tangential force on the second body, the components in this frame obey
+// Equations of the isolated contact of two spheres with friction (turning_contact.hpp), in a frame that the line of
+// centres n carries along without twist (parallel transport). With r the distance of the centres, l that at touch,
+// ξ = l − r, w the tangential velocity of the centres, Ω = (R_i ω_i + R_j ω_j)/l, u = Ω×n, g = w − r u the velocity of
+// the surfaces and −Φ the tangential force on the second body, the components in this frame obey
 //   ξ̈ = −F_n/m − w²/r,   ẇ = −Φ/m + (ξ̇/r) w,   u̇ = c r Φ/(m l²) − (Ω_n/r) w×n,   Ω̇_n = (u_1 w_2 − u_2 w_1)/r,
-// c = m (R_i²/I_i + R_j²/I_j). At a wall 1/r is zero and r in g is the radius, as is l. The frame turns at (−w_2, w_1, 0)/r.
+// c = m (R_i²/I_i + R_j²/I_j). At a wall 1/r is zero, and r in g is the radius, as is l. The frame turns at
+// (−w_2, w_1, 0)/r.
 //
 // Surfaces that stick: Φ = T + γ_t g, dT/dt = k_t g + m T (da/dt)/a (friction.hpp). The integrated variable is
-// T/a^m, which has no singular derivative. Surfaces that slip: Φ = μ F_n f. The rate h of T + γ_t g without slip gives
+// T/a^m, which has no singular derivative. Surfaces that slip: Φ = μ F_n f. With the rate h of T + γ_t g without slip,
 //   df/dt = h_⊥/(μ F_n),   rate of slip λ = (h·f − μ dF_n/dt)/k_t >= 0   (γ_t = 0 under SlipLimit::spring).
 // f is written by the tangent z of half its angle to a direction that is kept during a step: no trigonometry, and z = 0
 // exactly if the motion is in a plane.
@@ -68,7 +69,8 @@ public:
         time = coupled,  // T; this and the following are integrals on which nothing depends
         loss,            // by damping of the normal force
         work,            // ∫Φ·g dT
-        damped,          // part of it that the tangential damping takes while the surfaces stick
+        stuck,           // part of it while the surfaces stick
+        damped,          // part of that by the tangential damping
         dimension
     };
 
@@ -174,6 +176,18 @@ public:
     // The power of σ in dT/dτ.
     int memory_power() const { return stiffness_power_ + p - 1 - p * history() / 2; }
 
+    // Energy of the spring: T²/(2k_t), and if k_t is not constant the work that it took while the surfaces stuck.
+    double spring_energy(const double* y) const {
+        const Now at = now(y);
+        if (!has_spring()) return 0.0;
+        if (stiffness_power_ > 0 || friction_.loading > 0 || friction_.unloading > 0)
+            return y[stuck] - y[damped];
+        Tangential elastic = spring(y);
+        if (slips) elastic = force(y, at);
+        if (slips && !limits_spring()) elastic = elastic - dashpot(y[root_depth]) * at.g;
+        return 0.5 * (elastic * elastic) / stiffness_;
+    }
+
     // What Coulomb's law limits, of surfaces that stick.
     Tangential limited(const double* y, const Now& at) const {
         return limits_spring() ? spring(y) : force(y, at);
@@ -255,7 +269,8 @@ public:
     // and with all of it slip; codes alternate from step to step (A. F. Filippov, Differential Equations with
     // Discontinuous Righthand Sides (1988)). Infinite if they stick with all of it. Only under SlipLimit::spring.
     double damping_part(const double* y, const Now& at) const {
-        constexpr double difference = 3e-5, pull_back = 5.0;
+        constexpr double pull_back = 5.0;
+        if (frozen) return kept_part_;
         const Tangential elastic = spring(y), viscous = dashpot(y[root_depth]) * at.g;
         double dy[dimension], near[dimension], slope[2];
         for (int i = 0; i < 2; ++i) {
@@ -263,6 +278,8 @@ public:
             const Tangential grown = stiffness_ * whole_power(y[root_depth], memory_power()) * at.g;
             dy[memory] = grown.first;
             dy[memory + 1] = grown.second;
+            const double left = limit(at) / math::abs(friction_.coefficient * normal_growth(y, dy));
+            const double difference = math::min(3e-5, 0.01 * left);
             for (int c = 0; c < memory + 2; ++c) near[c] = y[c] + difference * dy[c];
             slope[i] = yielding(near);
             for (int c = 0; c < memory + 2; ++c) near[c] = y[c] - difference * dy[c];
@@ -270,6 +287,12 @@ public:
         }
         const double gain = slope[1] - slope[0];
         return slope[1] > 0.0 && gain > 0.0 ? (-slope[0] - pull_back * yielding(y)) / gain : math::infinity;
+    }
+
+    // From now on neither the direction of slip nor this part matters.
+    void freeze(const double* y) {
+        if (follows && !frozen) kept_part_ = math::clamp(damping_part(y, now(y)), 0.0, 1.0);
+        frozen = true;
     }
 
     // Changes from sticking to slipping at this state, and back. T is continuous.
@@ -366,6 +389,7 @@ private:
     Vector3 axes_[3];
     double elastic_, damping_, stiffness_, dashpot_;
     int stiffness_power_, dashpot_power_;
+    double kept_part_ = 0.0;
 
     static double whole_power(double x, int n) {
         double product = 1.0;
@@ -462,7 +486,8 @@ private:
         dy[time] = clock;
         dy[loss] = clock * (at.normal - at.elastic) * y[rate];
         dy[work] = clock * (push * at.g);
-        dy[damped] = slips ? 0.0 : clock * dashpot(y[root_depth]) * (at.g * at.g);
+        dy[stuck] = slips ? 0.0 : dy[work];
+        dy[damped] = slips ? 0.0 : clock * ((push - spring(y)) * at.g);
     }
 };
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
@@ -15,7 +16,7 @@ from .. import _core
 from ..support import validation
 from .balls import FLOOR, Ball, Floor
 from .contact import Contact, Law
-from .impact import SAMPLES, Interval, arm
+from .impact import LEDGER, SAMPLES, Interval, arm
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -63,7 +64,7 @@ class ObliqueImpact:
     ω: the surface of a ball moves at v + ω × (point − centre). A wall keeps its velocity and has no spin.
     """
 
-    contact: Contact
+    contact: Contact  #: ball, other body and law
     initial_velocities: Floats  #: (2, 3) [m/s]
     initial_spins: Floats  #: (2, 3) [rad/s]
     initial_normal: Floats  #: unit vector from the ball to the other body at touch
@@ -74,9 +75,9 @@ class ObliqueImpact:
     duration: float  #: from touch to the end of the normal force [s]
     compression: float  #: with which a dissipative contact ends [m]
     intervals: tuple[Interval, ...]  #: in order; without a spring, stick is below Coulomb's limit
-    losses: dict[str, float] = field(
+    ledger: Mapping[str, float] = field(
         repr=False
-    )  #: energies that the contact has taken [J], see :attr:`energies`
+    )  #: energies in the springs and lost [J], see :attr:`energies`
     approach: Approach = field(repr=False)  #: :meta private:
 
     @property
@@ -131,6 +132,10 @@ class ObliqueImpact:
         """β: slip velocity at the end along −g/|g|, turned with the normal, over |g|, g that at touch; NaN if g = 0.
 
         The part of the slip velocity perpendicular to g is not in β.
+
+        Notes
+        -----
+        Foerster et al., Phys. Fluids 6, 1108 (1994), for a fixed normal.
         """
         g = self.initial_slip_velocity
         square = float(g @ g)
@@ -155,14 +160,11 @@ class ObliqueImpact:
     def energies(self) -> dict[str, float]:
         """Where the energy is after the contact [J]; the values add up to :attr:`initial_energy`.
 
-        ``translational`` and ``rotational`` are of the bodies, in the frame of the centre of mass or the wall.
-        ``normal_damping``: lost by the damping of the normal force. ``normal_spring``: of the compression with which a
-        dissipative contact ends. ``tangential_damping``: lost by γ_t g while the surfaces stick. ``friction``: the rest
-        of the work of the tangential force, with what its spring has taken. It may be negative: with γ_t > 0 and the
-        limit "total" slip sets the spring against the slip, and "mindlin" and "mindlin_force" can gain energy.
+        ``translational`` and ``rotational`` are of the bodies, in the frame of the centre of mass or the wall. The
+        others are those of :attr:`Impact.energies`.
         """
         moving, turning = self._kinetic(self.velocities, self.spins)
-        return {"translational": moving, "rotational": turning, **self.losses}
+        return {"translational": moving, "rotational": turning, **self.ledger}
 
     def _kinetic(self, velocities: Floats, spins: Floats) -> tuple[float, float]:
         relative = np.diff(velocities, axis=0)[0]
@@ -316,9 +318,8 @@ def oblique_impact(
     ...     stiffness=1e4, restitution=0.9, friction=hl.Friction(0.5)
     ... )
     >>> ball = hl.Ball(0.01, density=2500.0)
-    >>> impact = hl.oblique_impact(ball, ball, law, velocity=(1.0, 0.0, -1.0))
-    >>> f"{math.degrees(impact.turn):.1f}°", round(impact.restitution, 3)
-    ('4.7°', 0.879)
+    >>> hl.oblique_impact(ball, ball, law, velocity=(1.0, 0.0, -1.0))
+    <ObliqueImpact: ε = 0.879438, β = 1.02969, turn 4.738°, stick–slip>
     """
     contact = _checked_contact(ball, other, law)
     moves = np.array([_vector("velocity", velocity), _vector("other_velocity", other_velocity)])
@@ -412,12 +413,6 @@ def _solved(contact: Contact, moves: Floats, turns: Floats, normal: Floats) -> O
         raise RuntimeError(f"oblique impact: {reasons[end['outcome']]}")
     velocity, shift, spin = (np.array(end[name]) for name in ("velocity", "shift", "spin"))
     velocities, displacements = _of_bodies(contact, moves, velocity, shift, end["duration"])
-    losses = {
-        "normal_damping": end["normal_loss"],
-        "normal_spring": end["stored"],
-        "tangential_damping": end["tangential_loss"],
-        "friction": end["tangential_work"] - end["tangential_loss"],
-    }
     return ObliqueImpact(
         contact=contact,
         initial_velocities=moves,
@@ -430,7 +425,7 @@ def _solved(contact: Contact, moves: Floats, turns: Floats, normal: Floats) -> O
         duration=end["duration"],
         compression=end["compression"],
         intervals=_intervals(end),
-        losses=losses,
+        ledger=MappingProxyType({name: end[name] for name in LEDGER}),
         approach=approach,
     )
 
