@@ -253,6 +253,19 @@ def test_momenta_and_energy_of_a_pair(solve: Solve, name: str) -> None:
 
 
 @each_setting
+def test_a_common_velocity_changes_nothing(solve: Solve, name: str) -> None:
+    """Galilean invariance. The grains cross cells, so that the contact is listed in both orders of its bodies."""
+    common = np.array([40.0, -25.0, 30.0])
+    for seed in range(3):
+        grains = pair(seed)
+        how = {"step": 5e-7, "until": 3e-4}
+        moving = [grain._replace(velocity=grain.velocity + common) for grain in grains]
+        rest, run = (solve(*SETTINGS[name], Box((0.02,) * 3), pair_, **how) for pair_ in (grains, moving))
+        carried = run._replace(velocities=run.velocities - common)
+        assert carried.error(rest, 1e-3) <= 1e-9
+
+
+@each_setting
 def test_order_of_convergence(solve: Solve, name: str) -> None:
     """Second order, also where slip begins or ends. A limit on the spring alone makes a damped force jump there: first
     order."""
