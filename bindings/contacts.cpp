@@ -77,6 +77,74 @@ hl::contact::FrictionalContact frictional_contact(std::tuple<int, int, bool> pow
              static_cast<hl::SlipLimit>(limit)}};
 }
 
+// Intervals of stick and slip, and states at given times, of a contact; scaled.
+class ImpactRecorder {
+public:
+    explicit ImpactRecorder(std::vector<double> times) : times_(std::move(times)), intervals_(*this) {}
+
+    template <class At>
+    void operator()(hl::contact::Surfaces surfaces, double begin, double end, const At& at) {
+        intervals_(surfaces, begin, end, at);
+        while (states.size() < times_.size() && times_[states.size()] <= end)
+            states.push_back(at(times_[states.size()]));
+    }
+    void operator()(bool slip, double begin, double end) {
+        slips.push_back(slip);
+        begins.push_back(begin);
+        ends.push_back(end);
+    }
+    // Times that rounding error puts after the contact have its last state.
+    void finish(const hl::contact::impact::State& last) {
+        intervals_.finish();
+        states.resize(times_.size(), last);
+    }
+
+    std::vector<hl::contact::impact::State> states;
+    std::vector<double> slips, begins, ends;
+
+private:
+    std::vector<double> times_;
+    hl::contact::Intervals<ImpactRecorder> intervals_;
+};
+
+nb::dict impact_dict(const hl::contact::FrictionalImpact& r) {
+    const auto& e = r.energies;
+    return dict_of("solved", r.solved, "restitution", r.restitution, "tangential_restitution",
+                   r.tangential_restitution, "duration", r.duration, "normal_impulse", r.normal_impulse,
+                   "tangential_impulse", r.tangential_impulse, "normal", e.normal, "tangential", e.tangential,
+                   "normal_spring", e.normal_spring, "tangential_spring", e.tangential_spring,
+                   "normal_damping", e.normal_damping, "tangential_damping", e.tangential_damping, "friction",
+                   e.friction);
+}
+
+// The contact with its intervals and its states at the given times, in the units of the user.
+nb::dict frictional_impact(const hl::contact::FrictionalContact& contact, double speed, double slip,
+                           In times) {
+    const double time = contact.time_unit(speed), length = contact.length_unit(speed);
+    const double force = contact.mass * speed / time, drag = contact.tangential_mass * slip / time;
+    std::vector<double> scaled(times.data(), times.data() + times.shape(0));
+    for (double& t : scaled) t /= time;
+    ImpactRecorder record(std::move(scaled));
+    nb::dict all = impact_dict(hl::contact::frictional_impact(contact, speed, slip, record));
+    const auto in_units = [&](const std::vector<double>& values, double unit) {
+        return hl::bindings::column_of(values, [&](double x) { return x * unit; });
+    };
+    const auto sampled = [&](const char* name, double unit, const auto member) {
+        all[name] = hl::bindings::column_of(record.states, [&](const auto& s) { return s.*member * unit; });
+    };
+    using hl::contact::impact::State;
+    all["slips"] = in_units(record.slips, 1.0);
+    all["begin"] = in_units(record.begins, time);
+    all["end"] = in_units(record.ends, time);
+    sampled("compression", length, &State::compression);
+    sampled("rate", speed, &State::rate);
+    sampled("normal_force", force, &State::force);
+    sampled("slip_velocity", slip, &State::slip);
+    sampled("spring_force", drag, &State::spring);
+    sampled("tangential_force", drag, &State::tangential_force);
+    return all;
+}
+
 nb::tuple friction_terms(const Contact& c) {
     const hl::FrictionTerms& f = c.friction;
     return nb::make_tuple(f.coefficient, f.stiffness.factor, f.stiffness.power, f.damping.factor,
@@ -215,6 +283,17 @@ void bind_contacts(nb::module_& m) {
         },
         "powers"_a, "coefficients"_a, "effective_mass"_a, "tangential_mass"_a, "terms"_a, "speed"_a, "slip"_a,
         "β of a contact at each slip velocity at touch.");
+    m.def(
+        "frictional_impact",
+        [](std::tuple<int, int, bool> powers, std::pair<double, double> normal, double mass,
+           double tangential_mass, const Terms& terms, double speed, double slip, In times) {
+            return frictional_impact(frictional_contact(powers, normal, mass, tangential_mass, terms), speed,
+                                     slip, times);
+        },
+        "powers"_a, "coefficients"_a, "effective_mass"_a, "tangential_mass"_a, "terms"_a, "speed"_a, "slip"_a,
+        "times"_a,
+        "A contact with this slip velocity at touch: result, intervals of stick and slip, and the motion at the "
+        "times, which do not decrease.");
     m.def("inverse_tangential_mass", &hl::inverse_tangential_mass, "mass"_a, "inertia_factor"_a,
           "other_mass"_a, "other_inertia_factor"_a,
           "1/m_t = 1/m_n + R_i²/I_i + R_j²/I_j; masses of walls are infinite.");

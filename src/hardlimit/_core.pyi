@@ -64,6 +64,11 @@ def make_contact(law: str, alternative: int, parameters: Sequence[float], effect
 def tangential_restitution(powers: tuple[int, int, bool], coefficients: tuple[float, float], effective_mass: float, tangential_mass: float, terms: tuple[float, float, int, float, int, int, int, int], speed: float, slip: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> NDArray[numpy.float64]:
     """β of a contact at each slip velocity at touch."""
 
+def frictional_impact(powers: tuple[int, int, bool], coefficients: tuple[float, float], effective_mass: float, tangential_mass: float, terms: tuple[float, float, int, float, int, int, int, int], speed: float, slip: float, times: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> dict:
+    """
+    A contact with this slip velocity at touch: result, intervals of stick and slip, and the motion at the times, which do not decrease.
+    """
+
 def inverse_tangential_mass(mass: float, inertia_factor: float, other_mass: float, other_inertia_factor: float) -> float:
     """1/m_t = 1/m_n + R_i²/I_i + R_j²/I_j; masses of walls are infinite."""
 

@@ -19,7 +19,7 @@ from hardlimit.contact.impact import tangential_restitution
 
 pytestmark = pytest.mark.slow  # the program takes seconds to compile
 
-CASES = json.loads((DATA / "friction_newton.json").read_text(encoding="utf-8"))
+CASES = json.loads((DATA / "friction.json").read_text(encoding="utf-8"))["newton"]
 LINEAR, VISCOELASTIC, TSUJI, FRICTIONLESS = range(4)
 SPHERE = 2 / 5
 

@@ -20,6 +20,7 @@ from .. import _core
 from ..support import validation
 from .balls import FLOOR, Ball, Floor
 from .friction import Friction, FrictionTerms, checked_friction
+from .impact import SMOOTH, FrictionalContact, Impact, impact_of
 
 RESTITUTION: Final = "restitution"
 
@@ -107,6 +108,107 @@ class Contact:
         :meta private:
         """
         return None if self.law.friction is None else FrictionTerms(*self.core.friction_terms)
+
+    def _numbers(self) -> FrictionalContact:
+        """The contact for the core, which takes forces K ξ^p + C ξ^q dξ/dt only."""
+        coefficients = self.core.coefficients
+        if coefficients is None:
+            raise ValueError(
+                f"law: got {type(self.law).__name__}, must have a force K ξ^p + C ξ^q dξ/dt for an oblique impact"
+            )
+        powers = (*self.law.record["powers"], False)
+        terms = self.friction_terms or SMOOTH
+        return FrictionalContact(powers, coefficients, self.effective_mass, self.tangential_mass, terms)
+
+    def impact(
+        self, speed: float, tangential_speed: float = 0.0, spin: float = 0.0, other_spin: float = 0.0
+    ) -> Impact:
+        """An oblique collision with a fixed normal: the hard limit of the contact, exact at a wall.
+
+        The other body rests before; velocities of two balls are relative to it. Directions and the sign of spins are
+        those of :class:`Impact`.
+
+        Parameters
+        ----------
+        speed : float [m/s]
+            Speed of approach along the normal, > 0.
+        tangential_speed : float, default 0 [m/s]
+            Velocity of the centre of the ball along t.
+        spin, other_spin : float, default 0 [rad/s]
+            Spins before; with ω > 0 the contact point of the ball moves along t.
+
+        Raises
+        ------
+        ValueError
+            If a value is outside its range, the floor is to spin, or the force of the law is not K ξ^p + C ξ^q dξ/dt.
+        RuntimeError
+            If the surfaces change between stick and slip more than 100000 times.
+
+        Notes
+        -----
+        The linear law with a spring is solved in closed form, piece by piece; the others by integration at order 8 to
+        about 1e-12. All changes between stick and slip are located. Becker, Schwager & Pöschel, Phys. Rev. E 77, 011304
+        (2008); Schwager, Becker & Pöschel, Eur. Phys. J. E 27, 107 (2008).
+
+        Examples
+        --------
+        >>> law = hl.LinearDashpot(stiffness=1e6, damping=0.0, friction=hl.Friction(0.5))
+        >>> superball = law.between(hl.Ball(0.01, density=2500.0))
+        >>> superball.impact(1.0, 1.0, spin=-20.0).velocities[0].round(
+        ...     3
+        ... )  # normal, tangential
+        array([-1.   ,  0.543])
+        """
+        motion = (
+            validation.number("speed", speed, 0.0),
+            validation.number("tangential_speed", tangential_speed),
+            validation.number("spin", spin),
+            validation.number("other_spin", other_spin),
+        )
+        if motion[3] != 0.0 and not isinstance(self.other, Ball):
+            raise ValueError(f"other_spin: got {motion[3]:g}, must be 0 for the floor")
+        smooth = (self.restitution(motion[0]), self.duration(motion[0]))
+        return impact_of((self.ball, self.other), self._numbers(), smooth, motion)
+
+    @overload
+    def tangential_restitution(self, angle: float, speed: float = ...) -> float: ...
+    @overload
+    def tangential_restitution(self, angle: Values, speed: float = ...) -> Floats: ...
+    def tangential_restitution(self, angle: float | Values, speed: float = 1.0) -> float | Floats:
+        """Coefficient of tangential restitution β over the angle of impact, in the limit of a fixed normal.
+
+        Parameters
+        ----------
+        angle : number or array [rad]
+            γ in [0, π/2): tan γ is the slip velocity over ``speed``. At 0 the limit of small ones.
+        speed : number, default 1 [m/s]
+            Normal speed of approach, > 0.
+
+        Returns
+        -------
+        float or array
+            β, same shape as ``angle``: the slip velocity is multiplied by −β. −1 without friction.
+
+        Raises
+        ------
+        ValueError
+            If a value is outside its range, or the force of the law is not K ξ^p + C ξ^q dξ/dt.
+
+        Notes
+        -----
+        As for :meth:`impact`.
+
+        Examples
+        --------
+        >>> law = hl.LinearDashpot(stiffness=1e6, damping=0.0, friction=hl.Friction(0.5))
+        >>> grain = law.between(hl.Ball(0.01, density=2500.0))
+        >>> grain.tangential_restitution(np.deg2rad([10.0, 45.0, 80.0])).round(3)
+        array([ 1.   ,  1.   , -0.383])
+        """
+        normal = validation.number("speed", speed, 0.0)
+        angles = _numbers("angle", angle, lowest=0.0, highest=0.5 * math.pi, lowest_allowed=True)
+        flat = _core.tangential_restitution(*self._numbers(), normal, normal * np.tan(angles.ravel()))
+        return shaped(flat, angles.shape)
 
     @overload
     def restitution(self, speed: float = ...) -> float: ...

@@ -10,6 +10,7 @@ from .fit import fit
 from .forces import forces
 from .gas import gas
 from .heights import drop, heights
+from .impact import impact
 from .maps import count_map, difference_map, sweep_map
 from .stack import stack
 from .style import count_colours, save, style
@@ -24,6 +25,7 @@ __all__ = [
     "forces",
     "gas",
     "heights",
+    "impact",
     "restitution_obtained",
     "restitution_over_speed",
     "save",
