@@ -19,7 +19,7 @@ from hardlimit.contact.impact import tangential_restitution
 
 pytestmark = pytest.mark.slow  # the program takes seconds to compile
 
-CASES = json.loads((DATA / "friction_newton.json").read_text(encoding="utf-8"))
+CASES = json.loads((DATA / "friction.json").read_text(encoding="utf-8"))["newton"]
 LINEAR, VISCOELASTIC, TSUJI, FRICTIONLESS = range(4)
 SPHERE = 2 / 5
 
@@ -250,6 +250,19 @@ def test_momenta_and_energy_of_a_pair(solve: Solve, name: str) -> None:
             assert np.ptp(run.spins[:, 0], axis=0).max() > 1.0
     coarse, fine = np.reshape(errors, (-1, 2)).mean(axis=0)
     assert coarse < 2e-3 and fine < 0.12 * coarse
+
+
+@each_setting
+def test_a_common_velocity_changes_nothing(solve: Solve, name: str) -> None:
+    """Galilean invariance. The grains cross cells, so that the contact is listed in both orders of its bodies."""
+    common = np.array([40.0, -25.0, 30.0])
+    for seed in range(3):
+        grains = pair(seed)
+        how = {"step": 5e-7, "until": 3e-4}
+        moving = [grain._replace(velocity=grain.velocity + common) for grain in grains]
+        rest, run = (solve(*SETTINGS[name], Box((0.02,) * 3), pair_, **how) for pair_ in (grains, moving))
+        carried = run._replace(velocities=run.velocities - common)
+        assert carried.error(rest, 1e-3) <= 1e-9
 
 
 @each_setting

@@ -32,7 +32,7 @@ public:
     // Onset correction for contacts that were new at the last step of the previous advance(): the part that falls into
     // the half step after it.
     static void resume(Slab<Law>& slab, const Bodies& bodies, double h) {
-        slab.impulses.clear();
+        slab.impulses.clear(), slab.turns.clear();
         for (const Contact<Law>& c : slab.contacts) {
             if (c.index_first == no_body) continue;
             double impulse = 0.0;
@@ -44,10 +44,11 @@ public:
             }
             add_sums(slab, c, 0.5 * h * c.force + impulse);
             if constexpr (FrictionalLaw<Law>) {
-                double missed = 0.0;
-                if (c.is_new) missed = missed_friction(c, h);
-                if (missed != 0.0) add_friction_impulse(slab, bodies, c, c.friction.force * missed);
-                add_friction_sums(slab, c, c.friction.force * (0.5 * h + missed));
+                const Double4 friction = c.friction.force;
+                const auto onset = friction_onset(c.law, c.friction, c.onset, h);
+                const double missed = c.is_new ? 0.5 * h + onset.missed - onset.until_step : 0.0;
+                if (missed != 0.0) add_friction_impulse(slab, bodies, c, friction * missed);
+                add_friction_sums(slab, c, friction * (0.5 * h + missed));
             }
         }
     }
@@ -220,7 +221,7 @@ private:
         c.first = static_cast<std::int32_t>(bodies_.tag[m.first].original_index);
         c.second = m.number;
         c.begin_event = -1;
-        c.normal = m.normal;
+        if constexpr (FrictionalLaw<Law>) c.normal = m.normal;
         c.law = laws_(c.first, wall ? -1 : m.number);
         if (!wall) c.image = grid_.relative_image(NeighbourPair::of(m.first, m.second, m.image), bodies_.tag);
         c.begin = now_.time;
@@ -343,7 +344,6 @@ private:
                             double excess, bool is_new) const {
         ContactFriction<Law> before = c.friction;
         const double compression = math::max(m.compression(), 0.0), since = is_new ? c.onset.since : now_.h;
-        const double missed = !is_new && c.is_new ? missed_friction(c, now_.h) : 0.0;
         before.turn(c.normal, m.normal);
         const Slide moved = slide(m, before, since, is_new);
         const double stored_before = before.energy(c.law, c.compression);
@@ -351,8 +351,7 @@ private:
             before =
                 friction_at_touch(c.law, sliding_velocity(m, since, now_.velocity_lag - since), c.onset.rate);
         c.friction = friction_force(c.law, before, moved, c.compression, compression, normal_force);
-        Double4 impulse = (before.force + c.friction.force) * (0.5 * since) + before.force * missed,
-                correction{};
+        Double4 impulse = (before.force + c.friction.force) * (0.5 * since), correction{};
         if (is_new) {
             const auto onset = friction_onset(c.law, c.friction, c.onset, now_.h);
             impulse = c.friction.force * onset.until_step;
@@ -382,11 +381,6 @@ private:
         if (j == no_body) return;
         accelerate(slab, j, force * bodies_.velocity[j][3]);
         bodies_.angular_acceleration[j].add(now_.step, turns.second);
-    }
-    // Impulse that equal steps miss after the first step in contact, in units of the tangential force at that step [s].
-    static double missed_friction(const Contact<Law>& c, double h) {
-        const FrictionOnset onset = friction_onset(c.law, c.friction, c.onset, h);
-        return onset.until_step > 0.0 ? 0.5 * h + onset.missed - onset.until_step : 0.0;
     }
     // Angular velocity [rad/s], from the torques of the step before.
     Double4 spin(std::uint32_t body, double lag) const {
@@ -426,8 +420,11 @@ private:
                                      Double4 impulse) {
         const std::uint32_t i = c.index_first, j = c.index_second;
         const Turns turns = turns_of(bodies, c, impulse);
-        slab.impulses.push_back({i, -impulse * bodies.velocity[i][3], turns.first});
-        if (j != no_body) slab.impulses.push_back({j, impulse * bodies.velocity[j][3], turns.second});
+        slab.impulses.push_back({i, -impulse * bodies.velocity[i][3]});
+        slab.turns.push_back({i, turns.first});
+        if (j == no_body) return;
+        slab.impulses.push_back({j, impulse * bodies.velocity[j][3]});
+        slab.turns.push_back({j, turns.second});
     }
 };
 

@@ -24,11 +24,12 @@ void kick(Slab<Law>& slab, const Slab<Law>& previous, Bodies& bodies, const Box&
     for (const std::uint32_t i : previous.accelerated_next)
         if (slab.holds(i)) accelerate(i);
     const auto add_impulses = [&](const Slab<Law>& from) {
-        for (const Impulse& impulse : from.impulses) {
-            if (!slab.holds(impulse.body)) continue;
-            change_velocity(slab, bodies, box, impulse.body, impulse.velocity_change);
-            if constexpr (FrictionalLaw<Law>) bodies.spin[impulse.body] += impulse.spin_change;
-        }
+        for (const Impulse& impulse : from.impulses)
+            if (slab.holds(impulse.body))
+                change_velocity(slab, bodies, box, impulse.body, impulse.velocity_change);
+        if constexpr (FrictionalLaw<Law>)
+            for (const Impulse& turn : from.turns)
+                if (slab.holds(turn.body)) bodies.spin[turn.body] += turn.velocity_change;
     };
     add_impulses(slab);
     if (&previous != &slab) add_impulses(previous);
