@@ -294,7 +294,8 @@ class Contact:
         Notes
         -----
         Rule: Walton, in Particulate Two-Phase Flow (1993), p. 884. The mean of (1 + β) g_t² is that over
-        tan γ = √((m_n/m_t) u/(1 − u)) with the weight 2u for spheres, 3√u/2 for disks.
+        tan γ = √((m_n/m_t) u/(1 − u)) with the weight 2u for spheres, 3√u/2 for disks. Where damping exceeds Coulomb's
+        limit (``limit="spring"``), the sliding impulse is that of the contact in place of μ(1 + ε).
 
         Examples
         --------

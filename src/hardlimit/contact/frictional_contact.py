@@ -33,6 +33,8 @@ SMALLEST: Final = 1e-6
 LARGEST: Final = 1e4
 FARTHER: Final = 1.5
 PRECISION: Final = 1e-5
+#: tan γ of a grazing impact.
+GRAZING: Final = 1e5
 #: Points of the quadrature over angles, in each of the three ranges of sticking, mixed and sliding contacts.
 POINTS: Final = 16
 #: Digits to which contacts count as equal, so that they are computed once.
@@ -254,19 +256,21 @@ def _effective(own: FrictionalContact, dimension: int) -> float:
 
     Both normal and tangential velocities of the surfaces are those of equipartition, so that tan γ = √(κu/(1 − u)),
     κ = m_n/m_t, and g_t² u has the density 2u for spheres and 3√u/2 for disks. Equal is the mean of (1 + β) g_t², the
-    angular momentum that is exchanged. Walton's rule slides beyond tan γ = K/(1 + β0), K = κμ(1 + ε).
+    angular momentum that is exchanged. Walton's rule slides beyond tan γ = K/(1 + β0), K = κμ(1 + ε). K is taken from
+    the contact, (1 + β) tan γ of a grazing impact: the end of a force that attracts adds to it.
     """
-    mu, restitution = own.terms.coefficient, _collision(own)[0]
-    if not (restitution > 0.0 and mu > 0.0):
+    mu = own.terms.coefficient
+    if not (_collision(own)[0] > 0.0 and mu > 0.0):
         return math.nan
     kappa = 1.0 / own.tangential_mass
-    sliding = kappa * mu * (1.0 + restitution)  # K
     u, weights = _shares(own, dimension)
     tangents = np.sqrt(kappa * u / (1.0 - u))
-    beta = _restitution(own, 1.0, tangents)
+    grazing = GRAZING * max(mu, 1.0)
+    *beta, last = _restitution(own, 1.0, np.append(tangents, grazing)).tolist()
     if mu == math.inf:
         return float(weights @ beta)
-    less = float(weights @ (sliding / tangents - 1.0 - beta))  # than if all were sliding
+    sliding = (1.0 + last) * grazing
+    less = float(weights @ (sliding / tangents - 1.0 - np.array(beta)))  # than if all were sliding
 
     def excess(logarithm: float) -> float:
         return _less_than_sliding(math.exp(logarithm), sliding, kappa, dimension) - less
