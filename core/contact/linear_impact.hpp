@@ -124,7 +124,7 @@ public:
     // Follows the contact to its end; false if that takes too many pieces.
     template <class Observer>
     HL_FN bool run(Observer& observe) {
-        for (int i = 0; i < most_pieces; ++i) {
+        for (int i = 0; i < most_pieces && steps_ < most_steps; ++i) {
             const bool turns = sign_ > 0.0 && vanishing_ < end_;
             double until = turns ? vanishing_ : end_;
             const Event event = first_event(until);
@@ -149,7 +149,7 @@ private:
     using State = impact::State;
     using Work = impact::Work;
     enum class Event { none, upper, lower };
-    static constexpr int most_pieces = 100000, most_steps = 20000;
+    static constexpr int most_pieces = 100000, most_steps = 2000000, most_steps_to_zero = 20000;
 
     HL_FN bool limits_spring() const { return of_.limit == SlipLimit::spring && r_ > 0.0; }
 
@@ -259,7 +259,7 @@ private:
     }
 
     // The first zero of the margin before `until`.
-    HL_FN double first_fall(Event kind, int order, double until) const {
+    HL_FN double first_fall(Event kind, int order, double until) {
         double t = begin_;
         Curve g = margin(kind, t);
         int leading = 0;
@@ -268,7 +268,7 @@ private:
         if (sign == 0) return math::infinity;  // zero throughout: three derivatives determine such a sum
         // Up to there the first derivative that does not vanish exceeds what the next can take.
         if (sign > 0 && leading > 0) t += 0.5 * (leading + 1) * g.value[leading] / g.most[leading + 1];
-        for (int i = 0; i < most_steps && t < until; ++i) {
+        for (int i = 0; i < most_steps_to_zero && t < until; ++i, ++steps_) {
             g = margin(kind, t);
             if (g.value[0] <= 0.0) return t;
             const double root = math::sqrt(g.value[1] * g.value[1] + 2.0 * g.most[2] * g.value[0]);
@@ -382,6 +382,7 @@ private:
     double r_, c_, scale_;
     double vanishing_, end_;  // first zero of f after touch, and end of the contact
     bool ends_ = true;
+    int steps_ = 0;
     Oscillation normal_, sticking_;
     Work work_;
     State state_{};
