@@ -150,8 +150,8 @@ class Written:
         numbers = {each: self.value(0.1, 9.0) for each in TANGENTIAL[name]}
         if "mindlin" in name and name != "mindlin_classic" and self.random.random() < 0.5:
             numbers["stiffness"] = None
-        given = ["NULL" if x is None else self.written(x) for x in numbers.values()]
-        parts = [f" tangential {name} {' '.join(given)}", f" damping {damping}" if damping else "", limited]
+        places = ["NULL" if x is None else self.written(x) for x in numbers.values()]
+        parts = [f" tangential {name} {' '.join(places)}", f" damping {damping}" if damping else "", limited]
         self.random.shuffle(parts)
         normal = [shape.split()[0], k, e] + ([0.3] if "material" in shape else [])
         return words + "".join(parts), (normal, damping or "viscoelastic", bool(limited), name, numbers)

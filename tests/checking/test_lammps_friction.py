@@ -219,6 +219,10 @@ def test_terms_have_the_units_of_their_numbers(tmp_path):
 GRAN = "pair_style gran/hooke/history 1e5 {} 50 20 0.5 {} limit_damping\npair_coeff * *\n"
 TRAPS = {
     "2: the default of k_t": (GRAN.format("NULL", 1), "k_t NULL is 2/7 k_n"),
+    "2: the default of a Hertz force": (
+        GRAN.format("NULL", 1).replace("hooke", "hertz"),
+        "about a quarter of Mindlin's",
+    ),
     "4: no history": (
         f"{PAIR}hooke 1e5 5 tangential linear_nohistory 0.7 0.2 limit_damping\n",
         "no history: no static friction",
