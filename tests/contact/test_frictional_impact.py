@@ -453,11 +453,12 @@ def deviations(tmp_path, *arguments: str) -> dict[str, float]:
     return {name: float(value) for name, value in map(str.split, done.stdout.splitlines())}
 
 
-@pytest.mark.parametrize("number", [700, slow(20000)])
-def test_closed_form_is_the_integration(tmp_path, number: int) -> None:
+@pytest.mark.parametrize(("number", "most"), [(700, 1e-12), slow(20000, 1e-11)])
+def test_closed_form_is_the_integration(tmp_path, number: int, most: float) -> None:
     worst = deviations(tmp_path, "forms", str(number))
     assert worst.pop("counts") == 0
-    assert max(worst.values()) < 1e-12, worst
+    assert worst.pop("follows") >= 10
+    assert max(worst.values()) < most, worst
 
 
 @pytest.mark.slow
@@ -465,15 +466,17 @@ def test_closed_form_is_the_integration_of_extremes(tmp_path) -> None:
     """Damping ratios up to 2000, ρ and ψ over nine decades; stored energies then exceed those of the collision."""
     worst = deviations(tmp_path, "forms", "2000", "1000")
     assert worst["counts"] <= 2
-    assert max(worst[name] for name in ("slip", "rate", "time")) < 1e-10, worst
+    assert max(worst[name] for name in ("slip", "rate", "time")) < 1e-9, worst
     assert worst["ledger"] < 1e-13
-    assert worst["work"] < 1e-7
+    assert worst["work"] < 1e-4
 
 
-@pytest.mark.parametrize("number", [12, slow(250)])
+@pytest.mark.parametrize("number", [60, slow(250)])
 def test_agrees_with_the_steps_of_codes(tmp_path, number: int) -> None:
     """The limit of small steps: also where a spring follows its limit without slip, and in attractive tails."""
-    assert deviations(tmp_path, "steps", str(number))["steps"] < 1e-3
+    worst = deviations(tmp_path, "steps", str(number))
+    assert worst["steps"] < 1e-3
+    assert worst["follows"] >= number // 20
 
 
 # ---- conservation and symmetry -----------------------------------------------------------------------------
@@ -657,6 +660,8 @@ def test_without_friction_the_contact_is_the_smooth_one(restitution: float, rati
         assert impact.duration == smooth.duration(1.7)
         assert impact.tangential_restitution == pytest.approx(-1.0, abs=4.0 * KAPPA * 1.7e-9)
         assert impact.velocities[0, 0] == smooth.impact(1.7).velocities[0, 0]
+    impact = wall_contact(hl.Friction(0.0, damping_ratio=1.0), restitution=restitution).impact(1.7, 0.8)
+    assert impact.energies["friction"] == impact.energies["tangential_spring"] == 0.0
     assert smooth.impact(1.7, 0.8).velocities[0, 1] == 0.8
     assert smooth.tangential_restitution([0.0, 0.5, 1.5]).tolist() == [-1.0, -1.0, -1.0]
     assert [i.state for i in smooth.impact(1.7, 0.8).intervals] == ["slip"]
