@@ -594,6 +594,16 @@ def test_mirrored_impacts_are_equal() -> None:
         assert (mirrored.trajectory()[name] == -impact.trajectory()[name]).all()
 
 
+def test_intervals_fill_the_contact(impacts: list[hl.Impact]) -> None:
+    for impact in impacts:
+        ends = [0.0, *(interval.end for interval in impact.intervals)]
+        assert [interval.begin for interval in impact.intervals] == ends[:-1]
+        assert ends[-1] == impact.duration
+        assert sorted(set(ends)) == ends
+        states = [interval.state for interval in impact.intervals]
+        assert all(before != after for before, after in itertools.pairwise(states))
+
+
 def test_motion_follows_the_forces(impacts: list[hl.Impact]) -> None:
     """Impulses are the integrals of the forces, and a sample in any order is that of the whole motion."""
     for impact in impacts[:30]:
@@ -608,10 +618,11 @@ def test_motion_follows_the_forces(impacts: list[hl.Impact]) -> None:
             total = sum(mean * length for mean, (_, length) in zip(means, pieces, strict=True))
             assert total == pytest.approx(getattr(impact, impulse), abs=1e-3 * impact.normal_impulse)
         whole, times = impact.trajectory(), impact.default_times()
-        some = impact.trajectory(times[::-7])
+        chosen = np.random.default_rng(1).permutation(len(times))[:60]
+        some = impact.trajectory(times[chosen])
         for name in ("slip_velocity", "tangential_force", "compression", "spin"):
             scale = float(np.abs(whole[name]).max())
-            assert some[name].values == pytest.approx(whole[name].values[::-7], abs=1e-12 * scale)
+            assert some[name].values == pytest.approx(whole[name].values[chosen], abs=1e-12 * scale)
         assert whole["slip_velocity"].values[0] == pytest.approx(impact.slip_velocity)
         assert whole["spin"].values[-1] == pytest.approx(
             impact.spins, abs=1e-10 * (1.0 + np.abs(impact.spins).max())
