@@ -203,8 +203,8 @@ def test_walls_that_lost_their_friction() -> None:
     script += f"fix w all wall/{wall} zplane 0 1\nrun 1\n".replace("wall/gran/hooke", "wall/gran hooke")
     was, is_now = "−1.00", "+0.21"
     for version, sentence in (
-        ("2 Aug 2023", f"β at 45° is {was}, and {is_now} since 2 Sep 2026"),
-        (None, f"β at 45° is {is_now}, and {was} from 2 Aug 2023 until it was mended in 2026"),
+        ("2 Aug 2023", f"β at 45° is {was} in this version, and {is_now} since it was mended in 2026"),
+        (None, f"β at 45° is {is_now}, and {was} from 2 Aug 2023 to 2026"),
     ):
         verdict = hl.check(
             script if version is None else f"LAMMPS ({version})\n{script}", code="lammps", speed=0.1

@@ -514,7 +514,8 @@ def _rest(support: drive.Support) -> str:
 
 def _ignored(script: Description, rows: Sequence[CheckedContact]) -> Iterator[Finding]:
     """What is in the script beside the contacts; their tangential forces unless all are understood."""
-    understood = all(row.friction.limit is not None for row in rows if row.friction.coefficient != 0.0)
+    rubbing = (row.friction for row in rows if row.friction.coefficient != 0.0)
+    understood = all(known.limit is not None or known.other_versions for known in rubbing)
     for note in script.ignored:
         if not (understood and note.what.startswith("tangential")):
             yield _finding(note)

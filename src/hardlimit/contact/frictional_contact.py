@@ -265,10 +265,10 @@ def _effective(own: FrictionalContact, dimension: int) -> float:
     kappa = 1.0 / own.tangential_mass
     u, weights = _shares(own, dimension)
     tangents = np.sqrt(kappa * u / (1.0 - u))
+    if mu == math.inf:
+        return float(weights @ _restitution(own, 1.0, tangents))
     grazing = GRAZING * max(mu, 1.0)
     *beta, last = _restitution(own, 1.0, np.append(tangents, grazing)).tolist()
-    if mu == math.inf:
-        return float(weights @ beta)
     sliding = (1.0 + last) * grazing
     less = float(weights @ (sliding / tangents - 1.0 - np.array(beta)))  # than if all were sliding
 
