@@ -40,8 +40,8 @@ HL_FN Jet power_jet(PowerTerm of, double s, double x, double velocity, double ac
 
 class PowerImpact {
 public:
-    HL_FN explicit PowerImpact(const ScaledImpact& of) : of_(of), m_(of.loading) {
-        if (!has_spring() && !(of_.damping.factor > 0.0)) of_.coefficient = 0.0;
+    HL_FN explicit PowerImpact(const ScaledImpact& of)
+        : of_(impact::without_void_friction(of)), m_(of.loading) {
         scale_ = of_.coefficient > 1.0 ? 1.0 / of_.coefficient : 1.0;
         touch();
     }
@@ -79,6 +79,7 @@ private:
     // s, V, G, U; integrals: time and the four of Work.
     enum Component { s, v, g, u, t, damped, creep, stuck, slid, size };
     enum class Event { none, release, end, turn, vanishing, upper, lower };
+    static constexpr Event limits[] = {Event::upper, Event::lower};
     static constexpr int most_steps = 100000, patience = 20000;
     static constexpr double first = 1e-16, last = 1e-5;  // s at start and end
     static constexpr double tolerance = 1e-14, floor_of_scale = 1e-3;
@@ -269,7 +270,7 @@ private:
 
     // A limit is on guard again once its distance is more than rounding error.
     HL_FN void rearm() {
-        for (const Event kind : {Event::upper, Event::lower}) {
+        for (const Event kind : limits) {
             bool& disarmed = disarmed_[kind == Event::upper ? 0 : 1];
             if (!disarmed) continue;
             const Instant i = instant(state_);
@@ -357,17 +358,12 @@ private:
     // Where F_n changes its sign the surfaces have slipped; D = 0.
     HL_FN void choose_at_zero_force() {
         const Instant i = instant(state_);
-        if (surfaces_ == Surfaces::follow) {  // steps of codes never leave the spring beyond its limit
-            sigma_ = -sigma_;
-            surfaces_ = Surfaces::slip;
-            disarmed_[sigma_ > 0.0 ? 0 : 1] = true;
-            return;
-        }
+        const bool followed = surfaces_ == Surfaces::follow;  // as fast as its limit; codes stick
         set_spring(limits_spring() ? 0.0 : -i.damping.value * i.slip);
         surfaces_ = Surfaces::stick;
         const double rate = limited_force(i, state_).rate;
         disarmed_[0] = disarmed_[1] = true;
-        if (math::abs(rate) <= of_.coefficient * i.force.rate) return;
+        if (followed || math::abs(rate) <= of_.coefficient * i.force.rate) return;
         sigma_ = rate > 0.0 ? 1.0 : -1.0;
         surfaces_ = Surfaces::slip;
     }
