@@ -374,6 +374,18 @@ def test_the_wall_without_friction_is_told_first(tmp_path):
     assert "β at 45° is −1.00 in this version, and +0.21 since it was mended" in first
 
 
+def test_each_wall_has_its_own_numbers():
+    """In units of length as large as the grains, the error is smaller for the larger ones."""
+    walls = "gran/hooke/history 2e5 NULL 50 NULL 0.5 0"
+    lines = (
+        f"units lj\natom_style sphere\n{BOX}pair_style {walls}\npair_coeff * *\nfix move all nve/sphere\n"
+        "create_atoms 1 single 0 0 1\ncreate_atoms 2 single 0 0 5\nset type 2 diameter 1.5\n"
+        f"{WALL.format(walls.removeprefix('gran/'))}run 1\n"
+    )
+    first, second, *_ = told(hl.check(f"LAMMPS (29 Aug 2024)\n{lines}", speed=1.0))
+    assert first.startswith("β at 45° is −0.90") and second.startswith("β at 45° is −0.88")
+
+
 @in_lammps.needs_lammps
 @pytest.mark.parametrize("name", ["wall hooke/history", "wall hooke/history lj", "wall hertz/history lj"])
 def test_the_wall_without_friction_in_lammps(name, tmp_path):

@@ -337,5 +337,5 @@ def _of_rolling(settings: Settings) -> Iterator[str]:
         most = size["rolling"] if name == "rolling" else size.get(words[0], "2/3 μ a J_n (a: contact radius)")
         yield (
             f"{name} {words[0]}: a collision with the normal impulse J_n adds an angular impulse of at most {most} "
-            f"against {about}, and at most what stops it"
+            f"against {about}, and less where less stops it"
         )
