@@ -150,9 +150,7 @@ def test_no_statement_is_dropped_in_silence(name):
     # Properties may be those of pairs that the script does not have; what is deleted may be the default, or hold grains
     # that do not move anyway.
     deleted = ("«O.dt = 1e-8»", "«fix hold still freeze»")
-    used = [
-        change for change in changes if "property/global" not in change[0] and change[0] not in deleted
-    ]
+    used = [change for change in changes if "property/global" not in change[0] and change[0] not in deleted]
     drawn = random.Random(name).sample(used, min(4, len(used)))
     before = answer(text)
     assert not [marked for marked, changed in drawn if answer(changed) == before]

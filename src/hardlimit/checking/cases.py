@@ -30,7 +30,7 @@ from .contacts import Body, Case, CheckedContact, KnownBody
 from .friction import OBLIQUE, FrictionLaw, MakeRestitution, MakeTerms, contact_of
 from .models import selected
 from .scripts import ContactSettings, Description, Grains, Quote, Stage
-from .scripts.logs import date
+from .scripts.description import date
 
 WALL = "wall"
 #: In place of the name of a wall: the second grain is one of those of its type that do not move.

@@ -528,23 +528,22 @@ def _warnings(script: Description, rows: Sequence[CheckedContact]) -> tuple[Find
     said = " ".join(finding.what for finding in read)
     repeated = [words for words in friction_words.OF_READERS if words in said]
     others = [trap for trap in _traps(rows) if not any(words in trap.what for words in repeated)]
-    versions = (Finding(text, types) for types, text in _texts(friction_words.versions, rows).items())
-    return (*versions, *read, *others)
+    return (*_findings(friction_words.versions, rows, own=True), *read, *others)
 
 
 def _traps(rows: Sequence[CheckedContact]) -> Iterator[Finding]:
-    """What friction does that is rarely meant, for each pair of types, in the words of the first."""
+    """What the friction of contacts does that is rarely meant."""
     for trap in friction_words.TRAPS:
-        texts = _texts(trap, rows)
-        yield from (Finding(next(iter(texts.values())), types) for types in texts)
+        yield from _findings(trap, rows)
 
 
-def _texts(
-    trap: Callable[[CheckedContact], str], rows: Sequence[CheckedContact]
-) -> dict[tuple[str, str], str]:
-    """The words of a trap for each pair of types that falls into it, those of its last contact."""
-    rubbing = [row for row in rows if row.friction.coefficient != 0.0]
-    return {row.types: text for row in rubbing if (text := trap(row))}
+def _findings(
+    trap: Callable[[CheckedContact], str], rows: Sequence[CheckedContact], own: bool = False
+) -> Iterator[Finding]:
+    """A trap for each pair of types that falls into it, in its ``own`` words or those of the first."""
+    texts = {row.types: text for row in rows if row.friction.coefficient != 0.0 and (text := trap(row))}
+    for types, text in texts.items():
+        yield Finding(text if own else next(iter(texts.values())), types)
 
 
 def _not_modelled(contacts: Sequence[cases.NotModelled]) -> Iterator[Finding]:
