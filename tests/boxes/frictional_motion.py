@@ -261,13 +261,17 @@ def first_surfaces(motion: Motion, y: Vector, duration: float) -> tuple[bool, Ve
         start = INSTANT * duration
         y[:6] += start * y[6:12]
         at = motion.pieces(y)
+    motion.slips = True
+    for sign in (1.0, -1.0):  # a history that grows with the contact radius may drive the surfaces
+        f = sign * at["g"] / np.linalg.norm(at["g"])
+        y[18:21] = mu * at["normal"] * f - (at["damping"] * at["g"] if terms.limit == 0 else 0.0)
+        now = motion.pieces(y)
+        if motion.drive(now, *motion.accelerations(now))[1] > 0.0:
+            return True, y, start
     f = at["g"] / np.linalg.norm(at["g"])
     y[18:21] = mu * at["normal"] * f - (at["damping"] * at["g"] if terms.limit == 0 else 0.0)
-    motion.slips = True
-    at = motion.pieces(y)
-    _, excess = motion.drive(at, *motion.accelerations(at))
-    motion.slips = bool(excess > 0.0)
-    return motion.slips, y, start
+    motion.slips = False
+    return False, y, start
 
 
 def event_functions(motion: Motion, duration: float) -> tuple[list[str], list[Any]]:
