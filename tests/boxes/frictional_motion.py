@@ -49,8 +49,8 @@ class Pair:
 class Motion:
     """State: positions, velocities, spins of both bodies and T: 21 numbers."""
 
-    def __init__(self, pair: Pair, normal: Vector) -> None:
-        self.pair, self.normal = pair, normal
+    def __init__(self, pair: Pair, normal: Vector, instant: float) -> None:
+        self.pair, self.normal, self.size = pair, normal, instant
         self.slips = self.unloads = False
         self.part: float | None = None  # of the damping, while the spring follows its limit without slip
         self.kept: Vector | None = None  # direction of slip once it no longer matters
@@ -186,12 +186,10 @@ def integrate(
     pair: Pair, y: Vector, normal: Vector, duration: float
 ) -> tuple[Vector, float, list[tuple[float, bool]]]:
     """State at the end, time, and the intervals (begin, slips) of a contact of about this duration."""
-    motion, t, terms = Motion(pair, normal), 0.0, pair.terms
-    motion.size = 0.01 * duration
+    motion, t, terms = Motion(pair, normal, 0.01 * duration), 0.0, pair.terms
     y = np.concatenate([y, np.zeros(3)])
     motion.slips, y, t = first_surfaces(motion, y, duration)
     intervals = [(0.0, motion.slips)]
-    largest = 0.0
     for _ in range(60):
         names, events = event_functions(motion, duration)
         run = solve_ivp(
@@ -207,7 +205,6 @@ def integrate(
         which = next(i for i, times in enumerate(run.t_events) if len(times))
         t, y = float(run.t_events[which][0]), run.y_events[which][0].copy()
         event, at = names[which], motion.pieces(y)
-        largest = max(largest, at["normal"])
         if event == "end":
             return y[:18], t, intervals
         if event == "turn":
@@ -261,13 +258,17 @@ def first_surfaces(motion: Motion, y: Vector, duration: float) -> tuple[bool, Ve
         start = INSTANT * duration
         y[:6] += start * y[6:12]
         at = motion.pieces(y)
+    motion.slips = True
+    for sign in (1.0, -1.0):  # a history that grows with the contact radius may drive the surfaces
+        f = sign * at["g"] / np.linalg.norm(at["g"])
+        y[18:21] = mu * at["normal"] * f - (at["damping"] * at["g"] if terms.limit == 0 else 0.0)
+        now = motion.pieces(y)
+        if motion.drive(now, *motion.accelerations(now))[1] > 0.0:
+            return True, y, start
     f = at["g"] / np.linalg.norm(at["g"])
     y[18:21] = mu * at["normal"] * f - (at["damping"] * at["g"] if terms.limit == 0 else 0.0)
-    motion.slips = True
-    at = motion.pieces(y)
-    _, excess = motion.drive(at, *motion.accelerations(at))
-    motion.slips = bool(excess > 0.0)
-    return motion.slips, y, start
+    motion.slips = False
+    return False, y, start
 
 
 def event_functions(motion: Motion, duration: float) -> tuple[list[str], list[Any]]:

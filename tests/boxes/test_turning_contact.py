@@ -137,7 +137,7 @@ def independent(draw: Draw) -> tuple[np.ndarray, float, list[tuple[float, bool]]
     return integrate(pair, np.concatenate(motion), draw.normal, draw.duration)
 
 
-@draws(40)
+@draws(20, few=3)
 @given(SEEDS)
 def test_against_an_independent_integration(seed: int) -> None:
     draw = drawn(seed)
@@ -160,7 +160,7 @@ def test_against_an_independent_integration(seed: int) -> None:
 def test_momenta_and_the_balance_of_energy(seed: int) -> None:
     draw = drawn(seed)
     impact = draw.impact()
-    assert sum(impact.energies.values()) == pytest.approx(impact.initial_energy, rel=2e-13)
+    assert sum(impact.energies.values()) == pytest.approx(impact.initial_energy, rel=5e-13)
     if draw.other is hl.FLOOR:
         assert (impact.velocities[1] == draw.velocities[1]).all() and not impact.spins[1].any()
         return
@@ -274,6 +274,15 @@ def test_at_a_wall_it_is_the_contact_with_a_fixed_normal(seed: int) -> None:
     assert impact.restitution == pytest.approx(flat.restitution, abs=1e-12)
     assert impact.tangential_restitution == pytest.approx(flat.tangential_restitution, abs=1e-10)
     assert impact.duration == pytest.approx(flat.duration, rel=1e-12)
+
+
+def test_a_slip_just_before_the_end_is_found() -> None:
+    """An elastic contact, whose spring and limit both end at zero."""
+    draw = drawn(12354, wall=True)
+    impact = draw.impact()
+    flat = impact.contact.impact(1.0, float(np.linalg.norm(impact.initial_slip_velocity)))
+    assert impact.transitions == 1 and impact.intervals[1].begin > 0.997 * impact.duration
+    assert impact.tangential_restitution == pytest.approx(flat.tangential_restitution, abs=1e-12)
 
 
 @draws(60)

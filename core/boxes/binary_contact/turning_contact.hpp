@@ -251,7 +251,14 @@ private:
         }
         if (f.coefficient == math::infinity || motion_.frozen) return first;
         for (const Event change : {motion_.slips ? Event::sticks : Event::slips, Event::holds}) {
-            if ((change == Event::holds && !motion_.follows) || !occurs(change)) continue;
+            if (change == Event::holds && !motion_.follows) continue;
+            // At the end of the force that limits T, T may be zero too: look just before.
+            const bool both_end = first == Event::ends && change == Event::slips && !motion_.follows;
+            if (both_end) probe(change, end * (1.0 - 1e-6));
+            if (!occurs(change)) {
+                if (both_end) probe(change, end);
+                continue;
+            }
             locate(change);
             if (first != Event::ends || length_ < end * (1.0 - 1e-13)) first = change;
         }

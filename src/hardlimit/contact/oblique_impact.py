@@ -220,40 +220,40 @@ class ObliqueImpact:
         order = np.argsort(at, kind="stable")
         path = np.empty((len(at), SLIPS + 1))
         path[order] = _core.turning_path(*self.approach, at[order])
-        columns = {name: path[:, k : k + 3] for name, k in VECTORS.items()}
-        velocities, displacements = self._of_bodies(columns["velocity"], columns["shift"], at)
-        spins = self.initial_spins + np.einsum(
-            "tk,b->tbk", columns["spin"] - self.approach.spin, _spin_shares(self.contact)
+        motion = {name: path[:, k : k + 3] for name, k in VECTORS.items()}
+        velocities, displacements = _of_bodies(
+            self.contact, self.initial_velocities, motion["velocity"], motion["shift"], at
         )
-        closing = np.einsum("tk,tk->t", columns["shift"], columns["normal"])
-        if self.approach.distance == math.inf:
-            compression, closer = -closing, np.ones(len(at))
-        else:
-            centres = self.approach.distance * self.initial_normal + columns["shift"]
-            compression = self.approach.distance - np.linalg.norm(centres, axis=1)
-            closer = 1.0 - compression / self.approach.distance
-        slip = [
-            self._slip(n, v, w, c)
-            for n, v, w, c in zip(columns["normal"], columns["velocity"], spins, closer, strict=True)
-        ]
+        shares = _spin_shares(self.contact)
+        spins = self.initial_spins + (motion["spin"] - self.approach.spin)[:, None, :] * shares[:, None]
         vector, of_bodies = ("time", "axis"), ("time", "body", "axis")
         data: dict[str, Any] = {
             "displacement": (of_bodies, displacements, {"units": "m"}),
             "velocity": (of_bodies, velocities, {"units": "m/s"}),
             "spin": (of_bodies, spins, {"units": "rad/s"}),
-            "normal": (vector, columns["normal"]),
-            "tangential_force": (vector, columns["tangential_force"], {"units": "N"}),
-            "slip_velocity": (vector, np.reshape(slip, (-1, 3)), {"units": "m/s"}),
-            "compression": ("time", compression, {"units": "m"}),
+            "normal": (vector, motion["normal"]),
+            "tangential_force": (vector, motion["tangential_force"], {"units": "N"}),
             "normal_force": ("time", path[:, NORMAL_FORCE], {"units": "N"}),
             "sticks": ("time", path[:, SLIPS] == 0.0),
+            **self._surfaces(motion, spins),
         }
         coords = {"time": ("time", at, {"units": "s", "long_name": "time after touch"})}
         return xr.Dataset(data, {**coords, "body": BODIES, "axis": AXES})
 
-    def _of_bodies(self, velocity: Floats, shift: Floats, time: Floats) -> tuple[Floats, Floats]:
-        """Velocities and displacements of both bodies from those of the other relative to the ball."""
-        return _of_bodies(self.contact, self.initial_velocities, velocity, shift, time)
+    def _surfaces(self, motion: dict[str, Floats], spins: Floats) -> dict[str, Any]:
+        """Compression and slip velocity over time."""
+        distance, normals = self.approach.distance, motion["normal"]
+        if distance == math.inf:
+            compression, closer = -(motion["shift"] * normals).sum(axis=1), np.ones(len(spins))
+        else:
+            apart = np.linalg.norm(distance * self.initial_normal + motion["shift"], axis=1)
+            compression, closer = distance - apart, apart / distance
+        states = zip(normals, motion["velocity"], spins, closer, strict=True)
+        slip = np.reshape([self._slip(*state) for state in states], (-1, 3))
+        return {
+            "slip_velocity": (("time", "axis"), slip, {"units": "m/s"}),
+            "compression": ("time", compression, {"units": "m"}),
+        }
 
     def plot(self) -> Figure:
         """Forces, slip speed and spins over time; intervals of stick are shaded."""
