@@ -87,14 +87,16 @@ ContactFriction<Law> friction_at_touch(const Law& law, Double4 velocity, double 
 //
 // While they slip the direction f of the force turns to that of its change h under sticking,
 //   df/dt = (h − (h·f) f)/(μ F_n),
-// solved here for constant h/(μ F_n). With f along the trial force (radial return) it would be of first order.
+// solved here for constant h/(μ F_n). With f along the trial force (radial return) it would be of first order; that is
+// done only in the step in which they begin to slip, or if h turns f round, so that they stuck in between.
 inline Double4 slipping_force(Double4 before, Double4 trial, double magnitude) {
     const auto length = [](Double4 v) { return math::sqrt(dot(v, v)); };
     const Double4 change = trial - before;
-    const double first = length(before), step = length(change);
-    if (!(first > 0.0 && dot(before, change) > 0.0)) return trial * (magnitude / length(trial));
-    const double along = dot(before, change) / (first * step);
-    const double decay = math::exp(-0.5 * step * (1.0 / first + 1.0 / magnitude));
+    const double first = length(before), step = length(change), product = dot(before, change);
+    const double angle = 0.5 * step * (1.0 / first + 1.0 / magnitude);
+    if (!(first > 0.0 && (product > 0.0 || angle < 1.0))) return trial * (magnitude / length(trial));
+    if (!(step > 0.0)) return before * (magnitude / first);
+    const double along = product / (first * step), decay = math::exp(-angle);
     const double even = 0.5 * (1.0 + decay * decay), odd = 0.5 * (1.0 - decay * decay);
     const Double4 direction = before * (decay / first) + change * (((even - decay) * along + odd) / step);
     return direction * (magnitude / (even + odd * along));
