@@ -59,7 +59,7 @@ struct ImpactEnergies {
 
 // Result of one contact [s, N s, J].
 struct FrictionalImpact {
-    bool solved;                                 // not too many changes
+    bool solved;                                 // within the number of steps allowed
     double restitution, tangential_restitution;  // ε = 0 and an infinite duration if the bodies stay together
     double duration, normal_impulse, tangential_impulse;
     ImpactEnergies energies;
@@ -118,7 +118,7 @@ HL_FN FrictionalImpact frictional_impact(const FrictionalContact& contact, doubl
                                          Observer& observer) {
     const ScaledImpact scaled = contact.scaled(speed, slip);
     return with_solution(scaled, [&](auto& motion) -> FrictionalImpact {
-        const bool solved = motion.run(observer);
+        const bool over = motion.run(observer);
         const impact::State end = motion.state();
         observer.finish(end);
         const impact::Work work = motion.work();
@@ -129,7 +129,7 @@ HL_FN FrictionalImpact frictional_impact(const FrictionalContact& contact, doubl
         const PowerTerm& k = scaled.stiffness;
         const bool stores = k.power == 0 && scaled.loading == 0 && scaled.unloading == 0;
         const double stored = !stores ? 0.0 : k.factor > 0.0 ? 0.5 * end.spring / k.factor * end.spring : 0.0;
-        return {solved,
+        return {over && math::is_finite(end.slip),
                 rebound,
                 -end.slip,
                 motion.over() ? end.time * contact.time_unit(speed) : math::infinity,

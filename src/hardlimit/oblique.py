@@ -120,7 +120,8 @@ def oblique_drop(column: Column, offset: float) -> ObliqueDrop:
 
     Notes
     -----
-    Balls and floor are smooth: there is no friction and no rotation. ``molecular_dynamics(engine="events")`` solves
+    Balls and floor are smooth: there is no friction and no rotation, and a column refuses a law with friction. One
+    contact with friction is :func:`oblique_impact`. ``molecular_dynamics(engine="events")`` solves
     Newton's equations (Eq. 14 of the paper) in the plane, to 1e-9.
 
     Examples

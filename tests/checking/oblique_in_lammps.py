@@ -132,17 +132,17 @@ def contact_of(text, setting: Setting, types: tuple[str, str]) -> Contact:
     script = read(text)
     stage = script.stages[-1]
     settings = next(each for each in stage.contacts if each.types == types)
-    made = force_of(code("lammps"), settings, script.version)
+    model_force = force_of(code("lammps"), settings, script.version)
     names = [name for name in types if name != "wall"]
     radii = dict(zip(("1", "2"), setting.radii, strict=True))
     masses = {name: 4.0 / 3.0 * math.pi * radii[name] ** 3 * setting.density for name in names}
     bodies = [KnownBody(radii[name], masses[name], None) for name in names]
     second = bodies[1] if len(bodies) > 1 else None
-    written = made.written(bodies[0], second, 1.0)
-    force = made(bodies[0], second, 1.0)
+    written = model_force.written(bodies[0], second, 1.0)
+    force = model_force(bodies[0], second, 1.0)
     inverse = sum((1.0 + 1.0 / stage.grains[name].inertia_factor) / masses[name] for name in names)
     return Contact(
-        NormalContact(written, made.numbers, force),
+        NormalContact(written, model_force.numbers, force),
         settings.tangential,
         settings.other_tangential,
         force.effective_mass,

@@ -8,8 +8,12 @@ from hypothesis import strategies as st
 
 from conftest import draws
 from hardlimit.checking.scripts import Description, read
+from hardlimit.convert.tangential.lammps import GRANULAR
 
 MODELS = ("hooke {k} {e}", "hertz {k} {e}", "hertz/material {k} {e} 0.3")
+#: Tangential models with the names of their numbers, and styles of classic walls.
+TANGENTIAL = {model.name: tuple(model.numbers) for model in GRANULAR}
+GRAN = ("hooke", "hooke/history", "hertz/history")
 DAMPING = ("velocity", "mass_velocity", "viscoelastic", "tsuji", "coeff_restitution")
 
 
@@ -86,9 +90,11 @@ class Written:
                     if i <= j:
                         self.pairs[str(i), str(j)] = model
         for k in range(self.random.randint(0, 2)):
-            words, model = self.model()
+            classic = self.random.random() < 0.5
+            words, model = self.classic() if classic else self.model()
             self.walls[f"w{k}"] = model
-            self.add(f"fix w{k} all wall/gran granular {words} zplane {self.written(0.0)} NULL")
+            kind = "" if classic else "granular "
+            self.add(f"fix w{k} all wall/gran {kind}{words} zplane {self.written(0.0)} NULL")
 
     def liggghts(self):
         every = range(self.types)
@@ -140,9 +146,29 @@ class Written:
         damping, limited = self.choose(None, *DAMPING), self.choose("", " limit_damping")
         shape = self.choose(*MODELS)
         words = shape.format(k=self.written(k), e=self.written(e))
-        words += " tangential linear_nohistory 1.0 0.5" + (f" damping {damping}" if damping else "") + limited
+        name = self.choose(*(model for model in TANGENTIAL if "material" in shape or "mindlin" not in model))
+        numbers = {each: self.value(0.1, 9.0) for each in TANGENTIAL[name]}
+        if "mindlin" in name and name != "mindlin_classic" and self.random.random() < 0.5:
+            numbers["stiffness"] = None
+        places = ["NULL" if x is None else self.written(x) for x in numbers.values()]
+        parts = [f" tangential {name} {' '.join(places)}", f" damping {damping}" if damping else "", limited]
+        self.random.shuffle(parts)
         normal = [shape.split()[0], k, e] + ([0.3] if "material" in shape else [])
-        return words, (normal, damping or "viscoelastic", bool(limited))
+        return words + "".join(parts), (normal, damping or "viscoelastic", bool(limited), name, numbers)
+
+    def classic(self):
+        """The words of a classic wall, and its settings."""
+        style, k, c, mu = self.choose(*GRAN), self.value(1e4, 1e6), self.value(1.0, 9.0), self.value(0.1, 0.9)
+        stiffness, damping = (self.choose(None, self.value(1.0, 9.0)) for _ in range(2))
+        flag, limited = self.choose(0, 1), self.choose("", " limit_damping")
+        spring, dashpot = ("NULL" if x is None else self.written(x) for x in (stiffness, damping))
+        words = f"{style} {self.written(k)} {spring} {self.written(c)} {dashpot} {self.written(mu)} {flag}{limited}"
+        numbers = {"stiffness": stiffness, "damping": damping if flag else 0.0, "coefficient": mu}
+        if style == "hooke":
+            del numbers["stiffness"]
+        rubs = style != "hooke" or flag
+        normal = ["gran/hertz" if style == "hertz/history" else "gran/hooke", k, c]
+        return words, (normal, None, bool(limited), *((f"gran/{style}", numbers) if rubs else (None, None)))
 
 
 @pytest.mark.parametrize("seed", range(100))
@@ -158,11 +184,16 @@ def test_random_scripts(seed):
     for contact in stage.contacts:
         name, *numbers = contact.settings["normal"].words
         normal = [name, *(pytest.approx(float(x), rel=1e-12) for x in numbers)]
+        force = contact.tangential
+        numbers = force and {name: x and pytest.approx(x, rel=1e-12) for name, x in force.numbers.items()}
         contacts[contact.types, contact.wall] = (
             normal,
-            contact.settings["damping"].words[0],
+            contact.settings["damping"].words[0] if "damping" in contact.settings else None,
             "limit_damping" in contact.settings,
+            force and force.model,
+            numbers,
         )
+        assert contact.friction == (force.numbers["coefficient"] if force else 0.0)
     assert contacts == expected
     assert {kind: grains.radii for kind, grains in stage.grains.items()} == {
         kind: pytest.approx(radii) for kind, radii in written.radii.items()

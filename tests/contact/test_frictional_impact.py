@@ -453,11 +453,12 @@ def deviations(tmp_path, *arguments: str) -> dict[str, float]:
     return {name: float(value) for name, value in map(str.split, done.stdout.splitlines())}
 
 
-@pytest.mark.parametrize("number", [700, slow(20000)])
-def test_closed_form_is_the_integration(tmp_path, number: int) -> None:
+@pytest.mark.parametrize(("number", "most"), [(700, 1e-12), slow(20000, 1e-11)])
+def test_closed_form_is_the_integration(tmp_path, number: int, most: float) -> None:
     worst = deviations(tmp_path, "forms", str(number))
     assert worst.pop("counts") == 0
-    assert max(worst.values()) < 1e-12, worst
+    assert worst.pop("follows") >= 10
+    assert max(worst.values()) < most, worst
 
 
 @pytest.mark.slow
@@ -465,15 +466,17 @@ def test_closed_form_is_the_integration_of_extremes(tmp_path) -> None:
     """Damping ratios up to 2000, ρ and ψ over nine decades; stored energies then exceed those of the collision."""
     worst = deviations(tmp_path, "forms", "2000", "1000")
     assert worst["counts"] <= 2
-    assert max(worst[name] for name in ("slip", "rate", "time")) < 1e-10, worst
+    assert max(worst[name] for name in ("slip", "rate", "time")) < 1e-9, worst
     assert worst["ledger"] < 1e-13
-    assert worst["work"] < 1e-7
+    assert worst["work"] < 1e-4
 
 
-@pytest.mark.parametrize("number", [12, slow(250)])
+@pytest.mark.parametrize("number", [60, slow(250)])
 def test_agrees_with_the_steps_of_codes(tmp_path, number: int) -> None:
     """The limit of small steps: also where a spring follows its limit without slip, and in attractive tails."""
-    assert deviations(tmp_path, "steps", str(number))["steps"] < 1e-3
+    worst = deviations(tmp_path, "steps", str(number))
+    assert worst["steps"] < 1e-3
+    assert worst["follows"] >= number // 20
 
 
 # ---- conservation and symmetry -----------------------------------------------------------------------------
@@ -591,6 +594,16 @@ def test_mirrored_impacts_are_equal() -> None:
         assert (mirrored.trajectory()[name] == -impact.trajectory()[name]).all()
 
 
+def test_intervals_fill_the_contact(impacts: list[hl.Impact]) -> None:
+    for impact in impacts:
+        ends = [0.0, *(interval.end for interval in impact.intervals)]
+        assert [interval.begin for interval in impact.intervals] == ends[:-1]
+        assert ends[-1] == impact.duration
+        assert sorted(set(ends)) == ends
+        states = [interval.state for interval in impact.intervals]
+        assert all(before != after for before, after in itertools.pairwise(states))
+
+
 def test_motion_follows_the_forces(impacts: list[hl.Impact]) -> None:
     """Impulses are the integrals of the forces, and a sample in any order is that of the whole motion."""
     for impact in impacts[:30]:
@@ -605,10 +618,11 @@ def test_motion_follows_the_forces(impacts: list[hl.Impact]) -> None:
             total = sum(mean * length for mean, (_, length) in zip(means, pieces, strict=True))
             assert total == pytest.approx(getattr(impact, impulse), abs=1e-3 * impact.normal_impulse)
         whole, times = impact.trajectory(), impact.default_times()
-        some = impact.trajectory(times[::-7])
+        chosen = np.random.default_rng(1).permutation(len(times))[:60]
+        some = impact.trajectory(times[chosen])
         for name in ("slip_velocity", "tangential_force", "compression", "spin"):
             scale = float(np.abs(whole[name]).max())
-            assert some[name].values == pytest.approx(whole[name].values[::-7], abs=1e-12 * scale)
+            assert some[name].values == pytest.approx(whole[name].values[chosen], abs=1e-12 * scale)
         assert whole["slip_velocity"].values[0] == pytest.approx(impact.slip_velocity)
         assert whole["spin"].values[-1] == pytest.approx(
             impact.spins, abs=1e-10 * (1.0 + np.abs(impact.spins).max())
@@ -657,6 +671,8 @@ def test_without_friction_the_contact_is_the_smooth_one(restitution: float, rati
         assert impact.duration == smooth.duration(1.7)
         assert impact.tangential_restitution == pytest.approx(-1.0, abs=4.0 * KAPPA * 1.7e-9)
         assert impact.velocities[0, 0] == smooth.impact(1.7).velocities[0, 0]
+    impact = wall_contact(hl.Friction(0.0, damping_ratio=1.0), restitution=restitution).impact(1.7, 0.8)
+    assert impact.energies["friction"] == impact.energies["tangential_spring"] == 0.0
     assert smooth.impact(1.7, 0.8).velocities[0, 1] == 0.8
     assert smooth.tangential_restitution([0.0, 0.5, 1.5]).tolist() == [-1.0, -1.0, -1.0]
     assert [i.state for i in smooth.impact(1.7, 0.8).intervals] == ["slip"]

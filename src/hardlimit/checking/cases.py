@@ -20,7 +20,7 @@ from ..contact.frictional_contact import tangential_restitution
 from ..convert.codes import Code, Model, Pair, Written, code
 from ..convert.force import AdhesiveForce, ContactArea, Force
 from ..convert.formulas import DEFAULT_POISSON_RATIO, Numbers
-from ..convert.tangential import NormalContact, Tangential, TangentialModel, models_of
+from ..convert.tangential import NormalContact, Tangential, models_of
 from ..convert.wanted import LAWS
 from ..support.formatting import digits, listed, quantity
 from ..support.units import SYSTEMS
@@ -28,7 +28,7 @@ from .contacts import Body, Case, CheckedContact, KnownBody
 from .friction import OBLIQUE, FrictionLaw, MakeRestitution, MakeTerms, contact_of
 from .models import selected
 from .scripts import ContactSettings, Description, Grains, Quote, Stage
-from .scripts.logs import date
+from .scripts.description import date
 
 WALL = "wall"
 #: In place of the name of a wall: the second grain is one of those of its type that do not move.
@@ -83,7 +83,7 @@ def friction_of(source: Code, contact: ContactSettings, force: ModelForce | None
         return law
     others = [(when, _oblique(source, contact, force, model)) for when, model in contact.other_tangential]
     own = contact.tangential
-    model = None if own is None else _model_of(source, own)
+    model = None if own is None else models_of(source.name).get(own.model)
     if own is not None and model is not None and model.restitution is not None:
         others.insert(0, ("in this version", _oblique(source, contact, force, own)))
         law, own = law._replace(model=own.model, not_known="only β at 45° is known"), None
@@ -96,20 +96,19 @@ def friction_of(source: Code, contact: ContactSettings, force: ModelForce | None
     return law._replace(model=own.model, terms=terms)
 
 
-def _model_of(source: Code, tangential: Tangential) -> TangentialModel | None:
-    return models_of(source.name).get(tangential.model)
-
-
 def _oblique(
     source: Code, contact: ContactSettings, force: ModelForce, tangential: Tangential
 ) -> MakeRestitution | None:
     """β at 45° under a tangential force; None if it is not known."""
-    model, terms = _model_of(source, tangential), _terms_of(source, contact, force, tangential)
+    model, terms = models_of(source.name).get(tangential.model), _terms_of(source, contact, force, tangential)
     if model is None or isinstance(terms, str):
         return None
 
     def beta(first: KnownBody, second: KnownBody | None, speed: float) -> float:
-        own = contact_of(terms, force(first, second, speed), (first, second), speed)
+        normal_force = force(first, second, speed)
+        if not normal_force.collision(speed).restitution > 0.0:
+            return math.nan
+        own = contact_of(terms, normal_force, (first, second), speed)
         if model.restitution is None:
             return float(tangential_restitution(own, speed, OBLIQUE)[0])
         written = force.written(first, second, speed)
@@ -124,7 +123,7 @@ def _terms_of(
     source: Code, contact: ContactSettings, force: ModelForce, tangential: Tangential
 ) -> MakeTerms | str:
     """The terms of a tangential force, or why they are not known."""
-    model = _model_of(source, tangential)
+    model = models_of(source.name).get(tangential.model)
     if model is None:
         return f"tangential model {tangential.model} not understood"
 

@@ -514,7 +514,8 @@ def _rest(support: drive.Support) -> str:
 
 def _ignored(script: Description, rows: Sequence[CheckedContact]) -> Iterator[Finding]:
     """What is in the script beside the contacts; their tangential forces unless all are understood."""
-    understood = all(row.friction.limit is not None for row in rows if row.friction.coefficient != 0.0)
+    rubbing = (row.friction for row in rows if row.friction.coefficient != 0.0)
+    understood = all(known.limit is not None or known.other_versions for known in rubbing)
     for note in script.ignored:
         if not (understood and note.what.startswith("tangential")):
             yield _finding(note)
@@ -527,7 +528,7 @@ def _warnings(script: Description, rows: Sequence[CheckedContact]) -> tuple[Find
     said = " ".join(finding.what for finding in read)
     repeated = [words for words in friction_words.OF_READERS if words in said]
     others = [trap for trap in _traps(rows) if not any(words in trap.what for words in repeated)]
-    return (*_findings(friction_words.versions, rows), *read, *others)
+    return (*_findings(friction_words.versions, rows, own=True), *read, *others)
 
 
 def _traps(rows: Sequence[CheckedContact]) -> Iterator[Finding]:
@@ -536,11 +537,13 @@ def _traps(rows: Sequence[CheckedContact]) -> Iterator[Finding]:
         yield from _findings(trap, rows)
 
 
-def _findings(trap: Callable[[CheckedContact], str], rows: Sequence[CheckedContact]) -> Iterator[Finding]:
-    """A trap for each pair of types that falls into it, in the words of the first."""
+def _findings(
+    trap: Callable[[CheckedContact], str], rows: Sequence[CheckedContact], own: bool = False
+) -> Iterator[Finding]:
+    """A trap for each pair of types that falls into it, in its ``own`` words or those of the first."""
     texts = {row.types: text for row in rows if row.friction.coefficient != 0.0 and (text := trap(row))}
-    for types in texts:
-        yield Finding(next(iter(texts.values())), types)
+    for types, text in texts.items():
+        yield Finding(text if own else next(iter(texts.values())), types)
 
 
 def _not_modelled(contacts: Sequence[cases.NotModelled]) -> Iterator[Finding]:

@@ -20,6 +20,8 @@ GAIN: Final = 1e-3
 ONE_ANGLE: Final = math.radians(0.5)
 #: Angle [rad] beyond which there are no impacts to speak of.
 GRAZING: Final = math.radians(89.5)
+#: Difference of β in versions of a code that is not worth telling.
+EQUAL: Final = 0.02
 #: Difference of β that makes another angle worth telling.
 HIGHER: Final = 0.05
 
@@ -98,8 +100,9 @@ OF_READERS: Final = ("no static friction", "attracts")
 def versions(row: CheckedContact) -> str:
     """β of a contact in other versions of its code; empty if it is the same in all."""
     beta = dict(row.friction.tangential_restitution).get(float(OBLIQUE[0]))
-    others = [f"{_signed(other)} {when}" for when, other in row.friction.other_versions]
-    if not others:
+    versions = row.friction.other_versions
+    others = [f"{_signed(other)} {when}" for when, other in versions]
+    if not others or (beta is not None and all(abs(other - beta) < EQUAL for _, other in versions)):
         return ""
     return f"β at 45° is {', and '.join(([] if beta is None else [_signed(beta)]) + others)}"
 

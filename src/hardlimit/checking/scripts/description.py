@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field
+from datetime import datetime
 
 from ...convert.tangential import Tangential
 
@@ -135,3 +137,15 @@ class Description:
     unknown: tuple[Quote, ...] = field(default=())  #: statements that were not understood
     #: Messages that refuse those of them, and of what invalidates, on which the force of contacts depends.
     refused: tuple[str, ...] = field(default=())
+
+
+def date(version: str) -> tuple[int, ...] | None:
+    """A version as numbers that can be compared: ``2 Sep 2026`` or ``2023.02a``."""
+    if day := re.search(r"\d{1,2} [A-Z][a-z]{2} \d{4}", version):
+        try:
+            moment = datetime.strptime(day[0], "%d %b %Y")
+        except ValueError:
+            return None
+        return moment.year, moment.month, moment.day
+    numbers = re.search(r"\d+(?:\.\d+)+", version)
+    return tuple(map(int, numbers[0].split("."))) if numbers else None

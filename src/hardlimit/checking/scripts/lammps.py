@@ -109,12 +109,12 @@ class Lammps(State):
 
     def known_settings(self, statement: Statement, parsed: Words) -> Settings:
         """Settings whose numbers are known; a tangential force with other numbers is quoted."""
-        given = lammps_friction.marked(settings(statement, parsed.settings), parsed)
-        self.resolve(statement, {name: each for name, each in given.items() if name not in OPTIONAL})
+        own = lammps_friction.marked(settings(statement, parsed.settings), parsed)
+        self.resolve(statement, {name: each for name, each in own.items() if name not in OPTIONAL})
         friction = self.coefficient(parsed.friction)
         if parsed.tangential and friction != 0.0 and self.tangential(parsed) is None:
             self.quote_with(statement, "the numbers of its tangential force are not known")
-        return given
+        return own
 
     def tangential(self, words: Words) -> Tangential | None:
         """The tangential force of a pair style or a wall."""
@@ -230,6 +230,8 @@ class Lammps(State):
         if len(alone) < 2 or i == j:
             return None
         mixture = mixed(*(entry.settings for entry in alone))
+        if len({entry.words.tangential for entry in alone} - {""}) > 1:  # LAMMPS stops
+            mixture = None
         quotes = tuple(dict.fromkeys(entry.quote for entry in alone))
         if mixture is None:
             self.unknown.update(dict.fromkeys(quotes))

@@ -11,9 +11,8 @@ from typing import Final, NamedTuple
 from ...contact.friction import DEFAULT_RATIO
 from ...convert.tangential import Tangential
 from ...convert.tangential.lammps import DEFAULT_DAMPING, MODELS, material_stiffness, scaled
-from .description import WALL, ContactSettings, Grains, Settings
+from .description import WALL, ContactSettings, Grains, Settings, date
 from .granular_words import ADHESIVE, Words, is_zero
-from .logs import date
 
 #: Normal models with Young's modulus and Poisson's ratio.
 MATERIALS: Final = ("hertz/material", *ADHESIVE)
@@ -39,9 +38,9 @@ def tangential(words: Words, number: Number) -> Tangential | None:
     """The tangential force of a contact; None without one, or if a number of it is not known."""
     if not words.tangential or is_zero(words.friction):
         return None
-    given = {name: word for name, word in words.numbers.items() if name in NUMBERS[words.tangential]}
-    values = {name: None if word == "NULL" else number(word) for name, word in given.items()}
-    known = all(values[name] is not None or word == "NULL" for name, word in given.items())
+    taken = {name: word for name, word in words.numbers.items() if name in NUMBERS[words.tangential]}
+    values = {name: None if word == "NULL" else number(word) for name, word in taken.items()}
+    known = all(values[name] is not None or word == "NULL" for name, word in taken.items())
     positive = all(value is None or value >= 0.0 for value in values.values())
     has_coefficient = values["coefficient"] is not None and values.get("static_coefficient", 0.0) is not None
     return Tangential(words.tangential, values) if known and positive and has_coefficient else None
@@ -229,6 +228,7 @@ NO_DAMPING: Final = "x_t multiplies a normal damping of 0: there is no tangentia
 DEFAULT_SPRING: Final = (
     "k_t NULL is 2/7 k_n: without damping each contact that sticks reverses the slip, β = 1, as superballs do"
 )
+DEFAULT_MODULUS: Final = "k_t NULL is 2/7 k_n, about a quarter of Mindlin's 3 (1 − ν)/(2 − ν) k_n"
 DAMPFLAG: Final = "dampflag 0 leaves out the tangential damping only"
 ATTRACTIVE: Final = (
     "without limit_damping, the normal force attracts at the end, and μ |F_n| limits friction there as well"
@@ -241,7 +241,7 @@ MIXED_SPRING: Final = (
 )
 KEPT_SPRING: Final = (
     "{} with γ_t: beyond tan γ ≈ μ/x_t the spring begins against the slip and grows with the contact radius, so that "
-    "β depends on the time step and may be below −1"
+    "β may depend on the time step and be below −1"
 )
 DISKS: Final = (
     "grains in two dimensions spin as spheres, I = 2/5 m R²; disks have 1/2 (fix nve/sphere … disc)"
@@ -301,7 +301,7 @@ def _of_numbers(force: Tangential, settings: Settings, smooth: bool) -> Iterator
     elif model in ("gran/hooke", "linear_nohistory"):
         yield NO_HISTORY
     if model.startswith("gran/") and numbers.get("stiffness", 0.0) is None:
-        yield DEFAULT_SPRING
+        yield DEFAULT_MODULUS if model == "gran/hertz/history" else DEFAULT_SPRING
     kept = model in ("mindlin", "mindlin_rescale", "mindlin_classic", "mindlin/static")
     if kept and damping and not smooth and settings["damping"].words[0] != "viscoelastic":
         yield KEPT_SPRING.format(f"tangential {model}")
@@ -337,5 +337,5 @@ def _of_rolling(settings: Settings) -> Iterator[str]:
         most = size["rolling"] if name == "rolling" else size.get(words[0], "2/3 μ a J_n (a: contact radius)")
         yield (
             f"{name} {words[0]}: a collision with the normal impulse J_n adds an angular impulse of at most {most} "
-            f"against {about}, and at most what stops it"
+            f"against {about}, and less where less stops it"
         )

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from datetime import datetime
 from typing import Final
 
 from .commands import UNRESOLVED, Variables
@@ -38,18 +37,6 @@ def header(text: str) -> tuple[str, str] | None:
         if match:
             return match[1].lower(), match[2].strip()
     return ("", "") if printed else None
-
-
-def date(version: str) -> tuple[int, ...] | None:
-    """A version as numbers that can be compared: ``2 Sep 2026`` or ``2023.02a``."""
-    if day := re.search(r"\d{1,2} [A-Z][a-z]{2} \d{4}", version):
-        try:
-            moment = datetime.strptime(day[0], "%d %b %Y")
-        except ValueError:
-            return None
-        return moment.year, moment.month, moment.day
-    numbers = re.search(r"\d+(?:\.\d+)+", version)
-    return tuple(map(int, numbers[0].split("."))) if numbers else None
 
 
 def commands(text: str, file: str, variables: Variables, state: type[State]) -> Iterator[Statement]:

@@ -15,7 +15,7 @@ from typing import Final
 from ...contact.friction import DEFAULT_RATIO, FrictionTerms
 from . import NormalContact, Tangential, TangentialModel
 
-Given = Mapping[str, float | None]
+GivenNumbers = Mapping[str, float | None]
 
 #: γ_t over γ_n in a style gran/… whose γ_t is NULL.
 DEFAULT_DAMPING: Final = 0.5
@@ -37,9 +37,9 @@ def material_stiffness(youngs_modulus: float, poisson_ratio: float) -> float:
     return 2.0 * youngs_modulus / ((2.0 - poisson_ratio) * (1.0 + poisson_ratio))
 
 
-def _gran(given: Given, contact: NormalContact, model: str, hertz: bool = False) -> FrictionTerms:
+def _gran(numbers: GivenNumbers, contact: NormalContact, model: str, hertz: bool = False) -> FrictionTerms:
     """A style gran/…; at a wall, such a force in ``fix wall/gran``. γ_t is γ_t/m_eff in its input."""
-    stiffness, damping = given.get("stiffness"), given["damping"]
+    stiffness, damping = numbers.get("stiffness"), numbers["damping"]
     if stiffness is None:
         stiffness = DEFAULT_RATIO * contact.numbers["stiffness"]
     if damping is None:
@@ -48,24 +48,26 @@ def _gran(given: Given, contact: NormalContact, model: str, hertz: bool = False)
     mass = pair.mass if pair.formula_mass is None else pair.formula_mass
     scale = math.sqrt(pair.radius) if hertz else 1.0
     power = RADIUS if hertz else 0
-    return _terms(given, model, stiffness * scale, power, damping * mass * scale, power)
+    return _terms(numbers, model, stiffness * scale, power, damping * mass * scale, power)
 
 
-def _granular(given: Given, contact: NormalContact, model: str, radius: bool = False) -> FrictionTerms:
+def _granular(
+    numbers: GivenNumbers, contact: NormalContact, model: str, radius: bool = False
+) -> FrictionTerms:
     """A tangential model of ``granular``; with ``radius``, k_t multiplies the contact radius.
 
     γ_t is x_t times the coefficient of the normal damping.
     """
-    stiffness = 0.0 if model == "none" else given["stiffness"]
+    stiffness = 0.0 if model == "none" else numbers["stiffness"]
     if stiffness is None:
         material = [contact.numbers.get(name) for name in ("youngs_modulus", "poisson_ratio")]
         if None in material:
             raise ValueError("tangential: k_t is NULL, must be a number for this normal model")
         stiffness = material_stiffness(*(x for x in material if x is not None))
     scale = math.sqrt(contact.written.pair.radius) if radius else 1.0
-    damping = (given["damping_ratio"] or 0.0) * contact.force.damping
+    damping = (numbers["damping_ratio"] or 0.0) * contact.force.damping
     return _terms(
-        given,
+        numbers,
         model,
         stiffness * scale,
         RADIUS if radius else 0,
@@ -75,11 +77,16 @@ def _granular(given: Given, contact: NormalContact, model: str, radius: bool = F
 
 
 def _terms(
-    given: Given, model: str, stiffness: float, stiffness_power: int, damping: float, damping_power: int
+    numbers: GivenNumbers,
+    model: str,
+    stiffness: float,
+    stiffness_power: int,
+    damping: float,
+    damping_power: int,
 ) -> FrictionTerms:
-    coefficient = given["coefficient"]
+    coefficient = numbers["coefficient"]
     assert coefficient is not None
-    still = given.get("static_coefficient")
+    still = numbers.get("static_coefficient")
     if still not in (None, coefficient):
         raise ValueError(
             f"tangential: static μ {still:g} and dynamic μ {coefficient:g} differ, must be equal"
@@ -97,12 +104,12 @@ def _terms(
     )
 
 
-Terms = Callable[[Given, NormalContact], FrictionTerms]
+Terms = Callable[[GivenNumbers, NormalContact], FrictionTerms]
 
 
-def _scaled(given: Given, contact: NormalContact, right: Terms) -> FrictionTerms:
+def _scaled(numbers: GivenNumbers, contact: NormalContact, right: Terms) -> FrictionTerms:
     """A linear spring with the error: its k_t times the contact radius, as a number in the script's unit."""
-    terms, unit = right(given, contact), given["length_unit"]
+    terms, unit = right(numbers, contact), numbers["length_unit"]
     assert unit is not None
     factor = math.sqrt(contact.written.pair.radius) / unit
     history = FrictionTerms.of_model("mindlin", "total", coefficient=terms.coefficient)
@@ -115,20 +122,22 @@ def _scaled(given: Given, contact: NormalContact, right: Terms) -> FrictionTerms
 
 
 def _worn(
-    given: Given,
+    numbers: GivenNumbers,
     contact: NormalContact,
     tangential_mass: float,
     speed: float,
     tangential_speed: float,
     terms: Terms,
 ) -> float:
-    """β of a spring that loses most of its force at every slip, by small steps."""
-    numbers, length_unit = terms(given, contact), given["length_unit"]
+    """β of a spring that loses most of its force at every slip, by small steps; NaN if the contact never ends."""
+    friction, length_unit = terms(numbers, contact), numbers["length_unit"]
     assert length_unit is not None
     force, radius = contact.force, contact.written.pair.radius
     step = force.collision(speed).duration / STEPS
+    if not math.isfinite(step):
+        return math.nan
     p, q = 0.25 * force.powers.elastic, 0.25 * force.powers.damping
-    k, c = 0.25 * numbers.stiffness_power, 0.25 * numbers.damping_power
+    k, c = 0.25 * friction.stiffness_power, 0.25 * friction.damping_power
     x, v, g, spring = 0.0, speed, tangential_speed, 0.0
     for _ in range(2 * STEPS):
         before, middle = x, v
@@ -141,8 +150,8 @@ def _worn(
         if x <= 0.0 or (normal <= 0.0 and not force.powers.attracts):
             break
         spring = spring * math.sqrt(x / before) if before > 0.0 else 0.0
-        spring += numbers.stiffness * x**k * g * step
-        damping, limit = numbers.damping * x**c * g, numbers.coefficient * abs(normal)
+        spring += friction.stiffness * x**k * g * step
+        damping, limit = friction.damping * x**c * g, friction.coefficient * abs(normal)
         total = spring + damping
         if abs(total) > limit:
             total = math.copysign(limit, total)
