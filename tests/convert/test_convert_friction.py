@@ -162,9 +162,13 @@ def test_the_text_is_read_back(name, model):
         ends = f"1-{2 if wall else 1}" if model == "viscel-tc-en" else f"1-{'wall' if wall else 1}"
         choose = "types 1 to" in conversion.text
         other = hl.FLOOR if wall else None
-        back = hl.convert_back(conversion.text, BALL, other, code=name, contact=ends if choose else None)
+        named = {"code": name, "contact": ends if choose else None, "time_step": row.time_step}
+        back = hl.convert_back(conversion.text, BALL, other, **named)
         assert back.friction.coefficient == pytest.approx(0.5, rel=1e-9)
         assert back.friction.effective_tangential_restitution == pytest.approx(wanted, abs=5e-4)
+        error = back.friction.tangential_restitution_error_of_step
+        if not (wall and "choose those of one" in conversion.text):
+            assert row.friction.error_of_step == pytest.approx(error, rel=1e-3) and 1e-4 < error < 0.2
         angles = dict(back.friction.tangential_restitution)
         assert len(angles) == 18 and back.to_dict()["friction"]["coefficient"] == back.friction.coefficient
         law = back.friction.model
@@ -280,6 +284,14 @@ def test_bad_friction_is_refused(changed, line):
     assert message.startswith(line)
 
 
+def test_hollow_balls_are_refused():
+    """Particle codes have solid ones; without friction that is the same."""
+    shell = hl.Ball(radius=5e-4, density=2500.0, inertia_factor=2.0 / 3.0)
+    message = refusal(lambda: hl.convert(shell, restitution=0.7, stiffness=1e5, code="lammps", **WALTON))
+    assert message.startswith("balls: got one with inertia_factor 0.666667, must be 0.4 with friction")
+    assert hl.convert(shell, restitution=0.7, stiffness=1e5, code="lammps").text
+
+
 def run(*arguments):
     return CliRunner().invoke(main, ["convert", "--radius", "0.5mm", "--density", "2500", *arguments])
 
@@ -311,6 +323,7 @@ def test_tables_of_friction(monkeypatch):
     assert "k_t/k_n = 0.9401" in " ".join(text.split()) and "How Chrono, Kratos" in " ".join(text.split())
     text = run(*ASKED, "--code", "yade", "--model", "viscel").stdout
     assert "Friction: ViscElPhys" in text and "−1 to 0.84" in text
+    assert "Δβ: largest error of β by the time step." in " ".join(text.split())
     assert "Friction: no numbers have this β0" in run(*ASKED, "--code", "liggghts", "--model", "hooke").stdout
 
 

@@ -5,25 +5,22 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any, Final, NamedTuple, Protocol
 
 import numpy as np
 
 from .. import _core
-from ..boxes.lammps import integration_error
 from ..contact import frictional_contact
 from ..contact.friction import LIMITS, FrictionTerms
 from ..contact.frictional_contact import ANGLES
 from ..contact.impact import FrictionalContact
-from ..convert.force import Force, Powers
+from ..convert.force import Force
+from ..convert.friction import error_of_step
 
 #: Solid spheres: I = q m R².
 SPHERE: Final = 2.0 / 5.0
 #: The angle [rad] at which other versions of a code are compared.
 OBLIQUE: Final = np.array(ANGLES[9:10])
-#: Impacts at which the error of a time step is computed: tan γ over κμ, κ = m_n/m_t.
-TESTED: Final = np.array([0.1, 0.5, 1.0, 1.5])
 #: Stiffest tangential spring that is computed: half periods in a contact.
 MOST_HALF_PERIODS: Final = 100.0
 
@@ -131,8 +128,7 @@ def numbers(
     if time_step is not None:
         step = time_step / force.scales(speed)[1]
         results["steps_per_half_period"] = half_period * collision.duration / step
-        error = _error_of_step(own, float(f"{step:.10g}"))
-        results["tangential_restitution_error_of_step"] = error
+        results["tangential_restitution_error_of_step"] = error_of_step(own, step)
     return results
 
 
@@ -148,24 +144,6 @@ def _ratios(own: FrictionalContact, compression: float) -> dict[str, Any]:
         "stiffness_ratio": stiffness / (p * compression ** (p - 1.0)),
         "damping_ratio": damping / normal if normal > 0.0 else 0.0 if damping == 0.0 else None,
     }
-
-
-@lru_cache(maxsize=1024)
-def _error_of_step(own: FrictionalContact, time_step: float) -> float:
-    """The largest error of β at :data:`TESTED` impacts; infinite if the contact does not end with this step.
-
-    Beyond the largest number of steps that is tried, the error is taken as proportional to the step.
-    """
-    scaled = Force(Powers(*own.powers), 1.0, own.coefficients[1], 1.0)
-    tried = max(time_step, scaled.collision(1.0).duration / integration_error.MAX_FRICTION_STEPS)
-    tangents = TESTED * min(own.terms.coefficient, 1.0) / own.tangential_mass
-    exact = frictional_contact.tangential_restitution(own, 1.0, np.arctan(tangents))
-    with np.errstate(over="ignore", invalid="ignore"):  # a contact that gains energy without end
-        beta = integration_error.tangential_restitution(
-            scaled, own.terms, own.tangential_mass, 1.0, tangents, tried
-        )
-        error = math.inf if beta is None else float(np.abs(beta - exact).max())
-    return error * time_step / tried
 
 
 def friction_of(law: FrictionLaw, results: Mapping[str, Any]) -> CheckedFriction:

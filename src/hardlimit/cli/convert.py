@@ -30,6 +30,8 @@ Example:
       --youngs-modulus 210GPa --poisson-ratio 0.3 --code lammps
   hardlimit convert --restitution 0.7 --radius 0.5mm --radius 1mm --density 2500 \\
       --stiffness 1e5
+  hardlimit convert --restitution 0.7 --radius 0.5mm --density 2500 --stiffness 1e5 \\
+      --friction 0.5 --tangential-restitution 0.33 --code lammps
   hardlimit convert --radius 0.5mm --density 2500 --code lammps \\
       --input 'hooke 1e5 0.7 damping coeff_restitution limit_damping'"""
 
@@ -41,6 +43,7 @@ FRICTION = (
     "β0: that of grains with a constant β0 of sticking contacts and as much exchange of energy between translation and "
     "rotation, in a gas at equal temperatures of both. Default: by the code's own k_t and damping."
 )
+ERROR_OF_STEP = " Δβ: largest error of β by the time step."
 INPUTS = "LAMMPS, LIGGGHTS or YADE"
 #: Short names of numbers in the heads of columns.
 SHORT = {
@@ -266,7 +269,7 @@ def print_conversion(conversion: Conversion, balls: list[Ball], one_code: bool) 
         for model in conversion.models:
             print_model(out, model)
         if wanted.walton is not None:
-            out.print(FRICTION + not_known(conversion))
+            out.print(FRICTION + ERROR_OF_STEP + not_known(conversion))
     elif conversion.models:
         rows = [row for model in conversion.models for row in overview_rows(model)]
         head = ["code and model", "contact", "usual ε", "input", "ε"]
@@ -426,9 +429,10 @@ def friction_table(model: ModelConversion) -> Any:
         )
         possible = ", ".join(range_of(*limits) for limits in friction.reachable)
         obtained, default = friction.tangential_restitution, friction.usual_tangential_restitution
-        rows.append([pair, *values, digits(obtained, 4), digits(default, 3), possible])
+        ends = [digits(obtained, 4), digits(friction.error_of_step, 2), digits(default, 3), possible]
+        rows.append([pair, *values, *ends])
     names = [TANGENTIAL.get(name, name.replace("_", " ")) for name in names]
-    return table(["contact", *names, "β0", "default β0", "possible β0"], rows)
+    return table(["contact", *names, "β0", "Δβ", "default β0", "possible β0"], rows)
 
 
 def range_of(lowest: float, highest: float, significant: int = 3) -> str:

@@ -113,6 +113,21 @@ def convert(
     mat->SetPoissonRatio(0.3);
     mat->SetRestitution(0.679193715508);
     sys.DoStepDynamics(2.062e-07);
+
+    With friction, a gas of these grains has the tangential restitution that is wanted:
+
+    >>> found = hl.convert(
+    ...     ball,
+    ...     restitution=0.7,
+    ...     stiffness=1e4,
+    ...     friction=0.5,
+    ...     tangential_restitution=0.33,
+    ...     code="lammps",
+    ...     model="gran-hooke",
+    ...     wall=False,
+    ... )
+    >>> print(found.models[0].text.splitlines()[2])
+    pair_style gran/hooke/history 10000 9400.88942 10682.0424713 0.0 0.5 0 limit_damping
     """
     from .conversion import converted
     from .wanted import wanted

@@ -72,9 +72,9 @@ class Extra:
 class TangentialInput:
     """How a contact of a code gets friction; returned by :func:`hardlimit.convert`.
 
-    In ``words``, {friction} is μ, {friction_angle} its angle [rad], and other numbers of the tangential model begin with
-    ``tangential_``. The number ``free`` sets the tangential restitution. It is in proportion to k_t, unless it has a
-    range, or is Poisson's ratio ν of the normal model, whose Y/(1 − ν²) stays.
+    In ``words``, {friction} is μ, {friction_angle} its angle [rad], and other numbers of the tangential model begin
+    with ``tangential_``. The number ``free`` sets the tangential restitution. k_t is in proportion to it, unless it has
+    a range, as Poisson's ratio ν of the normal model, whose Y/(1 − ν²) stays.
     """
 
     name: str  #: in the file of the code

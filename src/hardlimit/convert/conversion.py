@@ -9,7 +9,7 @@ from typing import Any, Final
 
 from .. import _core
 from ..boxes.time_step import accepted_error
-from ..contact.balls import FLOOR, Ball, Floor
+from ..contact.balls import FLOOR, SOLID_SPHERE, Ball, Floor
 from ..support import validation
 from ..support.formatting import listed
 from . import texts
@@ -144,16 +144,26 @@ def converted(
     stepping = stepping_of(restitution_error, time_step)
     forces = [wanted.force(pair.mass, pair.radius) for pair in pairs]
     chosen = _chosen(named, model, wanted.law)
-    listed = (balls,) if isinstance(balls, Ball) else tuple(balls)
+    all_balls = (balls,) if isinstance(balls, Ball) else tuple(balls)
+    if wanted.walton is not None:
+        _refuse_hollow(all_balls)
     if named is not None:
-        for ball in listed:
+        for ball in all_balls:
             _refuse_light(chosen[0][0], ball)
-    chosen = [choice for choice in chosen if not any(_too_light(choice[0], ball) for ball in listed)]
+    chosen = [choice for choice in chosen if not any(_too_light(choice[0], ball) for ball in all_balls)]
     return Conversion(
         wanted,
         tuple(_contact(pair, force, wanted, stepping) for pair, force in zip(pairs, forces, strict=True)),
         tuple(_in_model(*choice, pairs, forces, wanted, attracts, stepping) for choice in chosen),
     )
+
+
+def _refuse_hollow(balls: Sequence[Ball]) -> None:
+    """Refuse balls with another moment of inertia than the codes' bodies, on which friction depends."""
+    for ball in balls:
+        if ball.inertia_factor != SOLID_SPHERE:
+            got = f"got one with inertia_factor {ball.inertia_factor:g}"
+            raise ValueError(f"balls: {got}, must be {SOLID_SPHERE:g} with friction, as in particle codes")
 
 
 def _refuse_light(source: Code, body: Any) -> None:
@@ -267,9 +277,8 @@ def _in_model(
     writable = [k for k, row in enumerate(rows) if row.numbers is not None]
     friction = None
     if wanted.walton is not None and model.friction and writable:
-        friction = friction_of_model(
-            source, model, [contacts[k] for k in writable], wanted.restitution, wanted.walton
-        )
+        named, steps = [contacts[k] for k in writable], [rows[k].time_step for k in writable]
+        friction = friction_of_model(source, model, named, steps, wanted.restitution, wanted.walton)
         for k, normal, row in zip(writable, friction.normal, friction.rows, strict=True):
             rows[k] = replace(rows[k], numbers=normal or rows[k].numbers, friction=row)
     text = _text(source, model, [(pairs[k], rows[k]) for k in writable], wanted, attraction, friction)

@@ -10,19 +10,20 @@ import contextlib
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import pairwise
 from typing import Final, NamedTuple
 
 import numpy as np
 import scipy
 
+from ..boxes.lammps import integration_error
 from ..contact import frictional_contact
 from ..contact.balls import SOLID_SPHERE
 from ..contact.friction import LIMITS, LINEAR, RESCALED, SPRING, FrictionTerms
 from ..contact.impact import FrictionalContact
 from .codes import Code, Model, TangentialInput, Written
-from .force import Force
+from .force import Force, Powers
 from .formulas import Numbers
 from .tangential import NormalContact, TangentialModel, models_of
 
@@ -33,6 +34,8 @@ DIMENSION: Final = 3
 #: shorter time steps than the normal force.
 STIFFEST: Final = 4.0
 SOFTEST: Final = 1e-6
+#: Impacts at which the error of a time step is computed: tan γ over κμ, κ = m_n/m_t.
+TESTED: Final = np.array([0.1, 0.5, 1.0, 1.5])
 #: A model without a free number has the wanted β0 if it is within this.
 NEAR: Final = 5e-4
 
@@ -46,6 +49,7 @@ class FrictionNumbers:
     tangential_restitution: float  #: β0 that they give a gas; NaN without numbers
     reachable: tuple[tuple[float, float], ...]  #: ranges of β0 over the free numbers of the code
     usual_tangential_restitution: float  #: β0 by the defaults of the code; NaN without defaults
+    error_of_step: float  #: largest error of β by the time step; NaN without numbers
 
 
 class Walton(NamedTuple):
@@ -65,6 +69,29 @@ def contact_of(force: Force, terms: FrictionTerms) -> FrictionalContact:
 def restitution_of(force: Force, terms: FrictionTerms, speed: float) -> float:
     """β0 of a gas of grains with this force and friction, whose normal speed at impact is ``speed`` [m/s]."""
     return frictional_contact.effective_restitution(contact_of(force, terms), speed, DIMENSION)
+
+
+def error_of_step(own: FrictionalContact, time_step: float) -> float:
+    """The largest error of β by a time step, both in units in which K, the effective mass and the speed are 1."""
+    return _error_of_step(own, float(f"{time_step:.10g}"))
+
+
+@lru_cache(maxsize=1024)
+def _error_of_step(own: FrictionalContact, time_step: float) -> float:
+    """The largest error of β at :data:`TESTED` impacts; infinite if the contact does not end with this step.
+
+    Beyond the largest number of steps that is tried, the error is taken as proportional to the step.
+    """
+    scaled = Force(Powers(*own.powers), 1.0, own.coefficients[1], 1.0)
+    tried = max(time_step, scaled.collision(1.0).duration / integration_error.MAX_FRICTION_STEPS)
+    tangents = TESTED * min(own.terms.coefficient, 1.0) / own.tangential_mass
+    exact = frictional_contact.tangential_restitution(own, 1.0, np.arctan(tangents))
+    with np.errstate(over="ignore", invalid="ignore"):  # a contact that gains energy without end
+        beta = integration_error.tangential_restitution(
+            scaled, own.terms, own.tangential_mass, 1.0, tangents, tried
+        )
+        error = math.inf if beta is None else float(np.abs(beta - exact).max())
+    return error * time_step / tried
 
 
 # --- one unknown --------------------------------------------------------------------------------------------
@@ -152,6 +179,13 @@ class FrictionWay:
         """β0 with this value of the free number, or with the defaults of the code."""
         return restitution_of(*self._force(value), self.written.speed)
 
+    def error_of_step(self, value: float | None, time_step: float) -> float:
+        """The largest error of β by a time step [s]; NaN if the step is."""
+        force, terms = self._force(value)
+        speed = self.written.speed
+        own = frictional_contact.in_own_units(contact_of(force, terms), speed)
+        return math.nan if math.isnan(time_step) else error_of_step(own, time_step / force.scales(speed)[1])
+
     def numbers(self, value: float | None) -> tuple[Numbers, dict[str, float | None]]:
         """The numbers of the normal and of the tangential model; with None, the defaults of the code."""
         written = self.written
@@ -214,9 +248,14 @@ class FrictionOfModel(NamedTuple):
 
 
 def friction_of_model(
-    source: Code, model: Model, contacts: Sequence[tuple[Written, float]], restitution: float, walton: Walton
+    source: Code,
+    model: Model,
+    contacts: Sequence[tuple[Written, float]],
+    steps: Sequence[float],
+    restitution: float,
+    walton: Walton,
 ) -> FrictionOfModel:
-    """The numbers with which contacts, each with its K [N/m^p], have the wanted friction."""
+    """The numbers with which contacts, each with its K [N/m^p] and time step [s], have the wanted friction."""
     forms = models_of(source.name)
     ways = [
         way for name in model.friction for way in source.friction if way.name == name and way.model in forms
@@ -235,14 +274,19 @@ def friction_of_model(
     rows, normal = [], []
     for i, _ in enumerate(contacts):
         chosen = None if best is None else (of_ways[best][i], solutions[best][i].value)
-        numbers, row = _row([each[i] for each in solutions], chosen, None if usual is None else usual[i])
+        numbers, row = _row(
+            [each[i] for each in solutions], chosen, None if usual is None else usual[i], steps[i]
+        )
         normal.append(numbers)
         rows.append(row)
     return FrictionOfModel(None if best is None else ways[best], rows, normal)
 
 
 def _row(
-    solutions: Sequence[Solution], chosen: tuple[FrictionWay, float | None] | None, usual: FrictionWay | None
+    solutions: Sequence[Solution],
+    chosen: tuple[FrictionWay, float | None] | None,
+    usual: FrictionWay | None,
+    time_step: float,
 ) -> tuple[Numbers | None, FrictionNumbers]:
     """The numbers of one contact in the normal model, and those of its friction."""
     reachable = merged(sorted((s.lowest, s.highest) for s in solutions if not math.isnan(s.highest)))
@@ -251,12 +295,13 @@ def _row(
         with contextlib.suppress(ValueError):  # the code has no default for this normal model
             usually = usual.tangential_restitution(None)
     if chosen is None:
-        return None, FrictionNumbers("", None, math.nan, reachable, usually)
+        return None, FrictionNumbers("", None, math.nan, reachable, usually, math.nan)
     way, value = chosen
     normal, tangential = way.numbers(value)
     numbers = {name: number for name, number in tangential.items() if number is not None}
     obtained = way.tangential_restitution(value)
-    return normal, FrictionNumbers(way.way.model, numbers, obtained, reachable, usually)
+    error = way.error_of_step(value, time_step)
+    return normal, FrictionNumbers(way.way.model, numbers, obtained, reachable, usually, error)
 
 
 def merged(ranges: Sequence[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
