@@ -9,6 +9,7 @@
 #include "arrays.hpp"
 #include "boxes/binary_contact/equivalent_collision.hpp"
 #include "boxes/binary_contact/tabulated_contact.hpp"
+#include "boxes/binary_contact/turning_contact.hpp"
 #include "boxes/newton_steps/time_step.hpp"
 #include "contact.hpp"
 
@@ -78,6 +79,69 @@ auto soft_contacts(const Contact& own, double own_distance, bool damping_varies,
     return make_array(std::move(rows), {n, std::size_t{5}});
 }
 
+using hl::boxes::TurningApproach;
+
+hl::boxes::Vector3 vector_of(const char* name, In x) {
+    hl::bindings::require_values(name, x.shape(0), 3, "a vector");
+    return {x.data()[0], x.data()[1], x.data()[2]};
+}
+nb::tuple tuple_of(const hl::boxes::Vector3& v) { return nb::make_tuple(v[0], v[1], v[2]); }
+
+TurningApproach turning_approach(const Contact& c, double distance, double arm, double rotational_ratio,
+                                 In normal, In velocity, In spin) {
+    return {c.pair.effective_mass,
+            distance,
+            arm,
+            rotational_ratio,
+            vector_of("normal", normal),
+            vector_of("velocity", velocity),
+            vector_of("spin", spin)};
+}
+template <class Law>
+hl::WithFriction<Law> with_friction(const Law& law, const Contact& c) {
+    return {law, c.friction};
+}
+
+nb::dict turning_contact(const Contact& c, double distance, double arm, double rotational_ratio, In normal,
+                         In velocity, In spin) {
+    const auto touch = turning_approach(c, distance, arm, rotational_ratio, normal, velocity, spin);
+    const auto end = std::visit(
+        [&](const auto& law) { return hl::boxes::solve_turning_contact(with_friction(law, c), touch); },
+        c.law);
+    const int known = end.changes < hl::boxes::most_intervals ? end.changes : hl::boxes::most_intervals;
+    return hl::bindings::dict_of(
+        "outcome", hl::outcome_records[static_cast<int>(end.outcome)].name, "duration", end.duration, "shift",
+        tuple_of(end.shift), "velocity", tuple_of(end.velocity), "spin", tuple_of(end.spin), "normal",
+        tuple_of(end.normal), "compression", end.compression, "normal_spring", end.normal_spring,
+        "tangential_spring", end.tangential_spring, "normal_damping", end.normal_damping,
+        "tangential_damping", end.tangential_damping, "slip", end.slip, "changes", end.changes, "slips_first",
+        end.slips_first, "change_times", std::vector<double>(end.change, end.change + known));
+}
+
+// States at times since touch [n, 17], up to the end of the contact: shift, velocity, spin, normal, normal force,
+// tangential force on the second body, whether the surfaces slip.
+auto turning_path(const Contact& c, double distance, double arm, double rotational_ratio, In normal,
+                  In velocity, In spin, In times) {
+    const auto touch = turning_approach(c, distance, arm, rotational_ratio, normal, velocity, spin);
+    std::vector<hl::boxes::TurningState> states(times.shape(0));
+    const long n = std::visit(
+        [&](const auto& law) {
+            return hl::boxes::sample_turning_contact(with_friction(law, c), touch, times.data(),
+                                                     static_cast<long>(states.size()), states.data());
+        },
+        c.law);
+    states.resize(static_cast<std::size_t>(n));
+    std::vector<double> rows;
+    for (const auto& s : states) {
+        for (const auto& v : {s.shift, s.velocity, s.spin, s.normal})
+            rows.insert(rows.end(), v.begin(), v.end());
+        rows.push_back(s.normal_force);
+        rows.insert(rows.end(), s.tangential_force.begin(), s.tangential_force.end());
+        rows.push_back(s.slips ? 1.0 : 0.0);
+    }
+    return make_array(std::move(rows), {states.size(), std::size_t{17}});
+}
+
 }  // namespace
 
 void bind_binary_contact(nb::module_& m) {
@@ -93,6 +157,15 @@ void bind_binary_contact(nb::module_& m) {
           "distance"_a, "normal_speed"_a, "tangential_speed"_a,
           "Duration, rotation angle, final compression, radial and tangential speed [n, 5] of contacts, as "
           "computed by an event-driven run whose polynomials were fitted for the pair `own`.");
+    m.def(
+        "turning_contact", &turning_contact, "contact"_a, "distance"_a, "arm"_a, "rotational_ratio"_a,
+        "normal"_a, "velocity"_a, "spin"_a,
+        "Isolated contact with friction of two bodies, the second relative to the first: its end. The normal "
+        "points from the first to the second. For a wall: infinite distance; arm: the radius.");
+    m.def("turning_path", &turning_path, "contact"_a, "distance"_a, "arm"_a, "rotational_ratio"_a, "normal"_a,
+          "velocity"_a, "spin"_a, "times"_a,
+          "States at times since touch [n, 17], up to the end of the contact: shift, velocity, spin, normal, "
+          "normal force, tangential force on the second body, whether the surfaces slip.");
     m.def(
         "step_errors",
         [](const Contact& c, double speed, double time_step) {

@@ -45,6 +45,7 @@ _LATER = {
     "fitting.measurements": ("Impacts", "Rebounds"),
     "fitting.result": ("Fit",),
     "saved": ("load",),
+    "contact.oblique_impact": ("ObliqueImpact", "oblique_impact"),
     "oblique": ("ObliqueDrop", "oblique_drop"),
     "boxes.checkpoint": ("CheckpointWarning",),
     "boxes.hard_spheres": ("event_driven",),

@@ -33,6 +33,8 @@ from .fitting.measurements import Impacts as Impacts
 from .fitting.measurements import Rebounds as Rebounds
 from .fitting.result import Fit as Fit
 from .saved import load as load
+from .contact.oblique_impact import ObliqueImpact as ObliqueImpact
+from .contact.oblique_impact import oblique_impact as oblique_impact
 from .oblique import ObliqueDrop as ObliqueDrop
 from .oblique import oblique_drop as oblique_drop
 from .boxes.checkpoint import CheckpointWarning as CheckpointWarning

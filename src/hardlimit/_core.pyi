@@ -216,6 +216,16 @@ def soft_contacts(own: Contact, own_distance: float, damping_varies: bool, conta
     Duration, rotation angle, final compression, radial and tangential speed [n, 5] of contacts, as computed by an event-driven run whose polynomials were fitted for the pair `own`.
     """
 
+def turning_contact(contact: Contact, distance: float, arm: float, rotational_ratio: float, normal: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], velocity: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], spin: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> dict:
+    """
+    Isolated contact with friction of two bodies, the second relative to the first: its end. The normal points from the first to the second. For a wall: infinite distance; arm: the radius.
+    """
+
+def turning_path(contact: Contact, distance: float, arm: float, rotational_ratio: float, normal: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], velocity: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], spin: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], times: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> NDArray[numpy.float64]:
+    """
+    States at times since touch [n, 17], up to the end of the contact: shift, velocity, spin, normal, normal force, tangential force on the second body, whether the surfaces slip.
+    """
+
 def step_errors(contact: Contact, speed: float, time_step: float) -> tuple[float, float, float]:
     """
     Largest errors of fixed time steps in an isolated contact: of ε; of the energy balance, relative to the impact energy; of positions after it, relative to impact speed times duration. Infinite if a contact does not end.

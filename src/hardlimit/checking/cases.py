@@ -6,8 +6,6 @@ import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache
-from importlib import import_module
 from itertools import permutations
 from typing import Any, Final, NamedTuple
 
@@ -22,7 +20,7 @@ from ..contact.frictional_contact import tangential_restitution
 from ..convert.codes import Code, Model, Pair, Written, code
 from ..convert.force import AdhesiveForce, ContactArea, Force
 from ..convert.formulas import DEFAULT_POISSON_RATIO, Numbers
-from ..convert.tangential import NormalContact, Tangential, TangentialModel
+from ..convert.tangential import NormalContact, Tangential, models_of
 from ..convert.wanted import LAWS
 from ..support.formatting import digits, listed, quantity
 from ..support.units import SYSTEMS
@@ -85,7 +83,7 @@ def friction_of(source: Code, contact: ContactSettings, force: ModelForce | None
         return law
     others = [(when, _oblique(source, contact, force, model)) for when, model in contact.other_tangential]
     own = contact.tangential
-    model = None if own is None else _model_of(source, own)
+    model = None if own is None else models_of(source.name).get(own.model)
     if own is not None and model is not None and model.restitution is not None:
         others.insert(0, ("in this version", _oblique(source, contact, force, own)))
         law, own = law._replace(model=own.model, not_known="only β at 45° is known"), None
@@ -98,15 +96,11 @@ def friction_of(source: Code, contact: ContactSettings, force: ModelForce | None
     return law._replace(model=own.model, terms=terms)
 
 
-def _model_of(source: Code, tangential: Tangential) -> TangentialModel | None:
-    return _tangential_models(source.name).get(tangential.model)
-
-
 def _oblique(
     source: Code, contact: ContactSettings, force: ModelForce, tangential: Tangential
 ) -> MakeRestitution | None:
     """β at 45° under a tangential force; None if it is not known."""
-    model, terms = _model_of(source, tangential), _terms_of(source, contact, force, tangential)
+    model, terms = models_of(source.name).get(tangential.model), _terms_of(source, contact, force, tangential)
     if model is None or isinstance(terms, str):
         return None
 
@@ -126,7 +120,7 @@ def _terms_of(
     source: Code, contact: ContactSettings, force: ModelForce, tangential: Tangential
 ) -> MakeTerms | str:
     """The terms of a tangential force, or why they are not known."""
-    model = _model_of(source, tangential)
+    model = models_of(source.name).get(tangential.model)
     if model is None:
         return f"tangential model {tangential.model} not understood"
 
@@ -141,16 +135,6 @@ def _terms_of(
     except ValueError as error:
         return str(error)
     return terms
-
-
-@cache
-def _tangential_models(name: str) -> dict[str, TangentialModel]:
-    """The tangential models of a code by name."""
-    try:
-        module = import_module(f"..convert.tangential.{name}", __package__)
-    except ModuleNotFoundError:
-        return {}
-    return {model.name: model for model in module.MODELS}
 
 
 def energy_density(contact: ContactSettings, units: str = "si") -> tuple[Any, float] | None:

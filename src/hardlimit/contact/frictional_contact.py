@@ -11,7 +11,6 @@ from functools import lru_cache
 from typing import Final, NamedTuple
 
 import numpy as np
-import scipy
 
 from .. import _core
 from . import impact
@@ -264,7 +263,7 @@ def _effective(own: FrictionalContact, dimension: int) -> float:
         return math.nan
     kappa = 1.0 / own.tangential_mass
     u, weights = _shares(own, dimension)
-    tangents = np.sqrt(kappa * u / (1.0 - u))
+    tangents = np.sqrt(kappa * u / np.maximum(1.0 - u, np.finfo(float).eps))
     if mu == math.inf:
         return float(weights @ _restitution(own, 1.0, tangents))
     grazing = GRAZING * max(mu, 1.0)
@@ -275,10 +274,12 @@ def _effective(own: FrictionalContact, dimension: int) -> float:
     def excess(logarithm: float) -> float:
         return _less_than_sliding(math.exp(logarithm), sliding, kappa, dimension) - less
 
+    from scipy import optimize  # which a drop must not wait for
+
     low, high = math.log(1e-9), math.log(1e3)
     if not (excess(low) > 0.0 > excess(high)):
         return math.nan
-    return math.exp(scipy.optimize.brentq(excess, low, high, xtol=1e-10)) - 1.0
+    return math.exp(optimize.brentq(excess, low, high, xtol=1e-10)) - 1.0
 
 
 def _shares(own: FrictionalContact, dimension: int) -> tuple[Floats, Floats]:

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from ..contact.balls import Ball
-from ..contact.impact import Impact
+from ..contact.impact import Impact, Interval
 from .labels import scaled
 from .style import GREY, PAGE_WIDTH, PALETTE, style
 
@@ -30,7 +30,7 @@ def impact(result: Impact) -> Figure:
         _draw_slip(slip, motion, time)
         _draw_spins(spins, result, motion, time)
         for ax in (forces, slip, spins):
-            _shade(ax, result, factor)
+            shade(ax, result.intervals, factor)
         figure.align_ylabels()
         spins.set_xlabel(f"time after touch [{unit}]")
         spins.set_xlim(0.0, result.duration * factor)
@@ -85,12 +85,13 @@ def _with_zero(ax: Axes) -> None:
     ax.axhline(0.0, color="black", lw=0.5)
 
 
-def _shade(ax: Axes, result: Impact, factor: float) -> None:
+def shade(ax: Axes, intervals: tuple[Interval, ...], factor: float) -> None:
     """Shade the intervals of stick, and name those that are wide enough in the upper panel."""
-    for state, begin, end in result.intervals:
+    duration = intervals[-1].end
+    for state, begin, end in intervals:
         if state == "stick":
             ax.axvspan(begin * factor, end * factor, color=PALETTE["sky"], alpha=0.22, lw=0, zorder=0)
-        if ax.get_subplotspec().is_first_row() and end - begin > 0.08 * result.duration:  # type: ignore[union-attr]
+        if ax.get_subplotspec().is_first_row() and end - begin > 0.08 * duration:  # type: ignore[union-attr]
             place, where = (0.5 * (begin + end) * factor, 1.0), ("data", "axes fraction")
             ax.annotate(
                 state,
