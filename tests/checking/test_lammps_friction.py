@@ -374,6 +374,15 @@ def test_the_wall_without_friction_is_told_first(tmp_path):
     assert "β at 45° is −1.00 in this version, and +0.21 since it was mended" in first
 
 
+def test_walls_at_which_grains_stay():
+    """An overdamped contact has no β in any version."""
+    text = BASE + PLAIN + WALL.format("hooke/history 1e5 NULL 1e7 NULL 0.5 1") + "run 1\n"
+    for version in ("", "LAMMPS (29 Aug 2024)\n"):
+        row = next(row for row in hl.check(version + text, speed=0.1).rows if row.types == ("1", "wall"))
+        assert row.restitution == 0.0
+        assert not row.friction.tangential_restitution and not row.friction.other_versions
+
+
 def test_each_wall_has_its_own_numbers():
     """In units of length as large as the grains, the error is smaller for the larger ones."""
     walls = "gran/hooke/history 2e5 NULL 50 NULL 0.5 0"

@@ -105,7 +105,10 @@ def _oblique(
         return None
 
     def beta(first: KnownBody, second: KnownBody | None, speed: float) -> float:
-        own = contact_of(terms, force(first, second, speed), (first, second), speed)
+        normal_force = force(first, second, speed)
+        if not normal_force.collision(speed).restitution > 0.0:
+            return math.nan
+        own = contact_of(terms, normal_force, (first, second), speed)
         if model.restitution is None:
             return float(tangential_restitution(own, speed, OBLIQUE)[0])
         written = force.written(first, second, speed)

@@ -129,11 +129,13 @@ def _worn(
     tangential_speed: float,
     terms: Terms,
 ) -> float:
-    """β of a spring that loses most of its force at every slip, by small steps."""
+    """β of a spring that loses most of its force at every slip, by small steps; NaN if the contact never ends."""
     friction, length_unit = terms(numbers, contact), numbers["length_unit"]
     assert length_unit is not None
     force, radius = contact.force, contact.written.pair.radius
     step = force.collision(speed).duration / STEPS
+    if not math.isfinite(step):
+        return math.nan
     p, q = 0.25 * force.powers.elastic, 0.25 * force.powers.damping
     k, c = 0.25 * friction.stiffness_power, 0.25 * friction.damping_power
     x, v, g, spring = 0.0, speed, tangential_speed, 0.0
