@@ -114,7 +114,7 @@ nb::dict turning_contact(const Contact& c, double distance, double arm, double r
         tuple_of(end.shift), "velocity", tuple_of(end.velocity), "spin", tuple_of(end.spin), "normal",
         tuple_of(end.normal), "compression", end.compression, "normal_spring", end.normal_spring,
         "tangential_spring", end.tangential_spring, "normal_damping", end.normal_damping,
-        "tangential_damping", end.tangential_damping, "slip", end.slip, "changes", end.changes, "slips_first",
+        "tangential_damping", end.tangential_damping, "friction", end.slip, "changes", end.changes, "slips_first",
         end.slips_first, "change_times", std::vector<double>(end.change, end.change + known));
 }
 

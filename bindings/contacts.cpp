@@ -113,8 +113,8 @@ nb::dict impact_dict(const hl::contact::FrictionalImpact& r) {
                    r.tangential_restitution, "duration", r.duration, "normal_impulse", r.normal_impulse,
                    "tangential_impulse", r.tangential_impulse, "normal", e.normal, "tangential", e.tangential,
                    "normal_spring", e.normal_spring, "tangential_spring", e.tangential_spring,
-                   "normal_damping", e.normal_damping, "tangential_damping", e.tangential_damping, "slip",
-                   e.slip);
+                   "normal_damping", e.normal_damping, "tangential_damping", e.tangential_damping, "friction",
+                   e.friction);
 }
 
 // The contact with its intervals and its states at the given times, in the units of the user.

@@ -54,10 +54,31 @@ def law_section(law: Record) -> str:
     return "\n".join([*lines, "", f"A contact of this law has the attributes {constants}.", ""])
 
 
+def friction_section(record: dict[str, Any]) -> str:
+    lines = [
+        "## Friction",
+        "",
+        "Every law takes `friction=hl.Friction(coefficient, …)`. {ref}`friction` has the equations.",
+        "",
+        "| given | parameter | unit | range | meaning |",
+        "|---|---|---|---|---|",
+    ]
+    coefficient, *others = record["parameters"]
+    lines += parameter_rows("always", [coefficient])
+    for parameter in others:
+        lines += parameter_rows(
+            "or" if parameter["name"] in ("stiffness", "damping") else "either", [parameter]
+        )
+    lines += ["", "| model | tangential force | source |", "|---|---|---|"]
+    lines += [f"| `{model['name']}` | {model['summary']} | {model['source']} |" for model in record["models"]]
+    return "\n".join([*lines, ""])
+
+
 def laws() -> str:
     from hardlimit import _core
 
-    return NOTE + "\n" + "\n".join(law_section(law) for law in _core.law_records())
+    sections = [*(law_section(law) for law in _core.law_records()), friction_section(_core.friction_record())]
+    return NOTE + "\n" + "\n".join(sections)
 
 
 def rules() -> str:

@@ -4,7 +4,7 @@
 // The tangential force on the second body is −(T + γ_t g): g is the velocity of its surface relative to the first, T an
 // elastic force with T = 0 at touch, and γ_t a damping. While the surfaces stick,
 //   dT/dt = k_t g + m T (da/dt)/a,   a ∝ √ξ the contact radius,
-// where m is a number of the model, one while ξ grows and one while it falls. F_n is the normal force. Coulomb's limit is
+// where m is a number of the model, one while ξ grows and one while it falls. F_n is the normal force. Coulomb's limit:
 //   |T + γ_t g| <= μ F_n   SlipLimit::total (LAMMPS): T = μ F_n f − γ_t g while they slip, f a unit vector
 //   |T| <= μ F_n           SlipLimit::spring (LIGGGHTS, YADE): T = μ F_n f while they slip, without damping
 // k_t and γ_t are powers of the compression. Nothing here is integrated: a force that keeps its own history cannot be

@@ -46,21 +46,20 @@ struct FrictionalContact {
 // Energies at the end of a contact and those lost [J]. They add up to the kinetic energy at touch of the relative
 // motion, m v²/2 + m_t g_0²/2.
 //   normal_spring       of the compression with which a dissipative contact ends
-//   tangential_spring   of the spring at the end, if k_t is constant. Otherwise the spring has no energy of its own,
-//                       and this is the work that it has taken while the surfaces stick: negative if it gave more
+//   tangential_spring   of the spring at the end, if k_t is constant; otherwise the spring has no energy of its own
 //   normal_damping      work of the damping of the normal force
 //   tangential_damping  work of γ_t g while the surfaces stick
-//   slip                work of the tangential force while they slip, less what the spring gains meanwhile, if k_t is
-//                       constant. Under SlipLimit::total with γ_t > 0 it may be negative: the limit then sets the
-//                       spring against the slip
+//   friction            the rest of the work of the tangential force. Under SlipLimit::total with γ_t > 0 it may be
+//                       negative: the limit then sets the spring against the slip. Without a constant k_t it includes
+//                       what the spring does not give back, negative if it gives more
 struct ImpactEnergies {
     double normal, tangential;  // kinetic
-    double normal_spring, tangential_spring, normal_damping, tangential_damping, slip;
+    double normal_spring, tangential_spring, normal_damping, tangential_damping, friction;
 };
 
 // Result of one contact [s, N s, J].
 struct FrictionalImpact {
-    bool solved;                                 // not too many changes
+    bool solved;                                 // within the number of steps allowed
     double restitution, tangential_restitution;  // ε = 0 and an infinite duration if the bodies stay together
     double duration, normal_impulse, tangential_impulse;
     ImpactEnergies energies;
@@ -119,7 +118,7 @@ HL_FN FrictionalImpact frictional_impact(const FrictionalContact& contact, doubl
                                          Observer& observer) {
     const ScaledImpact scaled = contact.scaled(speed, slip);
     return with_solution(scaled, [&](auto& motion) -> FrictionalImpact {
-        const bool solved = motion.run(observer);
+        const bool over = motion.run(observer);
         const impact::State end = motion.state();
         observer.finish(end);
         const impact::Work work = motion.work();
@@ -129,10 +128,8 @@ HL_FN FrictionalImpact frictional_impact(const FrictionalContact& contact, doubl
         const double power = 0.25 * contact.powers.elastic + 1.0;
         const PowerTerm& k = scaled.stiffness;
         const bool stores = k.power == 0 && scaled.loading == 0 && scaled.unloading == 0;
-        const double stored = !stores          ? work.sticking
-                              : k.factor > 0.0 ? 0.5 * end.spring / k.factor * end.spring
-                                               : 0.0;
-        return {solved,
+        const double stored = !stores ? 0.0 : k.factor > 0.0 ? 0.5 * end.spring / k.factor * end.spring : 0.0;
+        return {over && math::is_finite(end.slip),
                 rebound,
                 -end.slip,
                 motion.over() ? end.time * contact.time_unit(speed) : math::infinity,

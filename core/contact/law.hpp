@@ -18,11 +18,9 @@
 //   values(...)              the constants of the contact, in the order of record.constants
 //   record                   names, units, powers and documentation, read by bindings, command line, docs and tests
 //
-// A law with friction provides in addition (concept FrictionalLaw)
-//   History                  state of one contact: trivially copyable, value-initialized at touch; reverse() swaps the
-//                            two bodies
-//   tangential_force(m, h)   tangential force on the second body [N] for a ContactMotion; updates its History
-//   tangential_energy(h)     elastic energy of the tangential deformation [J]; 0 if the law has none
+// A law with friction (concept FrictionalLaw) has in addition
+//   friction                 FrictionTerms (friction.hpp): stiffness, damping and limit of the tangential force. A
+//                            solver integrates that force
 // Only the time-stepping engine accepts such a law. Columns, clusters of bodies in contact and tables of contacts need
 // a FrictionlessLaw.
 #pragma once
@@ -65,18 +63,7 @@ struct Slack {
     double slope;  // d depth/d rate [s]; may be set to zero where depth <= 0
 };
 
-// State of a frictional contact at one step. Velocities are those of the second body relative to the first at the
-// contact point.
-struct ContactMotion {
-    double compression, rate;    // ξ [m], dξ/dt [m/s]
-    double normal_force;         // [N]
-    double normal[3];            // unit vector from the first body to the second
-    double sliding_velocity[3];  // in the tangent plane [m/s]
-    double duration;             // since the previous step, or since touch [s]
-};
-struct TangentialForce {
-    double component[3];  // [N]
-};
+struct FrictionTerms;
 
 template <class Law>
 concept NormalLaw = requires(const Law& law, double x) {
@@ -86,10 +73,7 @@ concept NormalLaw = requires(const Law& law, double x) {
 };
 template <class Law>
 concept FrictionalLaw =
-    NormalLaw<Law> && requires(const Law& law, const ContactMotion& m, typename Law::History& h) {
-        law.tangential_force(m, h).component[0] + law.tangential_energy(h);
-        h.reverse();
-    };
+    NormalLaw<Law> && requires(const Law& law, void takes(const FrictionTerms&)) { takes(law.friction); };
 template <class Law>
 concept FrictionlessLaw = NormalLaw<Law> && !FrictionalLaw<Law>;
 

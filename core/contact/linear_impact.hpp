@@ -110,12 +110,11 @@ public:
     }
 
     HL_FN explicit LinearImpact(const ScaledImpact& of)
-        : of_(of),
-          r_(of.stiffness.factor),
-          c_(of.damping.factor),
+        : of_(impact::without_void_friction(of)),
+          r_(of_.stiffness.factor),
+          c_(of_.damping.factor),
           normal_(0.5 * of.normal_damping, 1.0, 0.0, 1.0),
           sticking_(0.0, 1.0, 0.0, 0.0) {
-        if (r_ == 0.0 && c_ == 0.0) of_.coefficient = 0.0;
         scale_ = of_.coefficient > 1.0 ? 1.0 / of_.coefficient : 1.0;
         set_times();
         touch();
@@ -124,7 +123,7 @@ public:
     // Follows the contact to its end; false if that takes too many pieces.
     template <class Observer>
     HL_FN bool run(Observer& observe) {
-        for (int i = 0; i < most_pieces; ++i) {
+        for (int i = 0; i < most_pieces && steps_ < most_steps; ++i) {
             const bool turns = sign_ > 0.0 && vanishing_ < end_;
             double until = turns ? vanishing_ : end_;
             const Event event = first_event(until);
@@ -149,7 +148,8 @@ private:
     using State = impact::State;
     using Work = impact::Work;
     enum class Event { none, upper, lower };
-    static constexpr int most_pieces = 100000, most_steps = 20000;
+    static constexpr Event limits[] = {Event::upper, Event::lower};
+    static constexpr int most_pieces = 100000, most_steps = 2000000, most_steps_to_zero = 20000;
 
     HL_FN bool limits_spring() const { return of_.limit == SlipLimit::spring && r_ > 0.0; }
 
@@ -259,7 +259,7 @@ private:
     }
 
     // The first zero of the margin before `until`.
-    HL_FN double first_fall(Event kind, int order, double until) const {
+    HL_FN double first_fall(Event kind, int order, double until) {
         double t = begin_;
         Curve g = margin(kind, t);
         int leading = 0;
@@ -268,7 +268,7 @@ private:
         if (sign == 0) return math::infinity;  // zero throughout: three derivatives determine such a sum
         // Up to there the first derivative that does not vanish exceeds what the next can take.
         if (sign > 0 && leading > 0) t += 0.5 * (leading + 1) * g.value[leading] / g.most[leading + 1];
-        for (int i = 0; i < most_steps && t < until; ++i) {
+        for (int i = 0; i < most_steps_to_zero && t < until; ++i, ++steps_) {
             g = margin(kind, t);
             if (g.value[0] <= 0.0) return t;
             const double root = math::sqrt(g.value[1] * g.value[1] + 2.0 * g.most[2] * g.value[0]);
@@ -284,7 +284,7 @@ private:
     HL_FN Event first_event(double& until) {
         if (!(of_.coefficient > 0.0) || of_.coefficient == math::infinity) return Event::none;
         Event first = Event::none;
-        for (const Event kind : {Event::upper, Event::lower}) {
+        for (const Event kind : limits) {
             const int side = kind == Event::upper ? 0 : 1;
             if (surfaces_ == Surfaces::slip && (sigma_ > 0.0) != (side == 0)) continue;
             const double time = first_fall(kind, order_[side], until);
@@ -346,10 +346,10 @@ private:
     HL_FN void reverse_force() {
         sign_ = -1.0;
         if (of_.coefficient == math::infinity) return start(Surfaces::stick, 0, 0);
-        if (surfaces_ == Surfaces::follow) {  // steps of codes never leave the spring beyond its limit
+        if (surfaces_ == Surfaces::follow) {  // as fast as its limit, whose bend decides; codes stick
             sigma_ = -sigma_;
             spring_ = 0.0;
-            return start_towards(Surfaces::slip, 1);
+            return start_towards(Surfaces::stick, 2);
         }
         if (r_ > 0.0 && of_.coefficient > 0.0) choose_at_zero_force();
     }
@@ -357,7 +357,7 @@ private:
     HL_FN void choose_at_zero_force() {
         spring_ = limits_spring() ? 0.0 : -c_ * slip_;
         start(Surfaces::stick, 1, 1);
-        for (const Event kind : {Event::upper, Event::lower}) {
+        for (const Event kind : limits) {
             int leading = 0;
             if (margin(kind, begin_).sign_after(1, leading) >= 0) continue;
             sigma_ = kind == Event::upper ? 1.0 : -1.0;
@@ -382,6 +382,7 @@ private:
     double r_, c_, scale_;
     double vanishing_, end_;  // first zero of f after touch, and end of the contact
     bool ends_ = true;
+    int steps_ = 0;
     Oscillation normal_, sticking_;
     Work work_;
     State state_{};

@@ -40,8 +40,8 @@ HL_FN Jet power_jet(PowerTerm of, double s, double x, double velocity, double ac
 
 class PowerImpact {
 public:
-    HL_FN explicit PowerImpact(const ScaledImpact& of) : of_(of), m_(of.loading) {
-        if (!has_spring() && !(of_.damping.factor > 0.0)) of_.coefficient = 0.0;
+    HL_FN explicit PowerImpact(const ScaledImpact& of)
+        : of_(impact::without_void_friction(of)), m_(of.loading) {
         scale_ = of_.coefficient > 1.0 ? 1.0 / of_.coefficient : 1.0;
         touch();
     }
@@ -51,10 +51,12 @@ public:
     HL_FN bool run(Observer& observe) {
         for (int i = 0; i < most_steps; ++i) {
             double high = step();
+            if (high == 0.0) return false;
             const Event kind = first_event(high);
             observe(surfaces_, state_[t], next_[t], [&](double time) { return state_at(time, high); });
             for (int k = 0; k < size; ++k) state_[k] = next_[k];
-            if (kind == Event::end || kind == Event::release || rests()) return true;
+            rests_ = kind != Event::turn && rests(i);  // at the turn X' is 0 up to rounding error
+            if (kind == Event::end || kind == Event::release || rests_) return true;
             if (kind == Event::none) {
                 rearm();
             } else {
@@ -67,7 +69,7 @@ public:
     HL_FN impact::State state() const { return state_of(state_); }
     HL_FN impact::Work work() const { return {state_[damped], state_[creep], state_[stuck], state_[slid]}; }
     // Whether the contact ended.
-    HL_FN bool over() const { return !rests(); }
+    HL_FN bool over() const { return !rests_; }
 
 private:
     using Instant = impact::Instant;
@@ -77,7 +79,8 @@ private:
     // s, V, G, U; integrals: time and the four of Work.
     enum Component { s, v, g, u, t, damped, creep, stuck, slid, size };
     enum class Event { none, release, end, turn, vanishing, upper, lower };
-    static constexpr int most_steps = 100000;
+    static constexpr Event limits[] = {Event::upper, Event::lower};
+    static constexpr int most_steps = 100000, patience = 20000;
     static constexpr double first = 1e-16, last = 1e-5;  // s at start and end
     static constexpr double tolerance = 1e-14, floor_of_scale = 1e-3;
 
@@ -173,10 +176,10 @@ private:
         const auto f = [&](const double* y, double* dy) { rates(y, dy); };
         DormandPrince::step(f, state_, h, size, stages_, out, t);
     }
-    // Takes one step from state_ to next_, with error control; returns its length.
+    // Takes one step from state_ to next_, with error control; returns its length, 0 if every step is too long.
     HL_FN double step() {
         rates(state_, stages_);
-        for (;;) {
+        while (length_ > 1e-300) {
             at(length_, next_);
             double scale[size];
             for (int k = 0; k < size; ++k) {
@@ -188,6 +191,7 @@ private:
             length_ *= DormandPrince::growth(error);
             if (error <= 1.0) return taken;
         }
+        return 0.0;
     }
 
     // --- events
@@ -266,7 +270,7 @@ private:
 
     // A limit is on guard again once its distance is more than rounding error.
     HL_FN void rearm() {
-        for (const Event kind : {Event::upper, Event::lower}) {
+        for (const Event kind : limits) {
             bool& disarmed = disarmed_[kind == Event::upper ? 0 : 1];
             if (!disarmed) continue;
             const Instant i = instant(state_);
@@ -291,8 +295,11 @@ private:
         }
         return kind;
     }
-    // An overdamped contact with attraction never ends.
-    HL_FN bool rests() const { return of_.powers.attracts && state_[v] < 0.0 && -state_[v] < 1e-12 * scale_; }
+    // An overdamped contact with attraction never ends. It is followed until the bodies creep.
+    HL_FN bool rests(int steps) const {
+        const bool creeps = of_.powers.attracts && state_[v] < 0.0;
+        return creeps && (steps < patience ? state_[v] > -1e-10 && state_[s] < 0.1 : state_[v] > -1e-3);
+    }
 
     // --- output
 
@@ -351,17 +358,12 @@ private:
     // Where F_n changes its sign the surfaces have slipped; D = 0.
     HL_FN void choose_at_zero_force() {
         const Instant i = instant(state_);
-        if (surfaces_ == Surfaces::follow) {  // steps of codes never leave the spring beyond its limit
-            sigma_ = -sigma_;
-            surfaces_ = Surfaces::slip;
-            disarmed_[sigma_ > 0.0 ? 0 : 1] = true;
-            return;
-        }
+        const bool followed = surfaces_ == Surfaces::follow;  // as fast as its limit; codes stick
         set_spring(limits_spring() ? 0.0 : -i.damping.value * i.slip);
         surfaces_ = Surfaces::stick;
         const double rate = limited_force(i, state_).rate;
         disarmed_[0] = disarmed_[1] = true;
-        if (math::abs(rate) <= of_.coefficient * i.force.rate) return;
+        if (followed || math::abs(rate) <= of_.coefficient * i.force.rate) return;
         sigma_ = rate > 0.0 ? 1.0 : -1.0;
         surfaces_ = Surfaces::slip;
     }
@@ -387,7 +389,7 @@ private:
     double sign_ = 1.0;   // of F_n
     double sigma_ = 1.0;  // direction of slip
     Surfaces surfaces_ = Surfaces::stick;
-    bool disarmed_[2] = {};
+    bool disarmed_[2] = {}, rests_ = false;
     double state_[size], next_[size], stages_[DormandPrince::stages * size];
     double length_ = first;
 };

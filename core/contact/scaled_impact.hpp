@@ -37,6 +37,13 @@ enum class Surfaces : unsigned char {
 
 namespace impact {
 
+// Without a limit there is no force, and without a force no limit is reached.
+HL_FN ScaledImpact without_void_friction(ScaledImpact of) {
+    if (of.coefficient == 0.0) of.stiffness.factor = of.damping.factor = 0.0;
+    if (of.stiffness.factor == 0.0 && of.damping.factor == 0.0) of.coefficient = 0.0;
+    return of;
+}
+
 // At one instant, scaled.
 struct State {
     double time, compression, rate, force;  // τ, X, X', f

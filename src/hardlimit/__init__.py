@@ -26,6 +26,7 @@ from .contact.balls import FLOOR, Ball
 from .contact.compression import CompressionWarning
 from .contact.contact import Contact, Law
 from .contact.friction import Friction
+from .contact.impact import Impact
 from .contact.laws import *  # noqa: F403
 from .contact.laws import LAWS
 from .contact.laws import __all__ as _laws
@@ -77,6 +78,7 @@ __all__ = [
     "CompressionWarning",
     "Contact",
     "Friction",
+    "Impact",
     "Law",
     "Result",
     "adiabatic",

@@ -18,6 +18,7 @@ from .contact.compression import CompressionWarning as CompressionWarning
 from .contact.contact import Contact as Contact
 from .contact.contact import Law as Law
 from .contact.friction import Friction as Friction
+from .contact.impact import Impact as Impact
 from .contact.laws import LAWS as LAWS
 from .contact.laws import LinearDashpot as LinearDashpot
 from .contact.laws import Viscoelastic as Viscoelastic

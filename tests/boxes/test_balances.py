@@ -110,8 +110,9 @@ def test_energy_and_momentum(name: str, seed: int, law: hl.Law) -> None:
     series, now = run.series, run.system
     scale = np.abs(energies(run)).max()
     assert energy_error(run) <= ENERGY.get(name, 1e-11)
-    # Rule soft gives back up to 1e-5 between walls under gravity; the cause is not known.
-    backwards = 1e-4 if name.startswith("soft") and system.gravity.any() else 1e-12
+    # A particle that is too slow to climb back to a wall after a soft contact was cut short there is lifted.
+    lifted = name.startswith("soft") and system.gravity.any() and run.n_soft_third_body > 0
+    backwards = 1e-4 if lifted else 1e-12
     assert np.diff(series.dissipated_energy).min() >= -backwards * scale
     if system.n == 1 and "wall_energy" in series:  # it loses energy only at walls
         lost = series.dissipated_energy - series.wall_work
@@ -125,6 +126,13 @@ def test_energy_and_momentum(name: str, seed: int, law: hl.Law) -> None:
         assert (now.positions[:, axis] > low + inside).all() and (
             now.positions[:, axis] < high - inside
         ).all()
+
+
+def test_a_wall_contact_that_is_cut_short_keeps_the_energy() -> None:
+    """Rule soft: the particle goes back to the wall along its parabola."""
+    run = run_of("soft, law", box_of(593), LAWS[1], 0.02, samples=6)  # without damping
+    assert run.n_soft_third_body > 0
+    assert np.abs(run.series.dissipated_energy).max() <= 1e-13 * np.abs(energies(run)).max()
 
 
 def check_momentum(run: Any, system: hl.ParticleSystem) -> None:

@@ -193,7 +193,7 @@ def test_energy_without_slip_and_damping(seed: int) -> None:
     force = np.linalg.norm(path["tangential_force"].values)
     left = 0.5 * force**2 / contact.friction_terms.stiffness
     assert impact.energies["tangential_spring"] == pytest.approx(left, abs=1e-13 * impact.initial_energy)
-    assert abs(impact.energies["slip"]) < 1e-13 * impact.initial_energy
+    assert abs(impact.energies["friction"]) < 1e-13 * impact.initial_energy
     assert impact.energies["normal_damping"] == 0.0 and impact.transitions == 0
 
 

@@ -798,7 +798,7 @@ KEYS = {
     "numerical_damping": float | None, "stages": list, "dump": list, "checked": list, "ignored": list,
     "invalidates": list, "unknown": list, "missing": list, "remarks": list, "corrected": list,
     "admissible": bool | None, "sentence": str, "quantity": str | None, "restitution_error": float,
-    "speeds_chosen": bool,
+    "speeds_chosen": bool, "warnings": list,
 }  # fmt: skip
 MAYBE = float | None
 CONTACT = {
@@ -808,7 +808,13 @@ CONTACT = {
     "rayleigh_time": MAYBE, "p_wave_time": MAYBE, "largest_overlap": MAYBE, "tc_nu": MAYBE, "delta_over_d": MAYBE,
     "softening": MAYBE, "heated_error": MAYBE, "sheared_error": MAYBE, "rule": str, "error": dict,
     "other_versions": list,
-    "heated_error_bar": MAYBE, "sheared_error_bar": MAYBE, "friction": MAYBE, "frictionless_error": MAYBE,
+    "heated_error_bar": MAYBE, "sheared_error_bar": MAYBE, "friction": dict, "frictionless_error": MAYBE,
+}  # fmt: skip
+FRICTION = {
+    "coefficient": MAYBE, "model": str | None, "stiffness_ratio": MAYBE, "damping_ratio": MAYBE, "limit": str | None,
+    "sticks_below": MAYBE, "slides_beyond": MAYBE, "tangential_restitution": list,
+    "effective_tangential_restitution": MAYBE, "half_period": MAYBE, "steps_per_half_period": int | None,
+    "tangential_restitution_error_of_step": MAYBE, "not_known": str | None, "other_versions": list,
 }  # fmt: skip
 FINDING = {"what": str, "types": list | None, "where": str | None}
 STAGE = {
@@ -879,7 +885,7 @@ def test_every_value_has_its_type(text, options):
     for key in ("unknown", "missing", "remarks", "corrected"):
         assert all(isinstance(line, str) for line in verdict[key])
     for contact in verdict["contacts"]:
-        assert has_form(contact, CONTACT)
+        assert has_form(contact, CONTACT) and has_form(contact["friction"], FRICTION)
         assert contact["error"].keys() <= {"constant", "law", "tc", "soft"}
         assert all(len(pair) == 2 for pair in contact["error"].values())
         assert contact["types"][1] == "wall" or contact["wall"] is None
@@ -1269,9 +1275,10 @@ def test_with_friction_the_answer_is_never_yes_and_has_no_bar(
     verdict = hl.check(text, **options, **drive)
     pairs = [row for row in verdict.rows if row.types[1] != "wall"]
     walls = [row for row in verdict.rows if row.types[1] == "wall"]
-    assert all(row.friction == pytest.approx(mu, rel=1e-5) for row in pairs)
-    assert all(row.friction == pytest.approx(wall) for row in walls if code not in ("liggghts", "yade"))
-    if any(row.friction for row in verdict.rows):
+    assert all(row.friction.coefficient == pytest.approx(mu, rel=1e-5) for row in pairs)
+    known = [row for row in walls if code not in ("liggghts", "yade")]
+    assert all(row.friction.coefficient == pytest.approx(wall) for row in known)
+    if any(row.friction.coefficient for row in verdict.rows):
         assert verdict.admissible is not True
     if mu > 0.0:
         last = [cells([row], False, verdict.quantity)[-1] for row in verdict.rows]
@@ -1302,7 +1309,7 @@ def test_friction_in_words_and_numbers():
     assert "only without friction, where it is about 2.5 % (too fast) at t_c ν = 0.049" in verdict.sentence
     row = verdict.to_dict()["contacts"][0]
     smooth = hl.check(rough.replace("0.5 0.3", "0.5 0"), speed=0.5, packing_fraction=0.2)
-    assert row["friction"] == 0.3 and row["error"] == {}
+    assert row["friction"]["coefficient"] == 0.3 and row["error"] == {}
     assert row["frictionless_error"] == pytest.approx(smooth.rows[0].error["constant"][0])
     assert smooth.admissible is False and "±" in smooth.sentence
     # Contacts that overlap in time, and whatever no event follows, decide all the same.
@@ -1326,10 +1333,10 @@ def test_friction_in_words_and_numbers():
     line = "pair_coeff {0} {0} hooke 1e6 0.9 damping tsuji tangential linear_history 1e4 0.5 {1}\n"
     alone = re.sub("pair_coeff [*12].*\n", "", two).replace("pair_style granular\n", "pair_style granular\n" + "".join(
         line.format(k, mu) for k, mu in ((1, 0.4), (2, 0.1))))  # fmt: skip
-    rows = {row.types: row.friction for row in hl.check(alone, speed=0.5).rows}
+    rows = {row.types: row.friction.coefficient for row in hl.check(alone, speed=0.5).rows}
     assert [rows[types] for types in (("1", "1"), ("1", "2"), ("2", "2"))] == pytest.approx([0.4, 0.2, 0.1])
     unsaid = hl.check(LIGGGHTS.replace("model hertz", "model hertz tangential history"), speed=0.01)
-    assert unsaid.rows[0].friction is None and "rub (μ is not known)" in unsaid.sentence
+    assert unsaid.rows[0].friction.coefficient is None and "rub (μ is not known)" in unsaid.sentence
     # Friction at walls only: the number of the gas stands, and Yes does not.
     wall = hl.check(with_friction("linear", 0.0, 0.3, 1e6, 0.9), speed=0.5, packing_fraction=0.2)
     assert wall.admissible is None and "±" in wall.sentence and "walls rub" in wall.sentence

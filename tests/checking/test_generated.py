@@ -8,8 +8,12 @@ from hypothesis import strategies as st
 
 from conftest import draws
 from hardlimit.checking.scripts import Description, read
+from hardlimit.convert.tangential.lammps import GRANULAR
 
 MODELS = ("hooke {k} {e}", "hertz {k} {e}", "hertz/material {k} {e} 0.3")
+#: Tangential models with the names of their numbers, and styles of classic walls.
+TANGENTIAL = {model.name: tuple(model.numbers) for model in GRANULAR}
+GRAN = ("hooke", "hooke/history", "hertz/history")
 DAMPING = ("velocity", "mass_velocity", "viscoelastic", "tsuji", "coeff_restitution")
 
 
@@ -86,24 +90,32 @@ class Written:
                     if i <= j:
                         self.pairs[str(i), str(j)] = model
         for k in range(self.random.randint(0, 2)):
-            words, model = self.model()
+            classic = self.random.random() < 0.5
+            words, model = self.classic() if classic else self.model()
             self.walls[f"w{k}"] = model
-            self.add(f"fix w{k} all wall/gran granular {words} zplane {self.written(0.0)} NULL")
+            kind = "" if classic else "granular "
+            self.add(f"fix w{k} all wall/gran {kind}{words} zplane {self.written(0.0)} NULL")
 
     def liggghts(self):
         every = range(self.types)
         moduli, ratios = ([self.value(low, high) for _ in every] for low, high in ((1e6, 1e8), (0.1, 0.4)))
         restitutions = {(i, j): self.value(0.1, 0.9) for i in every for j in every if i <= j}
         self.add(f"create_box {self.types} box")
+        mu = self.value(0.1, 0.9)
         matrix = [self.written(restitutions[min(i, j), max(i, j)]) for i in every for j in every]
         for name, words in (
             ("youngsModulus peratomtype", [self.written(x) for x in moduli]),
             ("poissonsRatio peratomtype", [self.written(x) for x in ratios]),
             (f"coefficientRestitution peratomtypepair {self.types}", matrix),
+            (f"coefficientFriction peratomtypepair {self.types}", [self.written(mu)] * self.types**2),
         ):
             self.add(f"fix p{len(self.lines)} all property/global {name} {' '.join(words)}")
         limited = self.choose("", " limitForce on")
-        self.add(f"pair_style gran model hertz tangential history{limited}")
+        friction, damping = self.choose("history", "no_history", "off", ""), self.choose(None, "on", "off")
+        tangential = f" tangential {friction}" if friction else ""
+        last = [limited, "" if damping is None else f" tangential_damping {damping}"]
+        self.random.shuffle(last)
+        self.add(f"pair_style gran model hertz{tangential}{self.choose('', ' cohesion off')}{''.join(last)}")
         for k in every:
             radius = self.value(0.1, 1.0)
             self.radii[str(k + 1)] = (radius, radius)
@@ -114,12 +126,16 @@ class Written:
         self.add("fix ins all insert/pack seed 7 distributiontemplate d")
         end = self.random.choice(every)
         self.add(
-            f"fix w all wall/gran model hertz primitive type {end + 1} zplane {self.written(0.0)}{limited}"
+            f"fix w all wall/gran model hertz{tangential} primitive type {end + 1} "
+            f"zplane {self.written(0.0)}{''.join(last)}"
         )
 
         def contact(i, j):
             effective = 1.0 / sum((1.0 - ratios[k] ** 2) / moduli[k] for k in (i, j))
-            return restitutions[min(i, j), max(i, j)], effective, bool(limited)
+            shear = 1.0 / sum(2.0 * (2.0 - ratios[k]) * (1.0 + ratios[k]) / moduli[k] for k in (i, j))
+            numbers = (mu, {"on": 1.0, "off": 0.0}.get(damping), shear)
+            force = (f"hertz {friction}", *numbers) if friction not in ("", "off") else None
+            return restitutions[min(i, j), max(i, j)], effective, bool(limited), force
 
         self.pairs = {(str(i + 1), str(j + 1)): contact(i, j) for i, j in restitutions}
         self.walls = {(str(i + 1), "wall"): contact(i, end) for i in every}
@@ -130,9 +146,29 @@ class Written:
         damping, limited = self.choose(None, *DAMPING), self.choose("", " limit_damping")
         shape = self.choose(*MODELS)
         words = shape.format(k=self.written(k), e=self.written(e))
-        words += " tangential linear_nohistory 1.0 0.5" + (f" damping {damping}" if damping else "") + limited
+        name = self.choose(*(model for model in TANGENTIAL if "material" in shape or "mindlin" not in model))
+        numbers = {each: self.value(0.1, 9.0) for each in TANGENTIAL[name]}
+        if "mindlin" in name and name != "mindlin_classic" and self.random.random() < 0.5:
+            numbers["stiffness"] = None
+        places = ["NULL" if x is None else self.written(x) for x in numbers.values()]
+        parts = [f" tangential {name} {' '.join(places)}", f" damping {damping}" if damping else "", limited]
+        self.random.shuffle(parts)
         normal = [shape.split()[0], k, e] + ([0.3] if "material" in shape else [])
-        return words, (normal, damping or "viscoelastic", bool(limited))
+        return words + "".join(parts), (normal, damping or "viscoelastic", bool(limited), name, numbers)
+
+    def classic(self):
+        """The words of a classic wall, and its settings."""
+        style, k, c, mu = self.choose(*GRAN), self.value(1e4, 1e6), self.value(1.0, 9.0), self.value(0.1, 0.9)
+        stiffness, damping = (self.choose(None, self.value(1.0, 9.0)) for _ in range(2))
+        flag, limited = self.choose(0, 1), self.choose("", " limit_damping")
+        spring, dashpot = ("NULL" if x is None else self.written(x) for x in (stiffness, damping))
+        words = f"{style} {self.written(k)} {spring} {self.written(c)} {dashpot} {self.written(mu)} {flag}{limited}"
+        numbers = {"stiffness": stiffness, "damping": damping if flag else 0.0, "coefficient": mu}
+        if style == "hooke":
+            del numbers["stiffness"]
+        rubs = style != "hooke" or flag
+        normal = ["gran/hertz" if style == "hertz/history" else "gran/hooke", k, c]
+        return words, (normal, None, bool(limited), *((f"gran/{style}", numbers) if rubs else (None, None)))
 
 
 @pytest.mark.parametrize("seed", range(100))
@@ -148,11 +184,16 @@ def test_random_scripts(seed):
     for contact in stage.contacts:
         name, *numbers = contact.settings["normal"].words
         normal = [name, *(pytest.approx(float(x), rel=1e-12) for x in numbers)]
+        force = contact.tangential
+        numbers = force and {name: x and pytest.approx(x, rel=1e-12) for name, x in force.numbers.items()}
         contacts[contact.types, contact.wall] = (
             normal,
-            contact.settings["damping"].words[0],
+            contact.settings["damping"].words[0] if "damping" in contact.settings else None,
             "limit_damping" in contact.settings,
+            force and force.model,
+            numbers,
         )
+        assert contact.friction == (force.numbers["coefficient"] if force else 0.0)
     assert contacts == expected
     assert {kind: grains.radii for kind, grains in stage.grains.items()} == {
         kind: pytest.approx(radii) for kind, radii in written.radii.items()
@@ -170,7 +211,13 @@ def test_random_scripts_of_liggghts(seed):
         restitution, modulus, ratio = (float(contact.settings[name].words[0]) for name in names)
         effective = 0.5 * modulus / (1.0 - ratio**2)
         limited = "limitForce" in contact.settings
-        contacts[contact.types] = (restitution, pytest.approx(effective, rel=1e-12), limited)
+        force = contact.tangential and (
+            contact.tangential.model,
+            *(contact.tangential.numbers[name] for name in ("coefficient", "tangential_damping")),
+            pytest.approx(contact.tangential.numbers["shear_modulus"], rel=1e-12),
+        )
+        contacts[contact.types] = (restitution, pytest.approx(effective, rel=1e-12), limited, force)
+        assert contact.friction == (0.0 if force is None else force[1])
     assert contacts == {**written.pairs, **written.walls}
     assert {kind: grains.radii for kind, grains in stage.grains.items()} == written.radii
 

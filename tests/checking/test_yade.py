@@ -651,3 +651,218 @@ def test_which_numbers_of_viscoelastic_materials_count(keywords, functor, expect
 def test_a_reset_begins_another_system():
     rest = "O.run(10)\nO.reset()\n" + script(rest="O.dt = 2e-6\nO.run(20)\n")
     assert [stage.system for stage in read(script(rest=rest)).stages] == [0, 1]
+
+
+# --- friction -------------------------------------------------------------------------------------------------------
+
+TWO = "a, b = O.materials.append([{}, {}])\nO.bodies.append([sphere((0, 0, k), 0.01, material=k) for k in (a, b)])\n"
+FRICT_MAT = "FrictMat(young={}, poisson={}, frictionAngle={})"
+
+
+def friction(pair, material, bodies=SPHERE + SPHERE, **more):
+    """Coefficient and tangential force of the last contact, and the description."""
+    description = read(script(pair, material, bodies, **more))
+    contact = description.stages[-1].contacts[-1]
+    return contact.friction, contact.tangential, description
+
+
+def between_two(pair, first, second):
+    """The same between two materials."""
+    description = read(script(pair, TWO.format(first, second), ""))
+    contact = next(each for each in description.stages[-1].contacts if each.types == ("0", "1"))
+    return contact.friction, contact.tangential, description
+
+
+def test_springs_of_two_materials():
+    """k_s = ν k_n of each body, in series; Mindlin's 4 G*/E* as that of one material."""
+    first, second = FRICT_MAT.format(1e7, 0.3, 0.4), FRICT_MAT.format(4e7, 0.2, 0.6)
+    mu, tangential, _ = between_two(FRICT, first, second)
+    assert mu == math.tan(0.4) and tangential.model == "FrictPhys"
+    ratio = (2 * 3e6 * 8e6 / 11e6) / (2 * 1e7 * 4e7 / 5e7)
+    assert tangential.numbers == {"friction_angle": 0.4, "poisson": pytest.approx(ratio)}
+    _, tangential, _ = between_two(MINDLIN, first, second)
+    shear = 1 / (1.7 * 2.6 / 1e7 + 1.8 * 2.4 / 4e7)
+    nu, ratio = tangential.numbers["poisson"], 4 * shear * (0.91 / 1e7 + 0.96 / 4e7)
+    assert 2 * (1 - nu) / (2 - nu) == pytest.approx(ratio, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "functor,angle",
+    [
+        ("", 0.2),
+        ("frictAngle=0.3", 0.3),
+        ("frictAngle=math.radiansHP1(20)", math.pi / 9),
+        ("frictAngle=MatchMaker(matches=((0, 1, 0.1),))", 0.1),
+        ("frictAngle=MatchMaker(matches=((0, 0, 0.1),))", 0.4),
+        ("frictAngle=MatchMaker(algo='max')", 0.6),
+        ("frictAngle=MatchMaker(algo='harmAvg')", 0.3),
+        ("frictAngle=MatchMaker(algo='val', val=0.7)", 0.7),
+        ("frictAngle=MatchMaker(algo='zero')", 0.0),
+        ("frictAngle=angles()", None),
+        ("frictAngle=MatchMaker(algo='val', val=30)", None),  # radians
+    ],
+)
+def test_the_angle_of_friction(functor, angle):
+    pair = (f"Ip2_FrictMat_FrictMat_FrictPhys({functor})", FRICT[1])
+    mu, tangential, description = between_two(pair, *(FRICT_MAT.format(1e7, 0.3, phi) for phi in (0.2, 0.6)))
+    assert mu == (None if angle is None else pytest.approx(math.tan(angle)))
+    assert (tangential is None) is (not angle) and bool(description.unknown) is (angle is None)
+    assert any("radians" in note.what for note in description.warnings) is ("30" in functor)
+
+
+def test_friction_that_the_script_changes():
+    rest = "O.dt = 1e-6\nO.run(1)\nsetContactFriction(0.1)\nO.run(1)\nO.materials[0].frictionAngle = 0\nO.run(1)\n"
+    stages = read(script(FRICT, GLASS, SPHERE + SPHERE, rest=rest)).stages
+    assert [stage.contacts[0].friction for stage in stages] == pytest.approx(
+        [math.tan(0.5), math.tan(0.1), 0]
+    )
+    fixed = "O.bodies.append(sphere((0, 0, 0), 0.01, fixed=True, material='floor'))\n"
+    material = GLASS + "O.materials.append(FrictMat(frictionAngle=0.3, label='floor'))\n"
+    sphere = SPHERE.replace("0.01", "0.01, material='glass'")
+    contact = read(script(MINDLIN, material, sphere + fixed, rest=rest)).stages[1].contacts[-1]
+    assert contact.types == ("glass", "floor") and contact.friction == pytest.approx(math.tan(0.1))
+    pair = (FRICT[0].replace("()", "(frictAngle=0.2)"), FRICT[1])
+    own = read(script(pair, GLASS, SPHERE + SPHERE, rest=rest))
+    assert [stage.contacts[0].friction for stage in own.stages] == pytest.approx([math.tan(0.2)])
+    assert any("setContactFriction" in note.what for note in own.warnings)
+    unknown = read(script(FRICT, GLASS, SPHERE + SPHERE, rest="setContactFriction(final())\nO.run(1)\n"))
+    assert unknown.stages[0].contacts[0].tangential is None and unknown.unknown
+
+
+@pytest.mark.parametrize(
+    "keywords,functor,expected",
+    [
+        ("tc=1e-3, en=0.7, et=0.5", "", {"et": 0.5}),
+        ("tc=1e-3, en=0.7, et=0.5", "et=0.2", {"et": 0.2}),
+        ("young=1e6", "tc=1e-3, en=0.7, et=1", {"et": 1.0}),
+        ("kn=1e4, cn=0.6, ks=3, cs=2", "", {"ks": 3.0, "cs": 2.0}),
+        ("kn=1e4, cn=0.6, ks=0, cs=0", "", {"ks": 0.0, "cs": 0.0}),
+        ("young=1e6, en=0.6, poisson=0.3", "", {"poisson": 0.3}),
+        ("young=1e6, en=0.6, poisson=0", "", {"poisson": 0.0}),
+        ("young=1e6, cn=0.5, cs=0.3, poisson=0.3", "", {"poisson": 0.3, "cs": 0.3}),
+        ("tc=1e-3, en=0.7, et=-0.5", "", None),
+    ],
+)
+def test_which_tangential_numbers_of_viscoelastic_materials_count(keywords, functor, expected):
+    pair = (f"Ip2_ViscElMat_ViscElMat_ViscElPhys({functor})", VISCEL[1])
+    _, tangential, description = friction(
+        pair, f"O.materials.append(ViscElMat({keywords}, frictionAngle=0.3))\n"
+    )
+    assert (None if tangential is None else dict(tangential.numbers)) == (
+        expected and {"friction_angle": 0.3, **expected}
+    )
+    assert bool(description.unknown) is (expected is None)
+
+
+@pytest.mark.parametrize(
+    "functor,law,expected",
+    [
+        ("en=0.7", "Mindlin()", {}),
+        ("en=0.7, es=0.4", "Mindlin()", {"es": 0.4}),
+        ("es=0.4", "Mindlin()", {"es": 0.4}),
+        ("betan=0.1, betas=0.2", "Mindlin()", {"betas": 0.2}),
+        ("en=0.7, es=0.4", "HertzWithLinearShear()", {"nonLin": 0.0}),
+        ("", "HertzWithLinearShear(nonLin=1)", {"nonLin": 1.0}),
+        ("en=0.7, es=later()", "Mindlin()", None),
+    ],
+)
+def test_damping_of_mindlin(functor, law, expected):
+    pair = (f"Ip2_FrictMat_FrictMat_MindlinPhys({functor})", f"Law2_ScGeom_MindlinPhys_{law}")
+    _, tangential, description = friction(pair, GLASS)
+    assert bool(description.unknown) is (expected is None)
+    if expected is not None:
+        assert tangential.numbers == {"friction_angle": 0.5, "poisson": 0.3, **expected}
+        assert tangential.model == ("MindlinPhys" if law == "Mindlin()" else "HertzWithLinearShear")
+
+
+def test_es_alone_is_en():
+    pair = ("Ip2_FrictMat_FrictMat_MindlinPhys(es=0.4)", MINDLIN[1])
+    assert numbers(read(script(pair)).stages[0].contacts[0])["en"] == 0.4
+
+
+@pytest.mark.parametrize("poisson,expected", [((0.0, 0.0), None), ((0.0, 0.3), 0.0), ((0.2, 0.2), 0.2)])
+def test_a_spring_without_stiffness(poisson, expected):
+    """YADE divides 0 by 0 if both ratios are 0."""
+    pair = [FRICT_MAT.format(1e7, nu, 0.4) for nu in poisson]
+    _, tangential, description = between_two(FRICT, *pair)
+    assert (tangential and tangential.numbers["poisson"]) == expected
+    assert bool(description.unknown) is (expected is None)
+
+
+@pytest.mark.parametrize(
+    "locked", ["O.bodies[1].state.blockedDOFs = 'XYZ'", "for b in bodies(): b.state.blockedDOFs = 'zXYZ'"]
+)
+def test_grains_that_cannot_turn(locked):
+    mu, tangential, description = friction(FRICT, GLASS, SPHERE + SPHERE + f"{locked}\n")
+    assert mu and tangential is None and any("blockedDOFs" in quote.text for quote in description.unknown)
+    plane = locked.replace("zXYZ", "zXY").replace("'XYZ'", "'YZx'")
+    assert friction(FRICT, GLASS, SPHERE + SPHERE + f"{plane}\n")[1] is not None
+    smooth = GLASS.replace("poisson", "frictionAngle=0, poisson")
+    assert not friction(FRICT, smooth, SPHERE + SPHERE + f"{locked}\n")[2].unknown
+
+
+FACET = "O.bodies.append(facet([(0, 0, 0), (1, 0, 0), (0, 1, 0)]))\n"
+TC = "O.materials.append(ViscElMat(tc=1e-3, en=0.7, et=0.5, {}frictionAngle={}))\n"
+YADE_ES = "Ip2_FrictMat_FrictMat_MindlinPhys(en=0.7, es=0.4)"
+KROT = "Ip2_FrictMat_FrictMat_MindlinPhys(krot=1e-3, ktwist=1e-4, eta={})"
+COHESION = ("Ip2_CohFrictMat_CohFrictMat_CohFrictPhys()", "Law2_ScGeom6D_CohFrictPhys_CohesionMoment({})")
+TRAPS = {
+    "es": ((YADE_ES, MINDLIN[1]), GLASS, "es = 0.4 is no restitution"),
+    "et": (VISCEL, TC.format("", 0.3), "et = 0.5 reverses"),
+    "half the mass": (VISCEL, TC.format("", 0.3), "at facets, YADE computes kn, cn, ks and cs with half the mass"),
+    "linear shear": ((MINDLIN[0], "Law2_ScGeom_MindlinPhys_HertzWithLinearShear()"), GLASS, "8 G* √R, in N/m^1.5"),
+    "no tangential force": (
+        (MINDLIN[0], "Law2_ScGeom_MindlinPhys_MindlinDeresiewitz()"),
+        GLASS,
+        "no tangential force",
+    ),
+    "damping without spring": (
+        VISCEL,
+        "O.materials.append(ViscElMat(kn=1e4, ks=0, cn=0, cs=1, frictionAngle=0))\n",
+        "a damping cs that nothing limits",
+    ),
+    "damping": (FRICT, GLASS, "the damping 0.3 of NewtonIntegrator acts on spins"),
+    "rolling": (
+        (KROT.format(0.1), "Law2_ScGeom_MindlinPhys_Mindlin(includeMoment=True)"),
+        GLASS,
+        "krot = 0.001 and ktwist = 0.0001): an angular impulse of up to k ω t_c²/2 per collision, that",
+    ),
+    "rolling without limit": (
+        (KROT.format(0), "Law2_ScGeom_MindlinPhys_Mindlin(includeMoment=True)"),
+        GLASS,
+        "not limited",
+    ),
+    "rolling without effect": ((KROT.format(0.1), MINDLIN[1]), GLASS, "without effect: the law lacks includeMoment"),
+    "mR": (VISCEL, TC.format("mR=1e-4, ", 0.3), "(mR = 0.0001): an angular impulse of up to mR ω J_n"),
+    "mRtype": (VISCEL, TC.format("mR=1e-4, mRtype=2, ", 0.3), "mR |R₁ω₁ + R₂ω₂| ω J_n"),
+    "moments": (
+        (COHESION[0], COHESION[1].format("always_use_moment_law=True")),
+        "O.materials.append(CohFrictMat(momentRotationLaw=True, alphaKr=1, etaRoll=0.1))\n",
+        "alphaKr = 1, alphaKtw = 2, etaRoll = 0.1",
+    ),
+    "moments without effect": (
+        (COHESION[0], COHESION[1].format("")),
+        "O.materials.append(CohFrictMat(momentRotationLaw=True))\n",
+        "momentRotationLaw without effect",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", TRAPS)
+def test_what_friction_really_does_is_said(name):
+    pair, material, text = TRAPS[name]
+    description = read(script(pair, material, SPHERE + SPHERE + FACET, integrator="damping=0.3"))
+    notes = [note for note in description.warnings if text in note.what]
+    assert notes and all(note.quote for note in notes)
+    assert bool(description.unknown) is ("without spring" in name)
+    assert all(note.types is None or "wall" in note.types for note in notes if "facets" in note.what)
+    plain = read(script(FRICT, GLASS, SPHERE + SPHERE + FACET))
+    assert not plain.warnings
+
+
+def test_grains_without_friction_have_no_tangential_force():
+    smooth = GLASS.replace("poisson", "frictionAngle=0, poisson")
+    for pair in (FRICT, MINDLIN):
+        mu, tangential, description = friction(pair, smooth)
+        assert mu == 0.0 and tangential is None and not description.unknown
+    assert not read(script(VISCEL, TC.format("", 0), SPHERE + SPHERE + FACET)).warnings

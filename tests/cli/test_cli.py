@@ -1,6 +1,7 @@
 """The command line: output, files, exit codes and error messages."""
 
 import json
+import math
 import os
 import re
 import resource
@@ -281,6 +282,91 @@ def test_speeds_are_shown_where_they_matter(law: str) -> None:
 def test_contact_plot(law: list[str], tmp_path: Path) -> None:
     run("contact", *law, "--plot", tmp_path / "contact.pdf")
     assert (tmp_path / "contact.pdf").read_bytes().startswith(b"%PDF")
+
+
+RUBBING = ["--restitution", 0.9, "--friction", 0.5, "--stiffness-ratio", 0.9]
+
+
+def test_contact_with_friction_over_the_angle() -> None:
+    """The numbers of the contact; angles with and without units, as numbers, lists and ranges."""
+    (friction,) = printed("contact", *RUBBING, "--angle", "0deg:89deg")["friction"]
+    law = hl.LinearDashpot(stiffness=5e7, restitution=0.9, friction=hl.Friction(0.5, stiffness_ratio=0.9))
+    pair = law.between(hl.Ball(0.01, density=840.0))
+    angles = np.radians([*range(0, 90, 5), 89])
+    np.testing.assert_allclose(friction["angle"], angles, rtol=1e-12)
+    np.testing.assert_array_equal(friction["tangential_restitution"], pair.tangential_restitution(angles))
+    assert friction["sticks_below"] == pair.sticks_below()
+    assert friction["slides_beyond"] == pair.slides_beyond()
+    assert friction["effective_tangential_restitution"] == pair.effective_tangential_restitution()
+    impact = pair.impact(1.0, math.tan(angles[9]))
+    ratio = impact.tangential_impulse / impact.normal_impulse
+    assert friction["impulse_ratio"][9] == pytest.approx(abs(ratio), rel=1e-9)
+    for text, degrees in (
+        ("30", [30]),
+        ("30deg,1rad", [30, 57.29577951308232]),
+        ("10:20:3", [10, 15, 20]),
+        ("0.5:9.2deg", [0.5, 1, 1.5, 2, 2.5, 3, 3.5, 4, 4.5, 5, 5.5, 6, 6.5, 7, 7.5, 8, 8.5, 9, 9.2]),
+    ):
+        (again,) = printed("contact", *RUBBING, "--angle", text)["friction"]
+        np.testing.assert_allclose(np.degrees(again["angle"]), degrees, rtol=1e-12)
+
+
+def test_contact_takes_every_argument_of_friction() -> None:
+    """As options; those that the law has too begin with tangential."""
+    options = [
+        "--friction",
+        0.3,
+        "--tangential-stiffness",
+        3e6,
+        "--tangential-damping",
+        2.0,
+        "--limit",
+        "spring",
+    ]
+    output = printed("contact", *options, "--inertia-factor", 0.5, "--angle", 20)
+    friction = hl.Friction(0.3, stiffness=3e6, damping=2.0, limit="spring")
+    law = hl.LinearDashpot(stiffness=5e7, restitution=0.7, friction=friction)
+    pair = law.between(hl.Ball(0.01, density=840.0, inertia_factor=0.5))
+    assert output["law"]["friction"] == law.friction.to_dict()
+    assert output["friction"][0]["tangential_restitution"] == [pair.tangential_restitution(math.radians(20))]
+    text = run("contact", *options).stdout
+    assert "μ 0.3, k_t 3e6, γ_t 2, spring, spring limit" in text
+    assert "do not slip while the bodies approach below" in " ".join(text.split())
+
+
+def test_contact_with_friction_that_depends_on_the_speed(tmp_path: Path) -> None:
+    """One column for each speed; one in all where the speed does not matter."""
+    law = [*HERTZ, "--dissipative-time", 1e-5, "--friction", 0.3, "--speed", 0.1, "--speed", 3]
+    output = printed("contact", *law, "--angle", "10:60:6")["friction"]
+    assert [friction["speed"] for friction in output] == [0.1, 3.0]
+    assert output[0]["tangential_restitution"] != output[1]["tangential_restitution"]
+    text = run("contact", *law, "--plot", tmp_path / "beta.pdf").stdout
+    assert "β at 0.1 m/s   β at 3 m/s" in text and "At 3 m/s, they do not slip" in " ".join(text.split())
+    assert (tmp_path / "beta.pdf").read_bytes().startswith(b"%PDF")
+    assert len(printed("contact", *RUBBING, "--speed", 0.1, "--speed", 3)["friction"]) == 1
+    never = run("contact", "--friction", 0.5, "--friction-model", "none", "--damping-ratio", 0.5).stdout
+    assert "never stick" in never and "slide" in never
+
+
+@pytest.mark.parametrize(
+    "options,line",
+    [
+        (["--angle", 30], "--angle: got 30, must be left out without friction"),
+        (["--friction", 0.5, "--angle", "0:90"], "--angle: got 90, must be in [0, 90)"),
+        (["--friction", 0.5, "--angle", "1m"], "--angle: got '1m', must be a number [deg] or an angle with its unit"),
+        (["--friction", -1], "--friction: got -1, must be"),
+        (["--stiffness-ratio", 0.5], "--friction: missing, must be given beside --stiffness-ratio"),
+        (
+            ["--friction", 1, "--stiffness-ratio", 1, "--tangential-stiffness", 1],
+            "--stiffness-ratio | --tangential-stiffness: got both",
+        ),
+        (["--friction", 1, "--friction-model", "mindlin"], "--friction-model: got mindlin with a linear normal force"),
+        (["--friction", 1, "--inertia-factor", 2], "--inertia-factor: got 2, must be in (0, 1]"),
+    ],
+)  # fmt: skip
+def test_contact_refuses_bad_friction(options: list[object], line: str) -> None:
+    out = run("contact", *options, code=2)
+    assert line in out.stderr and out.stderr.count("\n") == 1
 
 
 # --- sweep --------------------------------------------------------------------------------------------------

@@ -1,5 +1,7 @@
-// Fuzz target: one contact under any law, with parameters over many decades or any values that the law's record allows.
+// Fuzz target: one contact under any law, with parameters over many decades or any values that the law's record allows;
+// and one with friction.
 #include "check.hpp"
+#include "contact/frictional_impact.hpp"
 
 namespace {
 
@@ -65,6 +67,48 @@ void check_collision(const Law& law, double speed, double mass) {
     }
 }
 
+// Friction of any model; constants of a linear law over more decades, whose closed form takes few steps.
+contact::FrictionalContact draw_frictional(Draw& draw) {
+    const bool linear = draw.below(2) == 0;
+    const int powers[] = {0, 1, 2, 4, 6};
+    const FrictionModelRecord& model = friction_models[linear ? 0 : draw.below(6)];
+    const double wide = linear ? 1e9 : 1e2;
+    const auto constant = [&] { return draw.often({0.0}, [&] { return draw.decades(1.0 / wide, wide); }); };
+    contact::FrictionalContact c{{linear ? 4 : 6, linear ? 0 : powers[draw.below(5)], draw.below(3) == 0},
+                                 {1.0, constant()},
+                                 1.0,
+                                 draw.between(0.1, 1.0),
+                                 {}};
+    c.friction = {.coefficient = draw.often({0.0, math::infinity}, [&] { return draw.decades(1e-9, 1e9); }),
+                  .stiffness = {constant(), linear ? 0 : 2 * draw.below(2)},
+                  .damping = {constant(), linear ? 0 : powers[draw.below(5)]},
+                  .loading = model.loading,
+                  .unloading = model.unloading,
+                  .limit = draw.below(2) == 0 ? SlipLimit::total : SlipLimit::spring};
+    return c;
+}
+
+void check_impact(Draw& draw) {
+    const contact::FrictionalContact c = draw_frictional(draw);
+    const double speed = draw.often({1.0}, [&] { return draw.decades(1e-3, 1e3); });
+    const double slip = draw.often({0.0, 1.0}, [&] { return draw.decades(1e-9, 1e9); });
+    contact::impact::NoObserver observer;
+    const contact::FrictionalImpact r = contact::frictional_impact(c, speed, slip, observer);
+    const double beta = contact::tangential_restitution(c, speed, slip);
+    fuzz::require(beta == r.tangential_restitution || (beta != beta && !r.solved), "the same numbers again");
+    if (!r.solved) return;
+    fuzz::require(r.duration > 0.0, "a duration above zero");
+    fuzz::require(r.restitution >= -1e-9 && r.restitution <= 1.0 + 1e-9, "restitution in [0, 1]");
+    const bool conserves =
+        c.friction.stiffness.power == 0 && c.friction.loading == 0 && c.friction.unloading == 0;
+    if (conserves && !(c.friction.damping.factor > 0.0))
+        fuzz::require(math::abs(beta) <= 1.0 + 1e-9, "a constant spring never gains");
+    const double most = c.friction.coefficient * r.normal_impulse;
+    if (!c.powers.attracts && c.friction.limit == SlipLimit::total)
+        fuzz::require(r.tangential_impulse <= most + 1e-9 * (most + c.tangential_mass * slip),
+                      "no more than Coulomb's impulse");
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -79,5 +123,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         check_collision(law, speed, mass);
         check_slack(law, speed);
     });
+    check_impact(draw);
     return 0;
 }

@@ -243,6 +243,24 @@ def test_a_ball_alone_can_be_drawn(law: str) -> None:
     assert any(np.any(a != b) for a, b in pairwise(pictures))
 
 
+@pytest.mark.parametrize("tan", [0.0, 0.4, slow(-2.0), slow(8.0)])
+@pytest.mark.parametrize(
+    "friction",
+    [None, slow(hl.Friction(math.inf)), slow(hl.Friction(0.4, model="none", damping=20.0)), hl.Friction(0.4)],
+    ids=["smooth", "rough", "none", "spring"],
+)
+def test_impacts_can_be_read(tan: float, friction: hl.Friction | None) -> None:
+    law = hl.LinearDashpot(stiffness=1e6, restitution=0.8, friction=friction)
+    ball = hl.Ball(0.01, density=2500.0)
+    other = ball if tan < 1.0 else hl.FLOOR
+    result = law.between(ball, other).impact(1.0, tan, spin=20.0)
+    figure = result.plot()
+    assert_legible(figure)
+    shaded = sum(interval.state == "stick" for interval in result.intervals)
+    assert [len(ax.patches) for ax in figure.axes] == 3 * [shaded]
+    assert len(figure.axes[2].lines) == (3 if tan < 1.0 else 2)  # spins, and zero
+
+
 def test_result_plot_is_the_forces() -> None:
     assert "contacts" in texts(hl.newton(hl.Column.paper()).plot())
 

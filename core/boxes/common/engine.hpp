@@ -20,6 +20,9 @@ struct System {
     const double* velocity = nullptr;  // [m/s]
     const double* radius = nullptr;    // [m]
     const double* mass = nullptr;      // [kg]
+    // Only for laws with friction; nullptr: solid spheres or in two dimensions disks, at rest.
+    const double* inertia_factor = nullptr;    // q of the moment of inertia q m R²
+    const double* angular_velocity = nullptr;  // [rad/s], three components also in two dimensions
 
     double packing_fraction() const {
         double filled = 0.0;

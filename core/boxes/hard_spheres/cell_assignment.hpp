@@ -36,7 +36,8 @@ public:
             const u32 from = order[i], later = order[std::min(i + 24, n - 1)];
             prefetch(&s.position[std::size_t{later} * d]);
             prefetch(&s.velocity[std::size_t{later} * d]);
-            particles_.put(i, s, from, fold(from));
+            particles_.put(i, s, from);
+            if (const int turns = fold(from); turns != 0) particles_.wrap(i, 0, turns);
             particles_.pending[i].cell = cell[from] & (most_cells - 1);
         }
         fill();

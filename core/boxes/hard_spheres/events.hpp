@@ -59,23 +59,20 @@ public:
         const double place = wall.position(now) + away * particles_.radius(i);
         // Nonzero by rounding, or if a soft contact was cut short.
         const double moved = place - p.position[axis];
-        const double weight = particles_.mass(i) * particles_.box.gravity[axis];
+        const double gravity = particles_.box.gravity[axis];
         p.position[axis] = place;
-        if (setting_.falls()) sums.sums.add_potential(-weight * moved);
-        if (take_time_) {
-            sums.dissipated.add(weight * moved);
-            sums.wall_energy[wall.id.index()].add(weight * moved);
-        }
-        const double speed = math::abs(p.velocity[axis] - wall.velocity(now));
-        if (speed == 0.0) {
+        if (setting_.falls()) sums.sums.add_potential(-(particles_.mass(i) * gravity) * moved);
+        WallArrival arrival{math::abs(p.velocity[axis] - wall.velocity(now)), gravity * moved};
+        if (take_time_ && arrival.gained != 0.0) arrive(i, wall, arrival);
+        if (arrival.surface_speed == 0.0) {
             ++sums.walls;
-            record(i, wall.id.number, speed, {0.0, 0.0}, math::infinity);
-            if (!(away * (particles_.box.gravity[axis] - wall.acceleration(now)) > 0.0))
+            record(i, wall.id.number, 0.0, {0.0, 0.0}, math::infinity);
+            if (!(away * (gravity - wall.acceleration(now)) > 0.0))
                 end_run(Outcome::at_rest, i, wall.id.number);
         } else if (take_time_) {
-            contact_with_wall(i, wall, speed);
+            contact_with_wall(i, wall, arrival);
         } else {
-            rebound_from_wall(i, wall, speed, waited);
+            rebound_from_wall(i, wall, arrival.speed, waited);
         }
     }
     // Largest so far, in units of the smaller radius; NaN without a law.
@@ -138,6 +135,20 @@ private:
         record(t.i, t.j, t.speed, soft_.of_pair(t, pair, contact), math::infinity);
         ++totals_.so_far.pairs;
     }
+    // A soft contact of the particle with this wall was cut short behind its surface. The particle goes back along its
+    // parabola, and arrives at the surface with the energy that it has. If that does not suffice it is lifted: this
+    // energy comes from the contact, which had stored more.
+    void arrive(u32 i, const Wall& wall, WallArrival& arrival) {
+        const double square = arrival.speed * arrival.speed + 2.0 * arrival.gained;
+        if (square > 0.0) {
+            arrival.surface_speed = math::sqrt(square);
+            return;
+        }
+        const double lost = particles_.mass(i) * arrival.gained;
+        totals_.so_far.dissipated.add(lost);
+        totals_.so_far.wall_energy[wall.id.index()].add(lost);
+        arrival.gained = 0.0;
+    }
     // In the frame of the wall.
     void rebound_from_wall(u32 i, const Wall& wall, double speed, double waited) {
         const int axis = wall.id.axis();
@@ -156,14 +167,15 @@ private:
         totals_.so_far.add_wall(wall.id, away * gained, gained * wall_velocity, lost);
         record(i, wall.id.number, speed, {e * speed, lost}, waited);
     }
-    void contact_with_wall(u32 i, const Wall& wall, double speed) {
+    void contact_with_wall(u32 i, const Wall& wall, const WallArrival& arrival) {
         const double m = particles_.mass(i), radius = particles_.radius(i);
         const double pressing =
             -wall.inward() * (particles_.box.gravity[wall.id.axis()] - wall.acceleration(particles_.now));
+        const double speed = arrival.surface_speed;
         const SoftContact contact = rule_->contact(
             {{m, math::infinity, speed, 0.0, pressing}, {m, radius}, radius, math::infinity}, deepest_);
         if (contact.outcome != Outcome::ok) return end_unsolved(contact.outcome, i, wall.id.number, speed);
-        record(i, wall.id.number, speed, soft_.at_wall(i, wall, speed, pressing, contact), math::infinity);
+        record(i, wall.id.number, speed, soft_.at_wall(i, wall, arrival, pressing, contact), math::infinity);
     }
     double restitution(const Impact& impact) {
         const Rebound rebound = rule_->rebound(impact, deepest_);

@@ -125,18 +125,16 @@ public:
         note_speed(v);
     }
 
-    // Stores particle `from` of the system as particle i, moved back by a number of edges along the first axis.
-    void put(u32 i, const System& s, u32 from, int turns) {
+    // Stores particle `from` of the system as particle i.
+    void put(u32 i, const System& s, u32 from) {
         Particle<d>& p = paths[i];
         for (int k = 0; k < d; ++k) {
             const std::size_t at = std::size_t{from} * d + static_cast<std::size_t>(k);
             p.position[k] = s.position[at], p.velocity[k] = s.velocity[at];
         }
-        if (turns != 0) p.position[0] -= turns * box.edge[0];
         p.time = 0.0;
         p.radius = mixed ? s.radius[from] : collision_count;
         if constexpr (mixed) masses_[i] = s.mass[from];
-        image_flags[i][0] = turns;
         original_index[i] = from;
         note_speed(p.velocity);
     }

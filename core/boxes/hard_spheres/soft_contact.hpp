@@ -26,6 +26,13 @@ struct Touch {
     }
 };
 
+// Arrival of a particle at a wall, in the frame of the wall.
+struct WallArrival {
+    double speed;                  // of the particle, where it is found [m/s]
+    double gained = 0.0;           // by gravity from there to the surface [J/kg]
+    double surface_speed = speed;  // speed at the surface [m/s]
+};
+
 // What the log holds of a collision.
 struct CollisionResult {
     double separation_speed, lost;  // [m/s], dissipated energy [J]
@@ -71,18 +78,19 @@ public:
         // Angular momentum is conserved: at equal distances the tangential speed is the same.
         return {math::sqrt(math::max(0.0, after - square)), 0.5 * pair.effective_mass * (before - after)};
     }
-    // The same for a particle and a wall, in the frame of the wall. speed: of approach; pressing: acceleration towards
-    // the wall. The acceleration of the wall is taken as constant during the contact. The parabola of the equivalent
+    // The same for a particle at a wall, in the frame of the wall. pressing: acceleration towards the wall. The
+    // acceleration of the wall is taken as constant during the contact. The parabola of the equivalent
     // collision is in the frame of the wall; the flight after the contact is one in the laboratory. An oscillating wall
     // therefore needs the state at the end, extrapolated back there.
-    CollisionResult at_wall(u32 i, const Wall& wall, double speed, double pressing,
+    CollisionResult at_wall(u32 i, const Wall& wall, const WallArrival& arrival, double pressing,
                             const SoftContact& contact) {
         const EquivalentCollision& end = contact.collision;
         const int axis = wall.id.axis();
         const double now = particles_.now, g = particles_.box.gravity[axis];
         const double away = wall.inward(), m = particles_.mass(i);
         double change[d] = {}, shift[d] = {};
-        change[axis] = away * (end.normal_velocity + speed);
+        const double speed = arrival.surface_speed;
+        change[axis] = away * (end.normal_velocity + arrival.speed);
         shift[axis] = away * end.normal_shift;
         const double lost = 0.5 * m * (speed - end.normal_velocity) * (speed + end.normal_velocity);
         const double dissipated = lost - m * pressing * end.normal_shift;
@@ -95,7 +103,8 @@ public:
             const double moved = wall.position(now + t) - wall.position(now);
             change[axis] = after - before;
             shift[axis] = moved + away * beyond - t * (after + 0.5 * g * t);
-            work = 0.5 * m * change[axis] * (after + before) - m * g * shift[axis] + dissipated;
+            work = 0.5 * m * change[axis] * (after + before) - m * (g * shift[axis] + arrival.gained) +
+                   dissipated;
         }
         totals_.so_far.add_wall(wall.id, m * away * change[axis], work, dissipated);
         displace(i, 1.0, change, shift);

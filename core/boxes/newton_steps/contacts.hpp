@@ -5,7 +5,7 @@
 #include <tuple>
 
 #include "../common/bodies.hpp"
-#include "contact_force.hpp"
+#include "friction_force.hpp"
 
 namespace hardlimit::boxes::steps {
 
@@ -17,19 +17,6 @@ struct ContactBegin {
     double begin, impact_speed;                     // [s], [m/s]
     bool overlapped;                                // a body had another contact at the begin
     std::uint32_t overlaps_first, overlaps_second;  // overlap counts at the begin (ContactLog)
-};
-
-// State of the friction of a contact; empty without friction.
-template <class Law>
-struct Friction {};
-template <FrictionalLaw Law>
-struct Friction<Law> {
-    typename Law::History history{};
-    Double4 force{};     // on the second body at the last step [N]
-    double power = 0.0;  // that it takes from the bodies [W]
-
-    double energy(const Law& law) const { return law.tangential_energy(history); }
-    void reverse() { history.reverse(), force = -force; }
 };
 
 // Two bodies, or a body and a wall, that overlap. They are in contact while their force is repulsive.
@@ -49,7 +36,7 @@ struct Contact : ContactBegin, ContactForce {  // the force of the last step
     bool is_new;  // the last step was its first
     bool in_contact;
     std::int32_t begin_event;  // index of its begin in Slab::events; −1 once logged
-    [[no_unique_address]] Friction<Law> friction;
+    [[no_unique_address]] ContactFriction<Law> friction;
 };
 
 // The begin or the end of a contact between two steps. It is logged after several steps, when the slot of the contact

@@ -61,9 +61,9 @@ public:
     void gather(std::size_t first, std::size_t last) { sort_.move(bodies, first, last); }
     void divide() {
         sort_.swap(bodies);
-        for (const auto& [body, a] : saved_accelerations_) bodies.acceleration[body].step = 0;
-        for (const auto& [body, a] : saved_accelerations_) bodies.acceleration[sort_.where(body)] = a;
-        saved_accelerations_.clear();
+        restore_accelerations(bodies.acceleration, saved_accelerations_);
+        if constexpr (FrictionalLaw<Law>)
+            restore_accelerations(bodies.angular_acceleration, saved_angular_accelerations_);
         divide_into_slabs();
     }
     void list(Slab<Law>& slab, double time) {
@@ -167,7 +167,8 @@ private:
     double listed_at_ = 0.0;                    // time of the last list build [s]
     double largest_compression_ = 0.0;          // up to the last list build
     std::vector<Contact<Law>> saved_contacts_;  // during a rebuild
-    std::vector<std::pair<std::uint32_t, ContactAcceleration>> saved_accelerations_;
+    using SavedAccelerations = std::vector<std::pair<std::uint32_t, ContactAcceleration>>;
+    SavedAccelerations saved_accelerations_, saved_angular_accelerations_;
 
     void choose_skin(double fastest, double step) {
         const double d = box_.dimension, dilute = 2.0 * d * packing_fraction_ / mean_width_;
@@ -196,12 +197,20 @@ private:
                     reverse(saved_contacts_.back());
             }
             for (const auto* accelerated : {&s.accelerated, &s.accelerated_next})
-                for (const std::uint32_t i : *accelerated)
+                for (const std::uint32_t i : *accelerated) {
                     saved_accelerations_.push_back({i, bodies.acceleration[i]});
+                    if constexpr (FrictionalLaw<Law>)
+                        saved_angular_accelerations_.push_back({i, bodies.angular_acceleration[i]});
+                }
             given_to_walls += s.given_to_walls;
             dissipated += s.dissipated, wall_work += s.wall_work, shear_work += s.shear_work;
             virial += s.virial;
         }
+    }
+    void restore_accelerations(Records<ContactAcceleration>& of, SavedAccelerations& saved) const {
+        for (const auto& [body, a] : saved) of[body].step = 0;
+        for (const auto& [body, a] : saved) of[sort_.where(body)] = a;
+        saved.clear();
     }
     // Moves bodies that have left through a sheared side to their images in the box. By one thread, so that the work
     // has the same bits with any number of threads.

@@ -30,25 +30,9 @@ namespace hardlimit::boxes {
 template <class Law>
 class NewtonSteps final : public Engine {
 public:
-    NewtonSteps(const NewtonSetting& setting, const System& s) : NewtonSteps(setting) {
-        for (std::size_t i = 0; i < s.n; ++i) {
-            double x[3], v[3];
-            setting_.in_three(s.position, i, x);
-            setting_.in_three(s.velocity, i, v);
-            bodies_.position.push_back(Double4{x[0], x[1], x[2], laws_.radius(i)});
-            bodies_.velocity.push_back(Double4{v[0], v[1], v[2], 1.0 / laws_.mass(i)});
-            bodies_.tag.push_back({static_cast<std::uint32_t>(i), {0, 0, 0}});
-            include_speed(i);
-        }
-        criterion_.fastest = math::max(criterion_.fastest, box_.fastest_wall());
-        bodies_.acceleration.resize(bodies_.count());
-        if constexpr (FrictionalLaw<Law>) make_spins();
-        begin_rebuild();
-        const auto never = [] { return false; };
-        run(1, std::chrono::milliseconds(1000), never);  // forces at the start
-    }
+    NewtonSteps(const NewtonSetting& setting, const System& s);
     // Continues a saved run.
-    NewtonSteps(const NewtonSetting& setting, Reader& reader) : NewtonSteps(setting) { exchange(reader); }
+    NewtonSteps(const NewtonSetting& setting, Reader& reader);
 
     // Takes equal steps, at most as long as the time step. The unit of work is a step.
     void advance(double until, u64 most_work, int threads, Stop& stop) override {
@@ -118,7 +102,7 @@ public:
         return o;
     }
 
-    // Angular velocities [rad/s], [3 N] by original index; zero at the start.
+    // Angular velocities [rad/s], [3 N] by original index.
     void angular_velocity(double* spin) const
         requires FrictionalLaw<Law>
     {
@@ -142,13 +126,7 @@ public:
         return rows;
     }
 
-    std::vector<char> save() const override {
-        Writer writer("newton_steps");
-        NewtonSteps& self = const_cast<NewtonSteps&>(*this);  // exchange reads and writes with one list
-        self.setting_.exchange(writer);
-        self.exchange(writer);
-        return writer.finish();
-    }
+    std::vector<char> save() const override;
     std::size_t bytes() const override {
         // Bodies are stored twice, for sorting.
         constexpr std::size_t per_body =
@@ -189,12 +167,11 @@ private:
     WallId ended_at_wall_;
     steps::ContactLog log_;
 
-    explicit NewtonSteps(const NewtonSetting& setting)
-        : setting_(setting),
-          laws_(setting_.laws<Law>()),
-          domain_(box_, laws_, setting_.count()),
-          stepper_(box_, laws_, domain_, criterion_),
-          log_(setting_.count(), setting_.log) {}
+    explicit NewtonSteps(const NewtonSetting& setting);
+    void add_bodies(const System& s);
+    void add_spins(const System& s);
+    template <class Archive>
+    void exchange(Archive& archive);
 
     void plan(double until) {
         const double steps = (until - time_) / setting_.time_step * (1.0 - 1e-12);
@@ -216,15 +193,6 @@ private:
         }
     }
 
-    // Moment of inertia of a solid sphere, or in two dimensions of a disk.
-    void make_spins() {
-        for (std::size_t i = 0; i < bodies_.count(); ++i) {
-            const double radius = bodies_.position[i][3], factor = box_.dimension == 2 ? 0.5 : 0.4;
-            const double inverse = bodies_.velocity[i][3] / (factor * radius * radius);
-            bodies_.spin.push_back(Double4{0.0, 0.0, 0.0, inverse});
-        }
-        bodies_.angular_acceleration.resize(bodies_.count());
-    }
     Double4 velocity_of(std::size_t i) const {
         if (!paused_) return bodies_.velocity[i];
         return bodies_.velocity[i] +
@@ -384,19 +352,9 @@ private:
         if (!ended_at_wall_) ended_by_.push_back(deepest->deepest[1]);
         std::ranges::sort(ended_by_);
     }
-
-    // --- checkpoint -----------------------------------------------------------------------------------------------
-
-    template <class Archive>
-    void exchange(Archive& archive) {
-        domain_.exchange(archive);
-        criterion_.exchange(archive);
-        archive(time_), archive(plan_.h), archive(taken_), archive(now_), archive(outcome_);
-        archive(ended_by_), archive(ended_at_wall_);
-        archive(plan_.from), archive(plan_.until), archive(plan_.planned), archive(plan_.done),
-            archive(paused_);
-        log_.exchange(archive);
-    }
 };
 
 }  // namespace hardlimit::boxes
+
+#include "checkpoint.hpp"
+#include "start.hpp"

@@ -32,7 +32,7 @@ public:
     // Onset correction for contacts that were new at the last step of the previous advance(): the part that falls into
     // the half step after it.
     static void resume(Slab<Law>& slab, const Bodies& bodies, double h) {
-        slab.impulses.clear();
+        slab.impulses.clear(), slab.turns.clear();
         for (const Contact<Law>& c : slab.contacts) {
             if (c.index_first == no_body) continue;
             double impulse = 0.0;
@@ -43,7 +43,13 @@ public:
                 add_impulse(slab, bodies, c, impulse);
             }
             add_sums(slab, c, 0.5 * h * c.force + impulse);
-            if constexpr (FrictionalLaw<Law>) add_friction_sums(slab, c, 0.5 * h);
+            if constexpr (FrictionalLaw<Law>) {
+                const Double4 friction = c.friction.force;
+                const auto onset = friction_onset(c.law, c.friction, c.onset, h);
+                const double missed = c.is_new ? 0.5 * h + onset.missed - onset.until_step : 0.0;
+                if (missed != 0.0) add_friction_impulse(slab, bodies, c, friction * missed);
+                add_friction_sums(slab, c, friction * (0.5 * h + missed));
+            }
         }
     }
 
@@ -153,6 +159,8 @@ private:
         }
         if (now_.velocity_lag > 0.0)
             add_loss(slab, c, is_new ? dissipated_at_onset(c.law, f, c.onset) : dissipated(c, f, m));
+        [[maybe_unused]] Double4 correction;
+        if constexpr (FrictionalLaw<Law>) correction = update_friction(slab, c, m, f.force, excess, is_new);
         c.index_first = m.first, c.index_second = m.second;
         c.normal = m.normal, c.distance = m.distance;
         c.wall_velocity = m.wall_velocity, c.image_velocity = m.image_velocity;
@@ -160,8 +168,7 @@ private:
         static_cast<ContactForce&>(c) = f;
         record_depth(slab, c, m);
         apply(slab, c);
-        if constexpr (FrictionalLaw<Law>)
-            compression > 0.0 ? apply_friction(slab, c, m) : end_friction(slab, c);
+        if constexpr (FrictionalLaw<Law>) apply_friction(slab, c, correction);
         if (!(compression > 0.0)) {
             c.index_first = no_body;
             slab.freed_slots.push_back(slot);
@@ -214,6 +221,7 @@ private:
         c.first = static_cast<std::int32_t>(bodies_.tag[m.first].original_index);
         c.second = m.number;
         c.begin_event = -1;
+        if constexpr (FrictionalLaw<Law>) c.normal = m.normal;
         c.law = laws_(c.first, wall ? -1 : m.number);
         if (!wall) c.image = grid_.relative_image(NeighbourPair::of(m.first, m.second, m.image), bodies_.tag);
         c.begin = now_.time;
@@ -240,14 +248,17 @@ private:
         return growth / now_.h + curvature * (time - (now_.time - 0.5 * now_.h));
     }
 
+    // Part of the last step at whose end the excess compression passed through zero.
+    static double share_before(const Contact<Law>& c, double excess) {
+        const double span = c.excess - excess;
+        return span != 0.0 ? math::clamp(c.excess / span, 0.0, 1.0) : 1.0;
+    }
     // Stores the begin or the end of a contact. Unless it begins by touch, its time is where the excess compression
     // passes through zero.
     void add_event(Slab<Law>& slab, std::int32_t slot, Contact<Law>& c, const RelativeMotion& m,
                    double excess, bool is_new) const {
         const bool begins = !c.in_contact, known = begins && (is_new || !(now_.velocity_lag > 0.0));
-        const double span = c.excess - excess;
-        const double share = span != 0.0 ? math::clamp(c.excess / span, 0.0, 1.0) : 1.0;
-        const double time = known ? c.begin : now_.time - (1.0 - share) * now_.h;
+        const double time = known ? c.begin : now_.time - (1.0 - share_before(c, excess)) * now_.h;
         const double rate =
             known ? c.impact_speed : rate_at(time, m, m.compression() - c.compression, c.force);
         if (begins) c.begin = time, c.impact_speed = rate;
@@ -270,49 +281,110 @@ private:
         if (c.index_second != no_body)
             accelerate(slab, c.index_second, c.normal * (c.force * bodies_.velocity[c.index_second][3]));
     }
-    // The lever arms of two bodies end in the middle of their overlap, so that angular momentum is conserved.
-    //
-    // Of the power −F_t·v that the tangential force takes from the bodies, v the sliding velocity, the tangential
-    // spring stores a part; the rest is dissipated. The power is integrated by the trapezoidal rule from touch on, with
-    // an error of order h².
-    void apply_friction(Slab<Law>& slab, Contact<Law>& c, const RelativeMotion& m) {
-        const std::uint32_t i = m.first, j = m.second;
-        const bool wall = j == no_body;
-        const double radius = bodies_.position[i][3];
-        const double arm = wall ? m.distance : radius - 0.5 * c.compression;
-        const double other_arm = wall ? 0.0 : m.distance - arm;
-        Double4 turning = spin_at(i) * arm;
-        if (!wall) turning += spin_at(j) * other_arm;
-        Double4 v = m.velocity + m.acceleration * now_.velocity_lag - cross(turning, m.normal);
-        v -= m.normal * dot(v, m.normal);
-        const double duration = c.is_new ? c.onset.since : now_.h;
-        const ContactMotion motion = {
-            c.compression,      c.rate,  c.force, {m.normal[0], m.normal[1], m.normal[2]},
-            {v[0], v[1], v[2]}, duration};
-        const double stored = c.friction.energy(c.law), power = c.friction.power;
-        const TangentialForce f = c.law.tangential_force(motion, c.friction.history);
-        const Double4 force{f.component[0], f.component[1], f.component[2], 0.0};
-        c.friction.force = force;
-        c.friction.power = -dot(force, v);
-        add_loss(slab, c, 0.5 * duration * (power + c.friction.power) - (c.friction.energy(c.law) - stored));
-        const Double4 torque = -cross(m.normal, force);  // over the lever arm, on either body
+    // Distances of the contact from the centres [m], in proportion to the radii so that angular momentum and energy are
+    // conserved; at a wall the radius.
+    struct Arms {
+        double first, second;
+    };
+    static Arms arms(const Bodies& bodies, std::uint32_t i, std::uint32_t j, double distance) {
+        const double radius = bodies.position[i][3];
+        if (j == no_body) return {radius, 0.0};
+        const double first = distance * (radius / (radius + bodies.position[j][3]));
+        return {first, distance - first};
+    }
+    // What a tangential force or impulse on the second body does to the spins of both [rad/s² or rad/s].
+    struct Turns {
+        Double4 first, second;
+    };
+    static Turns turns_of(const Bodies& bodies, const Contact<Law>& c, Double4 force) {
+        const Arms arm = arms(bodies, c.index_first, c.index_second, c.distance);
+        const Double4 torque = -cross(c.normal, force);  // over the arm, on either body
+        Turns turns{torque * (arm.first * bodies.spin[c.index_first][3]), Double4{}};
+        if (c.index_second != no_body) turns.second = torque * (arm.second * bodies.spin[c.index_second][3]);
+        return turns;
+    }
+    // Velocity of the second surface relative to the first [m/s] a time `ago` [s] before this step, in the plane across
+    // the present normal. Velocities advance by `lag` [s] with the accelerations of the step before.
+    Double4 sliding_velocity(const RelativeMotion& m, double ago, double lag) const {
+        Double4 normal = m.normal;
+        double distance = m.distance;
+        if (m.second != no_body && ago > 0.0) {
+            normal = m.normal * m.distance - m.velocity * ago;
+            normal[3] = 0.0;
+            distance = math::sqrt(dot(normal, normal));
+            normal *= 1.0 / distance;
+        }
+        const Arms arm = arms(bodies_, m.first, m.second, distance);
+        Double4 turning = spin(m.first, lag) * arm.first;
+        if (m.second != no_body) turning += spin(m.second, lag) * arm.second;
+        Double4 g = m.velocity + m.acceleration * lag - cross(turning, normal);
+        g[3] = 0.0;  // the inverse masses
+        return turned(g - normal * dot(g, normal), normal, m.normal);
+    }
+    // Velocity by which a newton of tangential force changes that of the surfaces in a second [1/kg].
+    double inverse_tangential_mass(const RelativeMotion& m) const {
+        const Arms arm = arms(bodies_, m.first, m.second, m.distance);
+        double inverse = inverse_mass(m) + arm.first * arm.first * bodies_.spin[m.first][3];
+        if (m.second != no_body) inverse += arm.second * arm.second * bodies_.spin[m.second][3];
+        return inverse;
+    }
+    Slide slide(const RelativeMotion& m, const ContactFriction<Law>& before, double since,
+                bool is_new) const {
+        const double inverse = inverse_tangential_mass(m), lag = now_.velocity_lag;
+        // The accelerations contain the force of this contact at the step before.
+        const Double4 velocity = sliding_velocity(m, 0.0, lag) - before.force * (inverse * lag);
+        return {sliding_velocity(m, 0.5 * since, 0.0) * since, velocity, inverse * (is_new ? since : lag)};
+    }
+
+    // Computes the tangential force at this step, and the energy dissipated since the last one, whose values c still
+    // holds. Between two steps velocities change by h (F + F')/2 and surfaces move by Δ, so F takes −½ (F + F')·Δ from
+    // the bodies; the spring stores a part of it. Returns the impulse [N s] that equal steps miss where the contact
+    // begins or ends.
+    Double4 update_friction(Slab<Law>& slab, Contact<Law>& c, const RelativeMotion& m, double normal_force,
+                            double excess, bool is_new) const {
+        ContactFriction<Law> before = c.friction;
+        const double compression = math::max(m.compression(), 0.0), since = is_new ? c.onset.since : now_.h;
+        before.turn(c.normal, m.normal);
+        const Slide moved = slide(m, before, since, is_new);
+        const double stored_before = before.energy(c.law, c.compression);
+        if (is_new)
+            before =
+                friction_at_touch(c.law, sliding_velocity(m, since, now_.velocity_lag - since), c.onset.rate);
+        c.friction = friction_force(c.law, before, moved, c.compression, compression, normal_force);
+        Double4 impulse = (before.force + c.friction.force) * (0.5 * since), correction{};
+        if (is_new) {
+            const auto onset = friction_onset(c.law, c.friction, c.onset, now_.h);
+            impulse = c.friction.force * onset.until_step;
+            correction = c.friction.force * (now_.closing ? onset.until_step - now_.weight : onset.missed);
+        } else if (!(normal_force > 0.0) && before.length() > 0.0) {
+            // The surfaces stick until μ F_n, which falls to zero, equals the force of the last step. While they slip
+            // equal steps miss as much of F as of F_n.
+            const double ratio = before.length() / (c.law.friction.coefficient * c.force);
+            const double lasts = share_before(c, excess) * now_.h;
+            correction = before.force * ((1.0 - ratio) * (lasts - 0.5 * now_.h));
+            impulse += correction;
+        }
+        const double stored = c.friction.energy(c.law, compression) - stored_before;
+        const double work = since > 0.0 ? -dot(impulse, moved.displacement) / since : 0.0;
+        add_loss(slab, c, work - stored);
+        return correction;
+    }
+    void apply_friction(Slab<Law>& slab, const Contact<Law>& c, Double4 correction) {
+        const Double4 force = c.friction.force;
+        if (dot(correction, correction) > 0.0) add_friction_impulse(slab, bodies_, c, correction);
+        add_friction_sums(slab, c, force * now_.weight + correction);
+        if (!(dot(force, force) > 0.0)) return;
+        const std::uint32_t i = c.index_first, j = c.index_second;
+        const Turns turns = turns_of(bodies_, c, force);
         accelerate(slab, i, -force * bodies_.velocity[i][3]);
-        bodies_.angular_acceleration[i].add(now_.step, torque * (arm * bodies_.spin[i][3]));
-        if (wall) return;
-        add_friction_sums(slab, c, now_.weight);
+        bodies_.angular_acceleration[i].add(now_.step, turns.first);
+        if (j == no_body) return;
         accelerate(slab, j, force * bodies_.velocity[j][3]);
-        bodies_.angular_acceleration[j].add(now_.step, torque * (other_arm * bodies_.spin[j][3]));
+        bodies_.angular_acceleration[j].add(now_.step, turns.second);
     }
-    // The bodies have separated since the last step. The tangential force ends with the normal force, and the energy of
-    // its spring is dissipated.
-    void end_friction(Slab<Law>& slab, const Contact<Law>& c) const {
-        const double apart = c.rate < 0.0 ? math::clamp(c.compression / c.rate, 0.0, now_.h) : 0.0;
-        add_loss(slab, c, 0.5 * (now_.h - apart) * c.friction.power + c.friction.energy(c.law));
-    }
-    // Angular velocity now [rad/s], from the torques of the step before.
-    Double4 spin_at(std::uint32_t body) const {
-        return bodies_.spin[body] +
-               bodies_.angular_acceleration[body].previous(now_.step) * now_.velocity_lag;
+    // Angular velocity [rad/s], from the torques of the step before.
+    Double4 spin(std::uint32_t body, double lag) const {
+        return bodies_.spin[body] + bodies_.angular_acceleration[body].previous(now_.step) * lag;
     }
     void accelerate(Slab<Law>& slab, std::uint32_t body, Double4 acceleration) {
         if (bodies_.acceleration[body].add(now_.step, acceleration))
@@ -328,10 +400,9 @@ private:
         else
             slab.given_to_walls.add(WallId::of(c.second), impulse, -impulse * c.wall_velocity);
     }
-    static void add_friction_sums(Slab<Law>& slab, const Contact<Law>& c, double duration) {
-        slab.shear_work -= duration * c.friction.force[0] * c.image_velocity;
-        if (c.index_second != no_body)
-            slab.virial.add_product(duration * c.distance, c.normal, c.friction.force);
+    static void add_friction_sums(Slab<Law>& slab, const Contact<Law>& c, Double4 impulse) {
+        slab.shear_work -= impulse[0] * c.image_velocity;
+        if (c.index_second != no_body) slab.virial.add_product(c.distance, c.normal, impulse);
     }
     // Energy dissipated in a contact [J].
     static void add_loss(Slab<Law>& slab, const Contact<Law>& c, double energy) {
@@ -343,6 +414,17 @@ private:
         if (c.index_second != no_body)
             slab.impulses.push_back(
                 {c.index_second, c.normal * (impulse * bodies.velocity[c.index_second][3])});
+    }
+    // Tangential impulse on the second body [N s].
+    static void add_friction_impulse(Slab<Law>& slab, const Bodies& bodies, const Contact<Law>& c,
+                                     Double4 impulse) {
+        const std::uint32_t i = c.index_first, j = c.index_second;
+        const Turns turns = turns_of(bodies, c, impulse);
+        slab.impulses.push_back({i, -impulse * bodies.velocity[i][3]});
+        slab.turns.push_back({i, turns.first});
+        if (j == no_body) return;
+        slab.impulses.push_back({j, impulse * bodies.velocity[j][3]});
+        slab.turns.push_back({j, turns.second});
     }
 };
 

@@ -27,6 +27,9 @@ void kick(Slab<Law>& slab, const Slab<Law>& previous, Bodies& bodies, const Box&
         for (const Impulse& impulse : from.impulses)
             if (slab.holds(impulse.body))
                 change_velocity(slab, bodies, box, impulse.body, impulse.velocity_change);
+        if constexpr (FrictionalLaw<Law>)
+            for (const Impulse& turn : from.turns)
+                if (slab.holds(turn.body)) bodies.spin[turn.body] += turn.velocity_change;
     };
     add_impulses(slab);
     if (&previous != &slab) add_impulses(previous);

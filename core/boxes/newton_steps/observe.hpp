@@ -35,7 +35,7 @@ Observation observe(const Box& box, const Decomposition<Law>& domain, double tim
         for (const Contact<Law>& c : s.contacts) {
             if (c.index_first == no_body) continue;
             o.contact_energy += c.law.energy(onset_root<Law::onset_power>(c.compression));
-            if constexpr (FrictionalLaw<Law>) o.contact_energy += c.friction.energy(c.law);
+            if constexpr (FrictionalLaw<Law>) o.contact_energy += c.friction.energy(c.law, c.compression);
             o.in_contact += c.in_contact;
         }
     }

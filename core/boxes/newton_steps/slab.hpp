@@ -28,6 +28,7 @@ struct alignas(64) Slab {
     std::vector<std::uint32_t> accelerated,
         accelerated_next;           // bodies in contact, of this slab and of the next one
     std::vector<Impulse> impulses;  // on bodies of both
+    std::vector<Impulse> turns;     // changes of their angular velocities [rad/s]; only with friction
     std::vector<ContactEvent> events;
     double dissipated = 0.0, wall_work = 0.0, shear_work = 0.0;  // since the list was built [J]
     WallSums given_to_walls;                                     // since the list was built
@@ -37,7 +38,7 @@ struct alignas(64) Slab {
     std::int32_t deepest[2] = {-1, -1};    // its contact: first and second as in ContactBegin
 
     bool holds(std::uint32_t body) const { return body >= first_body && body < last_body; }
-    void clear_step() { accelerated.clear(), accelerated_next.clear(), impulses.clear(); }
+    void clear_step() { accelerated.clear(), accelerated_next.clear(), impulses.clear(), turns.clear(); }
     void clear(std::uint32_t of_bodies, std::uint32_t of_cells) {
         first_body = of_bodies, first_cell = of_cells;
         contacts.clear(), free_slots.clear(), freed_slots.clear(), events.clear();

@@ -68,7 +68,7 @@ def answer(
         return False, f"No: {wrong}."
     if unknown:
         return None, f"Cannot be said: this is not understood: {unknown[0].where or unknown[0].what}"
-    if rubbing := [row for row in pairs if row.friction != 0.0]:
+    if rubbing := [row for row in pairs if row.friction.coefficient != 0.0]:
         return None, f"Cannot be said: {_rubs(rubbing, question)}."
     if missing or len(known) < len(pairs) or not known:
         return None, f"Cannot be said: {_not_known(missing, question)}."
@@ -79,7 +79,7 @@ def answer(
             f"Cannot be said: {_off(worst, question)}, and {percent(ACCEPTED)} is within the error bar.",
         )
     small = f"{_off(worst, question)}, less than {percent(ACCEPTED)}"
-    if any(row.friction != 0.0 for row in rows):
+    if any(row.friction.coefficient != 0.0 for row in rows):
         return None, f"Cannot be said: {small}, but walls rub, which the law of the error leaves out."
     return True, f"Yes: {small}; {_may(worst)}."
 
@@ -115,7 +115,7 @@ def _too_wrong(
 
 def _driven(rows: Sequence[CheckedContact], question: Question) -> str:
     """What drives the box, and what to do: our own engines have no friction."""
-    if rubbing := [row for row in rows if row.friction != 0.0]:
+    if rubbing := [row for row in rows if row.friction.coefficient != 0.0]:
         return f"{question.driven}, grains rub ({_friction(rubbing)}), and {HOMOGENEOUS} without friction"
     how = f" (hardlimit gas compare {question.option})" if question.option else ""
     return f"{question.driven}, and {HOMOGENEOUS}: run both{how}"
@@ -123,7 +123,7 @@ def _driven(rows: Sequence[CheckedContact], question: Question) -> str:
 
 def _friction(rows: Sequence[CheckedContact]) -> str:
     """The coefficient of friction, or the smallest and the largest."""
-    values = [row.friction for row in rows if row.friction is not None]
+    values = [mu for row in rows if (mu := row.friction.coefficient) is not None]
     if len(values) < len(rows):
         return "μ is not known"
     return f"μ = {'–'.join(dict.fromkeys(digits(value, 3) for value in (min(values), max(values))))}"
@@ -165,7 +165,7 @@ def steady(rows: Sequence[CheckedContact], drive: Drive | None, plain: bool) -> 
     shown = digits(speed, 2) if plain else f"{digits(speed, 2)} m/s"
     text = f" Impacts at {shown} are those of the steady state under {drive.words(plain)}"
     theory = ["kinetic theory"] * (drive.shear_rate is not None)
-    theory += ["of grains without friction"] * any(row.friction != 0.0 for row in pairs)
+    theory += ["of grains without friction"] * any(row.friction.coefficient != 0.0 for row in pairs)
     return f"{text} ({' '.join(theory)})." if theory else f"{text}."
 
 
@@ -208,7 +208,7 @@ def _numbers(row: CheckedContact) -> str:
 
 def _far(row: CheckedContact, question: Question) -> str:
     """That contacts last too long for the law of the error."""
-    smooth = question.quantity == "cooling" and row.friction == 0.0
+    smooth = question.quantity == "cooling" and row.friction.coefficient == 0.0
     off = (
         f"event-driven is off by far more than {percent(ACCEPTED)}" if smooth else "contacts overlap in time"
     )

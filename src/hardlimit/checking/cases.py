@@ -6,7 +6,6 @@ import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from datetime import datetime
 from itertools import permutations
 from typing import Any, Final, NamedTuple
 
@@ -15,16 +14,21 @@ import numpy as np
 from .. import _core
 from ..boxes.system import ParticleSystem
 from ..contact.balls import Ball
-from ..contact.contact import Law, law_parameters
+from ..contact.contact import Contact, Law, law_parameters
+from ..contact.friction import FrictionTerms
+from ..contact.frictional_contact import tangential_restitution
 from ..convert.codes import Code, Model, Pair, Written, code
 from ..convert.force import AdhesiveForce, ContactArea, Force
 from ..convert.formulas import DEFAULT_POISSON_RATIO, Numbers
+from ..convert.tangential import NormalContact, Tangential, models_of
 from ..convert.wanted import LAWS
 from ..support.formatting import digits, listed, quantity
 from ..support.units import SYSTEMS
 from .contacts import Body, Case, CheckedContact, KnownBody
+from .friction import OBLIQUE, FrictionLaw, MakeRestitution, MakeTerms, contact_of
 from .models import selected
 from .scripts import ContactSettings, Description, Grains, Quote, Stage
+from .scripts.description import date
 
 WALL = "wall"
 #: In place of the name of a wall: the second grain is one of those of its type that do not move.
@@ -72,6 +76,67 @@ class ModelForce:
         return None if name is None else (name, self.numbers[name], power)
 
 
+def friction_of(source: Code, contact: ContactSettings, force: ModelForce | None) -> FrictionLaw:
+    """The friction of a contact, with its terms if the tangential model is understood."""
+    law = FrictionLaw(contact.friction)
+    if force is None or contact.friction == 0.0:
+        return law
+    others = [(when, _oblique(source, contact, force, model)) for when, model in contact.other_tangential]
+    own = contact.tangential
+    model = None if own is None else models_of(source.name).get(own.model)
+    if own is not None and model is not None and model.restitution is not None:
+        others.insert(0, ("in this version", _oblique(source, contact, force, own)))
+        law, own = law._replace(model=own.model, not_known="only β at 45° is known"), None
+    law = law._replace(others=tuple((when, beta) for when, beta in others if beta is not None))
+    if own is None:
+        return law
+    terms = _terms_of(source, contact, force, own)
+    if isinstance(terms, str):
+        return law._replace(not_known=terms)
+    return law._replace(model=own.model, terms=terms)
+
+
+def _oblique(
+    source: Code, contact: ContactSettings, force: ModelForce, tangential: Tangential
+) -> MakeRestitution | None:
+    """β at 45° under a tangential force; None if it is not known."""
+    model, terms = models_of(source.name).get(tangential.model), _terms_of(source, contact, force, tangential)
+    if model is None or isinstance(terms, str):
+        return None
+
+    def beta(first: KnownBody, second: KnownBody | None, speed: float) -> float:
+        own = contact_of(terms, force(first, second, speed), (first, second), speed)
+        if model.restitution is None:
+            return float(tangential_restitution(own, speed, OBLIQUE)[0])
+        written = force.written(first, second, speed)
+        normal = NormalContact(written, force.numbers, written.force(force.numbers))
+        slip = math.tan(float(OBLIQUE[0])) * speed
+        return model.restitution(tangential.numbers, normal, own.tangential_mass, speed, slip)
+
+    return beta
+
+
+def _terms_of(
+    source: Code, contact: ContactSettings, force: ModelForce, tangential: Tangential
+) -> MakeTerms | str:
+    """The terms of a tangential force, or why they are not known."""
+    model = models_of(source.name).get(tangential.model)
+    if model is None:
+        return f"tangential model {tangential.model} not understood"
+
+    def terms(first: KnownBody, second: KnownBody | None, speed: float) -> FrictionTerms:
+        written = force.written(first, second, speed)
+        normal = NormalContact(written, force.numbers, written.force(force.numbers))
+        return model.terms(tangential.numbers, normal)
+
+    tried = Body(None, None).tried(0)
+    try:
+        terms(tried, None if contact.types[1] == WALL else tried, 1.0)
+    except ValueError as error:
+        return str(error)
+    return terms
+
+
 def energy_density(contact: ContactSettings, units: str = "si") -> tuple[Any, float] | None:
     """LIGGGHTS' model of cohesion and its energy density [J/m³]; None without one, or if that is not known."""
     mass, length, time = SYSTEMS[units]
@@ -104,13 +169,31 @@ class LawForce:
     law: Law
 
     def __call__(self, first: KnownBody, second: KnownBody | None, speed: float) -> Force:
-        ball = Ball(first.radius, mass=first.mass)
-        contact = self.law.between(
-            *[ball] if second is None else [ball, Ball(second.radius, mass=second.mass)]
-        )
+        contact = self._between(first, second)
         coefficients = contact.core.coefficients
         assert coefficients is not None  # check accepts no other law
         return Force(LAWS[self.law.record["name"]], *coefficients, contact.effective_mass)
+
+    def _between(self, first: KnownBody, second: KnownBody | None) -> Contact:
+        balls = [
+            Ball(body.radius, mass=body.mass, inertia_factor=body.inertia_factor)
+            for body in (first, second)
+            if body is not None
+        ]
+        return self.law.between(*balls)
+
+    def friction(self) -> FrictionLaw:
+        """The friction of this law."""
+        friction = self.law.friction
+        if friction is None:
+            return FrictionLaw()
+
+        def terms(first: KnownBody, second: KnownBody | None, speed: float) -> FrictionTerms:
+            known = self._between(first, second).friction_terms
+            assert known is not None
+            return known
+
+        return FrictionLaw(friction.coefficient, friction.model, terms)
 
 
 # --- scripts ------------------------------------------------------------------------------------------------
@@ -161,7 +244,8 @@ def of_script(description: Description, kinds: Sequence[object]) -> tuple[list[C
                 forces.append((contact, None))
         materials = _materials(forces)
         for contact, known in forces:
-            cases += _ends(number, stage, contact, known, materials)
+            friction = friction_of(source, contact, known)
+            cases += _ends(number, stage, contact, known, friction, materials)
     said = [
         f"{listed(list(names))}: mixed as {source.title} does since {limit}; before, their numbers do not determine ε."
         for limit, names in since.items()
@@ -211,6 +295,7 @@ def _state(stage: Stage) -> object:
             contact.wall_mass,
             contact.wall_radius,
             contact.friction,
+            (contact.tangential, contact.other_tangential),
             {name: setting.words for name, setting in contact.settings.items()},
         )
         for contact in stage.contacts
@@ -230,8 +315,8 @@ def force_of(
     ``models``: those of the code by default. ``units``: of the script, to have the numbers in SI units.
     """
     read = selected(source, models or source.models, contact.settings, units)
-    known = None if version is None else _date(version)
-    if contact.since and known is not None and known < (_date(contact.since) or known):
+    known = None if version is None else date(version)
+    if contact.since and known is not None and known < (date(contact.since) or known):
         raise ValueError(f"not mixed before {contact.since}")
 
     def force(version: tuple[int, ...] | None) -> ModelForce:
@@ -256,9 +341,9 @@ def force_of(
 def _as_of(model: Model, version: tuple[int, ...] | None, wall: bool) -> Model:
     """The model in a version of the code, by default the newest."""
     for difference in model.difference:
-        since = not difference.since or version is None or version >= (_date(difference.since) or version)
+        since = not difference.since or version is None or version >= (date(difference.since) or version)
         before = not difference.before or (
-            version is not None and version < (_date(difference.before) or version)
+            version is not None and version < (date(difference.before) or version)
         )
         if since and before and (wall or not difference.walls):
             if difference.unknown:
@@ -274,20 +359,8 @@ def _as_of(model: Model, version: tuple[int, ...] | None, wall: bool) -> Model:
 
 def _just_before(limit: str) -> tuple[int, ...]:
     """A version older than this one, and not older than those before."""
-    *first, last = _date(limit) or (0,)
+    *first, last = date(limit) or (0,)
     return (*first, last - 1)
-
-
-def _date(version: str) -> tuple[int, ...] | None:
-    """A version as numbers that can be compared: ``2 Sep 2026`` or ``2023.02a``."""
-    if day := re.search(r"\d{1,2} [A-Z][a-z]{2} \d{4}", version):
-        try:
-            moment = datetime.strptime(day[0], "%d %b %Y")
-        except ValueError:
-            return None
-        return moment.year, moment.month, moment.day
-    numbers = re.search(r"\d+(?:\.\d+)+", version)
-    return tuple(map(int, numbers[0].split("."))) if numbers else None
 
 
 def _ends(
@@ -295,6 +368,7 @@ def _ends(
     stage: Stage,
     contact: ContactSettings,
     force: ModelForce | None,
+    friction: FrictionLaw,
     materials: Mapping[str, tuple[float, float]],
 ) -> Iterator[Case]:
     """The contact at the smallest and at the largest sizes; one if they are equal. Then those with fixed grains."""
@@ -302,13 +376,13 @@ def _ends(
     if all(kind.frozen for kind in grains):
         return
     if not (len(set(contact.types)) == 1 and grains[0].alone):
-        yield from _between(number, stage, contact, force, materials, grains)
+        yield from _between(number, stage, contact, force, friction, materials, grains)
     for first, second in {
         (first.type, other.type): (first, other) for first, other in permutations(grains, 2)
     }.values():
         if second.partly_frozen and not first.frozen:
-            pair = [first, second.fixed or replace(second, frozen=True)]
-            yield from _between(number, stage, replace(contact, wall=FIXED), force, materials, pair)
+            pair, fixed = [first, second.fixed or replace(second, frozen=True)], replace(contact, wall=FIXED)
+            yield from _between(number, stage, fixed, force, friction, materials, pair)
 
 
 def _between(
@@ -316,6 +390,7 @@ def _between(
     stage: Stage,
     contact: ContactSettings,
     force: ModelForce | None,
+    friction: FrictionLaw,
     materials: Mapping[str, tuple[float, float]],
     grains: list[Grains],
 ) -> Iterator[Case]:
@@ -338,7 +413,7 @@ def _between(
             materials=(materials.get(grains[0].type), materials.get(grains[-1].type)),
             spring=None if force is None else force.spring,
             others=() if force is None else force.others,
-            friction=contact.friction,
+            friction=friction,
             spring_powers=None
             if force is None or force.spring is None
             else force.model.unit(force.spring[0]),
@@ -358,7 +433,8 @@ def body(grains: Grains, end: int) -> Body:
         elif density is None and mass is not None and volume > 0.0:
             density = mass / volume
     fixed = grains.frozen and grains.counted
-    return Body(radius, math.inf if grains.frozen and not fixed else mass, density, fixed)
+    moved = math.inf if grains.frozen and not fixed else mass
+    return Body(radius, moved, density, fixed, grains.inertia_factor)
 
 
 # --- systems and numbers --------------------------------------------------------------------------------------
@@ -366,8 +442,11 @@ def body(grains: Grains, end: int) -> Body:
 
 def of_law(balls: Sequence[Ball], law: Law, walls: bool, time_step: float | None) -> list[Case]:
     """The contacts of the smallest and the largest ball under one of our laws, and with a wall."""
-    bodies = [Body(ball.radius, ball.mass, ball.density) for ball in balls]
+    bodies = [
+        Body(ball.radius, ball.mass, ball.density, inertia_factor=ball.inertia_factor) for ball in balls
+    ]
     force, p, spring = LawForce(law), law.parameters, _spring_of(law)
+    friction = force.friction()
     material = (p["youngs_modulus"], p["poisson_ratio"]) if "youngs_modulus" in p else None
 
     def case(first: Body, second: Body | None) -> Case:
@@ -385,6 +464,7 @@ def of_law(balls: Sequence[Ball], law: Law, walls: bool, time_step: float | None
             time_step=time_step,
             materials=(material, material),
             spring=spring and (spring[0], p[spring[0]], 1.0),
+            friction=friction,
             spring_powers=spring and spring[1],
         )
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import islice
@@ -18,7 +18,7 @@ from ..convert.force import MAX_SPEED, MIN_SPEED
 from ..support import validation
 from ..support.formatting import digits, listed, percent
 from ..support.units import SYSTEMS
-from . import answer, cases, corrections, drive, dumps
+from . import answer, cases, corrections, drive, dumps, friction_words
 from .contacts import Case, CheckedContact, Surroundings, examine
 from .expectation import checked_packing_fraction
 from .result import CheckedStage, Finding, Verdict
@@ -37,6 +37,8 @@ NO_RUN: Final = Stage(
     gravity=None,
     numerical_damping=None,
 )
+#: In the note on walls and springs that versions of LAMMPS have without friction.
+ERROR_OF_VERSIONS: Final = "PR 5007"
 #: Largest overlap over the radius that contact laws describe.
 COMPRESSED: Final = 0.05
 #: Impact speeds [m/s] at which contacts are shown if no speed is given and they depend on it.
@@ -200,7 +202,9 @@ def _examined(
     depend on the speed if there is none.
     """
     share = math.sqrt(0.5) if gas.mean_speed is not None or driven is not None else 1.0
-    gas = replace(gas, rubs=any(case.friction != 0.0 for case in contacts if case.second is not None))
+    gas = replace(
+        gas, rubs=any(case.friction.coefficient != 0.0 for case in contacts if case.second is not None)
+    )
     rows = []
     for case in contacts:
         at, where = speeds, gas
@@ -374,7 +378,7 @@ def _of_script(script: Description, options: Options, frames: Sequence[dumps.Fra
         stages=tuple(_stage(k, *pair) for k, pair in enumerate(zip(script.stages, supports, strict=True), 1)),
         states=tuple(_state_in_si(state, length, time) for state in states),
         checked=tuple(_checked(rows, any(stage.gravity for stage in script.stages), states)),
-        ignored=tuple(_finding(note) for note in script.ignored),
+        ignored=tuple(_ignored(script, rows)),
         invalidates=tuple(invalidates),
         unknown=tuple(unknown),
         missing=tuple(dict.fromkeys(what for system in systems for what in system.missing(states))),
@@ -384,6 +388,7 @@ def _of_script(script: Description, options: Options, frames: Sequence[dumps.Fra
             *dict.fromkeys(note for system in systems for note in system.remarks(several)),
             *_numerically_damped(last.numerical_damping, final.examined),
         ),
+        warnings=_warnings(script, rows),
         corrected=tuple(
             dict.fromkeys(line for system in systems for line in system.corrected(script.code, several))
         ),
@@ -507,6 +512,37 @@ def _rest(support: drive.Support) -> str:
     return f"grains rest on each other under gravity{shaking}"
 
 
+def _ignored(script: Description, rows: Sequence[CheckedContact]) -> Iterator[Finding]:
+    """What is in the script beside the contacts; their tangential forces unless all are understood."""
+    understood = all(row.friction.limit is not None for row in rows if row.friction.coefficient != 0.0)
+    for note in script.ignored:
+        if not (understood and note.what.startswith("tangential")):
+            yield _finding(note)
+
+
+def _warnings(script: Description, rows: Sequence[CheckedContact]) -> tuple[Finding, ...]:
+    """First what other versions of the code do, then what the script says, then what follows from numbers."""
+    notes = sorted(script.warnings, key=lambda note: ERROR_OF_VERSIONS not in note.what)
+    read = [_finding(note) for note in notes]
+    said = " ".join(finding.what for finding in read)
+    repeated = [words for words in friction_words.OF_READERS if words in said]
+    others = [trap for trap in _traps(rows) if not any(words in trap.what for words in repeated)]
+    return (*_findings(friction_words.versions, rows), *read, *others)
+
+
+def _traps(rows: Sequence[CheckedContact]) -> Iterator[Finding]:
+    """What the friction of contacts does that is rarely meant."""
+    for trap in friction_words.TRAPS:
+        yield from _findings(trap, rows)
+
+
+def _findings(trap: Callable[[CheckedContact], str], rows: Sequence[CheckedContact]) -> Iterator[Finding]:
+    """A trap for each pair of types that falls into it, in the words of the first."""
+    texts = {row.types: text for row in rows if row.friction.coefficient != 0.0 and (text := trap(row))}
+    for types in texts:
+        yield Finding(next(iter(texts.values())), types)
+
+
 def _not_modelled(contacts: Sequence[cases.NotModelled]) -> Iterator[Finding]:
     """Each statement that no model describes, with the types of its contacts."""
     for why, quote in dict.fromkeys((contact.why, contact.quote) for contact in contacts):
@@ -533,6 +569,8 @@ def _checked(
 ) -> Iterator[Finding]:
     if any(row.restitution is not None and row.types[1] != cases.WALL for row in rows):
         yield Finding("normal contact")
+    if any(row.friction.tangential_restitution for row in rows):
+        yield Finding("friction")
     if any(row.steps_per_contact is not None for row in rows):
         yield Finding("time step")
     if any(row.restitution is not None and row.types[1] == cases.WALL for row in rows):
@@ -784,6 +822,7 @@ def _of_law(
         unknown=(),
         missing=missing,
         remarks=tuple(_remarks(examined, options, gas, speeds, at, False)),
+        warnings=tuple(_traps(rows)),
         corrected=(),
         quantity=None if question.driven else question.quantity,
         restitution_error=options.restitution_error,

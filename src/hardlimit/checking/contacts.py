@@ -17,7 +17,9 @@ from ..boxes.rules import DEFAULTS, RULES
 from ..boxes.theory import Gas
 from ..boxes.time_step import DEFAULT_ERROR
 from ..convert.force import AdhesiveForce, Collision, Force
+from . import friction
 from .expectation import ACCEPTED, Expected, expected
+from .friction import SMOOTH, SMOOTH_LAW, SPHERE, CheckedFriction, FrictionLaw
 
 #: Values tried for an unknown radius, mass and speed, far apart: a contact may be overdamped at two of them only.
 TRIALS: Final = {
@@ -27,6 +29,7 @@ TRIALS: Final = {
 }
 FIXED_POINT_STEPS: Final = 20  #: of the largest t_c ν
 AGREEMENT: Final = 1e-6  #: relative difference of results that count as equal
+SHOWN: Final = 0.02  #: difference of β in other versions that counts as none
 
 
 @dataclass(frozen=True)
@@ -37,12 +40,14 @@ class Body:
     mass: float | None
     density: float | None = None
     fixed: bool = False  #: whether it does not move although its mass is finite in the code's formulas
+    inertia_factor: float = SPHERE  #: q of the moment of inertia q m R²; infinite if it does not spin
 
     def tried(self, k: int) -> KnownBody:
         """The body, with trial values in place of unknown ones."""
         radius = TRIALS["radius"][k] if self.radius is None else self.radius
         mass = TRIALS["mass"][k] if self.mass is None else self.mass
-        return KnownBody(radius, math.inf, mass) if self.fixed else KnownBody(radius, mass)
+        moved, counted = (math.inf, mass) if self.fixed else (mass, None)
+        return KnownBody(radius, moved, counted, self.inertia_factor)
 
 
 class KnownBody(NamedTuple):
@@ -51,6 +56,7 @@ class KnownBody(NamedTuple):
     radius: float
     mass: float
     formula_mass: float | None = None  #: in the code's formulas, if it is another one
+    inertia_factor: float = SPHERE
 
 
 @dataclass(frozen=True)
@@ -102,7 +108,7 @@ class Case:
     spring: tuple[str, float, float] | None = None
     #: The force before versions of the code that changed it.
     others: tuple[tuple[str, MakeForce], ...] = ()
-    friction: float | None = 0.0  #: coefficient of sliding friction; None if not known
+    friction: FrictionLaw = SMOOTH_LAW
     #: Powers of mass, length and time in the unit of the number that sets the stiffness.
     spring_powers: tuple[float, float, float] | None = None
 
@@ -150,7 +156,7 @@ class CheckedContact:
     heated_error_bar: float | None = None  #: its standard error
     sheared_error: float | None = None  #: of the shear stress of event-driven spheres at equal shear rate
     sheared_error_bar: float | None = None  #: its standard error
-    friction: float | None = 0.0  #: coefficient of sliding friction; with friction, no error is known
+    friction: CheckedFriction = SMOOTH  #: with friction, no error is known
     frictionless_error: float | None = None  #: of the quantity asked for, without friction
     softening: float | None = None  #: factor of the stiffness at an error of 1 %, with its bar
     spring: tuple[str, float, float] | None = None  #: name of the stiffness, value, value after this change
@@ -180,7 +186,7 @@ def _at(case: Case, speed: float | None, gas: Surroundings) -> CheckedContact:
         restitution_asked=case.restitution_asked,
         clipped=case.clipped,
         speed=speed,
-        friction=case.friction,
+        friction=friction.friction_of(case.friction, {}),
     )
     if case.force is None:
         return row
@@ -202,8 +208,33 @@ def _at(case: Case, speed: float | None, gas: Surroundings) -> CheckedContact:
     if case.spring is not None and kept.get("softening") is not None:
         name, value, power = case.spring
         kept["spring"] = name, value, value * kept["softening"] ** (1.0 / power)
+    rubbing = [_friction(case, *trial, gas.dimension) for trial in tried]
+    kept["friction"] = friction.friction_of(
+        case.friction,
+        {
+            name: _agreed(
+                [result.get(name) for result in rubbing], SHOWN if name.startswith("other") else 0.0
+            )
+            for name in rubbing[0]
+        },
+    )
     kept["other_versions"] = tuple(_other_version(case, *version, tried) for version in case.others)
     return replace(row, **kept, error={rule: pair for rule, pair in errors.items() if None not in pair})
+
+
+def _friction(
+    case: Case, first: KnownBody, second: KnownBody | None, speed: float, dimension: int
+) -> dict[str, Any]:
+    """All results of the friction of known bodies at a known speed."""
+    assert case.force is not None
+    force, law = case.force(first, second, speed), case.friction
+    if law.coefficient == 0.0 or isinstance(force, AdhesiveForce):
+        return {}
+    results: dict[str, Any] = {f"other {when}": beta(first, second, speed) for when, beta in law.others}
+    if law.terms is not None:
+        contact = friction.contact_of(law.terms, force, (first, second), speed)
+        results |= friction.numbers(contact, force, speed, case.time_step, dimension)
+    return results
 
 
 def _other_version(
@@ -215,14 +246,15 @@ def _other_version(
     )
 
 
-def _agreed(values: Sequence[Any]) -> Any:
+def _agreed(values: Sequence[Any], tolerance: float = 0.0) -> Any:
     """The common value; None if the values differ or one of them is missing or infinite."""
     if isinstance(values[0], str):
         return values[0]
     known = [value for value in values if value is not None and math.isfinite(value)]
     if len(known) < len(values):
         return None
-    close = all(math.isclose(value, known[0], rel_tol=AGREEMENT, abs_tol=1e-12) for value in known)
+    absolute = max(tolerance, 1e-12)
+    close = all(math.isclose(value, known[0], rel_tol=AGREEMENT, abs_tol=absolute) for value in known)
     return known[0] if close else None
 
 
@@ -310,7 +342,7 @@ def _in_gas(
 
     usual = usual_rule(force)
     known = with_bar(usual, tc_nu)
-    if case.friction != 0.0 or gas.rubs:
+    if case.friction.coefficient != 0.0 or gas.rubs:
         decisive = None if known is None else getattr(known, gas.quantity)
         return numbers | {"frictionless_error": None if decisive is None else decisive[0]}
     for rule in KNOWN_RULES:

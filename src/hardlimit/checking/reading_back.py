@@ -10,12 +10,14 @@ from typing import Any, Final
 
 from ..convert.codes import Code, Model, code
 from ..convert.conversion import pair_of, stepping_of
-from ..convert.force import MAX_SPEED, MIN_SPEED, Force
+from ..convert.force import MAX_SPEED, MIN_SPEED, AdhesiveForce, Force
 from ..convert.formulas import Numbers
 from ..support import validation
 from ..support.units import SYSTEMS
-from .cases import ModelForce, energy_density, force_of
+from .cases import ModelForce, energy_density, force_of, friction_of
 from .contacts import KnownBody, collision_of
+from .friction import SMOOTH, CheckedFriction, FrictionLaw, contact_of, numbers
+from .friction import friction_of as checked_friction
 from .scripts import CODES, ContactSettings, Stage, read_text
 from .scripts.description import WALL
 from .scripts.statements import refusal
@@ -41,6 +43,7 @@ class Obtained:
     time_step: float  #: [s]; NaN if the bodies stay together
     restitution_error: float  #: error of ε by the time step
     notes: tuple[str, ...]  #: remarks
+    friction: CheckedFriction = SMOOTH  #: what friction does: β over angles, and β0 in a gas
 
     def __repr__(self) -> str:
         return f"<Obtained from {self.code.name} {self.model.name}: restitution {self.restitution:.6g}>"
@@ -53,7 +56,8 @@ class Obtained:
         dict
         """
         plain = asdict(replace(self, code=None, model=None))  # type: ignore[arg-type]
-        return {**plain, "code": self.code.name, "version": self.code.version, "model": self.model.name}
+        named = {"code": self.code.name, "version": self.code.version, "model": self.model.name}
+        return {**plain, **named, "friction": self.friction.to_dict()}
 
 
 def obtained(
@@ -83,9 +87,14 @@ def obtained(
     contacts, damping = _selected(stage, source, wall, contact), stage.numerical_damping
     units = stage.units if stage.units in SYSTEMS else "si"
     forms = [_form(settings, source, models, version or source.version, units) for _, settings in contacts]
+    names = [name for name, _ in contacts]
     try:
-        force = _only_force([form(*bodies, v) for form in forms], [name for name, _ in contacts], contact)
+        force = _only_force([form(*bodies, v) for form in forms], names, contact)
         step, error = stepping.of(force, v)
+        frictions = [
+            _friction(friction_of(source, settings, form), force, bodies, v, step, stage.dimension)
+            for (_, settings), form in zip(contacts, forms, strict=True)
+        ]
         collision = collision_of(force, v, damping)
         notes = [*_notes(source, damping, force, v)]
         newest = None if version else force_of(source, contacts[0][1], None, models, units)
@@ -93,9 +102,9 @@ def obtained(
             changed = collision_of(newest(*bodies, v), v, damping).restitution
             notes.append(f"since {source.title} {newest.others[0][0]}, ε = {changed:.4g}")
     except (OverflowError, ZeroDivisionError):
-        numbers = ", ".join(f"{name} {value:.6g}" for name, value in forms[0].numbers.items())
+        written = ", ".join(f"{name} {value:.6g}" for name, value in forms[0].numbers.items())
         raise ValueError(
-            f"input: got {numbers}, must give a compression and a duration within the range of double precision"
+            f"input: got {written}, must give a compression and a duration within the range of double precision"
         ) from None
     return Obtained(
         code=source,
@@ -110,6 +119,7 @@ def obtained(
         time_step=step,
         restitution_error=error,
         notes=tuple(notes),
+        friction=_only_friction(frictions, names, contact),
     )
 
 
@@ -180,12 +190,40 @@ def _form(
 def _only_force(forces: Sequence[Force], names: Sequence[str], wanted: str | None) -> Force:
     """The force of all contacts."""
     if not all(_alike(force, forces[0]) for force in forces):
-        got = "missing" if wanted is None else f"got {validation.shown(wanted)}"
-        choices = ", ".join(dict.fromkeys(names))
-        raise ValueError(
-            f"contact: {got}, must be one of {choices}, which have different forces in the input"
-        )
+        raise _several(names, wanted, "forces")
     return forces[0]
+
+
+def _friction(
+    law: FrictionLaw,
+    force: Force,
+    bodies: tuple[KnownBody, KnownBody | None],
+    speed: float,
+    time_step: float,
+    dimension: int,
+) -> CheckedFriction:
+    """What the friction of a contact does at this speed."""
+    results: dict[str, Any] = {}
+    if law.coefficient and law.terms is not None and not isinstance(force, AdhesiveForce):
+        contact = contact_of(law.terms, force, bodies, speed)
+        step = None if math.isnan(time_step) else time_step
+        results = numbers(contact, force, speed, step, dimension)
+    return checked_friction(law, results)
+
+
+def _only_friction(
+    frictions: Sequence[CheckedFriction], names: Sequence[str], wanted: str | None
+) -> CheckedFriction:
+    """The friction of all contacts."""
+    if any(friction != frictions[0] for friction in frictions):
+        raise _several(names, wanted, "friction")
+    return frictions[0]
+
+
+def _several(names: Sequence[str], wanted: str | None, what: str) -> ValueError:
+    got = "missing" if wanted is None else f"got {validation.shown(wanted)}"
+    choices = ", ".join(dict.fromkeys(names))
+    return ValueError(f"contact: {got}, must be one of {choices}, which have different {what} in the input")
 
 
 def _alike(force: Force, other: Force) -> bool:

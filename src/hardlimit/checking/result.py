@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -39,9 +39,20 @@ NUMBERS = {
     "heated_error_bar": "1",
     "sheared_error": "1",
     "sheared_error_bar": "1",
-    "friction": "1",
     "frictionless_error": "1",
     "softening": "1",
+}
+#: Numbers of the friction of a contact in the Dataset: their fields, and their units.
+FRICTION = {
+    "friction": ("coefficient", "1"),
+    "tangential_stiffness_ratio": ("stiffness_ratio", "1"),
+    "tangential_damping_ratio": ("damping_ratio", "1"),
+    "sticks_below": ("sticks_below", "rad"),
+    "slides_beyond": ("slides_beyond", "rad"),
+    "effective_tangential_restitution": ("effective_tangential_restitution", "1"),
+    "tangential_half_period": ("half_period", "1"),
+    "steps_per_half_period": ("steps_per_half_period", "1"),
+    "tangential_restitution_error_of_step": ("tangential_restitution_error_of_step", "1"),
 }
 
 
@@ -96,6 +107,7 @@ class Verdict:
     unknown: tuple[Finding, ...]  #: statements that were not understood, quoted
     missing: tuple[str, ...]  #: what would have to be known for an answer
     remarks: tuple[str, ...]  #: on ε, the time step and versions of the code
+    warnings: tuple[Finding, ...]  #: what friction does that is rarely meant
     corrected: tuple[str, ...]  #: lines for the script, ready to paste
     quantity: str | None = "cooling"  #: whose error decides: also "temperature", "stress"; None without law
     restitution_error: float = DEFAULT_ERROR  #: of ε, that the corrected time step causes
@@ -107,8 +119,7 @@ class Verdict:
         import xarray as xr
 
         def column(name: str) -> list[float]:
-            values = (getattr(row, name) for row in self.rows)
-            return [math.nan if value is None else float(value) for value in values]
+            return _numbers(getattr(row, name) for row in self.rows)
 
         plain = [self.has_plain(row) for row in self.rows]
 
@@ -116,6 +127,10 @@ class Verdict:
             return "1" if all(plain) else f"{name}, 1 where units are lj" if any(plain) else name
 
         variables = {name: ("contact", column(name), {"units": unit(u)}) for name, u in NUMBERS.items()}
+        variables |= {
+            name: ("contact", _numbers(getattr(row.friction, field) for row in self.rows), {"units": u})
+            for name, (field, u) in FRICTION.items()
+        }
         pairs = [[row.error.get(rule, (math.nan, math.nan)) for rule in KNOWN_RULES] for row in self.rows]
         texts = {
             "types": ["–".join(row.types) for row in self.rows],
@@ -165,6 +180,7 @@ class Verdict:
             "unknown": [finding.where or finding.what for finding in self.unknown],
             "missing": list(self.missing),
             "remarks": list(self.remarks),
+            "warnings": [finding.to_dict() for finding in self.warnings],
             "corrected": list(self.corrected),
             "quantity": self.quantity,
             "restitution_error": self.restitution_error,
@@ -188,6 +204,10 @@ class Verdict:
         return html.table("Check of the contacts", head, rows, self.sentence)
 
 
+def _numbers(values: Iterable[float | None]) -> list[float]:
+    return [math.nan if value is None else float(value) for value in values]
+
+
 def _shown(row: CheckedContact) -> Sequence[float | None]:
     return row.speed, row.restitution, row.duration, row.tc_nu
 
@@ -206,6 +226,7 @@ def _contact(row: CheckedContact) -> dict[str, Any]:
         "model": row.model,
         "clipped": row.clipped,
         **plain,
+        "friction": row.friction.to_dict(),
         "rule": row.rule,
         "other_versions": [version._asdict() for version in row.other_versions],
         "error": {rule: list(pair) for rule, pair in row.error.items()},

@@ -14,6 +14,7 @@ from ..checking import check as checked
 from ..checking.answer import Question, given_by, judged, stiffness
 from ..checking.contacts import CheckedContact
 from ..checking.expectation import ACCEPTED
+from ..checking.friction_words import but_for_steps, words
 from ..checking.result import Finding, Verdict
 from ..column import files
 from ..contact.balls import Ball
@@ -197,6 +198,8 @@ def report(verdict: Verdict, verbose: bool) -> None:
     if not verbose and len({row.stage for row in verdict.rows}) > 1:
         which = f"run {last}{units_of(verdict, last)}"
         say(f"Settings change between runs. These are of {which}; --verbose has the others.")
+    say_first(friction_lines(groups, verdict), MAX_ROWS, "contacts with friction", verbose)
+    say_first(list(warnings(verdict.warnings, verbose)), MAX_FINDINGS, "warnings", verbose)
     if verdict.remarks:
         say(" ".join(verdict.remarks))
     if verbose:
@@ -209,6 +212,48 @@ def report(verdict: Verdict, verbose: bool) -> None:
     say(f"{verdict.sentence}{more}{corrected}", style="bold")
     for line in verdict.corrected:
         click.echo(f"  {line}")
+
+
+def say_first(paragraphs: Sequence[str], most: int, what: str, verbose: bool) -> None:
+    """Print the first paragraphs, or all."""
+    few = paragraphs if verbose else paragraphs[:most]
+    for paragraph in few:
+        say(paragraph)
+    if len(few) < len(paragraphs):
+        say(f"… and {len(paragraphs) - len(few)} more {what}: --verbose")
+
+
+def friction_lines(groups: Sequence[list[CheckedContact]], verdict: Verdict) -> list[str]:
+    """What friction does in each contact, at its highest speed; contacts with the same numbers share a line."""
+    last = {(rows[0].stage, name(rows[0], True, True)): rows[-1] for rows in groups}
+    lines: dict[str, list[CheckedContact]] = {}
+    for row in last.values():
+        if text := but_for_steps(row.friction):
+            lines.setdefault(text, []).append(row)
+    pairs = [{"–".join(row.types) for row in rows} for rows in lines.values()]
+    texts = []
+    for rows, own in zip(lines.values(), pairs, strict=True):
+        apart = any(own & others for others in pairs if others is not own)
+        names = list(
+            dict.fromkeys(labelled(row, verdict, True) if apart else "–".join(row.types) for row in rows)
+        )
+        more = " …" * (len(names) > MAX_FINDINGS)
+        texts.append(f"{', '.join(names[:MAX_FINDINGS])}{more}  {words([row.friction for row in rows])}")
+    return texts
+
+
+def warnings(findings: Sequence[Finding], verbose: bool) -> Iterator[str]:
+    """Each warning once: with its contacts, or if ``verbose`` with its first place in the script."""
+    same: dict[str, list[Finding]] = {}
+    for finding in findings:
+        same.setdefault(finding.what, []).append(finding)
+    for what, each in same.items():
+        pairs = list(
+            dict.fromkeys("–".join(finding.types) for finding in each if finding.types and not finding.where)
+        )
+        of = f"{', '.join(pairs[:MAX_FINDINGS])}{' …' * (len(pairs) > MAX_FINDINGS)}: " if pairs else ""
+        where = f" ({each[0].where})" if verbose and each[0].where else ""
+        yield f"Warning: {of}{what}{where}."
 
 
 def corrections(verdict: Verdict) -> str:
@@ -241,13 +286,14 @@ HEAD = [
     "t_c",
     "steps",
     "error\nof ε",
+    "error\nof β",
     "over-\nlap",
     "t_c ν",
 ]
 #: The head of the error that decides.
 WORSE = {"cooling": "cools\nfaster by", "temperature": "hotter\nby", "stress": "stress\nhigher by"}
 #: Columns that a table leaves out if it is too wide, the first first.
-SPARE = ["steps", "over-\nlap", "error\nof ε", "t_c"]
+SPARE = ["steps", "over-\nlap", "error\nof β", "error\nof ε", "t_c"]
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[str]], stages: bool) -> None:
@@ -379,6 +425,7 @@ def cells(rows: Sequence[CheckedContact], plain: bool, quantity: str | None) -> 
     row = rows[-1]
     requested, tc, steps = row.restitution_asked, row.duration, row.steps_per_contact
     error, overlap, tc_nu = row.restitution_error_of_step, row.largest_overlap, row.tc_nu
+    error_of_beta = row.friction.tangential_restitution_error_of_step
     wrong = judged(row, Question(quantity)) if quantity else None
     if row.types[1] == "wall":
         wrong = None
@@ -388,6 +435,7 @@ def cells(rows: Sequence[CheckedContact], plain: bool, quantity: str | None) -> 
         "–" if tc is None else time(tc, plain),
         "–" if steps is None else str(steps),
         "–" if error is None else small(error),
+        "–" if error_of_beta is None else small(error_of_beta),
         "–" if overlap is None else percent(overlap),
         "–" if tc_nu is None else digits(tc_nu, 2),
         "–" if wrong is None else FAR if (tc_nu or 0.0) > MEASURED_TC_NU else cools(*wrong),
@@ -395,7 +443,7 @@ def cells(rows: Sequence[CheckedContact], plain: bool, quantity: str | None) -> 
 
 
 def small(error: float) -> str:
-    """An error of ε."""
+    """An error of ε or β."""
     if error > 1.0:
         return "> 1"
     return "< 1e-4" if error < SMALLEST_ERROR else digits(error, 2)
@@ -479,19 +527,20 @@ def detail(row: CheckedContact, plain: bool, accepted: float) -> str:
     def when(value: float | None) -> str | None:
         return None if value is None else time(value, plain)
 
-    spring = row.spring
+    spring, error_of_beta = row.spring, row.friction.tangential_restitution_error_of_step
     parts = {
         "ε": number(row.restitution, 4),
         "t_c": when(row.duration),
         "steps": None if row.steps_per_contact is None else str(row.steps_per_contact),
         "error of ε": None if row.restitution_error_of_step is None else small(row.restitution_error_of_step),
+        "error of β": None if error_of_beta is None else small(error_of_beta),
         "overlap": None if row.largest_overlap is None else percent(row.largest_overlap),
         "t_c ν": number(row.tc_nu, 2),
         "δ/d": number(row.delta_over_d, 2),
         f"time step for an error of {digits(accepted, 2)}": when(row.time_step),
         "Rayleigh time": when(row.rayleigh_time),
         "P-wave time": when(row.p_wave_time),
-        "friction": None if row.friction == 0.0 else number(row.friction) or "not known",
+        "friction": words([row.friction]) or None,
         "error 1 % at": None
         if spring is None
         else f"{stiffness(spring[0])} of {digits(spring[2], 3)} {row.stiffness_unit}".rstrip(),

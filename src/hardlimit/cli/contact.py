@@ -15,18 +15,21 @@ from ..column.scenario import Column
 from ..contact import compression
 from ..contact.approximations import usual_damping
 from ..contact.balls import FLOOR, Ball
-from ..contact.contact import Contact, Law, law_parameters
+from ..contact.contact import Contact, Floats, Law, law_parameters
 from ..support import validation
 from ..support.formatting import digits, length, quantity
 from .options import (
     F,
+    Quantity,
     dpi_option,
+    friction_options,
     json_option,
     law_options,
     law_text,
     output_option,
     picture,
     quantity_options,
+    take_friction,
     take_law,
 )
 from .printing import console, print_json, sentence, show, table
@@ -34,6 +37,13 @@ from .program import PARAMETER, Command
 
 #: Impact speeds of the table [m/s], if the contact depends on the speed.
 SPEEDS = (0.01, 0.1, 1.0, 10.0)
+#: Steps between round angles [deg], and the largest number of these.
+STEPS = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0)
+MAX_ANGLES = 20
+#: Largest angle by default [deg].
+LAST_ANGLE = 85.0
+#: Angles [rad] at which speeds are compared.
+TESTED = np.radians([5.0, 20.0, 45.0, 70.0])
 
 
 def body_options(radius: str, density: str) -> Callable[[F], F]:
@@ -48,26 +58,69 @@ def body_options(radius: str, density: str) -> Callable[[F], F]:
     )
 
 
-@click.command(
-    cls=Command, epilog="\b\nExample:\n  hardlimit contact --restitution 0.5 --radius 1cm --density 2500"
-)
+class Angles(Quantity):
+    """Angles: a number, a list ``10,20``, ``start:stop``, or ``start:stop:count``."""
+
+    name = "angles"
+
+    def read(self, option: str, text: str) -> Any:
+        from .sweep import axis
+
+        if text.count(":") != 1:
+            return np.atleast_1d(axis(option, text, self.unit))
+        first, last = (super(Angles, self).read(option, part) for part in text.split(":"))
+        return round_angles(first, last) if 0.0 <= first < last < 90.0 else np.array([first, last])
+
+
+def round_angles(first: float, last: float) -> Floats:
+    """Both angles [deg] and the round ones between them, about twenty in all."""
+    step = next(step for step in STEPS if (last - first) / step <= MAX_ANGLES)
+    between = step * np.arange(math.floor(first / step) + 1, math.ceil(last / step))
+    return np.array([first, *between, last])
+
+
+EXAMPLES = """\b
+Example:
+  hardlimit contact --restitution 0.5 --radius 1cm --density 2500
+  hardlimit contact --restitution 0.9 --friction 0.5 --stiffness-ratio 0.9 \\
+      --angle 0deg:89deg --plot beta.png"""
+
+
+@click.command(cls=Command, epilog=EXAMPLES)
 @body_options(".  [default: 0.01]", ".  [default: 840]")
 @law_options()
-@quantity_options(("--speed", "m/s", "Impact speed [m/s]; repeat it for a table.", "speeds"))
-@output_option("--plot", "Plot of the restitution (png, pdf, svg, …).")
+@friction_options()
+@quantity_options(
+    ("--inertia-factor", "1", "Moment of inertia of balls over m R².  [default: 0.4, solid spheres]"),
+    ("--speed", "m/s", "Impact speed [m/s]; repeat it for a table.", "speeds"),
+)
+@click.option(
+    "--angle",
+    "angles",
+    type=Angles("deg"),
+    help="Angles of impact [deg] with --friction: a number, a list a,b,… or start:stop[:count].  [default: 0:85]",
+)
+@output_option("--plot", "Plot of the restitution, with --friction of the tangential one (png, pdf, …).")
 @dpi_option
 @json_option()
 def contact(
-    speeds: tuple[float, ...], plot: str | None, dpi: float | None, as_json: bool, **params: Any
+    speeds: tuple[float, ...],
+    angles: Floats | None,
+    plot: str | None,
+    dpi: float | None,
+    as_json: bool,
+    **params: Any,
 ) -> None:
     """Compute duration, restitution and damping of one contact.
 
-    The output also has the restitution that the usual formula for the damping would give. Without options, a ball of
-    radius 1 cm and density 840 kg/m³ meets the floor under the linear law with stiffness 5e7 N/m and restitution 0.7.
-    Numbers may have a unit, such as 1cm.
+    The output also has the restitution that the usual formula for the damping would give. With --friction, it has the
+    tangential restitution β over the angle of impact, in the limit of a fixed normal: the surfaces leave with −β times
+    their tangential velocity. Without options, a ball of radius 1 cm and density 840 kg/m³ meets the floor under the
+    linear law with stiffness 5e7 N/m and restitution 0.7. Numbers may have a unit, such as 1cm.
     """
     path = picture("plot", plot)
-    rule = law_from(params)
+    rule = take_friction(law_from(params), params)
+    gamma = impact_angles(angles, rule)
     ball = make_ball("", params, 0.01, 840.0)
     partner = other_ball(ball, params)
     pair = rule.between(ball, partner)
@@ -75,13 +128,34 @@ def contact(
     default = {*SPEEDS, pair.law.parameters.get("impact_speed", 1.0)} if depends_on_speed(pair) else {1.0}
     v = np.array(given_speeds or sorted(default))
     usual = usual_formula(pair)
-    if path:
+    if path and gamma is not None:
+        draw_friction(pair, gamma, v, path, dpi)
+    elif path:
         draw(pair, path, dpi)
     depth = pair.compression(v) / min(ball.radius, partner.radius)
+    frictions = (
+        []
+        if gamma is None
+        else [friction_at(pair, gamma, float(speed)) for speed in friction_speeds(pair, v)]
+    )
     if as_json:
-        print_json(as_mapping(pair, v, depth, usual))
+        print_json(as_mapping(pair, v, depth, usual) | ({"friction": frictions} if frictions else {}))
     else:
         print_report(pair, ball, partner, v, depth, usual)
+        if frictions:
+            print_friction(frictions)
+
+
+def impact_angles(angles: Floats | None, law: Law) -> Floats | None:
+    """The angles of impact [rad]; None for a law without friction."""
+    if law.friction is None:
+        if angles is not None:
+            raise ValueError(f"angles: got {digits(angles[0])}, must be left out without friction")
+        return None
+    degrees = round_angles(0.0, LAST_ANGLE) if angles is None else angles
+    for i, angle in enumerate(degrees.tolist()):
+        validation.number(f"angles[{i}]", angle, 0.0, 90.0, lowest_allowed=True)
+    return np.radians(degrees)
 
 
 def law_from(params: dict[str, Any]) -> Law:
@@ -92,9 +166,12 @@ def law_from(params: dict[str, Any]) -> Law:
 def make_ball(which: str, params: dict[str, Any], radius: float, density: float) -> Ball:
     """A ball from the options with the prefix ``which``; radius and density are defaults."""
     size, rho, mass = (params[which + name] for name in ("radius", "density", "mass"))
+    q = params.get("inertia_factor")
     rho = density if rho is None and mass is None else rho
     try:
-        return Ball(radius if size is None else size, rho, mass)
+        return Ball(
+            radius if size is None else size, rho, mass, **({} if q is None else {"inertia_factor": q})
+        )
     except ValueError as error:
         subject, colon, rest = str(error).partition(": ")
         raise ValueError(PARAMETER.sub(rf"{which}\g<0>", subject) + colon + rest) from None
@@ -185,7 +262,7 @@ def print_usual(out: Any, pair: Contact, usual: dict[str, float]) -> None:
 def as_mapping(pair: Contact, speeds: Any, depth: Any, usual: dict[str, float] | None) -> dict[str, Any]:
     """Everything the tables show, in SI units."""
     return {
-        "law": {"name": pair.law.record["name"], **pair.law.parameters},
+        "law": {"name": pair.law.record["name"], **pair.law.parameters, **friction_mapping(pair.law)},
         "effective_mass": pair.effective_mass,
         "effective_radius": pair.effective_radius,
         **{c["name"]: float(getattr(pair, c["name"])) for c in pair.law.record["constants"]},
@@ -195,6 +272,94 @@ def as_mapping(pair: Contact, speeds: Any, depth: Any, usual: dict[str, float] |
         "largest_compression": depth,
         "usual_formula": usual,
     }
+
+
+# --- friction -----------------------------------------------------------------------------------------------
+
+
+def friction_mapping(law: Law) -> dict[str, Any]:
+    """The friction of a law by its name, if there is one."""
+    return {} if law.friction is None else {"friction": law.friction.to_dict()}
+
+
+def friction_speeds(pair: Contact, speeds: Floats) -> Floats:
+    """The speeds at which friction is shown: only one if it does not depend on the speed."""
+    slow, fast = (pair.tangential_restitution(TESTED, float(speed)) for speed in (speeds.min(), speeds.max()))
+    return speeds[:1] if np.allclose(slow, fast, rtol=0.0, atol=1e-9, equal_nan=True) else speeds
+
+
+def friction_at(pair: Contact, angles: Floats, speed: float) -> dict[str, Any]:
+    """What friction does at one speed, in SI units: β and the ratio of the impulses over the angle."""
+    beta = pair.tangential_restitution(angles, speed)
+    share = pair.tangential_mass / pair.effective_mass / (1.0 + pair.restitution(speed))
+    return {
+        "speed": speed,
+        "angle": angles,
+        "tangential_restitution": beta,
+        "impulse_ratio": share * (1.0 + beta) * np.tan(angles),
+        "sticks_below": pair.sticks_below(speed),
+        "slides_beyond": pair.slides_beyond(speed),
+        "effective_tangential_restitution": pair.effective_tangential_restitution(speed),
+    }
+
+
+def print_friction(frictions: list[dict[str, Any]]) -> None:
+    """Print β over the angle of impact, and what it means."""
+    several = len(frictions) > 1
+    at = [f" at {digits(friction['speed'])} m/s" if several else "" for friction in frictions]
+    names = [
+        "angle",
+        *(f"{name}{v}" for v in at for name in (("β",) if several else ("β", "J_t/J_n", "surfaces"))),
+    ]
+    rows = []
+    for i, angle in enumerate(frictions[0]["angle"].tolist()):
+        row = [f"{digits(math.degrees(angle), 4)}°"]
+        for friction in frictions:
+            row.append(f"{friction['tangential_restitution'][i]:+.4f}".replace("-", "−"))
+            if not several:
+                row += [f"{friction['impulse_ratio'][i]:.4f}", motion(friction, angle)]
+        rows.append(row)
+    below = " ".join(
+        friction_sentence(friction, where) for friction, where in zip(frictions, at, strict=True)
+    )
+    show(console(), "Tangential restitution β over the angle of impact", table(names, rows), below)
+
+
+def motion(friction: dict[str, Any], angle: float) -> str:
+    """What the surfaces do in a contact at this angle."""
+    if angle < friction["sticks_below"]:
+        return "stick"
+    return "both" if angle <= friction["slides_beyond"] else "slide"
+
+
+def friction_sentence(friction: dict[str, Any], where: str) -> str:
+    """Where the surfaces stick and slide, and which constant rule acts alike in a gas."""
+    sticks, slides, beta = (
+        friction[name] for name in ("sticks_below", "slides_beyond", "effective_tangential_restitution")
+    )
+    text = f"{where.strip().capitalize()}, they" if where else "The surfaces"
+    if math.isnan(sticks):
+        text += " never stick."
+    elif sticks == 0.5 * math.pi:
+        text += " never slip."
+    else:
+        text += f" do not slip while the bodies approach below {math.degrees(sticks):.1f}°, "
+        text += f"and do not stick while they separate beyond {math.degrees(slides):.1f}°."
+    if math.isnan(beta):
+        return text
+    return f"{text} In a gas they act as with a constant β0 = {digits(beta, 3)}."
+
+
+def draw_friction(pair: Contact, angles: Floats, speeds: Floats, path: Path, dpi: float | None) -> None:
+    """Draw β over the angle."""
+    from .. import plots
+
+    dense = (
+        np.linspace(angles.min(), angles.max(), 300)
+        if len(angles) > 1
+        else np.linspace(0.0, math.radians(LAST_ANGLE), 300)
+    )
+    plots.save(plots.tangential_restitution(pair, dense, friction_speeds(pair, speeds)), path, dpi)
 
 
 def draw(pair: Contact, path: Path, dpi: float | None) -> None:

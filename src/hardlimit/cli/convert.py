@@ -9,6 +9,7 @@ from typing import Any
 import click
 
 from ..checking import convert_back
+from ..checking.friction_words import words
 from ..checking.reading_back import Obtained
 from ..checking.scripts import CODES
 from ..column.files import prefixed
@@ -18,7 +19,7 @@ from ..convert.codes import code, names
 from ..convert.conversion import ContactNumbers, Conversion, ModelConversion, ModelNumbers
 from ..convert.wanted import LAWS
 from ..support import validation
-from ..support.formatting import digits, length, quantity
+from ..support.formatting import digits, length, listed, quantity
 from .options import json_option, options, quantity_option
 from .printing import console, print_json, sentence, show, table
 from .program import Command
@@ -36,6 +37,10 @@ USUAL = (
     "Usual ε: that of the usual input, which is the desired ε itself or the damping of the usual formula. Input: that "
     "for the desired ε; --code NAME prints it to paste."
 )
+FRICTION = (
+    "β0: that of grains with a constant β0 of sticking contacts and as much exchange of energy between translation and "
+    "rotation, in a gas at equal temperatures of both. Default: by the code's own k_t and damping."
+)
 INPUTS = "LAMMPS, LIGGGHTS or YADE"
 #: Short names of numbers in the heads of columns.
 SHORT = {
@@ -44,6 +49,18 @@ SHORT = {
     "characteristic_speed": "speed",
     "contact_time": "time [s]",
 }
+
+#: Short names of the numbers of friction.
+TANGENTIAL = {
+    **SHORT,
+    "coefficient": "μ",
+    "stiffness": "k_t",
+    "damping": "γ_t",
+    "damping_ratio": "x_γt",
+}
+
+#: Angles of impact [deg] of which β is shown; multiples of 5.
+ANGLES = (0, 30, 45, 60, 80)
 
 bed = options(
     quantity_option(
@@ -65,6 +82,12 @@ bed = options(
 )
 contact_options = options(
     quantity_option("--restitution", unit="1", help="Desired restitution ε."),
+    quantity_option("--friction", unit="1", help="Coefficient of friction μ.  [default: smooth grains]"),
+    quantity_option(
+        "--tangential-restitution",
+        unit="1",
+        help="Desired tangential restitution β0 in a gas, with --friction.",
+    ),
     quantity_option("--speed", unit="m/s", help="Impact speed at which ε is desired [m/s].  [default: 1]"),
     quantity_option("--stiffness", unit="N/m", help="Stiffness of a linear spring [N/m]."),
     quantity_option(
@@ -140,8 +163,9 @@ def convert(
 
     Particle codes convert a restitution to a damping force by different formulas, and some let the force attract at
     the end of a contact. The same input therefore gives different restitutions. This command finds the input with
-    which each code has the desired ε, the ε that the usual input would give, and the longest time step. With --input,
-    it computes the ε that lines of a code's input produce. Numbers may have a unit, such as 0.5mm or 210GPa.
+    which each code has the desired ε, the ε that the usual input would give, and the longest time step. With --friction
+    and --tangential-restitution, the input has the friction with which a gas of these grains has that β0. With --input,
+    it computes the ε and β that lines of a code's input produce. Numbers may have a unit, such as 0.5mm or 210GPa.
     """
     balls = bed_of(radii, densities, masses)
     if text is not None or read is not None:
@@ -203,6 +227,8 @@ def back(text: str, balls: list[Ball], wall: bool | None, params: dict[str, Any]
         "duration",
         "compression",
         "law",
+        "friction",
+        "tangential_restitution",
     ):
         if params[name] is not None:
             raise ValueError(f"{name}: got {params[name]}, must be left out with input, which sets it")
@@ -227,17 +253,28 @@ def print_conversion(conversion: Conversion, balls: list[Ball], one_code: bool) 
         f"{i + 1}: {length(b.radius)}, {quantity(b.mass * 1e3, 'g', 4)}" for i, b in enumerate(balls)
     )
     request = f"ε = {digits(wanted.restitution)} at {digits(wanted.speed)} m/s, {wanted.law} law"
+    if wanted.walton is not None:
+        request += (
+            f", μ = {digits(wanted.walton.coefficient)}, β0 = {digits(wanted.walton.tangential_restitution)}"
+        )
     stiffness, damping = LAWS[wanted.law].units
     units = f"Stiffness in {stiffness}, damping in {damping}."
     below = f"Balls (radius, mass): {sizes}. {units} {step_sentence(conversion.contacts)}"
+    below += ratio_sentence(conversion)
     show(out, request, contact_table(conversion), below)
     if one_code:
         for model in conversion.models:
             print_model(out, model)
+        if wanted.walton is not None:
+            out.print(FRICTION + not_known(conversion))
     elif conversion.models:
         rows = [row for model in conversion.models for row in overview_rows(model)]
         head = ["code and model", "contact", "usual ε", "input", "ε"]
         show(out, "Input of the codes", table(head, rows), USUAL)
+        if wanted.walton is not None:
+            rows = [row for model in conversion.models for row in friction_rows(model)]
+            head = ["code and model", "contact", "default β0", "input", "β0"]
+            show(out, "Friction of the codes", table(head, rows), FRICTION + not_known(conversion))
 
 
 def contact_table(conversion: Conversion) -> Any:
@@ -268,6 +305,16 @@ def step_sentence(rows: tuple[ContactNumbers, ...] | tuple[ModelNumbers, ...]) -
     return f"With this time step the error of ε is at most {digits(max(errors), 2)}." if errors else ""
 
 
+def ratio_sentence(conversion: Conversion) -> str:
+    """A sentence on the tangential stiffness of our own law."""
+    if conversion.wanted.walton is None:
+        return ""
+    ratios = [contact.stiffness_ratio or math.nan for contact in conversion.contacts]
+    if any(map(math.isnan, ratios)):
+        return " No tangential spring of this law has this β0."
+    return f" This law has this β0 with k_t/k_n = {range_of(min(ratios), max(ratios), 4)}, without damping."
+
+
 def overview_rows(model: ModelConversion) -> list[list[str]]:
     """The rows of a model: one if all contacts agree, else one for each contact."""
     rows = [
@@ -282,6 +329,39 @@ def overview_rows(model: ModelConversion) -> list[list[str]]:
     if len({tuple(row[1:]) for row in rows}) == 1:
         rows = [["all", *rows[0][1:]]]
     return [[f"{model.code.name} {model.model.name}" if k == 0 else "", *row] for k, row in enumerate(rows)]
+
+
+def not_known(conversion: Conversion) -> str:
+    """A sentence on the codes whose friction is not known."""
+    titles = dict.fromkeys(model.code.title for model in conversion.models if not model.model.friction)
+    return f" How {listed(list(titles))} compute friction is not known here." if titles else ""
+
+
+def friction_rows(model: ModelConversion) -> list[list[str]]:
+    """The rows of the friction of a model: one if all contacts agree, else one for each contact."""
+    rows = [
+        [
+            row.pair,
+            digits(row.friction.usual_tangential_restitution, 3),
+            free_number(model, row),
+            digits(row.friction.tangential_restitution, 4),
+        ]
+        for row in model.contacts
+        if row.friction is not None
+    ]
+    if len({tuple(row[1:]) for row in rows}) == 1:
+        rows = [["all", *rows[0][1:]]]
+    name = f"{model.code.name} {model.model.name}"
+    return [[name if k == 0 else "", *row] for k, row in enumerate(rows)]
+
+
+def free_number(model: ModelConversion, row: ModelNumbers) -> str:
+    """The number that sets the tangential restitution, with its name."""
+    if row.friction is None or row.friction.numbers is None or model.friction is None:
+        return "impossible"
+    name = model.friction.free
+    numbers = {**(row.numbers or {}), **row.friction.numbers}
+    return f"{TANGENTIAL.get(name, name)} {digits(numbers[name], 5)}" if name else "–"
 
 
 def main_number(model: ModelConversion, row: ModelNumbers) -> str:
@@ -304,6 +384,7 @@ def print_model(out: Any, model: ModelConversion) -> None:
         rows.append(
             [row.pair, *values, digits(row.restitution, 5), digits(row.usual_restitution, 4), step_of(row)]
         )
+    friction = friction_table(model)
     end = "attracts at its end" if model.attraction else "never attracts"
     checked = (
         "by running it" if (model.model.checked or model.code.checked) == "run" else "against its source only"
@@ -313,8 +394,47 @@ def print_model(out: Any, model: ModelConversion) -> None:
     note = model.model.note
     below = f"{sentence(note)} The force {end}. Mass at a wall: {model.code.walls}. Checked {checked}."
     show(out, f"{model.code.title} {model.model.name}: {model.model.title}", table(head, rows), below)
+    if friction is not None:
+        title = f"Friction: {model.friction.model}" if model.friction else "Friction: no numbers have this β0"
+        show(out, title, friction)
     if model.text:
         click.echo(model.text + "\n")
+
+
+def friction_values(obtained: Obtained) -> list[list[str]]:
+    """β at some angles, and in a gas, if they are known."""
+    beta = {round(math.degrees(angle)): beta for angle, beta in obtained.friction.tangential_restitution}
+    rows = [
+        [f"β at {angle}°" if angle else "β near head-on", digits(beta[angle], 4)] for angle in ANGLES if beta
+    ]
+    in_gas = obtained.friction.effective_tangential_restitution
+    return rows if in_gas is None else [*rows, ["β0 in a gas", digits(in_gas, 4)]]
+
+
+def friction_table(model: ModelConversion) -> Any:
+    """The numbers of the friction of each contact; None without friction."""
+    frictions = [(row.pair, row.friction) for row in model.contacts if row.friction is not None]
+    if not frictions:
+        return None
+    names = list(next((f.numbers for _, f in frictions if f.numbers is not None), {}))
+    rows = []
+    for pair, friction in frictions:
+        values = (
+            ["–"] * len(names)
+            if friction.numbers is None
+            else [digits(friction.numbers[name], 6) for name in names]
+        )
+        possible = ", ".join(range_of(*limits) for limits in friction.reachable)
+        obtained, default = friction.tangential_restitution, friction.usual_tangential_restitution
+        rows.append([pair, *values, digits(obtained, 4), digits(default, 3), possible])
+    names = [TANGENTIAL.get(name, name.replace("_", " ")) for name in names]
+    return table(["contact", *names, "β0", "default β0", "possible β0"], rows)
+
+
+def range_of(lowest: float, highest: float, significant: int = 3) -> str:
+    """A range of numbers."""
+    ends = dict.fromkeys(digits(end, significant) for end in (lowest, highest))
+    return " to ".join(ends)
 
 
 def show_obtained(obtained: Obtained, params: dict[str, Any], as_json: bool) -> None:
@@ -329,13 +449,15 @@ def show_obtained(obtained: Obtained, params: dict[str, Any], as_json: bool) -> 
     rows += [["duration", quantity(obtained.duration, "s")]]
     rows += [["largest compression", quantity(obtained.compression, "m")]]
     rows += [["largest force", quantity(obtained.force, "N")], ["time step", step_of(obtained)]]
+    rows += friction_values(obtained)
     end = "attracts at its end" if obtained.attraction else "never attracts"
     below = f"The force {end}. " + (
         f"With this time step the error of ε is {digits(obtained.restitution_error, 2)}."
         if obtained.restitution > 0.0
         else "The bodies do not separate."
     )
-    below = " ".join([below, *map(sentence, obtained.notes)])
+    friction = [f"friction: {said}"] if (said := words([obtained.friction])) else []
+    below = " ".join([below, *map(sentence, [*friction, *obtained.notes])])
     speed = 1.0 if params["speed"] is None else params["speed"]
     title = f"{obtained.code.title} {obtained.model.name} at {digits(speed)} m/s"
     show(console(), title, table(["", "value"], rows), below)

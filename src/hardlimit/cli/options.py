@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
@@ -9,6 +10,7 @@ from typing import Any, TypeVar
 import click
 
 from ..contact.contact import Law, law_parameters
+from ..contact.friction import LIMITS, MODELS, PARAMETERS, Friction
 from ..contact.laws import LAWS
 from ..support import saving, units, validation
 from ..support.formatting import digits
@@ -122,13 +124,83 @@ SYMBOLS = {
 }
 
 
+#: Symbols of the arguments of friction.
+FRICTION_SYMBOLS = {
+    "coefficient": "μ",
+    "stiffness_ratio": "k_t/k_n",
+    "stiffness": "k_t",
+    "damping_ratio": "γ_t/γ_n",
+    "damping": "γ_t",
+}
+
+
 def law_text(law: Law) -> str:
     """A law with its parameters as the user gave them: ``linear law: k 5e7 N/m, ε 0.7``."""
     parts = []
     for name, value in law.parameters.items():
         unit = LAW_PARAMETERS[name][0]["unit"]
         parts.append(f"{SYMBOLS.get(name, name)} {digits(value)}{'' if unit == '1' else f' {unit}'}")
-    return f"{law.record['name']} law: {', '.join(parts)}"
+    return f"{law.record['name']} law: {', '.join([*parts, *_friction_parts(law)])}"
+
+
+def _friction_parts(law: Law) -> list[str]:
+    """The friction of a law in symbols."""
+    if law.friction is None:
+        return []
+    values = law.friction.to_dict()
+    parts = [
+        f"{symbol} {digits(float(values[name]))}"
+        for name, symbol in FRICTION_SYMBOLS.items()
+        if name in values
+    ]
+    return [*parts, f"{values['model']}, {values['limit']} limit"]
+
+
+# --- friction -----------------------------------------------------------------------------------------------
+
+#: Options of the arguments of :class:`Friction`, as parameters of a command.
+FRICTION_OPTIONS = {
+    "coefficient": "friction",
+    **{name: f"tangential_{name}" if name in LAW_PARAMETERS else name for name in list(PARAMETERS)[1:]},
+    "model": "friction_model",
+    "limit": "limit",
+}
+
+
+def friction_options() -> Callable[[F], F]:
+    """``--friction`` μ, and an option for each other argument of :class:`Friction`."""
+    decorators = []
+    for name, record in PARAMETERS.items():
+        unit = f" [{record['unit']}]" if record["unit"] != "1" else ""
+        option = FRICTION_OPTIONS[name]
+        text = f"{option.replace('_', ' ').capitalize()}: {record['meaning']}{unit}."
+        decorators.append(click.option(spelled(option), option, type=Quantity(record["unit"]), help=text))
+    words = {
+        "model": (MODELS, "Tangential model."),
+        "limit": (LIMITS, "What μ limits: the whole tangential force, or that of the spring."),
+    }
+    for name, (choices, text) in words.items():
+        option = FRICTION_OPTIONS[name]
+        decorators.append(click.option(spelled(option), option, type=click.Choice(list(choices)), help=text))
+    return options(*decorators)
+
+
+def take_friction(law: Law, params: dict[str, Any]) -> Law:
+    """Take the options of friction out of all options: the law with it, or without if none was given."""
+    taken = {name: params.pop(option) for name, option in FRICTION_OPTIONS.items()}
+    values = {name: value for name, value in taken.items() if value is not None}
+    if not values:
+        return law
+    try:
+        friction = Friction(**({"coefficient": 1.0} | values))
+        if "coefficient" not in values:
+            option = spelled(FRICTION_OPTIONS[next(iter(values))])
+            raise ValueError(f"coefficient: missing, must be given beside {option}")
+        return law.replace(friction=friction)
+    except ValueError as error:
+        subject, colon, rest = str(error).partition(": ")
+        subject = re.sub(r"\w+", lambda match: FRICTION_OPTIONS.get(match[0], match[0]), subject)
+        raise ValueError(subject + colon + re.sub(r"\bmodel\b", FRICTION_OPTIONS["model"], rest)) from None
 
 
 # --- files to write -----------------------------------------------------------------------------------------

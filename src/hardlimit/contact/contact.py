@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from .. import _core
 from ..support import validation
+from . import frictional_contact
 from .balls import FLOOR, Ball, Floor
 from .friction import Friction, FrictionTerms, checked_friction
 from .impact import SMOOTH, FrictionalContact, Impact, impact_of
@@ -210,6 +211,112 @@ class Contact:
         flat = _core.tangential_restitution(*self._numbers(), normal, normal * np.tan(angles.ravel()))
         return shaped(flat, angles.shape)
 
+    def sticks_below(self, speed: float = 1.0) -> float:
+        """Angle of impact [rad] below which the surfaces do not slip while the bodies approach.
+
+        The angle γ is that between the velocity of the surfaces and the normal, which is fixed as in the hard limit.
+        Close to the end of a contact the normal force vanishes and all surfaces slip.
+
+        Parameters
+        ----------
+        speed : float [m/s]
+            Normal impact speed, > 0.
+
+        Returns
+        -------
+        float
+            π/2 if they never slip; NaN without a tangential spring, and if the bodies stay together.
+
+        Raises
+        ------
+        ValueError
+            If the law has no friction, or the speed is not positive and finite.
+
+        Notes
+        -----
+        tan γ = μ k_n/k_t for undamped linear contacts with ρ = m_n k_t/(m_t k_n) ≥ 1: Maw, Barber & Fawcett, Wear 38,
+        101 (1976). For ρ < 1 it is tan γ = μ (m_n/m_t)/(√ρ sin(π√ρ/2)). Located by 128 steps, to 2e-4.
+
+        Examples
+        --------
+        >>> law = hl.LinearDashpot(
+        ...     stiffness=1e6,
+        ...     restitution=1.0,
+        ...     friction=hl.Friction(0.5, stiffness_ratio=0.9),
+        ... )
+        >>> contact = law.between(hl.Ball(0.01, density=2500.0))
+        >>> [
+        ...     f"{angle / np.pi * 180:.0f}°"
+        ...     for angle in (contact.sticks_below(), contact.slides_beyond())
+        ... ]
+        ['29°', '71°']
+        """
+        return frictional_contact.borders(self._rubbing(), _impact_speed(speed)).sticks_below
+
+    def slides_beyond(self, speed: float = 1.0) -> float:
+        """Angle of impact [rad] beyond which the surfaces do not stick while the bodies separate.
+
+        Beyond it β = −1 + (m_n/m_t) μ (1 + ε)/tan γ, but for the short time in which the surfaces of damped contacts
+        stick at touch. Argument, result and errors as for :meth:`Contact.sticks_below`.
+
+        Notes
+        -----
+        tan γ = μ (m_n/m_t)(2 − 1/ρ) for undamped linear contacts with ρ = m_n k_t/(m_t k_n) ≥ 1: Maw, Barber & Fawcett,
+        Wear 38, 101 (1976). For ρ < 1 this angle is :meth:`Contact.sticks_below`: the surfaces stick at most until the
+        largest compression, and not at all beyond tan γ = μ k_n/k_t. Sticking with a normal force below 1 % of its
+        largest value does not count.
+        """
+        return frictional_contact.borders(self._rubbing(), _impact_speed(speed)).slides_beyond
+
+    def effective_tangential_restitution(self, speed: float = 1.0, dimension: int = 3) -> float:
+        """β0 of the constant rule β = min(β0, −1 + (m_n/m_t) μ (1 + ε)/tan γ) that stands for this contact in a gas.
+
+        With the same ε and μ, both exchange the same angular momentum on average over the collisions of a gas in which
+        translation and rotation have the same temperature.
+
+        Parameters
+        ----------
+        speed : float [m/s]
+            Normal impact speed, > 0, at which β is taken for all angles.
+        dimension : int
+            3 for spheres, 2 for disks.
+
+        Returns
+        -------
+        float
+            NaN if the bodies stay together, or if no β0 does this.
+
+        Raises
+        ------
+        ValueError
+            If the law has no friction, or an argument is outside its range.
+
+        Notes
+        -----
+        Rule: Walton, in Particulate Two-Phase Flow (1993), p. 884. The mean of (1 + β) g_t² is that over
+        tan γ = √((m_n/m_t) u/(1 − u)) with the weight 2u for spheres, 3√u/2 for disks. Where damping exceeds Coulomb's
+        limit (``limit="spring"``), the sliding impulse is that of the contact in place of μ(1 + ε).
+
+        Examples
+        --------
+        >>> law = hl.LinearDashpot(
+        ...     stiffness=1e6,
+        ...     restitution=0.9,
+        ...     friction=hl.Friction(0.5, stiffness_ratio=0.9),
+        ... )
+        >>> contact = law.between(hl.Ball(0.01, density=2500.0))
+        >>> round(contact.effective_tangential_restitution(), 3)
+        0.327
+        """
+        kind = validation.whole("dimension", dimension, 2, 3)
+        return frictional_contact.effective_restitution(self._rubbing(), _impact_speed(speed), kind)
+
+    def _rubbing(self) -> FrictionalContact:
+        """The same, of a law with friction."""
+        if self.law.friction is None:
+            raise ValueError("friction: missing, must be given to the law")
+        return self._numbers()
+
     @overload
     def restitution(self, speed: float = ...) -> float: ...
     @overload
@@ -315,6 +422,10 @@ class Contact:
         """Elastic energy [J] at a compression; zero for ξ ≤ 0. Argument as for :meth:`Contact.force`."""
         depth = _numbers("compression", compression)
         return shaped(self.core.energy(depth.ravel()), depth.shape)
+
+
+def _impact_speed(speed: Any) -> float:
+    return validation.number("speed", speed, 0.0)
 
 
 def _numbers(name: str, values: float | Values, **limits: float) -> Floats:

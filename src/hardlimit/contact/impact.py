@@ -25,7 +25,7 @@ Floats = NDArray[np.float64]
 #: Friction of smooth surfaces.
 SMOOTH: Final = FrictionTerms(0.0)
 #: The energies that the core adds up, by the names of its ledger.
-LEDGER: Final = ("normal_spring", "tangential_spring", "normal_damping", "tangential_damping", "slip")
+LEDGER: Final = ("normal_spring", "tangential_spring", "normal_damping", "tangential_damping", "friction")
 #: Times of a trajectory by default, beside those at which stick and slip begin.
 SAMPLES: Final = 401
 #: Unit and meaning of what a trajectory holds.
@@ -88,7 +88,7 @@ def tangential_restitution(
 
 
 class Interval(NamedTuple):
-    """A part of a contact in which the surfaces stick, or in which they slip."""
+    """A part of a contact in which the surfaces stick, or slip; one of those returned by :attr:`Impact.intervals`."""
 
     state: str  #: "stick" or "slip"
     begin: float  #: after touch [s]
@@ -107,7 +107,8 @@ class Impact:
 
     Notes
     -----
-    Exact at a wall; of two balls it is the limit of a short contact, in which the normal does not turn.
+    Exact at a wall; of two balls it is the limit of a short contact, in which the normal does not turn. Conventions:
+    Foerster et al., Phys. Fluids 6, 1108 (1994).
 
     Examples
     --------
@@ -116,25 +117,21 @@ class Impact:
     ... )
     >>> impact = law.between(hl.Ball(0.01, density=2500.0)).impact(1.0, 0.5)
     >>> impact
-    <Impact: ε = 0.9, β = 0.975225, stick–slip>
+    <Impact: ε = 0.9, β = 0.996742, stick–slip>
     >>> impact.spins.round(2)
-    array([-70.54,   0.  ])
+    array([-71.31,   0.  ])
     """
 
-    ball: Ball
-    other: Ball | Floor
+    ball: Ball  #: the first body
+    other: Ball | Floor  #: the second body, which rests before
     speed: float  #: velocity of the ball along n before [m/s]
     tangential_speed: float  #: velocity of its centre along t before [m/s]
     initial_spins: tuple[float, float]  #: before [rad/s]
     restitution: float  #: ε, that of the contact without friction
-    tangential_restitution: (
-        float  #: β: the slip velocity is multiplied by −β; without slip velocity its limit
-    )
+    tangential_restitution: float  #: β, by −β the slip velocity is multiplied; its limit if there is none
     duration: float  #: [s]
     intervals: tuple[Interval, ...]  #: in order; without a spring, stick is below Coulomb's limit
-    ledger: Mapping[str, float] = field(
-        repr=False
-    )  #: energies in the springs and lost [J], see :attr:`energies`
+    ledger: Mapping[str, float] = field(repr=False)  #: in springs and lost [J], see :attr:`energies`
     numbers: FrictionalContact = field(repr=False)  #: :meta private:
 
     @property
@@ -193,12 +190,11 @@ class Impact:
         """Where the energy is after the contact [J]; the values add up to :attr:`initial_energy`.
 
         ``translational`` and ``rotational`` are of the bodies. ``normal_spring``: of the compression with which a
-        dissipative contact ends. ``tangential_spring``: k_t s²/2 at the end; with Mindlin's models, whose spring has no
-        energy of its own, the work that it has taken while the surfaces stick, negative if it gave more.
-        ``normal_damping``: lost by the damping of the normal force. ``tangential_damping``: lost by γ_t g while they
-        stick. ``slip``: work of the tangential force while they slip, less what the spring gains meanwhile (with
-        Mindlin's models all of this work). It may be negative with γ_t > 0 and the limit "total", which sets the spring
-        against the slip.
+        dissipative contact ends. ``tangential_spring``: k_t s²/2 at the end. ``normal_damping``: lost by the damping of
+        the normal force. ``tangential_damping``: lost by γ_t g while the surfaces stick. ``friction``: the rest of the
+        work of the tangential force, heat of slip. It may be negative with γ_t > 0 and the limit "total", which sets
+        the spring against the slip, and with Mindlin's models: their spring has no energy of its own, and what it does
+        not give back, or gives beyond what it got, is in ``friction``.
         """
         bodies, after = (self.ball, self.other), self.velocities
         moving = sum(_translational(body, *v) for body, v in zip(bodies, after.tolist(), strict=True))
@@ -219,7 +215,7 @@ class Impact:
 
         Parameters
         ----------
-        times : N numbers [s], optional
+        times : number or N numbers [s], optional
             From 0, the touch, to the duration of the contact, in any order. By default :meth:`default_times`.
 
         Returns
@@ -232,13 +228,17 @@ class Impact:
         Raises
         ------
         ValueError
-            If ``times`` is not an array of numbers within the contact.
+            If ``times`` is not a number or an array of numbers within the contact.
         """
         import xarray as xr
 
         limits: dict[str, Any] = {"lowest": 0.0, "highest": self.duration}
         limits |= {"lowest_allowed": True, "highest_allowed": True}
-        at = self.default_times() if times is None else validation.array("times", times, **limits)
+        at = (
+            self.default_times()
+            if times is None
+            else np.atleast_1d(validation.array("times", times, **limits))
+        )
         order = np.argsort(at, kind="stable")
         slip, back = self.slip_velocity, np.argsort(order, kind="stable")
         motion = _core.frictional_impact(*self.numbers, self.speed, abs(slip), at[order])

@@ -31,6 +31,8 @@ def convert(
     code: str | None = None,
     model: str | None = None,
     attraction: bool = False,
+    friction: float | None = None,
+    tangential_restitution: float | None = None,
     restitution_error: float | None = None,
     time_step: float | None = None,
 ) -> Conversion:
@@ -67,6 +69,11 @@ def convert(
         Name of one of the code's models; by default all models of this law.
     attraction : bool
         Whether the force attracts at the end of a contact, for codes with this option.
+    friction : float
+        Coefficient of friction μ, > 0; grains are smooth unless it is given.
+    tangential_restitution : float
+        Wanted coefficient of tangential restitution β0 in a gas, in (-1, 1], to be given with ``friction``. A gas of
+        these grains exchanges as much energy between translation and rotation as one whose sticking contacts have β0.
     restitution_error : float
         Error of ε allowed for the time step, 1e-3 by default.
     time_step : float [s]
@@ -119,6 +126,8 @@ def convert(
         poisson_ratio=poisson_ratio,
         duration=duration,
         compression=compression,
+        friction=friction,
+        tangential_restitution=tangential_restitution,
     )
     return converted(
         balls, target, wall, code, model, attraction, restitution_error=restitution_error, time_step=time_step

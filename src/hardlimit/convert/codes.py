@@ -69,6 +69,25 @@ class Extra:
 
 
 @dataclass(frozen=True)
+class TangentialInput:
+    """How a contact of a code gets friction; returned by :func:`hardlimit.convert`.
+
+    In ``words``, {friction} is μ, {friction_angle} its angle [rad], and other numbers of the tangential model begin with
+    ``tangential_``. The number ``free`` sets the tangential restitution. It is in proportion to k_t, unless it has a
+    range, or is Poisson's ratio ν of the normal model, whose Y/(1 − ν²) stays.
+    """
+
+    name: str  #: in the file of the code
+    model: str  #: tangential model, as in ``tangential/NAME.py``
+    words: dict[str, str]  #: texts of the smooth input, and what stands in their place
+    free: str = ""  #: name of the number that sets β0; empty if there is none
+    lowest: float = 0.0  #: of this number
+    highest: float = 0.0  #: of this number
+    numbers: dict[str, float] = field(default_factory=dict)  #: others, if they are not the code's defaults
+    usual: bool = False  #: whether the code does this unless it is told otherwise
+
+
+@dataclass(frozen=True)
 class Input:
     """Templates of a code's input, with placeholders such as {stiffness}."""
 
@@ -117,6 +136,7 @@ class Model:
     mass: Mass = Mass()  #: in the formulas, if it is not the effective mass
     note: str = ""  #: remark on the model
     checked: Literal["", "source"] = ""  #: if it was checked less thoroughly than its code
+    friction: list[str] = field(default_factory=list)  #: ways to give it friction, by preference
     difference: list[Difference] = field(default_factory=list)  #: in other versions of the code
 
     def unit(self, name: str) -> tuple[float, float, float]:
@@ -156,6 +176,7 @@ class Code:
     walls: str  #: description of the effective mass at a wall
     scheme: Literal["half step"]  #: the damping uses the velocity of half a step before
     models: list[Model]  #: its contact models
+    friction: list[TangentialInput] = field(default_factory=list)  #: ways to give contacts friction
     least_inertia: float = 0.0  #: moment of inertia [kg m²] that a ball must exceed
     comment: str = "#"  #: begins a comment of its input
     comment_end: str = ""  #: ends a comment, if not the end of the line
@@ -198,6 +219,7 @@ INNER: Final[dict[str, Any]] = {
     "models": Model,
     "spring": Spring,
     "damping": Damping,
+    "friction": TangentialInput,
     "difference": Difference,
     "mass": Mass,
     "input": Input,

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any, Final
 
 from .. import _core
 from ..boxes.time_step import accepted_error
 from ..contact.balls import FLOOR, Ball, Floor
 from ..support import validation
+from ..support.formatting import listed
 from . import texts
-from .codes import Code, Model, Pair, Written, code, names
+from .codes import Code, Model, Pair, TangentialInput, Written, code, names
 from .force import Force
 from .formulas import Numbers
+from .friction import FrictionNumbers, FrictionOfModel, Walton, friction_of_model, stiffness_ratio
 from .wanted import LAWS, Wanted
 
 #: Largest number of sizes.
@@ -35,6 +37,7 @@ class ContactNumbers:
     force: float  #: largest [N]
     time_step: float  #: [s], with the error ``restitution_error`` of ε; NaN if the bodies stay together
     restitution_error: float  #: error of ε by the time step
+    stiffness_ratio: float | None = None  #: k_t/k_n for β0, NaN if none has it; None for smooth grains
 
 
 @dataclass(frozen=True)
@@ -48,6 +51,7 @@ class ModelNumbers:
     usual_restitution: float  #: ε that these produce; NaN without numbers
     time_step: float  #: [s], with the error ``restitution_error`` of ε
     restitution_error: float  #: error of ε by the time step
+    friction: FrictionNumbers | None = None  #: None for smooth grains, or if the code's friction is not known
 
 
 @dataclass(frozen=True)
@@ -59,6 +63,7 @@ class ModelConversion:
     attraction: bool  #: whether the force attracts at the end of a contact
     contacts: tuple[ModelNumbers, ...]  #: each pair of sizes, and each size with a wall
     text: str  #: ready to paste
+    friction: TangentialInput | None = None  #: how it gets friction; None if it has none
 
     def __repr__(self) -> str:
         pairs = ", ".join(contact.pair for contact in self.contacts)
@@ -228,6 +233,8 @@ def _chosen(name: Any, model: Any, law: str) -> list[tuple[Code, Model]]:
 def _contact(pair: Pair, force: Force, wanted: Wanted, stepping: Stepping) -> ContactNumbers:
     collision = force.collision(wanted.speed)
     step, error = stepping.of(force, wanted.speed)
+    walton = wanted.walton
+    ratio = None if walton is None else stiffness_ratio(force, wanted.speed, walton)
     return ContactNumbers(
         pair=pair.name,
         effective_mass=pair.mass,
@@ -239,6 +246,7 @@ def _contact(pair: Pair, force: Force, wanted: Wanted, stepping: Stepping) -> Co
         force=collision.force,
         time_step=step,
         restitution_error=error,
+        stiffness_ratio=ratio,
     )
 
 
@@ -251,30 +259,91 @@ def _in_model(
     attraction: bool,
     stepping: Stepping,
 ) -> ModelConversion:
-    rows, writable = [], []
-    for pair, force in zip(pairs, forces, strict=True):
-        written = Written(model, pair, wanted.speed, attraction, wanted.poisson_ratio)
-        try:
-            row = _row(written, force.stiffness, wanted, stepping)
-        except (OverflowError, ZeroDivisionError):  # beyond double precision
-            row = ModelNumbers(
-                pair=pair.name,
-                numbers=None,
-                restitution=math.nan,
-                usual=None,
-                usual_restitution=math.nan,
-                time_step=math.nan,
-                restitution_error=math.nan,
-            )
-        rows.append(row)
-        if row.numbers is not None:
-            writable.append((pair, row.numbers))
-    steps = [row.time_step for row in rows if row.numbers is not None]
-    text = texts.written(source, model, writable, attraction, min(steps)) if writable else ""
-    return ModelConversion(source, model, model.powers(attraction).attracts, tuple(rows), text)
+    contacts = [
+        (Written(model, pair, wanted.speed, attraction, wanted.poisson_ratio), force.stiffness)
+        for pair, force in zip(pairs, forces, strict=True)
+    ]
+    rows = [_row(*contact, wanted, stepping) for contact in contacts]
+    writable = [k for k, row in enumerate(rows) if row.numbers is not None]
+    friction = None
+    if wanted.walton is not None and model.friction and writable:
+        friction = friction_of_model(
+            source, model, [contacts[k] for k in writable], wanted.restitution, wanted.walton
+        )
+        for k, normal, row in zip(writable, friction.normal, friction.rows, strict=True):
+            rows[k] = replace(rows[k], numbers=normal or rows[k].numbers, friction=row)
+    text = _text(source, model, [(pairs[k], rows[k]) for k in writable], wanted, attraction, friction)
+    return ModelConversion(
+        source,
+        model,
+        model.powers(attraction).attracts,
+        tuple(rows),
+        text,
+        None if friction is None else friction.way,
+    )
+
+
+def _text(
+    source: Code,
+    model: Model,
+    rows: Sequence[tuple[Pair, ModelNumbers]],
+    wanted: Wanted,
+    attraction: bool,
+    friction: FrictionOfModel | None,
+) -> str:
+    """The input of contacts that have numbers; a comment if they cannot have the wanted friction."""
+    if not rows:
+        return ""
+    way = None if friction is None else friction.way
+    if wanted.walton is not None and way is None:
+        return texts.comment(
+            source,
+            f"{source.title} {model.name}: {refused_friction([row for _, row in rows], wanted.walton)}",
+        )
+    step = min(row.time_step for _, row in rows)
+    contacts = [(pair, {**(row.numbers or {}), **placeholders(row.friction, wanted)}) for pair, row in rows]
+    return texts.written(source, model, contacts, attraction, step, way)
+
+
+def placeholders(friction: FrictionNumbers | None, wanted: Wanted) -> Numbers:
+    """The numbers of friction by their placeholders in the input."""
+    if friction is None or friction.numbers is None or wanted.walton is None:
+        return {}
+    named = {f"tangential_{name}": value for name, value in friction.numbers.items()}
+    mu = wanted.walton.coefficient
+    return {**named, "friction": mu, "friction_angle": math.atan(mu)}
+
+
+def refused_friction(rows: Sequence[ModelNumbers], walton: Walton) -> str:
+    """Why contacts have no input with friction."""
+    if any(row.friction is None for row in rows):
+        return "how this code computes friction is not known here"
+    possible = [(row.pair, row.friction.reachable) for row in rows if row.friction is not None]
+    beta = walton.tangential_restitution
+    outside = [pair for pair in possible if not any(low <= beta <= high for low, high in pair[1])]
+    name, ranges = (outside or possible)[0]
+    texts_of = [f"{low:.4g}" if low == high else f"{low:.4g} to {high:.4g}" for low, high in ranges]
+    if not ranges:
+        return f"no tangential restitution stands for the friction of {name} in a gas"
+    return f"no numbers give {name} a tangential restitution of {beta:g}, only {listed(texts_of, 'or')}"
 
 
 def _row(written: Written, stiffness: float, wanted: Wanted, stepping: Stepping) -> ModelNumbers:
+    try:
+        return _numbers(written, stiffness, wanted, stepping)
+    except (OverflowError, ZeroDivisionError):  # beyond double precision
+        return ModelNumbers(
+            pair=written.pair.name,
+            numbers=None,
+            restitution=math.nan,
+            usual=None,
+            usual_restitution=math.nan,
+            time_step=math.nan,
+            restitution_error=math.nan,
+        )
+
+
+def _numbers(written: Written, stiffness: float, wanted: Wanted, stepping: Stepping) -> ModelNumbers:
     numbers = written.numbers(stiffness, wanted.restitution)
     usual = written.usual_numbers(stiffness, wanted.restitution)
     obtained, step, error = math.nan, math.nan, math.nan

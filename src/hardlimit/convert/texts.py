@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from decimal import ROUND_FLOOR, Context
 
-from .codes import Code, Model, Pair
+from .codes import Code, Input, Model, Pair, TangentialInput
 from .formulas import Numbers
 
 
@@ -15,15 +16,18 @@ def written(
     contacts: Sequence[tuple[Pair, Numbers]],
     attraction: bool,
     time_step: float,
+    friction: TangentialInput | None = None,
 ) -> str:
     """Input lines ready to paste, without duplicates.
 
     If one set of numbers holds for all contacts but they need different ones, the text has a matrix over types, or
-    comments out all numbers but those of the first contact.
+    comments out all numbers but those of the first contact. With friction, the contacts have its numbers too.
     """
+    if friction is not None:
+        model = replace(model, input=_rubbing(model.input, friction.words))
     texts = model.input
     keyword = f" {model.keyword}" if model.attracts == "unless" and not attraction else ""
-    lines = [_comment(code, f"{code.title} {code.version}: {model.title}")]
+    lines = [comment(code, f"{code.title} {code.version}: {model.title}")]
     for extra in texts.extra:
         values = [numbers[extra.number] for _, numbers in contacts]
         if max(values) > extra.above or min(values) < extra.below:
@@ -35,6 +39,14 @@ def written(
         lines += _contacts(code, model, group, lines)
     lines += texts.foot.replace("{time_step}", rounded_down(time_step)).splitlines()
     return "\n".join(line.replace("{keyword}", keyword) for line in lines)
+
+
+def _rubbing(texts: Input, words: Mapping[str, str]) -> Input:
+    """The input with friction in place of the words for smooth bodies."""
+    changed = {name: getattr(texts, name) for name in ("head", "pair", "wall", "matrix")}
+    for smooth, rough in words.items():
+        changed = {name: text.replace(smooth, rough) for name, text in changed.items()}
+    return replace(texts, **changed)
 
 
 def rounded_down(time_step: float) -> str:
@@ -54,11 +66,11 @@ def _contacts(
     ]
     choice = any(numbers != once[0] for numbers in once)
     if choice and (matrix := _matrix(model, contacts, places)):
-        return [_comment(code, matrix[0]), *matrix[1:]]
+        return [comment(code, matrix[0]), *matrix[1:]]
     lines = []
     if choice:
         lines.append(
-            _comment(code, "these numbers hold for all contacts: choose those of one, or different types")
+            comment(code, "these numbers hold for all contacts: choose those of one, or different types")
         )
     bodies = max((pair.second for pair, _ in contacts), default=1)
     for k, (pair, _) in enumerate(contacts):
@@ -67,14 +79,15 @@ def _contacts(
             line = _filled(template, pair, bodies, places[k])
             # A line without numbers, such as the wall itself, is always needed.
             other = choice and k > 0 and any(f"{{{name}}}" in template for name in places[k])
-            line = _comment(code, line) if other else line
+            line = comment(code, line) if other else line
             if template and line not in (*before, *lines, *new):
                 new.append(line)
-        lines += [_comment(code, pair.name), *new] if new else []
+        lines += [comment(code, pair.name), *new] if new else []
     return lines
 
 
-def _comment(code: Code, text: str) -> str:
+def comment(code: Code, text: str) -> str:
+    """A comment of the code's input."""
     return f"{code.comment} {text} {code.comment_end}".rstrip()
 
 
@@ -118,7 +131,7 @@ def _matrix(
         wide = wide.replace(f"{{matches:{name}}}", f"[{matches}]")
         if wide == text and len(set(each)) > 1:
             return []
-        text = wide
+        text = wide.replace(f"{{{name}}}", each[0])
     explained = f"types 1 to {bodies}: the balls in the order given" + (
         f", {types}: the wall" if walls else ""
     )

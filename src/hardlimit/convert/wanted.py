@@ -11,6 +11,7 @@ from ..support import validation
 from ..support.formatting import listed
 from .force import MAX_SPEED, MIN_SPEED, Force, Powers
 from .formulas import DEFAULT_POISSON_RATIO, Where, impact_stiffness, modulus
+from .friction import Walton
 
 #: Powers of our own laws whose force is K ξ^p + C ξ^q dξ/dt. They are never attractive.
 LAWS: Final = {
@@ -33,6 +34,18 @@ class Wanted:
     given: str  #: "stiffness", "youngs_modulus", "duration" or "compression"
     value: float  #: value of ``given`` [N/m], [Pa], [s] or [m]
     poisson_ratio: float  #: ν
+    friction: float | None = None  #: coefficient of friction μ; None for smooth grains
+    tangential_restitution: float | None = None  #: β0 of a gas of these grains; None for smooth grains
+
+    @property
+    def walton(self) -> Walton | None:
+        """Walton's grains with this friction; None for smooth grains.
+
+        :meta private:
+        """
+        if self.friction is None or self.tangential_restitution is None:
+            return None
+        return Walton(self.friction, self.tangential_restitution)
 
     def force(self, mass: float, radius: float) -> Force:
         """The force of our own law for this effective mass [kg] and radius [m].
@@ -81,6 +94,8 @@ def wanted(
     poisson_ratio: Any,
     duration: Any,
     compression: Any,
+    friction: Any = None,
+    tangential_restitution: Any = None,
 ) -> Wanted:
     """Check the arguments of :func:`hardlimit.convert`.
 
@@ -112,4 +127,19 @@ def wanted(
     nu = validation.number("poisson_ratio", nu, -1.0, 0.5, highest_allowed=True)
     if way == "youngs_modulus" and poisson_ratio is None:
         raise ValueError("poisson_ratio: missing, must be in (-1, 0.5] beside youngs_modulus")
-    return Wanted(epsilon, v, name, way, value, nu)
+    return Wanted(epsilon, v, name, way, value, nu, *_wanted_friction(friction, tangential_restitution))
+
+
+def _wanted_friction(friction: Any, tangential_restitution: Any) -> tuple[float | None, float | None]:
+    """μ and β0, of which none or both are given."""
+    mu = None if friction is None else validation.number("friction", friction, 0.0)
+    if tangential_restitution is None:
+        if mu is not None:
+            raise ValueError("tangential_restitution: missing, must be in (-1, 1] beside friction")
+        return None, None
+    beta = validation.number(
+        "tangential_restitution", tangential_restitution, -1.0, 1.0, highest_allowed=True
+    )
+    if mu is None:
+        raise ValueError("friction: missing, must be > 0 and finite beside tangential_restitution")
+    return mu, beta

@@ -4,7 +4,7 @@ All pictures share a style (:func:`style`), a palette for colour-blind readers, 
 (:func:`count_colours`).
 """
 
-from .contacts import restitution_obtained, restitution_over_speed
+from .contacts import restitution_obtained, restitution_over_speed, tangential_restitution
 from .fidelity import fidelity
 from .fit import fit
 from .forces import forces
@@ -32,4 +32,5 @@ __all__ = [
     "stack",
     "style",
     "sweep_map",
+    "tangential_restitution",
 ]

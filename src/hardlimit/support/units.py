@@ -24,6 +24,7 @@ DEFINITIONS: Final = (
     *("tonne = 1e6 * gram = t", "pound = 453.59237 * gram = lb", "liter = 1e-3 * meter ** 3 = l = L = litre"),
     *("newton = 1e3 * gram * meter / second ** 2 = N", "pascal = newton / meter ** 2 = Pa"),
     *("bar = 1e5 * pascal", "joule = newton * meter = J", "percent = 0.01 = %"),
+    *("degree = [angle] = deg", "radian = 57.295779513082323 * degree = rad"),
     *("watt = joule / second = W", "hertz = 1 / second = Hz"),
 )
 
@@ -41,6 +42,7 @@ KINDS: Final = {
     "Hz": ("a frequency", "50 Hz"),
     "1/s": ("a rate", "100/s"),
     "W": ("a power", "1 mW"),
+    "deg": ("an angle", "30 deg"),
     "1": ("without unit", "0.7"),
 }
 

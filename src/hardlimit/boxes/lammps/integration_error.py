@@ -1,4 +1,4 @@
-"""Error of ε by LAMMPS' integration scheme, computed for isolated contacts.
+"""Errors of ε and β by LAMMPS' integration scheme, computed for isolated contacts.
 
 LAMMPS' velocity Verlet evaluates the damping at the velocity half a step earlier: v_{n+½} = v_{n−½} − F(ξ_n, v_{n−½})
 Δt/m, ξ_{n+1} = ξ_n + v_{n+½} Δt. With damping this scheme is of first order in the step.
@@ -11,6 +11,9 @@ from typing import Any, Final
 
 import numpy as np
 
+from ...contact.contact import Floats
+from ...contact.friction import LIMITS, FrictionTerms
+
 #: Phases of the first touch between two steps. The error jumps where the number of steps in the contact changes;
 #: between these phases it is at most a few per cent larger.
 PHASES: Final = (np.arange(128) + 0.6) / 128
@@ -20,6 +23,9 @@ MIN_STEPS: Final = 10  #: smallest number of steps per contact, as for engine "s
 MAX_STEPS: Final = 2000
 MARGIN: Final = 1.1  #: safety factor of this assumption
 TESTED: Final = np.array([1.0, 1.03, 1.07, 1.12, 1.2])  #: relative numbers of steps tested together
+#: Phases for the error of β, and the largest number of steps for which it is computed.
+FEW_PHASES: Final = PHASES[4::8]
+MAX_FRICTION_STEPS: Final = 400
 
 
 def restitution_error(contact: Any, speed: float, time_step: float) -> float:
@@ -37,6 +43,68 @@ def restitution_error(contact: Any, speed: float, time_step: float) -> float:
         return math.inf
     exact = float(contact.restitution(np.array([speed]))[0])
     return float(np.abs(-rate / speed - exact).max())
+
+
+def tangential_restitution(
+    contact: Any,
+    friction: FrictionTerms,
+    tangential_mass: float,
+    speed: float,
+    tangential_speeds: Floats,
+    time_step: float,
+) -> Floats | None:
+    """β under the scheme, by phase of the first touch and tangential speed; None if a contact does not end.
+
+    The elastic tangential force grows by k_t g Δt in each step, at the slip rate g of half a step earlier, and is then
+    reduced to Coulomb's limit. Before, a change of the contact radius multiplies it.
+    """
+    compression, rate = speed * time_step * FEW_PHASES[:, None], np.full((len(FEW_PHASES), 1), speed)
+    slip_rate = np.repeat(np.asarray(tangential_speeds)[None, :], len(FEW_PHASES), axis=0)
+    elastic, before = np.zeros_like(slip_rate), np.zeros_like(compression)
+    steps = math.ceil(float(contact.duration(np.array([speed]))[0]) / time_step)
+    for _ in range(4 * steps + 100):
+        depth = np.maximum(compression, 0.0)
+        force = contact.force(depth, rate)
+        if not np.any((force != 0.0) | (rate > 0.0)):
+            return -slip_rate / tangential_speeds
+        elastic = elastic * _kept(friction, before, depth)
+        elastic, tangential = _limited(friction, elastic, slip_rate, depth, np.abs(force), time_step)
+        slip_rate = slip_rate - tangential * (time_step / tangential_mass)
+        rate = rate - force * (time_step / contact.effective_mass)
+        before, compression = depth, compression + rate * time_step
+    return None
+
+
+def _kept(friction: FrictionTerms, before: Floats, depth: Floats) -> Floats | float:
+    """The factor by which a change of the contact radius multiplies the elastic force."""
+    if friction.loading == friction.unloading == 0:
+        return 1.0
+    power = 0.5 * np.where(depth > before, friction.loading, friction.unloading)
+    return np.where(before > 0.0, (depth / np.where(before > 0.0, before, 1.0)) ** power, 0.0)
+
+
+def _limited(
+    friction: FrictionTerms,
+    elastic: Floats,
+    slip_rate: Floats,
+    depth: Floats,
+    force: Floats,
+    time_step: float,
+) -> tuple[Floats, Floats]:
+    """The elastic and the whole tangential force after a step."""
+    touching = depth > 0.0
+    powered = np.where(touching, depth, 1.0)
+    stiffness = touching * friction.stiffness * powered ** (0.25 * friction.stiffness_power)
+    damping = touching * friction.damping * powered ** (0.25 * friction.damping_power)
+    limit = np.zeros_like(force)
+    np.multiply(friction.coefficient, force, out=limit, where=force > 0.0)
+    elastic, damped = elastic + stiffness * slip_rate * time_step, damping * slip_rate
+    if friction.limit == LIMITS.index("total"):
+        tangential = np.clip(elastic + damped, -limit, limit)
+        slips = tangential != elastic + damped
+        return np.where(slips, tangential - damped, elastic), tangential
+    clipped = np.clip(elastic, -limit, limit)
+    return clipped, np.where(clipped == elastic, elastic + damped, clipped)
 
 
 def longest_step(contact: Any, speed: float, error: float) -> float:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field
+from datetime import datetime
 
 from ...convert.tangential import Tangential
 
@@ -51,6 +53,7 @@ class Grains:
     partly_frozen: bool = False  #: whether some of them, but not all, do not move
     fixed: Grains | None = None  #: those, if their sizes are not those of the others
     alone: bool = False  #: whether only one of them moves, which then touches none like itself
+    inertia_factor: float = 0.4  #: q of the moment of inertia q m R²; infinite if the grains do not spin
 
 
 @dataclass(frozen=True)
@@ -79,6 +82,9 @@ class ContactSettings:
         0.0  #: coefficient of sliding friction, 0 without tangential forces; None if not known
     )
     tangential: Tangential | None = None  #: the tangential force; None without one, or if it is not known
+    #: The tangential force in versions of the code that have another one, with these versions in words.
+    other_tangential: tuple[tuple[str, Tangential], ...] = ()
+    differs: str = ""  #: how it differs in these versions, in words
     motion: Motion | None = None  #: of the wall, or of the grains that do not follow forces; None at rest
 
 
@@ -127,6 +133,19 @@ class Description:
     invalidates: tuple[Note, ...] = field(
         default=()
     )  #: makes contacts sticky, dissipates elsewhere, ties grains
+    warnings: tuple[Note, ...] = field(default=())  #: what the friction of the script really does
     unknown: tuple[Quote, ...] = field(default=())  #: statements that were not understood
     #: Messages that refuse those of them, and of what invalidates, on which the force of contacts depends.
     refused: tuple[str, ...] = field(default=())
+
+
+def date(version: str) -> tuple[int, ...] | None:
+    """A version as numbers that can be compared: ``2 Sep 2026`` or ``2023.02a``."""
+    if day := re.search(r"\d{1,2} [A-Z][a-z]{2} \d{4}", version):
+        try:
+            moment = datetime.strptime(day[0], "%d %b %Y")
+        except ValueError:
+            return None
+        return moment.year, moment.month, moment.day
+    numbers = re.search(r"\d+(?:\.\d+)+", version)
+    return tuple(map(int, numbers[0].split("."))) if numbers else None

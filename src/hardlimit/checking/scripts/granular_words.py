@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final
 
+from ...convert.tangential import lammps as tangential_models
 from .description import Direction
+from .formulas import NUMBER
 from .statements import Statement, refusal, refused
 
 # --- LAMMPS ---------------------------------------------------------------------------------------------------
@@ -19,17 +21,10 @@ ADHESIVE: Final = {"dmt": 4, "jkr": 4}
 #: Those with plasticity.
 PLASTIC: Final = {"mdr": 6, "epa_linear": 6, "epa_nonlinear": 8}
 DAMPING: Final = ("none", "velocity", "mass_velocity", "viscoelastic", "tsuji", "coeff_restitution")
-TANGENTIAL: Final = {
-    "linear_nohistory": 2,
-    "none": 0,
-    **dict.fromkeys(
-        ("linear_history", "linear_history_classic", "mindlin_classic", "mindlin", "mindlin/force"), 3
-    ),
-    **dict.fromkeys(("mindlin_rescale", "mindlin_rescale/force"), 3),
-    **dict.fromkeys(("linear_history/static", "mindlin/static"), 4),
-}
+#: Names of the numbers after each tangential model.
+TANGENTIAL: Final = {"none": (), **{model.name: tuple(model.numbers) for model in tangential_models.GRANULAR}}
 BESIDE: Final = {
-    "tangential": TANGENTIAL,
+    "tangential": {name: len(numbers) for name, numbers in TANGENTIAL.items()},
     "rolling": {"none": 0, "sds": 3},
     "twisting": {"none": 0, "marshall": 0, "sds": 3},
     "heat": {"none": 0, "radius": 1, "area": 1},
@@ -64,6 +59,12 @@ class Words:
     beside: tuple[str, ...] = ()  #: other forces, such as ``tangential mindlin``
     rest: tuple[str, ...] = ()  #: from the shape of a wall on
     friction: str = "0"  #: coefficient of sliding friction; 0 without tangential forces
+    tangential: str = ""  #: tangential model
+    numbers: Mapping[str, str] = field(default_factory=dict)  #: its numbers by name
+
+
+#: A model without words.
+NONE: Final = Words({})
 
 
 def unaccelerated(style: str) -> str:
@@ -77,6 +78,10 @@ def gran(statement: Statement, words: Sequence[str], wall: bool = False) -> Word
         raise refused(statement, f"be {', '.join(GRAN)} with six numbers")
     name = "gran/hertz" if words[0] == "hertz/history" else "gran/hooke"
     settings: dict[str, tuple[str, ...]] = {"normal": (name, words[1], words[3])}
+    if NUMBER.fullmatch(words[6]) and float(words[6]) not in (0.0, 1.0):
+        raise refusal(statement.line, words[6], "be 0 or 1 for dampflag", statement.file)
+    if is_zero(words[6]):
+        settings["dampflag"] = ("0",)
     rest = words[7:]
     if rest[:1] and rest[0] == "limit_damping":
         settings["limit_damping"] = ()
@@ -89,10 +94,18 @@ def gran(statement: Statement, words: Sequence[str], wall: bool = False) -> Word
             statement.file,
         )
     beside = () if is_zero(words[5]) else (f"tangential {words[0]}",)
-    tangent = ["0" if words[0] == "hooke" else words[2], "0" if is_zero(words[6]) else words[4]]
+    numbers = {"stiffness": words[2], "damping": "0" if is_zero(words[6]) else words[4]}
+    tangent = ["0" if words[0] == "hooke" else words[2], *list(numbers.values())[1:]]
     if tangent[1] == "NULL":
         tangent[1] = words[3]
-    return Words(settings, beside, rest=tuple(rest), friction=sliding([*tangent, words[5]]))
+    return Words(
+        settings,
+        beside,
+        rest=tuple(rest),
+        friction=sliding([*tangent, words[5]]),
+        tangential=f"gran/{words[0]}",
+        numbers={**numbers, "coefficient": words[5]},
+    )
 
 
 def sliding(numbers: Sequence[str]) -> str:
@@ -105,6 +118,7 @@ def granular(statement: Statement, words: Sequence[str], wall: bool = False, adh
     settings: dict[str, tuple[str, ...]] = {"damping": ("viscoelastic",)}
     normal = {**NORMAL, **(ADHESIVE | PLASTIC if adhesion else {})}
     beside, friction, k = list[str](), "0", 0
+    tangential, numbers = "", dict[str, str]()
     while k < len(words) and not (wall and words[k] in WALLS):
         word, after = words[k], words[k + 1 : k + 2]
         if word in normal:
@@ -121,10 +135,12 @@ def granular(statement: Statement, words: Sequence[str], wall: bool = False, adh
             beside += [] if after[0] == "none" else [f"{word} {after[0]}"]
             if word == "tangential":
                 friction = sliding(words[k + 2 : k + step])
-        elif word == "synchronized_verlet":  # velocities of the whole step; a head-on ε stays
-            step = 1
-        elif word in ("limit_damping", "cutoff"):
-            step = 1 if word == "limit_damping" else 2
+                tangential = after[0]
+                numbers = dict(zip(TANGENTIAL[tangential], words[k + 2 : k + step], strict=False))
+            elif word in ("rolling", "twisting"):
+                settings[word] = tuple(words[k + 1 : k + step])
+        elif word in ("limit_damping", "synchronized_verlet", "cutoff"):
+            step = 1 if word != "cutoff" else 2
             settings[word] = ()
         else:
             raise refusal(
@@ -141,7 +157,7 @@ def granular(statement: Statement, words: Sequence[str], wall: bool = False, adh
     ):  # the damping coefficient is read, and does nothing
         name, stiffness, _, *others = settings["normal"]
         settings |= {"damping": ("velocity",), "normal": (name, stiffness, "0", *others)}
-    return Words(settings, tuple(beside), tuple(words[k:]), friction)
+    return Words(settings, tuple(beside), tuple(words[k:]), friction, tangential, numbers)
 
 
 def wall(statement: Statement, words: Sequence[str], adhesion: bool = False) -> Words:
@@ -179,11 +195,11 @@ LIGGGHTS: Final[dict[str, tuple[str, ...] | None]] = {
     "tangential_reduce": ("on", "off"),
     "surface": ("default",),
     "limitForce": ("on", "off"),
-    "tangential_damping": None,
-    "ktToKnUser": None,
-    "torsionTorque": None,
+    "tangential_damping": ("on", "off"),
+    "ktToKnUser": ("on", "off"),
+    "torsionTorque": ("on", "off"),
     "viscous": ("off",),
-    "absolute_damping": ("off",),
+    "absolute_damping": ("on", "off"),
     "computeElasticPotential": None,
     "computeDissipatedEnergy": None,
     "computeDissipation": None,
@@ -220,4 +236,6 @@ def gran_model(statement: Statement, words: Sequence[str], adhesion: bool = Fals
         elif word == "tangential" and after[0] == "no_history":
             beside.append("tangential no_history")
         k += 2
+    if words[1] == "hooke/stiffness":
+        settings.setdefault("absolute_damping", ("off",))
     return Words(settings, tuple(beside), tuple(shape))

@@ -8,12 +8,13 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Final
 
-from . import granular_words, motion
+from ...convert.tangential import Tangential
+from . import granular_words, lammps_friction, motion
 from .description import WALL, ContactSettings, Quote, Setting, Settings
 from .formulas import NUMBER
 from .granular_words import ADHESIVE, NORMAL, PLASTIC, WALLS, Words, is_zero, ordered, unaccelerated
 from .population import Batch
-from .state import CREATED, MAX_TYPES, Fix, State
+from .state import CREATED, DISK, INTEGRATORS, MAX_TYPES, SPHERE, Fix, State
 from .statements import Statement, refused, settings
 
 #: Words after the shape of a wall with their number of values.
@@ -24,6 +25,10 @@ MIXED_SINCE: Final = {
     **dict.fromkeys(("hooke", "hertz"), "28 Mar 2023"),
     **dict.fromkeys(("hertz/material", *ADHESIVE), "15 Jun 2023"),  # whose moduli were mixed twice
 }
+#: Settings whose numbers need not be known.
+OPTIONAL: Final = ("dampflag", "rolling", "twisting", lammps_friction.UNUSED)
+#: Fixes that integrate velocities but no spins.
+SPINLESS: Final = ("nve", "nvt", "npt", "nph", "nve/limit", "nve/noforce", "move", "brownian")
 #: Fixes with their own walls.
 GRANULAR_WALLS: Final = ("wall/gran", "wall/gran/region")
 
@@ -35,7 +40,7 @@ class Coefficients:
     style: str  #: of a hybrid style
     settings: Settings
     quote: Quote
-    friction: str = "0"
+    words: Words = granular_words.NONE
 
 
 class Lammps(State):
@@ -98,10 +103,22 @@ class Lammps(State):
 
     def coefficients(self, statement: Statement, style: str, parsed: Words) -> Coefficients:
         """Settings whose numbers are known."""
-        resolved = self.resolve(statement, settings(statement, parsed.settings))
         for what in parsed.beside:
             self.ignore(what, statement)
-        return Coefficients(style, resolved, statement.quote, parsed.friction)
+        return Coefficients(style, self.known_settings(statement, parsed), statement.quote, parsed)
+
+    def known_settings(self, statement: Statement, parsed: Words) -> Settings:
+        """Settings whose numbers are known; a tangential force with other numbers is quoted."""
+        own = lammps_friction.marked(settings(statement, parsed.settings), parsed)
+        self.resolve(statement, {name: each for name, each in own.items() if name not in OPTIONAL})
+        friction = self.coefficient(parsed.friction)
+        if parsed.tangential and friction != 0.0 and self.tangential(parsed) is None:
+            self.quote_with(statement, "the numbers of its tangential force are not known")
+        return own
+
+    def tangential(self, words: Words) -> Tangential | None:
+        """The tangential force of a pair style or a wall."""
+        return lammps_friction.tangential(words, self.coefficient)
 
     def command_pair_coeff(self, statement: Statement) -> None:
         self.understood(statement, lambda: self.pair_coeff(statement))
@@ -142,6 +159,9 @@ class Lammps(State):
         """Pairs of types, then walls; adhesion whose constant is 0 is left out."""
         for contact in self.all_contacts():
             settings, adhesion = sticky(contact.settings)
+            damped = lammps_friction.ELASTIC in settings and not lammps_friction.undamped(settings)
+            if damped or adhesion:
+                contact = replace(contact, tangential=None, other_tangential=())
             yield replace(contact, settings=settings, adhesion=adhesion)
 
     def all_contacts(self) -> Iterator[ContactSettings]:
@@ -158,19 +178,21 @@ class Lammps(State):
                 parsed = self.wall(fix)
                 if parsed is not None:
                     words = self.words_of(fix)
+                    force = self.at_wall(words, parsed)
                     shape, *ends = words.rest
                     friction = self.coefficient(words.friction)
                     pushes = granular_words.pushes(shape, *(end != "NULL" for end in ends[: WALLS[shape]]))
                     moves = motion.of_wall(self, words.rest, WALLS[shape], friction != 0.0)
                     quotes = (fix.statement.quote,)
                     for kind in self.walls_of(fix.group):
-                        yield self.wall_contact(
+                        contact = self.wall_contact(
                             kind, name, parsed, quotes=quotes, pushes=pushes, friction=friction, motion=moves
                         )
+                        yield with_force(contact, force)
         for kind in kinds if self.part and self.alone else ():
             for model in self.pairs.get((kind, kind), [])[-1:]:
-                friction = self.coefficient(model.friction)
-                yield self.wall_contact(
+                friction = self.coefficient(model.words.friction)
+                contact = self.wall_contact(
                     kind,
                     WALL,
                     model.settings,
@@ -179,6 +201,19 @@ class Lammps(State):
                     friction=friction,
                     motion=None,
                 )
+                yield with_force(contact, self.at_wall(model.words, model.settings))
+
+    def at_wall(self, words: Words, known: Settings) -> lammps_friction.Versions:
+        """The tangential force of a wall in this version, and in others."""
+        if self.version is not None and lammps_friction.divides_by_zero(known, self.version):
+            return lammps_friction.Versions(None)
+        return self.in_versions(self.tangential(words), words, wall=True)
+
+    def in_versions(
+        self, force: Tangential | None, words: Words, wall: bool = False
+    ) -> lammps_friction.Versions:
+        """A tangential force in this version, and in others."""
+        return lammps_friction.in_versions(force, words, wall, self.version, self.coefficient)
 
     def between(self, i: int, j: int) -> ContactSettings | None:
         """Settings of two types: those given, those of a gran/… style, or the mixed ones."""
@@ -195,21 +230,52 @@ class Lammps(State):
         if len(alone) < 2 or i == j:
             return None
         mixture = mixed(*(entry.settings for entry in alone))
+        if len({entry.words.tangential for entry in alone} - {""}) > 1:  # LAMMPS stops
+            mixture = None
         quotes = tuple(dict.fromkeys(entry.quote for entry in alone))
         if mixture is None:
             self.unknown.update(dict.fromkeys(quotes))
             return None
-        coefficients = [self.coefficient(entry.friction) for entry in alone]
+        coefficients = [self.coefficient(entry.words.friction) for entry in alone]
         known = [coefficient for coefficient in coefficients if coefficient is not None]
         friction = math.sqrt(math.prod(known)) if len(known) == 2 and min(known) >= 0.0 else None
-        return ContactSettings(
-            types, None, mixture, quotes, since=mixed_since(alone[0].settings), friction=friction
-        )
+        forces = [self.tangential(entry.words) for entry in alone]
+        force = lammps_friction.mixed(forces, [entry.settings for entry in alone], mixture)
+        if any(each is not None and each.numbers.get("stiffness", 0.0) is None for each in forces):
+            mixture[lammps_friction.MIXED] = replace(mixture["normal"], words=())
+        since = mixed_since(alone[0].settings)
+        contact = ContactSettings(types, None, mixture, quotes, since=since, friction=friction)
+        return with_force(contact, self.in_versions(force, alone[0].words))
 
     def of_pair(self, types: tuple[str, str], entry: Coefficients) -> ContactSettings:
         """Settings of two types for which coefficients are given."""
-        friction = self.coefficient(entry.friction)
-        return ContactSettings(types, None, entry.settings, (entry.quote,), friction=friction)
+        friction = self.coefficient(entry.words.friction)
+        contact = ContactSettings(types, None, entry.settings, (entry.quote,), friction=friction)
+        return with_force(contact, self.in_versions(self.tangential(entry.words), entry.words))
+
+    def note_friction(self, contacts: Sequence[ContactSettings]) -> None:
+        """Note what the friction of the contacts really does, errors of a version first."""
+        grains = {str(kind): self.grains(kind) for kind in self.present()}
+        said = [(contact, contact.differs) for contact in contacts if contact.differs]
+        said += [
+            (contact, what)
+            for contact in contacts
+            for what in lammps_friction.remarks(contact, self.version, grains, self.dimension)
+        ]
+        for contact, what in said:
+            self.warn(what, contact)
+
+    def inertia_factor(self, kind: int) -> float:
+        """As for all codes; the fixes that integrate spins take grains as disks if they have the word ``disc``."""
+        own = [
+            fix
+            for fix in self.fixes.values()
+            if fix.style.startswith(INTEGRATORS) and kind in self.within(self.members(fix.group))
+        ]
+        spinning = [fix for fix in own if fix.style not in SPINLESS]
+        if spinning or not own:
+            return DISK if spinning and all("disc" in fix.words for fix in spinning) else SPHERE
+        return math.inf
 
     # --- walls and insertions -----------------------------------------------------------------------------------
 
@@ -235,7 +301,8 @@ class Lammps(State):
     def wall(self, fix: Fix) -> Settings | None:
         """The settings of a wall that was understood."""
         try:
-            return settings(fix.statement, self.words_of(fix).settings)
+            words = self.words_of(fix)
+            return lammps_friction.marked(settings(fix.statement, words.settings), words)
         except ValueError:
             return None
 
@@ -243,7 +310,7 @@ class Lammps(State):
         """Check a wall, and note what is special about it."""
         statement = fix.statement
         parsed = self.words_of(fix)
-        self.resolve(statement, settings(statement, parsed.settings))
+        self.known_settings(statement, parsed)
         if "normal" not in parsed.settings:
             raise refused(statement, "have a normal model")
         rest = list(parsed.rest)
@@ -313,6 +380,15 @@ class Lammps(State):
         return min(numbers), max(numbers)
 
 
+def with_force(contact: ContactSettings, force: lammps_friction.Versions) -> ContactSettings:
+    """A contact with its tangential force."""
+    own = force.force
+    friction = own.numbers["coefficient"] if own is not None else contact.friction
+    return replace(
+        contact, friction=friction, tangential=own, other_tangential=force.others, differs=force.what
+    )
+
+
 def sticky(settings: Settings) -> tuple[Settings, str]:
     """Settings without adhesion whose constant is 0, and what makes the force adhesive or plastic, in words."""
     setting = settings["normal"]
@@ -324,7 +400,12 @@ def sticky(settings: Settings) -> tuple[Settings, str]:
     if not is_zero(numbers[-1]):
         return settings, f"adhesion ({name})"
     material = replace(setting, words=("hertz/material", *numbers[:-1]))
-    return {**settings, "normal": material}, ""
+    return {**settings, "normal": material, **elastic_limit(setting, name)}, ""
+
+
+def elastic_limit(setting: Setting, name: str) -> Settings:
+    """What models of adhesion leave of themselves if their constant is 0."""
+    return {lammps_friction.ELASTIC: replace(setting, words=(name,))}
 
 
 def mixed_since(settings: Settings) -> str:
@@ -332,6 +413,18 @@ def mixed_since(settings: Settings) -> str:
     name = settings["normal"].words[0]
     usual = name == "hooke" and settings["damping"].words == ("velocity",)
     return "" if usual else MIXED_SINCE[name]
+
+
+def mixed_resistance(settings: Settings, other: Settings, kind: str) -> tuple[str, ...]:
+    """The words of rolling or twisting of two types: the geometric means of their numbers."""
+    name, *numbers = settings[kind].words
+    if kind not in other or len(other[kind].words) != len(settings[kind].words):
+        return ("none",)
+    try:
+        pairs = [(float(x), float(y)) for x, y in zip(numbers, other[kind].words[1:], strict=True)]
+        return (name, *(f"{math.sqrt(x * y):g}" for x, y in pairs))
+    except ValueError:
+        return (name,)
 
 
 def mixed(settings: Settings, other: Settings) -> Settings | None:
@@ -360,6 +453,11 @@ def mixed(settings: Settings, other: Settings) -> Settings | None:
     mixture = dict(settings)
     line = settings["normal"]
     mixture["normal"] = Setting((name, *(repr(x) for x in means)), line.line, line.text)
+    if name != a[0] and a[0] in ADHESIVE:
+        mixture |= elastic_limit(line, a[0])
     if "limit_damping" in other:
         mixture["limit_damping"] = other["limit_damping"]
+    for kind in ("rolling", "twisting"):
+        if kind in mixture:
+            mixture[kind] = replace(mixture[kind], words=mixed_resistance(settings, other, kind))
     return mixture

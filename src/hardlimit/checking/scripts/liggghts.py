@@ -2,26 +2,30 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
-from . import granular_words, motion
+from ...convert.tangential import Tangential
+from . import granular_words, liggghts_friction, motion
 from .description import ContactSettings, Quote, Range, Setting, Settings
 from .formulas import NUMBER
 from .granular_words import PROPERTIES, Words, is_zero, unaccelerated
 from .materials import one_material
 from .population import Batch
-from .state import MAX_TYPES, Fix, State
+from .state import DISK, INTEGRATORS, MAX_TYPES, SPHERE, Fix, State
 from .statements import Statement, refused, same_word, settings
 
 #: Properties that the models read; each depends on two types.
 OF_CONTACT: Final = (
-    *("youngsModulus", "poissonsRatio", "coefficientRestitution", "characteristicVelocity", "kn", "gamman"),
-    *("cohesionEnergyDensity", "surfaceTension", "fluidViscosity"),
+    *("youngsModulus", "poissonsRatio", "coefficientRestitution", "characteristicVelocity"),
+    *("kn", "gamman", "gamman_abs", "cohesionEnergyDensity", "surfaceTension", "fluidViscosity"),
 )
 #: Normal models with plasticity or adhesion.
 STICKY_MODELS: Final = ("hooke/hysteresis", "edinburgh", "edinburgh/stiffness", "luding", "thornton_ning")
+#: Fixes that leave spins alone.
+SPINLESS: Final = ("nve", "nve/limit", "nve/noforce", "move")
 #: Models of cohesion with the properties to which their force is proportional.
 COHESION: Final[dict[str, tuple[str, ...]]] = {
     **dict.fromkeys(("sjkr", "sjkr2"), ("cohesionEnergyDensity",)),
@@ -137,6 +141,10 @@ class Liggghts(State):
         parsed = granular_words.gran_model(statement, words, True)
         for what in parsed.beside:
             self.ignore(what, statement)
+        for name, known in liggghts_friction.KNOWN_WORDS.items():
+            kind = parsed.settings.get(name, known)[0]
+            if kind not in known:
+                self.unknown[replace(statement.quote, part=f"{name} {kind}")] = None
         return self.resolve(statement, settings(statement, parsed.settings))
 
     def own_fix(self, fix: Fix) -> bool:
@@ -178,6 +186,9 @@ class Liggghts(State):
             words = [
                 word if NUMBER.fullmatch(word) else repr(self.number(fix.statement, word)) for word in words
             ]
+        elif name in liggghts_friction.PROPERTIES:  # as they are now; they need not be known
+            known = [word if NUMBER.fullmatch(word) else self.coefficient(word) for word in words]
+            words = [word if value is None else str(value) for word, value in zip(words, known, strict=True)]
         new = Property(fix.statement, kind, tuple(words))
         self.types = max(self.types, min(new.types(), MAX_TYPES))
         self.properties[name] = new
@@ -280,9 +291,10 @@ class Liggghts(State):
                     yield ContactSettings(
                         (str(i), str(j)),
                         None,
-                        {**model, **numbers},
+                        {**model, **numbers, **self.rolling(model, i, j)},
                         (quote, *quotes),
                         friction=self.friction(model, i, j),
+                        tangential=self.tangential(model, i, j),
                         motion=motion.strongest([motion.of_grains(self, k) for k in (i, j)]),
                     )
         for name, fix in self.fixes.items():
@@ -298,24 +310,60 @@ class Liggghts(State):
                         wall = name if len(ends) == 1 else f"{name} (type {end})"
                         friction = self.friction(model, kind, end)
                         moving = motion.of_wall(self, parsed.rest, 0, friction != 0.0) or moves
-                        yield self.wall_contact(
+                        contact = self.wall_contact(
                             kind,
                             wall,
-                            {**model, **numbers},
+                            {**model, **numbers, **self.rolling(model, kind, end)},
                             quotes=(fix.statement.quote, *quotes),
                             pushes=pushes,
                             friction=friction,
                             motion=moving,
                         )
+                        yield replace(contact, tangential=self.tangential(model, kind, end))
+
+    def note_friction(self, contacts: Sequence[ContactSettings]) -> None:
+        """Note what the friction of the contacts really does."""
+        for contact in contacts:
+            for what in liggghts_friction.remarks(contact):
+                self.warn(what, contact)
+
+    def inertia_factor(self, kind: int) -> float:
+        """Disks in two dimensions; infinite if only fixes that leave spins alone move the grains."""
+        own = [
+            fix
+            for fix in self.fixes.values()
+            if fix.style.startswith(INTEGRATORS) and kind in self.within(self.members(fix.group))
+        ]
+        if own and all(fix.style in SPINLESS for fix in own):
+            return math.inf
+        return DISK if self.dimension == 2 else SPHERE
 
     def friction(self, model: Settings, i: int, j: int) -> float | None:
         """The coefficient of friction of two types; 0 if the model has no tangential forces."""
-        tangential = model.get("tangential")
-        if tangential is None or tangential.words[0] == "off":
+        if liggghts_friction.word(model, "tangential") == "off":
             return 0.0
-        coefficients = self.properties.get("coefficientFriction")
-        pair = None if coefficients is None else coefficients.between(i, j)
-        return None if pair is None else self.coefficient(pair[0])
+        return liggghts_friction.first(self.values("coefficientFriction", i, j))
+
+    def tangential(self, model: Settings, i: int, j: int) -> Tangential | None:
+        """The tangential force between two types."""
+        return liggghts_friction.tangential(model, lambda name: self.values(name, i, j))
+
+    def values(self, name: str, i: int, j: int) -> tuple[float, float] | None:
+        """The values of a property of two types; None if one of them is not known."""
+        source = self.properties.get(name)
+        pair = None if source is None else source.between(i, j)
+        first, second = map(self.coefficient, pair or ("", ""))
+        return None if first is None or second is None else (first, second)
+
+    def rolling(self, model: Settings, i: int, j: int) -> Settings:
+        """The properties of rolling friction of two types, if the model has it and they are known."""
+        if liggghts_friction.word(model, "rolling_friction") == "off":
+            return {}
+        return {
+            name: self.properties[name].setting(repr(pair[0]))
+            for name in liggghts_friction.ROLLING_PROPERTIES
+            if (pair := self.values(name, i, j)) is not None
+        }
 
     def between(self, i: int, j: int) -> tuple[Settings, tuple[Quote, ...]]:
         """The properties of a pair of types. Two materials are replaced by one with the same effective modulus."""

@@ -64,6 +64,8 @@ FUNCTIONS: Final[dict[str, Callable[..., Any]]] = {
     **{function.__name__: function for function in (abs, min, max, round, float, int, sum, len)},
     "Real": float,
     "toHP1": float,
+    "radiansHP1": math.radians,
+    "degreesHP1": math.degrees,
 }
 #: Those that take texts.
 OF_TEXTS: Final = ("float", "int", "Real", "toHP1", "len")

@@ -14,7 +14,18 @@ from typing import Final, Self
 from ...support.formatting import listed
 from . import conditions, motion, population
 from .commands import SILENT, UNRESOLVED, USE_LOG, Variables, text_of
-from .description import WALL, ContactSettings, Description, Direction, Motion, Note, Quote, Settings, Stage
+from .description import (
+    WALL,
+    ContactSettings,
+    Description,
+    Direction,
+    Grains,
+    Motion,
+    Note,
+    Quote,
+    Settings,
+    Stage,
+)
 from .formulas import NUMBER
 from .granular_words import unaccelerated
 from .population import Batch, Population
@@ -31,6 +42,8 @@ TIME_STEPS: Final = {
     "micro": 2.0,
     "nano": 4.5e-4,
 }
+#: q of the moment of inertia q m R² of a sphere and of a disk.
+SPHERE, DISK = 0.4, 0.5
 #: Grains that ``create_atoms`` makes: radius 0.5, density 1.
 CREATED: Final = Batch((0.5, 0.5), (1.0, 1.0))
 MAX_TYPES: Final = 100
@@ -94,8 +107,8 @@ HARMLESS_FIXES: Final = tuple(HARMLESS_FIX_NAMES.split())
 ELSEWHERE: Final = (*HARMLESS_FIXES, "pour", "deposit", "insert")
 #: What the settings of contacts do not depend on.
 NO_SETTINGS_NAMES: Final = """
-variables folder version code types_seen part ignored invalidates unknown refused stages last granular changed_since
-undefined forks system unclear steps_done regions fixes time_step
+variables folder version code types_seen part ignored invalidates warnings unknown refused stages last granular
+changed_since undefined forks system unclear steps_done regions fixes time_step
 """
 NO_SETTINGS: Final = frozenset(NO_SETTINGS_NAMES.split())
 #: Fixes that move grains whatever forces act on them.
@@ -161,6 +174,7 @@ class State:
     def __post_init__(self) -> None:
         self.ignored: dict[Note, None] = {}
         self.invalidates: dict[Note, None] = {}
+        self.warnings: dict[Note, None] = {}
         self.unknown: dict[Quote, None] = {}
         self.refused: dict[str, None] = {}
         self.stages: list[Stage] = []
@@ -225,6 +239,7 @@ class State:
             stages=tuple(self.stages),
             ignored=tuple(self.ignored),
             invalidates=tuple(self.invalidates),
+            warnings=tuple(self.warnings),
             unknown=tuple(self.unknown),
             refused=tuple(self.refused),
         )
@@ -312,6 +327,7 @@ class State:
         vars(self).update(vars((going or leading or [self])[0].copied()))
         for _, end in ends:
             self.ignored |= end.ignored
+            self.warnings |= end.warnings
             self.unknown |= end.unknown
             self.refused |= end.refused
             self.undefined |= end.undefined
@@ -623,6 +639,7 @@ class State:
         self.changed_since = False
         new = conditions.without(self.now(quote, steps), self.unclear)
         self.note_adhesion(new.contacts)
+        self.note_friction(new.contacts)
         if self.stages and replace(self.stages[-1], quote=quote, steps=steps, system=new.system) == new:
             self.longer(steps)
         else:
@@ -630,16 +647,7 @@ class State:
 
     def now(self, quote: Quote, steps: int | None) -> Stage:
         """What holds now."""
-        disks = self.code == "liggghts" and self.dimension == 2
-        grains = {}
-        for kind in self.present():
-            frozen, freezes = self.frozen(kind), self.stopped("freeze", kind)
-            partly = [
-                style for style in ("freeze", "setforce") if not frozen and self.stopped(style, kind, False)
-            ]
-            grains[str(kind)] = self.population.grains(
-                kind, str(kind), frozen, not freezes and "freeze" not in partly, disks, bool(partly)
-            )
+        grains = {str(kind): self.grains(kind) for kind in self.present()}
         pressed, driven, shear_rate, bath = motion.driven(self)
         return Stage(
             quote=quote,
@@ -661,6 +669,18 @@ class State:
             system=self.system,
         )
 
+    def grains(self, kind: int) -> Grains:
+        """The grains of a type as they are now."""
+        disks = self.code == "liggghts" and self.dimension == 2
+        frozen, freezes = self.frozen(kind), self.stopped("freeze", kind)
+        partly = [
+            style for style in ("freeze", "setforce") if not frozen and self.stopped(style, kind, False)
+        ]
+        grains = self.population.grains(
+            kind, str(kind), frozen, not freezes and "freeze" not in partly, disks, bool(partly)
+        )
+        return replace(grains, inertia_factor=self.inertia_factor(kind))
+
     def note_adhesion(self, contacts: Sequence[ContactSettings]) -> None:
         """Note the statements that make contacts adhesive or plastic, each with all types that it concerns."""
         for contact in contacts:
@@ -673,6 +693,19 @@ class State:
                     del self.invalidates[note]
                 note = Note(contact.adhesion, tuple(sorted(types, key=int)), contact.quotes[0])
                 self.invalidates[note] = None
+
+    def note_friction(self, contacts: Sequence[ContactSettings]) -> None:
+        """Note what the friction of the contacts really does."""
+
+    def warn(self, what: str, contact: ContactSettings) -> None:
+        """Add a note, one for all types that it concerns."""
+        same = [note for note in self.warnings if note.what == what]
+        types = {*contact.types, *(name for note in same for name in note.types or ())} - {WALL}
+        quote = same[0].quote if same else next(iter(contact.quotes), None)
+        notes = [note for note in self.warnings if note.what != what]
+        new = Note(what, tuple(sorted(types, key=int)), quote)
+        at = list(self.warnings).index(same[0]) if same else len(notes)
+        self.warnings = dict.fromkeys([*notes[:at], new, *notes[at:]])
 
     def step_now(self) -> float | None:
         """The time step; None if a fix changes it."""
@@ -950,6 +983,10 @@ class State:
             integrated = integrated or group.types is None or kind in group.types
         stopped = self.stopped("freeze", kind) or self.stopped("setforce", kind)
         return stopped or bool(integrators and not integrated)
+
+    def inertia_factor(self, kind: int) -> float:
+        """q of the moment of inertia q m R² with which the grains of a type spin; infinite if their spins stay."""
+        return SPHERE
 
     def stopped(self, style: str, kind: int, whole: bool = True) -> bool:
         """Whether ``fix freeze``, or ``fix setforce`` with three zeros, acts on all grains of a type, or on some."""

@@ -11,6 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
+from ...convert.tangential import Tangential
 from .description import (
     WALL,
     ContactSettings,
@@ -31,6 +32,7 @@ from .motion import STEADY, UNKNOWN, strongest
 from .population import union
 from .python import Evaluator, Instance, Unknown, flat
 from .statements import quoted, refusal
+from .yade_friction import FRICTION_ANGLE, Contact, mixed, tangential_of, warnings
 
 DEFAULT_TIME_STEP: Final = 1e-8  #: of a scene
 NUMERICAL_DAMPING: Final = 0.2  #: NewtonIntegrator's default
@@ -48,11 +50,11 @@ DEFAULT_ENGINES: Final = """[
 ]"""
 #: Materials that are read, with the defaults of their numbers.
 MATERIALS: Final[dict[str, dict[str, float]]] = {
-    "FrictMat": {"young": 1e9, "poisson": 0.25, "density": 1000.0},
-    "ViscElMat": {"young": 1e9, "poisson": 0.25, "density": 1000.0},
-    "CohFrictMat": {"young": 1e9, "poisson": 0.25, "density": 1000.0, "normalCohesion": -1.0},
+    name: {"young": 1e9, "poisson": 0.25, "density": 1000.0, "frictionAngle": FRICTION_ANGLE}
+    for name in ("FrictMat", "ViscElMat", "CohFrictMat")
 }
-FRICTION_ANGLE: Final = 0.5  #: default of these materials
+MATERIALS["CohFrictMat"]["normalCohesion"] = -1.0
+MATERIALS["ViscElMat"]["mR"] = 0.0
 DEFAULT_MATERIAL: Final = {"young": 1e7, "poisson": 0.3, "density": 1000.0, "label": "defaultMat"}
 OF_VISCOELASTIC: Final = "Ip2_ViscElMat_ViscElMat_ViscElPhys"
 #: Functors that create contacts, with the material that they need.
@@ -180,11 +182,19 @@ CHANGING_NAMES: Final = """
 young poisson density en betan kn cn tc gravity damping radius mass mat material dynamic blockedDOFs dt engines active
 dead isCohesive normalCohesion setCohesionNow setCohesionOnNewContacts hertzian functors SPHmode
 """
-CHANGING: Final = frozenset(CHANGING_NAMES.split())
-#: Those that change the force of contacts.
-OF_CONTACTS: Final = CHANGING - {
-    *("density", "gravity", "radius", "mass", "dynamic", "blockedDOFs", "dt", "active", "dead")
-}
+#: Those that change only tangential forces.
+TANGENTIAL_NAMES: Final = """
+frictionAngle frictAngle tangensOfFrictionAngle et es ks cs betas nonLin krot ktwist eta includeMoment mR mRtype alphaKr
+alphaKtw etaRoll etaTwist momentRotationLaw always_use_moment_law inertia
+"""
+TANGENTIAL: Final = frozenset(TANGENTIAL_NAMES.split())
+CHANGING: Final = frozenset(CHANGING_NAMES.split()) | TANGENTIAL
+#: Those that change the normal force of contacts.
+OF_CONTACTS: Final = (
+    CHANGING
+    - TANGENTIAL
+    - {*("density", "gravity", "radius", "mass", "dynamic", "blockedDOFs", "dt", "active", "dead")}
+)
 #: Attributes of ``O`` that change neither contacts nor grains.
 SCENE_NAMES: Final = """
 trackEnergy timingEnabled stopAtIter stopAtTime subStepping subStep tags periodic miscParams numThreads speed iter time
@@ -227,6 +237,7 @@ TOUCHING: Final = (
     "loadTmp",
     "reload",
     "reset",
+    "setContactFriction",
     *FORCE_METHODS,
 )
 #: Most bodies that a loop runs over one by one.
@@ -248,6 +259,7 @@ class Body:
     quote: Quote
     mass: float | None = None  #: of a box; None for other bodies, and if it is not known
     several: bool = False  #: whether there may be more than one
+    locked: Quote | None = None  #: what keeps it from turning as a free or a fixed sphere does
 
 
 class Yade(Evaluator):
@@ -280,6 +292,8 @@ class Yade(Evaluator):
         self.system = 0  #: number of the scene
         self.ignored: dict[Note, None] = {}
         self.invalidates: dict[Note, None] = {}
+        self.warnings: dict[Note, None] = {}
+        self.locked: Quote | None = None  #: the same of bodies of which it is not known which ones they are
         self.unknown: dict[Quote, None] = {}
         self.refused: dict[str, None] = {}
         self.engines: list[Any] = self.value(ast.parse(DEFAULT_ENGINES, mode="eval").body)
@@ -350,10 +364,14 @@ class Yade(Evaluator):
 
     def not_understood(self, node: ast.AST, attribute: str = "") -> None:
         """Quote a statement, such as the assignment of an attribute."""
-        quote = self.quote(getattr(node, "lineno", 1), self.source(node).partition("\n")[0])
+        quote = self.quoted(node)
         self.unknown[quote] = None
         if attribute in OF_CONTACTS:
             self.refuse(quote, "be an attribute of an object of the script, which always has this value")
+
+    def quoted(self, node: ast.AST) -> Quote:
+        """The first line of a statement."""
+        return self.quote(getattr(node, "lineno", 1), self.source(node).partition("\n")[0])
 
     def refuse(self, quote: Quote, must: str) -> None:
         """Note a statement on which the force of contacts depends."""
@@ -415,11 +433,13 @@ class Yade(Evaluator):
         elif isinstance(owner, Instance):
             body = body_of(owner)
             if body is not None and name in CHANGING:
-                if self.repeats or not self.body_assigned(body, name, value):
+                if self.repeats or not self.body_assigned(body, name, value, node):
                     self.not_understood(node)
             elif self.repeats and name in CHANGING and owner.attributes.get(name) != value:
                 self.not_understood(node, name)
-        elif name in CHANGING and not (name == "blockedDOFs" and isinstance(value, str) and not fixes(value)):
+        elif name == "blockedDOFs" and isinstance(value, str) and not fixes(value):
+            self.locked = self.locked if turns(value) else self.quoted(node)
+        elif name in CHANGING:
             self.not_understood(node, name)
         super().assigned(owner, name, value, node)
 
@@ -447,12 +467,13 @@ class Yade(Evaluator):
         elif name not in SCENE_NAMES.split():
             self.not_understood(node)
 
-    def body_assigned(self, body: Body, name: str, value: Any) -> bool:
+    def body_assigned(self, body: Body, name: str, value: Any, node: ast.AST) -> bool:
         """An attribute of a body; False if it is not understood."""
         if name == "dynamic" and isinstance(value, bool | int):
             body.frozen = not value
         elif name == "blockedDOFs" and isinstance(value, str):
             body.frozen = fixes(value)
+            body.locked = None if turns(value) else self.quoted(node)
         elif name in ("mat", "material") and isinstance(value, Instance):
             body.material = self.index(value)
         else:
@@ -543,9 +564,22 @@ class Yade(Evaluator):
         passed = (
             owner is None and name not in PLAIN and any(argument in (SCENE, BODIES) for argument in arguments)
         )
-        if name in HIDDEN or name.startswith("growParticle") or root in self.foreign or passed:
+        hidden = name in (*HIDDEN, "setContactFriction") or name.startswith("growParticle")
+        if name == "setContactFriction" and not self.repeats:
+            self.set_friction(instance)
+        elif hidden or root in self.foreign or passed:
             self.unknown[self.quote(instance.line, instance.text)] = None
         return instance
+
+    def set_friction(self, instance: Instance) -> None:
+        """``setContactFriction(angle)``: of the materials of bodies that move, and of their contacts."""
+        moving = {body.material for body in self.bodies if not body.frozen}
+        for k, material in enumerate(self.materials):
+            if k in moving or self.elsewhere:
+                material.attributes["frictionAngle"] = instance.argument(0, "angleRad")
+        if any("frictAngle" in functor.attributes for functor in self.used("Ip2_")):
+            what = "setContactFriction changes contacts that last: new ones have the functor's frictAngle"
+            self.warnings[Note(what, None, self.quote(instance.line, instance.text))] = None
 
     def list_method(self, name: str, owner: list[Any], instance: Instance) -> Any:
         """Methods of lists, and of ``O.materials`` and ``O.engines``."""
@@ -846,9 +880,18 @@ class Yade(Evaluator):
             self.continue_stage(steps)
         else:
             self.stages.append(new)
+            self.damping_note(new, integrators)
             self.notes()
             if new.contacts:
                 self.missing_engines()
+
+    def damping_note(self, stage: Stage, integrators: list[Instance]) -> None:
+        """What the damping of the integrator does to friction."""
+        damping = stage.numerical_damping
+        if damping and any(contact.friction != 0.0 for contact in stage.contacts):
+            quote = self.quote(integrators[-1].line, integrators[-1].text) if integrators else None
+            what = f"the damping {damping:g} of NewtonIntegrator acts on spins as well, along each axis"
+            self.warnings[Note(f"{what}: β is without it", None, quote)] = None
 
     def continue_stage(self, steps: int | None) -> None:
         """More steps of the last stage."""
@@ -1026,8 +1069,9 @@ class Yade(Evaluator):
                     continue
                 parts = self.between(functors, i, j)
                 if parts is not None:
-                    types, friction = (self.name(i), self.name(j)), self.friction(functors, i, j)
-                    yield ContactSettings(types, None, *parts, friction=friction)
+                    types = (self.name(i), self.name(j))
+                    friction, tangential = self.friction(functors, (i, j), types)
+                    yield ContactSettings(types, None, *parts, friction=friction, tangential=tangential)
 
     def contacts_with_walls(self, functors: Mapping[str, Instance]) -> Iterator[ContactSettings]:
         """Grains that move, with walls, or in a part of a script without walls with ``wall`` of each material."""
@@ -1054,28 +1098,34 @@ class Yade(Evaluator):
                 larger = 2.0 if math.isinf(size) else 2.0 * size / (1.0 + size)
                 # YADE takes a body without mass to have that of the sphere.
                 formula_mass = (mass or None) if counted else None
-                friction = self.friction(functors, i, j)
                 types = (self.name(i), WALL)
-                yield ContactSettings(types, name, *parts, formula_mass, larger, friction=friction)
+                friction, tangential = self.friction(functors, (i, j), types, size, kind)
+                yield ContactSettings(
+                    types, name, *parts, formula_mass, larger, friction=friction, tangential=tangential
+                )
 
-    def friction(self, functors: Mapping[str, Instance], i: int, j: int) -> float | None:
-        """tan of the smaller angle of friction, or of the functor's; None if it is not known."""
-        pair = self.materials[i], self.materials[j]
-        functor = functors.get(pair[0].name) if pair[0].name == pair[1].name else None
-        functor = functor or functors.get("FrictMat")
-        if functor is not None and "frictAngle" in functor.attributes:
-            try:
-                angle = self.matched(functor, "frictAngle", (i, j))
-            except ValueError:
-                angle = None
-            return None if angle is None else math.tan(angle)
-        angles = [material.attributes.get("frictionAngle", FRICTION_ANGLE) for material in pair]
-        known = all(isinstance(angle, int | float) and not isinstance(angle, bool) for angle in angles)
-        return (
-            math.tan(min(angles))
-            if known and not any("**" in material.attributes for material in pair)
-            else None
-        )
+    def friction(
+        self,
+        functors: Mapping[str, Instance],
+        ends: tuple[int, int],
+        types: tuple[str, str],
+        wall: float | None = None,
+        kind: str = "",
+    ) -> tuple[float | None, Tangential | None]:
+        """The coefficient of friction and the tangential force of a contact; None and quoted if it is not known."""
+        pair = self.materials[ends[0]], self.materials[ends[1]]
+        functor = self.functor_of(functors, pair)
+        assert functor is not None  # or there are no settings of its normal force
+        contact = Contact(functor, pair, ends, wall, kind)
+        friction, tangential = tangential_of(self, contact)
+        self.warnings |= dict.fromkeys(warnings(self, contact, types, tangential))
+        locked = [body.locked for body in self.spheres() if body.material in ends]
+        quotes = [quote for quote in (*locked, self.locked) if quote is not None]
+        if friction == 0.0 or (tangential is not None and not quotes):
+            return friction, tangential
+        sources = [self.quote(source.line, source.text) for source in (*pair, functor)]
+        self.unknown |= dict.fromkeys(quotes or sources)
+        return friction, None
 
     def touching(self, kind: str) -> float | None:
         """The size of bodies of this kind over that of a sphere in YADE's formulas; None if they touch no sphere."""
@@ -1186,9 +1236,11 @@ class Yade(Evaluator):
         if young[0] != young[1] or ratios[0] != ratios[1]:
             modulus, ratio = one_material((young[0], ratios[0]), (young[1], ratios[1]))
         numbers = {"young": (modulus, material), "poisson": (ratio, material)}
+        alone = "es" if "es" in functor.attributes else "en"  # which YADE takes for en if that is not given
         for name in ("en", "betan"):
-            if name in functor.attributes:
-                value = self.matched(functor, name, ends)
+            word = alone if name == "en" and "en" not in functor.attributes else name
+            if word in functor.attributes:
+                value = self.matched(functor, word, ends)
                 if value is None:
                     return None
                 numbers[name] = (value, functor)
@@ -1254,14 +1306,23 @@ class Yade(Evaluator):
             return None
         return 2.0 * young[0] * young[1] / (young[0] + young[1])
 
-    def matched(self, functor: Instance, name: str, ends: tuple[int, int]) -> float | None:
-        """A number of a functor: the same for all contacts, or that of a MatchMaker; None if it has none."""
+    def matched(
+        self,
+        functor: Instance,
+        name: str,
+        ends: tuple[int, int],
+        values: tuple[float, float] | None = None,
+    ) -> float | None:
+        """A number of a functor: the same for all contacts, or that of a MatchMaker; None if it has none.
+
+        ``values``: of the two materials, which a MatchMaker mixes for two that it does not list.
+        """
         value = functor.attributes[name]
         if isinstance(value, Instance) and value.name == "MatchMaker":
             for entry in entries(value):
                 if sorted(entry[:2]) == sorted(ends):
                     return entry[2]
-            value = value.attributes.get("val")
+            value = value.attributes.get("val") if values is None else mixed(value, values)
             if value is None:
                 return None
         if isinstance(value, bool) or not isinstance(value, int | float):
@@ -1285,6 +1346,7 @@ class Yade(Evaluator):
             stages=tuple(self.stages),
             ignored=tuple(self.ignored),
             invalidates=tuple(self.invalidates),
+            warnings=tuple(self.warnings),
             unknown=tuple(self.unknown),
             refused=tuple(self.refused),
         )
@@ -1428,6 +1490,13 @@ def body_of(value: Any) -> Body | None:
 def fixes(degrees: str) -> bool:
     """Whether a body cannot move with these blocked degrees of freedom."""
     return set("xyz") <= set(degrees)
+
+
+def turns(degrees: str) -> bool:
+    """Whether a sphere turns as a free one, in a plane as well, or not at all if it is fixed."""
+    spins = {axis for axis in "xyz" if axis.upper() not in degrees}
+    fixed = {axis for axis in "xyz" if axis in degrees}
+    return not spins if len(fixed) == 3 else len(spins) == 3 or (len(fixed) == 1 and fixed <= spins)
 
 
 def is_active(engine: Instance) -> bool:

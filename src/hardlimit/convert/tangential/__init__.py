@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cache
+from importlib import import_module, util
 from typing import NamedTuple
 
 from ...contact.friction import FrictionTerms
@@ -39,3 +41,15 @@ class TangentialModel:
     name: str  #: as in the code's input
     numbers: Mapping[str, tuple[float, float, float]]  #: powers of mass, length and time in each of its units
     terms: Callable[[Mapping[str, float | None], NormalContact], FrictionTerms]  #: of one contact
+    #: β where the terms do not say all; from its numbers, contact, m_t, impact speed and slip velocity.
+    restitution: Callable[[Mapping[str, float | None], NormalContact, float, float, float], float] | None = (
+        None
+    )
+
+
+@cache
+def models_of(code: str) -> dict[str, TangentialModel]:
+    """The tangential models of a code by name; none if they are not known."""
+    module = f"{__name__}.{code}"
+    models = import_module(module).MODELS if util.find_spec(module) else ()
+    return {model.name: model for model in models}

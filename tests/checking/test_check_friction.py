@@ -1,0 +1,344 @@
+"""What check says of friction: numbers of each contact, the error of the time step, words, traps."""
+
+import json
+import math
+import subprocess
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import hardlimit as hl
+from command_line import run
+from conftest import draws, log_floats
+from hardlimit.boxes.lammps import integration_error, program
+from hardlimit.checking import cases, friction
+from hardlimit.checking.contacts import CheckedContact, KnownBody
+from hardlimit.checking.friction import CheckedFriction
+from hardlimit.checking.friction_words import TRAPS, words
+from hardlimit.checking.scripts import read
+from hardlimit.contact import frictional_contact
+from hardlimit.contact.friction import LIMITS, MODELS, FrictionTerms
+from hardlimit.contact.impact import FrictionalContact, tangential_restitution
+from hardlimit.convert.codes import code
+from hardlimit.convert.force import Force, Powers
+
+BALL = hl.Ball(1e-3, density=2500.0)
+#: A box of equal spheres in LAMMPS, with the words of the contact.
+LAMMPS = """units si
+atom_style sphere
+region box block 0 0.1 0 0.1 0 0.1
+create_box 1 box
+pair_style granular
+pair_coeff * * {}
+create_atoms 1 random 10 1 box
+set type 1 diameter 0.002 density 2500
+fix move all nve/sphere
+timestep 1e-6
+run 1
+"""
+LINE = "hooke 1e5 0.8 damping coeff_restitution tangential linear_history 9e4 0 0.5"
+STIFF = {"stiffness": 1e5, "restitution": 1.0}
+
+
+def checked(mu=0.5, law=STIFF, **options):
+    """The check of a ball under the linear law."""
+    law = hl.LinearDashpot(**law, friction=hl.Friction(mu, **options))
+    return hl.check(BALL, law=law, speed=0.3, packing_fraction=0.1, time_step=1e-6)
+
+
+def said(verdict) -> str:
+    return " ".join(finding.what for finding in verdict.warnings)
+
+
+# --- numbers and words ----------------------------------------------------------------------------------------
+
+
+def test_one_line_says_it_all() -> None:
+    row = checked(stiffness_ratio=0.9).rows[0]
+    assert words([row.friction]) == (
+        "μ 0.5: sticks below 29°, slides beyond 71°; β −0.76 near head-on, +0.42 at 60°, 0.32 in a gas; "
+        "tangential half period 0.56 t_c, 12 steps"
+    )
+    assert row.friction.steps_per_half_period == math.floor(row.friction.half_period * row.duration / 1e-6)
+    assert 0.0 < row.friction.tangential_restitution_error_of_step < 0.2
+
+
+def test_numbers_are_those_of_the_contact() -> None:
+    """At both ends of sizes and speeds, with the moments of inertia of the bodies."""
+    law = hl.Tsuji(
+        youngs_modulus=1e8, poisson_ratio=0.3, restitution=0.8, friction=hl.Friction(0.3, damping_ratio=0.5)
+    )
+    hollow = hl.Ball(1e-3, density=2500.0, inertia_factor=2 / 3)
+    for row in hl.check(hollow, law=law, speed=(0.1, 1.0), packing_fraction=0.1).rows:
+        contact = law.between(*[hollow] * (1 if row.types[1] == "wall" else 2))
+        numbers = row.friction
+        assert numbers.model == "mindlin_rescale" and numbers.limit == "total" and numbers.coefficient == 0.3
+        assert numbers.stiffness_ratio == pytest.approx(law.friction.stiffness_ratio, rel=1e-6)
+        assert numbers.damping_ratio == pytest.approx(0.5, rel=1e-6)
+        assert numbers.sticks_below == pytest.approx(contact.sticks_below(row.speed), rel=1e-6)
+        assert numbers.slides_beyond == pytest.approx(contact.slides_beyond(row.speed), rel=1e-6)
+        beta = contact.effective_tangential_restitution(row.speed)
+        assert numbers.effective_tangential_restitution == pytest.approx(beta, rel=1e-6)
+        angle, tabulated = numbers.tangential_restitution[9]
+        impact = contact.impact(row.speed, row.speed * math.tan(angle))
+        assert tabulated == pytest.approx(impact.tangential_restitution, abs=1e-8)
+
+
+def unsized_of(script: str) -> str:
+    """A script whose grains stand in a file that is not there."""
+    lines = [line for line in script.splitlines() if not line.startswith(("create_atoms", "set "))]
+    return "\n".join([*lines[:-1], "read_data grains.data", lines[-1], ""])
+
+
+def test_what_is_not_known_is_left_out() -> None:
+    """Numbers that do not depend on the unknown sizes stay."""
+    assert (
+        checked(0.0).rows[0].friction == CheckedFriction(0.0, "spring")
+        and words([checked(0.0).rows[0].friction]) == ""
+    )
+    script = LAMMPS.format(LINE)
+    unsized = hl.check(unsized_of(script), code="lammps").rows[0]
+    assert unsized.radius is None and unsized.duration is None
+    assert words([unsized.friction]).startswith(
+        "μ 0.5: sticks below 36°, slides beyond 70°; β −0.57 near head-on"
+    )
+    # A damping per mass: ε depends on the mass, but not the angle at which they slip at touch.
+    damped = script.replace("1e5 0.8 damping coeff_restitution", "1e5 5e3 damping mass_velocity")
+    unsized = hl.check(unsized_of(damped.replace("9e4 0 0.5", "9e4 0.5 0.5")), code="lammps").rows[0].friction
+    assert unsized.coefficient == 0.5 and unsized.damping_ratio == pytest.approx(0.5)
+    assert words([unsized]) == "μ 0.5: depends on what is not known"
+
+
+def test_a_model_that_is_not_understood_says_so() -> None:
+    unknown = words([CheckedFriction(0.3)])
+    assert unknown == "μ 0.3: tangential model not understood"
+    assert words([CheckedFriction(0.3, "mindlin", not_known="k_t is NULL")]) == "μ 0.3: k_t is NULL"
+    assert words([CheckedFriction(None)]) == "μ is not known"
+
+
+def test_json_and_dataset() -> None:
+    verdict = checked(stiffness_ratio=0.9)
+    content = json.loads(json.dumps(verdict.to_dict(), allow_nan=False))["contacts"][0]["friction"]
+    assert content["coefficient"] == 0.5 and content["model"] == "spring" and content["limit"] == "total"
+    angles, betas = zip(*content["tangential_restitution"], strict=True)
+    assert angles == pytest.approx(np.radians(range(0, 90, 5))) and betas[0] == pytest.approx(
+        -0.7600, abs=1e-3
+    )
+    assert verdict.contacts["sticks_below"].values == pytest.approx([math.atan(0.5 / 0.9)] * 2, abs=1e-4)
+    assert verdict.contacts["sticks_below"].attrs["units"] == "rad"
+    assert verdict.contacts["friction"].values.tolist() == [0.5, 0.5]
+
+
+@pytest.mark.parametrize("width", [50, 80, 100])
+def test_report(width: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Contacts with the same numbers share a line; warnings stand before the answer, each once."""
+    monkeypatch.setenv("COLUMNS", str(width))
+    (tmp_path / "in.box").write_text(
+        LAMMPS.format(LINE) + f"fix w all wall/gran granular {LINE} zplane 0 1\nrun 1\n"
+    )
+    printed = run("check", tmp_path / "in.box", "--speed", 0.1, "--packing-fraction", 0.1).output
+    assert max(map(len, printed.splitlines())) <= width
+    text = " ".join(printed.split())
+    assert text.count("μ 0.5: ") == 1 and "1–1, 1–wall μ 0.5: sticks below 36°, slides beyond 70°" in text
+    assert "12–18 steps" in text and text.count("Warning: without limit_damping") == 1
+    assert text.index("μ 0.5") < text.index("Warning") < text.index("Cannot be said")
+    assert "Ignored" not in text and "Checked: normal contact, friction, time step, walls" in text
+
+
+# --- traps ----------------------------------------------------------------------------------------------------
+
+
+def test_superballs() -> None:
+    """ρ = 1, the default of LAMMPS and ours."""
+    assert "superballs" in said(checked()) and "β = +1.00" in said(checked())
+    assert "superballs" not in said(checked(stiffness_ratio=0.9))
+
+
+def test_sticking_grains_that_leave_as_smooth_ones() -> None:
+    """ρ near 4, and k_t far too small."""
+    for ratio in (8 / 7, 1.0, 1e-4):
+        assert "leave as smooth ones do" in said(checked(stiffness_ratio=ratio))
+    assert "leave as smooth ones do" not in said(checked(stiffness_ratio=0.9))
+
+
+def test_no_static_friction() -> None:
+    verdict = checked(model="none", damping_ratio=0.5, law={"stiffness": 1e5, "restitution": 0.8})
+    assert "no static friction" in said(verdict)
+    assert "no static friction; β −" in words([verdict.rows[0].friction])
+    assert max(beta for _, beta in verdict.rows[0].friction.tangential_restitution) <= 0.0
+
+
+def test_friction_that_adds_energy() -> None:
+    """Mindlin's displacement and force, undamped, at ρ = 3.3 (β = −1.051 without slip); not the rescaled ones."""
+    for model in MODELS[1:5]:
+        rough = hl.Friction(5.0, stiffness_ratio=3.3 / 3.5, model=model)
+        law = hl.Tsuji(youngs_modulus=1e8, poisson_ratio=0.1, restitution=1.0, friction=rough)
+        verdict = hl.check(BALL, law=law, speed=0.1, packing_fraction=0.1)
+        assert ("friction adds energy: |β| reaches 1.0" in said(verdict)) == ("rescale" not in model)
+
+
+def test_friction_in_the_attractive_end() -> None:
+    """Each contact whose force attracts, unless the reader has said so in the words of the script."""
+    row = CheckedContact(
+        ("1", "1"), 1, None, "x", None, None, None, None, clipped=False, speed=1.0, restitution=0.7,
+        friction=CheckedFriction(0.5, "x", limit="total"),
+    )  # fmt: skip
+    assert "where the normal force attracts" in TRAPS[-1](row)
+    assert not TRAPS[-1](replace(row, clipped=True)) and not TRAPS[-1](replace(row, restitution=1.0))
+    verdict = hl.check(
+        LAMMPS.format("hooke 1e5 0.8 damping coeff_restitution tangential linear_history 9e4 0 0.5"),
+        speed=0.1,
+    )
+    assert said(verdict).count("attracts") == 1
+
+
+def test_walls_that_lost_their_friction() -> None:
+    """LAMMPS 2 Aug 2023 to 22 Jul 2025 (PR 5007): β of the wall as it was and as it should be, first of all."""
+    wall = "gran/hooke/history 1e5 9e4 10 0 0.5 1"
+    script = LAMMPS.replace("pair_style granular\npair_coeff * * {}", f"pair_style {wall}\npair_coeff * *")
+    script += f"fix w all wall/{wall} zplane 0 1\nrun 1\n".replace("wall/gran/hooke", "wall/gran hooke")
+    was, is_now = "−1.00", "+0.21"
+    for version, sentence in (
+        ("2 Aug 2023", f"β at 45° is {was}, and {is_now} since 2 Sep 2026"),
+        (None, f"β at 45° is {is_now}, and {was} from 2 Aug 2023 until it was mended in 2026"),
+    ):
+        verdict = hl.check(
+            script if version is None else f"LAMMPS ({version})\n{script}", code="lammps", speed=0.1
+        )
+        first, second = verdict.warnings[:2]
+        assert first.what == sentence and first.types == ("1", "wall")
+        assert "wall/gran hooke/history" in second.what and "PR 5007" in second.what
+    row = hl.check(f"LAMMPS (23 Jun 2022)\n{script}", code="lammps", speed=0.1).rows[1].friction
+    oblique = dict(row.tangential_restitution)[frictional_contact.ANGLES[9]]
+    assert not row.other_versions and oblique == pytest.approx(0.21, abs=0.01)
+
+
+# --- the error of the time step -------------------------------------------------------------------------------
+
+
+def test_the_error_of_the_step_is_of_first_order() -> None:
+    errors = [
+        hl.check(
+            BALL,
+            law=hl.LinearDashpot(stiffness=1e5, restitution=0.8, friction=hl.Friction(0.4, stiffness_ratio=0.8)),
+            speed=0.3, packing_fraction=0.1, time_step=step,
+        ).rows[0].friction.tangential_restitution_error_of_step
+        for step in (1e-6, 1e-7, 1e-8, 1e-10)
+    ]  # fmt: skip
+    ratios = np.array(errors[:-1]) / errors[1:]
+    assert ratios == pytest.approx([10.0, 10.0, 100.0], rel=0.6)
+
+
+CONTACTS = {
+    "linear": "hooke 2e4 0.05 damping velocity limit_damping tangential linear_history 1.6e4 0.7 0.4",
+    "mindlin": "hertz 5e6 0.6 damping velocity limit_damping tangential mindlin_rescale 4e6 0.4 0.4",
+}
+
+
+@pytest.mark.parametrize("name", CONTACTS)
+def test_the_scheme_is_that_of_lammps(name: str, tmp_path: Path) -> None:
+    """β of spheres that touch a wall at 16 phases of a step and at 4 angles, in eleven steps or so."""
+    try:
+        engine = program.find(1)
+    except ImportError as error:
+        pytest.skip(str(error))
+    line, speed, tangents = CONTACTS[name], 0.3, np.array([0.1, 0.6, 1.2, 2.4])
+    description = read(f"{LAMMPS.format(LINE)}fix w all wall/gran granular {line} zplane 0 1\nrun 1\n")
+    setting = next(contact for contact in description.stages[-1].contacts if contact.wall)
+    make = cases.force_of(code("lammps"), setting, None)
+    ball = KnownBody(1e-3, BALL.mass)
+    force, law = make(ball, None, speed), cases.friction_of(code("lammps"), setting, make)
+    contact = friction.contact_of(law.terms, force, (ball, None), speed)
+    step = force.collision(speed).duration / 11.3
+    expected = in_lammps(engine, line, speed, tangents, step, tmp_path)
+    beta = integration_error.tangential_restitution(
+        force, contact.terms, contact.tangential_mass, speed, speed * tangents, step
+    )
+    assert beta == pytest.approx(expected, abs=1e-6)
+
+
+def in_lammps(
+    engine: program.Program, line: str, speed: float, tangents: np.ndarray, step: float, folder: Path
+) -> np.ndarray:
+    """β from the velocities and spins after the contact, by phase and angle."""
+    phases = integration_error.FEW_PHASES
+    atoms = [
+        f"create_atoms 1 single {0.01 * (i + 1):.6f} {0.01 * (j + 1):.6f} {1e-3 + (3 - phase) * speed * step:.17g}\n"
+        f"set atom {i * len(tangents) + j + 1} vx {speed * tangent:.17g} vz {-speed:.17g}"
+        for i, phase in enumerate(phases)
+        for j, tangent in enumerate(tangents)
+    ]
+    size = 0.01 * (len(phases) + 1)
+    (folder / "in.wall").write_text(f"""units si
+atom_style sphere
+boundary f f f
+newton off
+comm_modify vel yes
+region box block 0 {size} 0 {size} 0 0.01
+create_box 1 box
+pair_style granular
+pair_coeff * * hooke 1 0 damping velocity tangential linear_nohistory 0 0
+{chr(10).join(atoms)}
+set type 1 diameter 0.002 density 2500
+fix w all wall/gran granular {line} zplane 0 NULL
+fix move all nve/sphere
+timestep {step:.17g}
+run 60
+write_dump all custom out.dump id vx omegay modify sort id format float %.17g
+""")
+    command = engine.command(1, "-in", "in.wall")
+    ran = subprocess.run(command, cwd=folder, env=engine.environment(), capture_output=True, text=True)
+    assert ran.returncode == 0, ran.stdout[-2000:]
+    rows = np.loadtxt((folder / "out.dump").read_text().split("omegay")[1].splitlines()[1:])
+    after = rows[:, 1] - 1e-3 * rows[:, 2]
+    return -after.reshape(len(phases), len(tangents)) / (speed * tangents)
+
+
+# --- any contact ----------------------------------------------------------------------------------------------
+
+
+@draws(300, 25)
+@given(
+    powers=st.sampled_from([(4, 0), (6, 0), (6, 1), (6, 2)]),
+    attracts=st.booleans(),
+    model=st.sampled_from(MODELS),
+    limit=st.sampled_from(LIMITS),
+    mu=st.one_of(log_floats(1e-3, 1e2), st.just(math.inf)),
+    stiffness=log_floats(1e-4, 1e3),
+    damping=st.one_of(st.just(0.0), log_floats(1e-3, 3.0)),
+    normal=st.one_of(st.just(0.0), log_floats(1e-3, 3.0)),
+    ratio=st.floats(0.2, 1.0),
+    speed=log_floats(1e-3, 1e2),
+    step=st.one_of(st.none(), log_floats(1e-3, 3.0)),
+    dimension=st.sampled_from([2, 3]),
+)
+def test_any_contact_has_numbers(
+    powers, attracts, model, limit, mu, stiffness, damping, normal, ratio, speed, step, dimension
+):
+    """Nothing fails, numbers are in their ranges, and those of the table are those of the contact in SI units."""
+    terms = FrictionTerms.of_model(
+        model, limit, coefficient=mu, stiffness=0.0 if model == "none" else 1e4 * stiffness,
+        stiffness_power=0 if model in ("spring", "none") or powers[0] == 4 else 2,
+        damping=damping, damping_power=powers[1],
+    )  # fmt: skip
+    force = Force(Powers(*powers, attracts), 1e4, normal, 1e-4)
+    contact = FrictionalContact(force.powers.arguments, (1e4, normal), 1e-4, ratio * 1e-4, terms)
+    collision = force.collision(speed)
+    step = None if step is None or not math.isfinite(collision.duration) else step * collision.duration
+    results = friction.numbers(contact, force, speed, step, dimension)
+    row = friction.friction_of(friction.FrictionLaw(mu, model), results)
+    assert words([row]) and row.stiffness_ratio >= 0.0
+    if not row.tangential_restitution:
+        return
+    angles, betas = map(np.array, zip(*row.tangential_restitution, strict=True))
+    direct = tangential_restitution(
+        contact.powers, *contact.coefficients, contact.effective_mass, terms, contact.tangential_mass, speed,
+        speed * np.tan(angles[1:]),
+    )  # fmt: skip
+    assert betas[1:] == pytest.approx(direct, abs=1e-6, nan_ok=True)
+    if row.sticks_below is not None and row.slides_beyond is not None:
+        assert 0.0 <= row.sticks_below <= row.slides_beyond <= 0.5 * math.pi
