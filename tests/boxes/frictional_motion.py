@@ -15,7 +15,7 @@ Vector = NDArray[np.float64]
 #: Part of the largest normal force below which the direction of slip is kept: its impulse is the square of this.
 NEGLIGIBLE = 1e-6
 #: Start of a slip from zero force, over the duration of the contact.
-INSTANT = 1e-8
+INSTANT = 1e-9
 TOLERANCE = {"method": "DOP853", "rtol": 2e-12, "atol": 1e-13}
 
 
