@@ -386,7 +386,7 @@ private:
     PlanarMotion<Normal> units_;
     TurningApproach touch_;
     FrictionTerms friction_;
-    Vector3 axes_[3];
+    Vector3 axes_[3]{};
     double elastic_, damping_, stiffness_, dashpot_;
     int stiffness_power_, dashpot_power_;
     double kept_part_ = 0.0;
