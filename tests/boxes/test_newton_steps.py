@@ -392,6 +392,24 @@ def test_the_same_bits_with_any_number_of_threads(dimension, boundary):
     assert len(states) == 1 and engine.n_contacts > 500 and engine.statistics()["n_lists"] > 5
 
 
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_the_order_of_many_forces_on_a_body_does_not_depend_on_the_threads(dimension):
+    """In a crystal whose particles all overlap: with three or more forces the order of a sum changes its bits."""
+    rng = np.random.default_rng(dimension)
+    along = math.ceil(1500 ** (1.0 / dimension))
+    points = np.stack(np.meshgrid(*[np.arange(along)] * dimension, indexing="ij"), -1).reshape(-1, dimension)
+    positions = 2e-3 * (points + 0.5 + rng.uniform(-0.05, 0.05, points.shape))
+    box = {"box": [along * 2e-3] * dimension, "boundary": "periodic", "allowed_overlap": 0.5}
+    system = hl.ParticleSystem(positions, 0.0 * positions, 1.1e-3, density=2500.0, **box)
+    states = set()
+    for threads in (1, 2, 3, 8):
+        engine = engine_of(system, GLASS, 2e-6)
+        engine.advance(1e-5, threads=threads)
+        assert engine.outcome == "ok" and len(engine.open_contacts()["first"]) > 1.5 * system.n
+        states.add(everything(engine))
+    assert len(states) == 1
+
+
 @pytest.mark.parametrize("stiffness", [1e5, 1e9])
 @pytest.mark.parametrize("seed", range(4))
 def test_who_becomes_fast_between_two_meetings_of_the_threads_changes_no_bit(seed, stiffness):
