@@ -37,9 +37,14 @@ struct FrictionalContact {
                 friction.loading,
                 friction.unloading,
                 friction.limit,
-                friction.coefficient == 0.0
-                    ? 0.0
-                    : friction.coefficient * (mass / tangential_mass) * (speed / slip)};
+                limit(speed / slip)};
+    }
+
+private:
+    // M; also where the speed or the slip velocity is infinite.
+    HL_FN double limit(double speed_ratio) const {
+        const double mu = friction.coefficient;
+        return mu == 0.0 || mu == math::infinity ? mu : mu * (mass / tangential_mass) * speed_ratio;
     }
 };
 

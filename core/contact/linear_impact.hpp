@@ -110,7 +110,7 @@ public:
     }
 
     HL_FN explicit LinearImpact(const ScaledImpact& of)
-        : of_(impact::without_void_friction(of)),
+        : of_(impact::simplified(of)),
           r_(of_.stiffness.factor),
           c_(of_.damping.factor),
           normal_(0.5 * of.normal_damping, 1.0, 0.0, 1.0),

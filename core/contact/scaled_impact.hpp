@@ -37,10 +37,14 @@ enum class Surfaces : unsigned char {
 
 namespace impact {
 
-// Without a limit there is no force, and without a force no limit is reached.
-HL_FN ScaledImpact without_void_friction(ScaledImpact of) {
+// Without a limit there is no force, and without a force no limit is reached. A limit far above the forces of sticking
+// surfaces is reached within rounding error of the end only: it counts as infinite, since M |f| would lose all digits.
+HL_FN ScaledImpact simplified(ScaledImpact of) {
+    constexpr double far = 1e16;
     if (of.coefficient == 0.0) of.stiffness.factor = of.damping.factor = 0.0;
     if (of.stiffness.factor == 0.0 && of.damping.factor == 0.0) of.coefficient = 0.0;
+    if (of.coefficient > far * (1.0 + of.stiffness.factor + of.damping.factor))
+        of.coefficient = math::infinity;
     return of;
 }
 

@@ -696,6 +696,23 @@ def test_head_on_is_the_limit_of_small_angles(law: str) -> None:
     assert head_on.spins.tolist() == [0.0, 0.0]
 
 
+@pytest.mark.parametrize("limit", ["total", "spring"])
+@pytest.mark.parametrize("power", [4, 6])
+def test_any_slip_velocity(power: int, limit: str) -> None:
+    """From rounding errors of rolling surfaces to infinity; an infinite friction does not depend on it."""
+    terms = FrictionTerms(0.5, 1.0, power - 4, 0.1, limit=("total", "spring").index(limit))
+
+    def betas(terms: FrictionTerms, slip: list[float]) -> np.ndarray:
+        return tangential_restitution((power, 0, False), 1.0, 0.1, 1.0, terms, 2 / 7, 1.0, slip)
+
+    head_on = betas(terms, [0.0])[0]
+    small = 10.0 ** -np.array([16, 17, 20, 30, 40, 100, 300])
+    np.testing.assert_allclose(betas(terms, list(small)), head_on, atol=3e-14, rtol=0)
+    assert betas(terms, [1e300, math.inf]).tolist() == [-1.0, -1.0]
+    rough = betas(terms._replace(coefficient=math.inf), [0.0, 1.0, 1e300, math.inf])
+    assert (rough == rough[0]).all() and abs(rough[0]) < 1.0
+
+
 def test_rolling_contact_has_no_friction() -> None:
     contact = wall_contact(hl.Friction(0.5))
     impact = contact.impact(1.0, 3.0, spin=-3.0)
