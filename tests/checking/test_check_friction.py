@@ -247,6 +247,7 @@ def test_the_error_of_the_step_is_of_first_order() -> None:
 
 CONTACTS = {
     "linear": "hooke 2e4 0.05 damping velocity limit_damping tangential linear_history 1.6e4 0.7 0.4",
+    "no history": "hooke 2e4 0.05 damping velocity limit_damping tangential linear_nohistory 0.7 0.4",
     "mindlin": "hertz 5e6 0.6 damping velocity limit_damping tangential mindlin_rescale 4e6 0.4 0.4",
 }
 

@@ -101,7 +101,7 @@ def _limited(
     elastic, damped = elastic + stiffness * slip_rate * time_step, damping * slip_rate
     if friction.limit == LIMITS.index("total"):
         tangential = np.clip(elastic + damped, -limit, limit)
-        slips = tangential != elastic + damped
+        slips = (tangential != elastic + damped) & (stiffness > 0.0)  # without a spring, nothing is kept
         return np.where(slips, tangential - damped, elastic), tangential
     clipped = np.clip(elastic, -limit, limit)
     return clipped, np.where(clipped == elastic, elastic + damped, clipped)
