@@ -13,7 +13,9 @@
 //
 // Under SlipLimit::spring with damping, a slip may end where the force of sticking bodies would lead back to the limit
 // at once: then the spring follows its limit without slip, and the damping acts in part (the solution of Filippov
-// between both; codes alternate from step to step). Without a spring D is c G limited by M |f|, under both limits.
+// between both; codes alternate from step to step). Where it does so until F_n = 0 before an attraction, both sticking
+// and slip go on from there: sticking is taken. Codes take either, as the size of the step decides; mostly sticking.
+// Without a spring D is c G limited by M |f|, under both limits.
 #pragma once
 #include "friction.hpp"
 

@@ -220,3 +220,14 @@ def test_what_is_refused() -> None:
     assert "friction: missing" in refusal(lambda: contact_with(None).sticks_below())
     assert "speed: got -1" in refusal(lambda: contact.slides_beyond(-1.0))
     assert "dimension: got 4" in refusal(lambda: contact.effective_tangential_restitution(dimension=4))
+
+
+@pytest.mark.parametrize("stiffness_ratio", [1e3, 1e6, 1e12])
+def test_angles_near_zero_raise_no_warning(stiffness_ratio: float) -> None:
+    """Borders of sticking so close to zero that the square of their sine underflows."""
+    friction = hl.Friction(1e-300, stiffness_ratio=stiffness_ratio)
+    contact = hl.LinearDashpot(stiffness=1e6, restitution=0.5, friction=friction).between(
+        hl.Ball(0.01, 2500.0)
+    )
+    with np.errstate(all="raise", under="ignore"):
+        assert not contact.effective_tangential_restitution() > 1.0

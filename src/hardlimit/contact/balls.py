@@ -15,6 +15,8 @@ from ..support import validation
 #: Limits of a mass [kg]; products of two masses neither underflow nor overflow.
 LIGHTEST: Final = 1e-150
 HEAVIEST: Final = 1e150
+#: Least q of a ball; a point cannot take the torque of friction.
+POINT: Final = 1e-6
 #: q in the moment of inertia q m R² of a solid sphere.
 SOLID_SPHERE: Final = 0.4
 
@@ -37,8 +39,8 @@ class Ball:
     mass : float [kg]
         Give exactly one of ``density`` and ``mass``.
     inertia_factor : float, default 2/5
-        q in the moment of inertia q m R², in (0, 1]: 2/5 for a solid sphere, 2/3 for a shell such as a tennis ball, 1/2
-        for a disk. Only contacts with friction depend on it.
+        q in the moment of inertia q m R², in [1e-6, 1]: 2/5 for a solid sphere, 2/3 for a shell such as a tennis ball,
+        1/2 for a disk. Only contacts with friction depend on it.
 
     Raises
     ------
@@ -76,7 +78,9 @@ class Ball:
                 f"radius | {what}: got {size:.16g} and {value:.16g}, a mass of {weight:g} kg, "
                 f"must be in [{LIGHTEST:g}, {HEAVIEST:g}]"
             )
-        q = validation.number("inertia_factor", inertia_factor, 0.0, 1.0, highest_allowed=True)
+        q = validation.number(
+            "inertia_factor", inertia_factor, POINT, 1.0, lowest_allowed=True, highest_allowed=True
+        )
         values = {"radius": size, "mass": weight, "density": rho, "given": kept, "inertia_factor": q}
         for name, entry in values.items():
             object.__setattr__(self, name, entry)

@@ -143,7 +143,8 @@ class Contact:
         ValueError
             If a value is outside its range, the floor is to spin, or the force of the law is not K ξ^p + C ξ^q dξ/dt.
         RuntimeError
-            If the surfaces change between stick and slip more than 100000 times.
+            If 100000 steps or changes between stick and slip do not suffice, as where k_t or γ_t is very much larger
+            than the stiffness or damping of the normal force.
 
         Notes
         -----
@@ -188,7 +189,8 @@ class Contact:
         Returns
         -------
         float or array
-            β, same shape as ``angle``: the slip velocity is multiplied by −β. −1 without friction.
+            β, same shape as ``angle``: the slip velocity is multiplied by −β. −1 without friction. NaN if the contact
+            is not resolved: see the error of :meth:`impact`.
 
         Raises
         ------
@@ -284,7 +286,8 @@ class Contact:
         Returns
         -------
         float
-            NaN if the bodies stay together, or if no β0 does this.
+            NaN if the bodies stay together, if no β0 does this, or if a contact is not resolved: see the error of
+            :meth:`impact`.
 
         Raises
         ------

@@ -263,10 +263,13 @@ def _effective(own: FrictionalContact, dimension: int) -> float:
         return math.nan
     kappa = 1.0 / own.tangential_mass
     u, weights = _shares(own, dimension)
+    u = np.maximum(u, np.finfo(float).tiny)
     tangents = np.sqrt(kappa * u / np.maximum(1.0 - u, np.finfo(float).eps))
     if mu == math.inf:
         return float(weights @ _restitution(own, 1.0, tangents))
     grazing = GRAZING * max(mu, 1.0)
+    if np.isnan(_restitution(own, 1.0, tangents[:1])).any():
+        return math.nan  # at once, for each of the others would take all its steps
     *beta, last = _restitution(own, 1.0, np.append(tangents, grazing)).tolist()
     sliding = (1.0 + last) * grazing
     less = float(weights @ (sliding / tangents - 1.0 - np.array(beta)))  # than if all were sliding

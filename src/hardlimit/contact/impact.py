@@ -308,7 +308,7 @@ def impact_of(
     slip = slip_velocity(ball, other, tangential_speed, spins[0], spins[1])
     solved = _core.frictional_impact(*numbers, speed, abs(slip), np.empty(0))
     if not solved["solved"]:
-        raise RuntimeError("impact: the surfaces change too often between stick and slip")
+        raise RuntimeError("impact: not resolved: too many steps or changes between stick and slip")
     restitution, duration = smooth
     rows = list(zip(solved["slips"].tolist(), solved["begin"].tolist(), solved["end"].tolist(), strict=True))
     intervals = [Interval("slip" if slips else "stick", begin, end) for slips, begin, end in rows]
