@@ -149,13 +149,14 @@ def test_json_and_dataset() -> None:
 def test_report(width: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Contacts with the same numbers share a line; warnings stand before the answer, each once."""
     monkeypatch.setenv("COLUMNS", str(width))
+    line = LINE.replace("0.8", "0.6")
     (tmp_path / "in.box").write_text(
-        LAMMPS.format(LINE) + f"fix w all wall/gran granular {LINE} zplane 0 1\nrun 1\n"
+        LAMMPS.format(line) + f"fix w all wall/gran granular {line} zplane 0 1\nrun 1\n"
     )
     printed = run("check", tmp_path / "in.box", "--speed", 0.1, "--packing-fraction", 0.1).output
     assert max(map(len, printed.splitlines())) <= width
     text = " ".join(printed.split())
-    assert text.count("μ 0.5: ") == 1 and "1–1, 1–wall μ 0.5: sticks below 36°, slides beyond 70°" in text
+    assert text.count("μ 0.5: ") == 1 and "1–1, 1–wall μ 0.5: sticks below 39°, slides beyond 68°" in text
     assert "12–18 steps" in text and text.count("Warning: without limit_damping") == 1
     assert text.index("μ 0.5") < text.index("Warning") < text.index("Cannot be said")
     assert "Ignored" not in text and "Checked: normal contact, friction, time step, walls" in text
@@ -206,6 +207,23 @@ def test_friction_in_the_attractive_end() -> None:
         speed=0.1,
     )
     assert said(verdict).count("attracts") == 1
+
+
+@pytest.mark.parametrize(("restitution", "shown"), [(0.9, False), (0.5, True)])
+def test_attraction_that_hardly_changes_beta_is_no_warning(
+    restitution: float, shown: bool, tmp_path: Path
+) -> None:
+    """It changes β by 0.005 and 0.13; --verbose tells of both."""
+    line = f"hooke 1e5 {restitution} damping coeff_restitution tangential linear_history 9e4 0 0.5"
+    file = tmp_path / "in.box"
+    file.write_text(LAMMPS.format(line))
+    verdict = hl.check(file, speed=0.1)
+    change = verdict.rows[0].friction.changed_by_attraction
+    assert (change > 0.02) == shown and verdict.rows[0].friction.changed_by_limit == 0.0
+    assert [finding.minor for finding in verdict.warnings if "attracts" in finding.what] == [not shown]
+    brief, whole = (run("check", str(file), "--speed", "0.1", *more).stdout for more in ((), ("--verbose",)))
+    assert ("the normal force attracts" in " ".join(brief.split())) == shown
+    assert "the normal force attracts" in " ".join(whole.split())
 
 
 def test_walls_that_lost_their_friction() -> None:

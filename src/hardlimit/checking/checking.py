@@ -524,7 +524,7 @@ def _ignored(script: Description, rows: Sequence[CheckedContact]) -> Iterator[Fi
 def _warnings(script: Description, rows: Sequence[CheckedContact]) -> tuple[Finding, ...]:
     """First what other versions of the code do, then what the script says, then what follows from numbers."""
     notes = sorted(script.warnings, key=lambda note: ERROR_OF_VERSIONS not in note.what)
-    read = [_finding(note) for note in notes]
+    read = [_finding(note)._replace(minor=friction_words.is_minor(note.what, rows)) for note in notes]
     said = " ".join(finding.what for finding in read)
     repeated = [words for words in friction_words.OF_READERS if words in said]
     others = [trap for trap in _traps(rows) if not any(words in trap.what for words in repeated)]

@@ -70,6 +70,10 @@ class CheckedFriction:
     tangential_restitution_error_of_step: float | None = None  #: error of β by the time step
     not_known: str | None = None  #: why numbers are not known
     other_versions: tuple[tuple[str, float], ...] = ()  #: versions of the code in words, and β at 45° there
+    changed_by_attraction: float | None = (
+        None  #: largest difference of β from that of a force that never attracts
+    )
+    changed_by_limit: float | None = None  #: largest difference of β from that of the limit "total"
 
     def to_dict(self) -> dict[str, Any]:
         """As plain values.
@@ -90,7 +94,7 @@ SMOOTH_LAW, SMOOTH = FrictionLaw(), CheckedFriction()
 RESULTS: Final = (
     *("stiffness_ratio", "damping_ratio", "sticks_below", "slides_beyond"),
     *("effective_tangential_restitution", "half_period", "steps_per_half_period"),
-    "tangential_restitution_error_of_step",
+    *("tangential_restitution_error_of_step", "changed_by_attraction", "changed_by_limit"),
 )
 
 
@@ -123,6 +127,7 @@ def numbers(
         return results
     results["sticks_below"], results["slides_beyond"] = frictional_contact.borders(own, 1.0)
     results |= {f"β {k}": beta for k, (_, beta) in enumerate(frictional_contact.table(own, 1.0))}
+    results |= _changes(own)
     effective = frictional_contact.effective_restitution(own, 1.0, dimension)
     results["effective_tangential_restitution"] = effective
     if time_step is not None:
@@ -130,6 +135,23 @@ def numbers(
         results["steps_per_half_period"] = half_period * collision.duration / step
         results["tangential_restitution_error_of_step"] = error_of_step(own, step)
     return results
+
+
+def _changes(own: FrictionalContact) -> dict[str, float]:
+    """How much the conventions of a code change β at any angle of the table."""
+    elastic, damped, _ = own.powers
+    others = {
+        "changed_by_attraction": own._replace(powers=(elastic, damped, False)),
+        "changed_by_limit": own._replace(terms=own.terms._replace(limit=LIMITS.index("total"))),
+    }
+    tables = {name: frictional_contact.table(contact, 1.0) for name, contact in others.items()}
+    usual = frictional_contact.table(own, 1.0)
+    return {
+        name: max(
+            (abs(here - there) for (_, here), (_, there) in zip(usual, table, strict=False)), default=0.0
+        )
+        for name, table in tables.items()
+    }
 
 
 def _ratios(own: FrictionalContact, compression: float) -> dict[str, Any]:

@@ -95,6 +95,20 @@ def _signed(beta: float) -> str:
 
 #: Words of traps of which readers of scripts tell as well, by the words of the script.
 OF_READERS: Final = ("no static friction", "attracts")
+#: Words of readers about conventions, and the number that tells how much these change β.
+CONVENTIONS: Final = {
+    "the normal force attracts at the end": "changed_by_attraction",
+    "limits the spring alone": "changed_by_limit",
+}
+
+
+def is_minor(what: str, rows: Sequence[CheckedContact]) -> bool:
+    """Whether a warning is of a convention that hardly changes β in any contact."""
+    fields = [field for words, field in CONVENTIONS.items() if words in what]
+    changes = [
+        getattr(row.friction, field) for row in rows if row.friction.coefficient != 0.0 for field in fields
+    ]
+    return bool(changes) and all(change is not None and change < EQUAL for change in changes)
 
 
 def versions(row: CheckedContact) -> str:
@@ -145,7 +159,9 @@ def _gain(row: CheckedContact) -> str:
 
 
 def _attractive(row: CheckedContact) -> str:
-    if row.clipped is not False or row.restitution in (None, 1.0) or row.friction.limit is None:
+    change = row.friction.changed_by_attraction
+    hardly = row.restitution in (None, 1.0) or (change is not None and change < EQUAL)
+    if row.clipped is not False or hardly or row.friction.limit is None:
         return ""
     return "friction acts at the end of contacts too, where the normal force attracts: μ |F_n| is the limit"
 

@@ -62,6 +62,7 @@ class Finding(NamedTuple):
     what: str  #: in a few words
     types: tuple[str, ...] | None = None  #: None for all
     where: str = ""  #: quoted with its line
+    minor: bool = False  #: a warning of what changes β by less than 0.02 in these contacts
 
     def to_dict(self) -> dict[str, Any]:
         """As plain values.

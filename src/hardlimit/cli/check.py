@@ -243,10 +243,11 @@ def friction_lines(groups: Sequence[list[CheckedContact]], verdict: Verdict) -> 
 
 
 def warnings(findings: Sequence[Finding], verbose: bool) -> Iterator[str]:
-    """Each warning once: with its contacts, or if ``verbose`` with its first place in the script."""
+    """Each warning once: with its contacts, or if ``verbose`` with its first place in the script, and minor ones."""
     same: dict[str, list[Finding]] = {}
     for finding in findings:
-        same.setdefault(finding.what, []).append(finding)
+        if verbose or not finding.minor:
+            same.setdefault(finding.what, []).append(finding)
     for what, each in same.items():
         pairs = list(
             dict.fromkeys("–".join(finding.types) for finding in each if finding.types and not finding.where)

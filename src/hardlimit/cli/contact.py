@@ -42,6 +42,8 @@ STEPS = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0)
 MAX_ANGLES = 20
 #: Largest angle by default [deg].
 LAST_ANGLE = 85.0
+#: Largest number of angles in a table.
+MOST_ANGLES = 10_000
 #: Angles [rad] at which speeds are compared.
 TESTED = np.radians([5.0, 20.0, 45.0, 70.0])
 
@@ -67,6 +69,11 @@ class Angles(Quantity):
         from .sweep import axis
 
         if text.count(":") != 1:
+            count = text.split(":")[2:3]
+            if count and count[0].isdigit() and int(count[0]) > MOST_ANGLES:
+                raise ValueError(
+                    f"{option}: got {validation.shown(int(count[0]))} angles, must be in [1, {MOST_ANGLES}]"
+                )
             return np.atleast_1d(axis(option, text, self.unit))
         first, last = (super(Angles, self).read(option, part) for part in text.split(":"))
         return round_angles(first, last) if 0.0 <= first < last < 90.0 else np.array([first, last])

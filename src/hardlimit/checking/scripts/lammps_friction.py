@@ -225,9 +225,7 @@ SMOOTH: Final = "no history, and no damping: no tangential force, whatever μ is
 IDLE: Final = "μ {} without a tangential spring or damping: no tangential force"
 NO_HISTORY: Final = "no history: no static friction, and surfaces never rebound, β ≤ 0"
 NO_DAMPING: Final = "x_t multiplies a normal damping of 0: there is no tangential damping"
-DEFAULT_SPRING: Final = (
-    "k_t NULL is 2/7 k_n: without damping each contact that sticks reverses the slip, β = 1, as superballs do"
-)
+DEFAULT_SPRING: Final = "k_t NULL is 2/7 k_n, about a third of that of elastic spheres"
 DEFAULT_MODULUS: Final = "k_t NULL is 2/7 k_n, about a quarter of Mindlin's 3 (1 − ν)/(2 − ν) k_n"
 DAMPFLAG: Final = "dampflag 0 leaves out the tangential damping only"
 ATTRACTIVE: Final = (

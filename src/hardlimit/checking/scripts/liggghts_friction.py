@@ -65,10 +65,7 @@ def on(settings: Settings, name: str) -> float | None:
 
 # --- what it really does ----------------------------------------------------------------------------------------
 
-EQUAL_STIFFNESS: Final = (
-    "k_t = k_n, the default of model hooke (2/7 k_n with ktToKnUser on): near head-on β is about −0.92 without "
-    "damping, almost as for smooth grains"
-)
+EQUAL_STIFFNESS: Final = "k_t = k_n, the default of model hooke; ktToKnUser on gives 2/7 k_n"
 NO_SPRING: Final = "tangential no_history has no spring: no static friction, β ≤ 0 at all angles"
 NO_FORCE: Final = (
     "tangential no_history without damping: no tangential force, whatever coefficientFriction is"
