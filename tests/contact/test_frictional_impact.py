@@ -696,6 +696,14 @@ def test_head_on_is_the_limit_of_small_angles(law: str) -> None:
     assert head_on.spins.tolist() == [0.0, 0.0]
 
 
+def test_a_damped_history_may_drive_the_surfaces() -> None:
+    """The number is that of 20000 and 160000 steps of a code per contact, extrapolated."""
+    friction = hl.Friction(0.5, model="mindlin_rescale", stiffness_ratio=0.1, damping_ratio=1.0)
+    law = hl.Tsuji(elastic_prefactor=1.0, restitution=0.3, friction=friction)
+    beta = law.between(hl.Ball(1.0, mass=1.0)).tangential_restitution(0.7)
+    assert beta == pytest.approx(-1.9115, abs=1e-3)
+
+
 @pytest.mark.parametrize("limit", ["total", "spring"])
 @pytest.mark.parametrize("power", [4, 6])
 def test_any_slip_velocity(power: int, limit: str) -> None:
