@@ -355,7 +355,7 @@ def test_contact_with_friction_that_depends_on_the_speed(tmp_path: Path) -> None
         (["--friction", 0.5, "--angle", "0:90"], "--angle: got 90, must be in [0, 90)"),
         (["--friction", 0.5, "--angle", "0:80:99999999"], "--angle: got 99999999 angles, must be in [1, 10000]"),
         (["--friction", 0.5, "--angle", "1m"], "--angle: got '1m', must be a number [deg] or an angle with its unit"),
-        (["--friction", -1], "--friction: got -1, must be"),
+        (["--friction", -1], "--friction: got -1, must be >= 0\n"),
         (["--stiffness-ratio", 0.5], "--friction: missing, must be given beside --stiffness-ratio"),
         (
             ["--friction", 1, "--stiffness-ratio", 1, "--tangential-stiffness", 1],

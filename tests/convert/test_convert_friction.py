@@ -315,6 +315,11 @@ def test_the_command_line_says_what_the_function_says():
     assert dataclasses.asdict(conversion.models[0].contacts[0])["friction"]["numbers"]["coefficient"] == 0.5
 
 
+def test_one_code_computes():
+    out = run(*ASKED, "--code", "mfix").stdout
+    assert "How MFiX computes friction is not known here" in " ".join(out.split())
+
+
 def test_tables_of_friction(monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
     text = run(*ASKED).stdout

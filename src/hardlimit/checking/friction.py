@@ -70,9 +70,7 @@ class CheckedFriction:
     tangential_restitution_error_of_step: float | None = None  #: error of β by the time step
     not_known: str | None = None  #: why numbers are not known
     other_versions: tuple[tuple[str, float], ...] = ()  #: versions of the code in words, and β at 45° there
-    changed_by_attraction: float | None = (
-        None  #: largest difference of β from that of a force that never attracts
-    )
+    changed_by_attraction: float | None = None  #: largest difference of β from that without attraction
     changed_by_limit: float | None = None  #: largest difference of β from that of the limit "total"
 
     def to_dict(self) -> dict[str, Any]:

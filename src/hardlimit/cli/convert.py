@@ -337,7 +337,8 @@ def overview_rows(model: ModelConversion) -> list[list[str]]:
 def not_known(conversion: Conversion) -> str:
     """A sentence on the codes whose friction is not known."""
     titles = dict.fromkeys(model.code.title for model in conversion.models if not model.model.friction)
-    return f" How {listed(list(titles))} compute friction is not known here." if titles else ""
+    verb = "computes" if len(titles) == 1 else "compute"
+    return f" How {listed(list(titles))} {verb} friction is not known here." if titles else ""
 
 
 def friction_rows(model: ModelConversion) -> list[list[str]]:

@@ -57,7 +57,8 @@ def describe_range(lowest: float, highest: float, lowest_allowed: bool, highest_
     if math.isinf(lowest) and math.isinf(highest):
         return "finite"
     if math.isinf(highest):
-        return f"{'>=' if lowest_allowed else '>'} {at_least(lowest)} and finite"
+        end = "" if highest_allowed else " and finite"
+        return f"{'>=' if lowest_allowed else '>'} {at_least(lowest)}{end}"
     if math.isinf(lowest):
         return f"{'<=' if highest_allowed else '<'} {at_most(highest)} and finite"
     bounds = f"{at_least(lowest)}, {at_most(highest)}"
