@@ -815,6 +815,7 @@ FRICTION = {
     "sticks_below": MAYBE, "slides_beyond": MAYBE, "tangential_restitution": list,
     "effective_tangential_restitution": MAYBE, "half_period": MAYBE, "steps_per_half_period": int | None,
     "tangential_restitution_error_of_step": MAYBE, "not_known": str | None, "other_versions": list,
+    "changed_by_attraction": MAYBE, "changed_by_limit": MAYBE,
 }  # fmt: skip
 FINDING = {"what": str, "types": list | None, "where": str | None}
 STAGE = {
