@@ -21,8 +21,6 @@ from ..convert.friction import error_of_step
 SPHERE: Final = 2.0 / 5.0
 #: The angle [rad] at which other versions of a code are compared.
 OBLIQUE: Final = np.array(ANGLES[9:10])
-#: Stiffest tangential spring that is computed: half periods in a contact.
-MOST_HALF_PERIODS: Final = 100.0
 
 
 class RigidBody(Protocol):
@@ -121,7 +119,7 @@ def numbers(
     if not collision.restitution > 0.0:
         return results
     results["half_period"] = half_period
-    if half_period * MOST_HALF_PERIODS < 1.0:
+    if frictional_contact.is_too_stiff(own):
         return results
     results["sticks_below"], results["slides_beyond"] = frictional_contact.borders(own, 1.0)
     results |= {f"β {k}": beta for k, (_, beta) in enumerate(frictional_contact.table(own, 1.0))}

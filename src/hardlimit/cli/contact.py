@@ -42,6 +42,8 @@ STEPS = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0)
 MAX_ANGLES = 20
 #: Largest angle by default [deg].
 LAST_ANGLE = 85.0
+#: Beyond this angle [rad] of sticking, surfaces count as never slipping.
+STEEPEST = math.radians(89.95)
 #: Largest number of angles in a table.
 MOST_ANGLES = 10_000
 #: Angles [rad] at which speeds are compared.
@@ -304,6 +306,7 @@ def friction_at(pair: Contact, angles: Floats, speed: float) -> dict[str, Any]:
         "angle": angles,
         "tangential_restitution": beta,
         "impulse_ratio": share * (1.0 + beta) * np.tan(angles),
+        "has_spring": pair.friction_terms is not None and pair.friction_terms.stiffness > 0.0,
         "sticks_below": pair.sticks_below(speed),
         "slides_beyond": pair.slides_beyond(speed),
         "effective_tangential_restitution": pair.effective_tangential_restitution(speed),
@@ -334,9 +337,11 @@ def print_friction(frictions: list[dict[str, Any]]) -> None:
 
 def motion(friction: dict[str, Any], angle: float) -> str:
     """What the surfaces do in a contact at this angle."""
+    if math.isnan(friction["sticks_below"]) and friction["has_spring"]:
+        return "–"
     if angle < friction["sticks_below"]:
         return "stick"
-    return "both" if angle <= friction["slides_beyond"] else "slide"
+    return "both" if 0.0 < angle <= friction["slides_beyond"] else "slide"
 
 
 def friction_sentence(friction: dict[str, Any], where: str) -> str:
@@ -346,8 +351,13 @@ def friction_sentence(friction: dict[str, Any], where: str) -> str:
     )
     text = f"{where.strip().capitalize()}, they" if where else "The surfaces"
     if math.isnan(sticks):
-        text += " never stick."
-    elif sticks == 0.5 * math.pi:
+        swings = (
+            " stick and slip in turn: the tangential spring swings more than a hundred times in a contact."
+        )
+        text += swings if friction["has_spring"] else " never stick."
+    elif slides == 0.0:
+        text += " always slide."
+    elif sticks > STEEPEST:
         text += " never slip."
     else:
         text += f" do not slip while the bodies approach below {math.degrees(sticks):.1f}°, "

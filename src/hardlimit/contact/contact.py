@@ -227,7 +227,8 @@ class Contact:
         Returns
         -------
         float
-            π/2 if they never slip; NaN without a tangential spring, and if the bodies stay together.
+            π/2 if they never slip; NaN without a tangential spring, with one that swings more than a hundred times in
+            a contact, and if the bodies stay together.
 
         Raises
         ------

@@ -32,6 +32,8 @@ SMALLEST: Final = 1e-6
 LARGEST: Final = 1e4
 FARTHER: Final = 1.5
 PRECISION: Final = 1e-5
+#: Stiffest tangential spring whose changes of stick and slip are computed: half periods in a contact.
+MOST_HALF_PERIODS: Final = 100.0
 #: tan γ of a grazing impact.
 GRAZING: Final = 1e5
 #: Points of the quadrature over angles, in each of the three ranges of sticking, mixed and sliding contacts.
@@ -87,8 +89,13 @@ def half_period(contact: FrictionalContact, speed: float) -> float:
     return math.pi * math.sqrt(own.tangential_mass / stiffness) / duration if stiffness else math.inf
 
 
+def is_too_stiff(own: FrictionalContact) -> bool:
+    """Whether the tangential spring swings too often in a contact for where it sticks and slides to be computed."""
+    return half_period(own, 1.0) * MOST_HALF_PERIODS < 1.0
+
+
 class Borders(NamedTuple):
-    """Angles of impact [rad]; NaN without a spring or if the bodies stay together."""
+    """Angles of impact [rad]; NaN without a spring, with a far too stiff one, or if the bodies stay together."""
 
     sticks_below: float  #: below it, the surfaces do not slip while the bodies approach
     slides_beyond: float  #: beyond it, they do not stick while the bodies separate
@@ -144,7 +151,7 @@ def _borders(own: FrictionalContact) -> Borders:
     ρ < 1 both angles are at tan γ = μ (m_n/m_t)/(√ρ sin(π√ρ/2)).
     """
     mu = own.terms.coefficient
-    if not (own.terms.stiffness > 0.0 and _collision(own)[0] > 0.0):
+    if not (own.terms.stiffness > 0.0 and _collision(own)[0] > 0.0) or is_too_stiff(own):
         return Borders(math.nan, math.nan)
     if mu == 0.0 or mu == math.inf:
         return Borders(math.atan(mu), math.atan(mu))
@@ -259,7 +266,7 @@ def _effective(own: FrictionalContact, dimension: int) -> float:
     the contact, (1 + β) tan γ of a grazing impact: the end of a force that attracts adds to it.
     """
     mu = own.terms.coefficient
-    if not (_collision(own)[0] > 0.0 and mu > 0.0):
+    if not (_collision(own)[0] > 0.0 and mu > 0.0) or is_too_stiff(own):
         return math.nan
     kappa = 1.0 / own.tangential_mass
     u, weights = _shares(own, dimension)
