@@ -35,7 +35,7 @@ autodoc_type_aliases = {name: name for name in ("NDArray", "Floats", "Values", "
 # Every role such as :func: must resolve. Only our own classes must: types of parameters are written in words.
 nitpicky = True
 nitpick_ignore_regex = [
-    ("py:class", r"(?!hardlimit\.).*|hardlimit\.support\.estimate\.T"),
+    ("py:class", r"(?!hardlimit\.).*|hardlimit\.support\.estimate\.T|hardlimit\.contact\.balls\.Floor"),
     (r"(?!py:).*", ".*"),
 ]
 html_theme = "furo"

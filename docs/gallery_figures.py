@@ -16,7 +16,8 @@ from hardlimit import plots
 #: Sections, and in each the scripts from the first question to the last.
 ORDER = {
     "two_balls": "heights forces effective_restitution gap contact_count radius_ratio energy adiabatic oblique",
-    "contacts": "laws duration force_loops usual_damping series codes time_step check bouncing_ball fit",
+    "contacts": "laws duration force_loops usual_damping series superballs oblique_impacts codes time_step check "
+    "bouncing_ball fit",
     "rows": "cradle light_ball best_masses astro_blaster beads",
     "grains": "maxwell pressure atmosphere cooling heated sheared shaken overlaps rules",
 }

@@ -122,7 +122,7 @@ def test_damping_that_outlasts_the_normal_force_is_not_modelled():
 @pytest.mark.skipif(not shutil.which("liggghts"), reason="no LIGGGHTS")
 @pytest.mark.parametrize("name", SCRIPTS)
 def test_restitution_of_other_angles(name):
-    """As recorded, at angles that were not. With strong damping the phase of the time step decides in a band of 1.5°."""
+    """As recorded, at others. With strong damping the phase of the time step decides in a band of 1.5°."""
     draw = random.Random(5)
     tangents = [math.tan(math.radians(draw.uniform(1.0, 85.0))) for _ in range(30)]
     _, real = recorder().measured(SCRIPTS[name], tangents, "other")

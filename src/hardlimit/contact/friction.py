@@ -79,7 +79,7 @@ class Friction:
         "spring": constant k_t (Cundall & Strack 1979); the default of linear laws. "mindlin", "mindlin_force",
         "mindlin_rescale", "mindlin_rescale_force": k_t = 8 G* √(R ξ), for Hertz laws, whose default is
         "mindlin_rescale". "none": no spring. The first two can gain energy; so can the third where the normal force is
-        damped: up to |β| of 1.03 for usual stiffnesses, and above 2 for ``hl.Tsuji`` with γ_t and the limit "total".
+        damped: β up to ±1.03 for usual stiffnesses, and beyond ±2 for ``hl.Tsuji`` with γ_t and the limit "total".
     limit : str, default "total"
         What μ F_n limits: "total", the whole tangential force (as in LAMMPS), or "spring", that of the spring (as in
         LIGGGHTS and YADE).

@@ -88,7 +88,7 @@ def tangential_restitution(
 
 
 class Interval(NamedTuple):
-    """A part of a contact in which the surfaces stick, or slip; one of those returned by :attr:`Impact.intervals`."""
+    """A part of a contact in which the surfaces stick, or slip; one of those returned by ``Impact.intervals``."""
 
     state: str  #: "stick" or "slip"
     begin: float  #: after touch [s]

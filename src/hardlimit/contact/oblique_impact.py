@@ -129,9 +129,9 @@ class ObliqueImpact:
 
     @property
     def tangential_restitution(self) -> float:
-        """β: slip velocity at the end along −g/|g|, turned with the normal, over |g|, g that at touch; NaN if g = 0.
+        """β: slip velocity at the end against its direction at touch, which turns with the normal, over that at touch.
 
-        The part of the slip velocity perpendicular to g is not in β.
+        The part of the slip velocity across this direction is not in β. NaN if there is no slip velocity at touch.
 
         Notes
         -----
