@@ -33,7 +33,7 @@ NORMAL_FORCE, SLIPS = 12, 16
 
 
 class EquivalentCollision(NamedTuple):
-    """The instantaneous collision at touch that leads to the same path as the contact.
+    """The instantaneous collision at touch with the same path after it; returned by ``ObliqueImpact.equivalent``.
 
     In arrays the first row is the ball, the second the other body.
     """
