@@ -16,7 +16,8 @@ import hardlimit as hl
 from conftest import DATA, draws, refusal
 from hardlimit import _core
 
-CASES = json.loads((DATA / "friction_oblique.json").read_text(encoding="utf-8"))["newton"]
+NEWTON = json.loads((DATA / "friction.json").read_text(encoding="utf-8"))["newton"]
+CASES = [case for case in NEWTON if case["kind"].startswith("oblique")]
 UP, SEEDS = np.array([0.0, 0.0, 1.0]), st.integers(0, 2**32 - 1)
 MINDLIN = ("mindlin", "mindlin_force", "mindlin_rescale", "mindlin_rescale_force")
 

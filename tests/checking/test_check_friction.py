@@ -270,13 +270,17 @@ CONTACTS = {
 }
 
 
+try:
+    ENGINE = program.find(1)
+    MISSING = ""
+except ImportError as error:
+    MISSING = str(error)
+
+
+@pytest.mark.skipif(bool(MISSING), reason=MISSING)
 @pytest.mark.parametrize("name", CONTACTS)
 def test_the_scheme_is_that_of_lammps(name: str, tmp_path: Path) -> None:
     """β of spheres that touch a wall at 16 phases of a step and at 4 angles, in eleven steps or so."""
-    try:
-        engine = program.find(1)
-    except ImportError as error:
-        pytest.skip(str(error))
     line, speed, tangents = CONTACTS[name], 0.3, np.array([0.1, 0.6, 1.2, 2.4])
     description = read(f"{LAMMPS.format(LINE)}fix w all wall/gran granular {line} zplane 0 1\nrun 1\n")
     setting = next(contact for contact in description.stages[-1].contacts if contact.wall)
@@ -285,7 +289,7 @@ def test_the_scheme_is_that_of_lammps(name: str, tmp_path: Path) -> None:
     force, law = make(ball, None, speed), cases.friction_of(code("lammps"), setting, make)
     contact = friction.contact_of(law.terms, force, (ball, None), speed)
     step = force.collision(speed).duration / 11.3
-    expected = in_lammps(engine, line, speed, tangents, step, tmp_path)
+    expected = in_lammps(ENGINE, line, speed, tangents, step, tmp_path)
     beta = integration_error.tangential_restitution(
         force, contact.terms, contact.tangential_mass, speed, speed * tangents, step
     )

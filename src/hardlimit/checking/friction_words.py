@@ -14,7 +14,7 @@ from .friction import OBLIQUE, CheckedFriction
 
 #: β near head-on above and below which sticking grains count as superballs and as smooth.
 REVERSED, KEPT = 0.9, -0.9
-#: Gain of tangential speed without slip that is told.
+#: Smallest gain of tangential speed without slip that gives a warning.
 GAIN: Final = 1e-3
 #: Difference [rad] below which two angles are one.
 ONE_ANGLE: Final = math.radians(0.5)

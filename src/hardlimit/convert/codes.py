@@ -84,7 +84,7 @@ class TangentialInput:
     lowest: float = 0.0  #: of this number
     highest: float = 0.0  #: of this number
     numbers: dict[str, float] = field(default_factory=dict)  #: others, if they are not the code's defaults
-    usual: bool = False  #: whether the code does this unless it is told otherwise
+    usual: bool = False  #: whether this is the default of the code
 
 
 @dataclass(frozen=True)
