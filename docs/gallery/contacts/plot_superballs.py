@@ -2,9 +2,10 @@ r"""
 A superball, and a grain that hardly feels friction
 ===================================================
 
-Both follow from one number, which is often left to a default: the ratio :math:`k_t/k_n` of the stiffnesses. Solid spheres with a
-linear spring, :math:`\varepsilon = 1`, over the angle of impact divided by :math:`\kappa\mu`, :math:`\kappa = 7/2`.
-The tangential spring oscillates :math:`\sqrt\rho` times as fast as the normal one, :math:`\rho = \kappa k_t/k_n`.
+Both follow from one number, which is often left to a default: the ratio :math:`k_t/k_n` of the stiffnesses. Solid
+spheres with a linear spring, :math:`\varepsilon = 1`, over the angle of impact divided by :math:`\kappa\mu`,
+:math:`\kappa = 7/2`. The tangential spring oscillates :math:`\sqrt\rho` times as fast as the normal one,
+:math:`\rho = \kappa k_t/k_n`.
 With the default of LAMMPS, :math:`k_t = 2k_n/7`, both end together: :math:`\beta = 1`, the surface velocity is
 reversed. With :math:`k_t = k_n` the spring has swung back when the contact ends: :math:`\beta \approx -1`, as
 without friction. Grains that slide throughout share one line. Ratios of elastic spheres, :math:`2(1-\nu)/(2-\nu)`,
