@@ -40,8 +40,7 @@ HL_FN Jet power_jet(PowerTerm of, double s, double x, double velocity, double ac
 
 class PowerImpact {
 public:
-    HL_FN explicit PowerImpact(const ScaledImpact& of)
-        : of_(impact::simplified(of)), m_(of.loading) {
+    HL_FN explicit PowerImpact(const ScaledImpact& of) : of_(impact::simplified(of)), m_(of.loading) {
         scale_ = of_.coefficient > 1.0 ? 1.0 / of_.coefficient : 1.0;
         touch();
     }
