@@ -44,6 +44,10 @@ void require_particles(std::size_t n) {
             "positions: got " + std::to_string(n) + " particles, must be at least 1 and < 2^27");
 }
 
+void require_spins(Rows spins, std::size_t n) {
+    require_values("spins", spins.size(), 3 * n, "three for each particle, also in two dimensions");
+}
+
 // The engines index cells by positions and sizes. Python has checked the values.
 void require_no_fault(const box::Fault& fault) {
     require(fault.kind == box::Fault::none,
@@ -123,14 +127,18 @@ const hl::bindings::EngineRecord& engine_record(const std::string& kind) {
     throw value_error("kind: got " + kind + ", must be hard_spheres, newton_events or newton_steps");
 }
 
-// A law as (name, alternative, parameters), as make_contact takes it.
-using Law = std::tuple<std::string, int, std::vector<double>>;
+// A law as (name, alternative, parameters, friction), as make_contact takes it.
+using Law = std::tuple<std::string, int, std::vector<double>, std::optional<hl::Friction>>;
 
 box::LawChoice law_choice(const Law& law) {
-    return std::apply([](const auto&... given) { return hl::bindings::law_choice(given...); }, law);
+    const auto& [name, alternative, parameters, friction] = law;
+    box::LawChoice choice = hl::bindings::law_choice(name, alternative, parameters);
+    if (friction) choice.friction = *friction;
+    return choice;
 }
 
-box::RuleChoice rule_choice(const std::string& name, double restitution, const std::optional<Law>& law,
+box::RuleChoice rule_choice(const std::string& name, double restitution, double friction,
+                            double tangential_restitution, const std::optional<Law>& law,
                             const std::vector<double>& parameters) {
     box::RuleChoice choice;
     if (law) choice.law = law_choice(*law);
@@ -139,7 +147,10 @@ box::RuleChoice rule_choice(const std::string& name, double restitution, const s
     const box::RuleRecord& record = box::rule_records[choice.rule];
     require(record.takes_restitution || law, "law: got None, must be a law for the rule " + name);
     if (!record.takes_law) choice.law = {};
-    if (!choice.law) choice.restitution = restitution;
+    if (!choice.law) {
+        choice.restitution = restitution;
+        choice.friction = friction, choice.tangential_restitution = tangential_restitution;
+    }
     require_values("rule_parameters", parameters.size(), static_cast<std::size_t>(record.n_parameters),
                    "those of the rule");
     std::ranges::copy(parameters, choice.parameters);
@@ -162,7 +173,8 @@ nb::tuple rule_records() {
 }
 
 // Columns of the contact log. `lasting`: contacts have a begin and an end; otherwise collisions have one time.
-nb::dict columns(const std::vector<box::ContactRecord>& rows, bool lasting) {
+// `rubbing`: with friction.
+nb::dict columns(const std::vector<box::ContactRecord>& rows, bool lasting, bool rubbing) {
     nb::dict d;
     const auto column = [&](const char* name, const auto& value) {
         d[name] = hl::bindings::column_of(rows, value);
@@ -175,6 +187,10 @@ nb::dict columns(const std::vector<box::ContactRecord>& rows, bool lasting) {
     column("impact_speed", [](const Row& r) { return r.impact_speed; });
     column("separation_speed", [](const Row& r) { return r.separation_speed; });
     if (lasting) column("overlapped", [](const Row& r) { return std::uint8_t{r.overlapped}; });
+    if (!rubbing) return d;
+    column("tangential_speed", [](const Row& r) { return r.tangential_speed; });
+    column("tangential_restitution", [](const Row& r) { return r.tangential_restitution; });
+    column("slid", [](const Row& r) { return std::uint8_t{r.slid}; });
     return d;
 }
 
@@ -212,9 +228,11 @@ private:
 };
 
 Engine make_engine(const std::string& kind, const box::Box& bounds, Rows positions, Rows velocities,
-                   In radius, In mass, const std::optional<Law>& law, const std::string& rule,
-                   double restitution, const std::vector<double>& rule_parameters, double time_step,
-                   bool log) {
+                   In radius, In mass, const std::optional<Rows>& spins,
+                   const std::optional<In>& inertia_factor, const std::optional<Law>& law,
+                   const std::string& rule, double restitution, double friction,
+                   double tangential_restitution, const std::vector<double>& rule_parameters,
+                   double time_step, bool log) {
     const hl::bindings::EngineRecord& record = engine_record(kind);
     box::System s{bounds,        positions.shape(0), positions.data(), velocities.data(),
                   radius.data(), mass.data()};
@@ -224,9 +242,18 @@ Engine make_engine(const std::string& kind, const box::Box& bounds, Rows positio
     require_values("velocities", velocities.size(), positions.size(), "as of positions");
     require_values("radius", radius.size(), s.n, "one for each particle");
     require_values("mass", mass.size(), s.n, "one for each particle");
+    if (spins) {
+        require_spins(*spins, s.n);
+        s.angular_velocity = spins->data();
+    }
+    if (inertia_factor) {
+        require_values("inertia_factor", inertia_factor->size(), s.n, "one for each particle");
+        s.inertia_factor = inertia_factor->data();
+    }
     hl::bindings::EngineArguments arguments;
     if (kind == "hard_spheres")
-        arguments.rule = rule_choice(rule, restitution, law, rule_parameters);
+        arguments.rule =
+            rule_choice(rule, restitution, friction, tangential_restitution, law, rule_parameters);
     else if (law)
         arguments.rule.law = law_choice(*law);
     else
@@ -268,6 +295,13 @@ auto state(const Engine& e) {
     return nb::make_tuple(make_array(std::move(position), {n, d}), make_array(std::move(velocity), {n, d}));
 }
 
+auto spins(const Engine& e) {
+    if (!e.get().rotates()) throw value_error("spins: got an engine without friction, must be one with it");
+    std::vector<double> spin(3 * e.get().size());
+    e.get().spins(spin.data());
+    return make_array(std::move(spin), {e.get().size(), 3});
+}
+
 // A field of an observation in Python: numbers, and arrays of what belongs to the axes of the box.
 struct FieldInPython {
     int dimension;
@@ -303,11 +337,13 @@ nb::dict observe(const Engine& e) {
 
 // The fields of an observation: name, unit, and the engines that sample it.
 nb::tuple observed_fields() {
-    constexpr std::array samplers{"all", "collisions", "contacts", ""};  // by Sampled
+    constexpr std::array samplers{"all", "collisions", "contacts", "all", "contacts", ""};  // by Sampled
     nb::list fields;
     box::for_fields({}, [&](const char* name, const char* unit, box::Sampled by, const auto&) {
-        fields.append(
-            dict_of("name", name, "unit", unit, "engines", samplers.at(static_cast<std::size_t>(by))));
+        const bool rubbing =
+            by == box::Sampled::with_friction || by == box::Sampled::of_contacts_with_friction;
+        fields.append(dict_of("name", name, "unit", unit, "engines",
+                              samplers.at(static_cast<std::size_t>(by)), "friction", rubbing));
     });
     return nb::tuple(fields);
 }
@@ -417,18 +453,22 @@ void bind_boxes(nb::module_& m) {
         .def("statistics", &statistics)
         .def("state", &state,
              "Current positions [m] and velocities [m/s] of the unfolded paths, (n, d) each.")
+        .def_prop_ro("rotates", [](const Engine& e) { return e.get().rotates(); })
+        .def("spins", &spins,
+             "Current angular velocities [rad/s], (n, 3) also in two dimensions; with friction only.")
         .def(
             "kick",
-            [](const Engine& e, Rows velocities, double heat) {
+            [](const Engine& e, Rows velocities, double heat, const std::optional<Rows>& spins) {
                 const auto d = static_cast<std::size_t>(e.get().dimension());
                 require_values("velocities", velocities.size(), e.get().size() * d, "one for each particle");
                 if (e.get().paused() && e.get().contacts_have_duration())
                     throw value_error("velocities: got them during a pause, must be after it");
-                e.get().kick(velocities.data(), heat);
+                if (spins) require_spins(*spins, e.get().size());
+                e.get().kick(velocities.data(), spins ? spins->data() : nullptr, heat);
             },
-            "velocities"_a, "heat"_a,
-            "Gives all particles new velocities (n, d) [m/s] now and counts this kick of a thermostat and its heat "
-            "[J].")
+            "velocities"_a, "heat"_a, "spins"_a.none() = nb::none(),
+            "Gives all particles new velocities (n, d) [m/s] and spins (n, 3) [rad/s], unless they are None, now, and "
+            "counts this kick of a thermostat and its heat [J].")
         .def_prop_ro("n_kicks", [](const Engine& e) { return e.get().kicks.number; })
         .def_prop_ro("heat", [](const Engine& e) { return e.get().kicks.heat; })
         .def("observe", &observe)
@@ -436,12 +476,14 @@ void bind_boxes(nb::module_& m) {
                      [](const Engine& e) { return e.get().observe().largest_compression; })
         .def(
             "take_log",
-            [](const Engine& e) { return columns(e.get().take_log(), e.get().contacts_have_duration()); },
+            [](const Engine& e) {
+                return columns(e.get().take_log(), e.get().contacts_have_duration(), e.get().rotates());
+            },
             "Columns of the contact log since the last call.")
         .def(
             "open_contacts",
             [](const Engine& e) {
-                return columns(e.get().open_contacts(), e.get().contacts_have_duration());
+                return columns(e.get().open_contacts(), e.get().contacts_have_duration(), e.get().rotates());
             },
             "The same for open contacts, whose end is NaN, and for contacts whose cluster has not yet "
             "separated.")
@@ -452,8 +494,10 @@ void bind_boxes(nb::module_& m) {
         .def("save", &save)
         .def_prop_ro("memory", [](const Engine& e) { return e.get().bytes(); });
     m.def("make_engine", &make_engine, "kind"_a, "box"_a, "positions"_a, "velocities"_a, "radius"_a, "mass"_a,
-          nb::kw_only(), "law"_a.none() = nb::none(), "rule"_a = "constant", "restitution"_a = hl::math::nan,
-          "rule_parameters"_a = std::vector<double>(), "time_step"_a = 0.0, "log"_a = false);
+          nb::kw_only(), "spins"_a.none() = nb::none(), "inertia_factor"_a.none() = nb::none(),
+          "law"_a.none() = nb::none(), "rule"_a = "constant", "restitution"_a = hl::math::nan,
+          "friction"_a = 0.0, "tangential_restitution"_a = -1.0, "rule_parameters"_a = std::vector<double>(),
+          "time_step"_a = 0.0, "log"_a = false);
     m.def("load_engine", &load_engine, "kind"_a, "saved"_a, "n_kicks"_a = hl::u64{0}, "heat"_a = 0.0);
     m.def(
         "random_numbers",

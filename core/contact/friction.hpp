@@ -118,6 +118,7 @@ template <class Normal>
     requires PowerLaw<Normal>
 struct WithFriction : Normal {
     static_assert(FrictionlessLaw<Normal>);
+    using Frictionless = Normal;
     FrictionTerms friction;
 };
 

@@ -341,9 +341,17 @@ class Engine:
         Current positions [m] and velocities [m/s] of the unfolded paths, (n, d) each.
         """
 
-    def kick(self, velocities: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], heat: float) -> None:
+    @property
+    def rotates(self) -> bool: ...
+
+    def spins(self) -> NDArray[numpy.float64]:
         """
-        Gives all particles new velocities (n, d) [m/s] now and counts this kick of a thermostat and its heat [J].
+        Current angular velocities [rad/s], (n, 3) also in two dimensions; with friction only.
+        """
+
+    def kick(self, velocities: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], heat: float, spins: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)] | None = None) -> None:
+        """
+        Gives all particles new velocities (n, d) [m/s] and spins (n, 3) [rad/s], unless they are None, now, and counts this kick of a thermostat and its heat [J].
         """
 
     @property
@@ -375,7 +383,7 @@ class Engine:
     @property
     def memory(self) -> int: ...
 
-def make_engine(kind: str, box: Box, positions: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], velocities: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], radius: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], mass: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], *, law: tuple[str, int, Sequence[float]] | None = None, rule: str = 'constant', restitution: float = float('nan'), rule_parameters: Sequence[float] = [], time_step: float = 0.0, log: bool = False) -> Engine: ...
+def make_engine(kind: str, box: Box, positions: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], velocities: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], radius: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], mass: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], *, spins: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)] | None = None, inertia_factor: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)] | None = None, law: tuple[str, int, Sequence[float], Friction | None] | None = None, rule: str = 'constant', restitution: float = float('nan'), friction: float = 0.0, tangential_restitution: float = -1.0, rule_parameters: Sequence[float] = [], time_step: float = 0.0, log: bool = False) -> Engine: ...
 
 def load_engine(kind: str, saved: bytes, n_kicks: int = 0, heat: float = 0.0) -> Engine: ...
 

@@ -25,20 +25,10 @@ using namespace hardlimit;
 using namespace hardlimit::boxes;
 using Numbers = std::vector<double>;
 
-Friction friction;
-
-// All contacts have the same friction.
-template <class Normal>
-struct Rubbing : WithFriction<Normal> {
-    static Rubbing from_parameters(int alternative, const double* p, PairGeometry pair) {
-        const Normal normal = Normal::from_parameters(alternative, p, pair);
-        return {{normal, friction_terms(friction, Normal::record.powers, normal.coefficients())}};
-    }
-};
 using Linear = contact::LinearDashpot;
-static_assert(FrictionalLaw<Rubbing<Linear>> && !FrictionlessLaw<Rubbing<Linear>>);
+static_assert(FrictionalLaw<WithFriction<Linear>> && !FrictionlessLaw<WithFriction<Linear>>);
 static_assert(FrictionlessLaw<Linear> && FrictionlessLaw<contact::Viscoelastic>);
-static_assert(sizeof(steps::Contact<Rubbing<Linear>>) >
+static_assert(sizeof(steps::Contact<WithFriction<Linear>>) >
               sizeof(steps::Contact<Linear>) + sizeof(FrictionTerms));
 
 double number() {
@@ -94,7 +84,7 @@ int run(const LawChoice& law, const Box& box, const InitialState& bodies) {
         while (engine->paused());
         if (engine->outcome() != Outcome::ok) return 2;
         engine->state(position.data(), velocity.data());
-        if constexpr (FrictionalLaw<Law>) engine->angular_velocity(spin.data());
+        if constexpr (FrictionalLaw<Law>) engine->spins(spin.data());
         const Observation o = engine->observe();
         for (const Numbers& values :
              {position, velocity, spin, {o.contact_energy, o.dissipated_energy, o.potential_energy}})
@@ -111,6 +101,7 @@ int main() {
     const int kind = integer();
     LawChoice law{};
     for (int k = 0; k < 3; ++k) law.parameters[k] = number();
+    Friction& friction = law.friction;
     friction.coefficient = number();
     friction.model = static_cast<FrictionModel>(integer());
     friction.limit = static_cast<SlipLimit>(integer());
@@ -124,11 +115,11 @@ int main() {
     const InitialState bodies = InitialState::read(box.dimension);
     switch (kind) {
         case 0:
-            return run<Rubbing<Linear>>(law, box, bodies);
+            return run<WithFriction<Linear>>(law, box, bodies);
         case 1:
-            return run<Rubbing<contact::Viscoelastic>>(law, box, bodies);
+            return run<WithFriction<contact::Viscoelastic>>(law, box, bodies);
         case 2:
-            return run<Rubbing<contact::Tsuji>>(law, box, bodies);
+            return run<WithFriction<contact::Tsuji>>(law, box, bodies);
         default:
             return run<Linear>(law, box, bodies);
     }

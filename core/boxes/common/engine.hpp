@@ -12,6 +12,9 @@
 
 namespace hardlimit::boxes {
 
+// q of the moment of inertia q m R² of a solid sphere, in two dimensions of a disk.
+constexpr double solid_inertia_factor(int dimension) { return dimension == 2 ? 0.5 : 0.4; }
+
 // The user's input: box and particles. Arrays have n or n·d values, particle by particle.
 struct System {
     Box box;
@@ -20,7 +23,7 @@ struct System {
     const double* velocity = nullptr;  // [m/s]
     const double* radius = nullptr;    // [m]
     const double* mass = nullptr;      // [kg]
-    // Only for laws with friction; nullptr: solid spheres or in two dimensions disks, at rest.
+    // Only used with friction; nullptr: solid spheres or in two dimensions disks, which do not spin.
     const double* inertia_factor = nullptr;    // q of the moment of inertia q m R²
     const double* angular_velocity = nullptr;  // [rad/s], three components also in two dimensions
 
@@ -37,7 +40,12 @@ struct Observation {
     double kinetic_energy = 0.0, potential_energy = 0.0;  // [J]
     double contact_energy = 0.0;                          // elastic, of all contacts [J]
     double momentum[3] = {};                              // [kg m/s]
-    double dissipated_energy = 0.0;                       // so far [J]
+    double dissipated_energy = 0.0;                       // so far, friction_loss included [J]
+    // With friction, otherwise 0. The energy of a tangential spring is T²/(2 k_t), with the present k_t.
+    double rotational_energy = 0.0;  // Σ I ω²/2 [J]
+    double tangential_energy = 0.0;  // elastic, of all tangential springs; part of contact_energy [J]
+    double friction_loss = 0.0;      // by the tangential forces, so far [J]
+    double spin[3] = {};             // Σ I ω [kg m²/s]
     SymmetricTensor kinetic_tensor;  // Σ m c⊗c [J], c the velocity relative to the mean flow of a sheared box
     double flow_momentum = 0.0;      // Σ m of that mean flow, along the first axis [kg m/s]
     double wall_work = 0.0;          // done by moving walls, so far [J]
@@ -51,9 +59,9 @@ struct Observation {
     u64 in_contact = 0;             // contacts at present
 };
 
-// Engines that sample a field of Observation: all, those of collisions, those of contacts that take time; none: its
-// value at the end of a run matters.
-enum class Sampled { by_all, of_collisions, of_contacts, never };
+// Engines that sample a field of Observation: all, those of collisions, those of contacts that take time; these with
+// friction only; none: its value at the end of a run matters.
+enum class Sampled { by_all, of_collisions, of_contacts, with_friction, of_contacts_with_friction, never };
 
 // Calls f(name, unit, engines, value) for each field of an observation, under the names of Python.
 template <class F>
@@ -64,6 +72,10 @@ void for_fields(const Observation& o, const F& f) {
     f("contact_energy", "J", of_contacts, o.contact_energy);
     f("momentum", "kg m/s", by_all, o.momentum);
     f("dissipated_energy", "J", by_all, o.dissipated_energy);
+    f("rotational_energy", "J", with_friction, o.rotational_energy);
+    f("tangential_energy", "J", of_contacts_with_friction, o.tangential_energy);
+    f("friction_loss", "J", with_friction, o.friction_loss);
+    f("spin", "kg m2/s", with_friction, o.spin);
     f("kinetic_tensor", "J", by_all, o.kinetic_tensor);
     f("virial_tensor", "J s", by_all, o.virial);
     f("flow_momentum", "kg m/s", by_all, o.flow_momentum);
@@ -102,6 +114,10 @@ struct ContactRecord {
     std::int32_t first, second;             // particle; particle or wall (WallId)
     double impact_speed, separation_speed;  // [m/s]; NaN where not known
     bool overlapped;                        // a body had another contact at the same time
+    // With friction, at the begin: tangential speed of the surfaces [m/s], and β = −(that after)/(that before), along
+    // the direction before.
+    bool slid = false;  // the surfaces have slipped
+    double tangential_speed = math::nan, tangential_restitution = math::nan;
 };
 
 // A named performance figure of an engine.
@@ -142,13 +158,16 @@ public:
     virtual u64 logged() const = 0;
     virtual std::vector<Statistic> statistics() const = 0;
 
+    // Whether contacts have friction, so that particles have spins.
+    virtual bool rotates() const { return false; }
+
     // Gives all particles new velocities now, as a thermostat does: n·d values in the user's order, as state() gives
-    // them. Contacts go on. Not during a pause.
+    // them; and new spins as spins() gives them, unless they are nullptr. Contacts go on. Not during a pause.
     // Returns the energy [J] of particles that it lifts off walls.
-    virtual double set_velocities(const double* velocity) = 0;
+    virtual double set_velocities(const double* velocity, const double* spin) = 0;
     // The same, and counts it at once: an interrupt never comes between a kick and its count.
-    void kick(const double* velocity, double heat) {
-        const double lifted = set_velocities(velocity);
+    void kick(const double* velocity, const double* spin, double heat) {
+        const double lifted = set_velocities(velocity, spin);
         ++kicks.number;
         kicks.heat += heat + lifted;
     }
@@ -156,6 +175,8 @@ public:
 
     // Writes n·d values each, in the user's order: those of the unfolded paths, with Box::image() added to both.
     virtual void state(double* position, double* velocity) const = 0;
+    // Writes the angular velocities [rad/s], three of each particle also in two dimensions, if the engine rotates.
+    virtual void spins(double* /*spin*/) const {}
     virtual Observation observe() const = 0;
     virtual bool contacts_have_duration() const = 0;    // whether contacts take time; false: collisions
     virtual std::vector<ContactRecord> take_log() = 0;  // rows since the last call

@@ -1,5 +1,6 @@
 // Choice of the contact law at run time.
 #pragma once
+#include "../../contact/friction.hpp"
 #include "../../contact/registry.hpp"
 
 namespace hardlimit::boxes {
@@ -8,7 +9,9 @@ struct LawChoice {
     int law = -1;         // index in the registry of laws; −1: none
     int alternative = 0;  // index of the parameter set
     double parameters[max_parameters] = {};
+    Friction friction;  // of all contacts; none if its coefficient is 0
 
+    bool has_friction() const { return friction.coefficient > 0.0; }
     explicit operator bool() const { return law >= 0; }
 };
 
@@ -22,10 +25,24 @@ Result with_law(int place, const Visit& visit) {
     return Result{};
 }
 
+// The same for the chosen law, WithFriction<Law> if there is friction.
+template <class Result, class Visit>
+Result with_contact_law(const LawChoice& choice, const Visit& visit) {
+    return with_law<Result>(choice.law, [&]<class Law>() -> Result {
+        if (choice.has_friction()) return visit.template operator()<WithFriction<Law>>();
+        return visit.template operator()<Law>();
+    });
+}
+
 // The law of one pair.
 template <class Law>
 Law make_law(const LawChoice& choice, PairGeometry pair) {
-    return Law::from_parameters(choice.alternative, choice.parameters, pair);
+    if constexpr (FrictionalLaw<Law>) {
+        const auto normal = make_law<typename Law::Frictionless>(choice, pair);
+        return {{normal}, friction_terms(choice.friction, Law::record.powers, normal.coefficients())};
+    } else {
+        return Law::from_parameters(choice.alternative, choice.parameters, pair);
+    }
 }
 
 }  // namespace hardlimit::boxes

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "../../contact/law.hpp"
+#include "law_choice.hpp"
 
 namespace hardlimit::boxes {
 
@@ -16,9 +16,8 @@ class PairLaws {
 public:
     static constexpr std::size_t most_kinds = 64;
 
-    PairLaws(int alternative, std::vector<double> parameters, const std::vector<double>& mass,
-             const std::vector<double>& radius)
-        : alternative_(alternative), parameters_(std::move(parameters)) {
+    PairLaws(const LawChoice& choice, const std::vector<double>& mass, const std::vector<double>& radius)
+        : choice_(choice) {
         std::vector<Body> bodies;
         for (std::size_t i = 0; i < mass.size(); ++i) bodies.push_back({mass[i], radius[i]});
         kinds_ = bodies;
@@ -79,8 +78,7 @@ private:
     using Body = std::pair<double, double>;  // mass [kg], radius [m]
     static constexpr Body wall = {math::infinity, math::infinity};
 
-    int alternative_;
-    std::vector<double> parameters_;
+    LawChoice choice_;
     std::vector<Body> kinds_;          // all bodies, if there are more than most_kinds kinds
     std::vector<std::uint32_t> kind_;  // of each body; empty with one kind or without a table
     std::vector<Law> table_;
@@ -93,7 +91,7 @@ private:
 
     HL_FN_APART Law make(const Body& a, const Body& b) const {
         const PairGeometry pair = {effective(a.first, b.first), effective(a.second, b.second)};
-        return Law::from_parameters(alternative_, parameters_.data(), pair);
+        return make_law<Law>(choice_, pair);
     }
 };
 

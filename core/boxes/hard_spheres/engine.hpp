@@ -37,7 +37,7 @@ public:
     u64 contacts() const override { return totals_.so_far.collisions(); }
     u64 logged() const override { return totals_.so_far.collisions(); }
     std::vector<Statistic> statistics() const override;
-    double set_velocities(const double* velocity) override;
+    double set_velocities(const double* velocity, const double* spin) override;
     void state(double* x, double* v) const override { particles_.state(x, v); }
     Observation observe() const override;
     bool contacts_have_duration() const override { return false; }
@@ -190,7 +190,7 @@ void HardSpheres<d, mixed>::after_collision(u32 i) {
 // time with the new velocity. Under the rule soft, a pair whose contact is over may collide again, and contacts with
 // walls end.
 template <int d, bool mixed>
-double HardSpheres<d, mixed>::set_velocities(const double* velocity) {
+double HardSpheres<d, mixed>::set_velocities(const double* velocity, const double* /*spin*/) {
     Sum lifted;
     for (u32 i = 0; i < particles_.size(); ++i) {
         const double time = particles_.paths[i].time;

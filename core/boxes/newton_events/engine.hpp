@@ -120,7 +120,7 @@ public:
     }
 
     // All groups are integrated up to now and formed again from the contacts that are open.
-    double set_velocities(const double* velocity) override {
+    double set_velocities(const double* velocity, const double* /*spin*/) override {
         observer_.forget();
         formation_.interrupt([&] { ledger_.sums.shear_work += paths_.set_velocities(velocity); });
         return 0.0;

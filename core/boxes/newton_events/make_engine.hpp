@@ -17,6 +17,7 @@ std::unique_ptr<Engine> newton_events_of(const NewtonSetting& setting, Source& s
 
 inline std::unique_ptr<Engine> make_newton_events(const System& s, const LawChoice& law, bool keep_log,
                                                   const hardlimit_abi::TouchKernels& kernels) {
+    if (law.has_friction()) return nullptr;
     const NewtonSetting setting(s, law, keep_log);
     return with_law<std::unique_ptr<Engine>>(
         law.law, [&]<class Law>() { return newton_events_of<Law>(setting, s, kernels); });

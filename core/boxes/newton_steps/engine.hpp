@@ -65,7 +65,7 @@ public:
                 {"skin", domain_.skin()}};
     }
 
-    double set_velocities(const double* velocity) override {
+    double set_velocities(const double* velocity, const double* spin) override {
         const auto d = static_cast<std::size_t>(box_.dimension);
         for (std::size_t i = 0; i < bodies_.count(); ++i) {
             const double* of = velocity + d * std::size_t{bodies_.tag[i].original_index};
@@ -78,6 +78,10 @@ public:
             domain_.shear_work += crossed * box_.image_velocity() * (v[0] - before) / v[3];
             include_speed(i);
         }
+        if constexpr (FrictionalLaw<Law>)
+            for (std::size_t i = 0; spin && i < bodies_.count(); ++i)
+                for (std::size_t axis = 0; axis < 3; ++axis)
+                    bodies_.spin[i][axis] = spin[3 * std::size_t{bodies_.tag[i].original_index} + axis];
         return 0.0;
     }
 
@@ -102,14 +106,12 @@ public:
         return o;
     }
 
-    // Angular velocities [rad/s], [3 N] by original index.
-    void angular_velocity(double* spin) const
-        requires FrictionalLaw<Law>
-    {
-        for (std::size_t i = 0; i < bodies_.count(); ++i)
-            for (int axis = 0; axis < 3; ++axis)
-                spin[3 * std::size_t{bodies_.tag[i].original_index} + static_cast<std::size_t>(axis)] =
-                    bodies_.spin[i][axis];
+    bool rotates() const override { return FrictionalLaw<Law>; }
+    void spins(double* spin) const override {
+        if constexpr (FrictionalLaw<Law>)
+            for (std::size_t i = 0; i < bodies_.count(); ++i)
+                for (std::size_t axis = 0; axis < 3; ++axis)
+                    spin[3 * std::size_t{bodies_.tag[i].original_index} + axis] = bodies_.spin[i][axis];
     }
     bool contacts_have_duration() const override { return true; }
 

@@ -9,7 +9,7 @@ namespace hardlimit::boxes {
 inline std::unique_ptr<Engine> make_newton_steps(const System& s, const LawChoice& law, bool keep_log,
                                                  double time_step) {
     const NewtonSetting setting(s, law, keep_log, time_step);
-    return with_law<std::unique_ptr<Engine>>(law.law, [&]<class Law>() -> std::unique_ptr<Engine> {
+    return with_contact_law<std::unique_ptr<Engine>>(law, [&]<class Law>() -> std::unique_ptr<Engine> {
         return std::make_unique<NewtonSteps<Law>>(setting, s);
     });
 }
@@ -20,8 +20,9 @@ inline std::unique_ptr<Engine> load_newton_steps(const char* data, std::size_t n
     if (!reader.whole("newton_steps")) return nullptr;
     NewtonSetting setting;
     setting.exchange(reader);
-    auto engine = with_law<std::unique_ptr<Engine>>(
-        reader.failed() ? -1 : setting.law.law, [&]<class Law>() -> std::unique_ptr<Engine> {
+    if (reader.failed()) return nullptr;
+    auto engine =
+        with_contact_law<std::unique_ptr<Engine>>(setting.law, [&]<class Law>() -> std::unique_ptr<Engine> {
             return std::make_unique<NewtonSteps<Law>>(setting, reader);
         });
     return reader.failed() ? nullptr : std::move(engine);

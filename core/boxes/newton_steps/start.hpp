@@ -38,10 +38,8 @@ void NewtonSteps<Law>::add_bodies(const System& s) {
 
 template <class Law>
 void NewtonSteps<Law>::add_spins(const System& s) {
-    const double usual = box_.dimension == 2 ? 0.5 : 0.4;  // of a disk, of a solid sphere
     for (std::size_t i = 0; i < s.n; ++i) {
-        const double radius = bodies_.position[i][3], q = s.inertia_factor ? s.inertia_factor[i] : usual;
-        Double4 spin{0.0, 0.0, 0.0, bodies_.velocity[i][3] / (q * radius * radius)};
+        Double4 spin{0.0, 0.0, 0.0, 1.0 / setting_.inertia(i)};
         if (s.angular_velocity)
             for (std::size_t k = 0; k < 3; ++k) spin[k] = s.angular_velocity[3 * i + k];
         bodies_.spin.push_back(spin);

@@ -37,14 +37,16 @@ def checked_system(system: Any) -> ParticleSystem:
     return system
 
 
-def law_arguments(law: Law) -> tuple[str, int, list[float]]:
-    """A law as arguments of the core: name, alternative, parameters."""
-    return law.record["name"], law.alternative, list(law.parameters.values())
+def law_arguments(law: Law) -> tuple[str, int, list[float], Any]:
+    """A law as arguments of the core: name, alternative, parameters, friction."""
+    friction = None if law.friction is None else law.friction.core
+    return law.record["name"], law.alternative, list(law.parameters.values()), friction
 
 
 def contact(law: Law, mass: float, radius: float) -> _core.Contact:
     """A contact with this effective mass [kg] and radius [m]."""
-    return _core.make_contact(*law_arguments(law), mass, radius)
+    name, alternative, parameters, friction = law_arguments(law)
+    return _core.make_contact(name, alternative, parameters, mass, radius, friction)
 
 
 def mean_contact(system: ParticleSystem, law: Law) -> _core.Contact:

@@ -44,6 +44,10 @@ struct RuleChoice {
     double restitution = 1.0;  // without a law
     LawChoice law;
     double parameters[max_rule_parameters] = {};  // in the order of the record
+    // Of the constant rule, without a law: coefficient of friction μ, 0: none; and β without sliding.
+    double friction = 0.0, tangential_restitution = -1.0;
+
+    bool has_friction() const { return friction > 0.0 || law.has_friction(); }
 };
 
 // The largest particle, for which rules make tables. `alike`: all particles are of this kind.
