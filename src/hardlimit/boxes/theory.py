@@ -343,9 +343,7 @@ class MeanCollision(NamedTuple):
 
     exchange: float  #: ⟨(1 + β) g_t²⟩/T
     squared_exchange: float  #: ⟨(1 + β)² g_t²⟩/T
-    sliding_share: (
-        float  #: share of the collisions that slide; NaN for a function, and for a law without a spring
-    )
+    sliding_share: float  #: share of sliding collisions; NaN if β is a function or has no spring
     energy_change: float  #: change of the energy of translation and rotation over m T
     rotational_energy_change: float  #: change of the rotational energy over m T
 
@@ -356,9 +354,7 @@ class CoolingState(NamedTuple):
     temperature_ratio: float  #: θ = T_r/T
     is_stable: bool  #: whether ratios close to it tend to it
     rate: float  #: d ln T/d(ν t), that of T_r too
-    sliding_share: (
-        float  #: share of the collisions that slide; NaN for a function, and for a law without a spring
-    )
+    sliding_share: float  #: share of sliding collisions; NaN if β is a function or has no spring
 
 
 @dataclass(frozen=True)
