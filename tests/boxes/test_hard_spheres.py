@@ -185,7 +185,7 @@ def test_saved_runs_and_pieces_of_time_give_the_same_bits() -> None:
     radius = rng.uniform(0.2, 0.5, 50)
     position = grow_packing(radius, [5.0] * 3, [True, False, True], 2)
     velocity = rng.standard_normal((50, 3))
-    law = ("viscoelastic", 0, [1e4, 0.3, 1e-3])
+    law = ("viscoelastic", 0, [1e4, 0.3, 1e-3], None)
     for options in (
         {"restitution": 0.95},
         {"rule": "tc", "restitution": 0.6, "contact_duration": 0.01},
@@ -356,7 +356,12 @@ def test_no_overlap_among_two_very_unequal_sizes(dimension: int, periodic: bool)
 
 
 @pytest.mark.parametrize(
-    "law", [("viscoelastic", 0, [1e6, 0.3, 1e-4]), ("tsuji", 0, [1e5, 0.7]), ("linear", 0, [1e4, 0.6])]
+    "law",
+    [
+        ("viscoelastic", 0, [1e6, 0.3, 1e-4], None),
+        ("tsuji", 0, [1e5, 0.7], None),
+        ("linear", 0, [1e4, 0.6], None),
+    ],
 )
 def test_restitution_follows_the_law(law: tuple) -> None:
     contact = _core.make_contact(*law, 0.5, 0.25)
