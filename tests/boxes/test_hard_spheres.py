@@ -364,7 +364,7 @@ def test_no_overlap_among_two_very_unequal_sizes(dimension: int, periodic: bool)
     ],
 )
 def test_restitution_follows_the_law(law: tuple) -> None:
-    contact = _core.make_contact(*law, 0.5, 0.25)
+    contact = _core.make_contact(*law[:3], 0.5, 0.25)
     speeds = np.geomspace(1e-6, 1e3, 60)
     speeds = speeds[contact.compression(speeds) < 0.2]  # within the range of the law
     assert len(speeds) > 40
@@ -442,7 +442,7 @@ GOOD = {"position": [[1.0, 1.0], [3.0, 1.0]], "velocity": [[1.0, 0.0], [0.0, 0.0
         ({"box": [0.9, 5.0], "position": [[0.5, 1.0], [0.5, 3.0]]}, "system: got values of particle 0"),
         ({"rule": "law"}, "law: got None"),
         ({"rule": "bounce"}, "rule: got bounce"),
-        ({"rule": "law", "law": ("rubber", 0, [1.0])}, "law: got rubber"),
+        ({"rule": "law", "law": ("rubber", 0, [1.0], None)}, "law: got rubber"),
     ],
 )
 def test_bad_systems_are_refused_in_one_line(change: dict, message: str) -> None:
