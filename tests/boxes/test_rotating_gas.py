@@ -245,9 +245,9 @@ def test_heating_without_correlations(dimension: int, mu: float) -> None:
 
 @pytest.mark.slow
 def test_few_grains_keep_their_spins() -> None:
-    """μ = 0.2, between μ_c and √((1 − ε)/(1 + ε)): a spin above Rω = π^(3/2) μ(1 + ε)√T/(4q|d ln T/d(ν t)|) lasts.
+    """Friction cannot stop spins above Rω = π^(3/2) μ(1 + ε)√T/(4q|d ln T/d(ν t)|) while the others cool.
 
-    Few grains reach it and then hold most of the rotational energy; the others stay in the state of theory.
+    A grain that does not collide for long reaches it. Few do and then hold most of the rotational energy.
     """
     gas_of = gas()
     state = gas_of.rotating(0.9, 0.2, 0.5).cooling_states()[0]
