@@ -308,6 +308,9 @@ struct FieldInPython {
 
     nb::object operator()(double x) const { return nb::cast(x); }
     nb::object operator()(hl::u64 count) const { return nb::cast(count); }
+    nb::object operator()(const box::AxialVector& v) const {
+        return dimension == 2 ? nb::cast(v.component[2]) : first_of(v.component, 3);
+    }
     nb::object operator()(const double (&of_axes)[3]) const { return first_of(of_axes, dimension); }
     nb::object operator()(const double (&of_walls)[box::most_walls]) const {
         return first_of(of_walls, 2 * dimension);
@@ -326,12 +329,18 @@ private:
     }
 };
 
+bool needs_friction(box::Sampled by) {
+    return by == box::Sampled::with_friction || by == box::Sampled::of_contacts_with_friction;
+}
+
 nb::dict observe(const Engine& e) {
     const FieldInPython value_of{e.get().dimension()};
     nb::dict sums;
-    box::for_fields(e.get().observe(), [&](const char* name, const char*, box::Sampled, const auto& value) {
-        sums[name] = value_of(value);
-    });
+    const bool rotates = e.get().rotates();
+    box::for_fields(e.get().observe(),
+                    [&](const char* name, const char*, box::Sampled by, const auto& value) {
+                        if (rotates || !needs_friction(by)) sums[name] = value_of(value);
+                    });
     return sums;
 }
 
@@ -340,10 +349,8 @@ nb::tuple observed_fields() {
     constexpr std::array samplers{"all", "collisions", "contacts", "all", "contacts", ""};  // by Sampled
     nb::list fields;
     box::for_fields({}, [&](const char* name, const char* unit, box::Sampled by, const auto&) {
-        const bool rubbing =
-            by == box::Sampled::with_friction || by == box::Sampled::of_contacts_with_friction;
         fields.append(dict_of("name", name, "unit", unit, "engines",
-                              samplers.at(static_cast<std::size_t>(by)), "friction", rubbing));
+                              samplers.at(static_cast<std::size_t>(by)), "friction", needs_friction(by)));
     });
     return nb::tuple(fields);
 }

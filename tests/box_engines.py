@@ -13,6 +13,7 @@ import conftest
 import hardlimit as hl
 from conftest import DATA
 from hardlimit import _core
+from hardlimit.boxes import contacts
 from hardlimit.boxes.contacts import law_arguments
 from hardlimit.boxes.falling_frame import engine_arguments
 from hardlimit.boxes.theory import Gas
@@ -52,7 +53,7 @@ def core_engine(kind: str, system: hl.ParticleSystem, law: hl.Law, **options: An
 
 def core_contact(law: hl.Law, mass: float = 1e-5, radius: float = 1e-3) -> _core.Contact:
     """A contact with this effective mass and radius."""
-    return _core.make_contact(*law_arguments(law), mass, radius)
+    return contacts.contact(law, mass, radius)
 
 
 def mean_free_time(system: hl.ParticleSystem) -> float:

@@ -163,9 +163,9 @@ BAD_BOXES: dict[str, dict[str, Any]] = {
     "velocities": {"velocities": np.ones((3, 2))},
     "radius": {"radius": np.full(3, 0.1)},
     "mass": {"mass": np.ones(1)},
-    "law": {"law": ("glue", 0, [1.0, 0.5])},
-    "alternative": {"law": ("linear", 7, [1.0, 0.5])},
-    "parameters": {"law": ("linear", 0, [1.0])},
+    "law": {"law": ("glue", 0, [1.0, 0.5], None)},
+    "alternative": {"law": ("linear", 7, [1.0, 0.5], None)},
+    "parameters": {"law": ("linear", 0, [1.0], None)},
 }
 
 
@@ -177,7 +177,7 @@ def test_no_engine_of_boxes_takes_arguments_of_another_shape(kind: str, name: st
         "velocities": np.ones((2, 2)),
         "radius": np.full(2, 0.1),
         "mass": np.ones(2),
-        "law": ("linear", 0, [1.0, 0.5]),
+        "law": ("linear", 0, [1.0, 0.5], None),
         "time_step": 1e-3,
     }
     bounds = _core.Box([5.0, 5.0], ["periodic", "wall"])

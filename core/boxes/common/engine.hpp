@@ -35,6 +35,11 @@ struct System {
     }
 };
 
+// In two dimensions only the third component, along the normal of the plane, may differ from 0.
+struct AxialVector {
+    double component[3] = {};
+};
+
 // Totals over the box at one instant. "So far" means since the start of the run.
 struct Observation {
     double kinetic_energy = 0.0, potential_energy = 0.0;  // [J]
@@ -45,7 +50,7 @@ struct Observation {
     double rotational_energy = 0.0;  // Σ I ω²/2 [J]
     double tangential_energy = 0.0;  // elastic, of all tangential springs; part of contact_energy [J]
     double friction_loss = 0.0;      // by the tangential forces, so far [J]
-    double spin[3] = {};             // Σ I ω [kg m²/s]
+    AxialVector spin;                // Σ I ω [kg m²/s]
     SymmetricTensor kinetic_tensor;  // Σ m c⊗c [J], c the velocity relative to the mean flow of a sheared box
     double flow_momentum = 0.0;      // Σ m of that mean flow, along the first axis [kg m/s]
     double wall_work = 0.0;          // done by moving walls, so far [J]

@@ -27,8 +27,9 @@ STRONGEST: Final = 1e100
 MAX_KINDS: Final = 6
 
 
-def checked_law(law: Any) -> Law:
-    return checked_contact_law(law, "grains in a box")
+def checked_law(law: Any, smooth: str = "") -> Law:
+    """``law``, if it is one; ``smooth`` names what refuses a law with friction."""
+    return checked_contact_law(law, smooth)
 
 
 def checked_system(system: Any) -> ParticleSystem:

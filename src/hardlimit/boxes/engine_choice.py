@@ -100,7 +100,7 @@ def open_contacts(system: ParticleSystem) -> float:
     if system._deepest_relative_overlap <= 2.0 * ROUNDING:
         return 0.0
     at_rest = engine_arguments(system.replace(velocities=np.zeros_like(system.velocities)))
-    law = ("linear", 0, [1.0, 1.0])
+    law = ("linear", 0, [1.0, 1.0], None)
     in_contact = _core.make_engine("newton_steps", *at_rest, law=law, time_step=1.0).observe()["n_in_contact"]
     return 2.0 * float(in_contact) / system.n
 

@@ -14,10 +14,10 @@ from .. import _core
 from ..contact.contact import Law
 from .box import Floats
 from .contacts import law_arguments
-from .falling_frame import engine_arguments, laboratory_sums, state, system_at
+from .falling_frame import engine_arguments, laboratory_sums, spin_arguments, state, system_at
 from .observe import Observed
 from .pace import ProgressNote
-from .result import COLLISIONS, CONTACTS, Column, ContactResult, EarlyEnd, Log, ParticleResult
+from .result import COLLISIONS, CONTACTS, RUBBING, Column, ContactResult, EarlyEnd, Log, ParticleResult
 from .rules import Settings, law_entry, law_from
 from .system import ParticleSystem
 from .thermostats import Andersen
@@ -39,6 +39,8 @@ OF_LAMMPS: Final = (
 )
 #: Arrays of a system in a checkpoint. Positions and velocities are in the saved state of the engine.
 FIXED: Final = ("radius", "mass", "box", "gravity")
+#: The same of a system with spins. Those of an engine with friction are in its saved state.
+SPINS: Final = ("angular_velocities", "inertia_factor")
 
 
 @dataclass(frozen=True)
@@ -111,10 +113,14 @@ class Engine:
         if isinstance(settings, Settings):
             own["rule"] = settings.rule
             own["restitution"] = math.nan if settings.restitution is None else settings.restitution
+            if settings.friction is not None:
+                own["friction"] = settings.friction
+                own["tangential_restitution"] = settings.tangential_restitution
             duration = settings.contact_duration
             own["rule_parameters"] = [] if duration is None else [duration]
         if time_step is not None:
             own["time_step"] = time_step
+        own |= spin_arguments(system)
         compiled = _core.make_engine(ENGINES[name].kind, *engine_arguments(system), log=log, **own)
         return cls(name, system, settings, compiled, system.mass @ system.positions)
 
@@ -213,7 +219,8 @@ class Engine:
 
     def current(self) -> ParticleSystem:
         """The current system, with positions in the box."""
-        now = system_at(self.system, self.time, self.compiled.state())
+        spin = self.compiled.spins() if self.compiled.rotates else None
+        now = system_at(self.system, self.time, self.compiled.state(), spin)
         if now.thermostat is None:
             return now
         values = now._values() | {"thermostat": now.thermostat.after(self.kicks)}
@@ -231,6 +238,11 @@ class Engine:
         return self.paused or bool(sample["time"] == self.time and counted == self.n_contacts)
 
     @property
+    def columns(self) -> tuple[Column, ...]:
+        """Columns of the log."""
+        return (*self.record.columns, *(RUBBING if self.compiled.rotates else ()))
+
+    @property
     def n_logged(self) -> int:
         """Number of rows of the log so far."""
         return int(self.compiled.n_logged)
@@ -242,14 +254,15 @@ class Engine:
     def whole_log(self, taken: Log) -> Log:
         """The complete log in order of time: the rows taken so far and the open contacts."""
         if self.record.name == "hard_spheres":
-            return taken
-        log = joined([taken, self._columns(self.compiled.open_contacts())])
-        order = np.argsort(log[0], kind="stable")
-        *numbers, overlapped = (part[order] for part in log)
-        return (*numbers, overlapped.astype(bool))
+            log = taken
+        else:
+            rows = joined([taken, self._columns(self.compiled.open_contacts())])
+            order = np.argsort(rows[0], kind="stable")
+            log = tuple(part[order] for part in rows)
+        return tuple(part.astype(bool) if part.dtype == np.uint8 else part for part in log)
 
     def _columns(self, log: Mapping[str, NDArray[Any]]) -> Log:
-        return tuple(log[column.name] for column in self.record.columns)
+        return tuple(log[column.name] for column in self.columns)
 
     def early_end(self, now: ParticleSystem) -> EarlyEnd | None:
         """The event that ended the run early, or None; ``now`` is the current system."""
@@ -308,7 +321,8 @@ class Engine:
             "kicks": [self.kicks, self.compiled.heat],
             "settings": vars(self.settings) | {"law": law_entry(self.settings.law)},
         }
-        arrays = {name: np.asarray(getattr(self.system, name)) for name in FIXED}
+        names = FIXED if self.system.inertia_factor is None else FIXED + SPINS
+        arrays = {name: np.asarray(getattr(self.system, name)) for name in names}
         arrays["moment"] = self._moment
         return header, arrays | {"engine": np.frombuffer(self.compiled.save(), np.uint8)}
 
@@ -321,7 +335,7 @@ class Engine:
         kicks, heat = int(header["kicks"][0]), float(header["kicks"][1])
         compiled = _core.load_engine(ENGINES[name].kind, arrays["engine"].tobytes(), kicks, heat)
         positions, velocities = compiled.state()
-        fixed = {key: arrays[key] for key in FIXED}
+        fixed = {key: arrays[key] for key in FIXED + SPINS if key in arrays or key in FIXED}
         falling = ParticleSystem.from_entries(header, positions=positions, velocities=velocities, **fixed)
         positions, velocities = state(falling, compiled.time, compiled.state())
         return cls(name, falling._moved(positions, velocities), settings, compiled, arrays["moment"])

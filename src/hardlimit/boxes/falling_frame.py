@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from .. import _core
+from . import spins
 from .box import Floats, component_axes
 from .system import ParticleSystem
 
@@ -39,12 +40,24 @@ def state(system: ParticleSystem, time: float, falling: tuple[Floats, Floats]) -
     return positions, velocities
 
 
-def system_at(system: ParticleSystem, time: float, falling: tuple[Floats, Floats]) -> ParticleSystem:
-    """The system at ``time`` [s], with positions in the box; ``falling`` as for :func:`state`."""
+def spin_arguments(system: ParticleSystem) -> dict[str, Floats]:
+    """Arguments of a compiled engine: spins and inertia factors, if there are any."""
+    if system.angular_velocities is None or system.inertia_factor is None:
+        return {}
+    factor = np.ascontiguousarray(system.inertia_factor)
+    return {"spins": spins.for_core(system.angular_velocities), "inertia_factor": factor}
+
+
+def system_at(
+    system: ParticleSystem, time: float, falling: tuple[Floats, Floats], spin: Floats | None = None
+) -> ParticleSystem:
+    """The system at ``time`` [s], with positions in the box; ``falling`` as for :func:`state`. ``spin``: angular
+    velocities of the core; None: they have not changed."""
     unfolded, velocities = state(system, time, falling)
     positions = unfolded.copy()
     system.domain.fold(positions, velocities, time)
-    return system._moved(positions, velocities, time, unfolded)
+    turning = None if spin is None else spins.from_core(spin, system.dimension)
+    return system._moved(positions, velocities, time, unfolded, turning)
 
 
 def laboratory_sums(system: ParticleSystem, time: Any, sums: dict[str, Any]) -> dict[str, Any]:

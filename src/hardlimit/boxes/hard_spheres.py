@@ -35,6 +35,8 @@ def event_driven(
     max_collisions: int | None = None,
     rule: str | None = None,
     contact_duration: float | None = None,
+    friction: float | None = None,
+    tangential_restitution: float | None = None,
     samples: int = 100,
     log: bool = False,
     observe: Observe | None = None,
@@ -63,6 +65,12 @@ def event_driven(
         Pöschel 2013).
     contact_duration : float [s]
         t_c of the rule tc.
+    friction : float, optional
+        Coefficient of friction μ, with ``restitution``: a collision slides if μ limits its tangential impulse
+        (Walton 1993). ``math.inf``: rough particles, which never slide. A law gives its own friction.
+    tangential_restitution : float, optional
+        β of collisions that do not slide, in [−1, 1]; required with ``friction``. −1: the surfaces keep their
+        tangential velocity; 0: they stop; 1: they reverse it.
     samples : int
         Number of intervals between samples of the series. With ``max_collisions`` alone, half to twice as many.
     log : bool
@@ -107,7 +115,7 @@ def event_driven(
     0.296
     """
     checked_system(system)
-    settings = checked_settings(law, restitution, rule, contact_duration)
+    settings = checked_settings(law, restitution, rule, contact_duration, friction, tangential_restitution)
     end = checked_end(until, max_collisions)
     if until is None and max_collisions is None:
         raise ValueError("until | max_collisions: got neither, must be at least one of them")

@@ -86,7 +86,10 @@ NEWTON_OUTCOMES: Final = {
 
 
 #: Arrays of the final state in a saved result.
-STATE: Final = ("positions", "velocities", "radius", "mass", "box", "gravity", "_unfolded")
+STATE: Final = (
+    *("positions", "velocities", "radius", "mass", "box", "gravity", "_unfolded"),
+    *("angular_velocities", "inertia_factor"),
+)
 
 
 class Column(NamedTuple):
@@ -114,6 +117,14 @@ CONTACTS: Final = (
     ),
     Column("separation_speed", "m/s", "speed of separation at the end"),
     Column("overlapped", "1", "shared a particle with another contact while it lasted"),
+)
+#: Further columns of a run with friction.
+RUBBING: Final = (
+    Column("tangential_speed", "m/s", "tangential speed of the surfaces at the beginning"),
+    Column(
+        "tangential_restitution", "1", "β = −(tangential speed after)/(before), along the direction before"
+    ),
+    Column("slid", "1", "the surfaces have slipped"),
 )
 
 
@@ -172,7 +183,7 @@ class _Result:
         if self.log is None:
             raise ValueError(f"log: got False, must be True for a run whose {dim}s are read")
         data = {}
-        for column, values in zip(self.columns, self.log, strict=True):
+        for column, values in zip((*self.columns, *RUBBING), self.log, strict=False):
             units = {"units": column.unit} if column.unit else {}
             data[column.name] = (dim, read_only(values), units | {"long_name": column.meaning})
         return xr.Dataset(data, attrs=self._attributes(f"{dim.capitalize()}s"))
@@ -270,7 +281,9 @@ class _Result:
             **cls._loaded_values(header),
             system=ParticleSystem.from_entries(header["system"], **state),
             samples={name[7:]: array for name, array in arrays.items() if name.startswith("sample_")},
-            log=None if log is None else tuple(log[column.name].values for column in cls.columns),
+            log=None
+            if log is None
+            else tuple(log[column.name].values for column in (*cls.columns, *RUBBING) if column.name in log),
             early_end=None if end is None else EarlyEnd(end[0], tuple(end[1]), tuple(end[2]), end[3]),
             observed=observe.loaded(header, arrays),
         )
@@ -472,8 +485,8 @@ class ContactResult(_Result):
         if self.engine == "lammps":
             return math.nan
         kept = self.samples
-        kinds = ("kinetic", "potential", "contact", "dissipated")
-        total = np.sum([kept[f"{kind}_energy"] for kind in kinds], axis=0)
+        kinds = ("kinetic", "potential", "contact", "dissipated", "rotational")
+        total = np.sum([kept[name] for kind in kinds if (name := f"{kind}_energy") in kept], axis=0)
         total -= kept["wall_work"] + kept["shear_work"] + kept["heat"]
         scale = max(float(kept["kinetic_energy"].max()), float(kept["dissipated_energy"].max()))
         error = float(np.abs(total - total[0]).max())

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any, Final, NamedTuple
 
 from .. import _core
 from ..contact.contact import Law
+from ..contact.friction import Friction
 from ..contact.laws import LAWS
 from ..support import validation
 from .contacts import checked_law
@@ -54,13 +56,20 @@ RULES: Final = {
 
 
 def law_entry(law: Law | None) -> list[Any] | None:
-    """Name and parameters of a law, for a JSON file."""
-    return None if law is None else [law.record["name"], dict(law.parameters)]
+    """Name, parameters and friction of a law, for a JSON file."""
+    if law is None:
+        return None
+    rubbing = [] if law.friction is None else [asdict(law.friction)]
+    return [law.record["name"], dict(law.parameters), *rubbing]
 
 
 def law_from(entry: Sequence[Any] | None) -> Any:
     """The law from :func:`law_entry`."""
-    return None if entry is None else LAWS[entry[0]](**entry[1])
+    if entry is None:
+        return None
+    name, parameters, *rubbing = entry
+    friction = {"friction": Friction(**rubbing[0])} if rubbing else {}
+    return LAWS[name](**parameters, **friction)
 
 
 @dataclass(frozen=True)
@@ -71,17 +80,30 @@ class Settings:
     restitution: float | None  #: constant ε, or None if a law gives ε
     law: Law | None  #: contact law that gives ε, or None
     contact_duration: float | None  #: t_c of the rule tc [s]
+    friction: float | None = None  #: coefficient of friction μ; None without, and if a law gives it
+    tangential_restitution: float | None = None  #: β without sliding; None without ``friction``
 
     def report(self) -> str:
         """One line for a table or an attribute, such as ``tc, restitution 0.8, contact duration 1e-05 s``."""
         parts = [self.rule]
         parts += [] if self.restitution is None else [f"restitution {self.restitution:g}"]
+        if self.friction is not None:
+            parts.append(
+                f"friction {self.friction:g}, tangential restitution {self.tangential_restitution:g}"
+            )
         parts += [] if self.law is None else [repr(self.law)]
         parts += [] if self.contact_duration is None else [f"contact duration {self.contact_duration:g} s"]
         return ", ".join(parts)
 
 
-def checked_settings(law: Any, restitution: Any, rule: Any, contact_duration: Any) -> Settings:
+def checked_settings(
+    law: Any,
+    restitution: Any,
+    rule: Any,
+    contact_duration: Any,
+    friction: Any = None,
+    tangential_restitution: Any = None,
+) -> Settings:
     parameter = validation.exactly_one(law=law, restitution=restitution)
     if parameter == "law":
         checked_law(law)
@@ -99,4 +121,30 @@ def checked_settings(law: Any, restitution: Any, rule: Any, contact_duration: An
     elif contact_duration is not None:
         shown = validation.shown(contact_duration)
         raise ValueError(f"contact_duration: got {shown}, must be left out for the rule {chosen}")
-    return Settings(chosen, restitution, law, contact_duration)
+    rubbing = _checked_friction(parameter, friction, tangential_restitution)
+    return Settings(chosen, restitution, law, contact_duration, *rubbing)
+
+
+def _checked_friction(
+    parameter: str, friction: Any, tangential_restitution: Any
+) -> tuple[float | None, float | None]:
+    """μ and β of a run with a constant restitution."""
+    both = {"friction": friction, "tangential_restitution": tangential_restitution}
+    if parameter == "law":
+        for name, value in both.items():
+            if value is not None:
+                shown = validation.shown(value)
+                raise ValueError(f"{name}: got {shown}, must be left out with a law, whose friction= says it")
+        return None, None
+    missing = [name for name, value in both.items() if value is None]
+    if len(missing) == 2:
+        return None, None
+    if missing:
+        raise ValueError(
+            f"{missing[0]}: missing, must be given with {next(n for n in both if n not in missing)}"
+        )
+    limits = {"lowest_allowed": True, "highest_allowed": True}
+    coefficient = validation.number("friction", friction, 0.0, math.inf, **limits)
+    return coefficient, validation.number(
+        "tangential_restitution", tangential_restitution, -1.0, 1.0, **limits
+    )

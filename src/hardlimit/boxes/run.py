@@ -300,7 +300,7 @@ def load(path: Any) -> Run:
         records = {name[7:]: array for name, array in arrays.items() if name.startswith("sample_")}
         n = len(records["time"]) if records else 0
         samples = list(map(Sample, observing.split(records, n), observing.separated(seen, n)))
-        columns = range(len(engine.record.columns))
+        columns = range(len(engine.columns))
         log = tuple(arrays[f"log_{i}"] for i in columns) if "log_0" in arrays else None
     except (KeyError, TypeError, ValueError, IndexError) as error:
         raise ValueError(f"{path}: not a checkpoint, or damaged: {error}") from None

@@ -18,7 +18,7 @@ from .. import _core
 from ..support import html, validation
 from ..support.formatting import digits, listed
 from ..support.progress import Report, reporter
-from . import files, starts
+from . import files, spins, starts
 from .box import (
     AXES,
     LARGEST,
@@ -46,7 +46,7 @@ ROUNDING: Final = 1e-9
 @validation.sealed("write a function of a ParticleSystem")
 @dataclass(frozen=True, init=False, repr=False, eq=False)
 class ParticleSystem:
-    """Smooth spheres (3-D) or disks (2-D) in a box that runs from 0 to its edges.
+    """Spheres (3-D) or disks (2-D) in a box that runs from 0 to its edges.
 
     Systems are immutable and their arrays read-only; :meth:`replace` makes a changed copy. Two systems are equal if all
     their values are.
@@ -86,6 +86,11 @@ class ParticleSystem:
     allowed_overlap : float
         Largest accepted overlap, relative to the sum of the radii (at a wall, to the radius). The default allows for
         rounding errors. Particles in contact under Newton's equations overlap by more.
+    angular_velocities : (N, 3) numbers, in 2-D N numbers, optional [rad/s]
+        Spins; in 2-D about the normal of the plane, positive from x to y. 0 by default. Only friction changes them.
+    inertia_factor : number or N numbers, optional
+        q of the moment of inertia q m R², from 1e-6 to 1: 2/5 for solid spheres, 1/2 for solid disks (defaults), 2/3
+        for hollow spheres.
 
     Raises
     ------
@@ -119,6 +124,9 @@ class ParticleSystem:
     thermostat: RandomKicks | Andersen | None
     shear_rate: float  #: of a Lees–Edwards boundary [1/s]
     shear_displacement: float  #: of the images beyond its far side, in [0, edge) [m]
+    #: (N, 3), in 2-D (N,) [rad/s]; None unless it or ``inertia_factor`` was given, or friction acts in the run
+    angular_velocities: Floats | None
+    inertia_factor: Floats | None  #: (N,), q of the moment of inertia q m R²; None without angular velocities
 
     _unfolded = None  # positions along the unfolded paths (N, d) [m], in a state of a run
 
@@ -138,6 +146,8 @@ class ParticleSystem:
         shear_rate: float = 0.0,
         shear_displacement: float = 0.0,
         allowed_overlap: float = ROUNDING,
+        angular_velocities: ArrayLike | None = None,
+        inertia_factor: float | ArrayLike | None = None,
     ) -> None:
         parameter = validation.exactly_one(density=density, mass=mass)
         at = validation.rows("positions", positions, (2, 3))
@@ -158,6 +168,7 @@ class ParticleSystem:
             thermostat=checked_thermostat(thermostat, n, sheared="lees-edwards" in sides),
             shear_rate=rate,
             shear_displacement=displacement,
+            **spins.checked(angular_velocities, inertia_factor, n, d),
         )
         allowed = validation.number("allowed_overlap", allowed_overlap, 0.0, 1.0, lowest_allowed=True)
         self._check_geometry(allowed)
@@ -181,16 +192,26 @@ class ParticleSystem:
         return {field.name: getattr(self, field.name) for field in fields(self)}
 
     def _moved(
-        self, positions: Floats, velocities: Floats, time: float = 0.0, unfolded: Floats | None = None
+        self,
+        positions: Floats,
+        velocities: Floats,
+        time: float = 0.0,
+        unfolded: Floats | None = None,
+        angular_velocities: Floats | None = None,
     ) -> ParticleSystem:
         """The same particles with other positions and velocities, unchecked, after a time in which walls and images
-        move [s]."""
+        move [s]. Angular velocities that are None do not change."""
         new = {
             "positions": positions,
             "velocities": velocities,
             "walls": {name: wall.after(time) for name, wall in self.walls.items()},
             "shear_displacement": self.domain.displacement_after(time),
         }
+        if angular_velocities is not None:
+            factor = (
+                spins.solid(self.n, self.dimension) if self.inertia_factor is None else self.inertia_factor
+            )
+            new |= {"angular_velocities": angular_velocities, "inertia_factor": factor}
         return self._of(**self._values() | new, _unfolded=unfolded)
 
     @property
@@ -304,6 +325,7 @@ class ParticleSystem:
             thermostat=checked_thermostat(thermostat, n, sheared="lees-edwards" in sides),
             shear_rate=rate,
             shear_displacement=0.0,
+            **spins.NONE,
         )
 
     @classmethod
@@ -378,6 +400,8 @@ class ParticleSystem:
         thermostat: RandomKicks | Andersen | Literal["keep"] | None = "keep",
         shear_rate: float | None = None,
         shear_displacement: float | None = None,
+        angular_velocities: ArrayLike | None = None,
+        inertia_factor: float | ArrayLike | None = None,
     ) -> ParticleSystem:
         """A copy with the given values changed and all others kept, including the masses.
 
@@ -395,8 +419,9 @@ class ParticleSystem:
             "walls": walls,
             "shear_displacement": shear_displacement,
         }
+        rotation = {"angular_velocities": angular_velocities, "inertia_factor": inertia_factor}
         kept: dict[str, Any] = {
-            name: getattr(self, name) if value is None else value for name, value in new.items()
+            name: getattr(self, name) if value is None else value for name, value in (new | rotation).items()
         }
         moved = any(value is not None for value in new.values())
         kept["shear_rate"] = self.shear_rate if shear_rate is None else shear_rate
@@ -469,6 +494,23 @@ class ParticleSystem:
         return 0.5 * float(np.einsum("i,ij,ij->", self.mass, self.velocities, self.velocities))
 
     @property
+    def inertia(self) -> Floats:
+        """Moments of inertia q m R² (N,) [kg m²]; those of solid bodies unless ``inertia_factor`` is given."""
+        factor = spins.solid(self.n, self.dimension) if self.inertia_factor is None else self.inertia_factor
+        return read_only(factor * self.mass * self.radius**2)
+
+    @property
+    def rotational_energy(self) -> float:
+        """Rotational energy Σ I ω²/2 [J]."""
+        return spins.energy(self.angular_velocities, self.inertia)
+
+    @property
+    def rotational_temperature(self) -> float:
+        """Rotational temperature T_r = Σ I ω²/(f Σ m) [m²/s²], f = 3 axes of rotation of spheres, 1 of disks."""
+        axes = spins.AXES_OF_ROTATION[self.dimension]
+        return 2.0 * self.rotational_energy / (axes * float(self.mass.sum()))
+
+    @property
     def momentum(self) -> Floats:
         """Total momentum Σ m v (d,) [kg m/s]."""
         return read_only(self.mass @ self.velocities)
@@ -486,7 +528,8 @@ class ParticleSystem:
 
     @property
     def dataset(self) -> xr.Dataset:
-        """Dataset over ``particle`` and ``axis``: ``position``, ``velocity``, ``radius`` and ``mass``, with units."""
+        """Dataset over ``particle`` and ``axis``: ``position``, ``velocity``, ``radius`` and ``mass``, with units;
+        ``angular_velocity`` and ``inertia_factor`` if there are any."""
         import xarray as xr
 
         data = {
@@ -498,6 +541,14 @@ class ParticleSystem:
             "gravity": ("axis", self.gravity, {"units": "m/s2"}),
             "boundary": ("axis", list(self.boundary), {"long_name": "sides of the box"}),
         }
+        if self.angular_velocities is not None:
+            dims = ("particle", "axis")[: self.angular_velocities.ndim]
+            data["angular_velocity"] = (dims, self.angular_velocities, {"units": "rad/s"})
+            data["inertia_factor"] = (
+                "particle",
+                self.inertia_factor,
+                {"units": "1", "long_name": "I/(m R²)"},
+            )
         coordinates = {"particle": np.arange(self.n), "axis": list(AXES[: self.dimension])}
         about: dict[str, Any] = {"title": f"Box of {self.n} grains", "source": f"hardlimit {_core.version}"}
         about |= {f"wall {name}": repr(wall) for name, wall in self.walls.items()}
@@ -558,6 +609,7 @@ class ParticleSystem:
 
         :meta private:
         """
+        arrays = {**spins.NONE, **arrays}
         return cls._of(
             boundary=tuple(entries["boundary"]),
             shear_rate=float(entries["shear"][0]),
@@ -597,6 +649,9 @@ def described(system: ParticleSystem) -> list[tuple[str, str]]:
         ("granular temperature [m²/s²]", digits(system.granular_temperature)),
         ("kinetic energy [J]", digits(system.kinetic_energy)),
     ]
+    if system.angular_velocities is not None:
+        rows.append(("rotational energy [J]", digits(system.rotational_energy)))
+        rows.append(("rotational temperature [m²/s²]", digits(system.rotational_temperature)))
     if system.gravity.any():
         rows.append(("gravity [m/s²]", "(" + ", ".join(f"{g:.6g}" for g in system.gravity) + ")"))
     if system.domain.common_fall.any():

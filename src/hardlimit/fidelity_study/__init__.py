@@ -133,7 +133,7 @@ def fidelity(
     with 4 replicas (99 % confidence); for ± 1 % about 29 replicas would be needed.
     The law of the error predicts 1.9 ± 0.4 % for law.
     """
-    checked_law(law)
+    checked_law(law, "grains of this study")
     count = validation.whole("replicas", replicas, 1, statistics.MAX_REPLICAS)
     many = validation.whole("workers", workers, 1, 1024)
     if scheduler is not None and many > 1:

@@ -32,6 +32,8 @@ class Frame:
     shear_rate: float = 0.0  #: of a Lees–Edwards boundary [1/s]
     shear_displacement: float = 0.0  #: of the images beyond its far side, along the first axis [m]
     time: float = 0.0  #: [s]
+    angular_velocities: Floats | None = None  #: (N, 3), in 2-D (N,) [rad/s]
+    inertia_factor: Floats | None = None  #: (N,)
 
     @property
     def sides(self) -> tuple[list[bool], tuple[int, float, float] | None]:

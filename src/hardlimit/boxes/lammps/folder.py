@@ -68,7 +68,7 @@ def lammps_input(
     end = validation.number("until", until, 0.0, lowest_allowed=True)
     job = make_job(
         system=checked_system(system),
-        law=checked_law(law),
+        law=checked_law(law, "grains in LAMMPS"),
         until=end,
         restitution_error=restitution_error,
         time_step=time_step,
