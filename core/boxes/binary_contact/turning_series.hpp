@@ -9,11 +9,13 @@
 // point; there f_n follows from the equation of order n itself. At a wall and in a plane f is constant.
 #pragma once
 #include "../../base/event_location.hpp"
+#include "../common/symmetric_tensor.hpp"
 #include "turning_states.hpp"
 
 namespace hardlimit::boxes {
 
-template <class Normal>
+// `virial`: also gives the virial.
+template <class Normal, bool virial = false>
 class TurningSeries : public TurningStates<Normal> {
 public:
     static constexpr int order = 16;
@@ -44,6 +46,7 @@ public:
             if (!(step_ > 1e-14 && step_ < math::infinity) || too_deep()) break;
             const Event event = first_event();
             begin_ = y_[M::time];
+            record_greatest();
             add_integrals(step_, y_);
             move(step_, y_);
             visit(*this);
@@ -53,6 +56,10 @@ public:
         }
         return {.outcome = Outcome::unresolved};
     }
+
+    // Largest compression [m], and the symmetric part of ∫ r⊗F dt between two bodies [J s].
+    double greatest() const { return motion_.units().length * greatest_; }
+    const SymmetricTensor& virial_tensor() const { return virial_; }
 
     double end_time() const { return y_[M::time] * motion_.time_unit(); }
 
@@ -77,7 +84,8 @@ private:
     static constexpr int length = order + 1;
 
     double y_[M::dimension];
-    double begin_ = 0.0, step_ = 0.0;
+    double begin_ = 0.0, step_ = 0.0, greatest_ = 0.0;
+    SymmetricTensor virial_;
     bool fresh_ = false;  // stick or slip has just begun
     bool can_slip_ = true;
     Kind kind_ = Kind::space;
@@ -375,8 +383,9 @@ private:
         const double *node = brief ? four_nodes : eight_nodes, *weight = brief ? four_weights : eight_weights;
         for (int i = 0; i < nodes; ++i) {
             const double at = t * node[i];
-            const Two g = value(g_, at);
-            work += weight[i] * (value(push_, at) * g);
+            const Two g = value(g_, at), push = value(push_, at);
+            work += weight[i] * (push * g);
+            if constexpr (virial) add_virial(at, t * weight[i], push);
             if (damped) damping += weight[i] * (g * g);
             if (!dissipates) continue;
             const double rate = value(U_, at);
@@ -385,6 +394,26 @@ private:
         y[M::work] += t * sum(work);
         y[M::loss] += t * (k.damping * loss);
         y[M::damped] += t * (k.dashpot * sum(damping));
+    }
+    void add_virial(double t, double weight, Two push) {
+        if (kind_ == Kind::wall) return;
+        double y[M::dimension] = {};
+        const Two P = value(P_, t), Q = value(Q_, t);
+        y[M::turn] = Q[0], y[M::turn + 1] = P[0], y[M::turn + 2] = P[1], y[M::turn + 3] = Q[1];
+        const auto& units = motion_.units();
+        const double distance = motion_.touch().distance * (1.0 - units.ratio * value(X_, t));
+        const double unit = weight * motion_.time_unit() / units.force_unit;
+        const Vector3 force = motion_.in_space(y, -push[0], -push[1], value(N_, t));
+        virial_.add_product(unit * distance, motion_.in_space(y, 0.0, 0.0, 1.0), force);
+    }
+    void record_greatest() {
+        greatest_ = math::max(greatest_, value(X_, step_));
+        if (!(U_[0] > 0.0 && value(U_, step_) < 0.0)) return;
+        const double rest = zero(step_, [&](double t) {
+            const auto u = slope(U_, t);
+            return simple(u.value, u.slope);
+        });
+        greatest_ = math::max(greatest_, value(X_, rest));
     }
     // Gauss-Legendre quadrature.
     static constexpr double four_nodes[4] = {0.06943184420297371, 0.33000947820757187, 0.6699905217924281,
