@@ -163,9 +163,11 @@ def molecular_dynamics(
 
 def _engine_of_friction(engine: str) -> tuple[str, str]:
     """The engine of a law with friction and why it was chosen."""
-    if engine not in ("auto", "steps"):
-        raise ValueError(f"engine: got {engine!r}, must be 'auto' or 'steps' for a law with friction")
-    return "steps", "friction" if engine == "auto" else ""
+    if engine not in ("auto", "steps", "lammps"):
+        raise ValueError(
+            f"engine: got {engine!r}, must be 'auto', 'steps' or 'lammps' for a law with friction"
+        )
+    return ("steps", "friction") if engine == "auto" else (engine, "")
 
 
 def start(

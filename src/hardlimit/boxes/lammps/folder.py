@@ -16,7 +16,7 @@ from ..run import checked_output
 from ..system import ParticleSystem
 from . import engine, integration_error
 from . import job as jobs
-from .forces import types_of
+from .forces import rotation_of, types_of
 from .job import Job
 from .script import Plan
 
@@ -68,7 +68,7 @@ def lammps_input(
     end = validation.number("until", until, 0.0, lowest_allowed=True)
     job = make_job(
         system=checked_system(system),
-        law=checked_law(law, "grains in LAMMPS"),
+        law=checked_law(law),
         until=end,
         restitution_error=restitution_error,
         time_step=time_step,
@@ -128,6 +128,7 @@ def make_job(
         raise ValueError(f"thermostat: got {system.thermostat!r}, must be none for engine 'lammps'")
     count, keep, *_ = checked_output(samples, log, None, 60.0)
     refuse_too_soft(system, law)
+    rotation_of(system, law)
     types_of(system, law)
     longest = steps.chosen(system, law, restitution_error, time_step, integration_error.longest_step)
     fewest = until / (count * longest)  # may be infinite
