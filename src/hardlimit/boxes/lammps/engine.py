@@ -140,7 +140,11 @@ def _samples(job: Job, thermo: Floats, readers: list[Reader], log: Contacts | No
         **_counts(time, log),
     }
     if job.law.friction is not None:
-        columns |= {"rotational_energy": rotational, "tangential_energy": tangential, "spin": seen["spin"]}
+        columns |= {
+            "rotational_energy": rotational,
+            "tangential_energy": tangential,
+            "spin": seen["spin"] if system.dimension == 3 else seen["spin"][:, 2],
+        }
     return {name: columns[name] for name in ENGINES["lammps"].records if name in columns}
 
 
@@ -164,8 +168,8 @@ def _symmetric(dimension: int, turned: Floats) -> Floats:
 def _shear_work(system: ParticleSystem, seen: dict[str, Floats], lasted: Floats, turned: Floats) -> Floats:
     """Work of a Lees–Edwards boundary up to each sample [J]; 0 without one.
 
-    The energy relative to the mean flow gains −γ̇ V P_yx per time, with the virial r_y F_x. The rest is the change of
-    what the mean flow adds to the kinetic energy.
+    The energy relative to the mean flow u gains −γ̇ V P_yx per time, with the virial r_y F_x, and −F·u from friction at
+    walls. The rest is the change of what the mean flow adds to the kinetic energy.
     """
     axis = system.domain.gradient
     if axis is None:
@@ -173,7 +177,8 @@ def _shear_work(system: ParticleSystem, seen: dict[str, Floats], lasted: Floats,
     of_flow = seen["kinetic_energy"] - 0.5 * seen["kinetic_tensor"][:, : system.dimension].sum(axis=1)
     across = seen["kinetic_across"] + seen[f"virial_x{AXES[axis]}"] * system.domain.volume
     other = turned[:, 2] if axis == 1 else -turned[:, 1]  # r_y F_x − r_x F_y
-    work: Floats = of_flow - of_flow[0] - system.shear_rate * np.cumsum(across * lasted + other)
+    relative = -system.shear_rate * (across * lasted + other) - seen["power_on_flow"] * lasted
+    work: Floats = of_flow - of_flow[0] + np.cumsum(relative)
     return work
 
 

@@ -20,6 +20,7 @@ THERMO: Final = (
     *("flow_momentum", "kinetic_across", "potential_energy"),
     *(f"virial_{component}" for component in components(3)),
     *("rotational_energy", "spin_x", "spin_y", "spin_z", "torque_x", "torque_y", "torque_z"),
+    "power_on_flow",
 )
 
 

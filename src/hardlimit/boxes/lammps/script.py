@@ -140,13 +140,13 @@ def _output(system: ParticleSystem, types: Types, plan: Plan, rotation: Rotation
         yield f'variable lifted atom "mass*({lifted})"'
         yield "compute potential all reduce sum v_lifted"
     yield f"variable potential equal {'c_potential' if system.gravity.any() else '0.0'}"
-    turning, torque = (" ".join(["v_none"] * count) for count in (4, 3))
+    turning = torque = " ".join(["v_none"] * 4)
     if rotation:
         yield from _rotation(system)
         turning = _list("c_turning", 4)
         if walls := _walls_of(system):
-            yield from _wall_torques(walls, types, plan)
-            torque = _list("f_torque", 3)
+            yield from _wall_torques(system, walls, types, plan)
+            torque = _list("f_torque", 4)
     yield f"thermo_style custom step {columns} v_potential {_list('f_virial', 6)} {turning} {torque}"
     yield f"thermo_modify line one lost error flush yes {NUMBERS}"
     yield f"thermo {plan.per_sample}"
@@ -170,8 +170,11 @@ def _rotation(system: ParticleSystem) -> Iterator[str]:
     yield "compute turning all reduce sum v_rotation v_spinx v_spiny v_spinz"
 
 
-def _wall_torques(walls: list[tuple[int, bool, str]], types: Types, plan: Plan) -> Iterator[str]:
-    """Commands for the forces of walls on particles, and for the mean of the sum of their torques since a sample."""
+def _wall_torques(
+    system: ParticleSystem, walls: list[tuple[int, bool, str]], types: Types, plan: Plan
+) -> Iterator[str]:
+    """Commands for the forces of walls on particles, and for means of sums since the last sample: of their torques, and
+    of the power of their forces on a mean flow."""
     torque: list[list[str]] = [[], [], []]
     for axis, upper, wall in walls:
         for k, along in enumerate(AXES):
@@ -182,8 +185,11 @@ def _wall_torques(walls: list[tuple[int, bool, str]], types: Types, plan: Plan) 
         torque[third].append(f"{'+' if upper else '-'}v_{wall}{AXES[second]}")
     for name, signed in zip(AXES, torque, strict=True):
         yield f'variable torque{name} atom "radius*(0.0{"".join(signed)})"'
-    yield "compute torque all reduce sum v_torquex v_torquey v_torquez"
-    yield f"fix torque all {_mean(plan)} {_list('c_torque', 3)}"
+    flow = "0.0" if system.domain.gradient is None else _mean_flow(system, system.domain.gradient)
+    along = "+".join(f"v_{wall}x" for _, _, wall in walls)
+    yield f'variable flowing atom "({flow})*({along})"'
+    yield "compute torque all reduce sum v_torquex v_torquey v_torquez v_flowing"
+    yield f"fix torque all {_mean(plan)} {_list('c_torque', 4)}"
 
 
 def _walls_of(system: ParticleSystem) -> list[tuple[int, bool, str]]:
@@ -236,7 +242,7 @@ def _kinetic(system: ParticleSystem, plan: Plan) -> tuple[list[str], str]:
     # LAMMPS maps particles back into the box only when it renews its neighbour lists.
     velocities = {
         "inside": f"vx-floor({y}/{edge!r})*({rate * edge!r})",
-        "relative": f"vx-({rate!r})*({y}-{0.5 * edge!r})",
+        "relative": f"vx-{_mean_flow(system, axis)}",
     }
     c = ["v_relative", "vy", "vz"]
     sums = [
@@ -253,6 +259,10 @@ def _kinetic(system: ParticleSystem, plan: Plan) -> tuple[list[str], str]:
         f"fix across all {_mean(plan)} c_sums[{3 + axis}]",
     ]
     return commands, f"c_sums[7] c_sums[8] v_py v_pz {_list('c_sums', 6)} c_sums[9] f_across"
+
+
+def _mean_flow(system: ParticleSystem, axis: int) -> str:
+    return f"({system.shear_rate!r})*({AXES[axis]}-{0.5 * float(system.box[axis])!r})"
 
 
 def _list(name: str, count: int) -> str:
