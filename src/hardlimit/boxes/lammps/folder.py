@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import stat
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,7 @@ from ..run import checked_output
 from ..system import ParticleSystem
 from . import engine, integration_error
 from . import job as jobs
-from .forces import rotation_of, types_of
+from .forces import factor_of, rotation_of, types_of
 from .job import Job
 from .script import Plan
 
@@ -130,7 +131,7 @@ def make_job(
     refuse_too_soft(system, law)
     rotation_of(system, law)
     types_of(system, law)
-    longest = steps.chosen(system, law, restitution_error, time_step, integration_error.longest_step)
+    longest = steps.chosen(system, law, restitution_error, time_step, _longest_step(system, law))
     fewest = until / (count * longest)  # may be infinite
     if fewest > MOST_STEPS:
         raise ValueError(
@@ -140,6 +141,15 @@ def make_job(
     per_sample = max(1, math.ceil(fewest))
     step = until / (count * per_sample) if until > 0.0 else min(longest, 1.0)
     return Job(system, law, Plan(until, count, per_sample, step, keep))
+
+
+def _longest_step(system: ParticleSystem, law: Law) -> steps.LongestStep:
+    """The longest step of LAMMPS for a contact of the system."""
+    if law.friction is None:
+        return integration_error.longest_step
+    elastic, inelastic = law.record["powers"]
+    factor = float(factor_of(system)[0])
+    return partial(integration_error.longest_step_with_friction, (elastic, inelastic), factor)
 
 
 def _checked_folder(folder: Any) -> Path:
