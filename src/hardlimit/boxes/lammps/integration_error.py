@@ -136,9 +136,9 @@ def longest_step_with_friction(
     slow = np.array([SLOW * min(friction.coefficient, 1.0) * speed])
     if not slow.any():
         return step
-    coefficients, normal_mass = contact.coefficients, contact.effective_mass
+    stiffness, damping = contact.coefficients
     (exact,) = impact.tangential_restitution(
-        (*powers, False), *coefficients, normal_mass, friction, mass, speed, slow
+        (*powers, False), stiffness, damping, contact.effective_mass, friction, mass, speed, slow
     )
 
     def largest_error(steps: float) -> float:
