@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from .. import _core
 from ..contact import compression
+from ..contact.balls import Ball
 from ..contact.contact import Law
 from ..contact.contact import checked_law as checked_contact_law
 from ..support import validation
@@ -53,6 +54,14 @@ def contact(law: Law, mass: float, radius: float) -> _core.Contact:
 def mean_contact(system: ParticleSystem, law: Law) -> _core.Contact:
     """The contact of two particles of mean mass and radius."""
     return contact(law, 0.5 * float(system.mass.mean()), 0.5 * float(system.radius.mean()))
+
+
+def mean_grain(system: ParticleSystem) -> Ball:
+    """A particle of mean mass, radius and inertia factor."""
+    factor = system.inertia / (system.mass * system.radius**2)
+    return Ball(
+        float(system.radius.mean()), mass=float(system.mass.mean()), inertia_factor=float(factor.mean())
+    )
 
 
 def _unique_pairs(first: Floats, second: Floats) -> tuple[Floats, Indices]:

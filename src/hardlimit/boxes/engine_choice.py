@@ -56,6 +56,8 @@ def estimated(
 
     The costs and the three values of t_c ν are described in the notes of :func:`hardlimit.molecular_dynamics`.
     """
+    if law.friction is not None:
+        return Choice("steps", "friction")
     try:
         check_box(system)
     except ValueError as error:
@@ -100,7 +102,7 @@ def open_contacts(system: ParticleSystem) -> float:
     if system._deepest_relative_overlap <= 2.0 * ROUNDING:
         return 0.0
     at_rest = engine_arguments(system.replace(velocities=np.zeros_like(system.velocities)))
-    law = ("linear", 0, [1.0, 1.0])
+    law = ("linear", 0, [1.0, 1.0], None)
     in_contact = _core.make_engine("newton_steps", *at_rest, law=law, time_step=1.0).observe()["n_in_contact"]
     return 2.0 * float(in_contact) / system.n
 
@@ -129,6 +131,12 @@ def of_bed(system: ParticleSystem, duration: float, restitution: float, until: f
         return Overlap(math.inf, f"in a bed that is at rest after about {at_rest if start else 0.0:.2g} s")
     end = start * (1.0 - until / at_rest)
     return Overlap(duration * pull * (pairs + floor / (d + 2)) / end, "at the end, in a bed that settles")
+
+
+def check_friction(engine: str, law: Law) -> None:
+    """Refuse engines that have no friction for a law with it."""
+    if law.friction is not None and engine not in ("auto", "steps"):
+        raise ValueError(f"engine: got {engine!r}, must be 'auto' or 'steps' for a law with friction")
 
 
 def check_box(system: ParticleSystem) -> None:

@@ -127,8 +127,7 @@ def molecular_dynamics(
     of_steps = {"restitution_error": restitution_error, "time_step": time_step, "threads": threads}
     options = of_steps | {"ranks": ranks, "checkpoint": checkpoint, "observe": observe}
     reason = ""
-    if law.friction is not None:
-        name, reason = _engine_of_friction(name)
+    engine_choice.check_friction(name, law)
     if name == "auto":
         refuse_options("steps", {"ranks": ranks})
         name, reason = engine_choice.chosen(system, law, end, of_steps)
@@ -158,13 +157,6 @@ def molecular_dynamics(
         result = start(name, system, settings, end, output, step).run(report)
     assert isinstance(result, ContactResult)
     return result
-
-
-def _engine_of_friction(engine: str) -> tuple[str, str]:
-    """The engine of a law with friction and why it was chosen."""
-    if engine not in ("auto", "steps"):
-        raise ValueError(f"engine: got {engine!r}, must be 'auto' or 'steps' for a law with friction")
-    return "steps", "friction" if engine == "auto" else ""
 
 
 def start(

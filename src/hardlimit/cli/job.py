@@ -23,10 +23,11 @@ class Entry:
     many: bool = False  #: a list in the table, or an option that may be repeated
     option: str = ""  #: the option, if it has another name than the entry
     metavar: str | None = None  #: of the option in its help
+    word: str = ""  #: accepted in place of a quantity
 
     def as_option(self) -> Callable[[F], F]:
         """The option."""
-        kind = self.kind if self.unit is None else Quantity(self.unit)
+        kind = self.kind if self.unit is None else Quantity(self.unit, self.word)
         option = self.option or spelled(self.name)
         return click.option(
             option, self.name, type=kind, multiple=self.many, help=self.help, metavar=self.metavar
@@ -37,6 +38,8 @@ class Entry:
         kind: toml.Kind = toml.whole if self.kind is int else toml.text
         if self.unit is not None:
             kind = toml.quantity(self.unit)
+        if self.word and value == self.word:
+            return value
         return toml.one_or_list_of(kind)(name, value) if self.many else kind(name, value)
 
 

@@ -12,6 +12,7 @@ from ..boxes.error_law import MEASURED_TC_NU, ErrorLaw, error_law, exponents, so
 from ..boxes.rules import RULES
 from ..boxes.thermostats import RandomKicks
 from ..checking.expectation import SHEAR_BAR
+from ..contact.contact import Law
 from ..support.estimate import Estimate
 from .replica import NEWTON
 
@@ -56,6 +57,8 @@ def predicted(f: Fidelity, rule: str) -> Prediction:
     Besides, there are no contacts at the start, so that Newton's equations lag behind by t_c/2. The standard error
     contains half of this lag.
     """
+    if rubs(f.plan.law):
+        return Prediction(reason="it is not known with friction")
     thermostat = f.start.thermostat
     heated = isinstance(thermostat, RandomKicks)
     if f.sheared and thermostat is not None:
@@ -99,6 +102,11 @@ def predicted(f: Fidelity, rule: str) -> Prediction:
     uncertain = float(np.mean([of_rule.error_bar(x) for x in at[:INTERVALS]]))
     value = reached / grown - 1.0 + lag
     return Prediction(value, math.hypot(uncertain, 0.5 * lag), extrapolated=of_rule.extrapolated)
+
+
+def rubs(law: Law) -> bool:
+    """Whether grains under a law have friction."""
+    return law.friction is not None and law.friction.coefficient > 0.0
 
 
 def contradicted(f: Fidelity, rule: str) -> bool:
