@@ -13,7 +13,7 @@ from hypothesis import HealthCheck, given
 from hypothesis import strategies as st
 
 import hardlimit as hl
-from conftest import draws, lattice
+from conftest import draws, lattice, refusal
 from hardlimit.boxes import files
 
 SUFFIXES = (".xyz", ".extxyz", ".gsd", ".data", ".lmp")
@@ -30,13 +30,30 @@ def systems(draw):
     gravity = [draw(st.sampled_from([0.0, -9.81, 1.0 / 3.0])) for _ in range(d)]
     lengths = {name: getattr(small, name) * scale for name in ("positions", "velocities", "radius", "box")}
     density = draw(st.sampled_from([2500.0, 1.0 / 3.0]))
-    return hl.ParticleSystem(**lengths, density=density, boundary=sides, gravity=gravity)
+    rotation = draw(rotations(small.n, d))
+    return hl.ParticleSystem(**lengths, density=density, boundary=sides, gravity=gravity, **rotation)
 
 
-@draws(60, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@st.composite
+def rotations(draw, n, d):
+    """No spins, or spins over many decades with any moments of inertia."""
+    rng = np.random.default_rng(draw(st.integers(0, 2**32)))
+    speed = draw(st.sampled_from([0.0, 1e-320, 1e-20, 1.0, 1e20]))
+    factors = {"solid": None, "same": draw(st.floats(1e-6, 1.0)), "other": rng.uniform(0.1, 1.0, n)}
+    spins = {"angular_velocities": speed * rng.normal(size=(n, 3) if d == 3 else n)}
+    rotation = {"inertia_factor": factors[draw(st.sampled_from([*factors]))]}
+    return rotation | (spins if draw(st.booleans()) else {})
+
+
+@draws(100, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(systems(), st.sampled_from(SUFFIXES))
 def test_every_bit_comes_back(tmp_path, system, suffix):
     path = tmp_path / f"box{suffix}"
+    solid = {2: 0.5, 3: 0.4}[system.dimension]
+    other = system.inertia_factor is not None and bool((system.inertia_factor != solid).any())
+    if suffix in (".data", ".lmp") and other:
+        assert "inertia_factor: got " in refusal(lambda: system.write(path))
+        return
     assert system.write(path) == path
     assert hl.ParticleSystem.read(path) == system
     assert [name.name for name in tmp_path.iterdir() if "unfinished" in name.name] == []
@@ -58,9 +75,14 @@ def test_lammps_keeps_masses_to_rounding(tmp_path):
 
 
 @pytest.mark.parametrize("suffix", EXACT)
-def test_frames_of_a_trajectory(tmp_path, suffix):
+@pytest.mark.parametrize("plain_first", [False, True])
+def test_frames_of_a_trajectory(tmp_path, suffix, plain_first):
+    """Each with its own values, also where only some frames have spins or moving walls."""
     path = tmp_path / f"run{suffix}"
-    frames = [lattice(8, seed=i) for i in range(4)]
+    spins = {"angular_velocities": np.ones((8, 3)), "inertia_factor": 0.7}
+    driven = {"walls": {"x-": hl.MovingWall(1e-5, 50.0)}, "boundary": ("wall", "periodic", "periodic")}
+    kinds = [{}, spins, {}, driven] if plain_first else [spins | driven, {}, spins, driven]
+    frames = [lattice(8, seed=i, **changes) for i, changes in enumerate(kinds)]
     files.write(path, (system.as_frame(0.5 * i) for i, system in enumerate(frames)))
     assert [hl.ParticleSystem.read(path, frame=i) for i in range(4)] == frames
     assert hl.ParticleSystem.read(path) == hl.ParticleSystem.read(path, frame=-1) == frames[3]
@@ -132,6 +154,84 @@ def test_what_another_program_writes_as_gsd(tmp_path):
     assert system.mass.tolist() == [1.0, 1.0] and not system.velocities.any()
 
 
+def rotated(q, v):
+    """Vectors (N, 3) turned by unit quaternions (N, 4), by the matrix of each."""
+    w, x, y, z = q.T
+    matrix = np.array(
+        [[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+         [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+         [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]]
+    )  # fmt: skip
+    return np.einsum("ijn,nj->ni", matrix, v)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_spins_of_hoomd(tmp_path, dimension):
+    """Turned particles: p = 2 q s with the angular momentum s in the frame of the body, Kamberaj et al. (2005).
+
+    In a plane only I_z counts.
+    """
+    n, rng = 6, np.random.default_rng(3)
+    system = lattice(n, dimension, spread=2.0)
+    q, spin = rng.normal(size=(n, 4)), rng.normal(size=(n, 3))
+    if dimension == 2:
+        q[:, 1:3], spin[:, :2] = 0.0, 0.0
+    q /= np.linalg.norm(q, axis=1)[:, None]
+    factor = rng.uniform(0.2, 1.0, n)
+    inertia = factor * system.mass * system.radius**2
+    body = inertia[:, None] * rotated(q * [1.0, -1.0, -1.0, -1.0], spin)
+    frame = gsd.hoomd.Frame()
+    frame.configuration.box = [*system.box, *[1.0] * (3 - dimension), 0, 0, 0]
+    frame.configuration.dimensions = dimension
+    frame.particles.N, frame.particles.mass, frame.particles.diameter = n, system.mass, 2.0 * system.radius
+    frame.particles.position = np.zeros((n, 3))
+    frame.particles.position[:, :dimension] = system.positions - 0.5 * system.box
+    frame.particles.orientation = q
+    scalar, vector = -(q[:, 1:] * body).sum(1), q[:, :1] * body + np.cross(q[:, 1:], body)
+    frame.particles.angmom = 2.0 * np.column_stack([scalar, vector])
+    frame.particles.moment_inertia = np.repeat(inertia[:, None], 3, 1)
+    if dimension == 2:
+        frame.particles.moment_inertia[:, :2] = 0.0
+
+    def written(**changed):
+        for name, value in changed.items():
+            setattr(frame.particles, name, value)
+        with gsd.hoomd.open(tmp_path / "other.gsd", "w") as file:
+            file.append(frame)
+        return tmp_path / "other.gsd"
+
+    back = hl.ParticleSystem.read(written())
+    assert back.angular_velocities == pytest.approx(
+        spin if dimension == 3 else spin[:, 2], rel=1e-5, abs=1e-6
+    )
+    assert back.inertia_factor == pytest.approx(factor, rel=1e-6)
+    moments = frame.particles.moment_inertia.copy()
+    moments[1, 2] *= 10.0
+    assert "moment_inertia[1]: got [" in refused(written(moment_inertia=moments))
+    for still in ({"angmom": np.zeros((n, 4))}, {"moment_inertia": np.zeros((n, 3))}):
+        assert hl.ParticleSystem.read(written(**still)).angular_velocities is None
+
+
+def test_spins_in_the_schema_of_hoomd(tmp_path):
+    """No orientation, and angular momenta 2 (0, I ω)."""
+    system = lattice(4, 2, angular_velocities=[1.0, -2.0, 0.0, 3.0], inertia_factor=0.5)
+    with gsd.hoomd.open(system.write(tmp_path / "box.gsd")) as file:
+        particles = file[0].particles
+    assert (particles.orientation == [1.0, 0.0, 0.0, 0.0]).all() and not particles.angmom[:, :3].any()
+    inertia = 0.5 * system.mass * system.radius**2
+    assert particles.angmom[:, 3] == pytest.approx(2.0 * inertia * system.angular_velocities, rel=1e-6)
+    assert particles.moment_inertia == pytest.approx(np.repeat(inertia[:, None], 3, 1), rel=1e-6)
+
+
+def test_ase_reads_spins_of_extended_xyz(tmp_path):
+    import ase.io
+
+    system = lattice(9, 2, angular_velocities=np.arange(9.0), inertia_factor=0.25)
+    atoms = ase.io.read(system.write(tmp_path / "box.xyz"))
+    assert atoms.arrays["angular_velocity"].tolist() == [[0.0, 0.0, float(i)] for i in range(9)]
+    assert atoms.arrays["inertia_factor"].tolist() == [0.25] * 9
+
+
 def test_a_changed_gsd_file_is_not_believed(tmp_path):
     path = lattice(8).write(tmp_path / "box.gsd")
     with gsd.hoomd.open(path) as file:
@@ -184,6 +284,20 @@ def test_lammps_data_of_another_program(tmp_path):
     assert system.velocities[:, 2].tolist() == [3.0, 6.0]
     assert system.mass.tolist() == [hl.Ball(0.5e-3, density=1000.0).mass, hl.Ball(1e-3, density=2500.0).mass]
     assert system.boundary == ("periodic",) * 3 and system.box.tolist() == [0.02] * 3
+
+
+def test_spins_in_lammps_data(tmp_path):
+    """In the last three columns of velocities; those of LAMMPS' own files in their units of time."""
+    path = tmp_path / "other.data"
+    spinning = LAMMPS.replace("1 1 2 3 0 0 0", "1 1 2 3 5 6 7")
+    path.write_text(spinning)
+    system = hl.ParticleSystem.read(path)
+    assert system.angular_velocities.tolist() == [[5.0, 6.0, 7.0], [0.0] * 3]
+    assert system.inertia_factor.tolist() == [0.4, 0.4]
+    path.write_text(f"{WRITE_DATA}, units = nano\n{spinning.partition(chr(10))[2]}")
+    assert hl.ParticleSystem.read(path).angular_velocities[0].tolist() == [5e9, 6e9, 7e9]
+    path.write_text(LAMMPS)
+    assert hl.ParticleSystem.read(path).angular_velocities is None
 
 
 WRITE_DATA = "LAMMPS data file via write_data, version 2 Aug 2023, timestep = 10"
@@ -239,9 +353,9 @@ def refused(path, **options):
     return text
 
 
-def edited(tmp_path, suffix, old, new):
+def edited(tmp_path, suffix, old, new, **changes):
     """A file with one item changed."""
-    path = lattice(8).write(tmp_path / f"bad{suffix}")
+    path = lattice(8, **changes).write(tmp_path / f"bad{suffix}")
     content = path.read_text()
     assert old in content
     path.write_text(content.replace(old, new, 1))
@@ -299,11 +413,40 @@ def test_bad_text_files(tmp_path, suffix, which):
     assert message in refused(edited(tmp_path, suffix, old, new))
 
 
-@draws(200, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@pytest.mark.parametrize(
+    ("suffix", "dimension", "old", "new", "message"),
+    [(".xyz", 3, ":inertia_factor:R:1", ":more:R:1", ""), (".xyz", 3, "7.0 0.4\n", "7.0\n", "particles: "),
+     (".xyz", 3, "angular_velocity:R:3:inertia", "angular_velocity:R:2:more:R:1:inertia", "Properties: must contain"),
+     (".xyz", 3, "7.0 0.4\n", "nan 0.4\n", "angular_velocities[2]: got [5.0, 6.0, nan]"),
+     (".xyz", 3, "7.0 0.4\n", "7.0 4.0\n", "inertia_factor[2]: got 4, must be in [1e-06, 1]"),
+     (".xyz", 2, "0.0 0.0 7.0", "5.0 0.0 7.0", "dimension: got 2, must be 3 for particles that spin about x or y"),
+     (".data", 2, "0.0 0.0 7.0", "5.0 0.0 7.0", "dimension: got 2, must be 3 for particles that spin about x or y"),
+     (".data", 3, "5.0 6.0 7.0", "5.0 6.0 1e40", "angular_velocities[2]: got [5.0, 6.0, 1e+40]"),
+     (".data", 3, "5.0 6.0 7.0", "5.0 6.0", "Velocities: ")],
+)  # fmt: skip
+def test_bad_spins_in_a_file(tmp_path, suffix, dimension, old, new, message):
+    spins = np.zeros((8, 3))
+    spins[2] = [5.0, 6.0, 7.0]
+    spins = spins if dimension == 3 else spins[:, 2]
+    path = edited(tmp_path, suffix, old, new, dimension=dimension, angular_velocities=spins)
+    if message:
+        assert message in refused(path)
+    else:
+        assert hl.ParticleSystem.read(path) == lattice(8, angular_velocities=spins)
+
+
+def test_lammps_data_with_spins_of_four_columns(tmp_path):
+    path = lattice(1, angular_velocities=np.zeros((1, 3))).write(tmp_path / "box.data")
+    path.write_text(path.read_text().removesuffix(" 0.0 0.0 0.0\n") + "\n")
+    assert "Velocities: got 4 columns, must be 7 for particles with spins" in refused(path)
+
+
+@draws(300, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.data(), st.sampled_from([".xyz", ".gsd", ".data"]))
 def test_damaged_files_are_read_right_or_refused(tmp_path, data, suffix):
     """A truncated file, or one with replaced bytes, gives a valid system or a one-line error that names the file."""
-    path = lattice(4).write(tmp_path / f"spoiled{suffix}")
+    spins = {"angular_velocities": [[1.0, -2.0, 3.0]] * 4} if data.draw(st.booleans()) else {}
+    path = lattice(4, **spins).write(tmp_path / f"spoiled{suffix}")
     content = bytearray(path.read_bytes())
     if data.draw(st.booleans()):
         del content[data.draw(st.integers(0, len(content) - 1)) :]

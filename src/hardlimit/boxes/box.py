@@ -76,6 +76,14 @@ class Box:
             flow[:, 0] = self.shear_rate * (positions[:, axis] - 0.5 * self.edges[axis])
         return flow
 
+    @property
+    def mean_spin(self) -> Floats:
+        """Angular velocity (3,) at which the mean flow of a sheared box turns, half of its vorticity [rad/s]."""
+        turning, axis = np.zeros(3), self.gradient
+        if axis is not None:  # ∇ × v: −γ̇ along z for a gradient along y, γ̇ along y for one along z
+            turning[3 - axis] = (-0.5 if axis == 1 else 0.5) * self.shear_rate
+        return turning
+
     def displacement_after(self, time: float) -> float:
         """Displacement of the images beyond the far side of a sheared box after a time [m], in [0, edge)."""
         if self.gradient is None:

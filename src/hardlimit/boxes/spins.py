@@ -25,29 +25,36 @@ def solid(n: int, dimension: int) -> Floats:
     return np.full(n, SOLID[dimension])
 
 
+def checked_factor(inertia_factor: Any, n: int, d: int) -> Floats:
+    """q of n particles; that of solid bodies if it is None."""
+    if inertia_factor is None:
+        return solid(n, d)
+    limits = {"lowest": SMALLEST, "highest": HIGHEST, "lowest_allowed": True, "highest_allowed": True}
+    return validation.each("inertia_factor", inertia_factor, n, **limits)
+
+
 def checked(angular_velocities: Any, inertia_factor: Any, n: int, d: int) -> dict[str, Floats | None]:
     """The fields of a system: both arrays, or None twice if neither is given."""
     if angular_velocities is None and inertia_factor is None:
         return dict(NONE)
-    limits = {"lowest": SMALLEST, "highest": HIGHEST, "lowest_allowed": True, "highest_allowed": True}
-    factor = (
-        solid(n, d)
-        if inertia_factor is None
-        else validation.each("inertia_factor", inertia_factor, n, **limits)
-    )
+    factor = checked_factor(inertia_factor, n, d)
     shape = (n, 3) if d == 3 else (n,)
     if angular_velocities is None:
         return {"angular_velocities": np.zeros(shape), "inertia_factor": factor}
-    try:
-        spin = np.array(angular_velocities, dtype=float)
-    except (TypeError, ValueError):
+    spin = validation.as_array(angular_velocities)
+    if spin is None:
         shown = validation.shown(angular_velocities)
-        raise ValueError(f"angular_velocities: got {shown}, must be numbers, shape {shape}") from None
+        raise ValueError(f"angular_velocities: got {shown}, must be numbers of shape {shape}")
     if spin.shape != shape:
         raise ValueError(f"angular_velocities: got shape {spin.shape}, must be {shape}")
-    largest = float(np.abs(spin).max(initial=0.0))
-    if not largest <= LARGEST:
-        raise ValueError(f"angular_velocities: got {largest:g}, must be at most {LARGEST:g}")
+    good = np.abs(spin) <= LARGEST  # not for NaN
+    if not good.all():
+        bad = int(np.argmin(good.reshape(n, -1).all(axis=1)))
+        raise ValueError(
+            f"angular_velocities[{bad}]: got {spin[bad].tolist()}, must be in [{-LARGEST:g}, {LARGEST:g}]"
+        )
+    if hasattr(angular_velocities, "__array__"):  # it may share the memory
+        spin = spin.copy()
     return {"angular_velocities": spin, "inertia_factor": factor}
 
 

@@ -1,4 +1,4 @@
-"""Random initial states: radii, masses, edge of the box, positions without overlap, Maxwellian velocities."""
+"""Random initial states: radii, masses, edge of the box, positions without overlap, Maxwellian velocities and spins."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ from ..contact.balls import ball_masses
 from ..support import machine, validation
 from ..support.formatting import size
 from ..support.progress import Report
-from .box import LENGTHS, UNIT_BALL, Box, Floats
+from . import spins
+from .box import LARGEST, LENGTHS, UNIT_BALL, Box, Floats
 
 #: Limits of a mass [kg]; the squares of momenta neither underflow nor overflow.
 LIGHTEST: Final = 1e-100
@@ -22,18 +23,21 @@ HEAVIEST: Final = 1e100
 MAX_PARTICLES: Final = 2**31 - 1
 #: Memory per particle during the growth of a random start or during a run [bytes].
 BYTES_PER_PARTICLE: Final = 300
+#: ``rms_spin`` of a start whose rotational temperature equals the granular temperature.
+EQUAL: Final = "equal"
 #: Largest packing fraction of a random start, by dimension.
 DENSEST: Final = {2: 0.82, 3: 0.62}
 
 
 class Generators:
-    """Independent random generators for radii, positions and velocities, from one seed."""
+    """Independent random generators for radii, positions, velocities and spins, from one seed."""
 
     def __init__(self, seed: Any) -> None:
         root = np.random.SeedSequence(validation.whole("seed", seed, 0, 2**63 - 1))
-        radii, positions, velocities = root.spawn(3)
+        radii, positions, velocities, spins = root.spawn(4)
         self.radii = np.random.default_rng(radii)
         self.velocities = np.random.default_rng(velocities)
+        self.spins = np.random.default_rng(spins)
         self.seed_of_positions = int(positions.generate_state(1, np.uint64)[0] >> np.uint64(1))
 
 
@@ -138,4 +142,56 @@ def velocities(
         if wrapped:
             normal[:, axis] -= np.average(normal[:, axis], weights=mass)
     scaled: Floats = normal * (rms_speed / math.sqrt(float(np.mean(np.einsum("ij,ij->i", normal, normal)))))
+    return scaled
+
+
+def checked_rms_spin(rms_spin: Any) -> float | str:
+    """``rms_spin`` of a random start: a number [rad/s] or ``"equal"``."""
+    if isinstance(rms_spin, str) and rms_spin == EQUAL:
+        return EQUAL
+    limits = {"lowest_allowed": True, "highest_allowed": True}
+    if not validation.is_number(rms_spin):
+        shown = validation.shown(rms_spin)
+        raise ValueError(f"rms_spin: got {shown}, must be a number in [0, {LARGEST:g}] or 'equal'")
+    return validation.number("rms_spin", rms_spin, 0.0, LARGEST, **limits)
+
+
+def rotation(
+    mass: Floats,
+    radius: Floats,
+    velocities: Floats,
+    box: Box,
+    rms_spin: Any,
+    inertia_factor: Any,
+    generators: Generators,
+) -> dict[str, Floats | None]:
+    """Spins and inertia factors as fields of a system. ``velocities`` are relative to the mean flow."""
+    n, d = velocities.shape
+    if rms_spin is None:
+        return spins.checked(None, inertia_factor, n, d)
+    factor = spins.checked_factor(inertia_factor, n, d)
+    drawn = _spins(mass, factor * mass * radius**2, velocities, checked_rms_spin(rms_spin), generators)
+    drawn += box.mean_spin[3 - drawn.shape[1] :]
+    return {"angular_velocities": drawn if d == 3 else drawn[:, 0].copy(), "inertia_factor": factor}
+
+
+def _spins(
+    mass: Floats, inertia: Floats, velocities: Floats, rms_spin: float | str, generators: Generators
+) -> Floats:
+    """Maxwellian angular velocities (N, f) [rad/s], f = 3 axes of spheres, 1 of disks: the same mean energy for all.
+
+    They have this root mean square, or the rotational temperature Σ I ω²/(f Σ m) is the granular temperature. Their
+    total is not zero: friction does not conserve it.
+    """
+    n, d = velocities.shape
+    axes = spins.AXES_OF_ROTATION[d]
+    normal = generators.spins.standard_normal((n, axes)) / np.sqrt(inertia / inertia.max())[:, None]
+    square = np.einsum("ij,ij->i", normal, normal)
+    if isinstance(rms_spin, str):
+        relative = velocities - mass @ velocities / mass.sum()
+        energy = float(np.einsum("i,ij,ij->", mass, relative, relative)) / d
+        scale = math.sqrt(energy * axes / float(inertia @ square))
+    else:
+        scale = rms_spin / math.sqrt(float(np.mean(square)))
+    scaled: Floats = normal * scale
     return scaled

@@ -260,6 +260,8 @@ class ParticleSystem:
         walls: Mapping[str, MovingWall] | None = None,
         thermostat: RandomKicks | Andersen | None = None,
         shear_rate: float = 0.0,
+        rms_spin: float | Literal["equal"] | None = None,
+        inertia_factor: float | ArrayLike | None = None,
         progress: bool | Report | None = None,
     ) -> ParticleSystem:
         """Particles at random positions without overlap, with Maxwell's velocities.
@@ -282,7 +284,15 @@ class ParticleSystem:
         dimension : int
             2 or 3.
         seed : int
-            The same seed gives the same bits.
+            The same seed gives the same bits. Spins change none of the other values.
+        rms_spin : float or "equal", optional [rad/s]
+            Root mean square of |ω|; the sample has exactly this value, and the same mean rotational energy for small
+            and large particles. The total is not zero, because friction does not conserve it. ``"equal"``: the
+            rotational temperature is the granular temperature. In a sheared box these are spins relative to the
+            rotation of the mean flow, half of its vorticity (−shear_rate/2 about z with the gradient along y), which is
+            added. By default particles have no spins.
+        inertia_factor : number or N numbers, optional
+            As for the system; without ``rms_spin`` the particles do not spin.
         progress : bool or callable(done, total), optional
             True shows a bar. A function gets the growth of the particles, in thousandths.
 
@@ -311,6 +321,7 @@ class ParticleSystem:
         box = Box(edges, sides, pull, moving, rate)
         starts.check_size(box, size)
         velocities = starts.velocities(mass, d, speed, box.wraps, generators)
+        rotation = starts.rotation(mass, size, velocities, box, rms_spin, inertia_factor, generators)
         with reporter(progress, "random start", "") as report:
             positions = starts.positions(size, box, generators, report)
         if rate:
@@ -325,7 +336,7 @@ class ParticleSystem:
             thermostat=checked_thermostat(thermostat, n, sheared="lees-edwards" in sides),
             shear_rate=rate,
             shear_displacement=0.0,
-            **spins.NONE,
+            **rotation,
         )
 
     @classmethod

@@ -17,11 +17,25 @@ import numpy as np
 
 from ...support import validation
 from ...support.saving import write_all
+from .. import spins
 from ..thermostats import as_entry, from_entry
 from ..walls import as_entries, from_entries
-from .frame import Append, Floats, Found, Frame, boundary_of, check_frame, read_table, three, write_rows
+from .frame import (
+    Append,
+    Floats,
+    Found,
+    Frame,
+    boundary_of,
+    check_frame,
+    read_table,
+    spins_of,
+    three,
+    write_rows,
+)
 
 COLUMNS: Final = "species:S:1:pos:R:3:velo:R:3:radius:R:1:mass:R:1"
+#: Further columns of particles with spins.
+SPINS: Final = ":angular_velocity:R:3:inertia_factor:R:1"
 NAMES: Final = {
     "pos": "positions",
     "velo": "velocities",
@@ -29,6 +43,18 @@ NAMES: Final = {
     "radius": "radius",
     "mass": "mass",
     "masses": "mass",
+    "angular_velocity": "angular_velocities",
+    "omega": "angular_velocities",
+    "inertia_factor": "inertia_factor",
+}
+#: Number of columns of each property.
+WIDTHS: Final = {
+    "positions": 3,
+    "velocities": 3,
+    "radius": 1,
+    "mass": 1,
+    "angular_velocities": 3,
+    "inertia_factor": 1,
 }
 _ENTRY: Final = re.compile(r'([^\s="]+)=(?:"([^"]*)"|(\S+))')
 
@@ -77,7 +103,9 @@ def _complete(path: Path) -> Iterator[tuple[float, int]]:
 
 def _append(file: BinaryIO, frame: Frame) -> None:
     write_all(file, f"{len(frame.positions)}\n{_comment(frame)}\n".encode())
-    columns = three(frame.positions), three(frame.velocities), frame.radius, frame.mass
+    columns = [three(frame.positions), three(frame.velocities), frame.radius, frame.mass]
+    if frame.angular_velocities is not None and frame.inertia_factor is not None:
+        columns += [spins.for_core(frame.angular_velocities), frame.inertia_factor]
     write_rows(file, repeat("X"), *columns)
 
 
@@ -89,6 +117,7 @@ def _comment(frame: Frame) -> str:
     flags = ["T" if flag else "F" for flag in wraps] + ["F"] * (3 - d)
     gravity = " ".join(map(repr, three(frame.gravity).tolist()))
     lattice = " ".join(map(repr, np.diag(edges).ravel().tolist()))
+    columns = COLUMNS + ("" if frame.angular_velocities is None else SPINS)
     walls = "; ".join(" ".join(map(str, entry)) for entry in as_entries(frame.walls))
     walls = f' moving_walls="{walls}"' if walls else ""
     if frame.thermostat is not None:
@@ -97,7 +126,7 @@ def _comment(frame: Frame) -> str:
     if shear:
         walls += f' shear="{" ".join(map(repr, shear))}"'
     return (
-        f'Lattice="{lattice}" Properties={COLUMNS} pbc="{" ".join(flags)}" '
+        f'Lattice="{lattice}" Properties={columns} pbc="{" ".join(flags)}" '
         f'Time={frame.time!r} gravity="{gravity}" dimension={d}{walls}'
     )
 
@@ -161,9 +190,14 @@ def _table(file: BinaryIO, n: int, entries: dict[str, str]) -> tuple[Floats, dic
             where[NAMES[name]] = slice(len(used), len(used) + count)
             used += range(column, column + count)
         column += count
-    for wanted, needed in (("positions", 3), ("velocities", 3), ("radius", 1), ("mass", 1)):
-        if wanted not in where or where[wanted].stop - where[wanted].start != needed:
-            raise ValueError("Properties: must contain pos:R:3, velo:R:3, radius:R:1 and mass:R:1")
+    widths = {name: place.stop - place.start for name, place in where.items()}
+    if not {"positions", "velocities", "radius", "mass"} <= widths.keys() or any(
+        width != WIDTHS[name] for name, width in widths.items()
+    ):
+        raise ValueError(
+            "Properties: must contain pos:R:3, velo:R:3, radius:R:1 and mass:R:1, and may contain "
+            "angular_velocity:R:3 and inertia_factor:R:1"
+        )
     return read_table("particles", islice(file, n), used), where
 
 
@@ -181,7 +215,12 @@ def _arguments(table: Floats, where: dict[str, slice], entries: dict[str, str]) 
     positions, velocities = (table[:, where[name]] for name in ("positions", "velocities"))
     if np.any(positions[:, d:]) or np.any(velocities[:, d:]):
         raise ValueError("dimension: got 2, must be 3 for particles with z ≠ 0")
-    return {
+    rotation = {}
+    if "angular_velocities" in where:
+        rotation["angular_velocities"] = spins_of(table[:, where["angular_velocities"]], d)
+    if "inertia_factor" in where:
+        rotation["inertia_factor"] = table[:, where["inertia_factor"]][:, 0]
+    return rotation | {
         "positions": positions[:, :d],
         "velocities": velocities[:, :d],
         "radius": table[:, where["radius"]][:, 0],

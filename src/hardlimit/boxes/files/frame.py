@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...support.saving import write_all
+from .. import spins
 from ..thermostats import Andersen, RandomKicks
 from ..walls import MovingWall
 
@@ -86,6 +87,13 @@ def boundary_of(wraps: Iterable[Any], shear: Any = None) -> dict[str, Any]:
         raise ValueError(f"shear: got axis {axis:g}, must be a whole number in [1, {len(sides) - 1}]")
     sides[int(axis)] = "lees-edwards"
     return {"boundary": tuple(sides), "shear_rate": rate, "shear_displacement": displacement}
+
+
+def spins_of(rows: Floats, dimension: int) -> Floats:
+    """Angular velocities from the three columns of a file."""
+    if dimension == 2 and np.any(rows[:, :2]):
+        raise ValueError("dimension: got 2, must be 3 for particles that spin about x or y")
+    return spins.from_core(rows, dimension)
 
 
 def check_frame(frame: int, count: int) -> None:

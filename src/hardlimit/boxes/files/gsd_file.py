@@ -3,6 +3,10 @@
 The format has single precision, and its origin is in the middle of the box. We store the same values in double
 precision under ``log``, so that a system is read back to the last bit. Walls, their motion and gravity, which GSD does
 not have, are stored there as well. OVITO can read the files.
+
+Spheres have no orientation: the quaternion q of the format keeps its default, 1. Angular momenta L are stored as
+HOOMD-blue does, p = 2 q s with s = (0, L) in the frame of the body (Kamberaj, Li & Hansen, J. Chem. Phys. 122, 224114
+(2005)).
 """
 
 from __future__ import annotations
@@ -16,6 +20,7 @@ from typing import Any, Final
 import numpy as np
 
 from ...support import saving
+from .. import spins
 from ..thermostats import as_entry, from_entry
 from ..walls import as_entries, from_entries
 from .frame import Append, Floats, Found, Frame, boundary_of, check_frame, three
@@ -26,6 +31,8 @@ OF_PARTICLES: Final = {
 }
 OF_BOX: Final = {name: f"hardlimit/{name}" for name in ("box", "periodic", "gravity", "time")}
 
+#: The same of particles with spins; empty without.
+OF_SPINS: Final = {name: f"particles/hardlimit/{name}" for name in ("angular_velocities", "inertia_factor")}
 #: Moving walls, thermostat and shear under ``log``, as JSON.
 DRIVING: Final = "hardlimit/driving"
 
@@ -89,8 +96,11 @@ def _made(snapshot: Any, step: int, frame: Frame) -> Any:
     driving: dict[str, Any] = {"walls": as_entries(frame.walls), "thermostat": as_entry(frame.thermostat)}
     if shear:
         driving["shear"] = shear
-    if frame.walls or frame.thermostat is not None or shear:
-        snapshot.log[DRIVING] = np.frombuffer(json.dumps(driving).encode(), np.uint8)
+    # A value that only some frames omit would be that of the first frame.
+    for name, key in OF_SPINS.items():
+        values = getattr(frame, name)
+        snapshot.log[key] = np.empty(0) if values is None else np.ascontiguousarray(values)
+    snapshot.log[DRIVING] = np.frombuffer(json.dumps(driving).encode(), np.uint8)
     return snapshot
 
 
@@ -103,12 +113,19 @@ def _single(values: Floats) -> Any:
 
 
 def _in_single(values: dict[str, Any]) -> dict[str, Any]:
-    """Positions, velocities, diameters and masses in single precision."""
+    """The values of particles in single precision: angular momenta as 2 (0, I ω), about the axes of the box."""
+    n = len(values["positions"])
+    momentum, inertia = np.zeros((n, 4)), np.zeros((n, 3))
+    if values.get("angular_velocities") is not None:
+        inertia[:] = (values["inertia_factor"] * values["mass"] * values["radius"] ** 2)[:, None]
+        momentum[:, 1:] = 2.0 * inertia * spins.for_core(values["angular_velocities"])
     return {
         "position": _single(three(values["positions"] - 0.5 * values["box"])),
         "velocity": _single(three(values["velocities"])),
         "diameter": _single(2.0 * values["radius"]),
         "mass": _single(values["mass"]),
+        "moment_inertia": _single(inertia),
+        "angmom": _single(momentum),
     }
 
 
@@ -155,10 +172,12 @@ def _in_double(snapshot: Any) -> Found:
     if missing:
         raise ValueError(f"log: must contain {missing[0]}")
     values = {name: snapshot.log[key] for name, key in (OF_PARTICLES | OF_BOX).items()}
+    rotation = {name: snapshot.log[key] for name, key in OF_SPINS.items() if key in snapshot.log}
+    values |= {name: array for name, array in rotation.items() if array.size}
     try:
         single = _in_single(values)
         same = all(np.array_equal(getattr(snapshot.particles, name), single[name]) for name in single)
-    except ValueError:  # shapes that do not match
+    except (KeyError, ValueError):  # only one of the spins and their inertia, or shapes that do not match
         same = False
     if not same:
         raise ValueError(
@@ -193,5 +212,40 @@ def _of_another_program(snapshot: Any) -> Found:
         "mass": p.mass.astype(np.float64),
         "box": box,
     }
+    arguments |= _rotation(p, arguments["mass"] * arguments["radius"] ** 2, d)
     smallest = max(float(arguments["radius"].min()), np.finfo(np.float64).tiny)
     return arguments, min(2.0 * float(rounding.max()) / smallest, 1e-2)
+
+
+def _rotation(particles: Any, unit: Floats, d: int) -> dict[str, Floats]:
+    """Spins of a frame of another program, and I over ``unit``, m R²; nothing if the particles do not rotate.
+
+    HOOMD-blue turns a particle about the axes with a moment of inertia; in two dimensions about z only.
+    """
+    shapes = {"moment_inertia": 3, "orientation": 4, "angmom": 4}
+    moments, q, p = (getattr(particles, name).astype(np.float64) for name in shapes)
+    for (name, width), array in zip(shapes.items(), (moments, q, p), strict=True):
+        if array.shape != (len(unit), width):
+            raise ValueError(f"{name}: got shape {array.shape}, must be {(len(unit), width)}")
+    inertia = moments[:, 2]
+    with np.errstate(all="ignore"):
+        factor = inertia / unit
+    good = (factor >= spins.SMALLEST) & (factor <= spins.HIGHEST * (1.0 + 1e-6))
+    if d == 3:
+        good &= (moments == inertia[:, None]).all(axis=1)
+    if not good.all():
+        if p.any() and moments.any():
+            bad = int(np.argmin(good))
+            raise ValueError(
+                f"moment_inertia[{bad}]: got {moments[bad].tolist()}, must be q m R² about all axes for particles that "
+                f"spin, q in [{spins.SMALLEST:g}, {spins.HIGHEST:g}]"
+            )
+        return {}
+    # The vector part of p q*/2 is L along the axes of the box. The length of q is only nearly 1.
+    vector = q[:, :1] * p[:, 1:] - p[:, :1] * q[:, 1:] - np.cross(p[:, 1:], q[:, 1:])
+    with np.errstate(all="ignore"):  # the system refuses what is not finite
+        turning = 0.5 * vector / (q * q).sum(axis=1)[:, None] / inertia[:, None]
+    return {
+        "angular_velocities": turning if d == 3 else turning[:, 2].copy(),
+        "inertia_factor": np.minimum(factor, spins.HIGHEST),
+    }

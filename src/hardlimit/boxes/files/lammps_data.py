@@ -3,6 +3,9 @@
 Numbers are in SI units, unless the first line names others, as that of LAMMPS' ``write_data`` does. The format has
 diameters and densities. Walls, gravity and shear belong to the input script of LAMMPS; we write them in the first line,
 which LAMMPS skips. A sheared box is tilted by the displacement of its images.
+
+LAMMPS' spheres have the moment of inertia 2/5 m R², and 1/2 m R² in two dimensions with the word ``disc`` of
+``fix nve/sphere``; the format has no other ones.
 """
 
 from __future__ import annotations
@@ -22,11 +25,12 @@ from ...contact.balls import ball_masses
 from ...support import validation
 from ...support.formatting import listed
 from ...support.units import SYSTEMS
-from .frame import Append, Floats, Found, Frame, boundary_of, read_table, three, write_rows
+from .. import spins
+from .frame import Append, Floats, Found, Frame, boundary_of, read_table, spins_of, three, write_rows
 
 _MARK: Final = re.compile(
     r"LAMMPS data file by hardlimit, SI units, dimension ([23]), boundary ([pfl ]+), gravity ([^,]+)"
-    r"(?:, shear rate (.+), displacement (.+))?"
+    r"(?:, shear rate ([^,]+), displacement ([^,]+))?(, spins)?"
 )
 
 
@@ -54,13 +58,28 @@ def _write(file: BinaryIO, frame: Frame, types: NDArray[np.int64]) -> None:
         raise ValueError("walls: got moving walls, must be none in LAMMPS data; .xyz and .gsd hold them")
     if frame.thermostat is not None:
         raise ValueError("thermostat: got one, must be none in LAMMPS data; .xyz and .gsd hold it")
+    turning = _spins(frame)
     file.write(_header(frame, int(types.max())).encode())
     density, n = densities(frame.mass, frame.radius), len(frame.mass)
     numbers = [f"{i} {kind}" for i, kind in enumerate(types.tolist(), 1)]
     file.write(b"\nAtoms # sphere\n\n")
     write_rows(file, numbers, 2.0 * frame.radius, density, three(frame.positions))
     file.write(b"\nVelocities\n\n")
-    write_rows(file, map(str, range(1, n + 1)), three(frame.velocities), np.zeros((n, 3)))
+    write_rows(file, map(str, range(1, n + 1)), three(frame.velocities), turning)
+
+
+def _spins(frame: Frame) -> Floats:
+    """Angular velocities (N, 3), of particles whose moment of inertia the format has."""
+    n, d = frame.positions.shape
+    if frame.angular_velocities is None or frame.inertia_factor is None:
+        return np.zeros((n, 3))
+    other = frame.inertia_factor != spins.SOLID[d]
+    if other.any():
+        raise ValueError(
+            f"inertia_factor: got {frame.inertia_factor[int(np.argmax(other))]:.16g}, must be {spins.SOLID[d]:g} in "
+            f"{d} dimensions in LAMMPS data; .xyz and .gsd hold others"
+        )
+    return spins.for_core(frame.angular_velocities)
 
 
 def _header(frame: Frame, types: int) -> str:
@@ -72,7 +91,8 @@ def _header(frame: Frame, types: int) -> str:
         axis, rate, shift = shear
         sides[axis], flow = "l", f", shear rate {rate!r}, displacement {shift!r}"
     lines = [
-        f"LAMMPS data file by hardlimit, SI units, dimension {d}, boundary {' '.join(sides)}, gravity {gravity}{flow}",
+        f"LAMMPS data file by hardlimit, SI units, dimension {d}, boundary {' '.join(sides)}, gravity {gravity}{flow}"
+        + ("" if frame.angular_velocities is None else ", spins"),
         "",
         f"{len(frame.positions)} atoms",
         f"{types} atom types",
@@ -127,6 +147,11 @@ def read(path: Path, frame: int) -> Found:
         "density": _scaled(atoms[:, 3], mass / length**3),
         "box": _scaled(limits[:d, 1] - limits[:d, 0], length),
     }
+    turning = speeds[:, 4:7]
+    if bool(mark and mark[6]) or np.any(turning):
+        if turning.shape[1] == 0:
+            raise ValueError("Velocities: got 4 columns, must be 7 for particles with spins")
+        arguments["angular_velocities"] = _scaled(spins_of(turning, d), 1 / time)
     return arguments | _from_mark(mark, d), 0.0
 
 
