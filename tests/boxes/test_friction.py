@@ -1,10 +1,7 @@
-"""Laws with friction in the time-stepping engine (tests/boxes/friction.cpp)."""
+"""Laws with friction in the time-stepping engine."""
 
 import json
 import math
-import subprocess
-from collections.abc import Callable
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,15 +9,14 @@ import pytest
 from numpy.typing import ArrayLike, NDArray
 
 import hardlimit as hl
-from box_engines import compiled
 from conftest import DATA
+from hardlimit import _core
+from hardlimit.boxes.contacts import law_arguments
 from hardlimit.contact.friction import LIMITS, MODELS
 from hardlimit.contact.impact import tangential_restitution
 
-pytestmark = pytest.mark.slow  # the program takes seconds to compile
-
 CASES = json.loads((DATA / "friction.json").read_text(encoding="utf-8"))["newton"]
-LINEAR, VISCOELASTIC, TSUJI, FRICTIONLESS = range(4)
+LINEAR, VISCOELASTIC, TSUJI = range(3)
 SPHERE = 2 / 5
 
 
@@ -60,23 +56,25 @@ class Run(NamedTuple):
         return float(max(linear, radius * np.abs(self.spins[-1] - other.spins[-1]).max()))
 
 
-Solve = Callable[..., Run]
+LAWS: dict[int, tuple[type[hl.Law], tuple[str, ...]]] = {
+    LINEAR: (hl.LinearDashpot, ("stiffness", "restitution")),
+    VISCOELASTIC: (hl.Viscoelastic, ("youngs_modulus", "poisson_ratio", "dissipative_time")),
+    TSUJI: (hl.Tsuji, ("elastic_prefactor", "restitution")),
+}
 
 
-@pytest.fixture(scope="module")
-def solve(tmp_path_factory: pytest.TempPathFactory) -> Solve:
-    program = compiled("friction", tmp_path_factory.mktemp("friction"))
+def law_with(law: tuple[float, ...], friction: dict[str, Any]) -> hl.Law:
+    """``friction`` has the parameters of ``hl.Friction``; without them nothing is rough."""
+    kind, *values = law
+    law_class, names = LAWS[int(kind)]
+    parameters: dict[str, Any] = dict(zip(names, values, strict=True))
+    if friction:
+        given = {key: value for key, value in friction.items() if value or key != "damping"}
+        parameters["friction"] = hl.Friction(**given)
+    return law_class(**parameters)
 
-    def run(
-        law: tuple[float, ...], friction: dict[str, Any], box: Box, grains: list[Grain], **how: Any
-    ) -> Run:
-        return solution(program, law, friction, box, grains, **how)
 
-    return run
-
-
-def solution(
-    program: Path,
+def solve(
     law: tuple[float, ...],
     friction: dict[str, Any],
     box: Box,
@@ -88,39 +86,51 @@ def solution(
     threads: int = 1,
     pause: int = 2**40,
 ) -> Run:
-    """The run of these grains. ``friction`` has the parameters of ``hl.Friction``; without them nothing is rough."""
-    d, n = len(box.edge), len(grains)
-    values: list[float] = [*law, *[0.0] * (4 - len(law)), friction.get("coefficient", 0.0)]
-    values += [MODELS.index(friction.get("model", "spring")), LIMITS.index(friction.get("limit", "total"))]
-    names = ("stiffness_ratio", "stiffness", "damping_ratio", "damping")
-    values += [*(friction.get(name, math.nan) for name in names), d]
-    walled = {"periodic": 1.0, "wall": 2.0}
-    for three in (box.edge, [walled[side] for side in box.boundary[:d]], box.gravity[:d]):
-        values += [*three, *[0.0] * (3 - d)]
-    values.append(n)
-    for grain in grains:
-        values += [grain.radius, grain.mass, grain.inertia_factor]
-        values += [*np.ravel(grain.position), *np.ravel(grain.velocity), *np.ravel(grain.spin)]
-    values += [step, until, samples, threads, pause]
-    words = " ".join(repr(float(value)) for value in values)
-    output = subprocess.run([program], input=words, capture_output=True, text=True, check=True).stdout
-    rows = np.array([line.split() for line in output.splitlines()], float)
-    positions, velocities = rows[:, : 2 * n * d].reshape(-1, 2, n, d).swapaxes(0, 1)
-    spins = rows[:, 2 * n * d : -3].reshape(-1, n, 3)
-    mass = np.array([grain.mass for grain in grains])
-    inertia = mass * [grain.inertia_factor * grain.radius**2 for grain in grains]
-    kinetic = 0.5 * ((velocities**2).sum(-1) @ mass + (spins**2).sum(-1) @ inertia)
-    return Run(positions, velocities, spins, kinetic + rows[:, -3] + rows[:, -1], rows[:, -2])
+    """The run of these grains. With several threads it is saved and loaded at each sample."""
+    positions, velocities = (
+        np.array([getattr(g, name) for g in grains], float) for name in ("position", "velocity")
+    )
+    radius, mass, factor = (
+        np.array([getattr(g, name) for g in grains]) for name in ("radius", "mass", "inertia_factor")
+    )
+    d = len(box.edge)
+    engine = _core.make_engine(
+        "newton_steps",
+        _core.Box(list(box.edge), list(box.boundary[:d]), list(box.gravity[:d])),
+        positions,
+        velocities,
+        radius,
+        mass,
+        spins=np.array([g.spin for g in grains], float),
+        inertia_factor=factor,
+        law=law_arguments(law_with(law, friction)),
+        time_step=step,
+    )
+    states, sums = [], []
+    for k in range(samples + 1):
+        engine.advance(until * k / samples, pause, threads)
+        while engine.paused:
+            engine.advance(until * k / samples, pause, threads)
+        assert engine.outcome == "ok"
+        spins = engine.spins() if engine.rotates else np.zeros((len(grains), 3))
+        states.append((*engine.state(), spins))
+        sums.append(engine.observe())
+        if threads > 1:
+            engine = _core.load_engine("newton_steps", engine.save())
+    kinds = ("kinetic_energy", "potential_energy", "contact_energy", "rotational_energy")
+    energy = np.array([sum(now.get(kind, 0.0) for kind in kinds) for now in sums])
+    dissipated = np.array([now["dissipated_energy"] for now in sums])
+    return Run(*(np.array(values) for values in zip(*states, strict=True)), energy, dissipated)
 
 
-def test_a_coefficient_of_zero_threads_and_checkpoints_change_no_bit(solve: Solve) -> None:
+def test_a_coefficient_of_zero_threads_and_checkpoints_change_no_bit() -> None:
     random = np.random.default_rng(1)
     place = (np.indices((8, 8, 8)).reshape(3, -1).T + 0.5) * 0.023
     grains = [Grain(0.01, 0.01, x, random.normal(size=3)) for x in place]
     box = Box((8 * 0.023,) * 3, ("periodic", "wall", "periodic"), (0.0, -9.81, 0.0))
     how = {"step": 2e-6, "until": 0.01, "samples": 4}
-    plain = solve((FRICTIONLESS, 1e5, 0.8), {}, box, grains, **how)
-    rough = {"stiffness_ratio": 0.8, "damping_ratio": 0.5}
+    plain = solve((LINEAR, 1e5, 0.8), {}, box, grains, **how)
+    rough = {"coefficient": 0.0, "stiffness_ratio": 0.8, "damping_ratio": 0.5}
     smooth = solve((LINEAR, 1e5, 0.8), rough, box, grains, **how)
     assert plain.differences(smooth) == 0 and (plain.dissipated == smooth.dissipated).all()
     rough["coefficient"] = 0.5
@@ -130,7 +140,7 @@ def test_a_coefficient_of_zero_threads_and_checkpoints_change_no_bit(solve: Solv
 
 
 @pytest.mark.parametrize("inertia_factor", [SPHERE, 2 / 3])
-def test_a_sliding_sphere_begins_to_roll(solve: Solve, inertia_factor: float) -> None:
+def test_a_sliding_sphere_begins_to_roll(inertia_factor: float) -> None:
     """It slides with u0 − μ g t and rolls with u0/(1 + q), for a sphere 5/7 u0, from t = q u0/((1 + q) μ g) on."""
     radius, mass, g, mu, u0, stiffness = 0.01, 0.01, 9.81, 0.3, 0.5, 1e5
     sunk = mass * g / stiffness
@@ -149,7 +159,7 @@ def test_a_sliding_sphere_begins_to_roll(solve: Solve, inertia_factor: float) ->
     assert np.ptp(run.energy + run.dissipated) <= 1e-8 * run.energy[0]
 
 
-def test_grains_that_roll_on_each_other_feel_no_friction(solve: Solve) -> None:
+def test_grains_that_roll_on_each_other_feel_no_friction() -> None:
     """Chung & Ooi 2011, test 8: an equal pair with opposite spins."""
     spin = np.array([0.0, 300.0, -500.0])
     grains = [
@@ -159,7 +169,7 @@ def test_grains_that_roll_on_each_other_feel_no_friction(solve: Solve) -> None:
     how = {"step": 1e-6, "until": 6e-4}
     rough = {"coefficient": 0.5, "stiffness_ratio": 0.8, "damping_ratio": 1.0}
     run = solve((LINEAR, 2000.0, 0.8), rough, Box((0.02,) * 3), grains, **how)
-    plain = solve((FRICTIONLESS, 2000.0, 0.8), {}, Box((0.02,) * 3), grains, **how)
+    plain = solve((LINEAR, 2000.0, 0.8), {}, Box((0.02,) * 3), grains, **how)
     assert (run.velocities[-1] == plain.velocities[-1]).all()
     assert (run.spins[-1] == [spin, -spin]).all()
 
@@ -227,8 +237,9 @@ each_setting = pytest.mark.parametrize("name", SETTINGS)
 DURATION = 1.2e-4  # of a contact, about [s]
 
 
+@pytest.mark.slow
 @each_setting
-def test_momenta_and_energy_of_a_pair(solve: Solve, name: str) -> None:
+def test_momenta_and_energy_of_a_pair(name: str) -> None:
     """Both momenta to rounding; energy with rotation, springs and what is dissipated to second order in the step, also
     during the contact."""
     errors = []
@@ -253,7 +264,7 @@ def test_momenta_and_energy_of_a_pair(solve: Solve, name: str) -> None:
 
 
 @each_setting
-def test_a_common_velocity_changes_nothing(solve: Solve, name: str) -> None:
+def test_a_common_velocity_changes_nothing(name: str) -> None:
     """Galilean invariance. The grains cross cells, so that the contact is listed in both orders of its bodies."""
     common = np.array([40.0, -25.0, 30.0])
     for seed in range(3):
@@ -265,8 +276,9 @@ def test_a_common_velocity_changes_nothing(solve: Solve, name: str) -> None:
         assert carried.error(rest, 1e-3) <= 1e-9
 
 
+@pytest.mark.slow
 @each_setting
-def test_order_of_convergence(solve: Solve, name: str) -> None:
+def test_order_of_convergence(name: str) -> None:
     """Second order, also where slip begins or ends. A limit on the spring alone makes a damped force jump there: first
     order."""
     errors = []
@@ -289,7 +301,7 @@ def vectors(angular_velocities: list[Any]) -> NDArray[np.float64]:
     return values if values.ndim == 2 else np.pad(values[:, None], ((0, 0), (2, 0)))
 
 
-def case_run(solve: Solve, case: dict[str, Any], steps: int) -> Run:
+def case_run(case: dict[str, Any], steps: int) -> Run:
     """A reference case with this number of steps per contact."""
     rows = zip(
         case["radius"],
@@ -308,12 +320,13 @@ def case_run(solve: Solve, case: dict[str, Any], steps: int) -> Run:
     return solve(law, friction, box, grains, step=duration / steps, until=case["until"])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", range(len(CASES)), ids=[case["kind"] for case in CASES])
-def test_halved_steps_converge_to_an_independent_solution(solve: Solve, number: int) -> None:
+def test_halved_steps_converge_to_an_independent_solution(number: int) -> None:
     case = CASES[number]
     end, errors = vectors(case["end_angular_velocities"]), []
     for steps in (50, 400):
-        run = case_run(solve, case, steps)
+        run = case_run(case, steps)
         surface = np.array(case["radius"])[:, None] * (run.spins[-1] - end)
         moved = np.abs(run.positions[-1] - case["end_positions"]).max() / min(case["radius"])
         slower = np.abs(run.velocities[-1] - case["end_velocities"]).max()
@@ -330,7 +343,7 @@ def test_halved_steps_converge_to_an_independent_solution(solve: Solve, number: 
     ids=["no spring", "mindlin"],
 )
 def test_a_sphere_that_slides_throughout(
-    solve: Solve, law: tuple[float, ...], friction: dict[str, Any], restitution: float
+    law: tuple[float, ...], friction: dict[str, Any], restitution: float
 ) -> None:
     """LAMMPS' own test of an oblique impact: v_x − μ (1 + e) v_z, spin (5/2) μ (1 + e) v_z/R."""
     radius, mu, v_x, v_z = 1e-3, 0.3, 2.0, 0.5
@@ -346,16 +359,7 @@ def test_a_sphere_that_slides_throughout(
 
 
 def law_of(name: str) -> hl.Law:
-    (kind, *values), rough = SETTINGS[name]
-    friction = hl.Friction(**{key: value for key, value in rough.items() if value or key != "damping"})
-    names: dict[float, tuple[Any, tuple[str, ...]]] = {
-        LINEAR: (hl.LinearDashpot, ("stiffness", "restitution")),
-        VISCOELASTIC: (hl.Viscoelastic, ("youngs_modulus", "poisson_ratio", "dissipative_time")),
-        TSUJI: (hl.Tsuji, ("elastic_prefactor", "restitution")),
-    }
-    law_class, parameters = names[kind]
-    law: hl.Law = law_class(**dict(zip(parameters, values, strict=True)), friction=friction)
-    return law
+    return law_with(*SETTINGS[name])
 
 
 def exact(name: str, ball: hl.Ball, speed: float, sliding: ArrayLike) -> NDArray[np.float64]:
@@ -375,8 +379,9 @@ def exact(name: str, ball: hl.Ball, speed: float, sliding: ArrayLike) -> NDArray
     )
 
 
+@pytest.mark.slow
 @each_setting
-def test_halved_steps_converge_to_the_exact_contact_at_a_wall(solve: Solve, name: str) -> None:
+def test_halved_steps_converge_to_the_exact_contact_at_a_wall(name: str) -> None:
     """A wall does not turn: β over the angle of impact."""
     ball, speed = hl.Ball(1e-3, mass=1e-5, inertia_factor=0.5), 0.5
     sliding = speed * np.tan(np.radians([5.0, 20.0, 40.0, 55.0, 65.0, 80.0]))
@@ -396,8 +401,9 @@ def test_halved_steps_converge_to_the_exact_contact_at_a_wall(solve: Solve, name
     assert fine < (2e-3 if jumps else 5e-5) and fine < (0.5 if jumps else 0.12) * coarse
 
 
+@pytest.mark.slow
 @each_setting
-def test_halved_steps_converge_to_the_exact_contact_of_pairs(solve: Solve, name: str) -> None:
+def test_halved_steps_converge_to_the_exact_contact_of_pairs(name: str) -> None:
     """Unequal grains with spins in three dimensions, whose normal turns; positions, velocities, and spins."""
     law, until, errors = law_of(name), 3e-4, []
     for seed in range(3):
@@ -423,3 +429,68 @@ def test_halved_steps_converge_to_the_exact_contact_of_pairs(solve: Solve, name:
     coarse, fine = np.reshape(errors, (-1, 2)).mean(axis=0)
     jumps = "spring 0.02" in name
     assert fine < (3e-3 if jumps else 5e-5) and fine < (0.4 if jumps else 0.12) * coarse
+
+
+def oblique_pair(law: hl.Law, speed: float, sliding: float) -> hl.ParticleSystem:
+    """Two equal spheres that touch soon, head-on; only their spins make the surfaces slide."""
+    x = np.array([[10e-3, 10e-3, 10e-3], [12e-3 + 2e-10, 10e-3, 10e-3]])
+    v, spins = [[0.0, 0.0, 0.0], [-speed, 0.0, 0.0]], np.full((2, 3), [0.0, 0.0, 0.5 * sliding / 1e-3])
+    return hl.ParticleSystem(x, v, 1e-3, mass=1e-5, box=0.02, angular_velocities=spins)
+
+
+def random_contact(random: np.random.Generator) -> tuple[hl.Law, float]:
+    """A law with friction, and tan γ of an impact."""
+    restitution, friction = random.uniform(0.3, 1.0), {"coefficient": 10.0 ** random.uniform(-1.3, 0.5)}
+    tangent = math.tan(random.uniform(0.02, 1.5))
+    if random.random() < 0.5:
+        ratio = 10.0 ** random.uniform(-1.0, 1.0)
+        return hl.LinearDashpot(
+            stiffness=1e5, restitution=restitution, friction=hl.Friction(**friction, stiffness_ratio=ratio)
+        ), tangent
+    return hl.Tsuji(
+        youngs_modulus=1e8, poisson_ratio=0.3, restitution=restitution, friction=hl.Friction(**friction)
+    ), tangent
+
+
+def logged_restitution(
+    law: hl.Law, tangent: float, how: dict[str, float]
+) -> tuple[float, float, hl.ContactResult]:
+    """β in the log of a run with this time step or error, that of the exact contact, and the run."""
+    speed, ball = 1e-3, hl.Ball(1e-3, mass=1e-5)
+    contact = law.between(ball, ball)
+    exact = float(contact.tangential_restitution(math.atan(tangent), speed))
+    system = oblique_pair(law, speed, speed * tangent)
+    run = hl.molecular_dynamics(
+        system, law=law, until=3.0 * float(contact.duration(speed)), engine="steps", log=True, **how
+    )
+    return float(run.contacts.tangential_restitution[0]), exact, run
+
+
+def test_the_log_has_the_tangential_restitution() -> None:
+    random = np.random.default_rng(3)
+    for _ in range(12):
+        law, tangent = random_contact(random)
+        ball = hl.Ball(1e-3, mass=1e-5)
+        step = float(law.between(ball, ball).duration(1e-3)) / 300
+        logged, exact, run = logged_restitution(law, tangent, {"time_step": step})
+        assert logged == pytest.approx(exact, abs=5e-4)
+        row = run.contacts.isel(contact=0)
+        assert float(row.tangential_speed) == pytest.approx(1e-3 * tangent, rel=1e-6) and bool(row.slid)
+        series = run.series
+        lost = 0.5 * 1e-5 / 7.0 * (1e-3 * tangent) ** 2 * (1.0 - logged**2)  # m_t = m_n/κ
+        assert run.samples["friction_loss"][-1] == pytest.approx(lost, rel=1e-3)
+        assert (run.samples["friction_loss"] <= series["dissipated_energy"] * (1 + 1e-12) + 1e-25).all()
+        assert run.samples["tangential_energy"][0] == run.samples["tangential_energy"][-1] == 0.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("error", [1e-3, 1e-4])
+def test_the_step_suits_the_tangential_spring(error: float) -> None:
+    """Where slip ends or begins the error of β may be several times that of ε."""
+    random = np.random.default_rng(4)
+    errors = []
+    for _ in range(60):
+        law, tangent = random_contact(random)
+        logged, exact, _ = logged_restitution(law, tangent, {"restitution_error": error})
+        errors.append(abs(logged - exact))
+    assert max(errors) < 10.0 * error and np.mean(errors) < error

@@ -254,7 +254,8 @@ def test_without_a_spring_slip_is_never_reversed(
     friction = hl.Friction(coefficient, model="none", damping=ratio)
     impact = wall_contact(friction, restitution=restitution).impact(1.0, tan)
     assert -1.0 <= impact.tangential_restitution <= 0.0
-    assert abs(impact.impulse_ratio) <= coefficient * (1.0 + 1e-12)
+    # The impulse is the change of the slip velocity, which has the rounding error of that velocity.
+    assert abs(impact.impulse_ratio) <= coefficient * (1.0 + 1e-12) + 1e-15 * tan
 
 
 # ---- independent integrations ------------------------------------------------------------------------------

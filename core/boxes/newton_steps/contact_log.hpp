@@ -29,15 +29,16 @@ public:
         ++pairs_;
         t.overlapped = add_contact(t.second, t.overlaps_second) || t.overlapped;
     }
-    void end(const ContactBegin& t, double time, double separation_speed) {
-        const ContactRecord row = record(t, time, separation_speed);
+    void end(const ContactBegin& t, double time, double separation_speed, const Sliding& sliding) {
+        const ContactRecord row = record(t, time, separation_speed, sliding);
         ++ended_;
         overlapped_ += row.overlapped;
         --bodies_[static_cast<std::size_t>(t.first)].open;
         if (t.second >= 0) --bodies_[static_cast<std::size_t>(t.second)].open;
         if (keep_) rows_.push_back(row);
     }
-    ContactRecord record(const ContactBegin& t, double end, double separation_speed) const {
+    ContactRecord record(const ContactBegin& t, double end, double separation_speed,
+                         const Sliding& sliding) const {
         const bool overlapped = t.overlapped || overlaps(t.first) != t.overlaps_first ||
                                 (t.second >= 0 && overlaps(t.second) != t.overlaps_second);
         const bool in_order = t.second < 0 || t.first < t.second;
@@ -47,7 +48,10 @@ public:
                 in_order ? t.second : t.first,
                 t.impact_speed,
                 separation_speed,
-                overlapped};
+                overlapped,
+                sliding.slid,
+                sliding.speed,
+                sliding.restitution};
     }
     std::vector<ContactRecord> take() { return std::exchange(rows_, {}); }
 
@@ -99,7 +103,7 @@ void log_events(std::vector<Slab<Law>>& slabs, ContactLog& log) {
         } else {
             const bool logged = e.begin_event < 0;
             log.end(logged ? e.contact : event(std::pair(where.first, e.begin_event)).contact, e.time,
-                    e.separation_speed);
+                    e.separation_speed, e.sliding);
         }
     }
     for (Slab<Law>& s : slabs) s.events.clear();

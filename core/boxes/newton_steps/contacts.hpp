@@ -19,6 +19,12 @@ struct ContactBegin {
     std::uint32_t overlaps_first, overlaps_second;  // overlap counts at the begin (ContactLog)
 };
 
+// Friction of a contact, for the log.
+struct Sliding {
+    bool slid = false;
+    double speed = math::nan, restitution = math::nan;  // as in ContactRecord
+};
+
 // Two bodies, or a body and a wall, that overlap. They are in contact while their force is repulsive.
 template <class Law>
 struct Contact : ContactBegin, ContactForce {  // the force of the last step
@@ -39,6 +45,18 @@ struct Contact : ContactBegin, ContactForce {  // the force of the last step
     [[no_unique_address]] ContactFriction<Law> friction;
 };
 
+// Friction of a contact that ends with this tangential velocity of its surfaces [m/s], or lasts.
+template <class Law>
+Sliding sliding(const Contact<Law>& c, Double4 last = Double4{math::nan, math::nan, math::nan, 0.0}) {
+    if constexpr (FrictionalLaw<Law>) {
+        const Double4 first = c.friction.first_velocity;
+        const double square = dot(first, first);
+        return {c.friction.slid, math::sqrt(square), -dot(first, last) / square};
+    } else {
+        return {};
+    }
+}
+
 // The begin or the end of a contact between two steps. It is logged after several steps, when the slot of the contact
 // may have been reused.
 struct ContactEvent {
@@ -49,6 +67,7 @@ struct ContactEvent {
     bool begins;
     double separation_speed;   // [m/s]
     std::int32_t begin_event;  // of an end: index of the begin among the events, −1 if already logged
+    Sliding sliding{};         // of an end
 
     std::tuple<std::uint64_t, double, std::int32_t, std::int32_t> order() const {
         return {step, time, contact.first, contact.second};

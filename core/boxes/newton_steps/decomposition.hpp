@@ -18,8 +18,8 @@ public:
     std::vector<Slab<Law>> slabs;
     CellLayers grid;
     // Sums over contacts up to the last list build.
-    double dissipated = 0.0, wall_work = 0.0, shear_work = 0.0;  // [J]
-    SymmetricTensor virial;                                      // [J s]
+    double dissipated = 0.0, friction_loss = 0.0, wall_work = 0.0, shear_work = 0.0;  // [J]
+    SymmetricTensor virial;                                                           // [J s]
     WallSums given_to_walls;
 
     Decomposition(const Box& box, const PairLaws<Law>& laws, std::size_t n) : box_(box), sort_(n) {
@@ -145,7 +145,7 @@ public:
         archive(bodies.position), archive(bodies.velocity), archive(bodies.tag), archive(bodies.acceleration);
         if constexpr (FrictionalLaw<Law>) archive(bodies.spin), archive(bodies.angular_acceleration);
         archive(sort_.reference()), archive(grid), archive(start_), archive(skin_), archive(lists_);
-        archive(dissipated), archive(wall_work), archive(shear_work), archive(virial);
+        archive(dissipated), archive(friction_loss), archive(wall_work), archive(shear_work), archive(virial);
         archive(largest_compression_);
         archive(listed_at_), archive(given_to_walls);
         std::size_t count = slabs.size();
@@ -203,7 +203,8 @@ private:
                         saved_angular_accelerations_.push_back({i, bodies.angular_acceleration[i]});
                 }
             given_to_walls += s.given_to_walls;
-            dissipated += s.dissipated, wall_work += s.wall_work, shear_work += s.shear_work;
+            dissipated += s.dissipated, friction_loss += s.friction_loss;
+            wall_work += s.wall_work, shear_work += s.shear_work;
             virial += s.virial;
         }
     }

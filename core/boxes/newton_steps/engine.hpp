@@ -99,8 +99,9 @@ public:
         }
     }
     Observation observe() const override {
-        Observation o =
-            steps::observe(box_, domain_, time_, [this](std::size_t i) { return velocity_of(i); });
+        Observation o = steps::observe(
+            box_, domain_, time_, [this](std::size_t i) { return velocity_of(i); },
+            [this](std::size_t i) { return spin_of(i); });
         o.begun = log_.begun(), o.pairs = log_.pairs(), o.ended = log_.ended();
         o.overlapped = log_.overlapped();
         return o;
@@ -109,9 +110,11 @@ public:
     bool rotates() const override { return FrictionalLaw<Law>; }
     void spins(double* spin) const override {
         if constexpr (FrictionalLaw<Law>)
-            for (std::size_t i = 0; i < bodies_.count(); ++i)
+            for (std::size_t i = 0; i < bodies_.count(); ++i) {
+                const Double4 of = spin_of(i);
                 for (std::size_t axis = 0; axis < 3; ++axis)
-                    spin[3 * std::size_t{bodies_.tag[i].original_index} + axis] = bodies_.spin[i][axis];
+                    spin[3 * std::size_t{bodies_.tag[i].original_index} + axis] = of[axis];
+            }
     }
     bool contacts_have_duration() const override { return true; }
 
@@ -123,7 +126,7 @@ public:
         for (const Slab& s : slabs_)
             for (const Contact& c : s.contacts)
                 if (c.index_first != steps::no_body && c.in_contact)
-                    rows.push_back(log_.record(c, math::nan, math::nan));
+                    rows.push_back(log_.record(c, math::nan, math::nan, sliding(c)));
         std::ranges::sort(rows, {}, &ContactRecord::begin);
         return rows;
     }
@@ -199,6 +202,10 @@ private:
         if (!paused_) return bodies_.velocity[i];
         return bodies_.velocity[i] +
                (bodies_.acceleration[i].at(now_.step) + gravity_of(box_)) * (0.5 * plan_.h);
+    }
+    Double4 spin_of(std::size_t i) const {
+        if (!paused_) return bodies_.spin[i];
+        return bodies_.spin[i] + bodies_.angular_acceleration[i].at(now_.step) * (0.5 * plan_.h);
     }
     void include_speed(std::size_t i) {
         const Double4 v = velocity_from_flow(box_, bodies_, i);

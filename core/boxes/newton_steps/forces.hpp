@@ -153,14 +153,12 @@ private:
         const ContactForce f = is_new ? force_at_onset(c.law, compression, rate, inverse_mass(m), c.onset)
                                       : contact_force(c.law, compression, rate, own);
         const double excess = compression - math::max(0.0, c.law.slack(f.rate).depth);
-        if ((f.force > 0.0) != c.in_contact) {
-            add_event(slab, slot, c, m, excess, is_new);
-            c.in_contact = f.force > 0.0;
-        }
+        if ((f.force > 0.0) != c.in_contact) add_event(slab, slot, c, m, excess, is_new);
         if (now_.velocity_lag > 0.0)
             add_loss(slab, c, is_new ? dissipated_at_onset(c.law, f, c.onset) : dissipated(c, f, m));
         [[maybe_unused]] Double4 correction;
         if constexpr (FrictionalLaw<Law>) correction = update_friction(slab, c, m, f.force, excess, is_new);
+        c.in_contact = f.force > 0.0;
         c.index_first = m.first, c.index_second = m.second;
         c.normal = m.normal, c.distance = m.distance;
         c.wall_velocity = m.wall_velocity, c.image_velocity = m.image_velocity;
@@ -347,10 +345,14 @@ private:
         before.turn(c.normal, m.normal);
         const Slide moved = slide(m, before, since, is_new);
         const double stored_before = before.energy(c.law, c.compression);
-        if (is_new)
-            before =
-                friction_at_touch(c.law, sliding_velocity(m, since, now_.velocity_lag - since), c.onset.rate);
+        const bool begins = normal_force > 0.0 && !c.in_contact, ends = c.in_contact && !(normal_force > 0.0);
+        const Double4 first = is_new   ? sliding_velocity(m, since, now_.velocity_lag - since)
+                              : begins ? moved.velocity
+                                       : before.first_velocity;
+        const bool slid = before.slid && !begins;
+        if (is_new) before = friction_at_touch(c.law, first, c.onset.rate);
         c.friction = friction_force(c.law, before, moved, c.compression, compression, normal_force);
+        c.friction.first_velocity = first, c.friction.slid = slid || c.friction.slips;
         Double4 impulse = (before.force + c.friction.force) * (0.5 * since), correction{};
         if (is_new) {
             const auto onset = friction_onset(c.law, c.friction, c.onset, now_.h);
@@ -367,6 +369,9 @@ private:
         const double stored = c.friction.energy(c.law, compression) - stored_before;
         const double work = since > 0.0 ? -dot(impulse, moved.displacement) / since : 0.0;
         add_loss(slab, c, work - stored);
+        slab.friction_loss += work - stored;
+        if (ends)
+            slab.events.back().sliding = sliding(c, moved.velocity + correction * inverse_tangential_mass(m));
         return correction;
     }
     void apply_friction(Slab<Law>& slab, const Contact<Law>& c, Double4 correction) {

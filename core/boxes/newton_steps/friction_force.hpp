@@ -34,6 +34,8 @@ struct ContactFriction<Law> {
     Double4 force{};           // on the second body, −(T + γ_t g) [N]
     double touch_speed = 0.0;  // γ_t touch_speed is the force at touch unless the surfaces slip [m/s]
     bool slips = false;
+    bool slid = false;         // at any step
+    Double4 first_velocity{};  // of the surfaces at the begin [m/s], turned with the normal
 
     // ½T²/k_t [J]. With k_t that depends on the compression this is a definition; the dissipated energy is the rest.
     double energy(const Law& law, double compression) const {
@@ -43,8 +45,9 @@ struct ContactFriction<Law> {
     double length() const { return math::sqrt(dot(force, force)); }
     void turn(Double4 from, Double4 to) {
         elastic = turned(elastic, from, to), force = turned(force, from, to);
+        first_velocity = turned(first_velocity, from, to);
     }
-    void reverse() { elastic = -elastic, force = -force; }
+    void reverse() { elastic = -elastic, force = -force, first_velocity = -first_velocity; }
 };
 
 // Mean of k_t (a'/a)^m over a uniform change of the compression from ξ to ξ', where a' is the contact radius at the

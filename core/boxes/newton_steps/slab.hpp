@@ -30,8 +30,9 @@ struct alignas(64) Slab {
     std::vector<Impulse> impulses;  // on bodies of both
     std::vector<Impulse> turns;     // changes of their angular velocities [rad/s]; only with friction
     std::vector<ContactEvent> events;
-    double dissipated = 0.0, wall_work = 0.0, shear_work = 0.0;  // since the list was built [J]
-    WallSums given_to_walls;                                     // since the list was built
+    double dissipated = 0.0, friction_loss = 0.0, wall_work = 0.0,
+           shear_work = 0.0;               // since the list was built [J]
+    WallSums given_to_walls;               // since the list was built
     SymmetricTensor virial;                // ∫ Σ r⊗F dt of pairs, since the list was built [J s]
     double farthest = 0.0, fastest = 0.0;  // squares, relative to the mean flow [m²], [m²/s²]
     double largest_compression = 0.0;      // in units of the smaller radius, since the list was built
@@ -43,7 +44,7 @@ struct alignas(64) Slab {
         first_body = of_bodies, first_cell = of_cells;
         contacts.clear(), free_slots.clear(), freed_slots.clear(), events.clear();
         clear_step();
-        dissipated = wall_work = shear_work = farthest = fastest = largest_compression = 0.0;
+        dissipated = friction_loss = wall_work = shear_work = farthest = fastest = largest_compression = 0.0;
         virial = {};
         given_to_walls = {};
     }
@@ -52,7 +53,7 @@ struct alignas(64) Slab {
         archive(first_body), archive(last_body), archive(first_cell), archive(last_cell);
         archive(pairs), archive(walls), archive(contact_of_pair), archive(contact_of_wall);
         archive(contacts), archive(free_slots), archive(accelerated), archive(accelerated_next);
-        archive(dissipated), archive(wall_work), archive(shear_work), archive(virial);
+        archive(dissipated), archive(friction_loss), archive(wall_work), archive(shear_work), archive(virial);
         archive(given_to_walls), archive(largest_compression), archive(deepest);
     }
 };

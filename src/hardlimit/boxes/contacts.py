@@ -33,6 +33,11 @@ def checked_law(law: Any, smooth: str = "") -> Law:
     return checked_contact_law(law, smooth)
 
 
+def rubs(law: Law) -> bool:
+    """Whether grains under a law have friction."""
+    return law.friction is not None and law.friction.coefficient > 0.0
+
+
 def checked_system(system: Any) -> ParticleSystem:
     if not isinstance(system, ParticleSystem):
         raise ValueError(f"system: got {validation.shown(system)}, must be a ParticleSystem")

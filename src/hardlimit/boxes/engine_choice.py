@@ -13,7 +13,7 @@ from ..contact.contact import Law
 from ..support import validation
 from . import time_step
 from .box import AXES
-from .contacts import impact_temperature, mean_contact
+from .contacts import impact_temperature, mean_contact, rubs
 from .falling_frame import engine_arguments
 from .system import ROUNDING, ParticleSystem
 from .theory import Gas
@@ -56,7 +56,7 @@ def estimated(
 
     The costs and the three values of t_c ν are described in the notes of :func:`hardlimit.molecular_dynamics`.
     """
-    if law.friction is not None:
+    if rubs(law):
         return Choice("steps", "friction")
     try:
         check_box(system)
@@ -135,7 +135,7 @@ def of_bed(system: ParticleSystem, duration: float, restitution: float, until: f
 
 def check_friction(engine: str, law: Law) -> None:
     """Refuse engines that have no friction for a law with it."""
-    if law.friction is not None and engine not in ("auto", "steps"):
+    if rubs(law) and engine not in ("auto", "steps"):
         raise ValueError(f"engine: got {engine!r}, must be 'auto' or 'steps' for a law with friction")
 
 

@@ -69,7 +69,8 @@ def molecular_dynamics(
         Accepted error of ε, 1e-3 by default (steps and LAMMPS). With steps it also bounds the error of the energy
         balance at any instant, relative to the energy of the impact, and the error of positions after a contact,
         relative to the distance covered at impact speed during the contact. The time step is the longest one with this
-        error in isolated contacts of all kinds in the system at the expected speeds.
+        error in isolated contacts of all kinds in the system at the expected speeds. With friction the error of β is
+        of this size, and up to ten times as large where the surfaces change between stick and slip.
     time_step : float [s]
         Longest time step, instead of ``restitution_error`` (steps and LAMMPS). Give at most one of the two.
     threads : int, optional

@@ -10,8 +10,9 @@ import numpy as np
 
 from .. import _core
 from ..contact.contact import Law
+from ..contact.friction import FrictionTerms
 from ..support import validation
-from . import contacts
+from . import contacts, spins
 from .box import Box
 from .system import ParticleSystem
 from .theory import Gas
@@ -84,7 +85,26 @@ def _longest(
     for contact in contacts.of_kinds(system, law):
         for relative_speed in SPEEDS:
             step = min(step, longest_step(contact, relative_speed * tried, error))
+            step = min(step, _longest_of_friction(system, contact, relative_speed * tried, error))
     return step
+
+
+def _longest_of_friction(system: ParticleSystem, contact: _core.Contact, speed: float, error: float) -> float:
+    """The longest step with this error of β while the surfaces stick.
+
+    β is then cos ωt of the tangential spring, at the end t of the contact. Velocity Verlet makes ω larger by the factor
+    1 + (ω Δt)²/24, so that β changes by (ω Δt)² ωt/24 at most.
+    """
+    terms = FrictionTerms(*contact.friction_terms)
+    at = np.array([speed])
+    deepest, lasts = float(contact.compression(at)[0]), float(contact.duration(at)[0])
+    stiffness = terms.stiffness * deepest ** (0.25 * terms.stiffness_power)
+    if not (terms.coefficient > 0.0 and stiffness > 0.0):
+        return math.inf
+    factor = spins.solid(1, system.dimension) if system.inertia_factor is None else system.inertia_factor
+    tangential_mass = contact.effective_mass / (1.0 + 1.0 / float(factor.min()))
+    frequency = math.sqrt(stiffness / tangential_mass)
+    return math.sqrt(2.0 * VERLET * error / (frequency * lasts)) / frequency
 
 
 def _longest_at_walls(system: ParticleSystem, law: Law, error: float, longest: float) -> float:

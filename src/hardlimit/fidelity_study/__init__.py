@@ -12,7 +12,7 @@ from typing import Any, Final
 import numpy as np
 
 from ..boxes import engine_choice
-from ..boxes.contacts import checked_law, mean_contact, mean_grain
+from ..boxes.contacts import checked_law, mean_contact, mean_grain, rubs
 from ..boxes.rules import RULES
 from ..boxes.run import checked_samples
 from ..boxes.system import ParticleSystem
@@ -21,7 +21,6 @@ from ..contact.contact import Law
 from ..support import validation
 from ..support.progress import Report, reporter
 from . import statistics
-from .prediction import rubs
 from .replica import NEWTON, RESTITUTION_ERROR, Plan, digest
 from .result import RESOLUTION, Fidelity
 from .starts import Starts, box_of, checked_starts

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from ..boxes import theory
+from ..boxes.contacts import rubs
 from ..boxes.error_law import MEASURED_TC_NU, ErrorLaw, error_law, exponents, softness
 from ..boxes.rules import RULES
 from ..boxes.thermostats import RandomKicks
 from ..checking.expectation import SHEAR_BAR
-from ..contact.contact import Law
 from ..support.estimate import Estimate
 from .replica import NEWTON
 
@@ -102,11 +102,6 @@ def predicted(f: Fidelity, rule: str) -> Prediction:
     uncertain = float(np.mean([of_rule.error_bar(x) for x in at[:INTERVALS]]))
     value = reached / grown - 1.0 + lag
     return Prediction(value, math.hypot(uncertain, 0.5 * lag), extrapolated=of_rule.extrapolated)
-
-
-def rubs(law: Law) -> bool:
-    """Whether grains under a law have friction."""
-    return law.friction is not None and law.friction.coefficient > 0.0
 
 
 def contradicted(f: Fidelity, rule: str) -> bool:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from ..boxes.contacts import rubs
 from ..support.estimate import Estimate
 from ..support.formatting import at_least_two_digits, digits, listed, percent, percent_with_error
 from . import prediction
@@ -155,7 +156,7 @@ def numbers(f: Fidelity) -> str:
 
 def law_of_error(f: Fidelity) -> str:
     """The predictions of the law of the error as sentences, with a warning where they contradict the measurement."""
-    if prediction.rubs(f.plan.law):
+    if rubs(f.plan.law):
         return " The law of the error is not known with friction."
     measure = "granular_temperature" if f.driven else "cooling"
     predictions = {
