@@ -141,10 +141,12 @@ def _checked_friction(
         return None, None
     if missing:
         raise ValueError(
-            f"{missing[0]}: missing, must be given with {next(n for n in both if n not in missing)}"
+            f"{missing[0]}: missing, must be given with {next(n for n in both if n not in missing)}="
         )
     limits = {"lowest_allowed": True, "highest_allowed": True}
-    coefficient = validation.number("friction", friction, 0.0, math.inf, **limits)
+    coefficient = math.inf
+    if not (isinstance(friction, float) and friction == math.inf):
+        coefficient = validation.number("friction", friction, 0.0, lowest_allowed=True)
     return coefficient, validation.number(
         "tangential_restitution", tangential_restitution, -1.0, 1.0, **limits
     )

@@ -237,8 +237,8 @@ class GasJob:
             if key != FRICTION:
                 shown = validation.shown(value)
                 raise ValueError(f"{key}: got {shown}, must be left out without a contact law")
-        given = {key: value for key, value in self.friction.items() if key == FRICTION}
-        return {"restitution": RESTITUTION} | self.constant | parameters | given
+        coefficient = {key: value for key, value in self.friction.items() if key == FRICTION}
+        return {"restitution": RESTITUTION} | self.constant | parameters | coefficient
 
     def _refuse_friction_of_rule(self) -> None:
         """Refuse friction of the constant rule in a job file whose options give a law."""

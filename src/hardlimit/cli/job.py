@@ -38,9 +38,23 @@ class Entry:
         kind: toml.Kind = toml.whole if self.kind is int else toml.text
         if self.unit is not None:
             kind = toml.quantity(self.unit)
-        if self.word and value == self.word:
-            return value
+        if self.word:
+            kind = _or_word(kind, self.word)
         return toml.one_or_list_of(kind)(name, value) if self.many else kind(name, value)
+
+
+def _or_word(kind: toml.Kind, word: str) -> toml.Kind:
+    """A check that accepts a word, too."""
+
+    def check(name: str, value: Any) -> Any:
+        if value == word:
+            return value
+        try:
+            return kind(name, value)
+        except ValueError as error:
+            raise ValueError(f"{error}, or {word!r}") from None
+
+    return check
 
 
 def entry_options(entries: Iterable[Entry]) -> Callable[[F], F]:

@@ -31,7 +31,12 @@ class Quantity(click.ParamType[Any]):
 
     def read(self, option: str, text: str) -> Any:
         """The value of the text that the user typed after ``option``."""
-        return text if self.word and text == self.word else units.number(option, text, self.unit)
+        if self.word and text == self.word:
+            return text
+        try:
+            return units.number(option, text, self.unit)
+        except ValueError as error:
+            raise ValueError(f"{error}, or {self.word}" if self.word else str(error)) from None
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         try:
