@@ -15,7 +15,8 @@ from ..contact.balls import Ball
 from ..contact.contact import Law
 from ..contact.contact import checked_law as checked_contact_law
 from ..support import validation
-from .box import Floats
+from ..support.formatting import listed
+from .box import AXES, Floats
 from .system import ParticleSystem
 
 Indices = NDArray[np.int64]
@@ -110,6 +111,17 @@ def impact_temperature(system: ParticleSystem) -> float:
     if "wall" in system.boundary:
         return 2.0 * system.kinetic_energy / (system.dimension * float(system.mass.sum()))
     return system.granular_temperature
+
+
+def refuse_fall_past_walls(system: ParticleSystem, has_friction: bool) -> None:
+    """Refuse walls with friction past which all particles fall: runs are computed in the frame that falls with them, in
+    which these walls would be at rest."""
+    if has_friction and "wall" in system.boundary and system.domain.common_fall.any():
+        axes = [axis for axis, g in zip(AXES, system.domain.common_fall.tolist(), strict=False) if g]
+        raise ValueError(
+            f"gravity: got a component along the periodic {listed(axes, 'and')}, must be none with friction at walls; "
+            "take walls along this axis, too"
+        )
 
 
 def refuse_too_soft(system: ParticleSystem, law: Law | None) -> None:

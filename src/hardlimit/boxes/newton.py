@@ -11,7 +11,7 @@ from ..support.formatting import listed
 from ..support.progress import Report, reporter
 from . import engine_choice
 from . import time_step as steps
-from .contacts import checked_law, checked_system, refuse_too_soft
+from .contacts import checked_law, checked_system, refuse_fall_past_walls, refuse_too_soft, rubs
 from .engines import ENGINES, NEWTON, Engine, NewtonSettings
 from .lammps import engine as lammps_engine
 from .lammps.folder import make_job
@@ -169,6 +169,7 @@ def start(
     time_step: float | None = None,
 ) -> Run:
     """Make a run that is not yet advanced, from checked arguments."""
+    refuse_fall_past_walls(system, rubs(settings.law))
     refuse_too_soft(system, settings.law)
     if time_step is not None and not until / time_step <= MAX_STEPS:
         raise ValueError(

@@ -12,7 +12,7 @@ from ..contact.contact import Law
 from ..contact.friction import Friction
 from ..contact.laws import LAWS
 from ..support import validation
-from .contacts import checked_law
+from .contacts import checked_law, rubs
 
 
 class Rule(NamedTuple):
@@ -82,6 +82,11 @@ class Settings:
     contact_duration: float | None  #: t_c of the rule tc [s]
     friction: float | None = None  #: coefficient of friction μ; None without, and if a law gives it
     tangential_restitution: float | None = None  #: β without sliding; None without ``friction``
+
+    @property
+    def has_friction(self) -> bool:
+        """Whether collisions change spins."""
+        return bool(self.friction) or (self.law is not None and rubs(self.law))
 
     def report(self) -> str:
         """One line for a table or an attribute, such as ``tc, restitution 0.8, contact duration 1e-05 s``."""

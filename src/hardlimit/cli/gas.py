@@ -450,17 +450,11 @@ def predictions(result: hl.ParticleResult) -> dict[str, float]:
     if e is not None:
         unit = "N/m" if system.dimension == 2 else "Pa"
         values[f"mean pressure [{unit}]"] = _mean(gas.pressure(temperature, e), time)
-        if _rubs(result):
+        if result.settings.has_friction:
             return values
         cooled = float(gas.cooling(np.array(result.time), float(temperature[0]), e))
         values["granular temperature at the end [m²/s²]"] = cooled
     return values
-
-
-def _rubs(result: hl.ParticleResult) -> bool:
-    """Whether collisions exchange energy with rotation."""
-    law = result.settings.law
-    return result.settings.friction is not None or (law is not None and law.friction is not None)
 
 
 def _mean(values: Any, time: Any) -> float:
@@ -477,7 +471,10 @@ def note(result: hl.ParticleResult) -> str:
     names = ["Enskog’s rate"]
     if e is not None:
         authors = "Carnahan and Starling" if result.system.dimension == 3 else "Henderson"
-        names += [f"{authors}’s pressure", *(["Haff’s law"] if e < 1.0 and not _rubs(result) else [])]
+        names += [
+            f"{authors}’s pressure",
+            *(["Haff’s law"] if e < 1.0 and not result.settings.has_friction else []),
+        ]
     return (
         f"Theory: {listed(names)}, with the measured temperatures in rate and pressure. A random start is not in "
         f"equilibrium: expect differences during the first {theory.RELAXED} collisions per particle."
