@@ -292,6 +292,13 @@ class _Result:
     def _loaded_values(cls, header: Mapping[str, Any]) -> dict[str, Any]:
         raise NotImplementedError
 
+    def _rotation(self) -> Iterator[tuple[str, float]]:
+        """Rows of the rotation at the end, if friction changes it."""
+        if "rotational_energy" in self.samples:
+            rotating, moving = self.system.rotational_temperature, self._change("granular_temperature")[1]
+            yield "rotational temperature at the end [m²/s²]", rotating
+            yield "temperature ratio θ at the end", rotating / moving if moving > 0.0 else math.nan
+
     def _change(self, name: str) -> tuple[float, float]:
         """The first and the last value of a recorded quantity."""
         return float(self.samples[name][0]), float(self.samples[name][-1])
@@ -417,6 +424,7 @@ class ParticleResult(_Result):
             ("collisions per particle", (2.0 * self.n_pairs + self.n_walls) / self.system.n),
             ("granular temperature at the start [m²/s²]", started),
             ("granular temperature at the end [m²/s²]", ended),
+            *self._rotation(),
         ]
         if lasted.sum() > 0.0:
             good, samples = lasted > 0.0, self._samples
@@ -567,6 +575,7 @@ class ContactResult(_Result):
             ("fraction that overlapped another contact in time", self.overlapped_share),
             ("granular temperature at the start [m²/s²]", started),
             ("granular temperature at the end [m²/s²]", ended),
+            *self._rotation(),
             ("dissipated energy [J]", self._change("dissipated_energy")[1]),
             *compression.rows(self.largest_compression),
             ("error of the energy balance", self.energy_error),
