@@ -96,7 +96,7 @@ def test_a_contact_is_found_in_its_overlaps(law, phase, cuts):
     for part in np.array_split(np.arange(n + 1), cuts):
         at = steps[np.isin(steps, part)]
         none = np.zeros(len(at), np.int64)
-        finder.add(overlaps.Overlaps(at, none, none + 1, depth[at], none > 0), int(part[-1]))
+        finder.add(overlaps.Overlaps(at, none, none + 1, depth[at], none > 0, 0.0 * none), int(part[-1]))
         if part[-1] < n:
             finder._search(int(part[-1]) - 1)
     log = contact_log.contacts(finder.begins, finder.ends)

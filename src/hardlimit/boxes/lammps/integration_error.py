@@ -7,10 +7,12 @@ LAMMPS' velocity Verlet evaluates the damping at the velocity half a step earlie
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any, Final
 
 import numpy as np
 
+from ...contact import impact
 from ...contact.contact import Floats
 from ...contact.friction import LIMITS, FrictionTerms
 
@@ -25,6 +27,7 @@ MARGIN: Final = 1.1  #: safety factor of this assumption
 TESTED: Final = np.array([1.0, 1.03, 1.07, 1.12, 1.2])  #: relative numbers of steps tested together
 #: Phases for the error of β, and the largest number of steps for which it is computed.
 FEW_PHASES: Final = PHASES[4::8]
+SLOW: Final = 0.03  #: tangential speed at which surfaces stick, over μ and the normal speed
 MAX_FRICTION_STEPS: Final = 400
 
 
@@ -58,7 +61,7 @@ def tangential_restitution(
     The elastic tangential force grows by k_t g Δt in each step, at the slip rate g of half a step earlier, and is then
     reduced to Coulomb's limit. Before, a change of the contact radius multiplies it.
     """
-    compression, rate = speed * time_step * FEW_PHASES[:, None], np.full((len(FEW_PHASES), 1), speed)
+    compression, rate = speed * time_step * FEW_PHASES, np.full(len(FEW_PHASES), speed)
     slip_rate = np.repeat(np.asarray(tangential_speeds)[None, :], len(FEW_PHASES), axis=0)
     elastic, before = np.zeros_like(slip_rate), np.zeros_like(compression)
     steps = math.ceil(float(contact.duration(np.array([speed]))[0]) / time_step)
@@ -67,8 +70,9 @@ def tangential_restitution(
         force = contact.force(depth, rate)
         if not np.any((force != 0.0) | (rate > 0.0)):
             return -slip_rate / tangential_speeds
-        elastic = elastic * _kept(friction, before, depth)
-        elastic, tangential = _limited(friction, elastic, slip_rate, depth, np.abs(force), time_step)
+        elastic = elastic * np.reshape(_kept(friction, before, depth), (-1, 1))
+        columns = slip_rate, depth[:, None], np.abs(force)[:, None]
+        elastic, tangential = _limited(friction, elastic, *columns, time_step)
         slip_rate = slip_rate - tangential * (time_step / tangential_mass)
         rate = rate - force * (time_step / contact.effective_mass)
         before, compression = depth, compression + rate * time_step
@@ -115,9 +119,43 @@ def longest_step(contact: Any, speed: float, error: float) -> float:
         # The error is not monotonic in the step, so slightly shorter steps are tested as well.
         return BETWEEN * max(restitution_error(contact, speed, duration / n) for n in TESTED * steps)
 
-    steps = float(MIN_STEPS)
+    return duration / _fewest_steps(largest_error, error, float(MIN_STEPS), MAX_STEPS)
+
+
+def longest_step_with_friction(
+    powers: tuple[int, int], inertia_factor: float, contact: Any, speed: float, error: float
+) -> float:
+    """The longest time step [s] with an error of ε, and of β of surfaces that stick, of at most ``error``.
+
+    ``powers`` of the law: 4p and 4q of K ξ^p + C ξ^q dξ/dt. The error of β is of first order without damping as well,
+    since a contact begins between two steps.
+    """
+    friction = FrictionTerms(*contact.friction_terms)
+    step, duration = longest_step(contact, speed, error), float(contact.duration(np.array([speed]))[0])
+    mass = contact.effective_mass / (1.0 + 1.0 / inertia_factor)
+    slow = np.array([SLOW * min(friction.coefficient, 1.0) * speed])
+    if not slow.any():
+        return step
+    stiffness, damping = contact.coefficients
+    (exact,) = impact.tangential_restitution(
+        (*powers, False), stiffness, damping, contact.effective_mass, friction, mass, speed, slow
+    )
+
+    def largest_error(steps: float) -> float:
+        beta = tangential_restitution(contact, friction, mass, speed, slow, duration / steps)
+        return math.inf if beta is None else float(np.abs(beta - exact).max())
+
+    return duration / _fewest_steps(largest_error, error, duration / step, MAX_FRICTION_STEPS)
+
+
+def _fewest_steps(
+    largest_error: Callable[[float], float], error: float, steps: float, most_tested: float
+) -> float:
+    """Number of steps per contact, at least ``steps``, that keeps to an error."""
+    fewest = steps
+    steps = min(steps, most_tested)
     while (worst := largest_error(steps)) > error:
-        if steps >= MAX_STEPS:
-            return duration / (MARGIN * steps * worst / error)
-        steps = min(MAX_STEPS, steps * min(4.0, max(1.1, worst / error)))
-    return duration / steps
+        if steps >= most_tested:
+            return max(fewest, MARGIN * steps * worst / error)
+        steps = min(most_tested, steps * min(4.0, max(1.1, worst / error)))
+    return max(fewest, steps)
