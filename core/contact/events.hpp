@@ -19,6 +19,9 @@ enum class ContactEvent : unsigned char {
     engages,
     parts,    // column only: a pressed pair separates
     deepens,  // the law's largest admissible compression is reached
+    turns,  // with friction: the compression begins to rise or to fall, and the history of the force changes
+    slips,  // the surfaces begin to slip
+    sticks,
 };
 
 // State of a pair within a step; slopes are derivatives with respect to the integration variable.

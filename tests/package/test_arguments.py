@@ -223,6 +223,10 @@ def arguments_of_theory() -> list[Argument]:
     kinds = dict.fromkeys(sizes, "number") | {"n": "whole number", "dimension": "whole number"}
     gas_of, shape = Gas(**sizes), "numbers of any shape"
     start = {"time": 1.0, "temperature": 0.01, "restitution": 0.9}
+    rubbing = {"restitution": 0.9, "friction": 0.5, "tangential_restitution": 0.3}
+    critical = {"restitution": 0.9, "tangential_restitution": 0.3, "temperature_ratio": 1.0}
+    gas_of_spins = gas_of.rotating(**rubbing)
+    spun = {"time": 1.0, "temperature": 0.01, "rotational_temperature": 0.02}
     return [
         *(Argument("Gas", name, kinds[name], Gas, value, sizes) for name, value in sizes.items()),
         Argument("Gas.collision_rate", "temperature", shape, gas_of.collision_rate, 0.01),
@@ -231,6 +235,28 @@ def arguments_of_theory() -> list[Argument]:
         *(
             Argument("Gas.cooling", name, shape if name == "time" else "number", gas_of.cooling, value, start)
             for name, value in start.items()
+        ),
+        Argument("Gas", "inertia_factor", "number", Gas, 0.4, sizes),
+        *(
+            Argument("Gas.rotating", name, "number", gas_of.rotating, v, rubbing)
+            for name, v in rubbing.items()
+        ),
+        *(
+            Argument("Gas.critical_friction", name, "number", gas_of.critical_friction, v, critical)
+            for name, v in critical.items()
+        ),
+        Argument("RotatingGas.rates", "temperature_ratio", "number", gas_of_spins.rates, 1.0),
+        Argument("RotatingGas.heated_temperature", "power", "number", gas_of_spins.heated_temperature, 1e-6),
+        *(
+            Argument(
+                "RotatingGas.cooling",
+                name,
+                shape if name == "time" else "number",
+                gas_of_spins.cooling,
+                v,
+                spun,
+            )
+            for name, v in spun.items()
         ),
     ]
 

@@ -31,10 +31,6 @@ struct TurningApproach {
     Vector3 spin;             // (R_i ω_i + R_j ω_j)/(R_i + R_j), at a wall ω [rad/s]
 };
 
-inline Vector3 cross(const Vector3& a, const Vector3& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
 // A vector in the tangent plane.
 struct Tangential {
     double first, second;

@@ -11,6 +11,10 @@ using Vector3 = std::array<double, 3>;  // disks use the first two components
 
 inline double dot(const Vector3& a, const Vector3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
+inline Vector3 cross(const Vector3& a, const Vector3& b) {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
 // Minimum of |corner + t side|² for t in [0, 1].
 inline double square_to_segment(const Vector3& corner, const Vector3& side) {
     const double length2 = dot(side, side);

@@ -13,8 +13,8 @@ void exchange(Archive& archive, Cluster<Law>& c) {
     archive(c.members), archive(c.pairs), archive(c.wall_pieces), archive(c.gravity),
         archive(c.largest_coordinate), archive(c.base), archive(c.time);
     archive(c.dissipated), archive(c.virial), archive(c.wall_work), archive(c.shear_work), archive(c.walls),
-        archive(c.begun), archive(c.begun_pairs), archive(c.ended), archive(c.unresolved),
-        archive(c.too_deep), archive(c.largest_compression);
+        archive(c.rubbed), archive(c.rotations), archive(c.planar), archive(c.begun), archive(c.begun_pairs),
+        archive(c.ended), archive(c.unresolved), archive(c.too_deep), archive(c.largest_compression);
 }
 
 template <class Archive, class T, std::size_t most_in_place>
@@ -41,9 +41,10 @@ template <class Archive, class Law>
 void exchange(Archive& archive, Paths<Law>& paths, Groups<Law>& groups, Ledger<Law>& ledger,
               StepBudget& budget, u64& events, bool& paused) {
     Observation& sums = ledger.sums;
-    archive(paths.particles), archive(paths.pending), archive(groups.unused()), archive(ledger.rows);
+    archive(paths.particles), archive(paths.pending), archive(paths.rotations), archive(groups.unused()),
+        archive(ledger.rows);
     archive(paths.now), archive(sums.dissipated_energy), archive(sums.virial), archive(sums.wall_work),
-        archive(sums.shear_work), archive(sums.walls), archive(ledger.clustered);
+        archive(sums.shear_work), archive(sums.friction_loss), archive(sums.walls), archive(ledger.clustered);
     archive(sums.begun), archive(sums.pairs), archive(sums.ended), archive(sums.overlapped), archive(events);
     archive(ledger.largest_cluster), archive(budget.steps), archive(budget.begun_before), archive(paused),
         archive(ledger.outcome);

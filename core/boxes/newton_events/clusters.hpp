@@ -97,6 +97,8 @@ struct Clusters {
         Cluster<Law>& c = g.cluster->before;
         reset(c, paths.now);
         for (std::size_t m = 0; m < g.body.size(); ++m) frames.set_member(g, m, c.members.emplace_back());
+        if constexpr (FrictionalLaw<Law>)
+            for (const int i : g.body) c.rotations.push_back(paths.rotations[static_cast<std::size_t>(i)]);
         frames.begin_shear_work(g, [&](std::size_t m) { return c.members[m].velocity; });
         make_pairs(g, seed.pairs);
         double span = horizon(g);
@@ -135,6 +137,7 @@ private:
         c.clear();
         c.base = base;
         c.gravity = std::to_array(paths.box.gravity);
+        c.planar = paths.box.dimension == 2;
         c.largest_coordinate = *std::ranges::max_element(paths.box.edge);
         c.largest_compression = sums.largest_compression;
         c.kernels = &kernels;
@@ -169,6 +172,8 @@ private:
                 ContactPair<Law>& q = c.pairs[k];
                 const bool same = (q.first == a && q.second == b) || (q.first == b && q.second == a);
                 const bool same_wall = b >= 0 || l.pair.wall_id == q.wall_id;
+                if constexpr (FrictionalLaw<Law>)
+                    if (same && same_wall && q.first != a) l.pair.surfaces.exchange_bodies();
                 if (same && same_wall) carry_over(q, l.pair, c);
             }
         }
@@ -201,6 +206,7 @@ private:
         q.s = old.s;
         q.begin = old.begin;
         q.overlapped = old.overlapped;
+        q.surfaces = old.surfaces;
         if (math::is_nan(old.impact_speed)) old.impact_speed = c.rate(q);
         q.impact_speed = old.impact_speed;
     }

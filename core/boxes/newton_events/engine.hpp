@@ -120,10 +120,17 @@ public:
     }
 
     // All groups are integrated up to now and formed again from the contacts that are open.
-    double set_velocities(const double* velocity, const double* /*spin*/) override {
+    double set_velocities(const double* velocity, const double* spin) override {
         observer_.forget();
-        formation_.interrupt([&] { ledger_.sums.shear_work += paths_.set_velocities(velocity); });
+        formation_.interrupt([&] {
+            ledger_.sums.shear_work += paths_.set_velocities(velocity);
+            if (spin) paths_.set_spins(spin);
+        });
         return 0.0;
+    }
+    bool rotates() const override { return FrictionalLaw<Law>; }
+    void spins(double* spin) const override {
+        if constexpr (FrictionalLaw<Law>) observer_.spins(spin);
     }
 
     // Const: groups are integrated in a copy.

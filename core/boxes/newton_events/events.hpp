@@ -80,6 +80,7 @@ private:
         ClusterSeed<Law> seed{{i}, {new_pair<Law>(i, j, wall, paths.now)}};
         seed.pairs[0].pair.state = ContactState::closed;
         seed.pairs[0].pair.fresh = true;
+        if constexpr (FrictionalLaw<Law>) seed.pairs[0].pair.surfaces.start = PairSurfaces<Law>::Start::touch;
         if (j >= 0) seed.bodies.push_back(j);
         if (third_body >= 0) formation.absorb(third_body, seed);
         formation.form(seed);
@@ -87,6 +88,7 @@ private:
     // Solves a new contact as isolated if, according to the present predictions, no third body disturbs it. Otherwise
     // nothing changes; `third_body` is then the body that is too near, if that is the reason.
     bool try_isolated_contact(int i, int j, WallId wall, int& third_body) {
+        if constexpr (FrictionalLaw<Law>) return false;
         const int index = groups.add();
         Group& g = groups[index];
         isolated.open(g, i, j, wall);

@@ -9,7 +9,8 @@
 
 namespace hardlimit::boxes::events {
 
-// Adds what has happened in a cluster. `dissipated`, `to_walls`: with or without the energy that slack pairs store.
+// Adds what has happened in a cluster. `dissipated`, `to_walls`: with or without the energies that slack pairs and
+// tangential springs store.
 // `shear_work`: of the boundary on the group.
 template <class Law>
 void add_cluster(Observation& sums, const Cluster<Law>& c, double dissipated, const WallSums& to_walls,
@@ -19,6 +20,7 @@ void add_cluster(Observation& sums, const Cluster<Law>& c, double dissipated, co
     sums.wall_work += c.wall_work;
     sums.walls += to_walls;
     sums.shear_work += c.shear_work + shear_work;
+    sums.friction_loss += c.rubbed;
     sums.largest_compression = math::max(sums.largest_compression, c.largest_compression);
     sums.begun += static_cast<u64>(c.begun);
     sums.pairs += static_cast<u64>(c.begun_pairs);
@@ -33,8 +35,8 @@ class Ledger {
 public:
     using Group = ContactGroup<Law>;
 
-    // Without unfinished groups and the motion of the bodies. Dissipated energies include the elastic energy that slack
-    // pairs still store.
+    // Without unfinished groups and the motion of the bodies. Dissipated energies include the elastic energies that slack
+    // pairs and tangential springs still store.
     Observation sums;
     double clustered = 0.0;   // time that bodies have spent in clusters [s]
     int largest_cluster = 0;  // number of its members
@@ -61,7 +63,16 @@ public:
         };
         int first = index(q.first), second = q.second >= 0 ? index(q.second) : q.wall_id.number;
         if (second >= 0 && second < first) std::swap(first, second);
-        return {e.begin, e.end, first, second, e.impact_speed, e.separation_speed, e.overlapped};
+        return {e.begin,
+                e.end,
+                first,
+                second,
+                e.impact_speed,
+                e.separation_speed,
+                e.overlapped,
+                e.slid,
+                e.tangential_speed,
+                e.tangential_restitution};
     }
     // Ends the run at these bodies. Only the first call counts.
     template <class Bodies>

@@ -17,10 +17,9 @@ std::unique_ptr<Engine> newton_events_of(const NewtonSetting& setting, Source& s
 
 inline std::unique_ptr<Engine> make_newton_events(const System& s, const LawChoice& law, bool keep_log,
                                                   const hardlimit_abi::TouchKernels& kernels) {
-    if (law.has_friction()) return nullptr;
     const NewtonSetting setting(s, law, keep_log);
-    return with_law<std::unique_ptr<Engine>>(
-        law.law, [&]<class Law>() { return newton_events_of<Law>(setting, s, kernels); });
+    return with_contact_law<std::unique_ptr<Engine>>(
+        law, [&]<class Law>() { return newton_events_of<Law>(setting, s, kernels); });
 }
 
 // Returns nullptr if the bytes are not a complete checkpoint of this engine.
@@ -30,9 +29,9 @@ inline std::unique_ptr<Engine> load_newton_events(const char* data, std::size_t 
     if (!reader.whole("newton_events")) return nullptr;
     NewtonSetting setting;
     setting.exchange(reader);
-    auto engine = with_law<std::unique_ptr<Engine>>(reader.failed() ? -1 : setting.law.law, [&]<class Law>() {
-        return newton_events_of<Law>(setting, reader, kernels);
-    });
+    if (reader.failed()) return nullptr;
+    auto engine = with_contact_law<std::unique_ptr<Engine>>(
+        setting.law, [&]<class Law>() { return newton_events_of<Law>(setting, reader, kernels); });
     return reader.failed() ? nullptr : std::move(engine);
 }
 

@@ -86,6 +86,8 @@ struct Membership {
             ledger.end_contact(g, c.pairs[static_cast<std::size_t>(e.pair)], e);
         for (std::size_t m = 0; m < g.body.size(); ++m) {
             free(g, m, c.members[m]);
+            if constexpr (FrictionalLaw<Law>)
+                paths.rotations[static_cast<std::size_t>(g.body[m])] = c.rotations[m];
             ++paths.pending[g.body[m]].count;
         }
         for (const ContactPair<Law>& q : c.pairs) {

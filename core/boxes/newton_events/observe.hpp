@@ -15,6 +15,7 @@ struct GroupsAtPresent {
     struct Body {
         int index;
         Vector3 position, velocity;  // in the frame of its cell
+        Vector3 spin{};
     };
     Observation sums;  // over the whole run, without the motion of the bodies
     std::vector<Body> bodies;
@@ -38,7 +39,16 @@ struct Observer {
             add_motion(o);
         else
             add_velocities(o);
+        if constexpr (FrictionalLaw<Law>) add_spins(o);
         return o;
+    }
+    // Writes 3 n values, by original index.
+    void spins(double* spin) const
+        requires FrictionalLaw<Law>
+    {
+        for_spins([&](int i, const Vector3& w) {
+            std::copy_n(w.data(), 3, spin + 3 * std::size_t{paths.pending[i].original_index});
+        });
     }
     // Writes n·d values each, by original index: positions and velocities with those of the images.
     void state(double* position, double* velocity) const {
@@ -70,7 +80,20 @@ private:
     void for_bodies(const F& f) const {
         for (int i = 0; i < paths.size(); ++i)
             if (paths.free(i)) f(i, paths.position(i, paths.now), paths.velocity(i, paths.now));
-        for (const auto& [i, x, v] : groups_at_present().bodies) f(i, x, v);
+        for (const auto& body : groups_at_present().bodies) f(body.index, body.position, body.velocity);
+    }
+    template <class F>
+    void for_spins(const F& f) const {
+        for (int i = 0; i < paths.size(); ++i)
+            if (paths.free(i)) f(i, paths.rotations[static_cast<std::size_t>(i)].spin);
+        for (const auto& body : groups_at_present().bodies) f(body.index, body.spin);
+    }
+    void add_spins(Observation& o) const {
+        for_spins([&](int i, const Vector3& w) {
+            const double inertia = paths.rotations[static_cast<std::size_t>(i)].inertia;
+            o.rotational_energy += 0.5 * inertia * dot(w, w);
+            for (std::size_t a = 0; a < 3; ++a) o.spin[a] += inertia * w[a];
+        });
     }
     void add_motion(Observation& o) const {
         for_bodies([&](int i, const Vector3& x, Vector3 v) {
@@ -109,13 +132,16 @@ private:
             clusters.set_initial(g, c);
             c.run_through(paths.now - c.base);
         }
-        const double slack = c.stored(ContactState::slack);
+        const double tangential = c.tangential(), slack = c.stored(ContactState::slack) + tangential;
         o.contact_energy += c.stored(ContactState::closed) + slack;
+        o.tangential_energy += tangential;
+        o.friction_loss -= tangential;
         add_cluster(o, c, c.dissipated - slack, c.given_to_walls(),
                     frames.shear_work(g, [&](std::size_t m) { return c.members[m].velocity; }));
         for (std::size_t m = 0; m < g.body.size(); ++m)
             all.bodies.push_back({g.body[m], frames.body_position(g, m, c.members[m].position, paths.now),
-                                  frames.body_velocity(g, m, c.members[m].velocity)});
+                                  frames.body_velocity(g, m, c.members[m].velocity),
+                                  c.rotations.empty() ? Vector3{} : c.rotations[m].spin});
         for (const EndedContact& e : c.ended) {
             count_end(o, e);
             all.open.push_back(ledger.row(g, c.pairs[static_cast<std::size_t>(e.pair)], e));
@@ -123,15 +149,17 @@ private:
         for (const ContactPair<Law>& q : c.pairs) {
             if (q.state != ContactState::closed) continue;
             ++o.in_contact;
-            all.open.push_back(
-                ledger.row(g, q, {0, q.begin, math::nan, q.impact_speed, math::nan, q.overlapped}));
+            EndedContact open{0, q.begin, math::nan, q.impact_speed, math::nan, q.overlapped};
+            if constexpr (FrictionalLaw<Law>)
+                open.slid = q.surfaces.slid, open.tangential_speed = length(q.surfaces.slip);
+            all.open.push_back(ledger.row(g, q, open));
         }
     }
     // Sets c to the present state of an isolated contact of two bodies, by power series from touch or from the end of
     // its force, whichever is nearer: mostly in one step. Returns false if it must be integrated instead. Backward,
     // errors grow as the motion is damped, so that a contact that loses most of its speed is not solved from its end.
     bool set_isolated_contact(const Group& g, Cluster<Law>& c) const {
-        if constexpr (LinearLaw<Law>) {
+        if constexpr (LinearLaw<Law> && FrictionlessLaw<Law>) {
             constexpr double least_restitution = 0.3;
             const IsolatedContact<Law>& l = g.isolated_contact;
             const EndedContact& whole = l.contact;

@@ -18,6 +18,7 @@ public:
     // A path is a parabola that starts at `time`, in the frame of the cell; the radius includes the safety radius.
     Records<Particle<3>> particles;
     Records<BodyEvents> pending;
+    std::vector<Rotation> rotations;  // with friction, otherwise empty; only contacts change spins
 
     explicit Paths(const NewtonSetting& setting) : box(setting.box), laws_(setting.laws<Law>()) {}
 
@@ -32,6 +33,14 @@ public:
             particles[i].time = 0.0;
             particles[i].radius = laws_.radius(i);
             pending[i].original_index = order[i];
+        }
+        if constexpr (FrictionalLaw<Law>) {
+            rotations.resize(order.size());
+            for (std::size_t i = 0; i < order.size(); ++i) {
+                rotations[i].inertia = setting.inertia(order[i]);
+                if (s.angular_velocity)
+                    std::copy_n(s.angular_velocity + 3 * order[i], 3, rotations[i].spin.begin());
+            }
         }
     }
     // After reading a saved state: restores the order of the bodies' properties.
@@ -119,8 +128,15 @@ public:
         return work;
     }
 
+    // The same for spins: 3 n values.
+    void set_spins(const double* spin) {
+        for (std::size_t i = 0; i < rotations.size(); ++i)
+            std::copy_n(spin + 3 * std::size_t{pending[i].original_index}, 3, rotations[i].spin.begin());
+    }
+
     std::size_t bytes() const {
-        return particles.capacity() * sizeof(Particle<3>) + pending.capacity() * sizeof(BodyEvents);
+        return particles.capacity() * sizeof(Particle<3>) + pending.capacity() * sizeof(BodyEvents) +
+               rotations.capacity() * sizeof(Rotation);
     }
 
 private:

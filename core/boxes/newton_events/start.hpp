@@ -91,6 +91,7 @@ private:
         const Law law = paths.laws()(i, j);
         if (depth > law.slack(rate).depth) {
             pair.pair.state = ContactState::closed;
+            pair.pair.velocity_jumped();
             ledger.begin_contact(j >= 0);
         } else {
             const double stored = law.energy(onset_root<Law::onset_power>(depth));

@@ -135,8 +135,10 @@ def of_bed(system: ParticleSystem, duration: float, restitution: float, until: f
 
 def check_friction(engine: str, law: Law) -> None:
     """Refuse engines that have no friction for a law with it."""
-    if rubs(law) and engine not in ("auto", "steps"):
-        raise ValueError(f"engine: got {engine!r}, must be 'auto' or 'steps' for a law with friction")
+    if rubs(law) and engine not in ("auto", "steps", "lammps"):
+        raise ValueError(
+            f"engine: got {engine!r}, must be 'auto', 'steps' or 'lammps' for a law with friction"
+        )
 
 
 def check_box(system: ParticleSystem) -> None:

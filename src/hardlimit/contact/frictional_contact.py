@@ -13,7 +13,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from .. import _core
-from . import impact
+from . import impact, maxwellian
 from .friction import LIMITS, FrictionTerms
 from .impact import FrictionalContact
 
@@ -303,16 +303,10 @@ def _shares(own: FrictionalContact, dimension: int) -> tuple[Floats, Floats]:
     half = 0.5 * np.diff(edges)[:, None]
     alpha = (half * (1.0 + nodes) + edges[:-1, None]).ravel()
     u = np.sin(alpha) ** 2
-    density = 2.0 * u if dimension == 3 else 1.5 * np.sqrt(u)
-    return u, density * np.sin(2.0 * alpha) * (half * weights).ravel()
+    return u, maxwellian.density(u, dimension) * np.sin(2.0 * alpha) * (half * weights).ravel()
 
 
 def _less_than_sliding(one_plus_beta: float, sliding: float, kappa: float, dimension: int) -> float:
     """Mean of (1 + β) g_t² by which Walton's rule is below that of contacts that all slide."""
-    c = (sliding / one_plus_beta) ** 2 / kappa
-    share, alpha = c / (1.0 + c), math.atan(math.sqrt(c))
-    if dimension == 3:
-        slid, stuck = 0.5 * alpha - math.sin(4.0 * alpha) / 8.0, share * share
-    else:
-        slid, stuck = -math.expm1(-1.5 * math.log1p(c)), share**1.5
+    stuck, slid = maxwellian.sticking_parts((sliding / one_plus_beta) ** 2 / kappa, dimension)
     return sliding / math.sqrt(kappa) * slid - one_plus_beta * stuck

@@ -23,7 +23,6 @@ inline constexpr long no_limit = std::numeric_limits<long>::max();
 // A contact network that moves. Its members, pairs and time are those at the end of the last run.
 template <class Law>
 class Cluster : public ContactNetwork<Law>, public Ledger {
-    static_assert(FrictionlessLaw<Law>);
     using Network = ContactNetwork<Law>;
 
 public:
@@ -60,7 +59,9 @@ public:
 
     // Moves the members to this time, also backward, while no contact begins or ends. Needs a linear law. Returns false
     // if that takes more than a few steps.
-    bool move_to(double end) {
+    bool move_to(double end)
+        requires FrictionlessLaw<Law>
+    {
         constexpr int most_steps = 8;
         load();
         for (ContactPair<Law>& q : pairs) scales_.set(q, network(), this->largest_compression);
@@ -80,23 +81,29 @@ public:
     double speed() const { return Scales(*this).speed; }
     Vector3 frame_velocity() const { return boxes::frame_velocity(*this); }
 
-    // `walls` without the energy that slack pairs still store.
+    // `walls` without the energies of slack pairs and of tangential springs.
     WallSums given_to_walls() const {
         WallSums given = this->walls;
         for (const ContactPair<Law>& q : pairs)
             if (q.second < 0 && q.state == ContactState::slack) given.add(q.wall_id, 0.0, -this->stored(q));
+        if constexpr (FrictionalLaw<Law>)
+            for (const ContactPair<Law>& q : pairs)
+                if (q.second < 0) given.add(q.wall_id, 0.0, -this->tangential(q));
         return given;
     }
 
 private:
     // Speed below which squares underflow: the bodies do not move [m/s].
     static constexpr double at_rest = 1e-150;
+    static constexpr bool by_series = LinearLaw<Law> && FrictionlessLaw<Law>;
 
     Network& network() { return *this; }
     Ledger& ledger() { return *this; }
 
     void run(double until, Stop& stop, long most_steps, bool through) {
         load();
+        if constexpr (FrictionalLaw<Law>)
+            EventChange<Law>{network(), state_, scales_, ledger()}.start_friction();
         const double from = time;
         const long before = steps_;
         while (time < until && !unresolved && too_deep < 0 && !stop()) {
@@ -108,18 +115,26 @@ private:
             unresolved = ++steps_ > 10'000'000 || progress.failed;
             if (steps_ - before >= most_steps && time > from) break;
         }
+        if constexpr (FrictionalLaw<Law>) keep_springs();
         state_.store(network(), ledger());
+    }
+    void keep_springs()
+        requires FrictionalLaw<Law>
+    {
+        for (int i = 0; i < static_cast<int>(pairs.size()); ++i)
+            if (pairs[i].state == ContactState::closed)
+                pairs[i].surfaces.elastic = SurfacePair<Law>(state_.at(network()), i).elastic();
     }
 
     void load() {
         state_.load(network(), ledger());
         scales_ = Scales(*this);
-        integrates_ = !LinearLaw<Law> || state_.layout.images_move();
+        integrates_ = !by_series || state_.layout.images_move();
         integrator_.forget();
         trajectory.clear();
         record_state();
     }
-    bool integrates() const { return (boxes_move || !LinearLaw<Law>) && integrates_; }
+    bool integrates() const { return (boxes_move || !by_series) && integrates_; }
     void record_state() {
         if (record) trajectory.add(state_.y.data(), members.size(), state_.time(), !integrates());
     }
@@ -155,7 +170,7 @@ private:
             integrator_.forget();
             return {.moved = true, .event = fly(network(), state_, until)};
         }
-        if constexpr (LinearLaw<Law>)
+        if constexpr (by_series)
             if (!integrates())
                 return SeriesStep<Law>{network(),  state_,    scales_,           ledger(),
                                        expansion_, tolerance, largest_coordinate}
@@ -173,7 +188,7 @@ private:
     Scales scales_;
     Integrator integrator_;
     Expansion expansion_;
-    bool integrates_ = !LinearLaw<Law>;  // whether steps are integrated; otherwise they are power series
+    bool integrates_ = !by_series;  // whether steps are integrated; otherwise they are power series
     long steps_ = 0;
 };
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "../../../contact/smooth_time.hpp"
-#include "state.hpp"
+#include "surfaces.hpp"
 
 namespace hardlimit::boxes {
 
@@ -13,6 +13,7 @@ struct Equations {
 
     const ContactNetwork<Law>& network;
     const StateLayout& layout;
+    bool in_time = false;  // whether τ is the time
 
     // dy = dy/dτ
     void operator()(const double* y, double* dy) const {
@@ -21,14 +22,18 @@ struct Equations {
         for (int i = 0; i < 3 * n; ++i) dy[i] = gamma * y[3 * n + i];
         for (int i = 3 * n; i < 6 * n; i += 3)
             for (std::size_t a = 0; a < 3; ++a) dy[static_cast<std::size_t>(i) + a] = network.gravity[a];
+        if constexpr (FrictionalLaw<Law>) std::fill(dy + layout.rubbed(), dy + layout.first_root(), 0.0);
         Sums sums;
         int index = 0;
         for (const ContactPair<Law>& q : network.pairs) {
-            if (q.state == ContactState::closed) add_contact(q, index, y, dy, sums);
+            if (q.state == ContactState::closed) add_contact(q, index, y, dy, sums, gamma);
             ++index;
         }
-        if constexpr (p > 1)
+        if constexpr (p > 1) {
             for (int i = 3 * n; i < 6 * n; ++i) dy[i] *= gamma;
+            if constexpr (FrictionalLaw<Law>)
+                for (int i = layout.spin(0); i < layout.spin(n); ++i) dy[i] *= gamma;
+        }
         dy[layout.time()] = gamma;
         dy[layout.loss()] = gamma * sums.loss;
         if (layout.walls_move()) dy[layout.wall_work()] = gamma * sums.wall_power;
@@ -36,12 +41,16 @@ struct Equations {
         for (std::size_t k = 0; k < SymmetricTensor::size; ++k)
             dy[static_cast<std::size_t>(layout.virial()) + k] = gamma * sums.virial.component[k];
         for (int k = 0; k < 2 * layout.walls(); ++k) dy[layout.wall_sums() + k] = gamma * sums.given[k];
+        if constexpr (FrictionalLaw<Law>) {
+            dy[layout.rubbed()] = gamma * sums.rubbed;
+            turn_directions(y, dy);
+        }
     }
 
 private:
     // Rates of the sums, per time.
     struct Sums {
-        double loss = 0.0, wall_power = 0.0, shear_power = 0.0;
+        double loss = 0.0, wall_power = 0.0, shear_power = 0.0, rubbed = 0.0;
         SymmetricTensor virial;             // Σ r⊗F
         double given[2 * most_walls] = {};  // force on each wall of the pairs, and power that it gets
     };
@@ -54,12 +63,16 @@ private:
         };
         for (const int q : layout.rooted())
             dy[layout.root(q)] = math::power<p - 1>(y[layout.root(q)] / network.pairs[q].s_unit);
+        if (in_time) {
+            for_rooted([dy](int c) { dy[c] = 1.0 / dy[c]; });
+            return 1.0;
+        }
         return smooth_time_rate(for_rooted, dy);
     }
 
     // Adds the force of a closed contact to the accelerations of its bodies.
     HL_FN_INLINE void add_contact(const ContactPair<Law>& q, int index, const double* y, double* dy,
-                                  Sums& sums) const {
+                                  Sums& sums, [[maybe_unused]] double gamma) const {
         const Snapshot<Law> now{network, layout, y};
         const ContactGeometry g = now.geometry(q);
         const double s = q.rooted ? y[layout.root(index)] : onset_root<p>(g.depth),
@@ -80,9 +93,66 @@ private:
             a[k] -= along / network.members[q.first].mass;
             if (q.second >= 0) b[k] += along / network.members[q.second].mass;
         }
+        if constexpr (FrictionalLaw<Law>) add_friction(q, index, now, dy, sums, gamma);
         if (q.rooted) {
             double& slope = dy[layout.root(index)];
             slope = g.rate / p * slope / math::power<p - 1>(q.s_unit);
+        }
+    }
+    // Adds the tangential force of a closed contact, and the rate of T if the surfaces stick.
+    void add_friction(const ContactPair<Law>& q, int index, const Snapshot<Law>& now, double* dy, Sums& sums,
+                      double gamma) const
+        requires FrictionalLaw<Law>
+    {
+        const SurfacePair<Law> at(now, index);
+        const Vector3 push = at.push(), torque = cross(at.g.normal, push);
+        const double power = dot(push, at.slip);
+        sums.loss += power;
+        sums.rubbed += power;
+        if (q.second >= 0) sums.virial.add_product(-at.g.distance, at.g.normal, push);
+        if (q.image_moves) sums.shear_power += dot(push, q.image_velocity);
+        if (q.second < 0) sums.given[layout.wall_sums(q.wall_id) - layout.wall_sums() + 1] += power;
+        const auto act = [&](int member, double sign, double arm) {
+            double *v = dy + layout.velocity(member), *w = dy + layout.spin(member);
+            const double mass = network.members[member].mass, inertia = network.rotations[member].inertia;
+            for (std::size_t k = 0; k < 3; ++k) {
+                v[k] += sign * push[k] / mass;
+                w[k] += arm * torque[k] / inertia;
+            }
+        };
+        act(q.first, 1.0, at.first_arm);
+        if (q.second >= 0) act(q.second, -1.0, at.second_arm);
+        if (q.surfaces.slips || !at.has_spring()) return;
+        // γ s^n, also where s and γ are zero
+        const int n = at.memory_power();
+        const double stretched = n >= 0 ? gamma * whole_power(at.s, n)
+                                 : q.rooted
+                                     ? dy[layout.root(index)] * whole_power(at.s / q.s_unit, n + p - 1) *
+                                           math::pow(q.s_unit, double(n))
+                                 : at.s > 0.0 ? gamma / whole_power(at.s, -n)
+                                              : 0.0;
+        const double stiffness = q.law.friction.stiffness.factor * stretched;
+        const Vector3 still = at.transport(at.memory());
+        for (std::size_t k = 0; k < 3; ++k)
+            dy[static_cast<std::size_t>(layout.surface(index)) + k] =
+                stiffness * at.slip[k] + gamma * still[k];
+    }
+    // Adds the rates of the directions of pairs that slip.
+    void turn_directions(const double* y, double* dy) const
+        requires FrictionalLaw<Law>
+    {
+        const Snapshot<Law> now{network, layout, y};
+        for (int q = 0; q < static_cast<int>(network.pairs.size()); ++q) {
+            const ContactPair<Law>& pair = network.pairs[q];
+            if (pair.state != ContactState::closed || !pair.surfaces.slips) continue;
+            const SurfacePair<Law> at(now, q);
+            if (!at.has_spring()) continue;
+            double* slope = dy + layout.surface(q);
+            const Vector3 still = at.transport(at.memory());
+            for (std::size_t k = 0; k < 3; ++k) slope[k] = dy[layout.time()] * still[k];
+            if (network.planar || pair.surfaces.frozen) continue;
+            const double across = at.drive(dy).across, z = y[layout.surface(q) + 3];
+            if (across != 0.0) slope[3] = 0.5 * (1.0 + z * z) * across / at.limit();
         }
     }
 };

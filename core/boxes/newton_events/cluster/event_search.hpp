@@ -48,6 +48,38 @@ struct EventSearch {
         return true;
     }
 
+    // The same for an event of the pair's surfaces.
+    bool locate_in_surfaces(int pair, ContactEvent kind, double& length)
+        requires FrictionalLaw<Law>
+    {
+        Integrator& in = integrator;
+        const bool fresh = is_fresh(const_cast<ContactPair<Law>&>(network.pairs[pair]), kind);
+        const EventFunction a = in_surfaces(pair, kind, state.y, in.slope, length);
+        const EventFunction b = in_surfaces(pair, kind, in.end, in.end_slope, length);
+        const auto at_trial = [&] { return in_surfaces(pair, kind, in.trial, in.trial_slope, length); };
+        const auto at = [&](double x) {
+            in.probe(f, state, x);
+            return at_trial();
+        };
+        double high = length;
+        if (!falls_to_zero(a, b, fresh, high, at)) return false;
+        const double whole = length, guess = fresh ? 0.5 * high : first_guess(a, b, whole, high);
+        in.probe(f, state, guess);
+        const auto close = [=](const EventFunction&, double x, double next) {
+            return math::abs(next - x) <= 4.0 * math::epsilon * whole;
+        };
+        const auto move = [&](double, double next) { in.probe(f, state, next); };
+        length = locate_zero(guess, high, at_trial, close, move);
+        in.end_at_trial();
+        return true;
+    }
+    bool still_fresh_in_surfaces(int pair, ContactEvent kind) const
+        requires FrictionalLaw<Law>
+    {
+        const Snapshot<Law> end{network, state.layout, integrator.end.data()};
+        return !(surface_value(end, integrator.end_slope.data(), pair, kind) > 0.0);
+    }
+
     // Whether an event function of a fresh pair is not yet positive at the end of the step.
     bool still_fresh(int pair) const {
         for (const ContactEvent kind : next_events(network.pairs[pair]))
@@ -63,6 +95,22 @@ private:
         return event_function(Snapshot<Law>{network, state.layout, y.data()}, slope.data(), pair, kind);
     }
 
+    // The slope is that of a difference.
+    EventFunction in_surfaces(int pair, ContactEvent kind, const WorkVector<double>& y,
+                              const WorkVector<double>& slope, double length) const
+        requires FrictionalLaw<Law>
+    {
+        const double value =
+            surface_value(Snapshot<Law>{network, state.layout, y.data()}, slope.data(), pair, kind);
+        const double little = 1e-5 * length;
+        auto &near = integrator.near, &near_slope = integrator.near_slope;
+        near.resize(y.size()), near_slope.resize(y.size());
+        for (std::size_t c = 0; c < y.size(); ++c) near[c] = y[c] + little * slope[c];
+        if (kind == ContactEvent::sticks) f(near.data(), near_slope.data());
+        const Snapshot<Law> then{network, state.layout, near.data()};
+        const double change = (surface_value(then, near_slope.data(), pair, kind) - value) / little;
+        return {value, change, value, change};
+    }
     // Zero of the cubic Hermite polynomial through both ends of the step, or high/2 if there is none below `high`.
     static double first_guess(const EventFunction& a, const EventFunction& b, double length, double high) {
         if (!(a.smooth > 0.0 && b.smooth < 0.0)) return 0.5 * high;

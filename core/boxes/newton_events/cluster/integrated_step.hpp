@@ -37,6 +37,33 @@ bool choose_coordinates(ContactNetwork<Law>& network, StateVector& state, const 
     return changed;
 }
 
+// Those of spins and of surfaces. An error of the direction of slip counts in proportion to the force.
+template <FrictionalLaw Law>
+void set_tolerances_of_surfaces(const Snapshot<Law>& now, const Scales& scales, double relative, double lost,
+                                WorkVector<double>& of) {
+    const StateLayout& at = now.layout;
+    of[at.rubbed()] = relative * math::max(scales.energy(), math::abs(lost));
+    const double time = scales.time(now.network);
+    for (int i = 0; i < at.members(); ++i) {
+        const double inertia = now.network.rotations[i].inertia;
+        std::fill_n(&of[at.spin(i)], 3, relative * math::sqrt(2.0 * scales.energy() / inertia));
+    }
+    for (int i = 0; i < static_cast<int>(now.network.pairs.size()); ++i) {
+        std::fill_n(&of[at.surface(i)], 4, math::infinity);
+        const ContactPair<Law>& q = now.network.pairs[i];
+        if (q.state != ContactState::closed) continue;
+        const SurfacePair<Law> surfaces(now, i);
+        const double force = q.mass * scales.speed / time;
+        if (q.surfaces.slips) {
+            const double part = math::clamp(surfaces.limit() / force, 1e-5, 1.0);
+            std::fill_n(&of[at.surface(i)], 4, relative / (part * part));
+        } else if (surfaces.has_spring()) {
+            const double unit = whole_power(q.s_unit, Law::onset_power * surfaces.history() / 2);
+            std::fill_n(&of[at.surface(i)], 3, relative * force / unit);
+        }
+    }
+}
+
 // Sets the tolerance of each component that is under error control, in a step of this length. `relative`: to the units
 // of length, speed and energy; `lost`: dissipated since the start.
 template <class Law>
@@ -66,6 +93,7 @@ void set_tolerances(const Snapshot<Law>& now, const Scales& scales, double lengt
     of[at.loss()] = relative * math::max(scales.energy(), math::abs(lost));
     if (at.walls_move()) of[at.wall_work()] = math::infinity;
     if (at.images_move()) of[at.shear_work()] = math::infinity;
+    if constexpr (FrictionalLaw<Law>) set_tolerances_of_surfaces(now, scales, relative, lost, of);
     for (const int q : at.rooted())
         of[at.root(q)] = relative * (math::abs(now.y[at.root(q)]) + now.network.pairs[q].s_unit);
 }
@@ -92,12 +120,23 @@ struct IntegratedStep {
         }
         if (!(in.length > 0.0)) in.length = longest;
         in.begin(f, state);
+        double bound = math::infinity;
+        if constexpr (FrictionalLaw<Law>) {
+            if (!network.planar && (bound = longest_slip_step(longest)) < 0.0) {  // a pair is frozen now
+                bound = math::infinity;
+                in.forget();
+                in.begin(f, state);
+            }
+        }
         const Snapshot<Law> start = state.at(network);
         const auto value = [&](int q, ContactEvent kind) {
             return event_function(start, in.slope.data(), q, kind).value;
         };
         if (const PairEvent now = event_at_start(network, state, scales, value)) return {.event = now};
-        double length = in.length;
+        if constexpr (FrictionalLaw<Law>)
+            if (const PairEvent now = surface_event_at_start(network, state, in.slope.data()))
+                return {.event = now};
+        double length = math::min(in.length, bound);
         bool last = false;
         if constexpr (p == 1) {
             last = length >= until - state.time();
@@ -108,12 +147,44 @@ struct IntegratedStep {
         set_tolerances(state.at(network), scales, length, tolerance, lost, in.tolerance);
         const double error = in.error(state, length), growth = DormandPrince::growth(error);
         const bool accepted = error <= 1.0;
-        if (!accepted || !last || growth < 1.0) in.length = length * growth;
+        if (!accepted || (!last && length == in.length) || growth < 1.0) in.length = length * growth;
         if (accepted) return end_step(until, length, last);
         return {.failed = in.length < 1e-20 * scales.time(network)};
     }
 
 private:
+    // Largest step for which the directions of slip relax slowly enough, and which does not end beyond the contact of
+    // one that turns. Freezes those that no longer matter; negative if there is one.
+    double longest_slip_step(double longest)
+        requires FrictionalLaw<Law>
+    {
+        constexpr double mild = 2.0, negligible = 1e-14, little = 1e-9;
+        double least = math::infinity;
+        bool freezes = false;
+        for (int i = 0; i < static_cast<int>(network.pairs.size()); ++i) {
+            ContactPair<Law>& q = network.pairs[i];
+            if (q.state != ContactState::closed || !q.surfaces.slips) continue;
+            const SurfacePair<Law> at(state.at(network), i);
+            if (!at.has_spring()) continue;
+            const auto drive = at.drive(integrator.slope.data());
+            const double clock = integrator.slope[state.layout.time()], limit = math::max(at.limit(), 0.0);
+            const double unit = q.mass * scales.speed * math::abs(drive.growth);
+            // What the force has given since it was zero, or will give until then.
+            const double impulse = clock * limit * limit;
+            if (drive.growth > 0.0 || limit == 0.0) {
+                q.surfaces.frozen = q.surfaces.frozen && !(impulse > little * unit);
+                if (q.surfaces.frozen)
+                    least = math::min(least, longest * (p == 1 ? 1e-4 : p == 2 ? 1e-2 : 0.1));
+            } else if (!q.surfaces.frozen && impulse < negligible * unit) {
+                q.surfaces.frozen = freezes = true;
+            }
+            if (q.surfaces.frozen) continue;
+            const double rate = math::sqrt(drive.along * drive.along + drive.across * drive.across) / limit;
+            least = math::min(least, mild / rate);
+            if (drive.growth < 0.0) least = math::min(least, 0.7 * limit / -drive.growth);
+        }
+        return freezes ? -1.0 : least;
+    }
     // Takes the step up to the first event or to `until`.
     Progress end_step(double until, double length, bool last) {
         Integrator& in = integrator;
@@ -130,6 +201,11 @@ private:
             for (const ContactEvent kind : next_events(network.pairs[q]))
                 if (kind != ContactEvent::none && search.locate(q, kind, length))
                     event = {kind, q}, last = false;
+        if constexpr (FrictionalLaw<Law>)
+            for (int q = 0; q < static_cast<int>(network.pairs.size()); ++q)
+                for (const ContactEvent kind : next_surface_events(network.pairs[q]))
+                    if (kind != ContactEvent::none && search.locate_in_surfaces(q, kind, length))
+                        event = {kind, q}, last = false;
         if (const PairEvent now = ends_within_rounding()) return {.event = now};
         if (event && end() > until) {  // time would have run backwards beyond touch
             end_at_time();
@@ -138,12 +214,33 @@ private:
         for (int q = 0; q < static_cast<int>(network.pairs.size()); ++q)
             if (network.pairs[q].fresh && !(event && event.pair == q))
                 network.pairs[q].fresh = search.still_fresh(q);
+        if constexpr (FrictionalLaw<Law>) refresh_surfaces(search, event);
         record_compressions(length);
         in.accept(state);
+        if constexpr (FrictionalLaw<Law>) renew_directions();
         if (last) state.time() = until;
         return {.moved = true, .event = event};
     }
 
+    void refresh_surfaces(const EventSearch<Law>& search, PairEvent event)
+        requires FrictionalLaw<Law>
+    {
+        for (int i = 0; i < static_cast<int>(network.pairs.size()); ++i) {
+            ContactPair<Law>& q = network.pairs[i];
+            for (const ContactEvent kind : next_surface_events(q))
+                if (kind != ContactEvent::none && is_fresh(q, kind) &&
+                    !(event.pair == i && event.what == kind))
+                    is_fresh(q, kind) = search.still_fresh_in_surfaces(i, kind);
+        }
+    }
+    void renew_directions()
+        requires FrictionalLaw<Law>
+    {
+        for (int i = 0; i < static_cast<int>(network.pairs.size()); ++i)
+            if (network.pairs[i].state == ContactState::closed &&
+                SurfaceStart<Law>(network, state, i).renew_direction())
+                integrator.forget();
+    }
     // The end of a contact that began within rounding of touch and separates: for s < 0, γ < 0 and time would run
     // backwards.
     PairEvent ends_within_rounding() const {

@@ -11,6 +11,7 @@ class Integrator {
 public:
     double length = 0.0;  // of the next step; 0: unknown
     WorkVector<double> slope, end, end_slope, trial, trial_slope, tolerance;
+    WorkVector<double> near, near_slope;  // close to one of these states, for differences
 
     // For a state that has changed since the last step; restart() also forgets the length of the step.
     void forget() { known_ = false; }

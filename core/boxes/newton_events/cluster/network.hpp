@@ -20,16 +20,19 @@ struct ContactNetwork {
     using Pair = ContactPair<Law>;
 
     std::vector<Member> members;
+    std::vector<Rotation> rotations;  // [members] with friction, otherwise empty
     std::vector<Pair> pairs;
     std::vector<WallPiece>
         wall_pieces;  // present pieces, by index() of the wall; empty if no wall oscillates
     Vector3 gravity{};
-    double base = 0.0;  // absolute time at time = 0 [s]
-    double time = 0.0;  // since `base` [s]
+    bool planar = false;  // whether nothing leaves the plane of the first two axes
+    double base = 0.0;    // absolute time at time = 0 [s]
+    double time = 0.0;    // since `base` [s]
 
     // Keeps the allocated storage.
     void clear() {
         members.clear();
+        rotations.clear();
         pairs.clear();
         wall_pieces.clear();
         base = time = 0.0;
@@ -86,6 +89,22 @@ struct ContactNetwork {
         double sum = 0.0;
         for (const Pair& q : pairs)
             if (q.state == state) sum += stored(q);
+        return sum;
+    }
+
+    // Energy of the tangential spring of a pair, and of all closed pairs, at the end of the last run [J].
+    double tangential(const Pair& q) const {
+        if constexpr (FrictionalLaw<Law>) {
+            const double k =
+                q.law.friction.stiffness(math::power<Law::onset_power>(math::max(depth_root(q), 0.0)));
+            if (q.state == ContactState::closed && k > 0.0)
+                return 0.5 * dot(q.surfaces.elastic, q.surfaces.elastic) / k;
+        }
+        return 0.0;
+    }
+    double tangential() const {
+        double sum = 0.0;
+        for (const Pair& q : pairs) sum += tangential(q);
         return sum;
     }
 

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "../../../contact/friction.hpp"
 #include "../../common/box.hpp"
 #include "../../common/symmetric_tensor.hpp"
 #include "../../common/triangle.hpp"
@@ -16,10 +17,40 @@ struct Member {
     Vector3 velocity;     // [m/s]
 };
 
+// How a member spins. Only with friction.
+struct Rotation {
+    double inertia;  // [kg m²]
+    Vector3 spin;    // [rad/s]
+};
+
 enum class ContactState : unsigned char {
     open,    // the surfaces are apart
     slack,   // overlap without force
     closed,  // overlap with a force
+};
+
+// What a closed pair with friction keeps (surfaces.hpp).
+template <class Law>
+struct PairSurfaces {};
+template <FrictionalLaw Law>
+struct PairSurfaces<Law> {
+    enum class Start : unsigned char { none, touch, jump };  // what decides whether they stick
+
+    Vector3 memory{};   // T/a^m while they stick, the direction of the force while they slip
+    Vector3 elastic{};  // T at the end of the last run, on the first body [N]
+    Vector3 slip{};     // tangential velocity at the begin [m/s]
+    Start start = Start::none;
+    bool slips = false, slid = false;
+    bool unloads = false;  // the compression falls
+    bool frozen = false;   // the direction of slip keeps still, as F_n is tiny
+    bool fresh = false;    // they have just begun to stick or to slip
+    bool turned = false;   // the compression has just begun to rise or to fall
+    int changes = 0;       // between stick and slip
+    // The same pair with its bodies exchanged.
+    void exchange_bodies() {
+        for (Vector3* x : {&memory, &elastic, &slip})
+            for (double& c : *x) c = -c;
+    }
 };
 
 // Two members that may touch, or a member and a wall.
@@ -46,10 +77,13 @@ struct ContactPair {
     double s = 0.0;                                        // if rooted
     double s_unit = 0.0, depth_unit = 0.0;                 // at the cluster's energy
     double begin = 0.0, impact_speed = 0.0;                // of the closed contact
+    [[no_unique_address]] PairSurfaces<Law> surfaces{};
 
     // Where the bodies overlap without force, one may act at once.
     void velocity_jumped() {
         if (state == ContactState::slack) fresh = false;
+        if constexpr (FrictionalLaw<Law>)
+            if (state == ContactState::closed) surfaces.start = PairSurfaces<Law>::Start::jump;
     }
     // Of a wall that does not oscillate, t [s] after `base`.
     double wall_position(double t) const { return wall_velocity != 0.0 ? wall + wall_velocity * t : wall; }
@@ -60,15 +94,19 @@ struct EndedContact {
     double begin, end;
     double impact_speed, separation_speed;
     bool overlapped;
+    // With friction; see ContactRecord.
+    bool slid = false;
+    double tangential_speed = math::nan, tangential_restitution = math::nan;
 };
 
 // What a cluster has done: energy lost and given, virial, and its contacts.
 struct Ledger {
-    double dissipated = 0.0;  // including the elastic energy that slack pairs still store [J]
+    double dissipated = 0.0;  // including energies of slack pairs and of tangential springs [J]
     SymmetricTensor virial;   // ∫ Σ r⊗F dt over pairs of bodies [J s]
     double wall_work = 0.0;   // done by moving walls [J]
-    WallSums walls;           // as `dissipated`, with the energy that slack pairs still store
+    WallSums walls;           // as `dissipated`
     double shear_work = 0.0;  // done on pairs whose image moves [J]
+    double rubbed = 0.0;      // work taken by tangential forces, including the energy of their springs [J]
     long begun = 0;           // contacts since the start
     long begun_pairs = 0;     // of these, between two bodies
     std::vector<EndedContact> ended;

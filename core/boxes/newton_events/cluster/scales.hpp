@@ -29,7 +29,7 @@ public:
         0.0;  // upper bound on a member's speed relative to the others, or to walls if one may be touched [m/s]
 
     Scales() = default;
-    // The speed is that of the lightest member with all energy, kinetic in the cluster's frame and elastic. A second
+    // The speed is that of the lightest member with all energy, kinetic in the cluster's frame, of spins and elastic. A second
     // wall with another velocity, a wall that changes its velocity, or a moving image does work in this frame: it may
     // add several times this difference. Bodies may lie at rest: gravity adds its speed within a millionth of a radius.
     template <class Law>
@@ -45,6 +45,10 @@ public:
         }
         for (const ContactPair<Law>& q : network.pairs)
             if (q.state == ContactState::closed) energy += q.law.energy(network.depth_root(q));
+        if constexpr (FrictionalLaw<Law>) {
+            energy += network.tangential();
+            for (const Rotation& r : network.rotations) energy += 0.5 * r.inertia * dot(r.spin, r.spin);
+        }
         const double fall = 1e-6 * smallest * math::sqrt(dot(network.gravity, network.gravity));
         speed = math::max(math::sqrt(2.0 * energy / mass + fall) + gain(network, mean), slowest_approach);
     }

@@ -19,13 +19,16 @@ struct WorkVector : std::vector<T> {
 };
 
 // Index of each quantity in the state vector: positions and velocities [3 a member], time, dissipated energy, work of
-// walls and work of images if any moves, the s of each rooted pair, the virial, and impulse and energy of each wall of
-// the pairs. Nothing depends on the components from virial() on.
+// walls and work of images if any moves; with friction the work of tangential forces, spins [3 a member] and what the
+// surfaces of pairs keep [4 a pair]; the s of each rooted pair, the virial, and impulse and energy of each wall of the
+// pairs. Nothing depends on the components from virial() on.
 class StateLayout {
 public:
     template <class Law>
     void assign(const ContactNetwork<Law>& network) {
         members_ = static_cast<int>(network.members.size());
+        surfaces_ = FrictionalLaw<Law> ? static_cast<int>(network.pairs.size()) : 0;
+        rubs_ = FrictionalLaw<Law>;
         walls_move_ = !network.wall_pieces.empty();
         images_move_ = false;
         wall_slot_.fill(-1);
@@ -54,7 +57,12 @@ public:
     int loss() const { return time() + 1; }
     int wall_work() const { return time() + 2; }                            // if walls move
     int shear_work() const { return wall_work() + (walls_move_ ? 1 : 0); }  // if images move
-    int first_root() const { return shear_work() + (images_move_ ? 1 : 0); }
+    int rubbed() const {
+        return shear_work() + (images_move_ ? 1 : 0);
+    }  // with friction, as all up to first_root()
+    int spin(int member) const { return rubbed() + 1 + 3 * member; }
+    int surface(int pair) const { return spin(members_) + 4 * pair; }
+    int first_root() const { return rubs_ ? surface(surfaces_) : rubbed(); }
     int root(int pair) const { return root_[pair]; }
     int virial() const { return first_root() + static_cast<int>(rooted_.size()); }
     int wall_sums() const { return virial() + static_cast<int>(SymmetricTensor::size); }
@@ -72,8 +80,8 @@ private:
             root_[rooted_[i]] = first_root() + static_cast<int>(i);
     }
 
-    int members_ = 0, walls_ = 0;
-    bool walls_move_ = false, images_move_ = false;
+    int members_ = 0, walls_ = 0, surfaces_ = 0;
+    bool rubs_ = false, walls_move_ = false, images_move_ = false;
     std::array<int, most_walls> wall_slot_{};  // place of each wall among those of the pairs, or −1
     WorkVector<int> rooted_;                   // pairs whose s is a component, in the order of the state
     WorkVector<int> root_;                     // [pairs] index of s
@@ -128,6 +136,7 @@ public:
         y[layout.loss()] = ledger.dissipated;
         if (layout.walls_move()) y[layout.wall_work()] = ledger.wall_work;
         if (layout.images_move()) y[layout.shear_work()] = ledger.shear_work;
+        if constexpr (FrictionalLaw<Law>) load_surfaces(network, ledger);
         for (const int q : layout.rooted()) y[layout.root(q)] = network.pairs[q].s;
         std::ranges::copy(ledger.virial.component, &y[layout.virial()]);
         for (const ContactPair<Law>& q : network.pairs) {
@@ -145,6 +154,7 @@ public:
         ledger.dissipated = y[layout.loss()];
         if (layout.walls_move()) ledger.wall_work = y[layout.wall_work()];
         if (layout.images_move()) ledger.shear_work = y[layout.shear_work()];
+        if constexpr (FrictionalLaw<Law>) store_surfaces(network, ledger);
         for (const int q : layout.rooted()) network.pairs[q].s = y[layout.root(q)];
         std::copy_n(&y[layout.virial()], SymmetricTensor::size, ledger.virial.component);
         for (const ContactPair<Law>& q : network.pairs) {
@@ -178,6 +188,24 @@ public:
         for (const int q : chosen) network.pairs[q].rooted = true;
         layout.choose_roots(chosen);
         y.swap(changed);
+    }
+
+private:
+    template <class Law>
+    void load_surfaces(const ContactNetwork<Law>& network, const Ledger& ledger) {
+        y[layout.rubbed()] = ledger.rubbed;
+        for (int i = 0; i < layout.members(); ++i)
+            std::ranges::copy(network.rotations[i].spin, &y[layout.spin(i)]);
+        for (int q = 0; q < static_cast<int>(network.pairs.size()); ++q)
+            std::ranges::copy(network.pairs[q].surfaces.memory, &y[layout.surface(q)]);
+    }
+    template <class Law>
+    void store_surfaces(ContactNetwork<Law>& network, Ledger& ledger) const {
+        ledger.rubbed = y[layout.rubbed()];
+        for (int i = 0; i < layout.members(); ++i)
+            std::copy_n(&y[layout.spin(i)], 3, network.rotations[i].spin.begin());
+        for (int q = 0; q < static_cast<int>(network.pairs.size()); ++q)
+            std::copy_n(&y[layout.surface(q)], 3, network.pairs[q].surfaces.memory.begin());
     }
 };
 

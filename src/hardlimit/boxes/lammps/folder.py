@@ -11,7 +11,7 @@ from typing import Any
 from ...contact.contact import Law
 from ...support import validation
 from .. import time_step as steps
-from ..contacts import checked_law, checked_system, refuse_too_soft
+from ..contacts import checked_law, checked_system, refuse_fall_past_walls, refuse_too_soft, rubs
 from ..result import ContactResult
 from ..run import checked_output
 from ..system import ParticleSystem
@@ -128,6 +128,7 @@ def make_job(
     if system.thermostat is not None:
         raise ValueError(f"thermostat: got {system.thermostat!r}, must be none for engine 'lammps'")
     count, keep, *_ = checked_output(samples, log, None, 60.0)
+    refuse_fall_past_walls(system, rubs(law))
     refuse_too_soft(system, law)
     rotation_of(system, law)
     types_of(system, law)

@@ -1,0 +1,342 @@
+"""Kinetic theory of a gas of rough and frictional particles, against collisions of Maxwellian pairs and limits."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import hardlimit as hl
+from conftest import draws, refusal
+from hardlimit.boxes import theory
+from hardlimit.boxes.theory import Gas, RotatingGas
+from hardlimit.contact import maxwellian
+
+RATIO = st.floats(-2.0, 2.0).map(lambda decades: 10.0**decades)
+Q = st.floats(0.05, 1.0)
+
+
+def gas(q: float | None = None, dimension: int = 3) -> Gas:
+    return Gas(1000, 1e-3, 1e-5, 2e-5 if dimension == 3 else 2e-2, dimension, *([] if q is None else [q]))
+
+
+def walton(q: float, e: float, mu: float, beta0: float) -> Any:
+    """β(tan γ) of the constant rule, as a function."""
+    kappa = 1.0 + 1.0 / q
+    return lambda tangents: np.minimum(beta0, -1.0 + kappa * mu * (1.0 + e) / tangents)
+
+
+# --- numbers ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("q", "e", "beta", "known"),
+    [
+        (0.4, 0.9, 0.5, 0.867077),
+        (0.4, 0.7, -0.3, 1.766190),
+        (0.4, 0.95, 0.0, 0.476479),
+        (2.0 / 3.0, 0.8, 0.9, 1.202946),
+    ],
+)
+def test_cooling_state_of_rough_spheres(q: float, e: float, beta: float, known: float) -> None:
+    """θ = h + √(1 + h²) of Huthmann & Zippelius (1997)."""
+    (state,) = gas(q).rotating(e, math.inf, beta).cooling_states()
+    h = (1.0 + q) / (2.0 * q * (1.0 + beta))
+    h *= (1.0 + q) * (1.0 - e * e) / (1.0 + beta) - (1.0 - q) * (1.0 - beta)
+    assert state.temperature_ratio == pytest.approx(h + math.sqrt(1.0 + h * h), rel=1e-11)
+    assert state.temperature_ratio == pytest.approx(known, abs=1e-6)
+    assert state.is_stable and state.sliding_share == 0.0
+
+
+@pytest.mark.parametrize(
+    ("mu", "theta", "rate"), [(0.2, 0.6046, -0.14551), (0.5, 0.7653, -0.16278), (1.0, 0.8346, -0.15949)]
+)
+def test_cooling_state_with_friction(mu: float, theta: float, rate: float) -> None:
+    """ε = 0.9, β0 = 0.5: values computed for this project by a separate program."""
+    state = gas().rotating(0.9, mu, 0.5).cooling_states()[0]
+    assert state.temperature_ratio == pytest.approx(theta, abs=6e-5)
+    assert state.rate == pytest.approx(rate, abs=6e-6)
+    sliding = 1.0 / (1.0 + (3.5 * mu * 1.9 / 1.5) ** 2 / (1.0 + 2.5 * state.temperature_ratio))
+    assert state.is_stable and state.sliding_share == pytest.approx(sliding)
+
+
+@pytest.mark.parametrize(
+    ("e", "known", "digits"), [(0.95, 0.0442, 5e-5), (0.9, 0.1025, 3e-4), (0.7, 0.34, 7e-3)]
+)
+@pytest.mark.parametrize("beta", [0.4, 1.0])
+def test_two_fates(e: float, known: float, digits: float, beta: float) -> None:
+    """Values computed for this project by a separate program; they hardly depend on β0."""
+    assert gas().critical_friction(e, beta) == pytest.approx(known, abs=digits)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_fate_of_a_cooling_gas(dimension: int) -> None:
+    """On either side of μ_c, and of the unstable state above it."""
+    gas_of = gas(dimension=dimension)
+    critical = gas_of.critical_friction(0.9, 0.5)
+    survives, ends = (gas_of.rotating(0.9, share * critical, 0.5) for share in (0.9, 1.1))
+    times = np.geomspace(1.0, 1e5, 5)
+    translation, rotation = survives.cooling(times, 0.01, 0.01)
+    assert rotation[-1] / translation[-1] > 1e3
+    translation, rotation = ends.cooling(times, 0.01, 0.01)
+    stable, unstable = ends.cooling_states()
+    assert (stable.is_stable, unstable.is_stable) == (True, False)
+    assert rotation[-1] / translation[-1] == pytest.approx(stable.temperature_ratio, rel=0.02)
+    translation, rotation = ends.cooling(times, 0.01, 0.01 * unstable.temperature_ratio * 1.2)
+    assert rotation[-1] / translation[-1] > 1e3
+    above = gas_of.critical_friction(0.9, 0.5, unstable.temperature_ratio)
+    assert above == pytest.approx(1.1 * critical, rel=1e-6)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_beyond_a_friction_spins_heat(dimension: int) -> None:
+    """μ² (1 + ε)² > 1 − ε²: fast spins heat translation, so that no gas keeps them."""
+    bound = math.sqrt(0.1 / 1.9)
+    gas_of = gas(dimension=dimension)
+    for share, sign in ((0.99, -1.0), (1.01, 1.0)):
+        assert math.copysign(1.0, gas_of.rotating(0.9, share * bound, 0.5).rates(1e10)[0]) == sign
+    assert gas_of.critical_friction(0.9, 0.5, 1e6) < bound
+
+
+# --- Monte Carlo --------------------------------------------------------------------------------------------
+
+
+def changes(gas_of: Gas, theta: float, e: float, beta: Any, pairs: int = 200_000) -> np.ndarray:
+    """Changes of the energies of translation and rotation over m T in collisions of Maxwellian pairs, (pairs, 2).
+
+    m = R = T = 1. Along the normal the relative velocity has the distribution of fluxes. Both impulses from the
+    velocities before the collision.
+    """
+    rng, q, d = np.random.default_rng(5), gas_of.inertia_factor, gas_of.dimension
+    v = rng.standard_normal((2, pairs, 3))
+    normal = 2.0 * np.sqrt(rng.exponential(size=pairs))  # g_n
+    total = v[0, :, 0] + v[1, :, 0]
+    v[0, :, 0], v[1, :, 0] = 0.5 * (total + normal), 0.5 * (total - normal)
+    w = math.sqrt(theta / q) * rng.standard_normal((2, pairs, 3))
+    if d == 2:
+        v[:, :, 2] = 0.0
+        w[:, :, :2] = 0.0
+    n = np.array([1.0, 0.0, 0.0])
+    g = v[1] - v[0] - np.cross(w[0] + w[1], n)
+    g[:, 0] = 0.0
+    size = np.sqrt(np.sum(g * g, axis=1))
+    tangential = 0.5 / (1.0 + 1.0 / q) * ((1.0 + beta(size / normal))[:, None] * g)
+    impulse = 0.5 * (1.0 + e) * normal[:, None] * n - tangential
+    after = v + np.stack([-impulse, impulse])
+    spun = w - np.cross(n, impulse) / q
+    return 0.5 * np.stack(
+        [np.sum(after**2 - v**2, axis=(0, 2)), q * np.sum(spun**2 - w**2, axis=(0, 2))], axis=1
+    )
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize(
+    ("q", "theta", "e", "mu", "beta0"),
+    [
+        (0.4, 1.0, 0.9, 0.5, 0.5),
+        (0.5, 3.0, 0.7, 0.1, 0.9),
+        (0.66, 0.2, 0.95, math.inf, 0.3),
+        (1.0, 40.0, 1.0, 1.0, 1.0),
+    ],
+)
+def test_collisions_of_maxwellian_pairs(
+    dimension: int, q: float, theta: float, e: float, mu: float, beta0: float
+) -> None:
+    gas_of = gas(q, dimension)
+    mean = gas_of.rotating(e, mu, beta0).mean_collision(theta)
+    sample = changes(gas_of, theta, e, walton(q, e, min(mu, 1e9), beta0))
+    error = sample.std(axis=0) / math.sqrt(len(sample))
+    expected = (mean.energy_change - mean.rotational_energy_change, mean.rotational_energy_change)
+    assert (np.abs(sample.mean(axis=0) - expected) < 4.0 * error).all()
+    assert (error < 0.01 * max(1.0, theta)).all()
+
+
+# --- identities ---------------------------------------------------------------------------------------------
+
+
+@draws(40)
+@given(Q, RATIO, st.floats(0.0, 1.0), st.floats(-1.0, 1.0), st.integers(2, 3))
+def test_rough_rates_are_those_of_the_literature(
+    q: float, theta: float, e: float, beta: float, d: int
+) -> None:
+    """The equations of Huthmann & Zippelius (1997)."""
+    eta, axes = 0.5 * q * (1.0 + beta) / (1.0 + q), {2: 1, 3: 3}[d]
+    lost = (1.0 - e * e) + 2.0 * (d - 1) * eta * (1.0 - eta) - 2.0 * (d - 1) * eta * eta / q * theta
+    gained = 2.0 * (d - 1) / axes * (eta * eta / q - eta / q * (1.0 - eta / q) * theta)
+    rough = gas(q, d).rotating(e, math.inf, beta)
+    assert rough.rates(theta) == pytest.approx((-lost / d, gained), rel=1e-9, abs=1e-12 * (1.0 + theta))
+    if beta > -0.99:
+        assert rough.heated_temperature_ratio() == pytest.approx(
+            q * (1.0 + beta) / (1.0 + 2.0 * q - beta), rel=1e-9
+        )
+
+
+@draws(40)
+@given(Q, RATIO, st.floats(0.0, 1.0), st.floats(-3.0, 1.0), st.floats(-0.95, 1.0), st.integers(2, 3))
+def test_quadrature_is_the_closed_form(
+    q: float, theta: float, e: float, decades: float, beta0: float, d: int
+) -> None:
+    gas_of, mu = gas(q, d), 10.0**decades
+    closed = gas_of.rotating(e, mu, beta0).mean_collision(theta)
+    summed = gas_of.rotating(e, tangential_restitution=walton(q, e, mu, beta0)).mean_collision(theta)
+    assert summed[:2] == pytest.approx(closed[:2], rel=2e-9)
+    assert math.isnan(summed.sliding_share)
+
+
+@draws(40)
+@given(Q, RATIO, st.floats(-4.0, 2.0), st.floats(-0.99, 1.0), st.integers(2, 3))
+def test_sliding_share(q: float, theta: float, decades: float, beta0: float, d: int) -> None:
+    """P(u > c/(1 + c)) for u uniform, and for u of the density 1/(2√u)."""
+    mu = 10.0**decades
+    c = ((1.0 + 1.0 / q) * mu * 1.9 / (1.0 + beta0)) ** 2 / (1.0 + theta / q)
+    border = c / (1.0 + c)
+    share = gas(q, d).rotating(0.9, mu, beta0).mean_collision(theta).sliding_share
+    assert share == pytest.approx(1.0 - border if d == 3 else 1.0 - math.sqrt(border), rel=1e-6, abs=1e-12)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize(
+    "rule", [{"friction": 0.0, "tangential_restitution": 0.5}, {"tangential_restitution": -1.0}]
+)
+def test_smooth_particles_do_not_exchange(dimension: int, rule: dict[str, float]) -> None:
+    gas_of = gas(dimension=dimension)
+    smooth = gas_of.rotating(0.9, **rule)
+    assert smooth.mean_collision(2.0) == (
+        0.0,
+        0.0,
+        smooth.mean_collision(2.0).sliding_share,
+        -(1.0 - 0.9**2),
+        0.0,
+    )
+    assert smooth.cooling_states() == () and math.isnan(smooth.heated_temperature_ratio())
+    assert smooth.heated_temperature(1e-6) == pytest.approx(gas_of.heated_temperature(1e-6, 0.9), rel=1e-14)
+    times = np.array([[3.0, 0.0], [1.0, 3.0]])
+    translation, rotation = smooth.cooling(times, 0.02, 0.01)
+    assert translation == pytest.approx(gas_of.cooling(times, 0.02, 0.9), rel=1e-7)
+    assert rotation == pytest.approx(np.full((2, 2), 0.01), rel=1e-7)
+
+
+def test_a_cooling_state_keeps_its_ratio() -> None:
+    """and cools by Haff's law with its rate."""
+    gas_of = gas(dimension=2)
+    rubbing = gas_of.rotating(0.9, 0.5, 0.3)
+    state = rubbing.cooling_states()[0]
+    times = np.linspace(0.0, 20.0, 5)
+    translation, rotation = rubbing.cooling(times, 0.01, 0.01 * state.temperature_ratio)
+    assert rotation == pytest.approx(state.temperature_ratio * translation, rel=1e-6)
+    haff = 0.01 / (1.0 - 0.5 * state.rate * float(gas_of.collision_rate(0.01)) * times) ** 2
+    assert translation == pytest.approx(haff, rel=1e-6)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_heat_is_what_collisions_lose(dimension: int) -> None:
+    gas_of = gas(dimension=dimension)
+    rubbing = gas_of.rotating(0.9, 0.5, 0.5)
+    theta = rubbing.heated_temperature_ratio()
+    assert rubbing.rates(theta)[1] == pytest.approx(0.0, abs=1e-12)
+    t = rubbing.heated_temperature(1e-6)
+    lost = -rubbing.mean_collision(theta).energy_change * gas_of.mass * t
+    assert 0.5 * gas_of.n * float(gas_of.collision_rate(t)) * lost == pytest.approx(1e-6, rel=5e-3)
+    assert rubbing.heated_temperature(8e-6) == pytest.approx(4.0 * t)
+
+
+# --- laws ---------------------------------------------------------------------------------------------------
+
+
+def dashpot(e: float = 0.9, mu: float = 0.5, ratio: float = 0.9) -> hl.Law:
+    return hl.LinearDashpot(stiffness=1e5, restitution=e, friction=hl.Friction(mu, stiffness_ratio=ratio))
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_superballs_are_the_rule(dimension: int) -> None:
+    """k_t such that ρ = 1, without damping: exactly the constant rule with β0 = 1."""
+    gas_of = gas(dimension=dimension)
+    ratio = 1.0 / (1.0 + 1.0 / gas_of.inertia_factor)
+    spring = gas_of.rotating(law=dashpot(1.0, 0.3, ratio)).mean_collision(0.7)
+    rule = gas_of.rotating(1.0, 0.3, 1.0).mean_collision(0.7)
+    assert spring == pytest.approx(rule, rel=1e-4)  # the share that slides is located to 2e-4
+    assert spring[:2] == pytest.approx(rule[:2], rel=1e-8)
+
+
+def test_effective_restitution_has_the_same_exchange() -> None:
+    """β0 of Contact.effective_tangential_restitution is that of the same M₁ at θ = 1."""
+    ball = hl.Ball(1e-3, mass=1e-5)
+    law = dashpot()
+    beta0 = law.between(ball, ball).effective_tangential_restitution()
+    spring, rule = gas().rotating(law=law), gas().rotating(0.9, 0.5, beta0)
+    assert spring.mean_collision(1.0).exchange == pytest.approx(rule.mean_collision(1.0).exchange, rel=1e-6)
+    loss = spring.mean_collision(1.0).energy_change / rule.mean_collision(1.0).energy_change
+    assert loss == pytest.approx(0.993, abs=2e-3)
+
+
+def test_speed_of_a_law() -> None:
+    law = hl.Viscoelastic(
+        youngs_modulus=1e8, poisson_ratio=0.3, dissipative_time=1e-5, friction=hl.Friction(0.5)
+    )
+    slow, fast = (gas().rotating(law=law, speed=speed) for speed in (0.01, 1.0))
+    assert slow.restitution > fast.restitution
+    ball = hl.Ball(1e-3, mass=1e-5)
+    assert fast.restitution == law.between(ball, ball).restitution(1.0)
+    assert fast.mean_collision(1.0).exchange != pytest.approx(slow.mean_collision(1.0).exchange, rel=1e-3)
+
+
+# --- what is refused ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({}, "restitution | law: got neither"),
+        ({"restitution": 0.9}, "tangential_restitution: missing"),
+        ({"restitution": 1.1, "tangential_restitution": 0.5}, "restitution: got 1.1"),
+        (
+            {"restitution": 0.9, "friction": -1.0, "tangential_restitution": 0.5},
+            "friction: got -1, must be >= 0",
+        ),
+        (
+            {"restitution": 0.9, "friction": 0.5, "tangential_restitution": abs},
+            "friction | tangential_restitution: got 0.5 and a function",
+        ),
+        ({"law": 3}, "law: got 3"),
+        ({"law": dashpot(), "friction": 0.5}, "friction: got 0.5, must be left out with a law"),
+    ],
+)
+def test_what_is_refused(arguments: dict[str, Any], message: str) -> None:
+    assert message.split(":")[0] in refusal(lambda: gas().rotating(**arguments))
+    assert message.rpartition(": ")[2] in refusal(lambda: gas().rotating(**arguments))
+
+
+def test_what_members_refuse() -> None:
+    rubbing = gas().rotating(0.9, 0.5, 0.5)
+    assert "temperature_ratio: got -1" in refusal(lambda: rubbing.mean_collision(-1.0))
+    assert "temperature: got 0" in refusal(lambda: rubbing.cooling(1.0, 0.0, 1.0))
+    assert "dissipate nothing" in refusal(lambda: gas().rotating(1.0, math.inf, 1.0).heated_temperature(1.0))
+    wrong: RotatingGas = gas().rotating(0.9, tangential_restitution=lambda tangents: tangents * math.nan)
+    assert "no finite number" in refusal(lambda: wrong.mean_collision(1.0))
+    apart = hl.LinearDashpot(
+        stiffness=1.0, damping=1e100, friction=hl.Friction(0.5)
+    )  # ε = 0: they stay together
+    assert "no finite number" in refusal(lambda: gas().rotating(law=apart).mean_collision(1.0))
+    assert "inertia_factor: got 2" in refusal(lambda: gas(2.0))
+    assert "tangential_restitution: got -1" in refusal(lambda: gas().critical_friction(0.9, -1.0))
+
+
+def test_the_gas_of_a_system_has_its_inertia() -> None:
+    system = hl.ParticleSystem.random(20, 0.1, 1e-3, 2500.0, 0.1)
+    assert theory.gas(system).inertia_factor == 0.4
+    shells = system.replace(angular_velocities=np.zeros((20, 3)), inertia_factor=2.0 / 3.0)
+    assert theory.gas(shells).inertia_factor == 2.0 / 3.0
+    assert theory.why_not(shells.replace(inertia_factor=np.linspace(0.4, 0.5, 20))) == "its particles differ"
+    assert gas(dimension=2).inertia_factor == 0.5
+
+
+def test_moments_of_extreme_slopes() -> None:
+    for dimension in (2, 3):
+        rough = maxwellian.walton_means(1.5, math.inf, 3.0, dimension)
+        assert rough == pytest.approx((1.5, 2.25, 0.0))
+        assert maxwellian.walton_means(1.5, 1e-200, 3.0, dimension).first == pytest.approx(0.0, abs=1e-199)
+        assert maxwellian.walton_means(1e-200, 1e200, 3.0, dimension) == pytest.approx(
+            (0.0, 0.0, 0.0), abs=1e-150
+        )
