@@ -146,7 +146,7 @@ def make_job(
 
 def _longest_step(system: ParticleSystem, law: Law) -> steps.LongestStep:
     """The longest step of LAMMPS for a contact of the system."""
-    if law.friction is None:
+    if not rubs(law):
         return integration_error.longest_step
     elastic, inelastic = law.record["powers"]
     factor = float(factor_of(system)[0])
