@@ -271,11 +271,11 @@ class Pairs:
     def apart(self, first: Integers, second: Integers) -> Floats:
         """Distance of the centres at touch [m]; for a wall (``second`` < 0), the radius."""
         radius = self._system.radius
-        return radius[first] + np.where(second < 0, 0.0, radius[second])
+        return radius[first] + np.where(second < 0, 0.0, radius[np.maximum(second, 0)])
 
     def effective_mass(self, first: Integers, second: Integers) -> Floats:
         """Effective mass [kg]."""
-        mass, other = self._system.mass[first], self._system.mass[second]
+        mass, other = self._system.mass[first], self._system.mass[np.maximum(second, 0)]
         return np.where(second < 0, mass, mass * other / (mass + other))
 
     def force(self, first: Integers, second: Integers, compression: Floats, rate: Floats) -> Floats:

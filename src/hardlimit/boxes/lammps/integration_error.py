@@ -7,7 +7,6 @@ LAMMPS' velocity Verlet evaluates the damping at the velocity half a step earlie
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any, Final
 
 import numpy as np
@@ -119,7 +118,12 @@ def longest_step(contact: Any, speed: float, error: float) -> float:
         # The error is not monotonic in the step, so slightly shorter steps are tested as well.
         return BETWEEN * max(restitution_error(contact, speed, duration / n) for n in TESTED * steps)
 
-    return duration / _fewest_steps(largest_error, error, float(MIN_STEPS), MAX_STEPS)
+    steps = float(MIN_STEPS)
+    while (worst := largest_error(steps)) > error:
+        if steps >= MAX_STEPS:
+            return duration / (MARGIN * steps * worst / error)
+        steps = min(MAX_STEPS, steps * min(4.0, max(1.1, worst / error)))
+    return duration / steps
 
 
 def longest_step_with_friction(
@@ -145,17 +149,8 @@ def longest_step_with_friction(
         beta = tangential_restitution(contact, friction, mass, speed, slow, duration / steps)
         return math.inf if beta is None else float(np.abs(beta - exact).max())
 
-    return duration / _fewest_steps(largest_error, error, duration / step, MAX_FRICTION_STEPS)
-
-
-def _fewest_steps(
-    largest_error: Callable[[float], float], error: float, steps: float, most_tested: float
-) -> float:
-    """Number of steps per contact, at least ``steps``, that keeps to an error."""
-    fewest = steps
-    steps = min(steps, most_tested)
-    while (worst := largest_error(steps)) > error:
-        if steps >= most_tested:
-            return max(fewest, MARGIN * steps * worst / error)
-        steps = min(most_tested, steps * min(4.0, max(1.1, worst / error)))
-    return max(fewest, steps)
+    most = float(MAX_FRICTION_STEPS)
+    steps = max(duration / step, MARGIN * most * largest_error(most) / error)
+    if steps < most and largest_error(steps) > error:
+        steps = most
+    return duration / steps
