@@ -279,7 +279,7 @@ def test_the_longest_step_keeps_to_the_error_of_surfaces_that_stick(name):
     contact, powers = core_contact(law), law.record["powers"]
     terms = FrictionTerms(*contact.friction_terms)
     mass, slow = contact.effective_mass / 3.5, np.array([0.01])
-    step = integration_error.longest_step_with_friction(powers, 0.4, contact, speed, error)
+    step = integration_error.LongestStep(powers, 0.4)(contact, speed, error)
     assert step < integration_error.longest_step(contact, speed, error)
     numbers = (*powers, False), *contact.coefficients, contact.effective_mass
     exact = tangential_restitution(*numbers, terms, mass, speed, slow)

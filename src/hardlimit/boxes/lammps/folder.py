@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import stat
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -150,7 +149,7 @@ def _longest_step(system: ParticleSystem, law: Law) -> steps.LongestStep:
         return integration_error.longest_step
     elastic, inelastic = law.record["powers"]
     factor = float(factor_of(system)[0])
-    return partial(integration_error.longest_step_with_friction, (elastic, inelastic), factor)
+    return integration_error.LongestStep((elastic, inelastic), factor)
 
 
 def _checked_folder(folder: Any) -> Path:

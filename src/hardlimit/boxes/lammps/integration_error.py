@@ -11,7 +11,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from ...contact import impact
+from ...contact import frictional_contact, impact
 from ...contact.contact import Floats
 from ...contact.friction import LIMITS, FrictionTerms
 
@@ -126,31 +126,44 @@ def longest_step(contact: Any, speed: float, error: float) -> float:
     return duration / steps
 
 
-def longest_step_with_friction(
-    powers: tuple[int, int], inertia_factor: float, contact: Any, speed: float, error: float
-) -> float:
+class LongestStep:
     """The longest time step [s] with an error of ε, and of β of surfaces that stick, of at most ``error``.
 
-    ``powers`` of the law: 4p and 4q of K ξ^p + C ξ^q dξ/dt. The error of β is of first order without damping as well,
-    since a contact begins between two steps.
+    The error of β is of first order without damping as well, since a contact begins between two steps.
     """
-    friction = FrictionTerms(*contact.friction_terms)
-    step, duration = longest_step(contact, speed, error), float(contact.duration(np.array([speed]))[0])
-    mass = contact.effective_mass / (1.0 + 1.0 / inertia_factor)
-    slow = np.array([SLOW * min(friction.coefficient, 1.0) * speed])
-    if not slow.any():
-        return step
-    stiffness, damping = contact.coefficients
-    (exact,) = impact.tangential_restitution(
-        (*powers, False), stiffness, damping, contact.effective_mass, friction, mass, speed, slow
-    )
+
+    def __init__(self, powers: tuple[int, int], inertia_factor: float) -> None:
+        self._powers = (*powers, False)  #: 4p and 4q of K ξ^p + C ξ^q dξ/dt
+        self._mass_ratio = 1.0 / (1.0 + 1.0 / inertia_factor)
+        self._tried: dict[
+            tuple[impact.FrictionalContact, float], float
+        ] = {}  #: steps of contacts in their own units
+
+    def __call__(self, contact: Any, speed: float, error: float) -> float:
+        mass, terms = contact.effective_mass, FrictionTerms(*contact.friction_terms)
+        numbers = impact.FrictionalContact(
+            self._powers, contact.coefficients, mass, mass * self._mass_ratio, terms
+        )
+        own = frictional_contact.in_own_units(numbers, speed), error
+        duration = float(contact.duration(np.array([speed]))[0])
+        if own not in self._tried:
+            fewest = duration / longest_step(contact, speed, error)
+            self._tried[own] = _steps_of_friction(contact, numbers, speed, error, fewest)
+        return duration / self._tried[own]
+
+
+def _steps_of_friction(
+    contact: Any, numbers: impact.FrictionalContact, speed: float, error: float, fewest: float
+) -> float:
+    """Number of steps per contact with this error of β, at least ``fewest``."""
+    duration, most = float(contact.duration(np.array([speed]))[0]), float(MAX_FRICTION_STEPS)
+    slow = np.array([SLOW * min(numbers.terms.coefficient, 1.0) * speed])
+    exact = frictional_contact.tangential_restitution(numbers, speed, np.arctan(slow / speed))
 
     def largest_error(steps: float) -> float:
-        beta = tangential_restitution(contact, friction, mass, speed, slow, duration / steps)
+        values = numbers.terms, numbers.tangential_mass, speed, slow, duration / steps
+        beta = tangential_restitution(contact, *values)
         return math.inf if beta is None else float(np.abs(beta - exact).max())
 
-    most = float(MAX_FRICTION_STEPS)
-    steps = max(duration / step, MARGIN * most * largest_error(most) / error)
-    if steps < most and largest_error(steps) > error:
-        steps = most
-    return duration / steps
+    steps = max(fewest, MARGIN * most * largest_error(most) / error)
+    return most if steps < most and largest_error(steps) > error else steps
