@@ -13,7 +13,7 @@ from ..contact.contact import Law
 from ..support import validation
 from . import time_step
 from .box import AXES
-from .contacts import impact_temperature, mean_contact
+from .contacts import impact_temperature, mean_contact, rubs
 from .falling_frame import engine_arguments
 from .system import ROUNDING, ParticleSystem
 from .theory import Gas
@@ -56,6 +56,8 @@ def estimated(
 
     The costs and the three values of t_c ν are described in the notes of :func:`hardlimit.molecular_dynamics`.
     """
+    if rubs(law):
+        return Choice("steps", "friction")
     try:
         check_box(system)
     except ValueError as error:
@@ -129,6 +131,14 @@ def of_bed(system: ParticleSystem, duration: float, restitution: float, until: f
         return Overlap(math.inf, f"in a bed that is at rest after about {at_rest if start else 0.0:.2g} s")
     end = start * (1.0 - until / at_rest)
     return Overlap(duration * pull * (pairs + floor / (d + 2)) / end, "at the end, in a bed that settles")
+
+
+def check_friction(engine: str, law: Law) -> None:
+    """Refuse engines that have no friction for a law with it."""
+    if rubs(law) and engine not in ("auto", "steps", "lammps"):
+        raise ValueError(
+            f"engine: got {engine!r}, must be 'auto', 'steps' or 'lammps' for a law with friction"
+        )
 
 
 def check_box(system: ParticleSystem) -> None:
