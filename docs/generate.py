@@ -101,6 +101,7 @@ def observables() -> str:
         if not engines:
             continue
         shown = "all" if len(engines) == len(ENGINES) else ", ".join(engines).replace("_", " ")
+        shown += "; with friction" if record.of_friction else ""
         unit = f"{record.unit} (disks: {record.unit_of_disks})" if record.unit_of_disks else record.unit
         unit = unit.replace("m2/s2", "m²/s²")
         meaning = (record.meaning + KINDS[record.kind]).replace("|", "\\|")

@@ -82,8 +82,8 @@ def molecular_dynamics(
         Number of intervals between samples of the series. With steps and LAMMPS, an interval is a whole number of
         steps.
     log : bool
-        Keep every contact; 41 bytes each. LAMMPS counts contacts only with a log, and then writes all overlaps as text
-        at every step, which takes time.
+        Keep every contact; 49 bytes each, 66 with friction. LAMMPS counts contacts only with a log, and then writes all
+        overlaps as text at every step, which takes time.
     progress : bool or callable(done, total), optional
         True shows a bar, or writes a line at intervals if stderr is not a terminal. With events, the fraction of time
         in clusters and the estimated time by steps are shown as well. A function is called with the number of steps, or

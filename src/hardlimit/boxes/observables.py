@@ -10,15 +10,18 @@ from typing import Any, Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import _core
 from .box import AXES, Floats, component_axes, read_only
+from .spins import AXES_OF_ROTATION
 from .system import ParticleSystem
 from .walls import name_of
 
-Shape = Literal["scalar", "vector", "tensor", "walls"]
+Shape = Literal["scalar", "vector", "axial", "tensor", "walls"]
 Kind = Literal["value", "sum", "rate"]
 _DIMS: Final[Mapping[Shape, tuple[str, ...]]] = {
     "scalar": (),
     "vector": ("axis",),
+    "axial": ("axis",),  # in 2-D one number, along the normal of the plane
     "tensor": ("component",),
     "walls": ("wall",),
 }
@@ -28,6 +31,8 @@ KINDS: Final[Mapping[Kind, str]] = {
     "sum": ", since the start",
     "rate": ", mean since the previous sample",
 }
+#: Records that engines have only of runs with friction.
+OF_FRICTION: Final = frozenset(field["name"] for field in _core.observed_fields if field["friction"])
 
 
 class Samples:
@@ -101,7 +106,9 @@ class Observable:
     needs: tuple[str, ...]  #: the records of an engine from which it is computed
     kind: Kind = "value"
     shape: Shape = "scalar"
-    never_falls: bool = False  #: whether it never decreases with time
+    never_falls: bool = (
+        False  #: whether it never decreases with time, in runs without friction if it has its losses
+    )
     unit_of_disks: str = ""  #: unit in 2-D, if different
     of: Callable[[Samples], Floats] | None = None  #: computes it; None: the record of the same name
 
@@ -117,9 +124,14 @@ class Observable:
         """The unit in 2 or 3 dimensions."""
         return self.unit_of_disks if dimension == 2 and self.unit_of_disks else self.unit
 
-    def dims(self) -> tuple[str, ...]:
-        """The dimensions in a Dataset."""
-        return ("time", *_DIMS[self.shape])
+    @property
+    def of_friction(self) -> bool:
+        """Whether only runs with friction have it."""
+        return not OF_FRICTION.isdisjoint(self.needs)
+
+    def dims(self, dimension: int) -> tuple[str, ...]:
+        """The dimensions in a Dataset, of a box in 2 or 3 dimensions."""
+        return ("time", *(() if self.shape == "axial" and dimension == 2 else _DIMS[self.shape]))
 
 
 def _collision_rate(samples: Samples) -> Floats:
@@ -182,6 +194,25 @@ def _flux_to_walls(name: str) -> Callable[[Samples], Floats]:
     return flux
 
 
+def _rotational_temperature(samples: Samples) -> Floats:
+    axes = AXES_OF_ROTATION[samples.system.dimension]
+    return 2.0 * samples["rotational_energy"] / (axes * float(samples.system.mass.sum()))
+
+
+def _temperature_ratio(samples: Samples) -> Floats:
+    temperature = samples["granular_temperature"]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.where(temperature > 0.0, _rotational_temperature(samples) / temperature, math.nan)
+
+
+def _damping_loss(samples: Samples) -> Floats:
+    return samples["dissipated_energy"] - samples["friction_loss"]
+
+
+def _damping_loss_rate(samples: Samples) -> Floats:
+    return samples.rate("dissipated_energy") - samples.rate("friction_loss")
+
+
 def _rate_of(name: str) -> Callable[[Samples], Floats]:
     return lambda samples: samples.rate(name)
 
@@ -240,15 +271,35 @@ _STRESSES: Final[tuple[tuple[str, str, tuple[str, ...], Shape, Callable[[Samples
 
 _RECORDS: Final = (
     Observable("kinetic_energy", "J", "Σ m v²/2", ("kinetic_energy",)),
+    Observable("rotational_energy", "J", "Σ I ω²/2", ("rotational_energy",)),
     Observable("potential_energy", "J", "−Σ m g·x along unfolded paths", ("potential_energy",)),
     Observable(
         "contact_energy",
         "J",
-        "elastic energy of all contacts that overlap, also after their force has ended",
+        "elastic energy of all contacts that overlap, also after their force has ended; with tangential springs",
         ("contact_energy",),
     ),
     Observable(
+        "tangential_energy",
+        "J",
+        "elastic energy F_t²/(2 k_t) of all tangential springs, part of contact_energy",
+        ("tangential_energy",),
+    ),
+    Observable(
         "dissipated_energy", "J", "energy lost in contacts", ("dissipated_energy",), "sum", never_falls=True
+    ),
+    # A spring that is set anew at the Coulomb limit, or whose stiffness changes, may give energy back.
+    Observable(
+        "friction_loss", "J", "energy lost by tangential forces in contacts", ("friction_loss",), "sum"
+    ),
+    Observable(
+        "damping_loss",
+        "J",
+        "energy lost by normal forces in contacts, dissipated_energy − friction_loss",
+        ("dissipated_energy", "friction_loss"),
+        "sum",
+        never_falls=True,
+        of=_damping_loss,
     ),
     Observable("wall_work", "J", "work of moving walls on the particles", ("wall_work",), "sum"),
     Observable("shear_work", "J", "work of a Lees–Edwards boundary on the particles", ("shear_work",), "sum"),
@@ -260,7 +311,16 @@ _RECORDS: Final = (
             ("wall_power", "wall_work", "work of moving walls on the particles"),
             ("shear_power", "shear_work", "work of a Lees–Edwards boundary on the particles"),
             ("heating_power", "heat", "energy from the thermostat"),
+            ("friction_loss_rate", "friction_loss", "energy lost by tangential forces in contacts"),
         )
+    ),
+    Observable(
+        "damping_loss_rate",
+        "W",
+        "energy lost by normal forces in contacts per time",
+        ("dissipated_energy", "friction_loss"),
+        "rate",
+        of=_damping_loss_rate,
     ),
     Observable(
         "granular_temperature",
@@ -268,7 +328,22 @@ _RECORDS: Final = (
         "granular temperature Σ m|v − V|²/(d Σ m), v relative to the mean flow of a sheared box",
         ("granular_temperature",),
     ),
+    Observable(
+        "rotational_temperature",
+        "m2/s2",
+        "rotational temperature T_r = Σ I ω²/(f Σ m), f = 3 for spheres and 1 for disks",
+        ("rotational_energy",),
+        of=_rotational_temperature,
+    ),
+    Observable(
+        "temperature_ratio",
+        "1",
+        "T_r/T, rotational over granular temperature; NaN where T is 0",
+        ("rotational_energy", "granular_temperature"),
+        of=_temperature_ratio,
+    ),
     Observable("momentum", "kg m/s", "Σ m v", ("momentum",), shape="vector"),
+    Observable("spin", "kg m2/s", "Σ I ω, angular momentum of the rotation", ("spin",), shape="axial"),
     Observable("n_collisions", "1", "collisions, with walls too", ("n_collisions",), "sum", never_falls=True),
     Observable(
         "n_contacts", "1", "contacts that began, with walls too", ("n_contacts",), "sum", never_falls=True
@@ -369,7 +444,7 @@ def variables(samples: Samples) -> tuple[dict[str, Any], dict[str, Any]]:
     system = samples.system
     data = {
         record.name: (
-            record.dims(),
+            record.dims(system.dimension),
             read_only(record.values(samples)),
             {
                 "units": record.unit_in(system.dimension),

@@ -30,6 +30,12 @@ if TYPE_CHECKING:
 
 #: Largest number of particles that a message names.
 MAX_NAMED: Final = 3
+#: Labels in tables.
+TEMPERATURES: Final = {
+    "granular_temperature": "granular temperature",
+    "rotational_temperature": "rotational temperature",
+    "temperature_ratio": "temperature ratio θ = T_r/T",
+}
 Log = tuple[NDArray[Any], ...]
 
 
@@ -292,16 +298,23 @@ class _Result:
     def _loaded_values(cls, header: Mapping[str, Any]) -> dict[str, Any]:
         raise NotImplementedError
 
-    def _rotation(self) -> Iterator[tuple[str, float]]:
-        """Rows of the rotation at the end, if friction changes it."""
-        if "rotational_energy" in self.samples:
-            rotating, moving = self.system.rotational_temperature, self._change("granular_temperature")[1]
-            yield "rotational temperature at the end [m²/s²]", rotating
-            yield "temperature ratio θ at the end", rotating / moving if moving > 0.0 else math.nan
+    def _temperatures(self) -> Iterator[tuple[str, float]]:
+        """Rows of a table: temperatures at the start and at the end, with friction those of the rotation too."""
+        samples = self._samples
+        for name, label in TEMPERATURES.items():
+            record = OBSERVABLES[name]
+            if all(need in samples for need in record.needs):
+                first, last = record.values(samples)[[0, -1]].tolist()
+                unit = "" if record.unit == "1" else " [m²/s²]"
+                yield f"{label} at the start{unit}", first
+                yield f"{label} at the end{unit}", last
 
-    def _change(self, name: str) -> tuple[float, float]:
-        """The first and the last value of a recorded quantity."""
-        return float(self.samples[name][0]), float(self.samples[name][-1])
+    def _losses(self) -> Iterator[tuple[str, float]]:
+        """Rows of a table: the dissipated energy, and with friction the part of friction."""
+        for name in ("dissipated_energy", "friction_loss"):
+            if name in self.samples:
+                label = "energy lost by friction" if name == "friction_loss" else "dissipated energy"
+                yield f"{label} [J]", float(self.samples[name][-1])
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -364,7 +377,9 @@ class ParticleResult(_Result):
         ``kinetic_energy``, ``potential_energy`` and ``dissipated_energy`` [J], ``granular_temperature`` [m²/s²],
         ``momentum`` [kg m/s], ``n_collisions``, ``collision_rate`` [1/s], ``pressure`` and ``pressure_tensor`` [Pa;
         disks N/m], what each ``wall`` gets, rates of work and more (:doc:`grains` lists all), and the values of
-        ``observe``. Rates and pressures are means since the previous sample, and NaN at the first sample. The tensor is
+        ``observe``. With friction also ``rotational_energy``, ``rotational_temperature``, ``temperature_ratio``,
+        ``spin`` (in 2-D a number), and ``friction_loss`` and ``damping_loss``, the two parts of ``dissipated_energy``.
+        Rates and pressures are means since the previous sample, and NaN at the first sample. The tensor is
         positive in compression; its ``component`` is xx, yy, zz, xy, xz or yz.
         """
         return self._series.copy()
@@ -374,7 +389,9 @@ class ParticleResult(_Result):
         """Dataset over ``collision``: ``time`` [s], ``first``, ``second``, ``impact_speed``, ``separation_speed``
         [m/s].
 
-        ``first < second``, or ``second < 0`` for a wall: −1 − 2·axis at 0, −2 − 2·axis at the edge.
+        ``first < second``, or ``second < 0`` for a wall: −1 − 2·axis at 0, −2 − 2·axis at the edge. With friction also
+        ``tangential_speed`` [m/s] at the beginning, ``tangential_restitution`` β, and ``slid``, whether the surfaces
+        slipped.
 
         Raises
         ------
@@ -416,22 +433,19 @@ class ParticleResult(_Result):
         :meta private:
         """
         lasted = np.diff(self.samples["time"])
-        started, ended = self._change("granular_temperature")
         rows: list[tuple[str, float]] = [
             ("time [s]", self.time),
             ("collisions", self.n_collisions),
             ("collisions with walls", self.n_walls),
             ("collisions per particle", (2.0 * self.n_pairs + self.n_walls) / self.system.n),
-            ("granular temperature at the start [m²/s²]", started),
-            ("granular temperature at the end [m²/s²]", ended),
-            *self._rotation(),
+            *self._temperatures(),
         ]
         if lasted.sum() > 0.0:
             good, samples = lasted > 0.0, self._samples
             for name, label in (("collision_rate", "mean collision rate"), ("pressure", "mean pressure")):
                 mean = np.average(OBSERVABLES[name].values(samples)[1:][good], weights=lasted[good])
                 rows.append((f"{label} [{OBSERVABLES[name].unit_in(self.system.dimension)}]", float(mean)))
-        rows.append(("dissipated energy [J]", self._change("dissipated_energy")[1]))
+        rows += self._losses()
         rows += compression.rows(self.largest_compression)
         rule = RULES[self.settings.rule]
         return rows + [(f"fraction {rule.share}", getattr(self, name)) for name in rule.counts[-1:]]
@@ -507,10 +521,13 @@ class ContactResult(_Result):
         ``kinetic_energy``, ``potential_energy``, ``contact_energy`` and ``dissipated_energy`` [J],
         ``granular_temperature`` [m²/s²], ``momentum`` [kg m/s], ``n_contacts``, ``n_in_contact``, ``collision_rate``
         [1/s], ``pressure`` and ``pressure_tensor`` [Pa; disks N/m], ``overlapped_share``, what each ``wall`` gets,
-        rates of work and more (:doc:`grains` lists all), and the values of ``observe``. Rates, pressures and share are
-        means since the previous sample, and NaN at the first sample. The tensor is positive in compression; its
-        ``component`` is xx, yy, zz, xy, xz or yz. With LAMMPS and without a log ``n_contacts``, ``collision_rate`` and
-        ``overlapped_share`` are NaN; it has no quantities of walls, boundaries and thermostats.
+        rates of work and more (:doc:`grains` lists all), and the values of ``observe``. With friction also
+        ``rotational_energy``, ``rotational_temperature``, ``temperature_ratio``, ``spin`` (in 2-D a number),
+        ``tangential_energy``, the part of ``contact_energy`` in tangential springs, and ``friction_loss`` and
+        ``damping_loss``, the two parts of ``dissipated_energy``. Rates, pressures and share are means since the
+        previous sample, and NaN at the first sample. The tensor is positive in compression; its ``component`` is xx,
+        yy, zz, xy, xz or yz. With LAMMPS and without a log ``n_contacts``, ``collision_rate`` and ``overlapped_share``
+        are NaN; it has no quantities of walls, boundaries and thermostats.
         """
         return self._series.copy()
 
@@ -519,7 +536,9 @@ class ContactResult(_Result):
         """Dataset over ``contact``, ordered by ``begin``: ``begin``, ``end`` [s], ``first``, ``second``,
         ``impact_speed``, ``separation_speed`` [m/s], ``overlapped``.
 
-        ``first < second``, or ``second < 0`` for a wall: −1 − 2·axis at 0, −2 − 2·axis at the edge.
+        ``first < second``, or ``second < 0`` for a wall: −1 − 2·axis at 0, −2 − 2·axis at the edge. With friction also
+        ``tangential_speed`` [m/s] at the beginning, ``tangential_restitution`` β, and ``slid``, whether the surfaces
+        slipped.
 
         Raises
         ------
@@ -562,7 +581,6 @@ class ContactResult(_Result):
 
         :meta private:
         """
-        started, ended = self._change("granular_temperature")
         own = {
             "time step [s]": self.time_step,
             "largest cluster [particles]": self.largest_cluster,
@@ -573,10 +591,8 @@ class ContactResult(_Result):
             *((label, float(value)) for label, value in own.items() if value is not None),
             *self._counted(),
             ("fraction that overlapped another contact in time", self.overlapped_share),
-            ("granular temperature at the start [m²/s²]", started),
-            ("granular temperature at the end [m²/s²]", ended),
-            *self._rotation(),
-            ("dissipated energy [J]", self._change("dissipated_energy")[1]),
+            *self._temperatures(),
+            *self._losses(),
             *compression.rows(self.largest_compression),
             ("error of the energy balance", self.energy_error),
         ]
