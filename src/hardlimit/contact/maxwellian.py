@@ -23,7 +23,7 @@ LARGEST: Final = 1e300
 #: First panels of α in an adaptive quadrature, points in each, its relative precision, and how often panels are halved.
 PANELS: Final = 8
 POINTS: Final = 10
-PRECISION: Final = 1e-10
+PRECISION: Final = 1e-11
 HALVINGS: Final = 40
 
 
