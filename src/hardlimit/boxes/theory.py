@@ -472,7 +472,7 @@ class RotatingGas:
     def heated_temperature(self, power: float) -> float:
         """T [m²/s²] of a gas heated by white noise on its velocities: its dissipation equals the power.
 
-        (ν/2) N m T |ΔE| = power at :meth:`heated_temperature_ratio`, where the loss along the normal, 1 − ε², has the
+        (ν/2) N m T (−ΔE) = power at :meth:`heated_temperature_ratio`, where the loss along the normal, 1 − ε², has the
         factor 1 + 3a₂/16 of :meth:`Gas.heated_temperature`, which this is for smooth particles.
 
         Parameters
