@@ -16,6 +16,7 @@ from ..boxes.contacts import checked_law, mean_contact
 from ..boxes.rules import RULES
 from ..boxes.run import checked_samples
 from ..boxes.system import ParticleSystem
+from ..boxes.thermostats import refuse_rotational
 from ..contact import compression
 from ..contact.contact import Law
 from ..support import validation
@@ -148,6 +149,7 @@ def fidelity(
     starts = checked_starts(system, seed, count, elsewhere, solver)
     with reporter(progress, "fidelity", "samples") as report:
         first = starts.start(0, lambda done, total: None)
+        refuse_rotational(first.thermostat)
         if solver == "auto":
             solver = engine_choice.estimated(first, law, end, RESTITUTION_ERROR).engine
         starts = replace(starts, engine=solver, box=box_of(first))
