@@ -11,7 +11,7 @@ from ..support.formatting import listed
 from ..support.progress import Report, reporter
 from . import engine_choice
 from . import time_step as steps
-from .contacts import checked_law, checked_system, refuse_too_soft
+from .contacts import checked_law, checked_system, refuse_fall_past_walls, refuse_too_soft, rubs
 from .engines import ENGINES, NEWTON, Engine, NewtonSettings
 from .lammps import engine as lammps_engine
 from .lammps.folder import make_job
@@ -128,8 +128,6 @@ def molecular_dynamics(
     of_steps = {"restitution_error": restitution_error, "time_step": time_step, "threads": threads}
     options = of_steps | {"ranks": ranks, "checkpoint": checkpoint, "observe": observe}
     reason = ""
-    if law.friction is not None and law.friction.coefficient > 0.0:
-        name, reason = _engine_of_friction(name)
     if name == "auto":
         refuse_options("steps", {"ranks": ranks})
         name, reason = engine_choice.chosen(system, law, end, of_steps)
@@ -161,13 +159,6 @@ def molecular_dynamics(
     return result
 
 
-def _engine_of_friction(engine: str) -> tuple[str, str]:
-    """The engine of a law with friction and why it was chosen."""
-    if engine not in ("auto", "steps"):
-        raise ValueError(f"engine: got {engine!r}, must be 'auto' or 'steps' for a law with friction")
-    return "steps", "friction" if engine == "auto" else ""
-
-
 def start(
     engine: str,
     system: ParticleSystem,
@@ -177,6 +168,7 @@ def start(
     time_step: float | None = None,
 ) -> Run:
     """Make a run that is not yet advanced, from checked arguments."""
+    refuse_fall_past_walls(system, rubs(settings.law))
     refuse_too_soft(system, settings.law)
     if time_step is not None and not until / time_step <= MAX_STEPS:
         raise ValueError(

@@ -33,7 +33,17 @@ from ..support.formatting import digits, listed
 from .compare import compare
 from .gas_job import ALIASES, OUTPUT, RUN, START, GasJob, checked_outputs, default_end, make_job
 from .job import Entry, entry_options
-from .options import dpi_option, json_option, law_options, law_text, options, output_option, spelled
+from .options import (
+    dpi_option,
+    friction_options,
+    json_option,
+    law_mapping,
+    law_options,
+    law_text,
+    options,
+    output_option,
+    spelled,
+)
 from .printing import console, plain, print_json, print_outcome, sentence, show, table
 from .program import Command, in_options, no_such_command, notes, raise_all, write_files
 
@@ -65,7 +75,9 @@ newton_options = options(
     ),
 )
 #: Options that have no meaning for Newton's equations.
-HARD_SPHERES_ONLY = ("rule", "contact_duration", "max_collisions")
+HARD_SPHERES_ONLY = ("rule", "contact_duration", "tangential_restitution", "max_collisions")
+#: Arguments that make a rule, in the order of ``checked_settings``.
+RULE_ARGUMENTS = ("law", "restitution", "rule", "contact_duration", "friction", "tangential_restitution")
 FRAMES = ("out", "animate")
 ENDS = ("until", "max_collisions")
 PICTURES = ("plot", *FRAMES)
@@ -117,6 +129,7 @@ def completions(ctx: click.Context, param: click.Parameter, incomplete: str) -> 
 @click.argument("file", required=False, metavar="[FILE]", shell_complete=completions)
 @entry_options(START)
 @law_options()
+@friction_options()
 @entry_options(RUN)
 @output_option("--resume", "Checkpoint of a run to continue.")
 @newton_options
@@ -129,8 +142,9 @@ def gas(file: str | None, resume: str | None, dpi: float | None, as_json: bool, 
     FILE is a job (.toml) or a state to start from (.xyz, .gsd, .data). Without a file, 1000 spheres of radius 1 mm and
     density 2500 kg/m³ start at random in a periodic box with a packing fraction of 0.3 and a restitution of 0.9. With
     --restitution alone, all collisions have this ε; with the parameters of a contact law, ε depends on the pair and
-    the impact speed. With --engine, Newton's equations are solved for this law instead. Results of equal spheres come
-    with the predictions of kinetic theory. Numbers may have a unit, such as 1mm.
+    the impact speed. With --engine, Newton's equations are solved for this law instead. With --friction, grains rub and
+    spin: collisions that do not slide have the --tangential-restitution, or what the contact law gives. Results of
+    equal spheres come with the predictions of kinetic theory. Numbers may have a unit, such as 1mm or 2/7.
 
     hardlimit gas compare solves one start under Newton's equations and each collision rule.
     """
@@ -191,7 +205,7 @@ def run_hard_spheres(job: GasJob) -> tuple[hl.ParticleSystem, Solve]:
         refuse_frames_without_end(job.outputs, job.run.get("until"))
     # Arguments are checked before the start is made, which takes minutes for a million particles.
     settings = rule | job.run
-    checked_settings(*(settings.get(name) for name in ("law", "restitution", "rule", "contact_duration")))
+    checked_settings(*(settings.get(name) for name in RULE_ARGUMENTS))
     checked_end(settings.get("until"), settings.get("max_collisions"))
     start = job.start()
     if "max_collisions" not in job.run:
@@ -439,9 +453,28 @@ def predictions(result: hl.ParticleResult) -> dict[str, float]:
     if e is not None:
         unit = "N/m" if system.dimension == 2 else "Pa"
         values[f"mean pressure [{unit}]"] = _mean(gas.pressure(temperature, e), time)
-        cooled = float(gas.cooling(np.array(result.time), float(temperature[0]), e))
-        values["granular temperature at the end [m²/s²]"] = cooled
+        values |= cooled(result, gas, e)
     return values
+
+
+def cooled(result: hl.ParticleResult, gas: theory.Gas, restitution: float) -> dict[str, float]:
+    """The temperatures of theory at the end, of a rule with this ε."""
+    series, settings = result.series, result.settings
+    started, end = float(series["granular_temperature"][0]), "at the end [m²/s²]"
+    if not settings.has_friction:
+        return {
+            f"granular temperature {end}": float(gas.cooling(np.array(result.time), started, restitution))
+        }
+    if not started > 0.0 or "rotational_temperature" not in series:
+        return {}
+    rotating = gas.rotating(restitution, settings.friction, settings.tangential_restitution)
+    spinning = float(series["rotational_temperature"][0])
+    moving, spinning = map(float, rotating.cooling(np.array(result.time), started, spinning))
+    return {
+        f"granular temperature {end}": moving,
+        f"rotational temperature {end}": spinning,
+        "temperature ratio θ = T_r/T at the end": spinning / moving,
+    }
 
 
 def _mean(values: Any, time: Any) -> float:
@@ -458,7 +491,11 @@ def note(result: hl.ParticleResult) -> str:
     names = ["Enskog’s rate"]
     if e is not None:
         authors = "Carnahan and Starling" if result.system.dimension == 3 else "Henderson"
-        names += [f"{authors}’s pressure", *(["Haff’s law"] if e < 1.0 else [])]
+        names.append(f"{authors}’s pressure")
+        if result.settings.has_friction:
+            names.append("the cooling of grains that rub (Herbst, Huthmann & Zippelius 2000)")
+        elif e < 1.0:
+            names.append("Haff’s law")
     return (
         f"Theory: {listed(names)}, with the measured temperatures in rate and pressure. A random start is not in "
         f"equilibrium: expect differences during the first {theory.RELAXED} collisions per particle."
@@ -480,8 +517,8 @@ def as_mapping(result: Any, files: list[Path]) -> dict[str, Any]:
         law, names = result.law, NEWTON_NUMBERS
     else:
         settings, law, names = result.settings, result.settings.law, HARD_SPHERES_NUMBERS
-        content |= {name: getattr(settings, name) for name in ("rule", "restitution", "contact_duration")}
-    content |= {"law": None if law is None else {"name": law.record["name"], **law.parameters}}
+        content |= {name: getattr(settings, name) for name in RULE_ARGUMENTS[1:]}
+    content |= {"law": None if law is None else law_mapping(law)}
     content |= {key: getattr(result, name) for key, name in names.items()} | softness_numbers(result)
     if not isinstance(result, hl.ContactResult):
         content["theory"] = predictions(result)
