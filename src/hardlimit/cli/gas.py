@@ -257,6 +257,7 @@ class Frames:
         self._goes_on, self._before = run.checkpoint is not None, run.before
         self._append: Callable[[Any], None] | None = None
         self._snapshots: list[Any] = []
+        self._directions: Any = None  # of the marks in the film
         self._open = ExitStack()
         self.begun = bool(run.before)  #: whether the trajectory has frames
         self.failure: OSError | None = None  #: why the trajectory ends early
@@ -285,7 +286,9 @@ class Frames:
         if self._film is not None:
             from ..plots import grain_film
 
-            self._snapshots.append(grain_film.Snapshot.of(time, system))
+            self._directions = self._directions or grain_film.Directions()
+            directions = self._directions.at(time, system)
+            self._snapshots.append(grain_film.Snapshot.of(time, system, directions))
         return {}
 
     def check(self, _: Path) -> None:
