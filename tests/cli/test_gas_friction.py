@@ -62,6 +62,9 @@ def test_a_law_with_friction(engine: list[str]) -> None:
         assert (
             output["n_contacts"] == result.n_contacts > 10 and output["energy_error"] == result.energy_error
         )
+        for name in ("rotational_energy", "rotational_temperature", "temperature_ratio"):
+            values = output["series"][name]
+            assert values == result.series[name].values.tolist() and values[-1] > 0.0
 
 
 def test_the_table_has_the_temperature_of_rotation() -> None:
@@ -85,7 +88,7 @@ def test_the_table_has_the_temperature_of_rotation() -> None:
     values = {
         "rotational temperature [m²/s²]": system.rotational_temperature,
         "rotational temperature at the end [m²/s²]": result.rotational_temperature,
-        "temperature ratio θ at the end": result.rotational_temperature / result.granular_temperature,
+        "temperature ratio θ = T_r/T at the end": result.rotational_temperature / result.granular_temperature,
     }
     for label, value in values.items():
         told = float(text.partition(label)[2].split()[0])

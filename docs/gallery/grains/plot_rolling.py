@@ -5,9 +5,9 @@ When does a ball roll down a slope?
 A solid ball and a hollow one are put on planes of all slopes, :math:`\mu = 0.3`. A ball that rolls accelerates with
 :math:`g\sin\theta/(1 + q)`, where :math:`q m R^2` is its moment of inertia: 5/7 of what it would do without friction,
 3/5 if it is hollow. This takes the friction :math:`m g\sin\theta\,q/(1 + q)`, which Coulomb's law allows up to
-:math:`\tan\theta = \kappa\mu`, :math:`\kappa = 1 + 1/q`: 7/2 and 5/2 times the angle of friction of a block. On steeper
-planes both slide alike, with :math:`g(\sin\theta - \mu\cos\theta)`, and spin as fast as friction can turn them. The
-slope is gravity that is not along the normal of the floor (:doc:`/spins`).
+:math:`\tan\theta = \kappa\mu`, :math:`\kappa = 1 + 1/q`. A block slides from :math:`\tan\theta = \mu` on; balls from
+7/2 and 5/2 times this. On steeper planes both slide alike, with :math:`g(\sin\theta - \mu\cos\theta)`, and spin up
+as fast as friction can turn them. The slope is gravity that is not along the normal of the floor (:doc:`/spins`).
 """
 
 import matplotlib.pyplot as plt

@@ -57,7 +57,7 @@ def estimated(
     The costs and the three values of t_c ν are described in the notes of :func:`hardlimit.molecular_dynamics`.
     """
     if rubs(law):
-        return Choice("steps", "friction")
+        return Choice("steps", "with friction a contact costs less by steps")
     try:
         check_box(system)
     except ValueError as error:
@@ -131,14 +131,6 @@ def of_bed(system: ParticleSystem, duration: float, restitution: float, until: f
         return Overlap(math.inf, f"in a bed that is at rest after about {at_rest if start else 0.0:.2g} s")
     end = start * (1.0 - until / at_rest)
     return Overlap(duration * pull * (pairs + floor / (d + 2)) / end, "at the end, in a bed that settles")
-
-
-def check_friction(engine: str, law: Law) -> None:
-    """Refuse engines that have no friction for a law with it."""
-    if rubs(law) and engine not in ("auto", "steps", "lammps"):
-        raise ValueError(
-            f"engine: got {engine!r}, must be 'auto', 'steps' or 'lammps' for a law with friction"
-        )
 
 
 def check_box(system: ParticleSystem) -> None:

@@ -131,7 +131,6 @@ def molecular_dynamics(
     of_steps = {"restitution_error": restitution_error, "time_step": time_step, "threads": threads}
     options = of_steps | {"ranks": ranks, "checkpoint": checkpoint, "observe": observe}
     reason = ""
-    engine_choice.check_friction(name, law)
     if name == "auto":
         refuse_options("steps", {"ranks": ranks})
         name, reason = engine_choice.chosen(system, law, end, of_steps)

@@ -450,11 +450,28 @@ def predictions(result: hl.ParticleResult) -> dict[str, float]:
     if e is not None:
         unit = "N/m" if system.dimension == 2 else "Pa"
         values[f"mean pressure [{unit}]"] = _mean(gas.pressure(temperature, e), time)
-        if result.settings.has_friction:
-            return values
-        cooled = float(gas.cooling(np.array(result.time), float(temperature[0]), e))
-        values["granular temperature at the end [m²/s²]"] = cooled
+        values |= cooled(result, gas, e)
     return values
+
+
+def cooled(result: hl.ParticleResult, gas: theory.Gas, restitution: float) -> dict[str, float]:
+    """The temperatures of theory at the end, of a rule with this ε."""
+    series, settings = result.series, result.settings
+    started, end = float(series["granular_temperature"][0]), "at the end [m²/s²]"
+    if not settings.has_friction:
+        return {
+            f"granular temperature {end}": float(gas.cooling(np.array(result.time), started, restitution))
+        }
+    if not started > 0.0 or "rotational_temperature" not in series:
+        return {}
+    rotating = gas.rotating(restitution, settings.friction, settings.tangential_restitution)
+    spinning = float(series["rotational_temperature"][0])
+    moving, spinning = map(float, rotating.cooling(np.array(result.time), started, spinning))
+    return {
+        f"granular temperature {end}": moving,
+        f"rotational temperature {end}": spinning,
+        "temperature ratio θ = T_r/T at the end": spinning / moving,
+    }
 
 
 def _mean(values: Any, time: Any) -> float:
@@ -471,10 +488,11 @@ def note(result: hl.ParticleResult) -> str:
     names = ["Enskog’s rate"]
     if e is not None:
         authors = "Carnahan and Starling" if result.system.dimension == 3 else "Henderson"
-        names += [
-            f"{authors}’s pressure",
-            *(["Haff’s law"] if e < 1.0 and not result.settings.has_friction else []),
-        ]
+        names.append(f"{authors}’s pressure")
+        if result.settings.has_friction:
+            names.append("the cooling of grains that rub (Herbst, Huthmann & Zippelius 2000)")
+        elif e < 1.0:
+            names.append("Haff’s law")
     return (
         f"Theory: {listed(names)}, with the measured temperatures in rate and pressure. A random start is not in "
         f"equilibrium: expect differences during the first {theory.RELAXED} collisions per particle."

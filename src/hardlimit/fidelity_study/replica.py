@@ -18,7 +18,6 @@ from ..boxes.observables import OBSERVABLES, Observable, Samples
 from ..boxes.result import ContactResult
 from ..boxes.rules import RULES, Settings
 from ..boxes.run import Output, Run
-from ..boxes.spins import AXES_OF_ROTATION
 from ..boxes.system import ParticleSystem
 from ..contact.contact import Law
 from . import contacts
@@ -62,12 +61,7 @@ _COMPARED: Final = (
 #: Observables of every sample and model that are compared, by name.
 QUANTITIES: Final = {record.name: record for record in _COMPARED}
 #: A further one of grains that rub.
-ROTATION: Final = Observable(
-    "rotational_temperature",
-    "m2/s2",
-    "mean square of one component of the angular velocity times I/m, weighted with the masses",
-    ("rotational_energy",),
-)
+ROTATION: Final = OBSERVABLES["rotational_temperature"]
 #: Further ones of a sheared box.
 OF_SHEAR: Final = {name: _mean(name) for name in ("shear_stress", "first_normal_stress_difference")}
 NONLINEAR: Final = Observable(
@@ -225,8 +219,7 @@ def _series(system: ParticleSystem, ended: Any, reached: int) -> dict[str, Float
         "cooling": _cooling(system, lost, rotates),
     }
     if rotates:
-        axes = AXES_OF_ROTATION[system.dimension]
-        means[ROTATION.name] = 2.0 * samples["rotational_energy"] / (axes * float(system.mass.sum()))
+        means[ROTATION.name] = ROTATION.values(samples)
     with np.errstate(invalid="ignore", divide="ignore"):
         means["dissipation_rate"] = lost / passed
         for name in ("collision_rate", "pressure", *(OF_SHEAR if system.shear_rate else ())):
