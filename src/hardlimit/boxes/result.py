@@ -527,7 +527,7 @@ class ContactResult(_Result):
         ``damping_loss``, the two parts of ``dissipated_energy``. Rates, pressures and share are means since the
         previous sample, and NaN at the first sample. The tensor is positive in compression; its ``component`` is xx,
         yy, zz, xy, xz or yz. With LAMMPS and without a log ``n_contacts``, ``collision_rate`` and ``overlapped_share``
-        are NaN; it has no quantities of walls, boundaries and thermostats.
+        are NaN; it has no quantities of walls, boundaries and thermostats, nor ``friction_loss`` and ``damping_loss``.
         """
         return self._series.copy()
 
@@ -536,9 +536,9 @@ class ContactResult(_Result):
         """Dataset over ``contact``, ordered by ``begin``: ``begin``, ``end`` [s], ``first``, ``second``,
         ``impact_speed``, ``separation_speed`` [m/s], ``overlapped``.
 
-        ``first < second``, or ``second < 0`` for a wall: −1 − 2·axis at 0, −2 − 2·axis at the edge. With friction also
-        ``tangential_speed`` [m/s] at the beginning, ``tangential_restitution`` β, and ``slid``, whether the surfaces
-        slipped.
+        ``first < second``, or ``second < 0`` for a wall: −1 − 2·axis at 0, −2 − 2·axis at the edge. With friction,
+        but not with LAMMPS, also ``tangential_speed`` [m/s] at the beginning, ``tangential_restitution`` β, and
+        ``slid``, whether the surfaces slipped.
 
         Raises
         ------
