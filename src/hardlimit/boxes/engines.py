@@ -19,6 +19,7 @@ from .observe import Observed
 from .pace import ProgressNote
 from .result import COLLISIONS, CONTACTS, RUBBING, Column, ContactResult, EarlyEnd, Log, ParticleResult
 from .rules import Settings, law_entry, law_from
+from .spins import AXES_OF_ROTATION
 from .system import ParticleSystem
 from .thermostats import Andersen
 
@@ -123,6 +124,12 @@ class Engine:
             own["time_step"] = time_step
         own |= spin_arguments(system)
         compiled = _core.make_engine(ENGINES[name].kind, *engine_arguments(system), log=log, **own)
+        rotational = getattr(system.thermostat, "rotational", None)
+        if rotational is not None and not compiled.rotates:
+            raise ValueError(
+                f"thermostat: got rotational={rotational:g}, must be without in a run without friction, where spins "
+                "never act on velocities"
+            )
         return cls(name, system, settings, compiled, system.mass @ system.positions)
 
     # --- running --------------------------------------------------------------------------------------------
@@ -180,7 +187,7 @@ class Engine:
         return math.inf if thermostat is None else thermostat.time(self.kicks + 1)
 
     def _kick(self) -> None:
-        # A contiguous array and no BLAS: sums have the same bits after a checkpoint.
+        # Contiguous arrays and no BLAS: sums have the same bits after a checkpoint.
         thermostat, mass = self.system.thermostat, np.ascontiguousarray(self.system.mass)
         assert thermostat is not None
         positions, unfolded = map(np.asarray, self.compiled.state())
@@ -188,7 +195,20 @@ class Engine:
         self.system.domain.fold(positions, before, self.time)
         after = np.ascontiguousarray(thermostat.velocities(self.kicks + 1, before, mass))
         heat = 0.5 * float((mass[:, None] * ((after - before) * (after + before))).sum())
-        self.compiled.kick(after + (unfolded - before), heat)
+        turning = None
+        if thermostat.rotational is not None:
+            turning, gained = self._turned(thermostat, mass)
+            heat += gained
+        self.compiled.kick(after + (unfolded - before), heat, turning)
+
+    def _turned(self, thermostat: Any, mass: Floats) -> tuple[Floats, float]:
+        """Spins of the core after the next kick, and the energy that they gain [J]."""
+        inertia, axes = np.ascontiguousarray(self.system.inertia), AXES_OF_ROTATION[self.system.dimension]
+        after = np.asarray(self.compiled.spins())
+        before = np.ascontiguousarray(after[:, 3 - axes :])
+        turning = thermostat.spins(self.kicks + 1, before, inertia, mass)
+        after[:, 3 - axes :] = turning
+        return after, 0.5 * float((inertia[:, None] * ((turning - before) * (turning + before))).sum())
 
     def done_and_total(self, until: float | None, max_collisions: int | None) -> tuple[int, int]:
         """Progress: number of collisions, contacts or steps so far, and their expected total at this rate."""

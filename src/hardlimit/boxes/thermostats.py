@@ -1,4 +1,5 @@
-"""Thermostats, which change the velocities of all particles at equal intervals: random kicks, and Andersen's."""
+"""Thermostats, which change the velocities of all particles, and their spins, at equal intervals: random kicks, and
+Andersen's."""
 
 from __future__ import annotations
 
@@ -21,13 +22,28 @@ SUBDIVISION: Final = 20
 BETWEEN_RUNS: Final = "run in pieces and change the velocities between them with ParticleSystem.replace"
 
 
-@dataclass(frozen=True)
+#: Added to the seed of spins. Seeds of users are smaller, so that spins and velocities have different random numbers.
+OF_SPINS: Final = 2**63
+
+
+@dataclass(frozen=True, repr=False)
 class Thermostat:
     """What all thermostats have in common. Random numbers depend on the seed and the number of the kick only."""
 
     interval: float  #: between two kicks [s]
     seed: int
     kicks: int  #: number of kicks before the run, as in the result of a run that has been continued
+
+    def __repr__(self) -> str:
+        values = ", ".join(f"{name}={value!r}" for name, value in self.values().items())
+        return f"{type(self).__name__}({values})"
+
+    def values(self) -> dict[str, Any]:
+        """The parameters by name, without ``rotational`` if the thermostat does not act on spins.
+
+        :meta private:
+        """
+        return {name: value for name, value in vars(self).items() if value is not None}
 
     def time(self, kick: int) -> float:
         """Time of a kick in a run [s].
@@ -46,13 +62,13 @@ class Thermostat:
         """
         return replace(self, kicks=self.kicks + kicks)
 
-    def _random(self, kick: int, n: int, normal: bool) -> Floats:
+    def _random(self, kick: int, n: int, normal: bool, seed: int = 0) -> Floats:
         stream = 2 * (self.kicks + kick) + normal
-        return np.asarray(_core.random_numbers(self.seed, stream, n, normal))
+        return np.asarray(_core.random_numbers(self.seed + seed, stream, n, normal))
 
 
 @validation.sealed(BETWEEN_RUNS)
-@dataclass(frozen=True, init=False)
+@dataclass(frozen=True, init=False, repr=False)
 class RandomKicks(Thermostat):
     """White noise, which heats a gas with a constant power.
 
@@ -62,12 +78,16 @@ class RandomKicks(Thermostat):
     Parameters
     ----------
     power : float [W]
-        Mean power of all kicks together.
+        Mean power of all kicks together, without that of ``rotational``.
     interval : float [s]
         Short compared with the mean time between collisions of a particle, so that kicks act as noise. Each kick costs
         about as much as a collision of each particle.
     seed : int
         The same seed gives the same kicks, under every engine.
+    rotational : float, optional [W]
+        Mean power of further kicks on the spins: each particle gets a normally distributed change of its angular
+        velocity at the same times, the same distribution for all. Their total changes. For runs with friction; without,
+        spins would never act on velocities, and the run is refused. By default only friction changes spins.
     kicks : int
         Number of kicks that are passed over. A result has it, so that another run continues with new kicks.
 
@@ -88,10 +108,22 @@ class RandomKicks(Thermostat):
     """
 
     power: float  #: [W]
+    rotational: float | None = None  #: [W]
 
-    def __init__(self, power: float, interval: float, *, seed: int = 0, kicks: int = 0) -> None:
+    def __init__(
+        self,
+        power: float,
+        interval: float,
+        *,
+        rotational: float | None = None,
+        seed: int = 0,
+        kicks: int = 0,
+    ) -> None:
         _set(
             self,
+            rotational=None
+            if rotational is None
+            else validation.number("rotational", rotational, 0.0, LARGEST, lowest_allowed=True),
             power=validation.number("power", power, 0.0, LARGEST),
             interval=validation.number("interval", interval, 0.0, LARGEST),
             seed=validation.whole("seed", seed, 0, 2**63 - 1),
@@ -113,9 +145,21 @@ class RandomKicks(Thermostat):
         kicked: Floats = velocities + (change - (mass[:, None] * change).sum(axis=0) / total)
         return kicked
 
+    def spins(self, kick: int, spins: Floats, inertia: Floats, mass: Floats) -> Floats:
+        """The angular velocities after a kick, from those before it, (N, f) about f axes [rad/s].
+
+        With variances σ² of all components the mean energy gained is f σ² ΣI/2.
+
+        :meta private:
+        """
+        n, axes = spins.shape
+        assert self.rotational is not None
+        spread = math.sqrt(2.0 * self.rotational * self.interval / (axes * float(inertia.sum())))
+        return spins + spread * self._random(kick, n * axes, True, OF_SPINS).reshape(n, axes)
+
 
 @validation.sealed(BETWEEN_RUNS)
-@dataclass(frozen=True, init=False)
+@dataclass(frozen=True, init=False, repr=False)
 class Andersen(Thermostat):
     """Andersen's thermostat: particles collide with a heat bath at random times.
 
@@ -131,6 +175,10 @@ class Andersen(Thermostat):
     rate : float [1/s]
     interval : float [s], optional
         A twentieth of 1/``rate`` by default.
+    rotational : float, optional [m²/s²]
+        Rotational temperature T_r of the bath: each collision with it gives a new spin as well, each component with the
+        mean energy (mean mass)·T_r/2. A bath in equilibrium has T_r = ``temperature``. For runs with friction; without,
+        spins would never act on velocities, and the run is refused. By default only friction changes spins.
     seed : int
         ``seed`` and ``kicks`` as for :class:`RandomKicks`.
     kicks : int
@@ -157,15 +205,26 @@ class Andersen(Thermostat):
 
     temperature: float  #: [m²/s²]
     rate: float  #: [1/s]
+    rotational: float | None = None  #: [m²/s²]
 
     def __init__(
-        self, temperature: float, rate: float, *, interval: float | None = None, seed: int = 0, kicks: int = 0
+        self,
+        temperature: float,
+        rate: float,
+        *,
+        interval: float | None = None,
+        rotational: float | None = None,
+        seed: int = 0,
+        kicks: int = 0,
     ) -> None:
         often = validation.number("rate", rate, 0.0, LARGEST)
         chosen = 1.0 / (SUBDIVISION * often) if interval is None else interval
         _set(
             self,
             temperature=validation.number("temperature", temperature, 0.0, LARGEST, lowest_allowed=True),
+            rotational=None
+            if rotational is None
+            else validation.number("rotational", rotational, 0.0, LARGEST, lowest_allowed=True),
             rate=often,
             interval=validation.number("interval", chosen, 0.0, LARGEST),
             seed=validation.whole("seed", seed, 0, 2**63 - 1),
@@ -178,9 +237,24 @@ class Andersen(Thermostat):
         :meta private:
         """
         n, d = velocities.shape
-        hit = self._random(kick, n, False) < -math.expm1(-self.rate * self.interval)
         spread = np.sqrt(self.temperature * float(mass.mean()) / mass)[:, None]
-        return np.where(hit[:, None], spread * self._random(kick, n * d, True).reshape(n, d), velocities)
+        drawn = spread * self._random(kick, n * d, True).reshape(n, d)
+        return np.where(self._hit(kick, n)[:, None], drawn, velocities)
+
+    def spins(self, kick: int, spins: Floats, inertia: Floats, mass: Floats) -> Floats:
+        """The angular velocities after a kick, from those before it, (N, f) about f axes [rad/s].
+
+        :meta private:
+        """
+        n, axes = spins.shape
+        assert self.rotational is not None
+        spread = np.sqrt(self.rotational * float(mass.mean()) / inertia)[:, None]
+        drawn = spread * self._random(kick, n * axes, True, OF_SPINS).reshape(n, axes)
+        return np.where(self._hit(kick, n)[:, None], drawn, spins)
+
+    def _hit(self, kick: int, n: int) -> NDArray[np.bool_]:
+        """Which particles collide with the bath."""
+        return self._random(kick, n, False) < -math.expm1(-self.rate * self.interval)
 
 
 def _set(thermostat: Any, **values: Any) -> None:
@@ -206,7 +280,7 @@ def checked_thermostat(thermostat: Any, n: int, sheared: bool = False) -> Any:
 
 def as_entry(thermostat: Any) -> dict[str, Any] | None:
     """A thermostat for files."""
-    return None if thermostat is None else {"kind": type(thermostat).__name__, **vars(thermostat)}
+    return None if thermostat is None else {"kind": type(thermostat).__name__, **thermostat.values()}
 
 
 def from_entry(entry: Any) -> Any:
