@@ -4,6 +4,7 @@ import gc
 import math
 import re
 import sys
+from dataclasses import replace
 from importlib import import_module
 from itertools import cycle, pairwise
 from pathlib import Path
@@ -556,6 +557,28 @@ def test_the_transient_of_the_start_is_marked(samples: int, until: float) -> Non
     figure = plots.gas(run)
     shaded = [patch for ax in figure.axes[1:] for patch in ax.patches]
     assert len(shaded) == 2 and gas.TRANSIENT in texts(figure)
+    assert_legible(figure)
+
+
+@pytest.mark.parametrize("start", [0.0, slow(0.3), slow(5.0)])
+def test_both_temperatures_of_a_gas_with_friction_are_drawn(start: float) -> None:
+    """Beside the theory of the gas with friction, not Haff's law; grains that do not spin at first have T_r = 0."""
+    system = hl.ParticleSystem.random(300, 0.1, 1e-3, 2500.0, 1.0)
+    rough = {"friction": 0.5, "tangential_restitution": 0.4}
+    run = hl.event_driven(system, restitution=0.9, until=0.05, samples=30, **rough)
+    time, temperature = run.series["time"].values, float(run.series["granular_temperature"][0])
+    theory = hl.boxes.theory.gas(system).rotating(0.9, 0.5, 0.4)
+    cooling, rotation = theory.cooling(time, temperature, start * temperature)
+    energy = 1.5 * system.mass.sum() * rotation
+    cooled = run.samples | {"rotational_energy": energy, "granular_temperature": cooling}
+    figure = plots.gas(replace(run, samples=cooled))
+    lines = {line.get_color(): line.get_ydata() for line in figure.axes[0].lines}
+    np.testing.assert_allclose(lines[style.PALETTE["blue"]], cooling)
+    np.testing.assert_allclose(lines[style.PALETTE["orange"]], rotation, atol=1e-15)
+    dashed = [line.get_ydata() for line in figure.axes[0].lines if line.get_color() == "black"]
+    np.testing.assert_allclose(dashed, [cooling, rotation], rtol=1e-6, atol=1e-15)
+    assert all(text in texts(figure) for text in ("temperatures", "translation", "rotation", "with friction"))
+    assert "Haff" not in texts(figure)
     assert_legible(figure)
 
 

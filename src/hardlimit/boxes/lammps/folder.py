@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import stat
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -146,11 +145,11 @@ def make_job(
 
 def _longest_step(system: ParticleSystem, law: Law) -> steps.LongestStep:
     """The longest step of LAMMPS for a contact of the system."""
-    if law.friction is None:
+    if not rubs(law):
         return integration_error.longest_step
     elastic, inelastic = law.record["powers"]
     factor = float(factor_of(system)[0])
-    return partial(integration_error.longest_step_with_friction, (elastic, inelastic), factor)
+    return integration_error.LongestStep((elastic, inelastic), factor)
 
 
 def _checked_folder(folder: Any) -> Path:

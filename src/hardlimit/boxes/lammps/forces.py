@@ -38,7 +38,7 @@ from ...contact.friction import LIMITS, NONE, SPRING, Friction, FrictionTerms
 from ...support.formatting import listed
 from .. import spins
 from ..box import Floats
-from ..contacts import contact, of_pairs
+from ..contacts import contact, of_pairs, refuse_fall_past_walls, rubs
 from ..system import ParticleSystem
 
 Integers = NDArray[np.int64]
@@ -75,7 +75,8 @@ def types_of(system: ParticleSystem, law: Law) -> Types:
     """Sort the particles into the types that LAMMPS needs under a law."""
     of = contact(law, 1.0, 1.0)
     needed = model_of(law).needs(law, of)
-    if law.friction is not None and _own_damping(law.friction) and "restitution" in law.parameters:
+    friction = friction_of(law)
+    if friction is not None and _own_damping(friction) and "restitution" in law.parameters:
         needed = needed or ("mass",)  # on which x_t depends
     columns = [getattr(system, name) for name in needed]
     if not columns:
@@ -117,7 +118,7 @@ def between(law: Law, body: tuple[float, float], other: tuple[float, float]) -> 
 
 def _tangential(law: Law, of: Any, radius: float) -> str:
     """The coefficients of the tangential force."""
-    friction = law.friction
+    friction = friction_of(law)
     if friction is None:
         return "linear_nohistory 0.0 0.0"
     terms = FrictionTerms(*of.friction_terms)
@@ -135,6 +136,11 @@ def _damping(of: Any) -> float:
     return float(of.coefficients[1])
 
 
+def friction_of(law: Law) -> Friction | None:
+    """The friction of a law; None if it has none that acts."""
+    return law.friction if rubs(law) else None
+
+
 def _own_damping(friction: Friction) -> float:
     """γ_t [kg/s] if it is given itself, 0 otherwise."""
     return friction.damping or 0.0
@@ -149,9 +155,10 @@ class Rotation(NamedTuple):
 
 def rotation_of(system: ParticleSystem, law: Law) -> Rotation | None:
     """None without friction. Raises ValueError if LAMMPS does not have this friction."""
-    friction = law.friction
+    friction = friction_of(law)
     if friction is None:
         return None
+    refuse_fall_past_walls(system, True)
     if friction.coefficient == math.inf:
         raise ValueError("coefficient: got inf, must be finite for engine 'lammps'")
     if friction.limit != LIMITS[0] and friction.model != NONE:
@@ -257,17 +264,18 @@ class Pairs:
 
     def __init__(self, system: ParticleSystem, law: Law) -> None:
         self._system, self._law = system, law
-        self.rubs = law.friction is not None
-        self.damped = law.friction is not None and damped_springs(law.friction)
+        friction = friction_of(law)
+        self.rubs = friction is not None
+        self.damped = friction is not None and damped_springs(friction)
 
     def apart(self, first: Integers, second: Integers) -> Floats:
         """Distance of the centres at touch [m]; for a wall (``second`` < 0), the radius."""
         radius = self._system.radius
-        return radius[first] + np.where(second < 0, 0.0, radius[second])
+        return radius[first] + np.where(second < 0, 0.0, radius[np.maximum(second, 0)])
 
     def effective_mass(self, first: Integers, second: Integers) -> Floats:
         """Effective mass [kg]."""
-        mass, other = self._system.mass[first], self._system.mass[second]
+        mass, other = self._system.mass[first], self._system.mass[np.maximum(second, 0)]
         return np.where(second < 0, mass, mass * other / (mass + other))
 
     def force(self, first: Integers, second: Integers, compression: Floats, rate: Floats) -> Floats:

@@ -7,12 +7,11 @@ LAMMPS' velocity Verlet evaluates the damping at the velocity half a step earlie
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any, Final
 
 import numpy as np
 
-from ...contact import impact
+from ...contact import frictional_contact, impact
 from ...contact.contact import Floats
 from ...contact.friction import LIMITS, FrictionTerms
 
@@ -119,43 +118,52 @@ def longest_step(contact: Any, speed: float, error: float) -> float:
         # The error is not monotonic in the step, so slightly shorter steps are tested as well.
         return BETWEEN * max(restitution_error(contact, speed, duration / n) for n in TESTED * steps)
 
-    return duration / _fewest_steps(largest_error, error, float(MIN_STEPS), MAX_STEPS)
+    steps = float(MIN_STEPS)
+    while (worst := largest_error(steps)) > error:
+        if steps >= MAX_STEPS:
+            return duration / (MARGIN * steps * worst / error)
+        steps = min(MAX_STEPS, steps * min(4.0, max(1.1, worst / error)))
+    return duration / steps
 
 
-def longest_step_with_friction(
-    powers: tuple[int, int], inertia_factor: float, contact: Any, speed: float, error: float
-) -> float:
+class LongestStep:
     """The longest time step [s] with an error of ε, and of β of surfaces that stick, of at most ``error``.
 
-    ``powers`` of the law: 4p and 4q of K ξ^p + C ξ^q dξ/dt. The error of β is of first order without damping as well,
-    since a contact begins between two steps.
+    The error of β is of first order without damping as well, since a contact begins between two steps.
     """
-    friction = FrictionTerms(*contact.friction_terms)
-    step, duration = longest_step(contact, speed, error), float(contact.duration(np.array([speed]))[0])
-    mass = contact.effective_mass / (1.0 + 1.0 / inertia_factor)
-    slow = np.array([SLOW * min(friction.coefficient, 1.0) * speed])
-    if not slow.any():
-        return step
-    stiffness, damping = contact.coefficients
-    (exact,) = impact.tangential_restitution(
-        (*powers, False), stiffness, damping, contact.effective_mass, friction, mass, speed, slow
-    )
+
+    def __init__(self, powers: tuple[int, int], inertia_factor: float) -> None:
+        self._powers = (*powers, False)  #: 4p and 4q of K ξ^p + C ξ^q dξ/dt
+        self._mass_ratio = 1.0 / (1.0 + 1.0 / inertia_factor)
+        self._tried: dict[
+            tuple[impact.FrictionalContact, float], float
+        ] = {}  #: steps of contacts in their own units
+
+    def __call__(self, contact: Any, speed: float, error: float) -> float:
+        mass, terms = contact.effective_mass, FrictionTerms(*contact.friction_terms)
+        numbers = impact.FrictionalContact(
+            self._powers, contact.coefficients, mass, mass * self._mass_ratio, terms
+        )
+        own = frictional_contact.in_own_units(numbers, speed), error
+        duration = float(contact.duration(np.array([speed]))[0])
+        if own not in self._tried:
+            fewest = duration / longest_step(contact, speed, error)
+            self._tried[own] = _steps_of_friction(contact, numbers, speed, error, fewest)
+        return duration / self._tried[own]
+
+
+def _steps_of_friction(
+    contact: Any, numbers: impact.FrictionalContact, speed: float, error: float, fewest: float
+) -> float:
+    """Number of steps per contact with this error of β, at least ``fewest``."""
+    duration, most = float(contact.duration(np.array([speed]))[0]), float(MAX_FRICTION_STEPS)
+    slow = np.array([SLOW * min(numbers.terms.coefficient, 1.0) * speed])
+    exact = frictional_contact.tangential_restitution(numbers, speed, np.arctan(slow / speed))
 
     def largest_error(steps: float) -> float:
-        beta = tangential_restitution(contact, friction, mass, speed, slow, duration / steps)
+        values = numbers.terms, numbers.tangential_mass, speed, slow, duration / steps
+        beta = tangential_restitution(contact, *values)
         return math.inf if beta is None else float(np.abs(beta - exact).max())
 
-    return duration / _fewest_steps(largest_error, error, duration / step, MAX_FRICTION_STEPS)
-
-
-def _fewest_steps(
-    largest_error: Callable[[float], float], error: float, steps: float, most_tested: float
-) -> float:
-    """Number of steps per contact, at least ``steps``, that keeps to an error."""
-    fewest = steps
-    steps = min(steps, most_tested)
-    while (worst := largest_error(steps)) > error:
-        if steps >= most_tested:
-            return max(fewest, MARGIN * steps * worst / error)
-        steps = min(most_tested, steps * min(4.0, max(1.1, worst / error)))
-    return max(fewest, steps)
+    steps = max(fewest, MARGIN * most * largest_error(most) / error)
+    return most if steps < most and largest_error(steps) > error else steps
