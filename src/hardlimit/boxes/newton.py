@@ -153,6 +153,7 @@ def molecular_dynamics(
         workers = checked_threads(threads, system.n)
     else:
         engine_choice.check_box(system)
+        engine_choice.check_friction(law)
     output = checked_output(samples, log, checkpoint, checkpoint_every, observe)
     with reporter(progress, record.task, record.counts) as report:
         settings = NewtonSettings(law, workers, reason)
@@ -163,9 +164,11 @@ def molecular_dynamics(
 
 def _engine_of_friction(engine: str) -> tuple[str, str]:
     """The engine of a law with friction and why it was chosen."""
-    if engine not in ("auto", "steps"):
-        raise ValueError(f"engine: got {engine!r}, must be 'auto' or 'steps' for a law with friction")
-    return "steps", "friction" if engine == "auto" else ""
+    if engine not in ("auto", "events", "steps"):
+        raise ValueError(
+            f"engine: got {engine!r}, must be 'auto', 'events' or 'steps' for a law with friction"
+        )
+    return ("steps", "friction") if engine == "auto" else (engine, "")
 
 
 def start(
