@@ -597,7 +597,7 @@ def test_contacts_with_walls_add_no_virial() -> None:
     x = np.array(list(itertools.product(range(3), repeat=3)), float) * 0.03 + 0.015
     v = np.random.default_rng(7).standard_normal(x.shape)
     radius = np.full(27, 0.01)
-    law, virial = ("linear", 0, [1e6, 0.8]), []
+    law, virial = ("linear", 0, [1e6, 0.8], None), []
     for kind in ("newton_events", "newton_steps"):
         box = _core.Box([0.09] * 3, ["wall"] * 3)
         run = _core.make_engine(kind, box, x, v, radius, 1e4 * radius**3, law=law, time_step=2e-6)

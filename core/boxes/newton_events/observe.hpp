@@ -92,7 +92,7 @@ private:
         for_spins([&](int i, const Vector3& w) {
             const double inertia = paths.rotations[static_cast<std::size_t>(i)].inertia;
             o.rotational_energy += 0.5 * inertia * dot(w, w);
-            for (std::size_t a = 0; a < 3; ++a) o.spin[a] += inertia * w[a];
+            for (std::size_t a = 0; a < 3; ++a) o.spin.component[a] += inertia * w[a];
         });
     }
     void add_motion(Observation& o) const {

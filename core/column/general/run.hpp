@@ -415,6 +415,9 @@ private:
         switch (what) {
             case Event::none:
             case Event::deepens:
+            case Event::turns:
+            case Event::slips:
+            case Event::sticks:
                 break;
             case Event::begins:
                 y[j] = 0.0;

@@ -37,6 +37,7 @@ OF_LAMMPS: Final = (
     *("time", "kinetic_energy", "potential_energy", "dissipated_energy", "granular_temperature", "momentum"),
     *("kinetic_tensor", "virial_tensor", "n_pairs", "flow_momentum", "shear_work", "contact_energy"),
     *("n_contacts", "n_ended", "n_overlapped", "n_in_contact"),
+    *("rotational_energy", "tangential_energy", "spin"),
 )
 #: Arrays of a system in a checkpoint. Positions and velocities are in the saved state of the engine.
 FIXED: Final = ("radius", "mass", "box", "gravity")

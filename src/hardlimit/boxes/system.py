@@ -288,7 +288,7 @@ class ParticleSystem:
         seed : int
             The same seed gives the same bits. Spins change none of the other values.
         rms_spin : float or "equal", optional [rad/s]
-            Root mean square of |ω|; the sample has exactly this value, and the same mean rotational energy for small
+            Root mean square of ω; the sample has exactly this value, and the same mean rotational energy for small
             and large particles. The total is not zero, because friction does not conserve it. ``"equal"``: the
             rotational temperature is the granular temperature. In a sheared box these are spins relative to the
             rotation of the mean flow, half of its vorticity (−shear_rate/2 about z with the gradient along y), which is

@@ -146,7 +146,7 @@ public:
         for (std::size_t c = 0; c < before.size(); ++c)
             if (c < from() || c >= from() + 4) state_.y[c] = before[c];
         if (slips) {
-            q_.surfaces.frozen = force == 0.0;
+            q_.surfaces.frozen = force == 0.0 && !network_.planar;
             return;
         }
         q_.surfaces.slips = q_.surfaces.slid = false;
