@@ -401,7 +401,7 @@ class ParticleResult(_Result):
         return self._log_dataset()
 
     def plot(self) -> Figure:
-        """Plot temperature, collision rate and pressure over time, with kinetic theory if it applies."""
+        """Plot temperatures, collision rate and pressure over time, with kinetic theory if it applies."""
         from .. import plots
 
         return plots.gas(self)
@@ -538,7 +538,7 @@ class ContactResult(_Result):
 
         ``first < second``, or ``second < 0`` for a wall: −1 − 2·axis at 0, −2 − 2·axis at the edge. With friction also
         ``tangential_speed`` [m/s] at the beginning, ``tangential_restitution`` β, and ``slid``, whether the surfaces
-        slipped.
+        slipped; not with LAMMPS.
 
         Raises
         ------
