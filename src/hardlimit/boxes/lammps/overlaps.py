@@ -205,18 +205,18 @@ class SpringReader:
         stored = float(self._pairs.tangential_energy(first, second, compression, elastic).sum())
         self.sums[step] = Sums(stored, stored, 0.0)
 
-    def _slip(self, rows: Floats, one: Floats, other: Floats) -> Floats:
+    def _slip(self, rows: Floats, first: Floats, second: Floats) -> Floats:
         """Velocities of the surfaces of first particles relative to those of the second ones (N, 3)."""
         normal = rows[:, 7:10] / rows[:, 2:3]
-        velocity = one[:, 4:7] - other[:, 4:7]
+        velocity = first[:, 4:7] - second[:, 4:7]
         axis = self._system.domain.gradient
         if axis is not None:  # the contact may be with an image
             edge = float(self._system.box[axis])
-            crossed = np.rint((one[:, 1 + axis] - other[:, 1 + axis] - rows[:, 7 + axis]) / edge)
+            crossed = np.rint((first[:, 1 + axis] - second[:, 1 + axis] - rows[:, 7 + axis]) / edge)
             velocity[:, 0] -= crossed * (self._system.shear_rate * edge)
         numbers = rows[:, :2].astype(np.int64) - 1
         arms = self._system.radius[numbers]
-        turning = arms[:, :1] * one[:, 7:10] + arms[:, 1:] * other[:, 7:10]
+        turning = arms[:, :1] * first[:, 7:10] + arms[:, 1:] * second[:, 7:10]
         slip: Floats = (
             velocity - (velocity * normal).sum(axis=1)[:, None] * normal - np.cross(turning, normal)
         )
