@@ -155,6 +155,12 @@ def test_the_antisymmetric_stress_is_refused_where_it_is_unknown() -> None:
     system = gas(3, 30, boundary=["periodic", "periodic", "wall"])
     run = hl.molecular_dynamics(system, law=ROUGH, until=1e-4, engine="steps")
     assert refusal(lambda: hl.measure.antisymmetric_stress(run)).startswith("run: got one with walls")
+    kicks = hl.Andersen(temperature=1.0, rate=1e3, rotational=1.0)
+    heated = gas(3, 30, thermostat=kicks)
+    run = hl.molecular_dynamics(heated, law=ROUGH, until=1e-4, engine="steps")
+    assert "must have no thermostat that changes spins" in refusal(
+        lambda: hl.measure.antisymmetric_stress(run)
+    )
     smooth = hl.event_driven(gas(3, 30), restitution=0.9, until=1e-4)
     assert "must have friction" in refusal(lambda: hl.measure.antisymmetric_stress(smooth))
     assert refusal(lambda: hl.measure.antisymmetric_stress(2)).startswith("run: got 2, must be a result")

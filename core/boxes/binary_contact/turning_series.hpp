@@ -19,8 +19,8 @@ template <class Normal, bool virial = false>
 class TurningSeries : public TurningStates<Normal> {
 public:
     static constexpr int order = 16;
-    static constexpr double tolerance = 1e-14;                         // of the last terms of one step
-    static constexpr double loose = 30.0, direction_tolerance = 10.0;  // beside that
+    static constexpr double tolerance = 1e-14;                       // of the last terms of one step
+    static constexpr double loose = 3.0, direction_tolerance = 2.0;  // beside that
     static constexpr int most_steps = 200;  // a contact that takes more is left to the other methods
     static constexpr int most_changes = 40;
 
@@ -48,6 +48,7 @@ public:
             begin_ = y_[M::time];
             record_greatest();
             add_integrals(step_, y_);
+            if (directed()) record_misalignment();
             move(step_, y_);
             visit(*this);
             if (event == Event::ends) return this->finish(y_);
@@ -88,6 +89,8 @@ private:
     SymmetricTensor virial_;
     bool fresh_ = false;  // stick or slip has just begun
     bool can_slip_ = true;
+    double misaligned_ = 1.0;  // sine of the angle by which the direction of slip may still change
+    bool steady_ = false, frozen_ = false;  // the direction of slip keeps still; nothing changes any more
     Kind kind_ = Kind::space;
     double direction_scale_ = 1.0, slide_ = tolerance, twist_scale_ = tolerance;
     // Series of the components and of what the events need. P, Q: (q1, q2) and (q0, q3) of the frame's quaternion, at a
@@ -129,9 +132,21 @@ private:
             f_[0] = two(motion_.reference);
             const double force = math::clamp(motion_.limit(now), 1e-5, 1.0);
             direction_scale_ = direction_tolerance * slide_ / (force * (U_[0] < 0.0 ? force : 1.0));
+            const double rest = U_[0] < 0.0 ? rest_of_impulse(now) : math::infinity;
+            frozen_ = rest < slide_;
+            steady_ = frozen_ || rest * misaligned_ < slide_;
+            direction_scale_ = math::min(direction_scale_, 1e-8);
         } else
             S_[0] = Two{y[M::memory], y[M::memory + 1]};
     }
+
+    // What μ F_n, which falls to zero, still gives.
+    double rest_of_impulse(const typename M::Now& now) const {
+        const auto k = motion_.constants();
+        const double growth = k.elastic * U_[0] - k.damping * now.normal, force = math::max(now.normal, 0.0);
+        return motion_.friction().coefficient * force * force / math::abs(growth);
+    }
+    bool directed() const { return motion_.slips && kind_ == Kind::space && !steady_; }
 
     void expand() {
         const bool slips = motion_.slips;
@@ -141,17 +156,19 @@ private:
             case Kind::plane:
                 return slips ? expand<Kind::plane, true>() : expand<Kind::plane, false>();
             default:
-                return slips ? expand<Kind::space, true>() : expand<Kind::space, false>();
+                if (!slips) return expand<Kind::space, false>();
+                return steady_ ? expand<Kind::space, true, false>() : expand<Kind::space, true, true>();
         }
     }
 
-    template <Kind kind, bool slips>
+    // `directed`: the direction of slip changes.
+    template <Kind kind, bool slips, bool directed = false>
     void expand() {
         const auto k = motion_.constants();
         const double ratio = motion_.units().ratio, c = motion_.touch().rotational_ratio;
         const double mu = motion_.friction().coefficient;
         const double dashpot = slips && motion_.limits_spring() ? 0.0 : k.dashpot;
-        constexpr bool turns = kind != Kind::wall, directed = slips && kind == Kind::space;
+        constexpr bool turns = kind != Kind::wall;
         N_[0] = k.elastic * X_[0] + k.damping * U_[0];
         const bool from_zero = directed && N_[0] == 0.0;
         const double per_width = 1.0 / (1.0 - ratio * X_[0]), per_force = from_zero ? 0.0 : 1.0 / N_[0];
@@ -215,7 +232,7 @@ private:
             push_[order] = N_[order] * direction;
         else
             push_[order] = S_[order] + dashpot * g_[order];
-        step_ = longest_step<kind, slips>();
+        step_ = longest_step<kind, slips, directed>();
     }
 
     void turn_in_plane(int n, double share, double c, double ratio) {
@@ -292,11 +309,11 @@ private:
     }
 
     // The step after which the next two terms would be below the tolerance. These are judged from the last four.
-    template <Kind kind, bool slips>
+    template <Kind kind, bool slips, bool directed>
     double longest_step() const {
-        const double slide = slips && kind == Kind::space ? loose * slide_ : slide_;
+        const double slide = directed ? loose * slide_ : slide_;
         const double per_slide = 1.0 / slide, per_depth = 1.0 / tolerance;
-        const int last = order - (slips && kind == Kind::space && N_[0] == 0.0);
+        const int last = order - (directed && N_[0] == 0.0);
         double most[2];
         for (int i = 0; i < 2; ++i) {
             Two scaled{1e-300, 1e-300};
@@ -311,7 +328,7 @@ private:
                 include(P_[n], per_slide);
                 if constexpr (kind == Kind::space) include(Two{twist_[n], 0.0}, 1.0 / twist_scale_);
                 if constexpr (!slips) include(S_[n], per_slide);
-                if constexpr (slips && kind == Kind::space) include(f_[n], 1.0 / direction_scale_);
+                if constexpr (directed) include(f_[n], 1.0 / direction_scale_);
             }
             most[i] = math::max(scaled[0], scaled[1]);
         }
@@ -365,35 +382,40 @@ private:
         if (!motion_.slips) {
             const Two S = value(S_, t);
             y[M::memory] = S[0], y[M::memory + 1] = S[1];
-        } else if (kind_ == Kind::space) {
+        } else if (directed()) {
             const Two f = value(f_, t);
             const double per_length = 1.0 / length_of(f);
             motion_.reference = {per_length * f[0], per_length * f[1]};
         }
     }
 
-    // Adds the integrals of products of two series over a step, to rounding: their terms beyond the order, too.
-    void add_integrals(double t, double* y) {
+    // Adds the integrals of products of two series over a step, by Gauss-Legendre quadrature.
+    void add_integrals(double step, double* y) {
         const auto k = motion_.constants();
         const bool dissipates = k.damping > 0.0, damped = !motion_.slips && k.dashpot > 0.0;
+        const double lever = 1.0 + motion_.touch().rotational_ratio, spring = math::sqrt(k.stiffness * lever);
+        const double turned = 2.0 * step * (math::max(1.0, spring) + lever * k.dashpot + k.damping);
+        const bool brief = turned < 0.3;
+        const int panels = 1 + int(0.5 * turned), nodes = brief ? 4 : 8;
+        const double *node = brief ? four_nodes : eight_nodes, *weight = brief ? four_weights : eight_weights;
+        const double width = step / panels;
         Two work{}, damping{};
         double loss = 0.0;
-        const bool brief = t < 0.2;
-        const int nodes = brief ? 4 : 8;
-        const double *node = brief ? four_nodes : eight_nodes, *weight = brief ? four_weights : eight_weights;
-        for (int i = 0; i < nodes; ++i) {
-            const double at = t * node[i];
-            const Two g = value(g_, at), push = value(push_, at);
-            work += weight[i] * (push * g);
-            if constexpr (virial) add_virial(at, t * weight[i], push);
-            if (damped) damping += weight[i] * (g * g);
-            if (!dissipates) continue;
-            const double rate = value(U_, at);
-            loss += weight[i] * (rate * rate);
+        for (int panel = 0; panel < panels; ++panel) {
+            for (int i = 0; i < nodes; ++i) {
+                const double at = (panel + node[i]) * width;
+                const Two g = value(g_, at), push = value(push_, at);
+                work += weight[i] * (push * g);
+                if constexpr (virial) add_virial(at, width * weight[i], push);
+                if (damped) damping += weight[i] * (g * g);
+                if (!dissipates) continue;
+                const double rate = value(U_, at);
+                loss += weight[i] * (rate * rate);
+            }
         }
-        y[M::work] += t * sum(work);
-        y[M::loss] += t * (k.damping * loss);
-        y[M::damped] += t * (k.dashpot * sum(damping));
+        y[M::work] += width * sum(work);
+        y[M::loss] += width * (k.damping * loss);
+        y[M::damped] += width * (k.dashpot * sum(damping));
     }
     void add_virial(double t, double weight, Two push) {
         if (kind_ == Kind::wall) return;
@@ -406,6 +428,10 @@ private:
         const Vector3 force = motion_.in_space(y, -push[0], -push[1], value(N_, t));
         virial_.add_product(unit * distance, motion_.in_space(y, 0.0, 0.0, 1.0), force);
     }
+    void record_misalignment() {
+        const Two f = value(f_, step_), h = slope(h_, step_, 0, order - 1).value;
+        misaligned_ = math::abs(dot(h, turned(f))) / math::max(length_of(h), 1e-300);
+    }
     void record_greatest() {
         greatest_ = math::max(greatest_, value(X_, step_));
         if (!(U_[0] > 0.0 && value(U_, step_) < 0.0)) return;
@@ -415,7 +441,6 @@ private:
         });
         greatest_ = math::max(greatest_, value(X_, rest));
     }
-    // Gauss-Legendre quadrature.
     static constexpr double four_nodes[4] = {0.06943184420297371, 0.33000947820757187, 0.6699905217924281,
                                              0.9305681557970263};
     static constexpr double four_weights[4] = {0.17392742256872692, 0.32607257743127307, 0.32607257743127307,
@@ -449,7 +474,7 @@ private:
         }
         const auto drive = slope(h_, t, 0, order - 1);
         Slope<Two> f{f_[0], Two{}};
-        if (kind_ == Kind::space) f = slope(f_, t);
+        if (directed()) f = slope(f_, t);
         double force[3] = {N_[order], 0.0, 0.0};
         for (int k = order - 1; k >= 0; --k) {
             force[2] = force[2] * t + force[1];
@@ -479,7 +504,7 @@ private:
                 zero(step_, [&](double t) { return value(U_, t) < 0.0 ? pressing(t) : simple(1.0, 0.0); });
             event = Event::ends;
         }
-        if (!can_slip_) return event;
+        if (!can_slip_ || (motion_.slips && frozen_)) return event;
         // At the end of the force that limits T, T may be zero too: look just before.
         const double last = event == Event::ends && !motion_.slips ? step_ * (1.0 - 1e-6) : step_;
         EventFunction before = holding(0.0);
@@ -510,6 +535,7 @@ private:
             return !motion_.follows;
         }
         motion_.begin_slip(y_, motion_.limited(y_, motion_.now(y_)));
+        misaligned_ = 1.0;
         return true;
     }
 };

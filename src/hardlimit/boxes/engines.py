@@ -21,7 +21,7 @@ from .result import COLLISIONS, CONTACTS, RUBBING, Column, ContactResult, EarlyE
 from .rules import Settings, law_entry, law_from
 from .spins import AXES_OF_ROTATION
 from .system import ParticleSystem
-from .thermostats import Andersen
+from .thermostats import Andersen, refuse_rotational
 
 
 def _sampled(engines: str) -> tuple[str, ...]:
@@ -124,12 +124,8 @@ class Engine:
             own["time_step"] = time_step
         own |= spin_arguments(system)
         compiled = _core.make_engine(ENGINES[name].kind, *engine_arguments(system), log=log, **own)
-        rotational = getattr(system.thermostat, "rotational", None)
-        if rotational is not None and not compiled.rotates:
-            raise ValueError(
-                f"thermostat: got rotational={rotational:g}, must be without in a run without friction, where spins "
-                "never act on velocities"
-            )
+        if not compiled.rotates:
+            refuse_rotational(system.thermostat)
         return cls(name, system, settings, compiled, system.mass @ system.positions)
 
     # --- running --------------------------------------------------------------------------------------------
@@ -204,11 +200,11 @@ class Engine:
     def _turned(self, thermostat: Any, mass: Floats) -> tuple[Floats, float]:
         """Spins of the core after the next kick, and the energy that they gain [J]."""
         inertia, axes = np.ascontiguousarray(self.system.inertia), AXES_OF_ROTATION[self.system.dimension]
-        after = np.asarray(self.compiled.spins())
-        before = np.ascontiguousarray(after[:, 3 - axes :])
+        rows = np.asarray(self.compiled.spins())
+        before = rows[:, 3 - axes :].copy()
         turning = thermostat.spins(self.kicks + 1, before, inertia, mass)
-        after[:, 3 - axes :] = turning
-        return after, 0.5 * float((inertia[:, None] * ((turning - before) * (turning + before))).sum())
+        rows[:, 3 - axes :] = turning
+        return rows, 0.5 * float((inertia[:, None] * ((turning - before) * (turning + before))).sum())
 
     def done_and_total(self, until: float | None, max_collisions: int | None) -> tuple[int, int]:
         """Progress: number of collisions, contacts or steps so far, and their expected total at this rate."""

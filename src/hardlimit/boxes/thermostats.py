@@ -4,7 +4,7 @@ Andersen's."""
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any, Final
 
 import numpy as np
@@ -35,8 +35,9 @@ class Thermostat:
     kicks: int  #: number of kicks before the run, as in the result of a run that has been continued
 
     def __repr__(self) -> str:
-        values = ", ".join(f"{name}={value!r}" for name, value in self.values().items())
-        return f"{type(self).__name__}({values})"
+        values = [(field.name, getattr(self, field.name)) for field in fields(self)]
+        shown = ", ".join(f"{name}={value!r}" for name, value in values if value is not None)
+        return f"{type(self).__name__}({shown})"
 
     def values(self) -> dict[str, Any]:
         """The parameters by name, without ``rotational`` if the thermostat does not act on spins.
@@ -78,16 +79,16 @@ class RandomKicks(Thermostat):
     Parameters
     ----------
     power : float [W]
-        Mean power of all kicks together, without that of ``rotational``.
+        Mean power of all kicks on velocities together. May be 0 with ``rotational``.
     interval : float [s]
         Short compared with the mean time between collisions of a particle, so that kicks act as noise. Each kick costs
         about as much as a collision of each particle.
-    seed : int
-        The same seed gives the same kicks, under every engine.
     rotational : float, optional [W]
         Mean power of further kicks on the spins: each particle gets a normally distributed change of its angular
         velocity at the same times, the same distribution for all. Their total changes. For runs with friction; without,
         spins would never act on velocities, and the run is refused. By default only friction changes spins.
+    seed : int
+        The same seed gives the same kicks, under every engine.
     kicks : int
         Number of kicks that are passed over. A result has it, so that another run continues with new kicks.
 
@@ -99,7 +100,7 @@ class RandomKicks(Thermostat):
     Notes
     -----
     D. R. M. Williams and F. C. MacKintosh, Phys. Rev. E 54, R9 (1996); T. P. C. van Noije and M. H. Ernst, Granular
-    Matter 1, 57 (1998).
+    Matter 1, 57 (1998). Kicks on spins: R. Cafiero, S. Luding and H. J. Herrmann, Europhys. Lett. 60, 854 (2002).
 
     Examples
     --------
@@ -119,15 +120,14 @@ class RandomKicks(Thermostat):
         seed: int = 0,
         kicks: int = 0,
     ) -> None:
+        spinning = _checked_rotational(rotational)
         _set(
             self,
-            rotational=None
-            if rotational is None
-            else validation.number("rotational", rotational, 0.0, LARGEST, lowest_allowed=True),
-            power=validation.number("power", power, 0.0, LARGEST),
+            power=validation.number("power", power, 0.0, LARGEST, lowest_allowed=bool(spinning)),
             interval=validation.number("interval", interval, 0.0, LARGEST),
             seed=validation.whole("seed", seed, 0, 2**63 - 1),
             kicks=validation.whole("kicks", kicks, 0, 2**60),
+            rotational=spinning,
         )
 
     def velocities(self, kick: int, velocities: Floats, mass: Floats) -> Floats:
@@ -222,13 +222,11 @@ class Andersen(Thermostat):
         _set(
             self,
             temperature=validation.number("temperature", temperature, 0.0, LARGEST, lowest_allowed=True),
-            rotational=None
-            if rotational is None
-            else validation.number("rotational", rotational, 0.0, LARGEST, lowest_allowed=True),
             rate=often,
             interval=validation.number("interval", chosen, 0.0, LARGEST),
             seed=validation.whole("seed", seed, 0, 2**63 - 1),
             kicks=validation.whole("kicks", kicks, 0, 2**60),
+            rotational=_checked_rotational(rotational),
         )
 
     def velocities(self, kick: int, velocities: Floats, mass: Floats) -> Floats:
@@ -257,6 +255,12 @@ class Andersen(Thermostat):
         return self._random(kick, n, False) < -math.expm1(-self.rate * self.interval)
 
 
+def _checked_rotational(rotational: Any) -> float | None:
+    if rotational is None:
+        return None
+    return validation.number("rotational", rotational, 0.0, LARGEST, lowest_allowed=True)
+
+
 def _set(thermostat: Any, **values: Any) -> None:
     for name, value in values.items():
         object.__setattr__(thermostat, name, value)
@@ -276,6 +280,15 @@ def checked_thermostat(thermostat: Any, n: int, sheared: bool = False) -> Any:
     if sheared and isinstance(thermostat, Andersen):
         raise ValueError("thermostat: got Andersen’s, must be none or random kicks in a sheared box")
     return thermostat
+
+
+def refuse_rotational(thermostat: Any) -> None:
+    """Refuse a thermostat that acts on the spins of grains without friction."""
+    if thermostat is not None and thermostat.rotational is not None:
+        raise ValueError(
+            f"thermostat: got rotational={thermostat.rotational:g}, must be without in a run without friction, where "
+            "spins never act on velocities"
+        )
 
 
 def as_entry(thermostat: Any) -> dict[str, Any] | None:

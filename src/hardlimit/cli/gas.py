@@ -24,6 +24,7 @@ from ..boxes.error_law import softness
 from ..boxes.hard_spheres import NAME as HARD_SPHERES
 from ..boxes.hard_spheres import checked_end
 from ..boxes.newton import NAMES as ENGINES
+from ..boxes.result import at_the_end
 from ..boxes.rules import checked_settings
 from ..boxes.run import load
 from ..boxes.system import described
@@ -257,6 +258,7 @@ class Frames:
         self._goes_on, self._before = run.checkpoint is not None, run.before
         self._append: Callable[[Any], None] | None = None
         self._snapshots: list[Any] = []
+        self._directions: Any = None  # of the marks in the film
         self._open = ExitStack()
         self.begun = bool(run.before)  #: whether the trajectory has frames
         self.failure: OSError | None = None  #: why the trajectory ends early
@@ -285,7 +287,9 @@ class Frames:
         if self._film is not None:
             from ..plots import grain_film
 
-            self._snapshots.append(grain_film.Snapshot.of(time, system))
+            self._directions = self._directions or grain_film.Directions()
+            directions = self._directions.at(time, system)
+            self._snapshots.append(grain_film.Snapshot.of(time, system, directions))
         return {}
 
     def check(self, _: Path) -> None:
@@ -450,28 +454,9 @@ def predictions(result: hl.ParticleResult) -> dict[str, float]:
     if e is not None:
         unit = "N/m" if system.dimension == 2 else "Pa"
         values[f"mean pressure [{unit}]"] = _mean(gas.pressure(temperature, e), time)
-        values |= cooled(result, gas, e)
+        cooling = result.cooling_of_theory()
+        values |= {at_the_end(name): float(expected[-1]) for name, expected in cooling.items()}
     return values
-
-
-def cooled(result: hl.ParticleResult, gas: theory.Gas, restitution: float) -> dict[str, float]:
-    """The temperatures of theory at the end, of a rule with this ε."""
-    series, settings = result.series, result.settings
-    started, end = float(series["granular_temperature"][0]), "at the end [m²/s²]"
-    if not settings.has_friction:
-        return {
-            f"granular temperature {end}": float(gas.cooling(np.array(result.time), started, restitution))
-        }
-    if not started > 0.0 or "rotational_temperature" not in series:
-        return {}
-    rotating = gas.rotating(restitution, settings.friction, settings.tangential_restitution)
-    spinning = float(series["rotational_temperature"][0])
-    moving, spinning = map(float, rotating.cooling(np.array(result.time), started, spinning))
-    return {
-        f"granular temperature {end}": moving,
-        f"rotational temperature {end}": spinning,
-        "temperature ratio θ = T_r/T at the end": spinning / moving,
-    }
 
 
 def _mean(values: Any, time: Any) -> float:

@@ -16,6 +16,7 @@ from ..boxes.contacts import checked_law, mean_contact, mean_grain, rubs
 from ..boxes.rules import RULES
 from ..boxes.run import checked_samples
 from ..boxes.system import ParticleSystem
+from ..boxes.thermostats import refuse_rotational
 from ..contact import compression
 from ..contact.contact import Law
 from ..support import validation
@@ -153,6 +154,7 @@ def fidelity(
     starts = checked_starts(system, seed, count, elsewhere, solver)
     with reporter(progress, "fidelity", "samples") as report:
         first = starts.start(0, lambda done, total: None)
+        refuse_rotational(first.thermostat)
         if solver == "auto":
             solver = engine_choice.estimated(first, law, end, RESTITUTION_ERROR).engine
         beta = _tangential(first, law, tangential_restitution)

@@ -145,6 +145,10 @@ def antisymmetric_stress(run: ParticleResult | ContactResult) -> xr.DataArray:
         raise ValueError(
             "run: got one with walls, must have none: their torques on the grains are not summed"
         )
+    if system.thermostat is not None and system.thermostat.rotational is not None:
+        raise ValueError(
+            f"run: got one with {system.thermostat!r}, must have no thermostat that changes spins"
+        )
     time, spin = series["time"].values, series["spin"]
     growth = np.diff(spin.values, axis=0)
     with np.errstate(invalid="ignore", divide="ignore"):

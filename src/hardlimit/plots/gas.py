@@ -122,22 +122,16 @@ def expectations(run: ParticleResult) -> Theories:
     if e is not None:
         name = "Carnahan–Starling" if run.system.dimension == 3 else "Henderson"
         curves["pressure"] = (f"{name}, at the temperature measured", gas_of.pressure(between, e))
-        if temperature[0] > 0.0:
-            curves |= _cooling(run, gas_of, e)
+        curves |= _cooling(run, e)
     return curves
 
 
-def _cooling(run: ParticleResult, gas_of: theory.Gas, e: float) -> Theories:
+def _cooling(run: ParticleResult, e: float) -> Theories:
     """The temperatures of a homogeneous gas with this ε."""
-    ds, settings = run.series, run.settings
-    time, start = ds["time"].values, float(ds["granular_temperature"][0])
-    if settings.friction is not None and "rotational_temperature" in ds:
-        rotating = gas_of.rotating(e, settings.friction, settings.tangential_restitution)
-        both = rotating.cooling(time, start, float(ds["rotational_temperature"][0]))
-        name = "homogeneous gas with friction"
-        return dict(
-            zip(("granular_temperature", "rotational_temperature"), ((name, t) for t in both), strict=True)
-        )
-    if e == 1.0 or settings.friction is not None:
+    rubs = run.settings.has_friction
+    if e == 1.0 and not rubs:
         return {}
-    return {"granular_temperature": ("Haff’s law", gas_of.cooling(time, start, e))}
+    name = "homogeneous gas with friction" if rubs else "Haff’s law"
+    return {
+        key: (name, values) for key, values in run.cooling_of_theory().items() if key != "temperature_ratio"
+    }
