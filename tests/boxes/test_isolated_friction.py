@@ -37,10 +37,8 @@ class Meeting:
         self.wall = wall
         self.radius, self.mass, self.factor = r.uniform(0.5, 1.0, (3, n))
         self.spins = 2.0 * r.normal(size=(n, 3))
-        self.balls = [
-            hl.Ball(*row[:1], mass=row[1], inertia_factor=row[2])
-            for row in np.column_stack([self.radius, self.mass, self.factor])
-        ]
+        rows = zip(self.radius, self.mass, self.factor, strict=True)
+        self.balls = [hl.Ball(radius, mass=mass, inertia_factor=q) for radius, mass, q in rows]
         self.normal = np.array([0.0, 0.0, -1.0]) if wall else r.normal(size=3)
         self.normal /= np.linalg.norm(self.normal)
         aside = np.cross(self.normal, r.normal(size=3))
